@@ -1,0 +1,1 @@
+"""Meshcat scenes of flexmodal robots: postures, deflections, modes, and self-contained pages."""
