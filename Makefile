@@ -1,0 +1,52 @@
+# make demo    set up and run the main job: FRFs, a better posture, pictures and a page in demo/
+# make test    set up and run the tests
+# make check   ruff, mypy, import-linter, and what is in the wheel
+# make tables  remake the tables in docs/
+# make clean   remove what these made
+
+PYTHON ?= python3.11
+BIN := .venv/bin
+.DEFAULT_GOAL := help
+.PHONY: help demo test check tables browser clean
+
+help:
+	@grep '^# make' Makefile | cut -c3-
+
+# Two stages, so that the demo does not wait for the tools of the tests.
+.venv/installed: pyproject.toml constraints.txt
+	@$(PYTHON) -m venv .venv || { echo "this Python has no venv module; on Debian: apt-get install python3.11-venv"; exit 1; }
+	$(BIN)/python -m pip install --quiet --upgrade "pip>=25.1"
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable .
+	@touch $@
+
+.venv/tested: .venv/installed
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --group dev
+	@touch $@
+
+demo: .venv/installed
+	$(BIN)/flexmodal demo --out demo --force
+
+# Chromium is for the browser tests; without root and apt-get it has to be there already.
+browser:
+	@command -v chromium >/dev/null || { \
+	  echo "installing chromium"; \
+	  { [ "$$(id -u)" = 0 ] && S= || S=sudo; $$S apt-get update -qq && \
+	    DEBIAN_FRONTEND=noninteractive $$S apt-get install -y -qq chromium fonts-dejavu-core >/dev/null; } || \
+	  { echo "please install chromium; its tests need it"; exit 1; }; }
+
+test: .venv/tested browser
+	$(BIN)/pytest -n auto -q
+
+check: .venv/tested
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy flexmodal viewer/flexmodal_viewer
+	$(BIN)/lint-imports
+	$(BIN)/python tests/distribution/wheel_contents.py
+
+tables: .venv/tested
+	$(BIN)/python benchmarks/fanuc_frequencies.py
+	$(BIN)/python benchmarks/six_link_postures.py
+
+clean:
+	rm -rf .venv dist build demo .pytest_cache .mypy_cache .ruff_cache

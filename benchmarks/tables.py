@@ -1,0 +1,35 @@
+"""Markdown tables that the docs carry, each headed by the command that makes it."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Sequence
+from pathlib import Path
+
+from flexmodal.files import whole_file
+
+ROOT = Path(__file__).parents[1]
+THESIS = ROOT / "tests" / "data" / "thesis"
+TABLES = ROOT / "docs" / "tables"
+
+
+def thesis(name: str) -> list[dict[str, str]]:
+    """Rows of one of the thesis's tables."""
+    with (THESIS / f"{name}.csv").open(newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def write(
+    name: str, title: str, lead: str, header: Sequence[str], rows: Sequence[Sequence[str]], end: str = ""
+) -> None:
+    """Write docs/tables/<name>.md and print it."""
+    lines = [f"# {title}", "", lead, "", "| " + " | ".join(header) + " |"]
+    lines.append("|" + "|".join(["---"] + ["---:"] * (len(header) - 1)) + "|")
+    lines += ["| " + " | ".join(row) + " |" for row in rows]
+    if end:
+        lines += ["", end]
+    text = "\n".join(lines) + "\n"
+    TABLES.mkdir(parents=True, exist_ok=True)
+    with whole_file(TABLES / f"{name}.md", overwrite=True) as scratch:
+        scratch.write_text(text, encoding="utf-8")
+    print(text)

@@ -1,0 +1,107 @@
+"""FRFs as Universal File Format dataset 58, as every modal-testing package reads them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from flexmodal.errors import Fault, InvalidPoint
+from flexmodal.files import whole_file
+from flexmodal.frf import Frf
+from flexmodal.frf.direction import AXES, PointDirection
+
+_FRF = 4
+_FORCE, _MOMENT = 13, 13
+_NUMERATOR = {"receptance": 8, "mobility": 11, "inertance": 12}
+_EXPONENTS = {8: (1, 0, 0), 11: (1, 0, -1), 12: (1, 0, -2), 13: (0, 1, 0)}
+"""Length, force and time exponents are for readers that convert units; SI needs no conversion."""
+
+
+def write_frf(
+    frf: Frf,
+    path: Path,
+    nodes: Mapping[str, int],
+    *,
+    posture: int = 1,
+    title: str = "",
+    overwrite: bool = False,
+) -> None:
+    """Write every pair of an FRF as one dataset 58, ASCII.
+
+    Args:
+        frf: what to write, in SI units.
+        path: the file; written whole or not at all.
+        nodes: node number of each point.
+        posture: load case number.
+        title: first identification line, cut to 80 characters.
+        overwrite: replace an existing file.
+
+    Raises:
+        InvalidPoint: a point without a node number.
+        OutputExists: the file exists.
+    """
+    import pyuff
+
+    missing = {d.point for d in (*frf.response, *frf.reference)} - set(nodes)
+    if missing:
+        raise InvalidPoint(
+            Fault(str(path), "nodes", f"no number for {', '.join(sorted(missing))}", "one each")
+        )
+    records = [
+        _record(frf, row, column, nodes, posture, title)
+        for column in range(len(frf.reference))
+        for row in range(len(frf.response))
+    ]
+    with whole_file(path, overwrite=overwrite) as scratch:
+        scratch.unlink()  # pyuff leaves a broken file when it overwrites one; "add" to none is sound
+        pyuff.UFF(str(scratch)).write_sets(records, mode="add")
+
+
+def _record(
+    frf: Frf, row: int, column: int, nodes: Mapping[str, int], posture: int, title: str
+) -> dict[str, Any]:
+    response, reference = frf.response[row], frf.reference[column]
+    steps = np.diff(frf.frequency)
+    even = len(steps) > 0 and bool(np.allclose(steps, steps[0], rtol=1e-9, atol=0))
+    numerator = _NUMERATOR[frf.form]
+    return {
+        "type": 58,
+        "binary": 0,
+        "func_type": _FRF,
+        "load_case_id": posture,
+        "ver_num": 1,
+        "rsp_node": nodes[response.point],
+        "rsp_dir": _direction(response),
+        "rsp_ent_name": response.point[:10],
+        "ref_node": nodes[reference.point],
+        "ref_dir": _direction(reference),
+        "ref_ent_name": reference.point[:10],
+        "id1": title.encode("ascii", "replace").decode()[:80],
+        "id2": f"{frf.form} {response} per {reference}"[:80],
+        "data": frf.value[:, row, column],
+        "x": frf.frequency,
+        "ord_data_type": 6,
+        "abscissa_spacing": int(even),
+        "abscissa_min": float(frf.frequency[0]),
+        "abscissa_inc": float(steps[0]) if even else 0.0,
+        "abscissa_spec_data_type": 18,
+        "abscissa_axis_lab": "Frequency",
+        "abscissa_axis_units_lab": "Hz",
+        "ordinate_spec_data_type": numerator,
+        "orddenom_spec_data_type": _FORCE,
+        **_lengths("ordinate", numerator),
+        **_lengths("orddenom", _FORCE),
+    }
+
+
+def _direction(direction: PointDirection) -> int:
+    """±1 to ±3 along x, y, z; ±4 to ±6 about them."""
+    return direction.sign * (AXES.index(direction.axis) + 1)
+
+
+def _lengths(key: str, code: int) -> dict[str, int]:
+    length, force, _ = _EXPONENTS[code]
+    return {f"{key}_len_unit_exp": length, f"{key}_force_unit_exp": force, f"{key}_temp_unit_exp": 0}

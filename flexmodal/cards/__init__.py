@@ -1,0 +1,21 @@
+"""Robot cards and URDFs as text, frozen dataclasses, and where to find them."""
+
+from flexmodal.cards.card import FamilyCard as FamilyCard
+from flexmodal.cards.card import JointCard as JointCard
+from flexmodal.cards.card import PointCard as PointCard
+from flexmodal.cards.card import RobotCard as RobotCard
+from flexmodal.cards.catalogue import example_arms as example_arms
+from flexmodal.cards.catalogue import find as find
+from flexmodal.cards.catalogue import gripper_joints as gripper_joints
+from flexmodal.cards.catalogue import shipped_cards as shipped_cards
+from flexmodal.cards.frozen import FrozenDict as FrozenDict
+from flexmodal.cards.mass import check_masses as check_masses
+from flexmodal.cards.mass import massless_joints as massless_joints
+from flexmodal.cards.meshes import mesh_path as mesh_path
+from flexmodal.cards.places import catalogue_folder as catalogue_folder
+from flexmodal.cards.read_card import read_card as read_card
+from flexmodal.cards.read_urdf import read_urdf as read_urdf
+from flexmodal.cards.together import check_together as check_together
+from flexmodal.cards.urdf import Urdf as Urdf
+from flexmodal.cards.urdf import UrdfJoint as UrdfJoint
+from flexmodal.cards.urdf import UrdfLink as UrdfLink

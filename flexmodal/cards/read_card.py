@@ -1,0 +1,137 @@
+"""From the text of a `robot.toml` to a `RobotCard`."""
+
+from __future__ import annotations
+
+import os
+import re
+import tomllib
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from flexmodal.cards.card import FamilyCard, JointCard, PointCard, RobotCard
+from flexmodal.cards.card_faults import ALLOWED, add_faults
+from flexmodal.cards.frozen import FrozenDict
+from flexmodal.cards.packages import PREFIX, resolve_package
+from flexmodal.cards.reading import read_regular
+from flexmodal.cards.words import FaultList, shown
+from flexmodal.errors import Fault, InvalidCard
+
+if TYPE_CHECKING:
+    from flexmodal.cards.schema import CardTable
+
+LARGEST = 1_000_000
+"""The most a card may hold [bytes]."""
+
+# tomllib takes time quadratic in the parts of a dotted key; sixteen are many more than any card needs.
+DOTTED = re.compile(r"(?<![^\s.=\[\]{},])(?:[^\s.=\[\]{},#]++[ \t]*+\.[ \t]*+){16}")
+
+
+def read_card(path: str | os.PathLike[str]) -> RobotCard:
+    """Read a robot card.
+
+    Args:
+        path: a `robot.toml`.
+
+    Returns:
+        The card, sound in itself, its URDF an existing file.
+
+    Raises:
+        InvalidCard: with every fault of the file at once.
+    """
+    file = Path(os.path.abspath(path))
+    content = _parse(file)
+    faults = FaultList(file)
+    table = _validate(content, faults)
+    urdf = _find_urdf(content.get("urdf"), faults)
+    if faults.faults or table is None or urdf is None:
+        raise InvalidCard(_in_order(faults.faults))
+    return _card(table, urdf, file)
+
+
+def _parse(file: Path) -> dict[str, Any]:
+    content = read_regular(file, limit=LARGEST, kind="a robot card")
+    if isinstance(content, Fault):
+        raise InvalidCard(content)
+    try:
+        text = content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        found = f"a byte that is not UTF-8, at {error.start}"
+        raise InvalidCard(Fault(str(file), "", found, "a robot card in UTF-8")) from error
+    if DOTTED.search(text):
+        raise InvalidCard(Fault(str(file), "", "a key of more than 16 parts", "a robot card in TOML"))
+    try:
+        return tomllib.loads(text.replace("\r\n", "\n"))
+    except (ValueError, RecursionError) as error:
+        reason = "nested too deep" if isinstance(error, RecursionError) else str(error)
+        found = f"text that is not TOML: {reason}"
+        raise InvalidCard(Fault(str(file), "", found, "a robot card in TOML")) from error
+
+
+def _validate(content: dict[str, Any], faults: FaultList) -> CardTable | None:
+    from pydantic import ValidationError
+
+    from flexmodal.cards.schema import CardTable
+
+    try:
+        table = CardTable.model_validate(content)
+    except ValidationError as error:
+        add_faults(faults, error.errors(include_url=False))
+        return None
+    if type(content["format"]) is not int:  # true and 1.0 equal 1
+        faults.add("format", shown(content["format"]), ALLOWED[""]["format"])
+    return table
+
+
+def _find_urdf(address: object, faults: FaultList) -> Path | None:
+    """The URDF that the card names; a fault where there is none."""
+    if not isinstance(address, str) or not address:
+        return None  # the schema has said so
+    found: Path | str
+    if address.startswith(PREFIX):
+        found = resolve_package(address, [faults.file.parent])
+    else:
+        found = Path(os.path.abspath(faults.file.parent / address))
+        try:
+            found = found if found.is_file() else f"{shown(address)}, where no file is"
+        except (OSError, ValueError):
+            found = f"{shown(address)}, which is no path"
+    if isinstance(found, str):
+        faults.add("urdf", found, ALLOWED[""]["urdf"])
+        return None
+    return found
+
+
+def _in_order(faults: Sequence[Fault]) -> list[Fault]:
+    """The faults in the order in which a card is written."""
+    sections = list(ALLOWED[""])
+
+    def place(fault: Fault) -> int:
+        section = fault.key.split(".")[0]
+        return sections.index(section) if section in sections else -1
+
+    return sorted(faults, key=place)
+
+
+def _card(table: CardTable, urdf: Path, file: Path) -> RobotCard:
+    joints = {name: JointCard(**joint.model_dump()) for name, joint in table.joint.items()}
+    points = {
+        name: PointCard(point.link, (point.xyz[0], point.xyz[1], point.xyz[2]))
+        for name, point in table.point.items()
+    }
+    families = {
+        name: FamilyCard(family.parameter, family.start, family.stop, FrozenDict(family.follow))
+        for name, family in table.family.items()
+    }
+    return RobotCard(
+        name=table.name,
+        title=table.title,
+        urdf=urdf,
+        tool=table.tool,
+        source=table.source,
+        joints=FrozenDict(joints),
+        points=FrozenDict(points),
+        postures=FrozenDict({name: FrozenDict(posture) for name, posture in table.posture.items()}),
+        families=FrozenDict(families),
+        path=file,
+    )

@@ -1,0 +1,50 @@
+"""Faults gathered for one file, and values put into words."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from flexmodal.errors import Fault
+
+LONGEST = 60
+"""Characters of a value that are quoted back."""
+
+
+@dataclass(frozen=True)
+class FaultList:
+    """The faults of one file, gathered before anything is raised."""
+
+    file: Path
+    faults: list[Fault] = field(default_factory=list)
+
+    def add(self, key: str, found: str, allowed: str) -> None:
+        """Note one fault at `key` of the file."""
+        self.faults.append(Fault(str(self.file), key, found, allowed))
+
+
+def shown(value: object) -> str:
+    """A value of a TOML file as its author wrote it, shortened where it is long."""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, dict):
+        return "a table"
+    if isinstance(value, list):
+        return f"a list of {len(value)}"
+    if isinstance(value, int) and abs(value) > 10**LONGEST:
+        return "a whole number too large to use"
+    text = f'"{value}"' if isinstance(value, str) else str(value)
+    return text if len(text) <= LONGEST else f"{text[:LONGEST]}…"
+
+
+def nearest(name: str, names: Iterable[str]) -> str:
+    """`did you mean "…"? ` where one of `names` resembles `name`, else nothing."""
+    close = difflib.get_close_matches(name[:LONGEST], list(names), n=1)
+    return f'did you mean "{close[0]}"? ' if close else ""
+
+
+def listing(names: Iterable[str], empty: str = "there is none") -> str:
+    """Names joined by commas."""
+    return ", ".join(names) or empty

@@ -1,0 +1,1 @@
+"""The command line: one file a command; parses and prints, computes nothing."""

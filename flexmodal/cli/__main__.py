@@ -1,0 +1,5 @@
+"""`python -m flexmodal.cli`."""
+
+from flexmodal.cli.main import main
+
+main()

@@ -1,0 +1,106 @@
+"""`flexmodal demo`: the tour that `make demo` runs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from flexmodal.cli.options import force_option, quiet_option
+from flexmodal.cli.printing import print_table, progress
+
+if TYPE_CHECKING:
+    from flexmodal.model import Robot
+
+_TARGET = (-2.0, 2.0)
+_FREQUENCY = 5.0
+_FILES = ("frf_before_after.png", "frf_before_after.svg", "six_link.html")
+
+
+@click.command()
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path, file_okay=False),
+    default=Path("demo"),
+    show_default=True,
+    help="Folder for the pictures and the page.",
+)
+@force_option
+@quiet_option
+def demo(out: Path, force: bool, quiet: bool) -> None:
+    """Load both robots, print modes and receptance, better a posture, draw it, and say where it all is."""
+    from flexmodal.cli.options import refuse_existing
+    from flexmodal.model import load
+
+    out.mkdir(parents=True, exist_ok=True)
+    for name in _FILES:
+        refuse_existing(out / name, force, (".png", ".svg", ".html"))
+    fanuc = load("fanuc_s360")
+    _modes(fanuc, "configuration_1")
+    _receptance(fanuc, "configuration_1", [0.0, 2.0, 7.6, 20.0, 51.0, 94.0])
+    arm = load("six_link")
+    _modes(arm, "start_2")
+    _better_posture(arm, out, force, quiet)
+
+
+def _modes(robot: Robot, posture: str) -> None:
+    found = robot.modes(posture)
+    rows = [
+        [str(mode + 1), f"{frequency:.3f}", "overdamped" if real else f"{ratio:.4f}"]
+        for mode, (frequency, ratio, real) in enumerate(
+            zip(found.frequency, found.damping_ratio, found.overdamped, strict=True)
+        )
+    ]
+    print_table(f"{robot.title}, {posture}: modes", ["mode", "frequency [Hz]", "damping ratio"], rows)
+
+
+def _receptance(robot: Robot, posture: str, frequencies: list[float]) -> None:
+    import numpy as np
+
+    found = robot.frf(posture, frequencies)
+    rows = [
+        [f"{frequency:g}", f"{abs(value):.4g}", f"{np.degrees(np.angle(value)):.1f}"]
+        for frequency, value in zip(found.frequency, found.value[:, 0, 0], strict=True)
+    ]
+    title = f"{robot.name}, {posture}: receptance of {found.response[0]} per {found.reference[0]}"
+    print_table(title, ["frequency [Hz]", f"amplitude [{found.unit()}]", "phase [°]"], rows)
+
+
+def _better_posture(robot: Robot, out: Path, force: bool, quiet: bool) -> None:
+    import numpy as np
+
+    from flexmodal.cli.viewing import viewer
+    from flexmodal.frf import PointDirection, frequency_axis
+    from flexmodal.frf.plot import draw_frf, write_plot
+    from flexmodal.optimisation import Hold, PostureProblem, ReceptanceObjective, optimise
+
+    up = PointDirection(robot.tool, "z")
+    objective = ReceptanceObjective((up,), frequency_axis([_FREQUENCY]))
+    problem = PostureProblem(robot, objective, Hold.at(robot, _TARGET))
+    start = robot.posture("start_2")
+    starts = 64
+    with progress(starts, "searching postures", quiet=quiet) as advance:
+        outcome = optimise(problem, start=start, starts=starts, advance=advance)
+    printed = objective.value(robot.at("table_3_9_final"))
+    rows = [
+        ["start of the thesis (Table 3.9)", f"{outcome.start:.4g}"],
+        ["final posture of the thesis, in this model", f"{printed:.4g}"],
+        ["best posture found here", f"{outcome.best.objective:.4g}"],
+    ]
+    held = ", ".join(f"{value:g}" for value in _TARGET)
+    title = f"{robot.title}: |receptance| of {up} at {_FREQUENCY:g} Hz, end-effector held at ({held}) m"
+    print_table(title, ["posture", "[m/N]"], rows)
+    click.echo(outcome.verdict)
+    lines = frequency_axis(np.geomspace(0.2, 60, 800))
+    curves = {
+        "before": robot.frf(start, lines),
+        "after": robot.frf(outcome.best.posture, lines),
+    }
+    figure = draw_frf(curves, title=f"{robot.title}, start and best posture", mark=_FREQUENCY)
+    for name in _FILES[:2]:
+        write_plot(figure, out / name, overwrite=force)
+    quietly = {"open_browser": False, "announce": lambda text: None}
+    viewer("show_outcome")(outcome, start=start, out=out / _FILES[2], overwrite=force, **quietly)
+    for name in _FILES:
+        click.echo(f"wrote {(out / name).resolve()}")

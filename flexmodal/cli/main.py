@@ -1,0 +1,87 @@
+"""`flexmodal`: the group of commands, each imported only when it is called."""
+
+from __future__ import annotations
+
+import importlib
+import os
+import sys
+from typing import Any
+
+import click
+
+_COMMANDS = {
+    "robots": "The robots that ship: joints, points, postures.",
+    "check": "Is this URDF or card sound? Every fault at once.",
+    "frf": "Receptance, mobility or inertance at a posture.",
+    "modes": "Natural frequencies, damping ratios and shapes at a posture.",
+    "measures": "Stiffness, mobility and receptance of a posture along a direction.",
+    "optimise": "The posture that resists best.",
+    "show": "The robot, its modes or its deflection in the browser.",
+    "demo": "A tour: two robots, their FRFs, a better posture, a page.",
+}
+
+
+class _Commands(click.Group):
+    """Commands named in a table and imported on use, so that --help is quick."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        return list(_COMMANDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        if cmd_name not in _COMMANDS:
+            return None
+        module = importlib.import_module(f"flexmodal.cli.{cmd_name}")
+        command: click.Command = getattr(module, cmd_name)
+        return command
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        with formatter.section("Commands"):
+            formatter.write_dl(list(_COMMANDS.items()))
+
+
+@click.group(cls=_Commands, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(package_name="flexmodal")
+def group() -> None:
+    """Receptance, modes and the best posture of flexible-joint robots.
+
+    ROBOT is a card's name (see `flexmodal robots`), a path to a robot.toml or a .urdf, or the name of an
+    example arm. POSTURE is a named posture or q1=50deg,q2=-0.8 (radians unless deg).
+
+    Exit status: 0 done, 1 the answer is no, 2 the request or its input is wrong.
+    """
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Run the command line and leave with its exit status; errors become sentences, never tracebacks."""
+    from flexmodal.errors import FlexmodalError, InvalidInput, MissingExtra
+
+    try:
+        status: Any = group.main(arguments, prog_name="flexmodal", standalone_mode=False)
+        sys.stdout.flush()
+        sys.exit(status if isinstance(status, int) else 0)
+    except InvalidInput as error:
+        _complain(*map(str, error.faults))
+        sys.exit(2)
+    except MissingExtra as error:
+        _complain(str(error))
+        sys.exit(2)
+    except FlexmodalError as error:
+        _complain(str(error))
+        sys.exit(1)
+    except click.ClickException as error:
+        error.show()
+        sys.exit(error.exit_code)
+    except (click.Abort, KeyboardInterrupt):
+        _complain("interrupted")
+        sys.exit(130)
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        sys.exit(0)
+    except OSError as error:
+        _complain(f"{error.filename or 'file'}: {error.strerror}")
+        sys.exit(2)
+
+
+def _complain(*sentences: str) -> None:
+    for sentence in sentences:
+        click.echo(f"flexmodal: {sentence}", err=True)

@@ -1,0 +1,60 @@
+"""`flexmodal measures`."""
+
+from __future__ import annotations
+
+import click
+
+from flexmodal.cli.options import json_option, load_robot, posture_of, posture_option, robot_options
+from flexmodal.cli.printing import print_json, print_table
+
+
+@click.command()
+@robot_options
+@posture_option
+@click.option("--direction", metavar="POINT:AXIS", help="Such as tool:+z (the default).")
+@click.option("--frequency", type=float, metavar="HZ", help="For the dynamic receptance.")
+@click.option(
+    "--task",
+    type=click.Choice(["full", "position"]),
+    default="full",
+    show_default=True,
+    help="Whether the stiffness measure holds the rotations too.",
+)
+@json_option
+def measures(
+    robot: str,
+    stiffness: str | None,
+    damping: str | None,
+    tool: str | None,
+    fix: str | None,
+    posture: str,
+    direction: str | None,
+    frequency: float | None,
+    task: str,
+    as_json: bool,
+) -> None:
+    """Stiffness, mobility, static and dynamic receptance along one direction."""
+    arm = load_robot(robot, stiffness, damping, tool, fix)
+    where = posture_of(arm, posture)
+    found = arm.measures(where, direction=direction, frequency=frequency, task=task)
+    dynamic = found.receptance
+    if as_json:
+        print_json(
+            {
+                "stiffness": found.stiffness,
+                "mobility": found.mobility,
+                "static_receptance": found.static_receptance,
+                "receptance": None if dynamic is None else [dynamic.real, dynamic.imag],
+                "tool": list(found.tool),
+            }
+        )
+        return
+    rows = [
+        ["stiffness measure", f"{found.stiffness:.5g}", "N/m"],
+        ["mobility measure", f"{found.mobility:.5g}", "m²/rad²"],
+        ["static receptance", f"{found.static_receptance:.5g}", "m/N"],
+    ]
+    if dynamic is not None:
+        rows.append([f"|receptance| at {found.frequency:g} Hz", f"{abs(dynamic):.5g}", "m/N"])
+    rows.append([f"{arm.tool} at", "  ".join(f"{value:.4f}" for value in found.tool), "m"])
+    print_table(f"{arm.name} at {where}, {direction or arm.tool + ':+z'}", ["measure", "value", "unit"], rows)

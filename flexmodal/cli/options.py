@@ -1,0 +1,156 @@
+"""What several commands take: the robot, its flexibility, a posture, frequencies; and how they are read."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import click
+
+from flexmodal.errors import Fault, InvalidFrequencies, InvalidPosture, InvalidRequest
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from flexmodal.model import Posture, Robot
+
+SOURCE = "command line"
+
+Command = TypeVar("Command", bound=Callable[..., Any])
+
+
+def robot_options(command: Command) -> Command:
+    """ROBOT and what a bare URDF needs beside it."""
+    for decorate in (
+        click.option(
+            "--fix", metavar="JOINT,…", help="For a bare URDF: joints that stay at 0, as a gripper's."
+        ),
+        click.option("--tool", metavar="FRAME", help="URDF link that is the end-effector."),
+        click.option(
+            "--damping", metavar="VALUE", help="For a bare URDF: one number or joint=number,… [N·m·s/rad]."
+        ),
+        click.option(
+            "--stiffness", metavar="VALUE", help="For a bare URDF: one number or joint=number,… [N·m/rad]."
+        ),
+        click.argument("robot"),
+    ):
+        command = decorate(command)
+    return command
+
+
+json_option = click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
+force_option = click.option("--force", is_flag=True, help="Replace the output file if it exists.")
+quiet_option = click.option("--quiet", is_flag=True, help="No progress bar.")
+posture_option = click.option(
+    "--posture", required=True, metavar="POSTURE", help="A named posture, or q1=50deg,q2=-0.8."
+)
+
+
+def load_robot(
+    robot: str, stiffness: str | None, damping: str | None, tool: str | None, fix: str | None
+) -> Robot:
+    """The robot that the options of `robot_options` describe."""
+    from flexmodal.model import load
+
+    return load(
+        robot,
+        stiffness=per_joint(stiffness, "--stiffness"),
+        damping=per_joint(damping, "--damping"),
+        tool=tool,
+        fixed=[name.strip() for name in fix.split(",")] if fix else (),
+    )
+
+
+def per_joint(text: str | None, option: str) -> float | dict[str, float] | None:
+    """Read "5e5" or "q1=5e5,q2=2e4"."""
+    if text is None:
+        return None
+    if "=" not in text:
+        return number(text, option)
+    return {name: number(value, f"{option} {name}") for name, value in _pairs(text, option).items()}
+
+
+def number(text: str, key: str, what: str = "a number") -> float:
+    """A finite number, or InvalidRequest."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise InvalidRequest(Fault(SOURCE, key, repr(text), f"{what}, finite"))
+    return value
+
+
+def _pairs(text: str, key: str) -> dict[str, str]:
+    pairs: dict[str, str] = {}
+    for part in text.split(","):
+        name, equals, value = (piece.strip() for piece in part.partition("="))
+        if not equals or not name or not value:
+            raise InvalidRequest(Fault(SOURCE, key, repr(part), "name=value, separated by commas"))
+        if name in pairs:
+            raise InvalidRequest(Fault(SOURCE, key, f"{name} twice", "each joint once"))
+        pairs[name] = value
+    return pairs
+
+
+def posture_of(robot: Robot, text: str, option: str = "--posture") -> Posture:
+    """Read a posture's name or "q1=50deg,q2=-0.8"."""
+    if "=" not in text:
+        return robot.posture(text, source=f"{SOURCE} {option}")
+    values: dict[str, float] = {}
+    faults = []
+    for name, value in _pairs(text, option).items():
+        degrees = value.endswith("deg")
+        try:
+            plain = float(value.removesuffix("deg"))
+        except ValueError:
+            faults.append(Fault(f"{SOURCE} {option}", name, repr(value), "a number in rad, or like 50deg"))
+            continue
+        values[name] = math.radians(plain) if degrees else plain
+    if faults:
+        raise InvalidPosture(faults)
+    return robot.posture(values, source=f"{SOURCE} {option}")
+
+
+def frequencies_of(text: str) -> np.ndarray:
+    """Read "1:200:0.25" (both ends included), "5" or "1,5,20" [Hz]."""
+    from flexmodal.frf.axis import frequency_axis, stepped_axis
+
+    source = f"{SOURCE} --frequencies"
+    try:
+        if ":" not in text:
+            return frequency_axis([float(part) for part in text.split(",") if part.strip()], source=source)
+        start, stop, step = (float(part) for part in text.split(":"))
+    except InvalidFrequencies:
+        raise
+    except ValueError:
+        allowed = "START:STOP:STEP, or frequencies separated by commas [Hz]"
+        raise InvalidFrequencies(Fault(source, "", repr(text), allowed)) from None
+    return stepped_axis(start, stop, step, source=source)
+
+
+def band_of(text: str) -> tuple[float, float]:
+    """Read "LOW:HIGH" [Hz]."""
+    try:
+        low, high = (float(part) for part in text.split(":"))
+    except ValueError:
+        low, high = math.nan, math.nan
+    if not (math.isfinite(low) and math.isfinite(high) and 0 <= low < high):
+        raise InvalidRequest(Fault(SOURCE, "--band", repr(text), "LOW:HIGH in Hz, 0 ≤ LOW < HIGH"))
+    return low, high
+
+
+def refuse_existing(out: Path | None, force: bool, endings: tuple[str, ...]) -> None:
+    """Complain about an output file before the work starts, not after."""
+    from flexmodal.errors import OutputExists
+
+    if out is None:
+        return
+    if out.suffix.lower() not in endings:
+        raise InvalidRequest(Fault(SOURCE, "--out", repr(str(out)), f"a file ending in {', '.join(endings)}"))
+    if out.exists() and not force:
+        raise OutputExists(Fault(str(out), "", "an existing file", "a new name, or --force"))
+    if not out.parent.is_dir():
+        raise OutputExists(Fault(str(out), "", "no such folder", "a file in an existing folder"))

@@ -1,0 +1,49 @@
+"""Results on standard output: one JSON object, or tables for people."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any
+
+import click
+
+
+def print_json(result: dict[str, Any]) -> None:
+    """One JSON object, refusing NaN and infinity rather than writing what no reader accepts."""
+    click.echo(json.dumps(result, allow_nan=False, ensure_ascii=False))
+
+
+def print_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
+    """A table, its numbers aligned right."""
+    from rich import box
+    from rich.console import Console
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(title=Text(title), title_justify="left", box=box.SIMPLE_HEAD)
+    for place, column in enumerate(columns):
+        table.add_column(Text(column), justify="left" if place == 0 else "right")
+    for row in rows:
+        table.add_row(*map(Text, row))
+    width = None if sys.stdout.isatty() else 200
+    Console(width=width, highlight=False).print(table)
+
+
+@contextmanager
+def progress(total: int, label: str, *, quiet: bool) -> Iterator[Callable[[], None]]:
+    """A bar with the time left on a terminal; nothing elsewhere."""
+    from tqdm import tqdm
+
+    hidden = quiet or not sys.stderr.isatty()
+    with tqdm(total=total, desc=label, file=sys.stderr, disable=hidden, leave=False) as bar:
+        yield lambda: bar.update(1) and None
+
+
+def degrees(value: float, *, prismatic: bool = False) -> str:
+    """A joint value for people: degrees, or metres for a prismatic joint."""
+    import math
+
+    return f"{value:.4f} m" if prismatic else f"{math.degrees(value):.2f}°"

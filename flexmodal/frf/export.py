@@ -1,0 +1,47 @@
+"""FRFs as CSV and NPZ."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+import numpy as np
+
+from flexmodal.files import whole_file
+from flexmodal.frf.frf import Frf
+
+COLUMNS = ("frequency_hz", "response", "reference", "form", "unit", "re", "im")
+
+
+def write_csv(frf: Frf, path: Path, *, overwrite: bool = False) -> None:
+    """One row for each line and pair, full precision; the header names the columns.
+
+    Raises:
+        OutputExists: the file exists.
+    """
+    with whole_file(path, overwrite=overwrite) as scratch, scratch.open("w", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(COLUMNS)
+        for row, response in enumerate(frf.response):
+            for column, reference in enumerate(frf.reference):
+                pair = (str(response), str(reference), frf.form, frf.unit(row, column))
+                for frequency, value in zip(frf.frequency, frf.value[:, row, column], strict=True):
+                    numbers = (float(frequency), float(value.real), float(value.imag))
+                    writer.writerow([repr(numbers[0]), *pair, repr(numbers[1]), repr(numbers[2])])
+
+
+def write_npz(frf: Frf, path: Path, *, overwrite: bool = False) -> None:
+    """Arrays `frequency` [Hz] and `value` (line, response, reference), with the labels as text.
+
+    Raises:
+        OutputExists: the file exists.
+    """
+    with whole_file(path, overwrite=overwrite) as scratch, scratch.open("wb") as file:
+        np.savez(
+            file,
+            frequency=frf.frequency,
+            value=frf.value,
+            response=np.array([str(direction) for direction in frf.response]),
+            reference=np.array([str(direction) for direction in frf.reference]),
+            form=np.array(frf.form),
+        )

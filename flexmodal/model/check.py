@@ -1,0 +1,54 @@
+"""Is a URDF or a card sound? Everything that loading would find, gathered instead of raised."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from flexmodal.cards import check_masses, check_together, find, gripper_joints, read_card, read_urdf
+from flexmodal.errors import Fault, InvalidInput
+from flexmodal.model.build import build_model
+from flexmodal.model.load import load
+from flexmodal.model.posture import middle
+
+
+@dataclass(frozen=True)
+class Report:
+    """What a check found."""
+
+    path: str
+    faults: tuple[Fault, ...]
+    warnings: tuple[str, ...]
+
+    @property
+    def is_sound(self) -> bool:
+        """Whether the robot can be used."""
+        return not self.faults
+
+
+def check(path: Path) -> Report:
+    """Examine a card with its URDF, or a bare URDF.
+
+    Raises:
+        RobotNotFound: there is nothing at that path or of that name.
+    """
+    file = find(str(path))
+    faults: list[Fault] = []
+    warnings: list[str] = []
+    try:
+        if file.suffix == ".urdf":
+            urdf = read_urdf(file, fixed=gripper_joints(file))
+            warnings += urdf.warnings
+            check_masses(urdf, tuple(joint.name for joint in urdf.joints if joint.type != "fixed"))
+            build_model(urdf, {}, {})
+        else:
+            card = read_card(file)
+            urdf = read_urdf(card.urdf)
+            warnings += urdf.warnings
+            check_together(card, urdf)
+            robot = load(file)
+            for posture in robot.postures or [middle(robot.commanded)]:
+                _ = robot.at(posture).system
+    except InvalidInput as error:
+        faults += error.faults
+    return Report(str(path), tuple(dict.fromkeys(faults)), tuple(warnings))

@@ -1,0 +1,159 @@
+"""A robot in a posture: evidence that the posture was applied and the mass matrix is sound."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from jaxtyping import Float
+
+from flexmodal.errors import Fault, InvalidPoint, InvalidSystem, InvalidUrdf
+from flexmodal.frf import Frf, PointDirection, frequency_axis, receptance
+from flexmodal.modal import Modes, SecondOrderSystem, solve_modes
+from flexmodal.model.build import pinocchio
+from flexmodal.model.posture import Posture
+
+if TYPE_CHECKING:
+    from flexmodal.model.robot import Robot
+
+Directions = str | PointDirection | Sequence[str | PointDirection] | None
+
+
+@dataclass(frozen=True, eq=False)
+class PosedRobot:
+    """Mass matrix, Jacobians and everything that follows from them, at one posture."""
+
+    robot: Robot
+    posture: Posture
+    _data: Any = field(init=False, repr=False)
+    _mass: np.ndarray = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        pin = pinocchio()
+        model = self.robot.pinocchio
+        data = model.createData()
+        velocity = np.array([self.posture.values.get(name, 0.0) for name in self.robot.moving])
+        configuration = pin.integrate(model, pin.neutral(model), velocity)
+        mass = pin.crba(model, data, configuration).copy()
+        pin.computeJointJacobians(model, data, configuration)
+        pin.updateFramePlacements(model, data)
+        object.__setattr__(self, "_data", (data, configuration))
+        object.__setattr__(self, "_mass", mass)
+
+    @cached_property
+    def system(self) -> SecondOrderSystem:
+        """D, B and K over the flexible joints [kg·m², N·m·s/rad, N·m/rad].
+
+        Raises:
+            InvalidUrdf: D is not positive definite; names the link at fault.
+        """
+        pick = self.robot.flexible_index
+        names = tuple(self.robot.joints)
+        try:
+            return SecondOrderSystem(
+                self._mass[np.ix_(pick, pick)], self.robot.damping, self.robot.stiffness, names
+            )
+        except InvalidSystem as error:
+            raise self._blame(error) from None
+
+    def _blame(self, error: InvalidSystem) -> InvalidUrdf:
+        faults = []
+        for fault in error.faults:
+            joint = fault.key.removeprefix("mass of ")
+            link = self.robot.moving[joint].child if joint in self.robot.moving else ""
+            key = f"link {link} (moved by joint {joint})" if link else fault.key
+            found = f"inertia that leaves the mass matrix not positive definite, {fault.found}"
+            faults.append(
+                Fault(str(self.robot.urdf.path), key, found, "mass or moment of inertia about every joint")
+            )
+        return InvalidUrdf(faults)
+
+    def position(self, point: str) -> Float[np.ndarray, "3"]:
+        """World position of a point [m].
+
+        Raises:
+            InvalidPoint: no such point.
+        """
+        return self._data[0].oMf[self.robot.frame_of(point)].translation.copy()
+
+    def full_jacobian(self, point: str) -> Float[np.ndarray, "6 moving"]:
+        """Jacobian of a point over every moving joint, rows x, y, z, rx, ry, rz in the world frame."""
+        pin = pinocchio()
+        frame = self.robot.frame_of(point)
+        return pin.getFrameJacobian(
+            self.robot.pinocchio, self._data[0], frame, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
+        ).copy()
+
+    def jacobian(self, point: str) -> Float[np.ndarray, "6 joint"]:
+        """Jacobian of a point over the flexible joints, rows x, y, z, rx, ry, rz in the world frame."""
+        return self.full_jacobian(point)[:, self.robot.flexible_index]
+
+    def rows(self, directions: Sequence[PointDirection]) -> Float[np.ndarray, "direction joint"]:
+        """Jacobian rows of points and directions over the flexible joints.
+
+        Raises:
+            InvalidPoint: no such point.
+        """
+        return np.array([d.selector @ self.jacobian(d.point) for d in directions])
+
+    def mass_derivative(self, acceleration: Float[np.ndarray, " moving"]) -> np.ndarray:
+        """∂(D a)/∂q at fixed a, over all moving joints: column k is the derivative along joint k."""
+        pin = pinocchio()
+        _, configuration = self._data
+        model = self.robot.pinocchio
+        scratch = model.createData()
+        zero = np.zeros(model.nv)
+        return pin.computeRNEADerivatives(model, scratch, configuration, zero, acceleration)[0].copy()
+
+    def directions(self, given: Directions) -> tuple[PointDirection, ...]:
+        """Read directions; none given means the tool along z.
+
+        Raises:
+            InvalidPoint: bad text, no such point, or none at all.
+        """
+        if given is None:
+            given = [PointDirection(self.robot.tool, "z")]
+        elif isinstance(given, str | PointDirection):
+            given = [given]
+        read = tuple(PointDirection.parse(item) for item in given)
+        if not read:
+            raise InvalidPoint(Fault("call", "directions", "none", "at least one, such as tool:+z"))
+        for item in read:
+            self.robot.frame_of(item.point)
+        return read
+
+    def frf(
+        self,
+        frequencies: Sequence[float] | np.ndarray,
+        *,
+        response: Directions = None,
+        reference: Directions = None,
+        form: str = "receptance",
+    ) -> Frf:
+        """FRFs between any points and directions.
+
+        Args:
+            frequencies: ascending [Hz]; 0 allowed.
+            response: one or several of "tool:+z", "location_3:-x", "tool:+ry"; the tool along z if none.
+            reference: the same for the forces and moments; as `response` if none.
+            form: receptance, mobility or inertance.
+
+        Returns:
+            A labelled FRF by line, response and reference.
+
+        Raises:
+            InvalidFrequencies, InvalidPoint, InvalidRequest: bad arguments.
+            SingularResponse: an undamped mode is driven at its natural frequency.
+        """
+        axis = frequency_axis(frequencies)
+        responses = self.directions(response)
+        references = responses if reference is None else self.directions(reference)
+        value = receptance(self.system, self.rows(responses), self.rows(references), axis)
+        return Frf(axis, value, responses, references).to(form)
+
+    def modes(self) -> Modes:
+        """Modes over the flexible joints."""
+        return solve_modes(self.system)

@@ -1,0 +1,84 @@
+"""A posture: one value for every commanded joint, inside its limits."""
+
+from __future__ import annotations
+
+import difflib
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+from flexmodal.cards import UrdfJoint
+from flexmodal.errors import Fault, InvalidPosture
+
+_SLACK = 1e-9
+"""How far past a limit still counts as on it [rad, m]: the rounding of a printed limit."""
+
+
+@dataclass(frozen=True)
+class Posture:
+    """Values of the commanded joints [rad, m]; evidence that they exist and lie within the limits."""
+
+    values: Mapping[str, float]
+    name: str = ""
+
+    def __str__(self) -> str:
+        """The name, or the values."""
+        return self.name or ", ".join(f"{joint}={value:.6g}" for joint, value in self.values.items())
+
+
+def middle(commanded: Mapping[str, UrdfJoint]) -> Posture:
+    """A posture inside the limits: 0 where that is allowed, else half-way between them."""
+    values = {
+        name: 0.0 if joint.lower <= 0 <= joint.upper else (joint.lower + joint.upper) / 2
+        for name, joint in commanded.items()
+    }
+    return Posture(MappingProxyType(values))
+
+
+def check_posture(
+    given: Mapping[str, float],
+    commanded: Mapping[str, UrdfJoint],
+    pseudo: tuple[str, ...],
+    *,
+    name: str = "",
+    source: str = "call",
+) -> Posture:
+    """Fill in the joints left out with 0 and check the rest.
+
+    Args:
+        given: value by joint name [rad, m].
+        commanded: the joints a posture may set.
+        pseudo: pseudo-joints, which rest at 0 and are never commanded.
+        name: what the posture is called.
+        source: where it came from, for the error.
+
+    Raises:
+        InvalidPosture: unknown or pseudo joints, values that are not finite numbers, values outside
+            the limits; all at once.
+    """
+    faults = []
+    for joint, value in given.items():
+        if joint not in commanded:
+            faults.append(_unknown(joint, commanded, pseudo, source))
+        elif isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+            faults.append(Fault(source, f"posture: {joint}", repr(value), "a finite number [rad, m]"))
+    if not faults:
+        for joint, urdf in commanded.items():
+            value = given.get(joint, 0.0)
+            if not urdf.lower - _SLACK <= value <= urdf.upper + _SLACK:
+                allowed = f"{urdf.lower:.6g} to {urdf.upper:.6g}, the joint's limits"
+                left_out = "" if joint in given else " (left out, so 0)"
+                faults.append(Fault(source, f"posture: {joint}", f"{value:.6g}{left_out}", allowed))
+    if faults:
+        raise InvalidPosture(faults)
+    return Posture(MappingProxyType({joint: float(given.get(joint, 0.0)) for joint in commanded}), name)
+
+
+def _unknown(joint: str, commanded: Mapping[str, UrdfJoint], pseudo: tuple[str, ...], source: str) -> Fault:
+    if joint in pseudo:
+        found = f"the pseudo-joint {joint}, which rests at 0 and is never commanded"
+    else:
+        near = difflib.get_close_matches(joint, commanded, n=1)
+        found = f"unknown joint {joint!r}" + (f" (did you mean {near[0]}?)" if near else "")
+    return Fault(source, "posture", found, ", ".join(commanded))

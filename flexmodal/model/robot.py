@@ -1,0 +1,164 @@
+"""A robot: its chain from the URDF, its flexibility from the card."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float
+
+from flexmodal.cards import FamilyCard, JointCard, PointCard, Urdf, UrdfJoint
+from flexmodal.errors import Fault, InvalidPoint, InvalidPosture, InvalidRequest
+from flexmodal.frf import Frf, PointDirection
+from flexmodal.modal import Modes
+from flexmodal.model.build import point_frame
+from flexmodal.model.measures import Measures, measure
+from flexmodal.model.planar import task_rows
+from flexmodal.model.posed import PosedRobot
+from flexmodal.model.posture import Posture, check_posture
+
+Pose = str | Posture | Mapping[str, float]
+"""A posture's name, a checked posture, or values by joint name."""
+
+
+@dataclass(frozen=True, eq=False)
+class Robot:
+    """A loaded robot; `at` puts it in a posture, all else follows from there.
+
+    Get one with `flexmodal.load`. The motor side is locked: joint stiffness and damping sit between a
+    motor that stands still and its link.
+    """
+
+    name: str
+    title: str
+    urdf: Urdf
+    tool: str
+    joints: Mapping[str, JointCard]
+    """The flexible joints, in the order of the URDF's chain."""
+    points: Mapping[str, PointCard]
+    postures: Mapping[str, Mapping[str, float]]
+    families: Mapping[str, FamilyCard]
+    moving: Mapping[str, UrdfJoint]
+    """Every joint that moves, flexible or rigid, in the order of Pinocchio's velocity vector."""
+    pinocchio: Any = field(repr=False)
+    """The Pinocchio model; private to this room."""
+
+    @property
+    def pseudo_joints(self) -> tuple[str, ...]:
+        """Joints that stand for the bending of a link: never commanded, at rest at 0."""
+        return tuple(name for name, joint in self.joints.items() if joint.pseudo)
+
+    @cached_property
+    def commanded(self) -> Mapping[str, UrdfJoint]:
+        """The joints that a posture sets."""
+        return {name: joint for name, joint in self.moving.items() if name not in self.pseudo_joints}
+
+    @cached_property
+    def flexible_index(self) -> np.ndarray:
+        """Where the flexible joints stand in the velocity vector."""
+        order = list(self.moving)
+        return np.array([order.index(name) for name in self.joints])
+
+    @cached_property
+    def stiffness(self) -> Float[np.ndarray, "joint joint"]:
+        """K over the flexible joints [N·m/rad, N/m]."""
+        return np.diag([joint.stiffness for joint in self.joints.values()]).astype(float)
+
+    @cached_property
+    def damping(self) -> Float[np.ndarray, "joint joint"]:
+        """B over the flexible joints [N·m·s/rad, N·s/m]."""
+        return np.diag([joint.damping for joint in self.joints.values()]).astype(float)
+
+    @cached_property
+    def task(self) -> Float[np.ndarray, "task 6"]:
+        """Rows of a six-row Jacobian that the stiffness measure takes: three of a planar chain, or six."""
+        return task_rows(self)
+
+    @property
+    def is_planar(self) -> bool:
+        """Whether the chain moves in one plane only."""
+        return len(self.task) == 3
+
+    def frame_of(self, point: str, *, source: str = "call") -> int:
+        """Pinocchio's frame of a named point or a URDF link.
+
+        Raises:
+            InvalidPoint: the robot has no such point or link.
+        """
+        links = [link.name for link in self.urdf.links]
+        if point not in self.points and point not in links:
+            near = difflib.get_close_matches(point, [*self.points, *links], n=1)
+            found = repr(point) + (f" (did you mean {near[0]}?)" if near else "")
+            names = dict.fromkeys([*self.points, *links])
+            raise InvalidPoint(Fault(source, "point", found, f"one of {', '.join(names)}"))
+        return point_frame(self.pinocchio, point, named=point in self.points)
+
+    def posture(self, pose: Pose, *, source: str = "call") -> Posture:
+        """Look up or check a posture.
+
+        Raises:
+            InvalidPosture: unknown name, unknown joints, bad values, outside the limits.
+        """
+        if isinstance(pose, Posture):
+            return check_posture(pose.values, self.commanded, self.pseudo_joints, name=pose.name)
+        if isinstance(pose, str):
+            if pose not in self.postures:
+                near = difflib.get_close_matches(pose, self.postures, n=1)
+                found = repr(pose) + (f" (did you mean {near[0]}?)" if near else "")
+                names = ", ".join(self.postures) or "none (the robot has no named postures)"
+                raise InvalidPosture(Fault(source, "posture", found, f"a named posture: {names}; or values"))
+            name, values = pose, self.postures[pose]
+        else:
+            name, values = "", pose
+        return check_posture(values, self.commanded, self.pseudo_joints, name=name, source=source)
+
+    def family(self, name: str, *, source: str = "call") -> FamilyCard:
+        """A one-parameter family of postures of the card.
+
+        Raises:
+            InvalidRequest: the card has no such family.
+        """
+        if name not in self.families:
+            names = ", ".join(self.families) or "none (the card has no families)"
+            raise InvalidRequest(Fault(source, "family", repr(name), names))
+        return self.families[name]
+
+    def at(self, pose: Pose) -> PosedRobot:
+        """Put the robot in a posture.
+
+        Raises:
+            InvalidPosture: see `posture`.
+            InvalidUrdf: the mass matrix there is not positive definite; names the link at fault.
+        """
+        return PosedRobot(self, self.posture(pose))
+
+    def frf(
+        self,
+        posture: Pose,
+        frequencies: Sequence[float] | np.ndarray,
+        *,
+        response: str | PointDirection | Sequence[str | PointDirection] | None = None,
+        reference: str | PointDirection | Sequence[str | PointDirection] | None = None,
+        form: str = "receptance",
+    ) -> Frf:
+        """FRFs at a posture; see `PosedRobot.frf`."""
+        return self.at(posture).frf(frequencies, response=response, reference=reference, form=form)
+
+    def modes(self, posture: Pose) -> Modes:
+        """Modes at a posture; see `PosedRobot.modes`."""
+        return self.at(posture).modes()
+
+    def measures(
+        self,
+        posture: Pose,
+        *,
+        direction: str | PointDirection | None = None,
+        frequency: float | None = None,
+        task: str = "full",
+    ) -> Measures:
+        """Stiffness, mobility and receptance at a posture; see `flexmodal.model.measures.measure`."""
+        return measure(self.at(posture), direction, frequency, task=task)

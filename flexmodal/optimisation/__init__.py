@@ -1,0 +1,11 @@
+"""Choosing a posture: objectives, what is held, and the searches."""
+
+from flexmodal.optimisation.hold import Hold as Hold
+from flexmodal.optimisation.objective import MobilityObjective as MobilityObjective
+from flexmodal.optimisation.objective import Objective as Objective
+from flexmodal.optimisation.objective import ReceptanceObjective as ReceptanceObjective
+from flexmodal.optimisation.objective import StiffnessObjective as StiffnessObjective
+from flexmodal.optimisation.optimise import optimise as optimise
+from flexmodal.optimisation.outcome import Optimum as Optimum
+from flexmodal.optimisation.outcome import Outcome as Outcome
+from flexmodal.optimisation.problem import PostureProblem as PostureProblem

@@ -1,0 +1,154 @@
+"""One descent from one start, every iterate on the hold and within the limits.
+
+A quasi-Newton method in the tangent space of the hold: the step solves the projected quadratic model, a
+Newton retraction puts the trial point back on the target, and a backtracking line search on the true cost
+accepts it. Joints at a limit that the step would push through are kept there. The model matrix is a damped
+BFGS estimate of the Hessian of the Lagrangian.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from flexmodal.errors import FlexmodalError
+from flexmodal.optimisation.objective import Limit
+from flexmodal.optimisation.problem import PostureProblem
+
+GRADIENT = 1e-7
+"""Projected gradient of the logarithmic cost that counts as zero [1/rad]."""
+
+_ROUNDING = 1e-4
+"""Projected gradient below which a line search that finds nothing better has met rounding."""
+
+_LONGEST = 0.5
+"""Longest step of one joint [rad, m]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Descent:
+    """Where a descent ended."""
+
+    values: np.ndarray
+    cost: float
+    converged: bool
+    iterations: int
+    limit: Limit = Limit.NONE
+
+
+def descend(problem: PostureProblem, start: np.ndarray, *, iterations: int = 200) -> Descent | None:
+    """Go down from a start; None if no posture on the hold can be reached from it.
+
+    Args:
+        problem: what to minimise.
+        start: vector of the commanded joints; brought onto the hold first.
+        iterations: give up after this many.
+    """
+    values = problem.retract(start)
+    if values is None:
+        return None
+    cost, gradient = problem.cost_and_gradient(values)
+    model = np.eye(len(values)) * max(1.0, float(np.max(np.abs(gradient), initial=0.0)) / 0.2)
+    fresh = True
+    for count in range(iterations):
+        _, constraint = problem.held(values)
+        step, steepness = _step(problem, values, gradient, constraint, model)
+        limit = problem.objective.limit(cost, problem.robot)
+        if limit is not Limit.NONE or steepness <= GRADIENT:
+            return Descent(values, cost, limit is not Limit.UNBOUNDED, count, limit)
+        found = _line_search(problem, values, cost, gradient, step)
+        if found is None:
+            if fresh:
+                return Descent(values, cost, steepness <= _ROUNDING, count)
+            model, fresh = np.eye(len(values)) * max(1.0, float(np.max(np.abs(gradient))) / 0.2), True
+            continue
+        next_values, next_cost, next_gradient = found
+        _, next_constraint = problem.held(next_values)
+        change = _lagrangian_change(gradient, constraint, next_gradient, next_constraint)
+        model = _update(model, next_values - values, change, first=fresh)
+        values, cost, gradient, fresh = next_values, next_cost, next_gradient, False
+    return Descent(values, cost, False, iterations)
+
+
+def _step(
+    problem: PostureProblem,
+    values: np.ndarray,
+    gradient: np.ndarray,
+    constraint: np.ndarray,
+    model: np.ndarray,
+) -> tuple[np.ndarray, float]:
+    """Step in the tangent space with the blocking limits kept, and the size of the projected gradient."""
+    free = np.ones(len(values), dtype=bool)
+    at_lower, at_upper = values <= problem.lower, values >= problem.upper
+    while True:
+        basis = _null_space(constraint[:, free])
+        reduced = basis.T @ gradient[free]
+        step = np.zeros(len(values))
+        step[free] = -basis @ np.linalg.solve(basis.T @ model[np.ix_(free, free)] @ basis, reduced)
+        downhill = np.zeros(len(values))
+        downhill[free] = -basis @ reduced
+        blocked = free & (
+            (at_lower & ((step < 0) | (downhill < 0))) | (at_upper & ((step > 0) | (downhill > 0)))
+        )
+        if not np.any(blocked):
+            break
+        free &= ~blocked
+    longest = np.max(np.abs(step), initial=0.0)
+    return step * min(1.0, _LONGEST / longest) if longest > 0 else step, float(np.linalg.norm(reduced))
+
+
+def _null_space(matrix: np.ndarray) -> np.ndarray:
+    """Orthonormal basis of what a constraint leaves free."""
+    if matrix.shape[0] == 0:
+        return np.eye(matrix.shape[1])
+    _, values, right = np.linalg.svd(matrix)
+    rank = int(np.sum(values > 1e-9 * max(values[0], 1e-30))) if len(values) else 0
+    return right[rank:].T
+
+
+def _line_search(
+    problem: PostureProblem, values: np.ndarray, cost: float, gradient: np.ndarray, step: np.ndarray
+) -> tuple[np.ndarray, float, np.ndarray] | None:
+    """Backtrack along the retracted step until the cost falls enough."""
+    slope = float(gradient @ step)
+    if slope >= 0:
+        return None
+    length = 1.0
+    for _ in range(40):
+        trial = problem.retract(values + length * step, steps=15)
+        if trial is not None and np.max(np.abs(trial - values)) <= 2 * length * np.max(np.abs(step)) + 1e-9:
+            try:
+                trial_cost, trial_gradient = problem.cost_and_gradient(trial)
+            except FlexmodalError:
+                trial_cost = np.inf
+            if np.isfinite(trial_cost) and trial_cost <= cost + 1e-4 * length * slope and trial_cost < cost:
+                return trial, trial_cost, trial_gradient
+        length *= 0.5 if length > 0.1 else 0.2
+    return None
+
+
+def _lagrangian_change(
+    gradient: np.ndarray, constraint: np.ndarray, next_gradient: np.ndarray, next_constraint: np.ndarray
+) -> np.ndarray:
+    """Change of the Lagrangian's gradient at the newer multipliers."""
+    if len(constraint) == 0:
+        return next_gradient - gradient
+    multipliers = np.linalg.lstsq(next_constraint.T, next_gradient, rcond=None)[0]
+    return (next_gradient - next_constraint.T @ multipliers) - (gradient - constraint.T @ multipliers)
+
+
+def _update(model: np.ndarray, moved: np.ndarray, change: np.ndarray, *, first: bool) -> np.ndarray:
+    """Powell's damped BFGS, which keeps the model positive definite; the first step sets its size."""
+    curvature = float(moved @ change)
+    if first and curvature > 0:
+        model = np.eye(len(moved)) * float(change @ change) / curvature
+    expected = model @ moved
+    bend = float(moved @ expected)
+    if bend <= 0 or not np.isfinite(bend):
+        return np.eye(len(moved))
+    if curvature < 0.2 * bend:
+        weight = 0.8 * bend / (bend - curvature)
+        change = weight * change + (1 - weight) * expected
+        curvature = float(moved @ change)
+    return model - np.outer(expected, expected) / bend + np.outer(change, change) / curvature

@@ -1,0 +1,92 @@
+"""What a search found, and how far it can be trusted."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from flexmodal.model import Posture
+from flexmodal.optimisation.problem import PostureProblem
+
+_SAME = 1e-3
+"""Two optima whose joints all agree within this are one [rad, m]."""
+
+
+@dataclass(frozen=True)
+class Optimum:
+    """One distinct local optimum."""
+
+    posture: Posture
+    objective: float
+    hits: int
+    """How many starts ended here."""
+
+
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """Result of a posture search."""
+
+    problem: PostureProblem
+    optima: tuple[Optimum, ...]
+    """Distinct optima, best first."""
+    start: float | None
+    """Objective at the posture the user started from."""
+    converged: bool
+    """Whether the best one met the tolerance."""
+    starts: int
+    """Starts that reached the target."""
+    unbounded: int
+    """Starts that ran into singular postures, where the measure grows without bound; not among `optima`."""
+    method: str
+
+    @property
+    def best(self) -> Optimum:
+        """The best optimum found."""
+        return self.optima[0]
+
+    @property
+    def tool(self) -> tuple[float, float, float]:
+        """Where the end-effector is in the best posture [m]."""
+        robot = self.problem.robot
+        x, y, z = robot.at(self.best.posture).position(robot.tool)
+        return float(x), float(y), float(z)
+
+    @property
+    def verdict(self) -> str:
+        """What to think of it, and what to do next."""
+        if self.unbounded == self.starts:
+            return (
+                "not converged: every start ran into a singular posture, where the measure grows without "
+                "bound; hold the end-effector elsewhere, or judge by receptance"
+            )
+        if not self.converged:
+            return "not converged: allow more starts, or look at the limits near this posture"
+        best = self.best
+        aside = (
+            f"; {self.unbounded} ran into singular postures, where the measure grows without bound, "
+            "and are left out"
+            if self.unbounded
+            else ""
+        )
+        if self.method == "newton" and best.hits == 1 and self.starts > 1:
+            return f"converged; only 1 of {self.starts} starts ended here, so try more starts" + aside
+        return f"converged; {best.hits} of {self.starts} starts ended here" + aside
+
+
+def distinct(
+    problem: PostureProblem, found: list[tuple[float, np.ndarray]]
+) -> list[tuple[float, np.ndarray, int]]:
+    """Merge results that are the same posture, whole turns apart or not; best (lowest cost) first."""
+    turning = np.array([joint.type != "prismatic" for joint in problem.robot.commanded.values()])
+    groups: list[tuple[float, np.ndarray, int]] = []
+    for cost, values in sorted(found, key=lambda item: item[0]):
+        for place, (best, centre, hits) in enumerate(groups):
+            gap = values - centre
+            gap = np.where(turning, (gap + np.pi) % (2 * np.pi) - np.pi, gap)
+            if np.max(np.abs(gap)) <= _SAME:
+                groups[place] = (best, centre, hits + 1)
+                break
+        else:
+            groups.append((cost, values, 1))
+    return groups
