@@ -1,0 +1,178 @@
+"""What a posture search found: the start, the optimum, the target and the force, in one picture."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from flexmodal.frf import PointDirection
+from flexmodal.model import PosedRobot, Posture
+from flexmodal.optimisation import MobilityObjective, Outcome, ReceptanceObjective, StiffnessObjective
+from flexmodal_viewer import marks
+from flexmodal_viewer.arm import Arm
+from flexmodal_viewer.motion import Deflection, forced
+from flexmodal_viewer.palette import BASE, FORCE, OPTIMISED, START, TARGET, shade
+from flexmodal_viewer.scene import Caption, Item, Label, Matrix, Motion, Scene, Swatch, Table
+from flexmodal_viewer.stage import set_stage, view_of
+from flexmodal_viewer.units import joint_value, plain, quantity
+
+CLEAR = 0.42
+"""Opacity of the start posture."""
+
+
+def outcome_scene(outcome: Outcome, *, start: Posture | None) -> Scene:
+    """Draw the optimised posture solid, over the start posture where there is one."""
+    robot = outcome.problem.robot
+    arm = Arm(robot)
+    best = robot.at(outcome.best.posture)
+    before = None if start is None else robot.at(start)
+    nodes: dict[str, Matrix] = arm.nodes("optimised", best.posture.values)
+    items: list[Item] = arm.items("optimised", lambda own: shade(OPTIMISED, own), skip=arm.still_links())
+    items += arm.items(
+        "optimised", lambda own: shade(BASE, own), skip=frozenset(arm.index) - arm.still_links()
+    )
+    labels: list[Label] = []
+    legend = [Swatch("optimised posture", OPTIMISED)]
+    if before is not None:
+        nodes |= arm.nodes("start", before.posture.values)
+        clear = arm.items("start", lambda own: shade(START, own), opacity=CLEAR, skip=arm.still_links())
+        items += clear
+        legend.insert(0, Swatch("start posture", START, "clear"))
+    drawn = [
+        marks.force(direction, best.position(direction.point), 0.13 * arm.reach, number)
+        for number, direction in enumerate(_directions(outcome))
+    ]
+    if drawn:
+        names = ", ".join(map(str, _directions(outcome)))
+        legend.append(Swatch(f"direction judged: {names}", FORCE, "arrow"))
+    held = _target(outcome, best)
+    if held is not None:
+        drawn.append(marks.target(held, 0.07 * arm.reach))
+        where = ", ".join(plain(round(float(value), 4) + 0.0) for value in held)
+        legend.append(Swatch(f"target ({where}) m", TARGET, "cross"))
+    for part in drawn:
+        nodes |= part.nodes
+        items += part.items
+        labels += part.labels
+    motion = _vibration(outcome, arm, best, before)
+    caption = Caption(
+        robot.title or robot.name,
+        "Posture that vibrates least" if _is_receptance(outcome) else "Optimised posture",
+        tuple(legend),
+        _tables(outcome, before),
+        (f"Search: {outcome.verdict}.", *arm.looks.notes),
+    )
+    return set_stage(
+        Scene(
+            caption,
+            view_of(robot, best.position(robot.tool)),
+            nodes,
+            tuple(items),
+            tuple(labels),
+            () if motion is None else (motion,),
+            rest="Postures" if motion is not None else "",
+        )
+    )
+
+
+def _is_receptance(outcome: Outcome) -> bool:
+    return isinstance(outcome.problem.objective, ReceptanceObjective)
+
+
+def _directions(outcome: Outcome) -> tuple[PointDirection, ...]:
+    objective = outcome.problem.objective
+    several = getattr(objective, "directions", ())
+    return tuple(several) or tuple(filter(None, [getattr(objective, "direction", None)]))
+
+
+def _target(outcome: Outcome, best: PosedRobot) -> np.ndarray | None:
+    """Where the held point should be; along directions not held, where it is [m]."""
+    hold = outcome.problem.hold
+    if hold is None:
+        return None
+    position = best.position(hold.point)
+    return position + np.linalg.pinv(hold.rows) @ (hold.target - hold.rows @ position)
+
+
+def _tables(outcome: Outcome, before: PosedRobot | None) -> tuple[Table, ...]:
+    robot, best = outcome.problem.robot, outcome.best
+    columns = ("joint", "start", "optimised") if before is not None else ("joint", "optimised")
+    rows = []
+    for name, joint in robot.commanded.items():
+        values = [before.posture.values[name]] if before is not None else []
+        values.append(best.posture.values[name])
+        rows.append((name, *(joint_value(value, joint.type) for value in values)))
+    return _objective(outcome, before), Table("Postures", columns, tuple(rows))
+
+
+def _objective(outcome: Outcome, before: PosedRobot | None) -> Table:
+    objective, after = outcome.problem.objective, outcome.best.objective
+    first = outcome.start
+    if first is None and before is not None:
+        first = objective.value(before)
+    rows = []
+    if first is not None:
+        rows.append(("at the start", quantity(first, objective.unit)))
+    rows.append(("optimised", quantity(after, objective.unit)))
+    if first is not None and first > 0 and after > 0:
+        ratio = max(first / after, after / first)
+        rows.append(("change", f"{plain(ratio)} times {'less' if after < first else 'more'}"))
+    return Table(_heading(outcome), (), tuple(rows))
+
+
+def _heading(outcome: Outcome) -> str:
+    objective = outcome.problem.objective
+    along = " and ".join(map(str, _directions(outcome)))
+    names = {
+        StiffnessObjective: "Stiffness",
+        MobilityObjective: "Mobility",
+        ReceptanceObjective: "Receptance |α|",
+    }
+    text = names.get(type(objective), "Objective")
+    if along:
+        text += f" at {along}"
+    lines = getattr(objective, "frequency", None)
+    if lines is not None and len(lines) == 1:
+        text += f", {plain(float(lines[0]))} Hz"
+    elif lines is not None:
+        text += f", {plain(float(lines[0]))} to {plain(float(lines[-1]))} Hz"
+    return text
+
+
+def _vibration(outcome: Outcome, arm: Arm, best: PosedRobot, before: PosedRobot | None) -> Motion | None:
+    """Both postures under the same force, drawn larger by the same factor."""
+    objective = outcome.problem.objective
+    if not isinstance(objective, ReceptanceObjective):
+        return None
+    direction = objective.directions[0]
+    frequency = _worst_line(objective, best if before is None else before)
+    moved: dict[str, Deflection] = {"optimised": forced(best, direction, frequency)}
+    if before is not None:
+        moved["start"] = forced(before, direction, frequency)
+    if not any(np.any(deflection.amplitude) for deflection in moved.values()):
+        return None
+    scale = min(deflection.scale(arm.reach) for deflection in moved.values())
+    tracks: dict[str, np.ndarray] = {}
+    for group, deflection in moved.items():
+        tracks |= dict(deflection.tracks(arm, (group,), scale))
+    names = {"start": "at the start", "optimised": "optimised"}
+    over = "N·m" if direction.is_rotation else "N"
+    rows = [
+        (names[group], quantity(moved[group].farthest(), "m") + f" per {over}")
+        for group in names
+        if group in moved
+    ]
+    rows.append(("drawn larger by", f"× {plain(scale)}"))
+    widest = max(moved.values(), key=lambda deflection: deflection.farthest())
+    return Motion(
+        f"Vibration at {plain(frequency)} Hz",
+        tracks,
+        widest.extreme / (2 * np.pi),
+        table=Table(f"How far the tool goes under {direction} at {plain(frequency)} Hz", (), tuple(rows)),
+        notes=("Both under the same force and drawn larger by the same factor; slowed down.",),
+    )
+
+
+def _worst_line(objective: ReceptanceObjective, posed: PosedRobot) -> float:
+    """The one frequency of the objective, or of several the one that is answered most [Hz]."""
+    values = np.abs(posed.frf(objective.frequency, response=objective.directions[0]).value[:, 0, 0])
+    return float(objective.frequency[int(np.argmax(values))])

@@ -1,0 +1,151 @@
+"""A page shown live: served from memory, on 127.0.0.1 alone, until Ctrl-C."""
+
+from __future__ import annotations
+
+import socket
+import threading
+import webbrowser
+from collections.abc import Callable
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from typing import Any
+
+from flexmodal.errors import Fault, InvalidRequest
+
+HOST = "127.0.0.1"
+"""The one address listened on: whoever is not on this computer cannot ask."""
+
+_open: list[PageServer] = []
+
+
+class _Server(ThreadingHTTPServer):
+    daemon_threads = True
+    block_on_close = False
+
+    def server_bind(self) -> None:
+        # The base class asks the name service what 127.0.0.1 is called, which can take long.
+        self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)  # not kept waiting by its last run
+        self.socket.bind(self.server_address)
+        self.server_address = self.socket.getsockname()
+        self.server_name, self.server_port = HOST, int(self.server_address[1])
+
+    def handle_error(self, request: Any, client_address: Any) -> None:
+        """A browser that hangs up early is no error."""
+
+
+class PageServer:
+    """One page at one address. A context: the port is free again when it ends."""
+
+    def __init__(self, page: str, *, port: int | None = None) -> None:
+        """Listen on a port of 127.0.0.1, a free one if none is given.
+
+        Raises:
+            InvalidRequest: the port is taken, out of range, or not ours to use.
+        """
+        number = 0 if port is None else port
+        if not 0 <= number <= 65535:
+            raise InvalidRequest(Fault("call", "port", str(number), "0 to 65535; 0 for a free one"))
+        try:
+            self._server = _Server((HOST, number), _handler(page.encode()), bind_and_activate=False)
+            self._server.server_bind()
+            self._server.server_activate()
+        except OSError as error:
+            self._server.server_close()
+            allowed = "a port that is free, or none to have one chosen"
+            raise InvalidRequest(Fault("call", "port", f"{number}, {error.strerror}", allowed)) from None
+        self.url = f"http://{HOST}:{self._server.server_port}/"
+        self._thread: threading.Thread | None = None
+
+    def __enter__(self) -> PageServer:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def run(self) -> None:
+        """Serve until Ctrl-C, then close."""
+        try:
+            self._server.serve_forever(poll_interval=0.2)
+        except KeyboardInterrupt:
+            pass
+        finally:
+            self._server.server_close()
+
+    def start(self) -> None:
+        """Serve in a thread that ends with this process at the latest."""
+        self._thread = threading.Thread(target=self._server.serve_forever, args=(0.1,), daemon=True)
+        self._thread.start()
+
+    def close(self) -> None:
+        """Stop serving and free the port."""
+        if self._thread is not None:
+            self._server.shutdown()
+            self._thread.join()
+            self._thread = None
+        self._server.server_close()
+
+
+def serve(
+    page: str, *, port: int | None, open_browser: bool, announce: Callable[[str], None], block: bool
+) -> str:
+    """Serve a page and return its address.
+
+    Args:
+        page: the HTML.
+        port: port on 127.0.0.1; a free one if none.
+        open_browser: open it in the user's browser.
+        announce: told the address, and how to end it.
+        block: wait for Ctrl-C; otherwise return at once and serve until `close_all` or the end.
+    """
+    server = PageServer(page, port=port)
+    announce(f"Showing at {server.url}" + (" (Ctrl-C ends it)" if block else ""))
+    if not block:
+        server.start()
+        _open.append(server)
+    if open_browser:
+        threading.Thread(target=webbrowser.open, args=(server.url,), daemon=True).start()
+    if block:
+        server.run()
+    return server.url
+
+
+def close_all() -> None:
+    """Stop every page that is served in the background."""
+    while _open:
+        _open.pop().close()
+
+
+def _handler(page: bytes) -> type[BaseHTTPRequestHandler]:
+    class Handler(BaseHTTPRequestHandler):
+        server: _Server
+        timeout = 30
+
+        def do_GET(self) -> None:
+            self._answer(with_body=True)
+
+        def do_HEAD(self) -> None:
+            self._answer(with_body=False)
+
+        def _answer(self, *, with_body: bool) -> None:
+            # A name that somebody else's site resolves to 127.0.0.1 is not ours to answer to.
+            names = {f"{name}:{self.server.server_port}" for name in (HOST, "localhost")}
+            if self.headers.get("Host") not in names:
+                self.send_error(421)
+                return
+            if self.path.partition("?")[0] != "/":
+                self.send_error(404)
+                return
+            self.send_response(200)
+            self.send_header("Content-Type", "text/html; charset=utf-8")
+            self.send_header("Content-Length", str(len(page)))
+            self.send_header("Cache-Control", "no-store")
+            self.end_headers()
+            if with_body:
+                self.wfile.write(page)
+
+        def version_string(self) -> str:
+            return "flexmodal"
+
+        def log_message(self, format: str, *args: object) -> None:
+            """Say nothing."""
+
+    return Handler

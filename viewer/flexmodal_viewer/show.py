@@ -1,0 +1,106 @@
+"""The two things people ask for: show me this robot, show me what the search found."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from flexmodal.frf import PointDirection
+from flexmodal.model import Posture, Robot
+from flexmodal.optimisation import Outcome
+from flexmodal_viewer.outcome_scene import outcome_scene
+from flexmodal_viewer.page import page_html, write_page
+from flexmodal_viewer.robot_scene import robot_scene
+from flexmodal_viewer.scene import Scene
+from flexmodal_viewer.serve import serve
+
+Announce = Callable[[str], None]
+
+
+def show_robot(
+    robot: Robot,
+    posture: Posture,
+    *,
+    modes: bool = False,
+    response: str | PointDirection | None = None,
+    frequency: float | None = None,
+    out: str | Path | None = None,
+    port: int | None = None,
+    overwrite: bool = False,
+    open_browser: bool = True,
+    announce: Announce = print,
+    block: bool = True,
+) -> str:
+    """Show a robot in the browser, or write it as a page.
+
+    Args:
+        robot: what to show.
+        posture: how it stands.
+        modes: with its mode shapes, one button each.
+        response: point and direction of a force; the tool along z if none.
+        frequency: with its deflection under that force at this frequency [Hz].
+        out: write a self-contained page here instead of serving it.
+        port: port on 127.0.0.1; a free one if none.
+        overwrite: replace a page that stands there already.
+        open_browser: open the user's browser when serving.
+        announce: told where the picture is.
+        block: serve until Ctrl-C; otherwise serve in the background until `close_all` or the end.
+
+    Returns:
+        Path of the page, or address it is served at.
+
+    Raises:
+        InvalidPoint, InvalidFrequencies, InvalidPosture, SingularResponse: see `robot_scene`.
+        InvalidRequest: the port cannot be used.
+        OutputExists: the page exists already, or its folder does not.
+    """
+    scene = robot_scene(robot, posture, modes=modes, response=response, frequency=frequency)
+    return _deliver(scene, out, port, overwrite, open_browser, announce, block)
+
+
+def show_outcome(
+    outcome: Outcome,
+    *,
+    start: Posture | None,
+    out: str | Path | None = None,
+    port: int | None = None,
+    overwrite: bool = False,
+    open_browser: bool = True,
+    announce: Announce = print,
+    block: bool = True,
+) -> str:
+    """Show what a posture search found in the browser, or write it as a page.
+
+    Args:
+        outcome: result of the search.
+        start: posture to compare with, if any.
+        out: as in `show_robot`, as are all the others.
+        port: see there.
+        overwrite: see there.
+        open_browser: see there.
+        announce: see there.
+        block: see there.
+
+    Returns:
+        Path of the page, or address it is served at.
+
+    Raises:
+        InvalidRequest, OutputExists: see `show_robot`.
+    """
+    return _deliver(outcome_scene(outcome, start=start), out, port, overwrite, open_browser, announce, block)
+
+
+def _deliver(
+    scene: Scene,
+    out: str | Path | None,
+    port: int | None,
+    overwrite: bool,
+    open_browser: bool,
+    announce: Announce,
+    block: bool,
+) -> str:
+    if out is None:
+        return serve(page_html(scene), port=port, open_browser=open_browser, announce=announce, block=block)
+    path = write_page(scene, out, overwrite=overwrite)
+    announce(f"Written to {path}")
+    return str(path)
