@@ -10,7 +10,7 @@ from tables import thesis, write
 import flexmodal
 from flexmodal import Hold, PointDirection, PostureProblem, ReceptanceObjective, StiffnessObjective
 
-STARTS = int(sys.argv[1]) if len(sys.argv) > 1 else 128
+STARTS = 64
 UP = PointDirection("tool", "z")
 START = {"-3.5": "start_1", "-2": "start_2", "0": "start_3"}
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -22,14 +23,16 @@ def thesis(name: str) -> list[dict[str, str]]:
 def write(
     name: str, title: str, lead: str, header: Sequence[str], rows: Sequence[Sequence[str]], end: str = ""
 ) -> None:
-    """Write docs/tables/<name>.md and print it."""
+    """Write docs/tables/<name>.md and print it; with `--check`, compare instead and exit 1 if it differs."""
     lines = [f"# {title}", "", lead, "", "| " + " | ".join(header) + " |"]
     lines.append("|" + "|".join(["---"] + ["---:"] * (len(header) - 1)) + "|")
     lines += ["| " + " | ".join(row) + " |" for row in rows]
     if end:
         lines += ["", end]
     text = "\n".join(lines) + "\n"
-    TABLES.mkdir(parents=True, exist_ok=True)
-    with whole_file(TABLES / f"{name}.md", overwrite=True) as scratch:
-        scratch.write_text(text, encoding="utf-8")
+    file = TABLES / f"{name}.md"
     print(text)
+    if "--check" in sys.argv:
+        sys.exit(file.read_text(encoding="utf-8") != text)
+    with whole_file(file, overwrite=True) as scratch:
+        scratch.write_text(text, encoding="utf-8")

@@ -12,10 +12,10 @@ from flexmodal.cli.printing import print_json, print_table
 @json_option
 def robots(as_json: bool) -> None:
     """List the cards that ship, with their joints, points and postures."""
-    from flexmodal.cards import example_arms, shipped_cards
-    from flexmodal.model import load
+    from flexmodal.cards import example_arms
+    from flexmodal.model import robots as shipped_robots
 
-    loaded = [load(path) for path in shipped_cards().values()]
+    loaded = shipped_robots()
     if as_json:
         listed = [
             {

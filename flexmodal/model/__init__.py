@@ -2,6 +2,7 @@
 
 from flexmodal.model.check import check as check
 from flexmodal.model.load import load as load
+from flexmodal.model.load import robots as robots
 from flexmodal.model.measures import Measures as Measures
 from flexmodal.model.posed import PosedRobot as PosedRobot
 from flexmodal.model.posture import Posture as Posture

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from types import MappingProxyType
 
 from flexmodal.cards import (
+    FrozenDict,
     JointCard,
     RobotCard,
     Urdf,
@@ -17,9 +16,11 @@ from flexmodal.cards import (
     gripper_joints,
     read_card,
     read_urdf,
+    shipped_cards,
 )
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.model.build import build_model
+from flexmodal.model.posture import is_number
 from flexmodal.model.robot import Robot
 
 PerJoint = float | Mapping[str, float]
@@ -61,6 +62,11 @@ def load(
     return _assemble(card, urdf, tool)
 
 
+def robots() -> tuple[Robot, ...]:
+    """The robots whose cards ship, loaded, in the order of their names."""
+    return tuple(load(path) for path in shipped_cards().values())
+
+
 def _refuse_beside_card(path: Path, **given: object) -> None:
     faults = [
         Fault("call", name, "a value", f"nothing: {path} says it, or a bare URDF")
@@ -80,45 +86,55 @@ def _card_for(
     if stiffness is None:
         asked = "--stiffness NUMBER or joint=number,… (a URDF alone does not say how soft its joints are)"
         raise InvalidRequest(Fault(str(urdf.path), "stiffness", "none", asked))
-    values = _per_joint(stiffness, moving, "stiffness", 0.0, strict=True)
-    losses = _per_joint(0.0 if damping is None else damping, moving, "damping", 0.0, strict=False)
-    joints = {name: JointCard(values[name], losses.get(name, 0.0)) for name in moving if name in values}
+    faults = _faults_of(stiffness, moving, "stiffness", strict=True)
+    values = _per_joint(stiffness, moving)
+    losses = {} if damping is None else _per_joint(damping, list(values))
+    if damping is not None:
+        faults += _faults_of(damping, [name for name in moving if name in values], "damping", strict=False)
+    if faults:
+        raise InvalidRequest(faults)
+    joints = {
+        name: JointCard(float(values[name]), float(losses.get(name, 0.0)))
+        for name in moving
+        if name in values
+    }
     check_masses(urdf, tuple(joints))
-    empty: Mapping[str, object] = MappingProxyType({})
     return RobotCard(
         name=urdf.name or urdf.path.stem,
         title=f"{urdf.path.name}, a bare URDF",
         urdf=urdf.path,
         tool=tool or _last_link(urdf),
         source="the URDF; stiffness and damping as given",
-        joints=MappingProxyType(joints),
-        points=empty,  # type: ignore[arg-type]
-        postures=empty,  # type: ignore[arg-type]
-        families=empty,  # type: ignore[arg-type]
+        joints=FrozenDict(joints),
+        points=FrozenDict(),
+        postures=FrozenDict(),
+        families=FrozenDict(),
         path=urdf.path,
     )
 
 
-def _per_joint(
-    given: PerJoint, moving: list[str], key: str, least: float, *, strict: bool
-) -> dict[str, float]:
-    values = dict(given) if isinstance(given, Mapping) else dict.fromkeys(moving, given)
-    allowed = f"a finite number {'>' if strict else '≥'} {least:g}"
+def _per_joint(given: PerJoint, names: list[str]) -> dict[str, float]:
+    return dict(given) if isinstance(given, Mapping) else dict.fromkeys(names, given)
+
+
+def _faults_of(given: PerJoint, names: list[str], key: str, *, strict: bool) -> list[Fault]:
+    """What is wrong with a stiffness of the joints that move, or a damping of those that are flexible."""
+    values = _per_joint(given, names)
+    allowed = f"a finite number {'above 0' if strict else 'of 0 or more'}"
+    kind = "joint that moves" if strict else "flexible joint"
     faults = [
         Fault("call", f"{key} of {name}", f"{value!r}", allowed)
         for name, value in values.items()
-        if isinstance(value, bool) or not math.isfinite(value) or value < least or (strict and value == least)
+        if not is_number(value) or value < 0 or (strict and value == 0)
     ]
     faults += [
-        Fault("call", key, f"unknown joint {name!r}", ", ".join(moving))
+        Fault("call", key, f"{name!r}, which is no {kind}", ", ".join(names))
         for name in values
-        if name not in moving
+        if name not in names
     ]
     if not values:
-        faults.append(Fault("call", key, "no joint", f"at least one of {', '.join(moving)}"))
-    if faults:
-        raise InvalidRequest(faults)
-    return {name: float(value) for name, value in values.items()}
+        faults.append(Fault("call", key, "no joint", f"at least one of {', '.join(names)}"))
+    return faults
 
 
 def _last_link(urdf: Urdf) -> str:
@@ -150,10 +166,10 @@ def _assemble(card: RobotCard, urdf: Urdf, tool: str | None) -> Robot:
         title=card.title,
         urdf=urdf,
         tool=tool or card.tool,
-        joints=MappingProxyType({name: card.joints[name] for name in moving if name in card.joints}),
+        joints=FrozenDict({name: card.joints[name] for name in moving if name in card.joints}),
         points=card.points,
         postures=card.postures,
         families=card.families,
-        moving=MappingProxyType(moving),
+        moving=FrozenDict(moving),
         pinocchio=model,
     )
