@@ -57,15 +57,23 @@ def write_frf(
     ]
     with whole_file(path, overwrite=overwrite) as scratch:
         scratch.unlink()  # pyuff leaves a broken file when it overwrites one; "add" to none is sound
-        pyuff.UFF(str(scratch)).write_sets(records, mode="add")
+        try:
+            pyuff.UFF(str(scratch)).write_sets(records, mode="add")
+        except Exception as error:
+            # pyuff turns whatever happens into a bare Exception: a full disk, even Ctrl-C
+            if isinstance(error.__context__, OSError | KeyboardInterrupt):
+                raise error.__context__ from None
+            raise
 
 
 def _record(
     frf: Frf, row: int, column: int, nodes: Mapping[str, int], posture: int, title: str
 ) -> dict[str, Any]:
     response, reference = frf.response[row], frf.reference[column]
-    steps = np.diff(frf.frequency)
-    even = len(steps) > 0 and bool(np.allclose(steps, steps[0], rtol=1e-9, atol=0))
+    # pyuff asks for a second abscissa even of a single line; flagged even, only the first is written
+    axis = frf.frequency if len(frf.frequency) > 1 else np.repeat(frf.frequency, 2)
+    steps = np.diff(axis)
+    even = bool(np.allclose(steps, steps[0], rtol=1e-9, atol=0))
     numerator = _NUMERATOR[frf.form]
     return {
         "type": 58,
@@ -75,14 +83,14 @@ def _record(
         "ver_num": 1,
         "rsp_node": nodes[response.point],
         "rsp_dir": _direction(response),
-        "rsp_ent_name": response.point[:10],
+        "rsp_ent_name": _plain(response.point, 10),
         "ref_node": nodes[reference.point],
         "ref_dir": _direction(reference),
-        "ref_ent_name": reference.point[:10],
-        "id1": title.encode("ascii", "replace").decode()[:80],
-        "id2": f"{frf.form} {response} per {reference}"[:80],
+        "ref_ent_name": _plain(reference.point, 10),
+        "id1": _plain(title, 80),
+        "id2": _plain(f"{frf.form} {response} per {reference}", 80),
         "data": frf.value[:, row, column],
-        "x": frf.frequency,
+        "x": axis,
         "ord_data_type": 6,
         "abscissa_spacing": int(even),
         "abscissa_min": float(frf.frequency[0]),
@@ -95,6 +103,11 @@ def _record(
         **_lengths("ordinate", numerator),
         **_lengths("orddenom", _FORCE),
     }
+
+
+def _plain(text: str, width: int) -> str:
+    """Printable ASCII of one line: anything else would shift the columns of the record."""
+    return "".join(sign if " " <= sign <= "~" else "?" for sign in text[:width])
 
 
 def _direction(direction: PointDirection) -> int:

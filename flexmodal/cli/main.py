@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import importlib
 import os
+import signal
 import sys
+from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import click
@@ -55,12 +58,14 @@ def main(arguments: list[str] | None = None) -> None:
     """Run the command line and leave with its exit status; errors become sentences, never tracebacks."""
     from flexmodal.errors import FlexmodalError, InvalidInput, MissingExtra
 
+    if arguments is None:
+        _settle_in()
     try:
         status: Any = group.main(arguments, prog_name="flexmodal", standalone_mode=False)
         sys.stdout.flush()
         sys.exit(status if isinstance(status, int) else 0)
     except InvalidInput as error:
-        _complain(*map(str, error.faults))
+        _complain(*(str(replace(fault, file=_here(fault.file))) for fault in error.faults))
         sys.exit(2)
     except MissingExtra as error:
         _complain(str(error))
@@ -80,6 +85,21 @@ def main(arguments: list[str] | None = None) -> None:
     except OSError as error:
         _complain(f"{error.filename or 'file'}: {error.strerror}")
         sys.exit(2)
+
+
+def _settle_in() -> None:
+    """As the program of a process: close in order when told to, and cope with any standard output."""
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # else scratch files would be left
+    for name in ("stdout", "stderr"):
+        if getattr(sys, name) is None:  # closed by the caller
+            setattr(sys, name, Path(os.devnull).open("w"))  # noqa: SIM115 - for as long as the process
+    if hasattr(sys.stdout, "reconfigure"):
+        sys.stdout.reconfigure(errors="replace")  # a terminal without ° shows ?
+
+
+def _here(source: str) -> str:
+    """What the API calls a call came from the command line."""
+    return "command line" if source == "call" else source
 
 
 def _complain(*sentences: str) -> None:

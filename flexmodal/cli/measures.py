@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from flexmodal.cli.options import json_option, load_robot, posture_of, posture_option, robot_options
+from flexmodal.cli.options import hertz, json_option, load_robot, posture_of, posture_option, robot_options
 from flexmodal.cli.printing import print_json, print_table
 
 
@@ -12,7 +12,7 @@ from flexmodal.cli.printing import print_json, print_table
 @robot_options
 @posture_option
 @click.option("--direction", metavar="POINT:AXIS", help="Such as tool:+z (the default).")
-@click.option("--frequency", type=float, metavar="HZ", help="For the dynamic receptance.")
+@click.option("--frequency", callback=hertz, metavar="HZ", help="For the dynamic receptance.")
 @click.option(
     "--task",
     type=click.Choice(["full", "position"]),
@@ -34,6 +34,8 @@ def measures(
     as_json: bool,
 ) -> None:
     """Stiffness, mobility, static and dynamic receptance along one direction."""
+    from flexmodal.frf import PointDirection
+
     arm = load_robot(robot, stiffness, damping, tool, fix)
     where = posture_of(arm, posture)
     found = arm.measures(where, direction=direction, frequency=frequency, task=task)
@@ -49,12 +51,14 @@ def measures(
             }
         )
         return
+    turning = direction is not None and PointDirection.parse(direction).is_rotation
+    units = ("N·m/rad", "rad²/rad²", "rad/(N·m)") if turning else ("N/m", "m²/rad²", "m/N")
     rows = [
-        ["stiffness measure", f"{found.stiffness:.5g}", "N/m"],
-        ["mobility measure", f"{found.mobility:.5g}", "m²/rad²"],
-        ["static receptance", f"{found.static_receptance:.5g}", "m/N"],
+        ["stiffness measure", f"{found.stiffness:.5g}", units[0]],
+        ["mobility measure", f"{found.mobility:.5g}", units[1]],
+        ["static receptance", f"{found.static_receptance:.5g}", units[2]],
     ]
     if dynamic is not None:
-        rows.append([f"|receptance| at {found.frequency:g} Hz", f"{abs(dynamic):.5g}", "m/N"])
+        rows.append([f"|receptance| at {found.frequency:g} Hz", f"{abs(dynamic):.5g}", units[2]])
     rows.append([f"{arm.tool} at", "  ".join(f"{value:.4f}" for value in found.tool), "m"])
     print_table(f"{arm.name} at {where}, {direction or arm.tool + ':+z'}", ["measure", "value", "unit"], rows)

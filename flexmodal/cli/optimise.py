@@ -10,6 +10,7 @@ import click
 from flexmodal.cli.options import (
     SOURCE,
     band_of,
+    hertz,
     json_option,
     load_robot,
     number,
@@ -34,7 +35,7 @@ _BAND_LINES = 60
 @click.option("--hold", metavar="X,Z|X,Y,Z", help="Keep the end-effector there [m].")
 @click.option("--family", metavar="NAME", help="Search along a family of the card.")
 @click.option("--free", is_flag=True, help="Let the end-effector go anywhere.")
-@click.option("--frequency", type=float, metavar="HZ", help="Where the receptance is taken.")
+@click.option("--frequency", callback=hertz, metavar="HZ", help="Where the receptance is taken.")
 @click.option("--band", metavar="LOW:HIGH", help="A band of frequencies instead of one.")
 @click.option(
     "--direction",
@@ -108,7 +109,8 @@ def optimise(
 
 
 def _one_of(hold: str | None, family: str | None, free: bool) -> None:
-    given = [name for name, on in (("--hold", hold), ("--family", family), ("--free", free)) if on]
+    choices = {"--hold": hold is not None, "--family": family is not None, "--free": free}
+    given = [name for name, on in choices.items() if on]
     if len(given) != 1:
         allowed = "exactly one of --hold X,Z, --family NAME and --free"
         raise InvalidRequest(Fault(SOURCE, "", " and ".join(given) or "none of them", allowed))
@@ -193,10 +195,8 @@ def _print(outcome: Outcome, objective: str) -> None:
         click.echo(f"and {len(outcome.optima) - 10} more; --json lists them all")
     if outcome.start is not None:
         better, worse = sorted((outcome.best.objective, outcome.start))
-        click.echo(
-            f"start {outcome.start:.5g} {unit}, best {outcome.best.objective:.5g}: "
-            f"a factor of {worse / better:.3g}"
-        )
+        factor = f": a factor of {worse / better:.3g}" if better > 0 else ""
+        click.echo(f"start {outcome.start:.5g} {unit}, best {outcome.best.objective:.5g}{factor}")
     click.echo(
         f"{robot.tool} at ({', '.join(f'{value:.4f}' for value in outcome.tool)}) m; {outcome.verdict}"
     )

@@ -18,6 +18,9 @@ if TYPE_CHECKING:
 
 SOURCE = "command line"
 
+SMALLEST, LARGEST = 1e-100, 1e100
+"""Sizes between which a number is taken: beyond them its square or cube is no finite number."""
+
 Command = TypeVar("Command", bound=Callable[..., Any])
 
 
@@ -73,14 +76,20 @@ def per_joint(text: str | None, option: str) -> float | dict[str, float] | None:
 
 
 def number(text: str, key: str, what: str = "a number") -> float:
-    """A finite number, or InvalidRequest."""
+    """A finite number of a size that can be reckoned with, or InvalidRequest."""
     try:
         value = float(text)
     except ValueError:
         value = math.nan
-    if not math.isfinite(value):
-        raise InvalidRequest(Fault(SOURCE, key, repr(text), f"{what}, finite"))
+    if value != 0 and not SMALLEST <= abs(value) <= LARGEST:
+        allowed = f"{what}, finite, 0 or of a size from {SMALLEST:g} to {LARGEST:g}"
+        raise InvalidRequest(Fault(SOURCE, key, repr(text), allowed))
     return value
+
+
+def hertz(ctx: click.Context, param: click.Parameter, text: str | None) -> float | None:
+    """Callback of an option that takes a frequency, of which only the sign is still to be judged."""
+    return None if text is None else number(text, "--frequency", "a frequency in Hz")
 
 
 def _pairs(text: str, key: str) -> dict[str, str]:
@@ -120,15 +129,21 @@ def frequencies_of(text: str) -> np.ndarray:
 
     source = f"{SOURCE} --frequencies"
     try:
-        if ":" not in text:
-            return frequency_axis([float(part) for part in text.split(",") if part.strip()], source=source)
-        start, stop, step = (float(part) for part in text.split(":"))
-    except InvalidFrequencies:
-        raise
+        if ":" in text:
+            start, stop, step = (float(part) for part in text.split(":"))
+        else:
+            values = [float(part) for part in text.split(",") if part.strip()]
     except ValueError:
         allowed = "START:STOP:STEP, or frequencies separated by commas [Hz]"
         raise InvalidFrequencies(Fault(source, "", repr(text), allowed)) from None
-    return stepped_axis(start, stop, step, source=source)
+    axis = (
+        stepped_axis(start, stop, step, source=source)
+        if ":" in text
+        else frequency_axis(values, source=source)
+    )
+    if axis[-1] > LARGEST:
+        raise InvalidFrequencies(Fault(source, "", f"{axis[-1]:g} Hz", f"at most {LARGEST:g} Hz"))
+    return axis
 
 
 def band_of(text: str) -> tuple[float, float]:
@@ -137,7 +152,7 @@ def band_of(text: str) -> tuple[float, float]:
         low, high = (float(part) for part in text.split(":"))
     except ValueError:
         low, high = math.nan, math.nan
-    if not (math.isfinite(low) and math.isfinite(high) and 0 <= low < high):
+    if not 0 <= low < high <= LARGEST:
         raise InvalidRequest(Fault(SOURCE, "--band", repr(text), "LOW:HIGH in Hz, 0 ≤ LOW < HIGH"))
     return low, high
 
@@ -150,6 +165,8 @@ def refuse_existing(out: Path | None, force: bool, endings: tuple[str, ...]) -> 
         return
     if out.suffix.lower() not in endings:
         raise InvalidRequest(Fault(SOURCE, "--out", repr(str(out)), f"a file ending in {', '.join(endings)}"))
+    if out.is_dir():
+        raise OutputExists(Fault(str(out), "", "a folder", "the name of a file"))
     if out.exists() and not force:
         raise OutputExists(Fault(str(out), "", "an existing file", "a new name, or --force"))
     if not out.parent.is_dir():

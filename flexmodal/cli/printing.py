@@ -10,10 +10,16 @@ from typing import Any
 
 import click
 
+from flexmodal.errors import FlexmodalError
+
 
 def print_json(result: dict[str, Any]) -> None:
-    """One JSON object, refusing NaN and infinity rather than writing what no reader accepts."""
-    click.echo(json.dumps(result, allow_nan=False, ensure_ascii=False))
+    """One JSON object in ASCII, refusing NaN and infinity rather than writing what no reader accepts."""
+    try:
+        text = json.dumps(result, allow_nan=False)
+    except ValueError:
+        raise FlexmodalError("the result is not finite: its numbers are too large or too small") from None
+    click.echo(text)
 
 
 def print_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]]) -> None:

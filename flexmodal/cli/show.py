@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from flexmodal.cli.options import force_option, load_robot, posture_of, refuse_existing, robot_options
+from flexmodal.cli.options import force_option, hertz, load_robot, posture_of, refuse_existing, robot_options
 
 
 @click.command()
@@ -14,7 +14,7 @@ from flexmodal.cli.options import force_option, load_robot, posture_of, refuse_e
 @click.option("--posture", metavar="POSTURE", help="A named posture or q1=50deg,…; the card's first if none.")
 @click.option("--modes", is_flag=True, help="Animate the mode shapes.")
 @click.option("--response", metavar="POINT:AXIS", help="Point and direction of the force, tool:+z if none.")
-@click.option("--frequency", type=float, metavar="HZ", help="Animate the deflection at this frequency.")
+@click.option("--frequency", callback=hertz, metavar="HZ", help="Animate the deflection at this frequency.")
 @click.option("--out", type=click.Path(path_type=Path), help="Write one self-contained page instead.")
 @click.option("--port", type=click.IntRange(0, 65535), help="Port on 127.0.0.1; a free one if none.")
 @force_option

@@ -12,7 +12,7 @@ MOST_LINES = 10_000_000
 """More lines than this are a slip of the keyboard (160 MB for one FRF)."""
 
 
-def frequency_axis(values: ArrayLike, *, source: str = "call") -> Float[np.ndarray, " line"]:
+def frequency_axis(values: ArrayLike | float, *, source: str = "call") -> Float[np.ndarray, " line"]:
     """Check a frequency axis and return it as a read-only array.
 
     Args:
@@ -23,8 +23,11 @@ def frequency_axis(values: ArrayLike, *, source: str = "call") -> Float[np.ndarr
         InvalidFrequencies: empty, not numbers, not finite, negative, or not strictly ascending.
     """
     try:
-        axis = np.atleast_1d(np.array(values, dtype=float))
-    except (TypeError, ValueError):
+        given = np.asarray(values)
+        if np.iscomplexobj(given):
+            raise TypeError
+        axis = np.atleast_1d(np.array(given, dtype=float))
+    except (TypeError, ValueError, OverflowError):
         raise _fault(source, "something that is not a number") from None
     if axis.ndim != 1 or axis.size == 0:
         raise _fault(source, "no frequencies" if axis.size == 0 else f"an array of shape {axis.shape}")

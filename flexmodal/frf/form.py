@@ -39,7 +39,7 @@ def convert(
         return value
     if power < 0 and frequency[0] == 0:
         raise InvalidFrequencies(
-            Fault("call", "frequencies", f"0 Hz in an {source} to integrate", "frequencies above 0 Hz")
+            Fault("call", "frequencies", f"0 Hz in {source} to be integrated", "frequencies above 0 Hz")
         )
     factor = (2j * np.pi * frequency) ** power
     return value * factor.reshape((-1,) + (1,) * (value.ndim - 1))

@@ -35,7 +35,7 @@ def draw_frf(curves: Mapping[str, Frf], *, title: str = "", mark: float | None =
     figure = Figure(figsize=(7.5, 5.4), layout="constrained")
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[2.2, 1])
     lines = list(_pairs(curves))
-    for place, (label, frequency, values, _) in enumerate(lines[:_MOST_CURVES]):
+    for place, (_, frequency, values, _) in enumerate(lines[:_MOST_CURVES]):
         style: dict[str, Any] = {
             "color": PALETTE[place % len(PALETTE)],
             "linestyle": _STYLES[place % len(_STYLES)],
@@ -43,7 +43,7 @@ def draw_frf(curves: Mapping[str, Frf], *, title: str = "", mark: float | None =
             "marker": "o" if len(frequency) == 1 else None,
         }
         size = np.where(np.abs(values) > 0, np.abs(values), np.nan)
-        upper.plot(frequency, size, label=label, **style)
+        upper.plot(frequency, size, label=str(place), **style)
         phase = np.degrees(np.angle(values))
         jump = np.flatnonzero(np.abs(np.diff(phase)) > 180)
         lower.plot(
@@ -69,10 +69,13 @@ def draw_frf(curves: Mapping[str, Frf], *, title: str = "", mark: float | None =
             textcoords="offset points", color="0.25", fontsize=9,
         )  # fmt: skip
     if len(lines) > 1:
-        upper.legend(fontsize=9, frameon=True, framealpha=0.9)
-        upper.set_title(title, loc="left", fontsize=11)
+        legend = upper.legend(fontsize=9, frameon=True, framealpha=0.9)
+        for text, (label, *_) in zip(legend.get_texts(), lines, strict=False):
+            text.set(text=label, parse_math=False)  # names may hold $, or begin with _
+        heading = title
     else:
-        upper.set_title(": ".join(part for part in (title, lines[0][0]) if part), loc="left", fontsize=11)
+        heading = ": ".join(part for part in (title, lines[0][0]) if part)
+    upper.set_title(heading, loc="left", fontsize=11, parse_math=False)
     return figure
 
 

@@ -12,7 +12,7 @@ _BLOCK = 4096
 """Frequencies solved at once: bounds the memory for the stacked matrices."""
 
 _SINGULAR = 1e-13
-"""Reciprocal condition of the scaled dynamic stiffness below which the response counts as infinite."""
+"""Smallest singular value of the scaled dynamic stiffness below which the response counts as infinite."""
 
 
 def dynamic_stiffness(
@@ -43,34 +43,46 @@ def receptance(
         Displacement per force [m/N, rad/N, …], by line, response and reference.
 
     Raises:
-        SingularResponse: an undamped mode is driven at its natural frequency.
+        SingularResponse: an undamped mode is driven at its natural frequency, or a free one at 0 Hz.
     """
-    undamped = float(np.min(np.linalg.eigvalsh(_scaled(system.damping, system.damping)))) <= _SINGULAR
+    undamped = (
+        float(np.min(np.linalg.eigvalsh(_scaled(system.damping, np.diag(system.damping))))) <= _SINGULAR
+    )
     blocks = []
     for start in range(0, len(frequency), _BLOCK):
         part = frequency[start : start + _BLOCK]
         stack = dynamic_stiffness(system, part)
-        if undamped:
-            _refuse_resonance(stack, part, system)
+        exposed = len(part) if undamped else int(part[0] == 0)  # damping holds everything but 0 Hz
+        _refuse_resonance(stack[:exposed], part[:exposed], system)
         blocks.append(response @ np.linalg.solve(stack, reference.T.astype(complex)[None]))
     return np.concatenate(blocks)
 
 
-def _scaled(matrix: np.ndarray, by: np.ndarray) -> np.ndarray:
-    scale = 1 / np.sqrt(np.where(np.diag(by) > 0, np.diag(by), 1.0))
-    return matrix * np.outer(scale, scale)
+def _scaled(matrix: np.ndarray, diagonal: np.ndarray) -> np.ndarray:
+    scale = 1 / np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
+    return matrix * scale[..., :, None] * scale[..., None, :]
 
 
 def _refuse_resonance(stack: np.ndarray, frequency: np.ndarray, system: SecondOrderSystem) -> None:
     """Without full damping Z can be singular; find it before the solver returns 10¹⁰ or fails."""
-    size = np.abs(system.stiffness) + (2 * np.pi * frequency.max()) ** 2 * np.abs(system.mass)
-    values = np.linalg.svd(_scaled(stack, size), compute_uv=False)
-    worst = int(np.argmin(values[:, -1] / values[:, 0]))
-    if values[worst, -1] <= _SINGULAR * values[worst, 0]:
-        raise SingularResponse(
-            f"the receptance is infinite at {frequency[worst]:.9g} Hz: an undamped mode is driven at its "
-            "natural frequency; give the joints damping or leave this frequency out"
-        )
+    if len(frequency) == 0:
+        return
+    omega = 2 * np.pi * frequency[:, None]
+    stiffness, mass, damping = (np.diag(part) for part in (system.stiffness, system.mass, system.damping))
+    # Against its own terms at its own line, so that neither the rest of the axis, nor a stiffer joint, nor
+    # all the modes meeting at one frequency changes the verdict.
+    scaled = _scaled(stack, stiffness + omega**2 * mass + omega * damping)
+    smallest = np.linalg.svd(scaled, compute_uv=False)[:, -1]
+    worst = int(np.argmin(smallest))
+    if smallest[worst] <= _SINGULAR:
+        raise _infinite(frequency[worst])
+
+
+def _infinite(frequency: float) -> SingularResponse:
+    return SingularResponse(
+        f"the receptance is infinite at {frequency:.9g} Hz: an undamped mode is driven at its "
+        "natural frequency; give the joints damping or leave this frequency out"
+    )
 
 
 def modal_sum(
@@ -83,11 +95,15 @@ def modal_sum(
 
     Raises:
         DefectiveModes: critically damped poles, for which no such sum exists.
+        SingularResponse: an undamped mode is driven at its natural frequency, or a free one at 0 Hz.
     """
     if modes.is_defective:
         raise DefectiveModes(
             "critically damped poles have no modal expansion; use the direct solve, which needs none"
         )
     poles, shapes = modes.expanded()
-    weight = 1 / (2j * np.pi * frequency[:, None] - poles)
-    return np.einsum("rp,lp,sp->lrs", response @ shapes, weight, reference @ shapes)
+    driven = 2j * np.pi * frequency[:, None]
+    at_pole = np.abs(driven - poles) <= _SINGULAR * np.abs(poles)
+    if np.any(at_pole):
+        raise _infinite(frequency[int(np.argmax(np.any(at_pole, axis=1)))])
+    return np.einsum("rp,lp,sp->lrs", response @ shapes, 1 / (driven - poles), reference @ shapes)

@@ -15,10 +15,10 @@ from jaxtyping import Bool, Complex, Float
 from flexmodal.modal.system import SecondOrderSystem
 
 DEFECTIVE = 1e4
-"""Pole condition above which a modal sum has lost half its digits or more: it loses twice as many as a pole."""
+"""Pole condition above which a modal sum has lost half its digits: it loses twice as many as the pole."""
 
 _DEPENDENT = 1e-7
-"""Smallest singular value of unit shapes of one repeated pole below which there are fewer shapes than poles."""
+"""Smallest singular value of the unit shapes of a repeated pole below which they are too few."""
 
 _REPEATED = 1e-9
 """Distance of two eigenvalues, relative to the larger, below which they count as one."""
@@ -143,6 +143,12 @@ def _coupled(square: np.ndarray, damping: np.ndarray) -> tuple[np.ndarray, np.nd
     companion = np.block([[np.zeros((count, count)), np.eye(count)], [-np.diag(square), -damping]])
     poles, vectors = np.linalg.eig(companion)
     poles, vectors = poles.astype(complex), vectors.astype(complex)
+    for one in np.flatnonzero((poles.imag > 0) & (poles.imag <= _REPEATED * np.abs(poles))):
+        # Rounding moves equal real poles off the axis, one up and one down; their shapes span a real plane.
+        plane = np.stack([vectors[:, one].real, vectors[:, one].imag], axis=1)
+        if np.linalg.svd(plane, compute_uv=False)[-1] >= _DEPENDENT:
+            poles[one : one + 2] = poles[one].real
+            vectors[:, one : one + 2] = plane
     # The velocity half is λ times the displacement half; of the two the larger is the better known.
     fast = np.abs(poles) > 1
     safe = np.where(poles == 0, 1, poles)
@@ -153,6 +159,7 @@ def _scale(poles: np.ndarray, shapes: np.ndarray, damping: np.ndarray) -> tuple[
     """Scale to uᵀ(2λ + C)u = 1, orthogonally within groups of repeated poles; judge each pole."""
     scaled = shapes / np.linalg.norm(shapes, axis=0)
     condition = np.full(len(poles), np.inf)
+    rounding = 8 * len(damping) * np.finfo(float).eps
     for cluster in _clusters(poles):
         basis = scaled[:, cluster]
         pole = poles[cluster]
@@ -165,7 +172,7 @@ def _scale(poles: np.ndarray, shapes: np.ndarray, damping: np.ndarray) -> tuple[
         # Only the damping that this shape feels: a stiff or slow neighbour must not make it look defective.
         felt = np.einsum("ip,ij,jp->p", np.abs(basis), np.abs(damping), np.abs(basis))
         size = np.max(felt) + 2 * np.max(np.abs(pole))
-        if smallest <= size * np.finfo(float).eps:
+        if smallest <= rounding * (np.linalg.norm(damping) + 2 * np.max(np.abs(pole))):
             continue
         condition[cluster] = size / smallest
         scaled[:, cluster] = basis @ _inverse_root(gram)
@@ -189,4 +196,9 @@ def _inverse_root(gram: np.ndarray) -> np.ndarray:
         return 1 / np.sqrt(gram)
     from scipy.linalg import sqrtm
 
-    return np.linalg.inv(sqrtm(gram))
+    # Overdamped fast poles have G < 0, on the branch cut of the root: turn it to where no eigenvalue is.
+    angles = np.sort(np.angle(np.linalg.eigvals(gram)))
+    gaps = np.diff(angles, append=angles[0] + 2 * np.pi)
+    widest = int(np.argmax(gaps))
+    turn = -np.exp(1j * (angles[widest] + gaps[widest] / 2))
+    return np.linalg.inv(sqrtm(gram / turn) * np.sqrt(turn))

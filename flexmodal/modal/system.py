@@ -76,7 +76,7 @@ def _sign_fault(name: str, matrix: np.ndarray, coordinates: tuple[str, ...], *, 
     if diagonal[worst] < 0 or (strict and diagonal[worst] == 0):
         return Fault("system", f"{name} of {coordinates[worst]}", f"{diagonal[worst]:.6g}", allowed)
     scale = np.where(diagonal > 0, 1 / np.sqrt(np.where(diagonal > 0, diagonal, 1)), 1.0)
-    values, vectors = np.linalg.eigh(matrix * np.outer(scale, scale))
+    values, vectors = np.linalg.eigh(matrix * scale[:, None] * scale)
     rounding = 8 * len(coordinates) * float(np.finfo(float).eps)
     if values[0] > rounding or (not strict and values[0] >= -max(rounding, _SYMMETRY)):
         return None

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import sys
 import tempfile
+import threading
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any
@@ -13,6 +14,9 @@ import numpy as np
 
 from flexmodal.cards import PointCard, Urdf
 from flexmodal.errors import Fault, InvalidUrdf, MissingExtra
+
+_STANDARD_ERROR = threading.Lock()
+"""The file that standard error leads to belongs to the whole process: one thread at a time."""
 
 
 def pinocchio() -> Any:
@@ -74,17 +78,15 @@ def point_frame(model: Any, name: str, *, named: bool) -> int:
 def _native_errors() -> Iterator[list[str]]:
     """Collect what the C++ side writes to its standard error: it drops bad numbers with a line there."""
     lines: list[str] = []
-    sys.stderr.flush()
-    saved = os.dup(2)
-    try:
-        with tempfile.TemporaryFile() as file:
-            os.dup2(file.fileno(), 2)
-            try:
-                yield lines
-            finally:
-                os.dup2(saved, 2)
-                file.seek(0)
-                text = file.read().decode(errors="replace")
-                lines += [line.strip() for line in text.splitlines() if "error" in line.lower()]
-    finally:
-        os.close(saved)
+    with _STANDARD_ERROR, tempfile.TemporaryFile() as file:
+        sys.stderr.flush()
+        saved = os.dup(2)
+        os.dup2(file.fileno(), 2)
+        try:
+            yield lines
+        finally:
+            os.dup2(saved, 2)
+            os.close(saved)
+            file.seek(0)
+            text = file.read().decode(errors="replace")
+            lines += [line.strip() for line in text.splitlines() if "error" in line.lower()]

@@ -4,7 +4,7 @@ With `y = Z⁻¹ jᵀ` solved once for each direction,
 
     dα_uv/dq_k = (∂j_u/∂q_k) y_v + y_uᵀ (∂j_vᵀ/∂q_k) + ω² y_uᵀ (∂D/∂q_k) y_v.
 
-`∂(D a)/∂q` at fixed `a` is what the derivative of the inverse dynamics gives without gravity; `∂J/∂q`
+`∂D/∂q` is what the derivative of the inverse dynamics gives without gravity, column by column; `∂J/∂q`
 follows from the Jacobian itself, because turning joint k turns every axis and every lever arm behind it.
 """
 
@@ -15,6 +15,7 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import Complex, Float
 
+from flexmodal.errors import SingularResponse
 from flexmodal.frf import PointDirection
 from flexmodal.frf.receptance import dynamic_stiffness
 from flexmodal.model.posed import PosedRobot
@@ -59,27 +60,27 @@ def receptance_and_gradient(
 
     Returns:
         α [m/N] by line, response and reference, and ∂α/∂q [m/(N·rad)] with the joint last.
+
+    Raises:
+        SingularResponse: an undamped mode is driven at its natural frequency.
     """
     pick = posed.robot.flexible_index
     full = {d.point: posed.full_jacobian(d.point) for d in directions}
     slopes = {point: jacobian_derivative(jacobian) for point, jacobian in full.items()}
     rows = np.array([d.selector @ full[d.point] for d in directions])[:, pick]
     row_slopes = np.array([np.tensordot(d.selector, slopes[d.point], 1)[pick] for d in directions])
-    solved = np.linalg.solve(
-        dynamic_stiffness(posed.system, frequency), rows.T.astype(complex)[None]
-    )  # [line, joint, direction]
+    try:
+        solved = np.linalg.solve(
+            dynamic_stiffness(posed.system, frequency), rows.T.astype(complex)[None]
+        )  # [line, joint, direction]
+    except np.linalg.LinAlgError:
+        raise SingularResponse(
+            "the receptance is infinite here: an undamped mode is driven at its natural frequency; give the "
+            "joints damping or choose another frequency"
+        ) from None
     value = rows @ solved
     left = np.einsum("uik,liv->luvk", row_slopes, solved)
-    mass = np.zeros_like(left)
-    acceleration = np.zeros(len(posed.robot.moving))
-    for line, omega in enumerate(2 * np.pi * frequency):
-        if omega == 0:
-            continue
-        for column in range(len(directions)):
-            y = solved[line, :, column]
-            acceleration[pick] = y.real
-            slope = posed.mass_derivative(acceleration).astype(complex)
-            acceleration[pick] = y.imag
-            slope += 1j * posed.mass_derivative(acceleration)
-            mass[line, :, column] = omega**2 * solved[line].T @ slope[pick]
+    omega = 2 * np.pi * frequency[:, None, None, None]
+    pulled = np.tensordot(solved, posed.mass_derivative(), axes=(1, 0))  # [line, u, joint, moving]
+    mass = omega**2 * np.einsum("luik,liv->luvk", pulled, solved)
     return value, left + np.swapaxes(left, 1, 2) + mass

@@ -42,7 +42,7 @@ def _common_normal(robot: Robot) -> np.ndarray | None:
     """The one direction all revolute joints turn about, or None for a spatial chain."""
     pin = pinocchio()
     model = robot.pinocchio
-    jacobian = pin.computeJointJacobians(model, model.createData(), pin.neutral(model))
+    jacobian = pin.computeJointJacobians(model, model.createData(), pin.neutral(model)).reshape(6, -1)
     linear, angular = jacobian[:3], jacobian[3:]  # at the world origin, in the world frame
     turning = np.linalg.norm(angular, axis=0) > 0.5
     if not np.any(turning):

@@ -83,9 +83,9 @@ class PosedRobot:
         """Jacobian of a point over every moving joint, rows x, y, z, rx, ry, rz in the world frame."""
         pin = pinocchio()
         frame = self.robot.frame_of(point)
-        return pin.getFrameJacobian(
-            self.robot.pinocchio, self._data[0], frame, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
-        ).copy()
+        world = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
+        jacobian = pin.getFrameJacobian(self.robot.pinocchio, self._data[0], frame, world)
+        return jacobian.reshape(6, -1).copy()  # Pinocchio returns a single column as a flat array
 
     def jacobian(self, point: str) -> Float[np.ndarray, "6 joint"]:
         """Jacobian of a point over the flexible joints, rows x, y, z, rx, ry, rz in the world frame."""
@@ -99,14 +99,23 @@ class PosedRobot:
         """
         return np.array([d.selector @ self.jacobian(d.point) for d in directions])
 
-    def mass_derivative(self, acceleration: Float[np.ndarray, " moving"]) -> np.ndarray:
-        """∂(D a)/∂q at fixed a, over all moving joints: column k is the derivative along joint k."""
+    def mass_derivative(self) -> Float[np.ndarray, "joint joint moving"]:
+        """∂D/∂q_k of the mass matrix over the flexible joints, k last and along every moving joint.
+
+        Column by column: without gravity and at rest, the inverse dynamics of a unit acceleration is a
+        column of D, and Pinocchio has its derivative.
+        """
         pin = pinocchio()
         _, configuration = self._data
         model = self.robot.pinocchio
         scratch = model.createData()
-        zero = np.zeros(model.nv)
-        return pin.computeRNEADerivatives(model, scratch, configuration, zero, acceleration)[0].copy()
+        pick = self.robot.flexible_index
+        zero, unit = np.zeros(model.nv), np.eye(model.nv)
+        columns = [
+            pin.computeRNEADerivatives(model, scratch, configuration, zero, unit[joint])[0][pick]
+            for joint in pick
+        ]
+        return np.stack(columns, axis=1)
 
     def directions(self, given: Directions) -> tuple[PointDirection, ...]:
         """Read directions; none given means the tool along z.

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import difflib
 import math
+import numbers
 from collections.abc import Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 
-from flexmodal.cards import UrdfJoint
+from flexmodal.cards import FrozenDict, UrdfJoint
+from flexmodal.cards.together import TOLERANCE
 from flexmodal.errors import Fault, InvalidPosture
-
-_SLACK = 1e-9
-"""How far past a limit still counts as on it [rad, m]: the rounding of a printed limit."""
 
 
 @dataclass(frozen=True)
@@ -33,7 +31,7 @@ def middle(commanded: Mapping[str, UrdfJoint]) -> Posture:
         name: 0.0 if joint.lower <= 0 <= joint.upper else (joint.lower + joint.upper) / 2
         for name, joint in commanded.items()
     }
-    return Posture(MappingProxyType(values))
+    return Posture(FrozenDict(values))
 
 
 def check_posture(
@@ -61,18 +59,27 @@ def check_posture(
     for joint, value in given.items():
         if joint not in commanded:
             faults.append(_unknown(joint, commanded, pseudo, source))
-        elif isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        elif not is_number(value):
             faults.append(Fault(source, f"posture: {joint}", repr(value), "a finite number [rad, m]"))
-    if not faults:
-        for joint, urdf in commanded.items():
-            value = given.get(joint, 0.0)
-            if not urdf.lower - _SLACK <= value <= urdf.upper + _SLACK:
-                allowed = f"{urdf.lower:.6g} to {urdf.upper:.6g}, the joint's limits"
-                left_out = "" if joint in given else " (left out, so 0)"
-                faults.append(Fault(source, f"posture: {joint}", f"{value:.6g}{left_out}", allowed))
+    for joint, urdf in commanded.items():
+        value = given.get(joint, 0.0)
+        if is_number(value) and not urdf.lower - TOLERANCE <= value <= urdf.upper + TOLERANCE:
+            allowed = f"{urdf.lower:.6g} to {urdf.upper:.6g}, the joint's limits"
+            left_out = "" if joint in given else " (left out, so 0)"
+            faults.append(Fault(source, f"posture: {joint}", f"{float(value):.6g}{left_out}", allowed))
     if faults:
         raise InvalidPosture(faults)
-    return Posture(MappingProxyType({joint: float(given.get(joint, 0.0)) for joint in commanded}), name)
+    return Posture(FrozenDict({joint: float(given.get(joint, 0.0)) for joint in commanded}), name)
+
+
+def is_number(value: object) -> bool:
+    """Whether it is a finite real number, Python's or numpy's; truth values are not."""
+    if isinstance(value, bool) or not isinstance(value, numbers.Real):
+        return False
+    try:
+        return math.isfinite(value)
+    except OverflowError:  # an integer that no float can hold
+        return False
 
 
 def _unknown(joint: str, commanded: Mapping[str, UrdfJoint], pseudo: tuple[str, ...], source: str) -> Fault:

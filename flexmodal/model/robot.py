@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from flexmodal.cards import FamilyCard, JointCard, PointCard, Urdf, UrdfJoint
+from flexmodal.cards import FamilyCard, FrozenDict, JointCard, PointCard, Urdf, UrdfJoint
 from flexmodal.errors import Fault, InvalidPoint, InvalidPosture, InvalidRequest
 from flexmodal.frf import Frf, PointDirection
 from flexmodal.modal import Modes
@@ -55,33 +55,40 @@ class Robot:
     @cached_property
     def commanded(self) -> Mapping[str, UrdfJoint]:
         """The joints that a posture sets."""
-        return {name: joint for name, joint in self.moving.items() if name not in self.pseudo_joints}
+        pseudo = self.pseudo_joints
+        return FrozenDict({name: joint for name, joint in self.moving.items() if name not in pseudo})
 
     @cached_property
     def flexible_index(self) -> np.ndarray:
         """Where the flexible joints stand in the velocity vector."""
         order = list(self.moving)
-        return np.array([order.index(name) for name in self.joints])
+        return _fixed(np.array([order.index(name) for name in self.joints]))
 
     @cached_property
     def stiffness(self) -> Float[np.ndarray, "joint joint"]:
         """K over the flexible joints [N·m/rad, N/m]."""
-        return np.diag([joint.stiffness for joint in self.joints.values()]).astype(float)
+        return _fixed(np.diag([float(joint.stiffness) for joint in self.joints.values()]))
 
     @cached_property
     def damping(self) -> Float[np.ndarray, "joint joint"]:
         """B over the flexible joints [N·m·s/rad, N·s/m]."""
-        return np.diag([joint.damping for joint in self.joints.values()]).astype(float)
+        return _fixed(np.diag([float(joint.damping) for joint in self.joints.values()]))
 
     @cached_property
     def task(self) -> Float[np.ndarray, "task 6"]:
         """Rows of a six-row Jacobian that the stiffness measure takes: three of a planar chain, or six."""
-        return task_rows(self)
+        return _fixed(task_rows(self))
 
     @property
     def is_planar(self) -> bool:
         """Whether the chain moves in one plane only."""
         return len(self.task) == 3
+
+    @cached_property
+    def _frames(self) -> Mapping[str, int]:
+        """Pinocchio's frames by what a user calls them: the named points, then the links."""
+        names = dict.fromkeys([*self.points, *(link.name for link in self.urdf.links)])
+        return {name: point_frame(self.pinocchio, name, named=name in self.points) for name in names}
 
     def frame_of(self, point: str, *, source: str = "call") -> int:
         """Pinocchio's frame of a named point or a URDF link.
@@ -89,13 +96,11 @@ class Robot:
         Raises:
             InvalidPoint: the robot has no such point or link.
         """
-        links = [link.name for link in self.urdf.links]
-        if point not in self.points and point not in links:
-            near = difflib.get_close_matches(point, [*self.points, *links], n=1)
+        if point not in self._frames:
+            near = difflib.get_close_matches(point, self._frames, n=1)
             found = repr(point) + (f" (did you mean {near[0]}?)" if near else "")
-            names = dict.fromkeys([*self.points, *links])
-            raise InvalidPoint(Fault(source, "point", found, f"one of {', '.join(names)}"))
-        return point_frame(self.pinocchio, point, named=point in self.points)
+            raise InvalidPoint(Fault(source, "point", found, f"one of {', '.join(self._frames)}"))
+        return self._frames[point]
 
     def posture(self, pose: Pose, *, source: str = "call") -> Posture:
         """Look up or check a posture.
@@ -134,7 +139,9 @@ class Robot:
             InvalidPosture: see `posture`.
             InvalidUrdf: the mass matrix there is not positive definite; names the link at fault.
         """
-        return PosedRobot(self, self.posture(pose))
+        posed = PosedRobot(self, self.posture(pose))
+        _ = posed.system  # judges the mass matrix
+        return posed
 
     def frf(
         self,
@@ -162,3 +169,9 @@ class Robot:
     ) -> Measures:
         """Stiffness, mobility and receptance at a posture; see `flexmodal.model.measures.measure`."""
         return measure(self.at(posture), direction, frequency, task=task)
+
+
+def _fixed(array: np.ndarray) -> np.ndarray:
+    """The same array, read-only: everything posed from the robot shares it."""
+    array.flags.writeable = False
+    return array

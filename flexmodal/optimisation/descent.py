@@ -1,9 +1,9 @@
 """One descent from one start, every iterate on the hold and within the limits.
 
-A quasi-Newton method in the tangent space of the hold: the step solves the projected quadratic model, a
-Newton retraction puts the trial point back on the target, and a backtracking line search on the true cost
-accepts it. Joints at a limit that the step would push through are kept there. The model matrix is a damped
-BFGS estimate of the Hessian of the Lagrangian.
+A quasi-Newton method in the tangent space of the hold: the step minimises a quadratic model between the
+limits, a Newton retraction puts the trial point back on the target while joints at a limit stay there, and
+a backtracking line search on the true cost accepts it. The model matrix is a damped BFGS estimate of the
+Hessian of the Lagrangian.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ import numpy as np
 from flexmodal.errors import FlexmodalError
 from flexmodal.optimisation.objective import Limit
 from flexmodal.optimisation.problem import PostureProblem
+from flexmodal.optimisation.quadratic import quadratic_step
 
 GRADIENT = 1e-7
 """Projected gradient of the logarithmic cost that counts as zero [1/rad]."""
@@ -49,62 +50,44 @@ def descend(problem: PostureProblem, start: np.ndarray, *, iterations: int = 200
     if values is None:
         return None
     cost, gradient = problem.cost_and_gradient(values)
-    model = np.eye(len(values)) * max(1.0, float(np.max(np.abs(gradient), initial=0.0)) / 0.2)
-    fresh = True
+    model, fresh = _first_model(gradient), True
     for count in range(iterations):
         _, constraint = problem.held(values)
-        step, steepness = _step(problem, values, gradient, constraint, model)
+        room = (problem.lower - values, problem.upper - values)
+        steepness = float(np.linalg.norm(quadratic_step(np.eye(len(values)), gradient, constraint, *room)))
         limit = problem.objective.limit(cost, problem.robot)
         if limit is not Limit.NONE or steepness <= GRADIENT:
             return Descent(values, cost, limit is not Limit.UNBOUNDED, count, limit)
-        found = _line_search(problem, values, cost, gradient, step)
+        found = _line_search(problem, values, cost, gradient, _step(model, gradient, constraint, *room))
         if found is None:
             if fresh:
                 return Descent(values, cost, steepness <= _ROUNDING, count)
-            model, fresh = np.eye(len(values)) * max(1.0, float(np.max(np.abs(gradient))) / 0.2), True
+            model, fresh = _first_model(gradient), True
             continue
         next_values, next_cost, next_gradient = found
         _, next_constraint = problem.held(next_values)
-        change = _lagrangian_change(gradient, constraint, next_gradient, next_constraint)
+        free = (next_values > problem.lower) & (next_values < problem.upper)
+        change = _lagrangian_change(gradient, constraint, next_gradient, next_constraint, free)
         model = _update(model, next_values - values, change, first=fresh)
         values, cost, gradient, fresh = next_values, next_cost, next_gradient, False
     return Descent(values, cost, False, iterations)
 
 
+def _first_model(gradient: np.ndarray) -> np.ndarray:
+    """A multiple of the identity whose step is no longer than 0.2."""
+    return np.eye(len(gradient)) * max(1.0, float(np.max(np.abs(gradient), initial=0.0)) / 0.2)
+
+
 def _step(
-    problem: PostureProblem,
-    values: np.ndarray,
-    gradient: np.ndarray,
-    constraint: np.ndarray,
-    model: np.ndarray,
-) -> tuple[np.ndarray, float]:
-    """Step in the tangent space with the blocking limits kept, and the size of the projected gradient."""
-    free = np.ones(len(values), dtype=bool)
-    at_lower, at_upper = values <= problem.lower, values >= problem.upper
-    while True:
-        basis = _null_space(constraint[:, free])
-        reduced = basis.T @ gradient[free]
-        step = np.zeros(len(values))
-        step[free] = -basis @ np.linalg.solve(basis.T @ model[np.ix_(free, free)] @ basis, reduced)
-        downhill = np.zeros(len(values))
-        downhill[free] = -basis @ reduced
-        blocked = free & (
-            (at_lower & ((step < 0) | (downhill < 0))) | (at_upper & ((step > 0) | (downhill > 0)))
-        )
-        if not np.any(blocked):
-            break
-        free &= ~blocked
-    longest = np.max(np.abs(step), initial=0.0)
-    return step * min(1.0, _LONGEST / longest) if longest > 0 else step, float(np.linalg.norm(reduced))
-
-
-def _null_space(matrix: np.ndarray) -> np.ndarray:
-    """Orthonormal basis of what a constraint leaves free."""
-    if matrix.shape[0] == 0:
-        return np.eye(matrix.shape[1])
-    _, values, right = np.linalg.svd(matrix)
-    rank = int(np.sum(values > 1e-9 * max(values[0], 1e-30))) if len(values) else 0
-    return right[rank:].T
+    model: np.ndarray, gradient: np.ndarray, constraint: np.ndarray, lower: np.ndarray, upper: np.ndarray
+) -> np.ndarray:
+    """The step, shortened; steepest descent where the model has lost its definiteness to rounding."""
+    try:
+        step = quadratic_step(model, gradient, constraint, lower, upper)
+    except np.linalg.LinAlgError:
+        step = quadratic_step(_first_model(gradient), gradient, constraint, lower, upper)
+    longest = float(np.max(np.abs(step), initial=0.0))
+    return step * min(1.0, _LONGEST / longest) if longest > 0 else step
 
 
 def _line_search(
@@ -129,12 +112,16 @@ def _line_search(
 
 
 def _lagrangian_change(
-    gradient: np.ndarray, constraint: np.ndarray, next_gradient: np.ndarray, next_constraint: np.ndarray
+    gradient: np.ndarray,
+    constraint: np.ndarray,
+    next_gradient: np.ndarray,
+    next_constraint: np.ndarray,
+    free: np.ndarray,
 ) -> np.ndarray:
-    """Change of the Lagrangian's gradient at the newer multipliers."""
+    """Change of the Lagrangian's gradient at the newer multipliers, those of the joints off their limits."""
     if len(constraint) == 0:
         return next_gradient - gradient
-    multipliers = np.linalg.lstsq(next_constraint.T, next_gradient, rcond=None)[0]
+    multipliers = np.linalg.lstsq(next_constraint[:, free].T, next_gradient[free], rcond=None)[0]
     return (next_gradient - next_constraint.T @ multipliers) - (gradient - constraint.T @ multipliers)
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Float
@@ -26,7 +26,7 @@ _LEVER = 1e-3
 """A lever arm below this [m] counts as none."""
 
 _SHARPNESS = 40
-"""Power of the smooth maximum over a band; it lies within a factor `lines ** (1/40)` of the true one."""
+"""Power of the smooth maximum over a band and over singular values: within `n ** (1/40)` of the true one."""
 
 
 class Limit(Enum):
@@ -37,6 +37,7 @@ class Limit(Enum):
     UNBOUNDED = "the measure grows without bound"
 
 
+@runtime_checkable
 class Objective(Protocol):
     """A judge of postures."""
 
@@ -90,41 +91,43 @@ class ReceptanceObjective:
     def value(self, posed: PosedRobot) -> float:
         """The receptance [m/N]."""
         matrices = posed.frf(self.frequency, response=self.directions).value
-        sizes = np.array([self._size(matrix)[0] for matrix in matrices])
+        sizes = np.array([self._parts(matrix)[0][0] for matrix in matrices])
         return float(np.max(sizes) if self.combine == "worst" else np.mean(sizes))
 
     def cost_and_gradient(self, posed: PosedRobot) -> tuple[float, Float[np.ndarray, " moving"]]:
         """Logarithm of the (smooth maximum or mean of the) receptance, and its gradient."""
         matrices, slopes = receptance_and_gradient(posed, self.directions, self.frequency)
-        parts = [self._size(matrix) for matrix in matrices]
-        size = np.array([part[0] for part in parts])
-        rate = np.array(
-            [
-                np.einsum("u,uvk,v->k", left, slope, right).real
-                for (_, left, right), slope in zip(parts, slopes, strict=True)
-            ]
-        )
+        parts = [
+            (size, np.einsum("u,uvk,v->k", left, slope, right).real)
+            for matrix, slope in zip(matrices, slopes, strict=True)
+            for size, left, right in self._parts(matrix)
+        ]
+        size, rate = np.array([part[0] for part in parts]), np.array([part[1] for part in parts])
         power = _SHARPNESS if self.combine == "worst" and len(size) > 1 else 1
         smooth = np.sqrt(size**2 + (BLIND * 1e-3) ** 2)
         ratio = smooth / smooth.max()
-        share = ratio**power / np.sum(ratio**power)
-        cost = float(np.log(smooth.max()) + np.log(np.mean(ratio**power)) / power)
-        return cost, (share * size / smooth**2) @ rate
+        total = np.sum(ratio**power)
+        cost = float(np.log(smooth.max()) + np.log(total / len(matrices)) / power)
+        return cost, (ratio**power / total * size / smooth**2) @ rate
 
     def limit(self, cost: float, robot: Robot) -> Limit:
         """A receptance as good as zero cannot be bettered."""
         return Limit.PERFECT if cost < np.log(BLIND) else Limit.NONE
 
-    def _size(self, matrix: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
-        """Size of a receptance matrix, and left and right vectors whose product with dα is its change."""
+    def _parts(self, matrix: np.ndarray) -> list[tuple[float, np.ndarray, np.ndarray]]:
+        """Sizes of a receptance matrix, largest first, and left and right vectors that give their change.
+
+        The change is the real part of left · dα · right. Of the worst direction all singular values are
+        kept: where the two largest meet, the largest alone has a kink.
+        """
         if self.combine == "worst" and len(self.directions) > 1:
             left, values, right = np.linalg.svd(matrix)
-            return float(values[0]), left[:, 0].conj(), right[0].conj()
+            return [(float(v), left[:, i].conj(), right[i].conj()) for i, v in enumerate(values)]
         weights = np.array(self.weights)
         number = weights @ matrix @ weights
         size = abs(number)
         phase = np.conj(number) / size if size > 0 else 1.0
-        return float(size), weights * phase, weights.astype(complex)
+        return [(float(size), weights * phase, weights.astype(complex))]
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,6 +153,9 @@ class StiffnessObjective:
         jacobian = rows @ full[:, pick]
         slope = np.einsum("tr,rik->tik", rows, jacobian_derivative(full)[:, pick, :])
         along = rows @ self.direction.selector
+        if not np.any(along):
+            found = f"{self.direction}, along which nothing moves under task {self.task!r}"
+            raise InvalidRequest(Fault("call", "direction", found, "a direction the chain can move along"))
         inverse = np.linalg.pinv(jacobian)
         deflection = inverse @ along
         missed = along - jacobian @ deflection

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from jaxtyping import Float
 
+from flexmodal.cards import FrozenDict
 from flexmodal.model import PosedRobot, Posture, Robot
 from flexmodal.optimisation.hold import TOLERANCE, Hold
 from flexmodal.optimisation.objective import Objective
@@ -50,7 +51,7 @@ class PostureProblem:
 
     def posture(self, values: Float[np.ndarray, " commanded"]) -> Posture:
         """A posture from a vector."""
-        return Posture({name: float(value) for name, value in zip(self.names, values, strict=True)})
+        return Posture(FrozenDict(dict(zip(self.names, values.tolist(), strict=True))))
 
     def vector(self, posture: Posture) -> Float[np.ndarray, " commanded"]:
         """A vector from a posture."""
@@ -58,7 +59,7 @@ class PostureProblem:
 
     def posed(self, values: Float[np.ndarray, " commanded"]) -> PosedRobot:
         """The robot at a vector; within the limits by construction."""
-        return PosedRobot(self.robot, self.posture(values))
+        return _pose(self, values.tobytes())
 
     def cost_and_gradient(
         self, values: Float[np.ndarray, " commanded"]
@@ -75,24 +76,33 @@ class PostureProblem:
         return self.hold.error(posed), self.hold.jacobian(posed)[:, self.columns]
 
     def retract(self, values: Float[np.ndarray, " commanded"], *, steps: int = 60) -> np.ndarray | None:
-        """Bring a vector back onto the hold by Newton steps inside the limits; None if it cannot."""
+        """Bring a vector back onto the hold by Newton steps inside the limits; None if it cannot.
+
+        Joints at a limit stay there if the others can do it.
+        """
         values = np.clip(values, self.lower, self.upper)
         if self.hold is None:
             return values
-        free = np.ones(len(values), dtype=bool)
+        inside = (values > self.lower) & (values < self.upper)
+        found = None if np.all(inside) else self._newton(values, inside, steps)
+        return self._newton(values, np.ones(len(values), dtype=bool), steps) if found is None else found
+
+    def _newton(self, values: np.ndarray, allowed: np.ndarray, steps: int) -> np.ndarray | None:
+        """Newton steps with the joints allowed to move; one that meets its limit sits the next step out."""
+        free = allowed
         for _ in range(steps):
             error, jacobian = self.held(values)
             if np.linalg.norm(error) <= TOLERANCE:
                 return values
             step = np.zeros(len(values))
-            step[free] = -np.linalg.pinv(jacobian[:, free], rcond=1e-9) @ error
+            step[free] = np.linalg.lstsq(jacobian[:, free], -error, rcond=1e-9)[0]  # the shortest there is
             longest = np.max(np.abs(step))
             if longest < 1e-14:
                 return None
-            moved = np.clip(values + step * min(1.0, 0.7 / longest), self.lower, self.upper)
-            outward = free & (moved != values + step * min(1.0, 0.7 / longest))
-            free = ~outward if np.any(outward) else np.ones(len(values), dtype=bool)
-            values = moved
+            wanted = values + step * min(1.0, 0.7 / longest)
+            values = np.clip(wanted, self.lower, self.upper)
+            inward = values == wanted
+            free = allowed if np.all(inward) else free & inward
         return None
 
     def random_vector(self, generator: np.random.Generator) -> Float[np.ndarray, " commanded"]:
@@ -102,3 +112,9 @@ class PostureProblem:
         low = np.where(wide, middle - _TURN, self.lower)
         high = np.where(wide, middle + _TURN, self.upper)
         return generator.uniform(low, high)
+
+
+@lru_cache(maxsize=8)
+def _pose(problem: PostureProblem, values: bytes) -> PosedRobot:
+    """Poses the robot, and remembers the last few: a search asks for error, cost and Jacobian in turn."""
+    return PosedRobot(problem.robot, problem.posture(np.frombuffer(values)))
