@@ -24,10 +24,10 @@ ALLOWED: dict[str, dict[str, str]] = {
         "family": "tables [family.<name>]",
     },
     "joint": {
-        "stiffness": "a number in N·m/rad (N/m for a prismatic joint), above 0",
-        "damping": "a number in N·m·s/rad (N·s/m for a prismatic joint), 0 or more",
+        "stiffness": "a number in N·m/rad (N/m for a prismatic joint), above 0 and at most 1e18",
+        "damping": "a number in N·m·s/rad (N·s/m for a prismatic joint), from 0 to 1e18",
         "pseudo": "true or false",
-        "rotor_inertia": "a number in kg·m² (kg for a prismatic joint), 0 or more",
+        "rotor_inertia": "a number in kg·m² (kg for a prismatic joint), from 0 to 1e18",
         "lower": "a factor on the values of the card, above 0 and below 1",
         "upper": "a factor on the values of the card, above 1",
         "scale": "a relative standard deviation, above 0",

@@ -11,8 +11,8 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
-Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0)]
-NotNegative = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0)]
+Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0, le=1e18)]
+NotNegative = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0, le=1e18)]
 Above1 = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=1)]
 Below1 = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0, lt=1)]
 Text = Annotated[str, Field(strict=True, min_length=1)]

@@ -11,6 +11,9 @@ from flexmodal.errors import Fault, InvalidFrequencies
 MOST_LINES = 10_000_000
 """More lines than this are a slip of the keyboard (160 MB for one FRF)."""
 
+MOST_HERTZ = 1e12
+"""Higher frequencies mean nothing here, and their squares and fourth powers leave the range of numbers."""
+
 
 def frequency_axis(values: ArrayLike | float, *, source: str = "call") -> Float[np.ndarray, " line"]:
     """Check a frequency axis and return it as a read-only array.
@@ -33,6 +36,8 @@ def frequency_axis(values: ArrayLike | float, *, source: str = "call") -> Float[
         raise _fault(source, "no frequencies" if axis.size == 0 else f"an array of shape {axis.shape}")
     if not np.all(np.isfinite(axis)):
         raise _fault(source, f"{axis[~np.isfinite(axis)][0]} Hz")
+    if axis.max() > MOST_HERTZ:
+        raise _fault(source, f"{axis.max():g} Hz, more than {MOST_HERTZ:g} Hz")
     if axis.min() < 0:
         raise _fault(source, f"a negative frequency, {axis.min():g} Hz")
     if axis.size > 1 and np.min(np.diff(axis)) <= 0:

@@ -11,6 +11,9 @@ from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.model import PosedRobot, Robot
 from flexmodal.model.posture import middle
 
+_FARTHEST = 1e6
+"""No arm reaches farther [m]."""
+
 TOLERANCE = 1e-10
 """How near the held point is kept to its target [m]."""
 
@@ -41,8 +44,9 @@ class Hold:
         point = point or robot.tool
         robot.frame_of(point)
         values = np.array(target, dtype=float)
-        if not np.all(np.isfinite(values)):
-            raise InvalidRequest(Fault("call", "hold", str(tuple(target)), "finite coordinates [m]"))
+        if not np.all(np.abs(values) <= _FARTHEST):
+            allowed = f"finite coordinates [m], none beyond {_FARTHEST:g}"
+            raise InvalidRequest(Fault("call", "hold", str(tuple(target)), allowed))
         if robot.is_planar and len(values) == 2:
             return cls(point, robot.task[:2, :3], values)
         if robot.is_planar and len(values) == 3:

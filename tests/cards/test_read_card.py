@@ -71,7 +71,7 @@ def test_joint_names_need_not_be_ascii(folder):
     assert "épaule 1" in read_card(path).joints
 
 
-STIFFNESS = "a number in N·m/rad (N/m for a prismatic joint), above 0"
+STIFFNESS = "a number in N·m/rad (N/m for a prismatic joint), above 0 and at most 1e18"
 CASES = [
     ("stiffness = 1000.0", 'stiffness = "5e5 N"', "joint.q1.stiffness", '"5e5 N"', STIFFNESS),
     ("stiffness = 1000.0", "stiffness = true", "joint.q1.stiffness", "true", STIFFNESS),
@@ -83,7 +83,8 @@ CASES = [
     ("stiffness = 1000.0", "stiffness = [1.0]", "joint.q1.stiffness", "a list of 1", STIFFNESS),
     ("stiffness = 1000.0\n", "", "joint.q1.stiffness", "nothing", STIFFNESS),
     ("stiffness = 1000.0", "stiffness = 1979-05-27", "joint.q1.stiffness", "1979-05-27", STIFFNESS),
-    ("damping = 1.0", "damping = -1e-9", "joint.q1.damping", "-1e-09", "0 or more"),
+    ("damping = 1.0", "damping = 1e19", "joint.q1.damping", "1e+19", "from 0 to 1e18"),
+    ("damping = 1.0", "damping = -1e-9", "joint.q1.damping", "-1e-09", "from 0 to 1e18"),
     ("damping = 1.0\n", "", "joint.q1.damping", "nothing", "N·m·s/rad"),
     ("pseudo = true", "pseudo = 1", "joint.bend.pseudo", "1", "true or false"),
     ("pseudo = true", "lower = 1.0", "joint.bend.lower", "1.0", "below 1"),

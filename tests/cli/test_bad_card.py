@@ -14,7 +14,7 @@ SPOILED = {
     "stiffness inf": ((STIFFNESS, "stiffness = inf"), ["joint.q1.stiffness", "inf", "above 0"]),
     "stiffness true": ((STIFFNESS, "stiffness = true"), ["joint.q1.stiffness", "true", "above 0"]),
     "no stiffness": ((STIFFNESS, ""), ["joint.q1.stiffness", "nothing", "above 0"]),
-    "negative damping": (("damping = 1.0", "damping = -1"), ["joint.q1.damping", "-1", "0 or more"]),
+    "negative damping": (("damping = 1.0", "damping = -1"), ["joint.q1.damping", "-1", "from 0 to 1e18"]),
     "unknown joint": (
         ("[joint.q2]", "[joint.q7]"),
         ["joint.q7", "a joint that the URDF does not have", "q1, bend, q2"],

@@ -56,7 +56,7 @@ FREQUENCIES = {
     "0:1e9:1e-3": ["a range of 1e+12 lines, more than 10,000,000"],
     "0:1e308:1e-308": ["more than 10,000,000"],
     "1e999": ["inf Hz", "finite"],
-    "1e200": ["1e+200 Hz", "at most"],
+    "1e200": ["1e+200 Hz", "more than 1e+12 Hz"],
     "1:200": ["'1:200'", "START:STOP:STEP"],
     "1:2:3:4": ["'1:2:3:4'", "START:STOP:STEP"],
     "1::2": ["'1::2'", "START:STOP:STEP"],
@@ -129,7 +129,7 @@ def test_a_spatial_chain_is_held_in_space(cli):
     ran.refused("2 coordinates", "3 coordinates (spatial chain)")
 
 
-@pytest.mark.parametrize(("place", "options"), [("100,100", ()), ("1e100,-1e100", ("--json",))])
+@pytest.mark.parametrize(("place", "options"), [("100,100", ()), ("1e5,-1e5", ("--json",))])
 def test_out_of_reach_is_the_answer_no(shell, place, options):
     (line,) = shell(*SEARCH, "--hold", place, *options).refused(
         "no posture within the joint limits puts tool at", status=1

@@ -87,7 +87,7 @@ def test_steps_include_the_end(start, stop, step, lines, last):
         (0.0, 1e9, 1e-3, f"a range of 1e+12 lines, more than {MOST_LINES:,}"),
         (0.0, 1e308, 1e-308, f"a range of inf lines, more than {MOST_LINES:,}"),
         # A step too small for the numbers it is added to.
-        (1e17, 1e17 + 64, 1.0, "1e+17 Hz followed by 1e+17 Hz"),
+        (9e11, 9e11 + 0.01, 1e-5, "9e+11 Hz followed by 9e+11 Hz"),
     ],
 )
 def test_step_faults(start, stop, step, found):
