@@ -6,6 +6,7 @@ from flexmodal.campaign.campaign import Campaign as Campaign
 from flexmodal.campaign.campaign import CampaignPoint as CampaignPoint
 from flexmodal.campaign.campaign import CampaignPosture as CampaignPosture
 from flexmodal.campaign.estimate import estimate_frfs as estimate_frfs
+from flexmodal.campaign.import_table import import_table as import_table
 from flexmodal.campaign.mode_table import ModeTable as ModeTable
 from flexmodal.campaign.noise import noise_floor as noise_floor
 from flexmodal.campaign.noise import record_variance as record_variance
@@ -15,6 +16,8 @@ from flexmodal.campaign.quality import check_blows as check_blows
 from flexmodal.campaign.read_campaign import CampaignReport as CampaignReport
 from flexmodal.campaign.read_campaign import check_campaign as check_campaign
 from flexmodal.campaign.read_campaign import read_campaign as read_campaign
+from flexmodal.campaign.receptances_csv import Amplitude as Amplitude
+from flexmodal.campaign.receptances_csv import read_receptances as read_receptances
 from flexmodal.campaign.records import FrfRecords as FrfRecords
 from flexmodal.campaign.trial import Trial as Trial
 from flexmodal.campaign.trial import Window as Window

@@ -35,7 +35,7 @@ _IDS, _NUMBERS = HEADER[:4], HEADER[4:8]
 def read_modes(file: Path, tested: Tested, faults: FaultList) -> ModeTable | None:
     """Read `modes.csv`; None where faults leave nothing sound."""
     before = len(faults.faults)
-    rows = _rows(file, faults)
+    rows = read_rows(file, HEADER, faults)
     known = {
         "posture": [posture.id for posture in tested.postures],
         "response": [point.id for point in tested.points],
@@ -76,7 +76,7 @@ def read_modes(file: Path, tested: Tested, faults: FaultList) -> ModeTable | Non
 def write_modes(modes: ModeTable, path: Path) -> None:
     """Write the table to a new file."""
     with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
+        writer = csv.writer(file, lineterminator="\n")
         writer.writerow(HEADER)
         ids = np.column_stack([modes.posture, modes.response, modes.reference, modes.mode]).tolist()
         columns = (modes.natural_frequency, modes.damping_ratio, modes.amplitude.real, modes.amplitude.imag)
@@ -85,9 +85,9 @@ def write_modes(modes: ModeTable, path: Path) -> None:
             writer.writerow([*row, *("" if math.isnan(value) else repr(value) for value in values), flag])
 
 
-def _rows(file: Path, faults: FaultList) -> list[tuple[int, list[str]]]:
-    """Line number and fields of each row below the header."""
-    content = read_regular(file, limit=LARGEST, kind="a table of modes")
+def read_rows(file: Path, header: tuple[str, ...], faults: FaultList) -> list[tuple[int, list[str]]]:
+    """Line number and fields of each row below the header, which has to be this one."""
+    content = read_regular(file, limit=LARGEST, kind="a table")
     if isinstance(content, Fault):
         faults.faults.append(content)
         return []
@@ -101,9 +101,9 @@ def _rows(file: Path, faults: FaultList) -> list[tuple[int, list[str]]]:
     except csv.Error as error:
         faults.add("", f"text that is no table ({error})", "comma-separated values")
         return []
-    if not rows or tuple(field.strip() for field in rows[0][1]) != HEADER:
+    if not rows or tuple(field.strip() for field in rows[0][1]) != header:
         found = ",".join(rows[0][1]) if rows else ""
-        faults.add("line 1", shown(found), ",".join(HEADER))
+        faults.add("line 1", shown(found), ",".join(header))
         return []
     return rows[1:]
 

@@ -80,11 +80,13 @@ def parse_header(lines: list[bytes]) -> Header:
     """Read the header.
 
     Args:
-        lines: the eleven lines, without line ends.
+        lines: the eleven lines, without line ends; fewer are a fault.
 
     Raises:
         Unreadable: the first field that breaks its format; the later ones cannot be trusted then.
     """
+    if len(lines) < HEADER_LINES:
+        raise Unreadable("header", f"{len(lines)} lines", f"{HEADER_LINES} before the data")
     text = [_plain(line, number) for number, line in enumerate(lines, start=1)]
     where = _fields(text[5], _IDENTITY, 6)
     if any(where[blank].strip() for blank in (4, 8)):
