@@ -15,6 +15,7 @@ from flexmodal.campaign.quality import QualityLimits as QualityLimits
 from flexmodal.campaign.quality import check_blows as check_blows
 from flexmodal.campaign.read_campaign import CampaignReport as CampaignReport
 from flexmodal.campaign.read_campaign import check_campaign as check_campaign
+from flexmodal.campaign.read_campaign import is_campaign as is_campaign
 from flexmodal.campaign.read_campaign import read_campaign as read_campaign
 from flexmodal.campaign.receptances_csv import Amplitude as Amplitude
 from flexmodal.campaign.receptances_csv import read_receptances as read_receptances

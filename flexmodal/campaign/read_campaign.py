@@ -92,6 +92,15 @@ def check_campaign(path: str | os.PathLike[str]) -> CampaignReport:
     return CampaignReport(str(path), (), campaign.warnings)
 
 
+def is_campaign(path: str | os.PathLike[str]) -> bool:
+    """Whether a path is that of a campaign: a folder with a campaign.toml, or that file."""
+    try:
+        file = Path(path)
+        return (file.name == TOML and file.is_file()) or (file / TOML).is_file()
+    except (OSError, ValueError):  # too long for a path, or a null byte in it
+        return False
+
+
 def campaign_folder(path: str | os.PathLike[str]) -> Path:
     """The absolute folder of a campaign, from itself or from the path of its `campaign.toml`."""
     folder = Path(os.path.abspath(path))

@@ -189,5 +189,6 @@ def _check_units(
     expected = _EXPONENTS.get(character.code)
     length, force, temperature = character.exponents
     if expected and (length, force, temperature) not in ((0, 0, 0), (*expected, 0)):
-        what = f"unit exponents {length} {force} {temperature} of a {_WORDS[character.code]} are passed over"
+        kind = f"type {character.code} ({_WORDS[character.code]})"
+        what = f"unit exponents {length} {force} {temperature} of {kind} are passed over"
         odd.setdefault(what, []).append(number)

@@ -1,5 +1,6 @@
 import signal
 from collections.abc import Iterator
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from flexmodal.campaign import (
     ModeTable,
     Trial,
     Window,
+    write_campaign,
 )
 
 TRIALS = (
@@ -75,7 +77,7 @@ def modes() -> ModeTable:
     )
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def campaign() -> Campaign:
     """Two postures, three points, four trials; every kind of data."""
     return Campaign(
@@ -96,6 +98,13 @@ def campaign() -> Campaign:
         blows=blows(),
         modes=modes(),
     )
+
+
+@pytest.fixture(scope="session")
+def written(campaign: Campaign, tmp_path_factory: pytest.TempPathFactory) -> dict[bool, Path]:
+    """That campaign as folders, ASCII and binary; copy before changing anything."""
+    home = tmp_path_factory.mktemp("written")
+    return {binary: write_campaign(campaign, home / str(binary), binary=binary) for binary in (False, True)}
 
 
 @pytest.fixture(autouse=True)
