@@ -131,6 +131,10 @@ def _oddities(
         missing = [posture.name for posture in tested.postures if posture.id not in tested_in]
         if missing:
             odd.append(f"{folder}: no record of posture {', '.join(missing)}")
+        tried = set() if frfs is None else set(frfs.trial.tolist())
+        untried = {trial.id for trial in tested.trials} - tried - {blow.trial for blow in blows}
+        if untried:
+            odd.append(f"{folder}: no record of trial {', '.join(map(str, sorted(untried)))}")
     peaks = {trial.id: trial.force_peak for trial in tested.trials}
     for blow in blows:
         ratio = float(np.abs(blow.force).max()) / peaks[blow.trial]

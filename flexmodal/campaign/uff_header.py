@@ -14,6 +14,7 @@ from dataclasses import dataclass
 
 HEADER_LINES = 11
 """Five identification lines, then records 6 to 11."""
+_ODD = re.compile(rb"[^ -~]")
 _INTEGER = re.compile(r" *[+-]?\d+ *")
 _REAL = re.compile(r" *[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)? *")
 
@@ -132,7 +133,7 @@ def _plain(line: bytes, number: int) -> str:
     """The line as text; identification lines may say anything, the others only printable ASCII."""
     if number <= 5:
         return ""
-    if any(byte < 32 or byte > 126 for byte in line):
+    if _ODD.search(line):
         raise Unreadable(f"record {number}", "bytes that are no text", "printable ASCII")
     text = line.decode("ascii").rstrip()
     if len(text) > 80:

@@ -89,7 +89,7 @@ def read_records(
                 continue
             ids = named.ids(header, dataset.number)
             _check_characters(header, key, faults, odd, dataset.number)
-            record = read_values(dataset, Path(folder) / "record.uff", faults)
+            record = read_values(dataset, Path(folder), faults)
             if ids is not None and record is not None:
                 found.append(Labelled(key, *ids, record))
     named.report()

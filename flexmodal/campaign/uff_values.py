@@ -27,17 +27,18 @@ class UffRecord:
     value: np.ndarray
 
 
-def read_values(dataset: Dataset, scratch: Path, faults: FaultList) -> UffRecord | None:
+def read_values(dataset: Dataset, folder: Path, faults: FaultList) -> UffRecord | None:
     """Let pyuff read the values, and check that it read what stands there.
 
     Args:
         dataset: measured against its header already.
-        scratch: a file that may be written over.
+        folder: for scratch files.
         faults: where faults go.
     """
     import pyuff
 
     key, header = f"dataset {dataset.number}", dataset.header
+    scratch = folder / f"{dataset.number}.uff"  # a new name each time: file systems flush what is truncated
     scratch.write_bytes(_canonical(dataset))
     try:
         with np.errstate(all="ignore"):
@@ -45,6 +46,8 @@ def read_values(dataset: Dataset, scratch: Path, faults: FaultList) -> UffRecord
     except Exception as error:  # pyuff raises nothing narrower
         faults.add(key, f"values that cannot be read ({str(error)[:60]})", "numbers in the declared columns")
         return None
+    finally:
+        scratch.unlink(missing_ok=True)
     if not isinstance(found, dict) or not _agrees(found, header):
         faults.add(key, "data that read differently from what the header declares", "a sound dataset 58")
         return None

@@ -235,6 +235,13 @@ def test_a_posture_without_records_is_a_warning(text: Path) -> None:
     assert any("no record of posture third" in warning for warning in read_campaign(text).warnings)
 
 
+def test_a_file_cut_between_two_datasets_lacks_a_trial_or_posture(text: Path) -> None:
+    content = (text / "frf.uff").read_text()
+    datasets = content.split("    -1\n")
+    (text / "frf.uff").write_text("    -1\n".join(datasets[: len(datasets) // 4 * 2 - 1]) + "    -1\n")
+    assert any("no record of posture bent" in warning for warning in read_campaign(text).warnings)
+
+
 def test_missing_coherence_is_a_warning_and_taken_as_one(text: Path) -> None:
     content = (text / "frf.uff").read_text()
     first = content.index("    -1\n", content.index("    -1\n", 10) + 7)

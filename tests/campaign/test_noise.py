@@ -36,10 +36,10 @@ def records(blows: int, trials: int, noise: float, seed: int) -> FrfRecords:
 
 
 def test_variance_from_coherence_is_unbiased() -> None:
-    # 300 repetitions of 4 blows: each variance is chi-square with 6 degrees of freedom, so their mean over
-    # repetitions and 100 lines has a relative standard error of sqrt(2/6/30000) = 0.3 %; 3 % is asked for.
+    # 150 repetitions of 4 blows: each variance is chi-square with 6 degrees of freedom, so their mean over
+    # repetitions and 100 lines has a relative standard error of sqrt(2/6/15000) = 0.5 %; 3 % is asked for.
     found, errors = [], []
-    for seed in range(300):
+    for seed in range(150):
         one = records(4, 1, 0.1, seed)
         found.append(record_variance(one, smooth=0)[0])
         errors.append(np.abs(one.value[0] - frf()) ** 2)
