@@ -238,7 +238,7 @@ def test_a_posture_without_records_is_a_warning(text: Path) -> None:
 def test_a_file_cut_between_two_datasets_lacks_a_trial_or_posture(text: Path) -> None:
     content = (text / "frf.uff").read_text()
     datasets = content.split("    -1\n")
-    (text / "frf.uff").write_text("    -1\n".join(datasets[: len(datasets) // 4 * 2 - 1]) + "    -1\n")
+    (text / "frf.uff").write_text("    -1\n".join(datasets[: len(datasets) // 4 * 2]) + "    -1\n")
     assert any("no record of posture bent" in warning for warning in read_campaign(text).warnings)
 
 
