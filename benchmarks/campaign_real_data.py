@@ -40,7 +40,11 @@ def plate(source: Path) -> None:
         trials=(Trial(1, round(peak, 3), len(VIEWS), "shaker", record_length=2.0),),
         blows=tuple(blows),
     )
-    finish(source, write_campaign(campaign, REAL / "mssp_plate_sweep", overwrite=True))
+    folder = REAL / "mssp_plate_sweep"
+    if folder.exists():
+        shutil.rmtree(folder)
+    remark = "force and acceleration of the five HDF5 files as datasets 58b in time.uff, every digit kept"
+    finish(source, write_campaign(campaign, folder), remark)
 
 
 def beam(source: Path) -> None:
@@ -56,12 +60,14 @@ def beam(source: Path) -> None:
     lines += ["", "[[trial]]", "id = 1", "force_peak = 1.0 # not published", "averages = 1 # not published"]
     lines += ['tip = "not published"']
     (folder / "campaign.toml").write_text("\n".join(lines) + "\n", encoding="utf-8")
-    finish(source, folder)
+    finish(source, folder, "frf.uff is measurement.uff, unchanged; the text files were left out")
 
 
-def finish(source: Path, folder: Path) -> None:
-    for name in ("LICENSE", "PROVENANCE.md"):
-        shutil.copyfile(source / name, folder / name)
+def finish(source: Path, folder: Path, remark: str) -> None:
+    shutil.copyfile(source / "LICENSE", folder / "LICENSE")
+    text = (source / "PROVENANCE.md").read_text(encoding="utf-8").rstrip("\n")
+    text += f"\n- Here: {remark}. Made by benchmarks/campaign_real_data.py.\n"
+    (folder / "PROVENANCE.md").write_text(text, encoding="utf-8")
     size = sum(path.stat().st_size for path in folder.iterdir())
     print(f"{folder.relative_to(ROOT)}: {size / 1e6:.1f} MB")
 
