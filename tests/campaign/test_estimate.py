@@ -61,11 +61,11 @@ def test_without_noise_the_closed_form_comes_out(estimator: str) -> None:
 
 
 def test_h1_withstands_noise_in_the_response_and_h2_noise_in_the_force() -> None:
-    # 400 blows: random error of the mean of |H| over 100 lines is far below the 3 % asked for.
+    # 150 blows: random error of the mean of |H| over 100 lines is far below the 3 % asked for.
     truth, band = np.abs(sampled_frf()), (LINES > 60) & (LINES < 120)
 
     def bias(estimator: str, on_force: float, on_response: float) -> float:
-        blows = noisy_blows(400, on_force, on_response)
+        blows = noisy_blows(150, on_force, on_response)
         return float(np.mean(np.abs(estimate_frfs(blows, estimator=estimator).value[0])[band] / truth[band]))
 
     assert bias("H1", 0.0, 2e-2) == pytest.approx(1, abs=0.03)

@@ -28,7 +28,7 @@ def mutated():  # type: ignore[no-untyped-def]
 
 
 @settings(
-    max_examples=150,
+    max_examples=100,
     deadline=None,
     derandomize=True,
     database=None,
