@@ -50,3 +50,8 @@ tables: .venv/tested
 
 clean:
 	rm -rf .venv dist build demo .pytest_cache .mypy_cache .ruff_cache
+
+# make fuzz    read 100000 mutated campaigns; no crash, no hang, no flood of memory
+.PHONY: fuzz
+fuzz: .venv/tested
+	$(BIN)/python benchmarks/fuzz_campaign.py

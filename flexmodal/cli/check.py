@@ -4,26 +4,33 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from flexmodal.cli.options import json_option
 from flexmodal.cli.printing import print_json
 
+if TYPE_CHECKING:
+    from flexmodal.campaign import CampaignReport
+    from flexmodal.model.check import Report
+
 
 @click.command()
 @click.argument("paths", nargs=-1, required=True, metavar="PATH…")
 @json_option
 def check(paths: tuple[str, ...], as_json: bool) -> None:
-    """Say of each URDF or card whether it is sound; exit 1 if one is not, 2 if it cannot be found."""
+    """Say of each URDF, card or campaign whether it is sound; exit 1 if not, 2 if it cannot be found."""
+    from flexmodal.campaign import check_campaign, is_campaign
     from flexmodal.errors import RobotNotFound
     from flexmodal.model.check import check as examine
 
-    reports = []
+    reports: list[CampaignReport | Report] = []
     missing = False
     for path in paths:
         try:
-            reports.append(examine(Path(path)))
+            is_measured = is_campaign(path)
+            reports.append(check_campaign(path) if is_measured else examine(Path(path)))
         except RobotNotFound as error:
             missing = True
             for fault in error.faults:

@@ -14,7 +14,7 @@ import click
 
 _COMMANDS = {
     "robots": "The robots that ship: joints, points, postures.",
-    "check": "Is this URDF or card sound? Every fault at once.",
+    "check": "Is this URDF, card or campaign sound? Every fault at once.",
     "frf": "Receptance, mobility or inertance at a posture.",
     "modes": "Natural frequencies, damping ratios and shapes at a posture.",
     "measures": "Stiffness, mobility and receptance of a posture along a direction.",

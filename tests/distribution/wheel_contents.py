@@ -24,6 +24,7 @@ def faults_of(wheel: Path) -> list[str]:
         *(str(path.relative_to(ROOT / "viewer")) for path in (ROOT / "viewer").rglob("*.py")),
         *(f"{data}/{path.relative_to(ROOT)}" for path in (ROOT / "urdf").glob("*.urdf")),
         *(f"{data}/{path.relative_to(ROOT)}" for path in (ROOT / "robots").glob("*/robot.toml")),
+        *(f"{data}/{path.relative_to(ROOT)}" for path in (ROOT / "robots").glob("*/campaigns/*/*.*")),
         "flexmodal/py.typed",
         "flexmodal_viewer/py.typed",
     }

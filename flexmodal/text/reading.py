@@ -4,9 +4,14 @@ from __future__ import annotations
 
 import os
 import stat
+from collections.abc import Iterator
 from pathlib import Path
+from typing import BinaryIO
 
 from flexmodal.errors import Fault
+
+PIECE = 1 << 20
+"""How much is read at a time [bytes]."""
 
 
 def read_regular(path: Path, *, limit: int, kind: str) -> bytes | Fault:
@@ -34,7 +39,15 @@ def read_regular(path: Path, *, limit: int, kind: str) -> bytes | Fault:
         found = "a folder" if stat.S_ISDIR(mode) else "a pipe or device"
         return Fault(str(path), "", found, f"{kind}, a regular file")
     with os.fdopen(handle, "rb") as file:
-        content = file.read(limit + 1)
+        content = b"".join(_pieces(file, limit))
     if len(content) > limit:
         return Fault(str(path), "", f"more than {limit / 1e6:g} MB", f"{kind} of at most {limit / 1e6:g} MB")
     return content
+
+
+def _pieces(file: BinaryIO, limit: int) -> Iterator[bytes]:
+    """The file up to a little beyond the limit; asking for all of it at once would allocate the limit."""
+    taken = 0
+    while taken <= limit and (piece := file.read(PIECE)):
+        taken += len(piece)
+        yield piece

@@ -1,0 +1,124 @@
+import signal
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from flexmodal.campaign import (
+    Blow,
+    Campaign,
+    CampaignPoint,
+    CampaignPosture,
+    FrfRecords,
+    ModeTable,
+    Trial,
+    Window,
+    write_campaign,
+)
+
+TRIALS = (
+    Trial(1, 180.0, 3, "soft", record_length=4.0),
+    Trial(2, 180.0, 3, "soft"),
+    Trial(3, 400.0, 3, "hard", window=Window("exponential", 1.5)),
+    Trial(4, 390.0, 3, "hard", repeat_of=3),
+)
+
+
+def frfs(seed: int = 0, lines: int = 40) -> FrfRecords:
+    rng = np.random.default_rng(seed)
+    labels = [
+        (posture, trial, response, 2)
+        for posture in (1, 2)
+        for trial in (1, 2, 3, 4)
+        for response in ((1, 3), (2, -3), (3, 1))
+    ]
+    shape = (len(labels), lines)
+    return FrfRecords(
+        frequency=0.25 * np.arange(lines),
+        value=rng.normal(size=shape) + 1j * rng.normal(size=shape),
+        coherence=rng.uniform(0.5, 1.0, size=shape),
+        posture=np.array([label[0] for label in labels]),
+        trial=np.array([label[1] for label in labels]),
+        response=np.array([label[2] for label in labels]),
+        reference=np.array([(label[3], -3) for label in labels]),
+        form="inertance",
+        trials=TRIALS,
+    )
+
+
+def blows(seed: int = 0, samples: int = 64) -> tuple[Blow, ...]:
+    rng = np.random.default_rng(seed)
+    return tuple(
+        Blow(
+            posture=1,
+            trial=1,
+            sequence=sequence,
+            reference=(2, -3),
+            time=np.arange(samples) / 2048,
+            force=rng.normal(size=samples) + 180.0,
+            channels=((1, 3), (3, 1)),
+            response=rng.normal(size=(2, samples)),
+        )
+        for sequence in (1, 2, 3)
+    )
+
+
+def modes() -> ModeTable:
+    return ModeTable(
+        posture=np.array([1, 2]),
+        response=np.array([1, 3]),
+        reference=np.array([2, 2]),
+        mode=np.array([1, 1]),
+        natural_frequency=np.array([7.4, np.nan]),
+        damping_ratio=np.array([0.075, np.nan]),
+        amplitude=np.array([4.4e-4 - 1.7e-4j, complex(np.nan, np.nan)]),
+        flag=("", "amplitude:missing"),
+    )
+
+
+@pytest.fixture(scope="session")
+def campaign() -> Campaign:
+    """Two postures, three points, four trials; every kind of data."""
+    return Campaign(
+        title='A "test" in \\ two lines\nof\x7f ümlauts',
+        robot="two_link",
+        band=(2.0, 9.0),
+        postures=(
+            CampaignPosture(1, "straight", {"q1": 0.0, "q 2": 1 / 3}),
+            CampaignPosture(2, "bent", {}),
+        ),
+        points=(
+            CampaignPoint(1, "tip", "hand", (0.5, 0.0, -0.1)),
+            CampaignPoint(2, "wrist, with a long näme", "arm", (0.0, 0.0, 0.0)),
+            CampaignPoint(3, "elbow", "arm", (0.1, 0.2, 0.3)),
+        ),
+        trials=TRIALS,
+        frfs=frfs(),
+        blows=blows(),
+        modes=modes(),
+    )
+
+
+@pytest.fixture(scope="session")
+def written(campaign: Campaign, tmp_path_factory: pytest.TempPathFactory) -> dict[bool, Path]:
+    """That campaign as folders, ASCII and binary; copy before changing anything."""
+    home = tmp_path_factory.mktemp("written")
+    return {binary: write_campaign(campaign, home / str(binary), binary=binary) for binary in (False, True)}
+
+
+@pytest.fixture(autouse=True)
+def patience() -> Iterator[None]:
+    """Nothing here takes twenty seconds of a processor, or two minutes of waiting; what hangs is stopped."""
+
+    def stop(*_: object) -> None:
+        raise TimeoutError("still at it")
+
+    before = [signal.signal(kind, stop) for kind in (signal.SIGPROF, signal.SIGALRM)]
+    signal.setitimer(signal.ITIMER_PROF, 20)
+    signal.alarm(120)
+    yield
+    signal.alarm(0)
+    signal.setitimer(signal.ITIMER_PROF, 0)
+    for kind, handler in zip((signal.SIGPROF, signal.SIGALRM), before, strict=True):
+        signal.signal(kind, handler)
