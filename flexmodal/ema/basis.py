@@ -44,14 +44,16 @@ def mode_columns(
     omega: Float[np.ndarray, " line"],
     pole: Complex[np.ndarray, "*group mode"],
     power: int,
-    order: int = 1,
+    order: Literal[1, 2] = 1,
 ) -> Complex[np.ndarray, "*group line twomode"]:
     """The factors of Re A and Im A, mode by mode: (iω)^power (s + s̃) and (iω)^power i(s − s̃).
 
     `s = (iω − λ)^−order` and `s̃` the same with λ̄; order 2 gives the change with the pole.
     """
-    s = (1j * omega[:, None] - pole[..., None, :]) ** -order
-    conjugate = (1j * omega[:, None] - pole.conj()[..., None, :]) ** -order
+    s = 1 / (1j * omega[:, None] - pole[..., None, :])
+    conjugate = 1 / (1j * omega[:, None] - pole.conj()[..., None, :])
+    if order == 2:
+        s, conjugate = s * s, conjugate * conjugate
     pair = np.stack([s + conjugate, 1j * (s - conjugate)], axis=-1)
     columns = pair * ((1j * omega) ** power)[:, None, None]
     return columns.reshape(*columns.shape[:-2], -1)

@@ -18,6 +18,7 @@ from flexmodal.ema.mode import ModeEstimate
 from flexmodal.ema.noise import with_variance
 from flexmodal.ema.peak import Peak
 from flexmodal.ema.reckon import from_multiplier, hidden_by_noise
+from flexmodal.ema.separable import solve_scaled
 
 FEWEST_POINTS = 6
 """Circle (3), orientation, frequency and damping are six numbers from two for each point; fewer points check nothing."""
@@ -160,7 +161,7 @@ def _resonance(
         columns = slopes[:, free] * share[:, None]
         matrix = columns.T @ columns
         step = np.zeros(3)
-        step[free] = np.linalg.solve(matrix + force * np.diag(np.diag(matrix)), columns.T @ (share * away))
+        step[free] = solve_scaled(matrix + force * np.diag(np.diag(matrix)), columns.T @ (share * away)[:, None])[:, 0]
         trial = state + step
         if not (0 < trial[2] < 0.98 and 0 < trial[1]):
             force *= 10
@@ -208,13 +209,13 @@ def _influence(
     unit = np.exp(1j * np.angle(arc - centre))
     slopes = np.stack([unit.real, unit.imag, np.ones(len(arc))], axis=1)
     weight = (1 / variance)[:, None]
-    circle = np.linalg.solve(slopes.T @ (weight * slopes), (weight * slopes).T)  # [centre x, y, radius; point]
+    circle = solve_scaled(slopes.T @ (weight * slopes), (weight * slopes).T)  # [centre x, y, radius; point]
     state = np.array(found)
     away, columns = _angle_slopes(omega, np.unwrap(np.angle(arc - centre)), state)
     free = np.array([True, not peak.holds_frequency, not peak.holds_damping])
     part = columns[:, free]
     answer = np.zeros((3, len(arc)))
-    answer[free] = np.linalg.solve(part.T @ (weight * part), (weight * part).T)
+    answer[free] = solve_scaled(part.T @ (weight * part), (weight * part).T)
     sideways = (unit.conj()[:, None] * (circle[0] + 1j * circle[1])[None, :]).imag  # [angle's point, disturbed point]
     radial = np.concatenate([answer @ (-sideways / radius), circle[2:] / radius])
     tangential = np.concatenate([answer / radius, np.zeros((1, len(arc)))])

@@ -111,10 +111,36 @@ def solve_many(problems: Sequence[LeastSquaresProblem]) -> list[EstimatedModes]:
     noise, freedom = noise_of(separable, state, variance)
     covariances = propagate(separable, omega, damping, state, noise)
     size = scale / unit**power
-    return [
+    found = [
         _collect(problem, group, unit, size[group, 0], omega, damping, state, covariances, freedom, settled)
         for group, problem in enumerate(problems)
     ]
+    return [_without_runaways(problem, *one) for problem, one in zip(problems, found, strict=True)]
+
+
+def _without_runaways(problem: LeastSquaresProblem, modes: list[ModeEstimate], found: EstimatedModes) -> EstimatedModes:
+    """Fit again without the modes that these FRFs do not show, and say which those were."""
+    why = [_runaway(mode, problem.measured) for mode in modes]
+    if not any(why):
+        return judged(found)
+    keep = np.array([reason is None for reason in why])
+    told = [(float(start[0]), reason) for start, reason in zip(problem.start, why, strict=True) if reason]
+    if not keep.any():
+        zero = np.zeros_like(found.upper)
+        return replace(found, modes=(), upper=zero, lower=zero.copy(), refused=tuple(told), converged=True)
+    again = solve_least_squares(replace(problem, start=problem.start[keep], free=problem.free[keep]))
+    return replace(again, refused=tuple(sorted([*again.refused, *told])))
+
+
+def _runaway(mode: ModeEstimate, measured: Measured) -> str | None:
+    """Why an estimate is no mode of these FRFs; None if it may be one."""
+    if not measured.frequency[0] <= mode.frequency <= measured.frequency[-1]:
+        return "the fit drives this peak out of the band"
+    if not -0.4 < mode.damping_ratio < 0.95:
+        return f"the fit drives its damping ratio to {mode.damping_ratio:.2g}"
+    if np.all(np.abs(mode.residue) <= 2 * mode.residue_error):
+        return "its residue cannot be told from 0"
+    return None
 
 
 def _weights(weighting: Weighting, value: np.ndarray, variance: np.ndarray | None) -> np.ndarray:
@@ -148,8 +174,11 @@ def _collect(
     covariances: Covariances,
     freedom: np.ndarray,
     settled: np.ndarray,
-) -> EstimatedModes:
-    """One group's answer in SI units: the kernel's unit of residue is `size` × `unit`."""
+) -> tuple[list[ModeEstimate], EstimatedModes]:
+    """One group's answer in SI units, the modes in the order of the start as well as sorted.
+
+    The kernel's unit of residue is `size` × `unit`.
+    """
     count = omega.shape[1]
     linear = state.linear[group]
     spread = np.diag(np.tile([unit / (2 * np.pi), 1.0], count))
@@ -179,4 +208,4 @@ def _collect(
         lower=lower * unit**2,
         converged=bool(settled[group]),
     )
-    return judged(found)
+    return modes, found

@@ -84,10 +84,8 @@ def _refuse_outside(measured: Measured, chosen: Sequence[float | Peak]) -> None:
 
 def _stand_out(measured: Measured, indicator: np.ndarray, prominence: float, most: int) -> np.ndarray:
     """Lines of the peaks that rise over their valleys by `prominence` and by more than noise does."""
-    from scipy.signal import find_peaks
-
-    lines, facts = find_peaks(indicator, prominence=0.0)
-    rise = facts["prominences"]
+    lines = 1 + np.flatnonzero((indicator[1:-1] > indicator[:-2]) & (indicator[1:-1] >= indicator[2:]))
+    rise = (indicator - np.maximum(_lowest_since_higher(indicator), _lowest_since_higher(indicator[::-1])[::-1]))[lines]
     mobility = with_variance(measured).to("mobility")
     power = np.mean(np.abs(mobility.value) ** 2, axis=0)
     share = np.asarray(mobility.variance) / power
@@ -98,6 +96,17 @@ def _stand_out(measured: Measured, indicator: np.ndarray, prominence: float, mos
     lines, rise, valley = lines[sure], rise[sure], valley[sure]
     best = np.argsort(-(indicator[lines] / valley), kind="stable")[:most]
     return np.sort(lines[best])
+
+
+def _lowest_since_higher(values: np.ndarray) -> np.ndarray:
+    """For each entry the lowest one on the way back to a higher entry, or to the start if there is none."""
+    lowest = values.copy()
+    open_ones: list[int] = []  # falling values, each with no higher one behind it so far
+    for place in range(len(values)):
+        while open_ones and values[open_ones[-1]] <= values[place]:
+            lowest[place] = min(lowest[place], lowest[open_ones.pop()])
+        open_ones.append(place)
+    return lowest
 
 
 def _with_bands(

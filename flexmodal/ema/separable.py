@@ -8,7 +8,7 @@ share the frequency axis and the number of modes and nothing else.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Bool, Complex, Float
@@ -71,13 +71,12 @@ def eliminate(problem: Separable, omega: np.ndarray, damping: np.ndarray) -> Eli
     """Solve for residues and residual terms at these poles; slopes of the cost along the poles."""
     columns, count = columns_at(problem, omega, damping)
     gram = weighted_gram(columns, problem.weight)
-    weighted = problem.weight * problem.value
-    right = np.einsum("glt,glj->gjt", columns[..., :count].conj(), weighted).real
+    right = _products(columns[..., :count], problem.weight * problem.value)
     linear = solve_scaled(gram[..., :count, :count], right[..., None])[..., 0]
-    deviation = problem.value - np.einsum("glt,gjt->glj", columns[..., :count], linear)
+    deviation = problem.value - columns[..., :count] @ linear.swapaxes(-1, -2)
     cost = np.sum(problem.weight * np.abs(deviation) ** 2, axis=(1, 2))
     turn = _turn(linear, omega, damping)
-    slope = np.einsum("glt,glj->gjt", columns[..., count:].conj(), problem.weight * deviation).real
+    slope = _products(columns[..., count:], problem.weight * deviation)
     gradient = np.einsum("gjsp,gjs->gp", turn, slope)
     cross = gram[..., :count, count:]
     schur = gram[..., count:, count:] - cross.swapaxes(-1, -2) @ solve_scaled(gram[..., :count, :count], cross)
@@ -85,6 +84,12 @@ def eliminate(problem: Separable, omega: np.ndarray, damping: np.ndarray) -> Eli
     free = problem.free.ravel()
     information = np.where(np.outer(free, free), information, np.eye(len(free)))
     return Elimination(linear, deviation, cost, gram, turn, information, np.where(free, gradient, 0.0))
+
+
+def _products(columns: np.ndarray, value: np.ndarray) -> np.ndarray:
+    """Re ΦᴴX: [group frf term]."""
+    real, imaginary = value.real.swapaxes(-1, -2), value.imag.swapaxes(-1, -2)
+    return real @ columns.real + imaginary @ columns.imag
 
 
 def _turn(linear: np.ndarray, omega: np.ndarray, damping: np.ndarray) -> np.ndarray:
@@ -119,28 +124,51 @@ def minimise(
         Natural frequencies, damping ratios [group mode], the state there, and which groups converged.
     """
     state = eliminate(problem, omega, damping)
+    omega, damping = omega.copy(), damping.copy()
     force = np.full(len(omega), 1e-3)
     settled = np.zeros(len(omega), dtype=bool)
+    reach = (0.5 * float(problem.omega[0]), 2 * float(problem.omega[-1]))
     for _ in range(rounds):
-        new_omega, new_damping, step = _step(state, omega, damping, force)
-        trial = eliminate(problem, new_omega, new_damping)
-        better = (trial.cost <= state.cost) & np.isfinite(trial.cost) & ~settled
-        gained = state.cost - trial.cost
-        small = np.max(np.abs(step), axis=1) < 1e-7
-        settled |= (better & (gained <= 1e-9 * state.cost) & small) | (~better & small) | (force > 1e12)
-        omega = np.where(better[:, None], new_omega, omega)
-        damping = np.where(better[:, None], new_damping, damping)
-        state = _choose(better, trial, state)
-        force = np.where(better, np.maximum(force / 5, 1e-12), force * 4)
+        left = np.flatnonzero(~settled)  # those that are done cost nothing more
+        here = _take(state, left)
+        new_omega, new_damping, step, promised = _step(here, omega[left], damping[left], force[left], reach)
+        trial = eliminate(_part(problem, left), new_omega, new_damping)
+        better = (trial.cost <= here.cost) & np.isfinite(trial.cost)
+        # Done where a step promises less than a ten-thousandth of a standard error, or has no length.
+        little = promised <= 1e-8 * here.cost / problem.value[0].size
+        settled[left] = little | (np.max(np.abs(step), axis=1) < 1e-10) | (force[left] > 1e12)
+        won = left[better]
+        omega[won], damping[won] = new_omega[better], new_damping[better]
+        state = _put(state, won, _take(trial, np.flatnonzero(better)))
+        force[left] = np.where(better, np.maximum(force[left] / 5, 1e-12), force[left] * 4)
         if settled.all():
             break
     return omega, damping, state, settled
 
 
+def _part(problem: Separable, groups: np.ndarray) -> Separable:
+    return replace(problem, value=problem.value[groups], weight=problem.weight[groups])
+
+
+def _take(state: Elimination, groups: np.ndarray) -> Elimination:
+    return Elimination(*(getattr(state, name)[groups] for name in Elimination.__dataclass_fields__))
+
+
+def _put(state: Elimination, groups: np.ndarray, new: Elimination) -> Elimination:
+    for name in Elimination.__dataclass_fields__:
+        getattr(state, name)[groups] = getattr(new, name)
+    return state
+
+
 def _step(
-    state: Elimination, omega: np.ndarray, damping: np.ndarray, force: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """One damped Gauss–Newton step, no longer than the resonance is wide; relative length for stopping."""
+    state: Elimination, omega: np.ndarray, damping: np.ndarray, force: np.ndarray, reach: tuple[float, float]
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """One damped Gauss–Newton step, no longer than the resonance is wide.
+
+    Returns:
+        The new natural frequencies and damping ratios, the step relative to the widths, and by how much
+        the step promises to lower the cost.
+    """
     diagonal = np.diagonal(state.information, axis1=-2, axis2=-1)
     matrix = state.information + force[:, None, None] * diagonal[..., None] * np.eye(diagonal.shape[1])
     step = solve_scaled(matrix, state.gradient[..., None])[..., 0].reshape(*omega.shape, 2)
@@ -149,12 +177,6 @@ def _step(
     longest = np.max(np.abs(relative), axis=(1, 2))
     cut = np.where(longest > 1, 1 / np.maximum(longest, 1), 1.0)[:, None]
     new_damping = np.clip(damping + cut * step[..., 1], *_DAMPING)
-    return omega + cut * step[..., 0], new_damping, relative.reshape(len(omega), -1)
-
-
-def _choose(better: np.ndarray, new: Elimination, old: Elimination) -> Elimination:
-    def pick(name: str) -> np.ndarray:
-        one, other = getattr(new, name), getattr(old, name)
-        return np.where(better.reshape((-1,) + (1,) * (one.ndim - 1)), one, other)
-
-    return Elimination(*(pick(name) for name in Elimination.__dataclass_fields__))
+    promised = np.sum(state.gradient * step.reshape(len(omega), -1), axis=1)
+    new_omega = np.clip(omega + cut * step[..., 0], *reach)
+    return new_omega, new_damping, relative.reshape(len(omega), -1), promised
