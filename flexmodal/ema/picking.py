@@ -21,7 +21,11 @@ from flexmodal.ema.reckon import from_multiplier, hidden_by_noise
 
 @dataclass(frozen=True, eq=False)
 class _Reading:
-    """Linear maps from the amplitudes to a parabola over the top and a straight line on each flank."""
+    """Linear maps to a parabola over the top and a straight line on each flank.
+
+    The parabola is that of 1/|Y|², the lines are those of √(h²/|Y|² − 1) with h the height: for one mode
+    both are what they are called but for terms of the order of ζ.
+    """
 
     top: Float[np.ndarray, "3 line"]
     flanks: tuple[Float[np.ndarray, "2 line"] | None, Float[np.ndarray, "2 line"] | None]
@@ -30,14 +34,15 @@ class _Reading:
 
     def read(self, size: Float[np.ndarray, "*batch line"]) -> Float[np.ndarray, "*batch 3"]:
         """Natural frequency [Hz], damping ratio and height, of many sets of amplitudes at once."""
-        flat, slope, bend = np.moveaxis(size @ self.top.T, -1, 0)
+        flat, slope, bend = np.moveaxis(size**-2 @ self.top.T, -1, 0)
         apex = -slope / (2 * bend)
-        height = flat + slope * apex / 2
+        height = (flat + slope * apex / 2) ** -0.5
+        away = np.sqrt(np.maximum((height[..., None] / size) ** 2 - 1, 0.0))  # 1 at half power
         crossing = []
         for flank in self.flanks:
             if flank is not None:
-                start, rise = np.moveaxis(size @ flank.T, -1, 0)
-                crossing.append((height / np.sqrt(2) - start) / rise + self.origin)
+                start, rise = np.moveaxis(away @ flank.T, -1, 0)
+                crossing.append((1 - start) / rise + self.origin)
         top = apex + self.origin
         if len(crossing) == 2:
             natural = np.sqrt(crossing[0] * crossing[1])
@@ -64,7 +69,7 @@ def pick_peak(measured: Measured, peak: Peak) -> ModeEstimate | str:
         return f"{np.count_nonzero(inside)} lines in the peak's band, fewer than 4"
     axis, value = mobility.frequency[inside], mobility.value[inside, 0]
     variance = np.asarray(mobility.variance)[inside, 0]
-    size = np.abs(value)
+    size = np.maximum(np.abs(value), 1e-9 * np.max(np.abs(value)))
     near = np.abs(axis - peak.frequency) <= max(peak.width, mobility.spacing)
     summit = int(np.argmax(np.where(near, size, -1.0)))
     if summit in (0, len(axis) - 1):
