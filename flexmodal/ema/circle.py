@@ -2,7 +2,8 @@
 
 For one mode, iω A′/(ω_n² − ω² + 2iζω_nω) lies exactly on a circle of diameter |A′|/(2ζω_n), and its
 phase, which is half the angle seen from the centre, obeys tan θ = (ω_n² − ω²)/(2ζω_nω). So the traverse
-rate |dθ/d(ω²)| has its maximum at ω_n, where it is 1/(2ζω_n²) [Hearne 2.41–2.44]. Other modes shift the
+rate |dθ/d(ω²)| is 1/(2ζω_n²) at ω_n, which is its maximum but for terms of the order ζ² [Hearne
+2.41–2.44]. Other modes shift the
 circle and hardly bend it, as long as they are far away.
 """
 
@@ -21,7 +22,7 @@ from flexmodal.ema.reckon import from_multiplier, hidden_by_noise
 from flexmodal.ema.separable import solve_scaled
 
 FEWEST_POINTS = 6
-"""Circle (3), orientation, frequency and damping are six numbers from two for each point; fewer points check nothing."""
+"""Circle (3), orientation, frequency and damping are six numbers; fewer points would check nothing."""
 
 _REACH = 2.0
 """The arc reaches this many half-bandwidths ζf to either side: 254° of the circle."""
@@ -88,7 +89,7 @@ def fit_circle(measured: Measured, peak: Peak) -> CircleFit | str:
     angle = np.unwrap(np.angle(arc - centre))
     turned = angle[0] - angle[-1]
     if turned < np.pi / 3:
-        return f"the arc turns through {np.degrees(turned):.0f}°, too little for a resonance"
+        return f"the arc turns clockwise through {np.degrees(turned):.0f}°, too little for a resonance"
     found = _resonance(omega, angle, 1 / variance, peak)
     if found is None:
         return "the points do not run round the circle as one resonance does"
@@ -149,7 +150,11 @@ def _resonance(
     natural = float(np.sqrt((omega[place] ** 2 + omega[place + 1] ** 2) / 2))
     if peak.holds_frequency:
         natural = 2 * np.pi * peak.frequency
-    damping = peak.start_damping if peak.holds_damping else float(np.clip(1 / (natural**2 * smooth[place]), 1e-6, 0.9))
+    damping = (
+        peak.start_damping
+        if peak.holds_damping
+        else float(np.clip(1 / (natural**2 * smooth[place]), 1e-6, 0.9))
+    )
     free = np.array([True, not peak.holds_frequency, not peak.holds_damping])
     orientation = float(np.interp(natural, omega, angle))
     share = np.sqrt(weight / np.max(weight))
@@ -161,9 +166,11 @@ def _resonance(
         columns = slopes[:, free] * share[:, None]
         matrix = columns.T @ columns
         step = np.zeros(3)
-        step[free] = solve_scaled(matrix + force * np.diag(np.diag(matrix)), columns.T @ (share * away)[:, None])[:, 0]
+        step[free] = solve_scaled(
+            matrix + force * np.diag(np.diag(matrix)), columns.T @ (share * away)[:, None]
+        )[:, 0]
         trial = state + step
-        if not (0 < trial[2] < 0.98 and 0 < trial[1]):
+        if not (0 < trial[2] < 0.98 and trial[1] > 0):
             force *= 10
             continue
         better = float(np.sum((share * _angle_slopes(omega, angle, trial)[0]) ** 2))
@@ -216,7 +223,9 @@ def _influence(
     part = columns[:, free]
     answer = np.zeros((3, len(arc)))
     answer[free] = solve_scaled(part.T @ (weight * part), (weight * part).T)
-    sideways = (unit.conj()[:, None] * (circle[0] + 1j * circle[1])[None, :]).imag  # [angle's point, disturbed point]
+    sideways = (
+        unit.conj()[:, None] * (circle[0] + 1j * circle[1])[None, :]
+    ).imag  # [angle's point, disturbed point]
     radial = np.concatenate([answer @ (-sideways / radius), circle[2:] / radius])
     tangential = np.concatenate([answer / radius, np.zeros((1, len(arc)))])
     # Order: orientation, natural, damping, ln radius; then to natural, damping, ln|A′|, orientation.

@@ -11,7 +11,12 @@ import numpy as np
 from flexmodal.ema.basis import check_residuals
 from flexmodal.ema.circle import CircleFit, fit_circle
 from flexmodal.ema.judge import judged
-from flexmodal.ema.least_squares import LeastSquaresProblem, build_least_squares, solve_least_squares, solve_many
+from flexmodal.ema.least_squares import (
+    LeastSquaresProblem,
+    build_least_squares,
+    solve_least_squares,
+    solve_many,
+)
 from flexmodal.ema.measured import Measured
 from flexmodal.ema.mode import EstimatedModes, Method, ModeEstimate, with_residual_terms
 from flexmodal.ema.noise import with_variance
@@ -37,7 +42,7 @@ class Choices:
     """Natural frequencies to take as they are [Hz]."""
     damping: Mapping[float, float] = field(default_factory=dict)
     """Damping ratios to force, by the frequency of their peak [Hz]."""
-    prominence: float = 1.0
+    prominence: float = 2.0
     """Least height of an automatic peak over its valleys [dB]."""
     residuals: str = "complex"
     """Terms for modes outside the band: none, real, complex."""
@@ -48,10 +53,12 @@ class Choices:
     tolerances: Tolerances = field(default_factory=Tolerances)
     """Of the stabilisation diagram."""
     refine: bool = True
-    """Whether LSCF's poles are where a least squares fit starts, which takes their bias out and gives intervals."""
+    """Whether a least squares fit from LSCF's poles takes their bias out and gives intervals."""
 
 
-def estimate(measured: Measured, method: str = "least-squares", choices: Choices | None = None) -> EstimatedModes:
+def estimate(
+    measured: Measured, method: str = "least-squares", choices: Choices | None = None
+) -> EstimatedModes:
     """Find modes that are common to some FRFs.
 
     Args:
@@ -220,7 +227,9 @@ def _forced(peaks: list[Peak], choices: Choices) -> list[Peak]:
 
 def _with_scatter(mode: ModeEstimate, diagram: Stabilisation) -> ModeEstimate:
     """Take the scatter over the orders for the uncertainty, and say that it is no confidence interval."""
-    near = [c for c in diagram.columns() if np.any(np.isclose(diagram.frequency[c], mode.frequency, rtol=1e-9))]
+    near = [
+        c for c in diagram.columns() if np.any(np.isclose(diagram.frequency[c], mode.frequency, rtol=1e-9))
+    ]
     if not near:
         return mode
     column = near[0]

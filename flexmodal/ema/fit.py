@@ -96,9 +96,12 @@ def fit(
         InvalidRequest: no records, or a choice that does not exist or does not suit the lines.
     """
     name = check_method(method)
-    for key, found, allowed in (("per", per, ("frf", "posture")), ("trials", trials, ("average", "separate"))):
-        if found not in allowed:
-            raise InvalidRequest(Fault("call", key, repr(found), ", ".join(allowed)))
+    for key, given, allowed in (
+        ("per", per, ("frf", "posture")),
+        ("trials", trials, ("average", "separate")),
+    ):
+        if given not in allowed:
+            raise InvalidRequest(Fault("call", key, repr(given), ", ".join(allowed)))
     if len(records.value) == 0:
         raise InvalidRequest(Fault("call", "records", "none", "at least one FRF"))
     wanted = choices or Choices()

@@ -1,4 +1,4 @@
-"""Least squares fit of the modal sum [Hearne 2.19], with residual terms [2.20]: one peak or several, one FRF or all.
+"""Least squares fit of the modal sum [Hearne 2.19] with residual terms [2.20], of one FRF or of all.
 
 Poles are shared by all the FRFs of a problem, residues are each FRF's own. `build_least_squares` gives
 the problem, to be looked at; `solve_least_squares` the modes.
@@ -18,6 +18,7 @@ from flexmodal.ema.covariance import Covariances, noise_of, propagate
 from flexmodal.ema.judge import judged
 from flexmodal.ema.measured import POWER, Measured
 from flexmodal.ema.mode import EstimatedModes, ModeEstimate, fold_terms
+from flexmodal.ema.noise import scatter
 from flexmodal.ema.peak import Peak
 from flexmodal.ema.separable import Elimination, Separable, minimise
 from flexmodal.errors import Fault, InvalidRequest
@@ -69,7 +70,9 @@ def build_least_squares(
     unknowns = 4 * len(peaks) + {"none": 0, "real": 2, "complex": 4}[residuals]
     if 2 * len(part.frequency) <= unknowns:
         found = f"{len(part.frequency)} lines for {len(peaks)} modes"
-        raise InvalidRequest(Fault("call", "peaks", found, f"more than {unknowns // 2} lines, or fewer modes"))
+        raise InvalidRequest(
+            Fault("call", "peaks", found, f"more than {unknowns // 2} lines, or fewer modes")
+        )
     ordered = sorted(peaks, key=lambda peak: peak.frequency)
     return LeastSquaresProblem(
         measured=part,
@@ -86,7 +89,7 @@ def solve_least_squares(problem: LeastSquaresProblem) -> EstimatedModes:
 
 
 def solve_many(problems: Sequence[LeastSquaresProblem]) -> list[EstimatedModes]:
-    """Fit problems of one shape (the same lines, modes and FRFs) together, which is much quicker than in turn."""
+    """Fit problems of one shape (the same lines, modes, FRFs) together: much quicker than in turn."""
     first = problems[0]
     unit = float(np.mean(first.measured.omega))
     power = POWER[first.measured.form]
@@ -118,7 +121,9 @@ def solve_many(problems: Sequence[LeastSquaresProblem]) -> list[EstimatedModes]:
     return [_without_runaways(problem, *one) for problem, one in zip(problems, found, strict=True)]
 
 
-def _without_runaways(problem: LeastSquaresProblem, modes: list[ModeEstimate], found: EstimatedModes) -> EstimatedModes:
+def _without_runaways(
+    problem: LeastSquaresProblem, modes: list[ModeEstimate], found: EstimatedModes
+) -> EstimatedModes:
     """Fit again without the modes that these FRFs do not show, and say which those were."""
     why = [_runaway(mode, problem.measured) for mode in modes]
     if not any(why):
@@ -150,8 +155,9 @@ def _weights(weighting: Weighting, value: np.ndarray, variance: np.ndarray | Non
             return 1 / variance[..., :1]
         return 1 / variance
     if weighting == "logarithmic":
-        floor = 1e-8 if variance is None else variance
-        return 1 / np.maximum(np.abs(value) ** 2, floor)
+        # Lines near the noise would weigh by their noise; ten times its power bounds the weight.
+        floor = np.stack([scatter(part) for part in value]) if variance is None else variance
+        return 1 / np.maximum(np.abs(value) ** 2, np.maximum(10 * floor, 1e-8))
     return np.ones((*value.shape[:2], 1))
 
 
@@ -186,14 +192,17 @@ def _collect(
     modes = []
     for mode in range(count):
         part = slice(2 * mode, 2 * mode + 2)
-        residue: Complex[np.ndarray, " frf"] = (linear[:, 2 * mode] + 1j * linear[:, 2 * mode + 1]) * size * unit
+        residue: Complex[np.ndarray, " frf"] = (
+            (linear[:, 2 * mode] + 1j * linear[:, 2 * mode + 1]) * size * unit
+        )
         modes.append(
             ModeEstimate(
                 frequency=float(omega[group, mode] * unit / (2 * np.pi)),
                 damping_ratio=float(damping[group, mode]),
                 residue=residue,
                 covariance=pole[part, part],
-                residue_covariance=covariances.linear[group, :, part, part] * (size * unit)[:, None, None] ** 2,
+                residue_covariance=covariances.linear[group, :, part, part]
+                * (size * unit)[:, None, None] ** 2,
                 freedom=float(freedom[group]),
                 quality=0.0,
                 method="least-squares",

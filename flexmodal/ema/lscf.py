@@ -19,7 +19,7 @@ from jaxtyping import Complex, Float
 from flexmodal.ema.measured import Measured
 
 _GAP = 0.05
-"""Part of the circle left free between the last line and the first, so that they are not taken for neighbours."""
+"""Part of the circle left free between the last line and the first, which are no neighbours."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,7 +33,7 @@ class Lscf:
     total: Complex[np.ndarray, "power power"]
     """ZᴴΣ|H|²Z."""
     halves: Complex[np.ndarray, "frf power power"]
-    """L⁻¹ZᴴHZ with LLᴴ = ZᴴZ: what the numerators take is halfᴴ half, its leading rows serve each lower order."""
+    """L⁻¹ZᴴHZ with LLᴴ = ZᴴZ: numerators take halfᴴ half; the leading rows serve each lower order."""
 
     def coefficients(self, order: int) -> Complex[np.ndarray, " coefficient"]:
         """A's coefficients from the lowest power to the highest, which is 1."""

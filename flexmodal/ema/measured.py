@@ -113,7 +113,9 @@ def _faults(
     if bad.any():
         line, frf = np.argwhere(bad)[0]
         where = f"{frequency[frequency > 0][line]:g} Hz of FRF {frf + 1}"
-        faults.append(Fault("call", "value", f"{np.count_nonzero(bad)} not finite, first at {where}", "numbers"))
+        faults.append(
+            Fault("call", "value", f"{np.count_nonzero(bad)} not finite, first at {where}", "numbers")
+        )
     elif not np.all(np.any(value[frequency > 0] != 0, axis=0)):
         frf = int(np.argmin(np.any(value[frequency > 0] != 0, axis=0)))
         faults.append(Fault("call", "value", f"FRF {frf + 1} zero throughout", "a response"))

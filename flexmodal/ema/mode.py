@@ -69,7 +69,9 @@ class ModeEstimate:
     def residue_error(self) -> Float[np.ndarray, " frf"]:
         """Standard error of each residue's magnitude [m/(s·N)]."""
         size = np.abs(self.residue)
-        towards = np.stack([self.residue.real, self.residue.imag], axis=1) / np.where(size > 0, size, 1)[:, None]
+        towards = (
+            np.stack([self.residue.real, self.residue.imag], axis=1) / np.where(size > 0, size, 1)[:, None]
+        )
         return np.sqrt(np.maximum(np.einsum("fi,fij,fj->f", towards, self.residue_covariance, towards), 0))
 
     def coverage_factor(self, level: float = 0.95) -> float:
@@ -130,7 +132,7 @@ class EstimatedModes:
 
     @property
     def residue(self) -> Complex[np.ndarray, "frf mode"]:
-        """Residues of the receptance; a column is a mode shape up to scale where the FRFs share a reference."""
+        """Residues of the receptance; columns are mode shapes up to scale if the FRFs share a reference."""
         if not self.modes:
             return np.empty((self.measured.value.shape[1], 0), dtype=complex)
         return np.stack([mode.residue for mode in self.modes], axis=1)
@@ -200,4 +202,4 @@ def fold_terms(terms: np.ndarray) -> np.ndarray:
     """Columns [term, frf] of `residual_columns` as complex U and L [2, frf]."""
     if len(terms) == 0:
         return np.zeros((2, terms.shape[1]), dtype=complex)
-    return terms[:2] + (1j * terms[2:] if len(terms) == 4 else 0)
+    return terms[:2] + 1j * (terms[2:] if len(terms) == 4 else np.zeros_like(terms[:2]))

@@ -36,7 +36,8 @@ class _Reading:
         """Natural frequency [Hz], damping ratio and height, of many sets of amplitudes at once."""
         flat, slope, bend = np.moveaxis(size**-2 @ self.top.T, -1, 0)
         apex = -slope / (2 * bend)
-        height = (flat + slope * apex / 2) ** -0.5
+        lowest = flat + slope * apex / 2
+        height = np.where(lowest > 0, lowest, np.nan) ** -0.5
         away = np.sqrt(np.maximum((height[..., None] / size) ** 2 - 1, 0.0))  # 1 at half power
         crossing = []
         for flank in self.flanks:
@@ -78,7 +79,9 @@ def pick_peak(measured: Measured, peak: Peak) -> ModeEstimate | str:
     if isinstance(reading, str):
         return reading
     natural, damping, height = (float(number) for number in reading.read(size))
-    if not (np.isfinite([natural, damping, height]).all() and 0 < damping < 0.9 and height > 0 and natural > 0):
+    if not (
+        np.isfinite([natural, damping, height]).all() and 0 < damping < 0.9 and height > 0 and natural > 0
+    ):
         return "the peak has no half-power points that can be read"
     # Slopes by central differences; each reading is smooth in the amplitudes once its lines are chosen.
     step = 1e-6 * height
@@ -86,14 +89,16 @@ def pick_peak(measured: Measured, peak: Peak) -> ModeEstimate | str:
     slopes = (reading.read(shifted[0]) - reading.read(shifted[1])) / (2 * step)
     basis = np.vander(np.array([natural - reading.origin]), 3, increasing=True)[0]
     at_peak = complex(basis @ (reading.top @ value))
-    jacobian = np.stack([2 * np.pi * slopes[:, 0], slopes[:, 1], _log_multiplier(slopes, natural, damping, height)])
+    jacobian = np.stack(
+        [2 * np.pi * slopes[:, 0], slopes[:, 1], _log_multiplier(slopes, natural, damping, height)]
+    )
     covariance = np.zeros((4, 4))
     covariance[:3, :3] = (jacobian * variance / 2) @ jacobian.T
     covariance[3, 3] = np.sum((basis @ reading.top) ** 2 * variance / 2) / height**2
     multiplier = 4 * np.pi * natural * damping * height * np.exp(1j * np.angle(at_peak))
     one_sided = any(flank is None for flank in reading.flanks)
     remarks = ("only one half-power point stands clear of the neighbours",) if one_sided else ()
-    freedom = float(max(2 * np.count_nonzero(inside) - 7, 1))
+    freedom = float(max(2 * int(np.count_nonzero(inside)) - 7, 1))
     mode = from_multiplier(2 * np.pi * natural, damping, multiplier, covariance, freedom, "peaks", remarks)
     return hidden_by_noise(mode) or mode
 
@@ -127,7 +132,7 @@ def _stretch(size: np.ndarray, summit: int, least: float) -> np.ndarray:
 
 
 def _flank(axis: np.ndarray, size: np.ndarray, summit: int, step: int) -> np.ndarray | None:
-    """Lines about the half-power point on one side: those between 0.6 and 0.8 of the height, or the two beside it."""
+    """Lines about one half-power point: those from 0.6 to 0.8 of the height, or the two beside it."""
     height = size[summit]
     here = summit
     while 0 <= here + step < len(size) and size[here + step] > height / np.sqrt(2):
@@ -140,7 +145,7 @@ def _flank(axis: np.ndarray, size: np.ndarray, summit: int, step: int) -> np.nda
         while 0 <= probe < len(size) and probe != summit and 0.6 * height <= size[probe] <= 0.8 * height:
             lines.append(probe)
             probe += towards
-    return np.array(sorted(lines))
+    return np.sort(np.array(lines))
 
 
 def _fit(axis: np.ndarray, lines: np.ndarray, degree: int, count: int) -> np.ndarray:

@@ -27,7 +27,9 @@ def pooled(estimates: Sequence[ModeEstimate | None]) -> ModeEstimate:
         [one.damping_ratio for one in found], [one.covariance[1, 1] for one in found]
     )
     together = np.sum([one.covariance[0, 1] for one in found]) / max(
-        np.sqrt(np.sum([one.covariance[0, 0] for one in found]) * np.sum([one.covariance[1, 1] for one in found])),
+        np.sqrt(
+            np.sum([one.covariance[0, 0] for one in found]) * np.sum([one.covariance[1, 1] for one in found])
+        ),
         np.finfo(float).tiny,
     )
     mixed = float(np.clip(together, -1, 1)) * np.sqrt(frequency_variance * damping_variance)

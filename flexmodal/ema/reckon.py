@@ -51,4 +51,5 @@ def hidden_by_noise(mode: ModeEstimate) -> str | None:
     """A sentence where the standard error of the damping is as large as the damping itself."""
     if mode.damping_error < abs(mode.damping_ratio) and mode.frequency_error < abs(mode.frequency):
         return None
-    return f"noise hides it: damping ratio {mode.damping_ratio:.2g} with a standard error of {mode.damping_error:.2g}"
+    found = f"damping ratio {mode.damping_ratio:.2g} with a standard error of {mode.damping_error:.2g}"
+    return f"noise hides it: {found}"

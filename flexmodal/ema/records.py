@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Literal, Protocol
+from typing import Literal, Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Complex, Float, Int
@@ -19,6 +19,7 @@ _SMOOTH = 4
 Trials = Literal["average", "separate"]
 
 
+@runtime_checkable
 class Records(Protocol):
     """What a fit needs of records; `flexmodal.campaign.FrfRecords` has it."""
 

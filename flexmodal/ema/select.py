@@ -1,9 +1,10 @@
-"""Which peaks are modes: by a rule that always gives the same answer, and by hand where a person knows better."""
+"""Which peaks are modes: by a rule that repeats itself exactly, and by hand where a person knows better."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 from jaxtyping import Float
@@ -35,7 +36,7 @@ def choose_peaks(
     forbid: Sequence[tuple[float, float]] = (),
     hold_frequency: Sequence[float] = (),
     damping: Mapping[float, float] | None = None,
-    prominence: float = 1.0,
+    prominence: float = 2.0,
     most: int = 50,
 ) -> tuple[Peak, ...]:
     """Find the peaks, or take those that a person names.
@@ -85,7 +86,9 @@ def _refuse_outside(measured: Measured, chosen: Sequence[float | Peak]) -> None:
 def _stand_out(measured: Measured, indicator: np.ndarray, prominence: float, most: int) -> np.ndarray:
     """Lines of the peaks that rise over their valleys by `prominence` and by more than noise does."""
     lines = 1 + np.flatnonzero((indicator[1:-1] > indicator[:-2]) & (indicator[1:-1] >= indicator[2:]))
-    rise = (indicator - np.maximum(_lowest_since_higher(indicator), _lowest_since_higher(indicator[::-1])[::-1]))[lines]
+    rise = (
+        indicator - np.maximum(_lowest_since_higher(indicator), _lowest_since_higher(indicator[::-1])[::-1])
+    )[lines]
     mobility = with_variance(measured).to("mobility")
     power = np.mean(np.abs(mobility.value) ** 2, axis=0)
     share = np.asarray(mobility.variance) / power
@@ -116,9 +119,7 @@ def _with_bands(
     axis = measured.frequency
     ordered = sorted(chosen, key=_frequency)
     lines = [int(np.argmin(np.abs(axis - _frequency(c)))) for c in ordered]
-    valleys = [
-        a + int(np.argmin(indicator[a : b + 1])) if b > a else a for a, b in zip(lines, lines[1:], strict=False)
-    ]
+    valleys = [a + int(np.argmin(indicator[a : b + 1])) if b > a else a for a, b in pairwise(lines)]
     edges = [0, *valleys, len(axis) - 1]
     peaks = []
     for place, (one, line) in enumerate(zip(ordered, lines, strict=True)):
@@ -142,7 +143,9 @@ def _half_power_width(axis: np.ndarray, indicator: np.ndarray, line: int, low: i
         for here in path:
             if indicator[here] >= half > indicator[here + step]:
                 share = (indicator[here] - half) / (indicator[here] - indicator[here + step])
-                sides.append(abs(float(axis[here] - axis[line])) + share * abs(float(axis[here + step] - axis[here])))
+                sides.append(
+                    abs(float(axis[here] - axis[line])) + share * abs(float(axis[here + step] - axis[here]))
+                )
                 break
     if not sides:
         return 0.04 * float(axis[line])
@@ -152,7 +155,9 @@ def _half_power_width(axis: np.ndarray, indicator: np.ndarray, line: int, low: i
 def _force_damping(peaks: list[Peak], damping: Mapping[float, float]) -> list[Peak]:
     for frequency, ratio in damping.items():
         if not peaks:
-            raise InvalidRequest(Fault("call", "damping", f"{ratio:g} at {frequency:g} Hz", "a peak to force it on"))
+            raise InvalidRequest(
+                Fault("call", "damping", f"{ratio:g} at {frequency:g} Hz", "a peak to force it on")
+            )
         nearest = min(range(len(peaks)), key=lambda place: abs(peaks[place].frequency - frequency))
         if abs(peaks[nearest].frequency - frequency) > 0.1 * frequency:
             found = f"{ratio:g} at {frequency:g} Hz, nearest peak at {peaks[nearest].frequency:g} Hz"

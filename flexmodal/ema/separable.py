@@ -48,9 +48,7 @@ class Elimination:
     gradient: Float[np.ndarray, "group twomode"]
 
 
-def columns_at(
-    problem: Separable, omega: np.ndarray, damping: np.ndarray
-) -> tuple[np.ndarray, int]:
+def columns_at(problem: Separable, omega: np.ndarray, damping: np.ndarray) -> tuple[np.ndarray, int]:
     """All columns [group line term] at some poles, and how many of them are linear unknowns."""
     pole = pole_of(omega, damping)
     tail = residual_columns(problem.omega, problem.power, problem.residuals)
@@ -79,7 +77,9 @@ def eliminate(problem: Separable, omega: np.ndarray, damping: np.ndarray) -> Eli
     slope = _products(columns[..., count:], problem.weight * deviation)
     gradient = np.einsum("gjsp,gjs->gp", turn, slope)
     cross = gram[..., :count, count:]
-    schur = gram[..., count:, count:] - cross.swapaxes(-1, -2) @ solve_scaled(gram[..., :count, :count], cross)
+    schur = gram[..., count:, count:] - cross.swapaxes(-1, -2) @ solve_scaled(
+        gram[..., :count, :count], cross
+    )
     information = np.sum(turn.swapaxes(-1, -2) @ schur @ turn, axis=1)
     free = problem.free.ravel()
     information = np.where(np.outer(free, free), information, np.eye(len(free)))

@@ -65,15 +65,15 @@ class Stabilisation:
         """Stable poles that are one another's continuation, from low frequency to high; each is a mode."""
         least = max(2, int(np.ceil(self.tolerances.orders * len(self.orders))))
         chains: list[list[int]] = []
-        for place in np.lexsort((self.frequency, self.order)):
+        for place in np.lexsort((self.frequency, self.order)).tolist():
             if not self.stable[place]:
                 continue
             near = [chain for chain in chains if self._continues(chain[-1], place)]
             if near:
                 best = min(near, key=lambda chain: abs(self.frequency[chain[-1]] - self.frequency[place]))
-                best.append(int(place))
+                best.append(place)
             else:
-                chains.append([int(place)])
+                chains.append([place])
         long = [np.array(chain) for chain in chains if len(chain) >= least]
         return sorted(long, key=lambda chain: float(np.median(self.frequency[chain])))
 
@@ -104,7 +104,9 @@ class Stabilisation:
         candidates = np.flatnonzero(self.stable)
         distance = np.abs(self.frequency[candidates] / frequency - 1)
         if not len(candidates) or distance.min() > 0.05:
-            raise InvalidRequest(Fault("call", "peaks", f"{frequency:g} Hz", "a frequency within 5 % of a stable pole"))
+            raise InvalidRequest(
+                Fault("call", "peaks", f"{frequency:g} Hz", "a frequency within 5 % of a stable pole")
+            )
         close = candidates[distance <= distance.min() + self.tolerances.frequency]
         return int(close[np.argmax(self.order[close])])
 
@@ -141,7 +143,11 @@ def stabilise(
         by_both.append(both)
         before = now
     return Stabilisation(
-        problem, measured, wanted, orders, *(np.concatenate(part) for part in (of, poles, by_frequency, by_both))
+        problem,
+        measured,
+        wanted,
+        orders,
+        *(np.concatenate(part) for part in (of, poles, by_frequency, by_both)),
     )
 
 
