@@ -33,7 +33,11 @@ class _Reading:
     origin: float
 
     def read(self, size: Float[np.ndarray, "*batch line"]) -> Float[np.ndarray, "*batch 3"]:
-        """Natural frequency [Hz], damping ratio and height, of many sets of amplitudes at once."""
+        """Natural frequency [Hz], damping ratio and height, of many sets of amplitudes."""
+        with np.errstate(divide="ignore", invalid="ignore"):  # what cannot be read is refused by `pick_peak`
+            return self._read(size)
+
+    def _read(self, size: np.ndarray) -> np.ndarray:
         flat, slope, bend = np.moveaxis(size**-2 @ self.top.T, -1, 0)
         apex = -slope / (2 * bend)
         lowest = flat + slope * apex / 2

@@ -70,7 +70,7 @@ def test_frac_and_fdac() -> None:
         AXIS,
     )
     assert np.all(frac(value, stiffer) < 0.9)
-    # A stiffness 1.21 times larger (damping 1.1 times) has the same FRFs at 1.1 times the frequency, over 1.21.
+    # Stiffness times 1.21 and damping times 1.1: the same FRFs over 1.21 at 1.1 times the frequency.
     scaled = SecondOrderSystem(MASS, 1.1 * 2e-4 * STIFFNESS, 1.21 * STIFFNESS, ("a", "b", "c"))
     shifted = receptance(scaled, np.eye(3), np.eye(3), 1.1 * AXIS)
     matrix = fdac(value[:, :, 0], shifted[:, :, 0])
