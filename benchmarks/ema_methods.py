@@ -79,15 +79,21 @@ def main() -> None:
     write(
         "ema_methods",
         "Bias and spread of the methods",
-        f"Made by `benchmarks/ema_methods.py`: two mobilities, 5 to 100 Hz in steps of 0.25 Hz, noise of 1 % of the "
-        f"maximum, {REPEATS} repetitions with a fixed seed, peaks chosen automatically. Bias ± standard deviation, "
+        "Made by `benchmarks/ema_methods.py`: two mobilities, 5 to 100 Hz in steps of 0.25 Hz, noise "
+        "of 1 % of the "
+        f"maximum, {REPEATS} repetitions with a fixed seed, peaks chosen automatically. Bias ± "
+        "standard deviation, "
         "relative, of the mode whose bias is worst; the residue is that of the first FRF.",
         ["case: method", "all modes found", "frequency [%]", "ζ [%]", "residue [%]"],
         rows,
-        "The circle fit takes the whole motion round a peak for one mode. Its residue is off by a few per cent among "
-        "modes that are well apart and by a third among heavily damped ones; where half-power bands touch it breaks "
-        "down, and its interval does not tell, since that holds noise only. Close modes make one peak here: the "
-        "automatic choice sees one, and least squares has to be told of both (`at=`, off by 0.5 % here). LSCF sees "
+        "The circle fit takes the whole motion round a peak for one mode. Its residue is off by a "
+        "few per cent among "
+        "modes that are well apart and by a third among heavily damped ones; where half-power bands "
+        "touch it breaks "
+        "down, and its interval does not tell, since that holds noise only. Close modes make one "
+        "peak here: the "
+        "automatic choice sees one, and least squares has to be told of both (`at=`, off by 0.5 % "
+        "here). LSCF sees "
         "both; by itself it is biased by noise, mostly in damping, and refining takes the bias out.",
     )
 

@@ -141,7 +141,8 @@ def comparisons() -> list[Comparison]:
             rows.append(
                 Comparison(
                     dataset, number, method, mode.frequency, reach * mode.frequency_error, mode.damping_ratio,
-                    reach * mode.damping_error, (frequency.min(), frequency.max()), (min(damping), max(damping)),
+                    reach * mode.damping_error, (frequency.min(), frequency.max()),
+                    (min(damping), max(damping)),
                 )
             )  # fmt: skip
     return rows
@@ -169,17 +170,21 @@ def main() -> None:
     write(
         "ema_real",
         "Modes of real measurements",
-        "Made by `benchmarks/ema_real.py` from the measurements in `tests/data/real`, each with its origin and "
-        "licence there. Peers: sdypy-EMA at several orders, vibrationtesting, a one-mode fit and a logarithmic "
+        "Made by `benchmarks/ema_real.py` from the measurements in `tests/data/real`, each with its "
+        "origin and "
+        "licence there. Peers: sdypy-EMA at several orders, vibrationtesting, a one-mode fit and a "
+        "logarithmic "
         "decrement, as `reference_results.csv` lists them. ± is half the 95 % interval with, for "
         "least squares, the largest move of the number among real and complex residual terms and uniform and "
         "logarithmic weights; for LSCF that is not refined, the scatter over the orders.",
         ["data, mode, method", "frequency [Hz]", "peers [Hz]", "gap [%]", "ζ [%]", "peers ζ [%]", "ζ meets"],
         cells,
-        "The sweeps of the plate are jagged round their peaks, so that damping there depends on who weighs what: "
+        "The sweeps of the plate are jagged round their peaks, so that damping there depends on who "
+        "weighs what: "
         "at its fifth mode least squares finds more damping than LSCF, and its interval does not reach "
         "LSCF's value. Half-power bands of the beam are 0.04 to 0.25 of one line: "
-        "peak picking and circle fit refuse them or say so. The companion `case2` has a peak of about zero or "
+        "peak picking and circle fit refuse them or say so. The companion `case2` has a peak of "
+        "about zero or "
         "negative damping, and the fit says that too.",
     )
 
