@@ -47,6 +47,8 @@ check: .venv/tested
 tables: .venv/tested
 	$(BIN)/python benchmarks/fanuc_frequencies.py
 	$(BIN)/python benchmarks/six_link_postures.py
+	$(BIN)/python benchmarks/ema_methods.py
+	$(BIN)/python benchmarks/ema_real.py
 
 clean:
 	rm -rf .venv dist build demo .pytest_cache .mypy_cache .ruff_cache

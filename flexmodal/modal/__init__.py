@@ -1,5 +1,11 @@
 """Matrices in, modes out. Knows no robot and no frequency axis."""
 
+from flexmodal.modal.mac import auto_mac as auto_mac
+from flexmodal.modal.mac import comac as comac
+from flexmodal.modal.mac import mac as mac
+from flexmodal.modal.mac import phase_collinearity as phase_collinearity
 from flexmodal.modal.modes import Modes as Modes
 from flexmodal.modal.modes import solve_modes as solve_modes
 from flexmodal.modal.system import SecondOrderSystem as SecondOrderSystem
+from flexmodal.modal.tracking import track as track
+from flexmodal.modal.tracking import track_all as track_all

@@ -1,0 +1,243 @@
+"""Modes of a set of FRFs by any of the four methods, under one set of choices."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import get_args
+
+import numpy as np
+
+from flexmodal.ema.basis import check_residuals
+from flexmodal.ema.circle import CircleFit, fit_circle
+from flexmodal.ema.judge import judged
+from flexmodal.ema.least_squares import (
+    LeastSquaresProblem,
+    build_least_squares,
+    solve_least_squares,
+    solve_many,
+)
+from flexmodal.ema.measured import Measured
+from flexmodal.ema.mode import EstimatedModes, Method, ModeEstimate, with_residual_terms
+from flexmodal.ema.noise import with_variance
+from flexmodal.ema.peak import Peak
+from flexmodal.ema.picking import pick_peak
+from flexmodal.ema.pooling import pooled
+from flexmodal.ema.select import choose_peaks
+from flexmodal.ema.stabilisation import Stabilisation, Tolerances, stabilise
+from flexmodal.errors import Fault, InvalidRequest
+
+
+@dataclass(frozen=True)
+class Choices:
+    """What a person may decide about a fit; the defaults decide nothing by hand."""
+
+    band: tuple[float, float] | None = None
+    """Lines to use [Hz]."""
+    at: Sequence[float | Peak] | None = None
+    """Peaks to take instead of the automatic ones [Hz]."""
+    forbid: Sequence[tuple[float, float]] = ()
+    """Bands in which no automatic peak is wanted [Hz]."""
+    hold_frequency: Sequence[float] = ()
+    """Natural frequencies to take as they are [Hz]."""
+    damping: Mapping[float, float] = field(default_factory=dict)
+    """Damping ratios to force, by the frequency of their peak [Hz]."""
+    prominence: float = 2.0
+    """Least height of an automatic peak over its valleys [dB]."""
+    residuals: str = "complex"
+    """Terms for modes outside the band: none, real, complex."""
+    weighting: str = "variance"
+    """Of least squares: variance, uniform, logarithmic."""
+    highest_order: int = 40
+    """Of LSCF."""
+    tolerances: Tolerances = field(default_factory=Tolerances)
+    """Of the stabilisation diagram."""
+    refine: bool = True
+    """Whether a least squares fit from LSCF's poles takes their bias out and gives intervals."""
+
+
+def estimate(
+    measured: Measured, method: str = "least-squares", choices: Choices | None = None
+) -> EstimatedModes:
+    """Find modes that are common to some FRFs.
+
+    Args:
+        measured: the FRFs, of one structure in one state.
+        method: peaks, circle, least-squares or lscf.
+        choices: what to decide by hand.
+
+    Raises:
+        InvalidRequest: no such method, or choices that contradict the lines.
+    """
+    wanted = choices or Choices()
+    name = check_method(method)
+    check_residuals(wanted.residuals)
+    part = measured if wanted.band is None else measured.within(*wanted.band)
+    if name == "lscf":
+        return _by_lscf(part, wanted)
+    peaks = peaks_of(part, wanted)
+    if not peaks:
+        return nothing(part, name)
+    if name == "least-squares":
+        return solve_least_squares(_problem(part, peaks, wanted))
+    return by_reading(part, peaks, name, wanted)
+
+
+def check_method(method: str) -> Method:
+    """Return the method, or raise InvalidRequest that lists the four."""
+    if method not in get_args(Method):
+        raise InvalidRequest(Fault("call", "method", repr(method), ", ".join(get_args(Method))))
+    return method  # type: ignore[return-value]
+
+
+def peaks_of(measured: Measured, choices: Choices) -> tuple[Peak, ...]:
+    """The peaks that the choices amount to."""
+    return choose_peaks(
+        measured,
+        at=choices.at,
+        forbid=choices.forbid,
+        hold_frequency=choices.hold_frequency,
+        damping=choices.damping,
+        prominence=choices.prominence,
+    )
+
+
+def nothing(measured: Measured, method: Method) -> EstimatedModes:
+    """An answer without modes, that says so."""
+    zero = np.zeros(measured.value.shape[1], dtype=complex)
+    middle = float(np.median(measured.frequency))
+    said = ((middle, "no peak stands out of the noise in the whole band; name one by hand"),)
+    return EstimatedModes((), measured, method, zero, zero.copy(), said)
+
+
+def each_by_least_squares(
+    parts: Sequence[Measured], peaks: Sequence[Peak], choices: Choices
+) -> list[EstimatedModes]:
+    """Fit many sets of FRFs of one shape from the same peaks, each with poles of its own."""
+    return solve_many([_problem(part, peaks, choices) for part in parts])
+
+
+def _problem(measured: Measured, peaks: Sequence[Peak], choices: Choices) -> LeastSquaresProblem:
+    return build_least_squares(measured, peaks, residuals=choices.residuals, weighting=choices.weighting)
+
+
+def by_reading(measured: Measured, peaks: Sequence[Peak], method: Method, choices: Choices) -> EstimatedModes:
+    """Peak picking or circle fit of every peak in every FRF, pooled over the FRFs."""
+    noisy = with_variance(measured)
+    modes: list[ModeEstimate] = []
+    refused: list[tuple[float, str]] = []
+    for peak in peaks:
+        answers = [_read(noisy.only(frf), peak, method) for frf in range(measured.value.shape[1])]
+        found = [answer if isinstance(answer, ModeEstimate) else None for answer in answers]
+        if all(one is None for one in found):
+            refused.append((peak.frequency, str(answers[0])))
+            continue
+        modes.append(_fill_residues(pooled(found), found, noisy, peak))
+    zero = np.zeros(measured.value.shape[1], dtype=complex)
+    modes.sort(key=lambda mode: mode.frequency)
+    plain = EstimatedModes(tuple(modes), measured, method, zero, zero.copy(), tuple(refused))
+    return judged(with_residual_terms(plain, check_residuals(choices.residuals))) if modes else plain
+
+
+def _read(measured: Measured, peak: Peak, method: Method) -> ModeEstimate | str:
+    if method == "peaks":
+        return pick_peak(measured, peak)
+    answer = fit_circle(measured, peak)
+    return answer.mode if isinstance(answer, CircleFit) else answer
+
+
+def _fill_residues(
+    mode: ModeEstimate, found: Sequence[ModeEstimate | None], measured: Measured, peak: Peak
+) -> ModeEstimate:
+    """Give the FRFs that show no such peak the residue that a linear fit finds at the pooled pole."""
+    empty = [frf for frf, one in enumerate(found) if one is None]
+    if not empty:
+        return mode
+    held = replace(
+        peak,
+        frequency=mode.frequency,
+        low=min(peak.low, 0.999 * mode.frequency),
+        high=max(peak.high, 1.001 * mode.frequency),
+        holds_frequency=True,
+        damping=min(max(mode.damping_ratio, 1e-9), 0.97),
+    )
+    residue, covariance = mode.residue.copy(), mode.residue_covariance.copy()
+    near = measured.within(held.low, held.high)
+    for frf in empty:
+        linear = solve_least_squares(build_least_squares(near.only(frf), [held], residuals="complex"))
+        residue[frf] = linear.modes[0].residue[0]
+        covariance[frf] = linear.modes[0].residue_covariance[0]
+    names = ", ".join(measured.labels[frf] for frf in empty)
+    remark = f"no such peak in {names}: residue there by a linear fit at this pole"
+    return replace(mode, residue=residue, residue_covariance=covariance, remarks=(*mode.remarks, remark))
+
+
+def _by_lscf(measured: Measured, choices: Choices) -> EstimatedModes:
+    """Poles from the stabilisation diagram, residues by a linear fit; refined together unless told not to."""
+    highest = min(choices.highest_order, (len(measured.frequency) - 1) // 2)
+    diagram = stabilise(measured, highest=highest, tolerances=choices.tolerances)
+    return modes_of(diagram, choices)
+
+
+def modes_of(diagram: Stabilisation, choices: Choices) -> EstimatedModes:
+    """The modes that a stabilisation diagram shows, or those nearest to the frequencies in `choices.at`."""
+    measured = diagram.measured
+    if choices.at is None:
+        picked = [int(place) for place in diagram.choose()]
+        picked = [p for p in picked if not any(a <= diagram.frequency[p] <= b for a, b in choices.forbid)]
+    else:
+        wanted = [one.frequency if isinstance(one, Peak) else float(one) for one in choices.at]
+        picked = [diagram.nearest(frequency) for frequency in wanted]
+    peaks = [_peak_at(diagram, place) for place in sorted(set(picked), key=lambda p: diagram.frequency[p])]
+    if not peaks:
+        return nothing(measured, "lscf")
+    start = [peak if choices.refine else replace(peak, holds_frequency=True) for peak in peaks]
+    start = [replace(p, damping=None) if choices.refine else p for p in start]
+    start = _forced(start, choices)
+    found = solve_least_squares(_problem(measured, start, choices))
+    modes = [replace(mode, method="lscf") for mode in found.modes]
+    if not choices.refine:
+        modes = [_with_scatter(mode, diagram) for mode in modes]
+    return replace(found, modes=tuple(modes), method="lscf")
+
+
+def _peak_at(diagram: Stabilisation, place: int) -> Peak:
+    frequency, damping = float(diagram.frequency[place]), float(diagram.damping_ratio[place])
+    low, high = float(diagram.measured.frequency[0]), float(diagram.measured.frequency[-1])
+    return Peak(
+        frequency,
+        min(low, 0.999 * frequency),
+        max(high, 1.001 * frequency),
+        width=2 * damping * frequency,
+        damping=damping,
+    )
+
+
+def _forced(peaks: list[Peak], choices: Choices) -> list[Peak]:
+    """Force what the choices force, on the nearest pole within a tenth."""
+    for frequency, ratio in [(f, None) for f in choices.hold_frequency] + list(choices.damping.items()):
+        nearest = min(range(len(peaks)), key=lambda place: abs(peaks[place].frequency - frequency))
+        if abs(peaks[nearest].frequency - frequency) > 0.1 * frequency:
+            found = f"{frequency:g} Hz, nearest pole at {peaks[nearest].frequency:.4g} Hz"
+            raise InvalidRequest(Fault("call", "forced by hand", found, "a stable pole within a tenth"))
+        change = {"frequency": frequency, "holds_frequency": True} if ratio is None else {"damping": ratio}
+        peaks[nearest] = replace(peaks[nearest], **change)  # type: ignore[arg-type]
+    return peaks
+
+
+def _with_scatter(mode: ModeEstimate, diagram: Stabilisation) -> ModeEstimate:
+    """Take the scatter over the orders for the uncertainty, and say that it is no confidence interval."""
+    near = [
+        c for c in diagram.columns() if np.any(np.isclose(diagram.frequency[c], mode.frequency, rtol=1e-9))
+    ]
+    if not near:
+        return mode
+    column = near[0]
+    table = np.stack([diagram.frequency[column], diagram.damping_ratio[column]])
+    remark = "the uncertainty is the scatter over the orders, not a confidence interval"
+    return replace(
+        mode,
+        covariance=np.cov(table),
+        freedom=float(max(len(column) - 1, 1)),
+        remarks=(*mode.remarks, remark),
+    )

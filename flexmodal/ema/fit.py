@@ -1,0 +1,145 @@
+"""`fit`: the modes of every posture of a campaign, FRF by FRF or all FRFs of a posture together."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from jaxtyping import Float
+
+from flexmodal.ema.estimate import (
+    Choices,
+    by_reading,
+    check_method,
+    each_by_least_squares,
+    estimate,
+    nothing,
+    peaks_of,
+)
+from flexmodal.ema.measured import Measured
+from flexmodal.ema.mode import EstimatedModes, Method
+from flexmodal.ema.records import Place, Records, Trials, by_posture
+from flexmodal.errors import Fault, InvalidRequest
+
+Per = Literal["frf", "posture"]
+"""Poles of each FRF's own, or common to the FRFs of a posture."""
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """The modes of one posture, of one FRF or of several together."""
+
+    posture: int
+    places: tuple[Place, ...]
+    modes: EstimatedModes
+
+    def rows(self) -> Iterator[dict[str, Any]]:
+        """One mapping for each mode and FRF, as `flexmodal fit --json` prints them."""
+        for number, mode in enumerate(self.modes, start=1):
+            low, high = mode.residue_interval()
+            multiplier = mode.amplitude_multiplier
+            for frf, place in enumerate(self.places):
+                row: dict[str, Any] = {"posture": self.posture, "mode": number}
+                row |= {"response": list(place.response), "reference": list(place.reference)}
+                if place.trial is not None:
+                    row["trial"] = place.trial
+                residue = mode.residue[frf]
+                row |= {
+                    "frequency": mode.frequency,
+                    "damping_ratio": mode.damping_ratio,
+                    "residue": [float(residue.real), float(residue.imag)],
+                    "amplitude": [float(multiplier[frf].real), float(multiplier[frf].imag)],
+                    "uncertainty": {
+                        "frequency": mode.frequency_error,
+                        "damping_ratio": mode.damping_error,
+                        "residue": float(mode.residue_error[frf]),
+                        "frequency_95": list(mode.frequency_interval()),
+                        "damping_ratio_95": list(mode.damping_interval()),
+                        "residue_95": [float(low[frf]), float(high[frf])],
+                    },
+                    "quality": mode.quality,
+                    "method": mode.method,
+                    "remarks": list(mode.remarks),
+                }
+                yield row
+
+
+def fit(
+    records: Records,
+    method: str = "least-squares",
+    *,
+    per: str = "frf",
+    trials: str = "average",
+    variance: Float[np.ndarray, "record line"] | None = None,
+    choices: Choices | None = None,
+) -> tuple[Fit, ...]:
+    """Find the modes in measured FRFs.
+
+    The peaks are chosen for each posture from all its FRFs together, so that a mode keeps its number from
+    one FRF to the next; `choices` can name them by hand.
+
+    Args:
+        records: FRFs of a campaign.
+        method: peaks, circle, least-squares or lscf.
+        per: "frf" for poles of each FRF's own, "posture" for poles common to the FRFs of a posture.
+        trials: "average" them, or fit each one "separate"ly.
+        variance: E|noise|² of each record's values; from the scatter of trials where it is not given and
+            there are several, else from what the fit leaves over.
+        choices: what a person decides; the band among it.
+
+    Returns:
+        A `Fit` for each FRF, or for each posture.
+
+    Raises:
+        InvalidRequest: no records, or a choice that does not exist or does not suit the lines.
+    """
+    name = check_method(method)
+    for key, given, allowed in (
+        ("per", per, ("frf", "posture")),
+        ("trials", trials, ("average", "separate")),
+    ):
+        if given not in allowed:
+            raise InvalidRequest(Fault("call", key, repr(given), ", ".join(allowed)))
+    if len(records.value) == 0:
+        raise InvalidRequest(Fault("call", "records", "none", "at least one FRF"))
+    wanted = choices or Choices()
+    fits: list[Fit] = []
+    for posture, places, whole in by_posture(records, _trials(trials), variance):
+        measured = whole if wanted.band is None else whole.within(*wanted.band)
+        if per == "posture":
+            fits.append(Fit(posture, tuple(places), estimate(measured, name, wanted)))
+            continue
+        found = _one_by_one([measured.only(frf) for frf in range(len(places))], measured, name, wanted)
+        fits += [Fit(posture, (place,), modes) for place, modes in zip(places, found, strict=True)]
+    return tuple(fits)
+
+
+def _trials(text: str) -> Trials:
+    return "separate" if text == "separate" else "average"
+
+
+def _one_by_one(
+    parts: Sequence[Measured], together: Measured, method: Method, choices: Choices
+) -> list[EstimatedModes]:
+    """Fit each FRF by itself from peaks chosen in all of them."""
+    if method == "lscf":
+        return [estimate(part, method, choices) for part in parts]
+    peaks = peaks_of(together, choices)
+    if not peaks:
+        return [nothing(part, method) for part in parts]
+    if method == "least-squares":
+        return each_by_least_squares(parts, peaks, choices)
+    return [by_reading(part, peaks, method, choices) for part in parts]
+
+
+def as_json(fits: Sequence[Fit]) -> dict[str, Any]:
+    """The object that `flexmodal fit --json` prints: `modes`, and `refused` peaks that gave none."""
+    refused = [
+        {"posture": one.posture, "frf": str(place), "frequency": frequency, "why": why}
+        for one in fits
+        for place in (one.places if len(one.places) == 1 else ("all",))
+        for frequency, why in one.modes.refused
+    ]
+    return {"modes": [row for one in fits for row in one.rows()], "refused": refused}

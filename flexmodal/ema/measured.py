@@ -1,0 +1,127 @@
+"""Measured FRFs as the fits take them: checked once, read-only ever after."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Complex, Float
+
+from flexmodal.errors import Fault, InvalidRequest
+from flexmodal.frf.axis import frequency_axis
+from flexmodal.frf.form import Form, check_form, convert
+
+POWER = {"receptance": 0, "mobility": 1, "inertance": 2}
+"""Power of iω that turns a receptance into each form."""
+
+FEWEST_LINES = 5
+"""A mode has four real numbers in one FRF; fewer lines than this say nothing about it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Measured:
+    """Some FRFs on one frequency axis, with what is known of their noise.
+
+    To hold one is proof that the axis ascends, every value is finite and no FRF is zero throughout. A
+    line at 0 Hz is left out: in a mobility or inertance it says nothing about modes.
+
+    Raises:
+        InvalidRequest: shapes that differ, values that are not finite, a variance that is not positive,
+            fewer than five lines; all faults at once.
+        InvalidFrequencies: the axis does not ascend.
+    """
+
+    frequency: Float[np.ndarray, " line"]
+    """Ascending [Hz]."""
+    value: Complex[np.ndarray, "line frf"]
+    """In SI units of `form`."""
+    form: Form = "receptance"
+    variance: Float[np.ndarray, "line frf"] | None = None
+    """E|noise|² of each value, real and imaginary part together; None where it is not known."""
+    labels: tuple[str, ...] = ()
+    """What each FRF is called; numbered where none are given."""
+
+    def __post_init__(self) -> None:
+        frequency = frequency_axis(self.frequency)
+        value = np.array(self.value, dtype=complex)
+        variance = None if self.variance is None else np.array(self.variance, dtype=float)
+        check_form(self.form)
+        faults = _faults(frequency, value, variance, self.labels)
+        if faults:
+            raise InvalidRequest(faults)
+        keep = frequency > 0
+        labels = self.labels or tuple(f"FRF {place + 1}" for place in range(value.shape[1]))
+        parts = {"frequency": frequency[keep], "value": value[keep], "labels": tuple(labels)}
+        parts["variance"] = None if variance is None else variance[keep]
+        for name, part in parts.items():
+            if isinstance(part, np.ndarray):
+                part.flags.writeable = False
+            object.__setattr__(self, name, part)
+
+    @property
+    def omega(self) -> Float[np.ndarray, " line"]:
+        """Angular frequency [rad/s]."""
+        return 2 * np.pi * self.frequency
+
+    @property
+    def spacing(self) -> float:
+        """Median distance between neighbouring lines [Hz]."""
+        return float(np.median(np.diff(self.frequency)))
+
+    def within(self, low: float, high: float) -> Measured:
+        """The lines from `low` to `high` [Hz], both included.
+
+        Raises:
+            InvalidRequest: fewer than five lines lie in the band.
+        """
+        keep = (self.frequency >= low) & (self.frequency <= high)
+        if np.count_nonzero(keep) < FEWEST_LINES:
+            found = f"{np.count_nonzero(keep)} lines from {low:g} to {high:g} Hz"
+            raise InvalidRequest(Fault("call", "band", found, f"at least {FEWEST_LINES} lines"))
+        variance = None if self.variance is None else self.variance[keep]
+        return replace(self, frequency=self.frequency[keep], value=self.value[keep], variance=variance)
+
+    def only(self, frf: int) -> Measured:
+        """One of the FRFs."""
+        variance = None if self.variance is None else self.variance[:, [frf]]
+        return replace(self, value=self.value[:, [frf]], variance=variance, labels=(self.labels[frf],))
+
+    def to(self, form: Form) -> Measured:
+        """The same FRFs as receptance, mobility or inertance."""
+        if form == self.form:
+            return self
+        value = convert(self.value, self.frequency, self.form, form)
+        variance = self.variance
+        if variance is not None:
+            variance = variance * (np.abs(self.omega) ** (2 * (POWER[form] - POWER[self.form])))[:, None]
+        return replace(self, value=value, variance=variance, form=form)
+
+
+def _faults(
+    frequency: np.ndarray, value: np.ndarray, variance: np.ndarray | None, labels: tuple[str, ...]
+) -> list[Fault]:
+    faults = []
+    if np.count_nonzero(frequency > 0) < FEWEST_LINES:
+        found = f"{np.count_nonzero(frequency > 0)} lines above 0 Hz"
+        faults.append(Fault("call", "frequency", found, f"at least {FEWEST_LINES}"))
+    if value.ndim != 2 or len(value) != len(frequency) or value.shape[1] == 0:
+        allowed = f"{len(frequency)} lines by at least one FRF"
+        return [*faults, Fault("call", "value", f"shape {value.shape}", allowed)]
+    if labels and len(labels) != value.shape[1]:
+        faults.append(Fault("call", "labels", f"{len(labels)}", f"{value.shape[1]}, one for each FRF"))
+    bad = ~np.isfinite(value[frequency > 0])
+    if bad.any():
+        line, frf = np.argwhere(bad)[0]
+        where = f"{frequency[frequency > 0][line]:g} Hz of FRF {frf + 1}"
+        faults.append(
+            Fault("call", "value", f"{np.count_nonzero(bad)} not finite, first at {where}", "numbers")
+        )
+    elif not np.all(np.any(value[frequency > 0] != 0, axis=0)):
+        frf = int(np.argmin(np.any(value[frequency > 0] != 0, axis=0)))
+        faults.append(Fault("call", "value", f"FRF {frf + 1} zero throughout", "a response"))
+    if variance is not None:
+        if variance.shape != value.shape:
+            faults.append(Fault("call", "variance", f"shape {variance.shape}", f"shape {value.shape}"))
+        elif not np.all(np.isfinite(variance[frequency > 0]) & (variance[frequency > 0] > 0)):
+            faults.append(Fault("call", "variance", "an entry that is not above 0", "finite, positive"))
+    return faults

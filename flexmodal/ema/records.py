@@ -1,0 +1,128 @@
+"""From records of a campaign to the FRFs that a fit takes: grouped by place, trials averaged."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Literal, Protocol, runtime_checkable
+
+import numpy as np
+from jaxtyping import Complex, Float, Int
+
+from flexmodal.ema.measured import Measured
+from flexmodal.frf.form import Form
+
+_AXES = "xyz"
+_SMOOTH = 4
+"""The scatter of trials is averaged over so many lines to either side."""
+
+Trials = Literal["average", "separate"]
+
+
+@runtime_checkable
+class Records(Protocol):
+    """What a fit needs of records; `flexmodal.campaign.FrfRecords` has it."""
+
+    @property
+    def frequency(self) -> Float[np.ndarray, " line"]:
+        """Ascending [Hz]."""
+
+    @property
+    def value(self) -> Complex[np.ndarray, "record line"]:
+        """In SI units of `form`."""
+
+    @property
+    def posture(self) -> Int[np.ndarray, " record"]:
+        """Ids."""
+
+    @property
+    def trial(self) -> Int[np.ndarray, " record"]:
+        """Ids."""
+
+    @property
+    def response(self) -> Int[np.ndarray, "record 2"]:
+        """Point id and direction ±1 ±2 ±3."""
+
+    @property
+    def reference(self) -> Int[np.ndarray, "record 2"]:
+        """Point id and direction of the force."""
+
+    @property
+    def form(self) -> Form:
+        """Receptance, mobility or inertance."""
+
+
+@dataclass(frozen=True)
+class Place:
+    """Which FRF of a campaign."""
+
+    posture: int
+    response: tuple[int, int]
+    reference: tuple[int, int]
+    trial: int | None = None
+    """None where trials were averaged."""
+
+    def __str__(self) -> str:
+        """Such as "3:+z per 2:+z"."""
+        trial = "" if self.trial is None else f", trial {self.trial}"
+        return f"{_text(self.response)} per {_text(self.reference)}{trial}"
+
+
+def _text(place: tuple[int, int]) -> str:
+    point, direction = place
+    return f"{point}:{'+' if direction > 0 else '-'}{_AXES[abs(direction) - 1]}"
+
+
+def grouped(records: Records, trials: Trials) -> dict[Place, list[int]]:
+    """Row numbers of each FRF, in the order of posture and then of the records."""
+    groups: dict[Place, list[int]] = {}
+    for row in range(len(records.value)):
+        response = (int(records.response[row, 0]), int(records.response[row, 1]))
+        reference = (int(records.reference[row, 0]), int(records.reference[row, 1]))
+        trial = int(records.trial[row]) if trials == "separate" else None
+        place = Place(int(records.posture[row]), response, reference, trial)
+        groups.setdefault(place, []).append(row)
+    return dict(sorted(groups.items(), key=lambda item: item[0].posture))
+
+
+def averaged(
+    records: Records, groups: dict[Place, list[int]], variance: Float[np.ndarray, "record line"] | None
+) -> tuple[Complex[np.ndarray, "line frf"], Float[np.ndarray, "line frf"] | None]:
+    """Each FRF as the mean of its trials, with the variance of that mean.
+
+    The variance comes from those given for the records; else, where every FRF has at least two trials, from
+    their scatter about the mean, smoothed over neighbouring lines; else it is not known.
+    """
+    values, spreads = [], []
+    for rows in groups.values():
+        stack = np.asarray(records.value)[rows]
+        if variance is not None:
+            weight = 1 / np.asarray(variance)[rows]
+            values.append(np.sum(weight * stack, axis=0) / np.sum(weight, axis=0))
+            spreads.append(1 / np.sum(weight, axis=0))
+            continue
+        mean = np.mean(stack, axis=0)
+        values.append(mean)
+        if len(rows) > 1:
+            scatter = np.sum(np.abs(stack - mean) ** 2, axis=0) / (len(rows) - 1) / len(rows)
+            spreads.append(np.maximum(_smoothed(scatter), 1e-24 * np.max(np.abs(mean)) ** 2))
+    known = len(spreads) == len(values)
+    return np.stack(values, axis=1), np.stack(spreads, axis=1) if known else None
+
+
+def _smoothed(scatter: np.ndarray) -> np.ndarray:
+    width = min(2 * _SMOOTH + 1, len(scatter))
+    window = np.ones(width)
+    return np.convolve(scatter, window, mode="same") / np.convolve(np.ones(len(scatter)), window, mode="same")
+
+
+def by_posture(
+    records: Records, trials: Trials, variance: Float[np.ndarray, "record line"] | None
+) -> Iterator[tuple[int, Sequence[Place], Measured]]:
+    """The FRFs of each posture together."""
+    groups = grouped(records, trials)
+    for posture in dict.fromkeys(place.posture for place in groups):
+        part = {place: rows for place, rows in groups.items() if place.posture == posture}
+        value, spread = averaged(records, part, variance)
+        labels = tuple(str(place) for place in part)
+        yield posture, list(part), Measured(records.frequency, value, records.form, spread, labels)

@@ -1,0 +1,1 @@
+"""Measured FRFs to modes."""
