@@ -50,6 +50,10 @@ class InvalidCard(InvalidInput):
     """A robot card breaks its format, or does not belong to its URDF."""
 
 
+class InvalidCampaign(InvalidInput):
+    """A campaign breaks its format, contradicts itself, or holds data that no measurement gives."""
+
+
 class InvalidUrdf(InvalidInput):
     """A URDF is not a sound description of a robot."""
 

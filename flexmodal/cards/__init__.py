@@ -8,7 +8,6 @@ from flexmodal.cards.catalogue import example_arms as example_arms
 from flexmodal.cards.catalogue import find as find
 from flexmodal.cards.catalogue import gripper_joints as gripper_joints
 from flexmodal.cards.catalogue import shipped_cards as shipped_cards
-from flexmodal.cards.frozen import FrozenDict as FrozenDict
 from flexmodal.cards.mass import check_masses as check_masses
 from flexmodal.cards.mass import massless_joints as massless_joints
 from flexmodal.cards.meshes import mesh_path as mesh_path
@@ -19,3 +18,4 @@ from flexmodal.cards.together import check_together as check_together
 from flexmodal.cards.urdf import Urdf as Urdf
 from flexmodal.cards.urdf import UrdfJoint as UrdfJoint
 from flexmodal.cards.urdf import UrdfLink as UrdfLink
+from flexmodal.text.frozen import FrozenDict as FrozenDict

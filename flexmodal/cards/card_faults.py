@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from flexmodal.cards.words import FaultList, listing, nearest, shown
+from flexmodal.text.words import FaultList, listing, nearest, shown
 
 CARD_NAME = "a name of letters, digits, _ . and -"
 CARD_TEXT = "some text, not empty"

@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from flexmodal.cards.places import catalogue_folder, example_robots_folder
-from flexmodal.cards.words import listing, nearest, shown
 from flexmodal.errors import Fault, RobotNotFound
+from flexmodal.text.words import listing, nearest, shown
 
 CARD = "robot.toml"
 

@@ -3,28 +3,20 @@
 from __future__ import annotations
 
 import os
-import re
-import tomllib
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from flexmodal.cards.card import FamilyCard, JointCard, PointCard, RobotCard
 from flexmodal.cards.card_faults import ALLOWED, add_faults
-from flexmodal.cards.frozen import FrozenDict
 from flexmodal.cards.packages import PREFIX, resolve_package
-from flexmodal.cards.reading import read_regular
-from flexmodal.cards.words import FaultList, shown
 from flexmodal.errors import Fault, InvalidCard
+from flexmodal.text.frozen import FrozenDict
+from flexmodal.text.toml import parse_toml
+from flexmodal.text.words import FaultList, shown
 
 if TYPE_CHECKING:
     from flexmodal.cards.schema import CardTable
-
-LARGEST = 1_000_000
-"""The most a card may hold [bytes]."""
-
-# tomllib takes time quadratic in the parts of a dotted key; sixteen are many more than any card needs.
-DOTTED = re.compile(r"(?<![^\s.=\[\]{},])(?:[^\s.=\[\]{},#]++[ \t]*+\.[ \t]*+){16}")
 
 
 def read_card(path: str | os.PathLike[str]) -> RobotCard:
@@ -50,22 +42,10 @@ def read_card(path: str | os.PathLike[str]) -> RobotCard:
 
 
 def _parse(file: Path) -> dict[str, Any]:
-    content = read_regular(file, limit=LARGEST, kind="a robot card")
+    content = parse_toml(file, kind="a robot card")
     if isinstance(content, Fault):
         raise InvalidCard(content)
-    try:
-        text = content.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        found = f"a byte that is not UTF-8, at {error.start}"
-        raise InvalidCard(Fault(str(file), "", found, "a robot card in UTF-8")) from error
-    if DOTTED.search(text):
-        raise InvalidCard(Fault(str(file), "", "a key of more than 16 parts", "a robot card in TOML"))
-    try:
-        return tomllib.loads(text.replace("\r\n", "\n"))
-    except (ValueError, RecursionError) as error:
-        reason = "nested too deep" if isinstance(error, RecursionError) else str(error)
-        found = f"text that is not TOML: {reason}"
-        raise InvalidCard(Fault(str(file), "", found, "a robot card in TOML")) from error
+    return content
 
 
 def _validate(content: dict[str, Any], faults: FaultList) -> CardTable | None:

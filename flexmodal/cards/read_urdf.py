@@ -15,8 +15,8 @@ from flexmodal.cards.urdf_joint import parse_joint
 from flexmodal.cards.urdf_link import parse_link
 from flexmodal.cards.urdf_tree import find_root
 from flexmodal.cards.urdf_xml import parse_xml
-from flexmodal.cards.words import FaultList, listing
 from flexmodal.errors import InvalidUrdf
+from flexmodal.text.words import FaultList, listing
 
 MOST_JOINTS = 100
 """The most movable joints: time and memory of the dynamics grow steeply with them."""

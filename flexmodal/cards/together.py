@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from flexmodal.cards.card import FamilyCard, RobotCard
 from flexmodal.cards.mass import massless_joints
 from flexmodal.cards.urdf import Urdf
-from flexmodal.cards.words import FaultList, listing, nearest
 from flexmodal.errors import InvalidCard
+from flexmodal.text.words import FaultList, listing, nearest
 
 TOLERANCE = 1e-6
 """What a posture may exceed a limit by [rad, or m]: the rounding of printed angles."""

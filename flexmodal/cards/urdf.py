@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float
 
-from flexmodal.cards.frozen import FrozenDict
+from flexmodal.text.frozen import FrozenDict
 
 MOVABLE = ("revolute", "continuous", "prismatic")
 """Joint types that have one degree of freedom."""

@@ -10,7 +10,7 @@ from lxml import etree
 
 from flexmodal.cards.urdf import FIXED, MOVABLE, UrdfJoint
 from flexmodal.cards.urdf_xml import number, one_child, vector
-from flexmodal.cards.words import FaultList, shown
+from flexmodal.text.words import FaultList, shown
 
 TYPES = "revolute, continuous, prismatic or fixed"
 SHORTEST, LONGEST = 1e-6, 1e6

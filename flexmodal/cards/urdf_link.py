@@ -8,7 +8,7 @@ from lxml import etree
 
 from flexmodal.cards.urdf import UrdfLink
 from flexmodal.cards.urdf_xml import number, one_child, vector
-from flexmodal.cards.words import FaultList, shown
+from flexmodal.text.words import FaultList, shown
 
 ROUNDING = 1e-6
 """Relative error of principal moments that the rounding in a CAD export explains."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 
 from flexmodal.cards.urdf import UrdfJoint
-from flexmodal.cards.words import FaultList, listing, nearest
+from flexmodal.text.words import FaultList, listing, nearest
 
 
 def find_root(links: Collection[str], joints: Mapping[str, UrdfJoint], faults: FaultList) -> str:

@@ -11,9 +11,9 @@ import numpy as np
 from jaxtyping import Float
 from lxml import etree
 
-from flexmodal.cards.reading import read_regular
-from flexmodal.cards.words import FaultList, shown
 from flexmodal.errors import Fault, InvalidUrdf
+from flexmodal.text.reading import read_regular
+from flexmodal.text.words import FaultList, shown
 
 LARGEST = 10_000_000
 """The most a URDF may hold [bytes]."""

@@ -1,0 +1,101 @@
+"""A campaign of measurements: what was tested, how, and the data, as frozen dataclasses."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Never
+
+from flexmodal.campaign.blow import Blow
+from flexmodal.campaign.mode_table import ModeTable
+from flexmodal.campaign.records import FrfRecords
+from flexmodal.campaign.trial import Trial
+from flexmodal.errors import InvalidCampaign
+
+LOWEST = 2.0
+"""Where the lines to compare begin when the campaign does not say [Hz]."""
+
+
+@dataclass(frozen=True)
+class CampaignPosture:
+    """A posture in which the robot was tested."""
+
+    id: int
+    """Load case number of the records; above 0."""
+    name: str
+    q: Mapping[str, float]
+    """Angles of commanded joints [rad, or m]; a joint left out is 0."""
+
+
+@dataclass(frozen=True)
+class CampaignPoint:
+    """A place where the hammer hit or a sensor sat."""
+
+    id: int
+    """Node number of the records; above 0."""
+    name: str
+    link: str
+    """The URDF link that carries it."""
+    xyz: tuple[float, float, float]
+    """Its place in the frame of that link [m]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Campaign:
+    """A sound campaign: every record belongs to a posture, points and a trial that are described.
+
+    Raises:
+        InvalidCampaign: with every contradiction at once.
+    """
+
+    title: str
+    robot: str
+    """A card's name, or a path relative to the campaign's folder; not looked up here."""
+    band: tuple[float, float]
+    """The lines to compare [Hz]; the upper end is infinite where neither the file nor the data give one."""
+    postures: tuple[CampaignPosture, ...]
+    points: tuple[CampaignPoint, ...]
+    trials: tuple[Trial, ...]
+    frfs: FrfRecords | None = None
+    blows: tuple[Blow, ...] = ()
+    modes: ModeTable | None = None
+    path: Path | None = None
+    """The folder it was read from."""
+    warnings: tuple[str, ...] = ()
+    """What is odd about it but does not keep it from being used."""
+
+    def __post_init__(self) -> None:
+        from flexmodal.campaign.sound import campaign_faults
+
+        faults = campaign_faults(self)
+        if faults:
+            raise InvalidCampaign(faults)
+
+    def posture(self, which: int | str) -> CampaignPosture:
+        """The posture of that id or name; KeyError without one."""
+        return next((p for p in self.postures if which in (p.id, p.name)), None) or _missing(which)
+
+    def point(self, which: int | str) -> CampaignPoint:
+        """The point of that id or name; KeyError without one."""
+        return next((p for p in self.points if which in (p.id, p.name)), None) or _missing(which)
+
+    def trial(self, which: int) -> Trial:
+        """The trial of that id; KeyError without one."""
+        return next((t for t in self.trials if t.id == which), None) or _missing(which)
+
+
+def default_band(frfs: FrfRecords | None, blows: tuple[Blow, ...]) -> tuple[float, float]:
+    """From 2 Hz to the last line: of the FRFs, else of the spectra of the blows, else without end [Hz]."""
+    if frfs is not None:
+        last = float(frfs.frequency[-1])
+    elif blows:
+        last = min(0.5 / blow.step for blow in blows)
+    else:
+        last = math.inf
+    return (min(LOWEST, last / 2), last)
+
+
+def _missing(which: object) -> Never:
+    raise KeyError(which)

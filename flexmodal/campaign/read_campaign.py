@@ -1,0 +1,134 @@
+"""From a folder to a campaign, with every fault of its files at once."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from flexmodal.campaign.blow import Blow
+from flexmodal.campaign.campaign import Campaign, default_band
+from flexmodal.campaign.mode_table import ModeTable
+from flexmodal.campaign.modes_csv import read_modes
+from flexmodal.campaign.read_frf_uff import read_frf_uff
+from flexmodal.campaign.read_time_uff import read_time_uff
+from flexmodal.campaign.read_toml import Tested, read_toml
+from flexmodal.campaign.records import FrfRecords
+from flexmodal.errors import Fault, InvalidCampaign
+from flexmodal.text.words import FaultList
+
+TOML, FRF, TIME, MODES = "campaign.toml", "frf.uff", "time.uff", "modes.csv"
+
+
+@dataclass(frozen=True)
+class CampaignReport:
+    """What a check found."""
+
+    path: str
+    faults: tuple[Fault, ...]
+    warnings: tuple[str, ...]
+
+    @property
+    def is_sound(self) -> bool:
+        """Whether the campaign can be used."""
+        return not self.faults
+
+
+def read_campaign(path: str | os.PathLike[str]) -> Campaign:
+    """Read a campaign.
+
+    Args:
+        path: its folder, or the `campaign.toml` in it.
+
+    Raises:
+        InvalidCampaign: with every fault of every file.
+    """
+    folder = campaign_folder(path)
+    tested = read_toml(folder / TOML)
+    faults: list[Fault] = []
+    warnings: list[str] = []
+    there = {name: _is_there(folder / name) for name in (FRF, TIME, MODES)}
+    if not any(there.values()):
+        allowed = f"one of {FRF}, {TIME} and {MODES} at least"
+        raise InvalidCampaign(Fault(str(folder), "", "no data", allowed))
+    frfs: FrfRecords | None = None
+    blows: tuple[Blow, ...] = ()
+    modes: ModeTable | None = None
+    if there[FRF]:
+        found = FaultList(folder / FRF, faults)
+        frfs = read_frf_uff(folder / FRF, tested, found, warnings)
+    if there[TIME]:
+        found = FaultList(folder / TIME, faults)
+        blows = read_time_uff(folder / TIME, tested, found, warnings)
+    if there[MODES]:
+        modes = read_modes(folder / MODES, tested, FaultList(folder / MODES, faults))
+    if faults:
+        raise InvalidCampaign(faults)
+    band = tested.band or default_band(frfs, blows)
+    warnings += _oddities(folder, tested, frfs, blows, band)
+    return Campaign(
+        title=tested.title,
+        robot=tested.robot,
+        band=band,
+        postures=tested.postures,
+        points=tested.points,
+        trials=tested.trials,
+        frfs=frfs,
+        blows=blows,
+        modes=modes,
+        path=folder,
+        warnings=tuple(warnings),
+    )
+
+
+def check_campaign(path: str | os.PathLike[str]) -> CampaignReport:
+    """Say whether a campaign is sound, without raising."""
+    try:
+        campaign = read_campaign(path)
+    except InvalidCampaign as error:
+        return CampaignReport(str(path), tuple(dict.fromkeys(error.faults)), ())
+    return CampaignReport(str(path), (), campaign.warnings)
+
+
+def campaign_folder(path: str | os.PathLike[str]) -> Path:
+    """The absolute folder of a campaign, from itself or from the path of its `campaign.toml`."""
+    folder = Path(os.path.abspath(path))
+    return folder.parent if folder.name == TOML else folder
+
+
+def _is_there(path: Path) -> bool:
+    try:
+        return os.path.lexists(path)
+    except (OSError, ValueError):
+        return False
+
+
+def _oddities(
+    folder: Path, tested: Tested, frfs: FrfRecords | None, blows: tuple[Blow, ...], band: tuple[float, float]
+) -> list[str]:
+    """What is odd about sound files."""
+    odd = []
+    if frfs is not None:
+        if not np.any((frfs.frequency >= band[0]) & (frfs.frequency <= band[1])):
+            odd.append(f"{folder / FRF}: no line inside the band {band[0]:g} to {band[1]:g} Hz")
+        silent = np.flatnonzero(~np.any(frfs.value, axis=1))
+        if silent.size:
+            odd.append(f"{folder / FRF}: {silent.size} FRFs are zero throughout")
+    if frfs is not None or blows:
+        tested_in = set() if frfs is None else set(frfs.posture.tolist())
+        tested_in |= {blow.posture for blow in blows}
+        missing = [posture.name for posture in tested.postures if posture.id not in tested_in]
+        if missing:
+            odd.append(f"{folder}: no record of posture {', '.join(missing)}")
+    peaks = {trial.id: trial.force_peak for trial in tested.trials}
+    for blow in blows:
+        ratio = float(np.abs(blow.force).max()) / peaks[blow.trial]
+        if not 0.02 < ratio < 50:
+            where = f"posture {blow.posture}, trial {blow.trial}, blow {blow.sequence}"
+            odd.append(
+                f"{folder / TIME}: {where}: the force peaks at {ratio:.2g} times force_peak: is it in N?"
+            )
+            break
+    return odd
