@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -73,13 +73,22 @@ def strike_posture(
     shape = (len(chosen), len(plan.references), len(plan.points), averages)
     force = np.zeros((*shape, plan.analyser.samples))
     response = np.zeros((*shape, len(plan.axes), plan.analyser.samples))
-    for place, point in enumerate(plan.points):
-        plant = shared or build(stand, posture, hidden, (point.name, mounted[point.name].mass))
-        strikes = _strikes(stand, posture, point, chosen, averages, conduct)
-        f, y = _record(stand, plant, point, mounted[point.name], strikes, linear)
-        force[:, :, place] = f.reshape(len(chosen), len(plan.references), averages, -1)
-        response[:, :, place] = y.reshape(len(chosen), len(plan.references), averages, len(plan.axes), -1)
-        advance()
+    if shared is not None and linear:
+        groups = [(shared, list(plan.points))]
+    else:
+        groups = [
+            (shared or build(stand, posture, hidden, (point.name, mounted[point.name].mass)), [point])
+            for point in plan.points
+        ]
+    place = 0
+    for plant, points in groups:
+        strikes = [_strikes(stand, posture, point, chosen, averages, conduct) for point in points]
+        f, y = _record(stand, plant, points, mounted, strikes, linear)
+        for number in range(len(points)):
+            force[:, :, place] = f[number].reshape(len(chosen), len(plan.references), averages, -1)
+            response[:, :, place] = y[number].reshape(*shape[:2], averages, len(plan.axes), -1)
+            place += 1
+            advance()
     if conduct.noise > 0:
         for number, trial in enumerate(chosen):
             random = np.random.default_rng([conduct.seed, 2, posture.id, trial.id])
@@ -144,25 +153,32 @@ def response_rows(
 def _record(
     stand: Stand,
     plant: Plant,
-    point: CampaignPoint,
-    sensor: Sensor,
-    strikes: Sequence[tuple[Strike, tuple[int, int]]],
+    points: Sequence[CampaignPoint],
+    mounted: Mapping[str, Sensor],
+    strikes: Sequence[Sequence[tuple[Strike, tuple[int, int]]]],
     linear: bool,
 ) -> tuple[np.ndarray, np.ndarray]:
+    """Force [point, blow, sample] and response [point, blow, axis, sample] of points that share a plant."""
     analyser = stand.plan.analyser
-    pushed = reference_rows(stand, plant, strikes)
-    rows = response_rows(stand, plant, point, sensor)
+    flat = [blow for some in strikes for blow in some]
+    blows, each = [blow for blow, _ in flat], len(strikes[0])
+    pushed = reference_rows(stand, plant, flat)
+    rows = np.repeat([response_rows(stand, plant, p, mounted[p.name]) for p in points], each, axis=0)
     column = plant.input_column(pushed)
-    direct = np.linalg.solve(plant.mass, pushed.T).T @ rows.T
-    outputs = Outputs(plant.output_row(rows), direct, np.full(len(rows), sensor.delay))
-    blows = [blow for blow, _ in strikes]
+    direct = np.einsum("bd,bcd->bc", np.linalg.solve(plant.mass, pushed.T).T, rows)
+    delay = np.repeat([mounted[point.name].delay for point in points], each)
+    outputs = Outputs(plant.output_row(rows), direct, delay)
     if linear:
         y = records(plant.state_matrix, column, outputs, blows, analyser)
     else:
-        fine = fine_records(plant, column, outputs, rows, blows, analyser)
+        sensor = mounted[points[0].name]
+        fine = fine_records(plant, column, outputs, rows[0], blows, analyser)
         np.clip(fine, -sensor.range, sensor.range, out=fine)
         y = analyser.sampled(fine, analyser.weights(sensor.delay), 0, analyser.samples)
-    return force_records(blows, analyser), sensor.gain * y
+    gain = np.repeat([mounted[point.name].gain for point in points], each)
+    y = y * gain[:, None, None]
+    f = force_records(blows, analyser)
+    return f.reshape(len(points), each, -1), y.reshape(len(points), each, len(stand.plan.axes), -1)
 
 
 def force_records(blows: Sequence[Strike], analyser: Analyser) -> Float[np.ndarray, "blow sample"]:
@@ -211,7 +227,7 @@ def peaks(stand: Stand, posture: CampaignPosture) -> tuple[dict[str, float], dic
     by_state = np.vstack([joints, plant.output_row(np.array(felt))])
     direct = np.linalg.solve(plant.mass, pushed.T).T @ np.array(felt).T
     by_force = np.hstack([np.zeros((len(strikes), plant.dof)), direct])
-    outputs = Outputs(by_state, by_force, np.zeros(len(by_state)))
+    outputs = Outputs(np.repeat(by_state[None], len(strikes), axis=0), by_force, np.zeros(len(strikes)))
     y = records(plant.state_matrix, plant.input_column(pushed), outputs, [s for s, _ in strikes], plan.analyser)
     size = np.max(np.abs(y), axis=(0, 2))
     deflection = dict(zip(plant.coordinates, size[: plant.dof].tolist(), strict=True))

@@ -15,6 +15,7 @@ from jaxtyping import Float
 
 from flexmodal.rig.analyser import Analyser
 from flexmodal.rig.blow import Strike
+from flexmodal.rig.exponential import exponential, polynomial
 
 _BLOCK = 64
 """Samples of free decay worked out at once."""
@@ -22,13 +23,13 @@ _BLOCK = 64
 
 @dataclass(frozen=True, eq=False)
 class Outputs:
-    """What is measured: acceleration = by_state · s + by_force · f, one row a channel."""
+    """What is measured: acceleration = by_state · s + by_force · f, one row a channel. Each blow has its own."""
 
-    by_state: Float[np.ndarray, "channel state"]
+    by_state: Float[np.ndarray, "blow channel state"]
     by_force: Float[np.ndarray, "blow channel"]
     """The direct share of each blow's force: row M⁻¹ rowᵀ [1/kg]."""
-    delay: Float[np.ndarray, " channel"]
-    """[s]"""
+    delay: Float[np.ndarray, " blow"]
+    """Of the sensor that measures a blow [s]."""
 
 
 def pulse_states(
@@ -42,8 +43,6 @@ def pulse_states(
     Returns:
         Number of the grid point before the first contact, and the states from there on.
     """
-    from scipy.linalg import expm
-
     start = np.array([s.start for s in strikes])
     end = start + np.array([s.duration for s in strikes])
     origin = int(np.floor(start.min() / step))
@@ -56,11 +55,11 @@ def pulse_states(
     wide[:, n + 1, n + 2], wide[:, n + 2, n + 1] = -turning, turning
     first = np.floor(start / step).astype(int) + 1  # first grid point inside the pulse
     done = np.ceil(end / step).astype(int)  # first grid point after it
-    entry = expm(wide * (first * step - start)[:, None, None])
-    whole = expm(wide * step)
-    leave = expm(wide * (end - (done - 1) * step)[:, None, None])
-    rest = expm(a[None] * (done * step - end)[:, None, None])
-    free = expm(a * step)
+    entry = exponential(wide * (first * step - start)[:, None, None])
+    whole = exponential(wide * step)
+    leave = exponential(wide * (end - (done - 1) * step)[:, None, None])
+    rest = exponential(a[None] * (done * step - end)[:, None, None])
+    free = exponential(a * step)
     states = np.zeros((len(strikes), last - origin + 1, n))
     now = np.zeros((len(strikes), n + 3))
     peak = np.array([s.peak for s in strikes]) / 2
@@ -92,30 +91,28 @@ def records(
     analyser: Analyser,
 ) -> Float[np.ndarray, "blow channel sample"]:
     """Sampled accelerations of a linear plant under each of several blows [m/s²]."""
-    from scipy.linalg import expm
-
     step, fold = analyser.step, analyser.oversampling
     origin, states = pulse_states(a, column, strikes, step)
-    filters = [analyser.weights(float(delay)) for delay in outputs.delay]
-    longest = max(map(len, filters))
+    filters = {float(delay): analyser.weights(float(delay)) for delay in np.unique(outputs.delay)}
+    longest = max(map(len, filters.values()))
     over = origin + states.shape[1] - 1  # from here on nobody strikes
     tail = min(-(-(over + longest - analyser.reach) // fold), analyser.samples)
     grid = tail * fold + analyser.reach + 1
-    free = expm(a * step)
-    decay = _powers(free, max(grid - over - 1, 0), states[:, -1])
-    path = np.concatenate([states, decay], axis=1)
-    fine = path @ outputs.by_state.T  # blow, grid, channel
+    free = exponential(a * step)
+    path = np.concatenate([states, _powers(free, max(grid - over - 1, 0), states[:, -1])], axis=1)
     times = (origin + np.arange(path.shape[1])) * step
     force = np.array([s.force(times) for s in strikes])
-    fine += force[:, :, None] * outputs.by_force[:, None, :]
-    fine = np.pad(np.swapaxes(fine, 1, 2), [(0, 0), (0, 0), (origin, 0)])[..., :grid]
-    out = np.zeros((len(strikes), len(filters), analyser.samples))
-    for channel, weights in enumerate(filters):
-        out[:, channel, :tail] = analyser.sampled(fine[:, channel], weights, 0, tail)
+    fine = outputs.by_state @ np.swapaxes(path, 1, 2) + outputs.by_force[:, :, None] * force[:, None, :]
+    fine = np.pad(fine, [(0, 0), (0, 0), (origin, 0)])[..., :grid]
+    across = exponential(a / analyser.rate)
+    out = np.zeros((*fine.shape[:2], analyser.samples))
+    for delay, weights in filters.items():
+        mine = outputs.delay == delay
+        out[mine, :, :tail] = analyser.sampled(fine[mine], weights, 0, tail)
         if tail < analyser.samples:
             begin = tail * fold + analyser.reach - len(weights) + 1
-            row = _filtered(outputs.by_state[channel], free, weights)
-            out[:, channel, tail:] = _decay(row, expm(a / analyser.rate), path[:, begin - origin], analyser.samples - tail)
+            rows = outputs.by_state[mine] @ polynomial(weights[::-1], free)
+            out[mine, :, tail:] = _decay(rows, across, path[mine, begin - origin], analyser.samples - tail)
     return out
 
 
@@ -133,24 +130,17 @@ def _powers(free: np.ndarray, count: int, start: np.ndarray) -> np.ndarray:
     return path
 
 
-def _filtered(row: np.ndarray, free: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """Row that turns the state at the start of the filter's span into the filtered sample."""
-    total, moved = np.zeros_like(row), row
-    for weight in weights[::-1]:
-        total = total + weight * moved
-        moved = moved @ free
-    return total
-
-
-def _decay(row: np.ndarray, across: np.ndarray, state: np.ndarray, count: int) -> np.ndarray:
-    """row · s, row · A_i s, row · A_i² s, … for every blow."""
-    rows = np.zeros((min(_BLOCK, count), len(row)))
-    rows[0] = row
-    for number in range(1, len(rows)):
-        rows[number] = rows[number - 1] @ across
-    jump = np.linalg.matrix_power(across, len(rows))
-    out = np.zeros((len(state), count))
-    for start in range(0, count, len(rows)):
-        out[:, start : start + len(rows)] = (state @ rows.T)[:, : count - start]
+def _decay(rows: np.ndarray, across: np.ndarray, state: np.ndarray, count: int) -> np.ndarray:
+    """rows · s, rows · A_i s, rows · A_i² s, … for every blow, [blow, channel, sample]."""
+    powers = [np.eye(len(across))]
+    for _ in range(min(_BLOCK, count)):
+        powers.append(powers[-1] @ across)
+    block = np.array(powers[:-1])  # later samples of a block by its first state
+    width, jump = len(block), powers[-1]
+    flat = block.reshape(-1, len(across))
+    out = np.zeros((*rows.shape[:2], count))
+    for start in range(0, count, width):
+        there = (state @ flat.T).reshape(len(state), width, -1)
+        out[:, :, start : start + width] = np.einsum("bcj,bkj->bck", rows, there)[:, :, : count - start]
         state = state @ jump.T
     return out

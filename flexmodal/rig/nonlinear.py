@@ -15,6 +15,7 @@ from jaxtyping import Float
 
 from flexmodal.rig.analyser import Analyser
 from flexmodal.rig.blow import Strike
+from flexmodal.rig.exponential import exponential
 from flexmodal.rig.linear import Outputs, pulse_states
 from flexmodal.rig.plant import BACKLASH, FRICTION, HARDENING, Plant
 
@@ -32,7 +33,7 @@ def fine_records(
     Args:
         plant: with or without non-linear elements.
         column: where each blow enters the state.
-        outputs: what is measured.
+        outputs: what is measured, the same channels for every blow.
         rows: the same channels as rows over the coordinates.
         strikes: the blows.
         analyser: sets the grid.
@@ -52,7 +53,7 @@ def fine_records(
     parameters = np.array([element.parameters for element in plant.elements], dtype=float).reshape(-1, 3)
     march = _march()
     march(
-        phi, early, late, pulse, origin, kinds, parameters, seen, np.ascontiguousarray(outputs.by_state),
+        phi, early, late, pulse, origin, kinds, parameters, seen, np.ascontiguousarray(outputs.by_state[0]),
         np.ascontiguousarray(by_element), fine,
     )  # fmt: skip
     out = np.ascontiguousarray(np.transpose(fine, (2, 1, 0)))
@@ -70,13 +71,11 @@ def held(
 
     Van Loan's formula: the exponential of [[A, B, 0], [0, 0, I], [0, 0, 0]].
     """
-    from scipy.linalg import expm
-
     n, r = columns.shape
     wide = np.zeros((n + 2 * r, n + 2 * r))
     wide[:n, :n], wide[:n, n : n + r] = a * step, columns * step
     wide[n : n + r, n + r :] = np.eye(r)
-    whole = expm(wide)
+    whole = exponential(wide)
     late = whole[:n, n + r :]
     return (
         np.ascontiguousarray(whole[:n, :n]),
