@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Complex, Float
 
 from flexmodal.campaign import CampaignPoint, CampaignPosture, Trial
 from flexmodal.rig.analyser import Analyser
@@ -233,6 +233,38 @@ def peaks(stand: Stand, posture: CampaignPosture) -> tuple[dict[str, float], dic
     deflection = dict(zip(plant.coordinates, size[: plant.dof].tolist(), strict=True))
     by_point = size[plant.dof :].reshape(len(plan.points), -1).max(axis=1)
     return deflection, dict(zip([p.name for p in plan.points], by_point.tolist(), strict=True))
+
+
+def strike_together(
+    stand: Stand, posture: CampaignPosture, hidden: Sequence[Hidden], trials: Sequence[Trial]
+) -> Complex[np.ndarray, "trial reference point axis line"]:
+    """FRFs from one clean blow a trial and reference, every point measured at once by sensors without mass."""
+    plan = stand.plan
+    linear = all(EFFECTS[name].linear for name, _ in hidden)
+    mounted = sensors(stand, hidden)
+    plant = build(stand, posture, hidden)
+    flat = [
+        (strike(t.force_peak, t.tip, plan.analyser.trigger, 0.0, 0.0, np.random.default_rng(0)), reference)
+        for t in trials
+        for reference in plan.references
+    ]
+    blows = [blow for blow, _ in flat]
+    pushed = reference_rows(stand, plant, flat)
+    rows = np.concatenate([response_rows(stand, plant, p, mounted[p.name]) for p in plan.points])
+    direct = np.linalg.solve(plant.mass, pushed.T).T @ rows.T
+    column = plant.input_column(pushed)
+    by_state = np.repeat(plant.output_row(rows)[None], len(blows), axis=0)
+    outputs = Outputs(by_state, direct, np.zeros(len(blows)))
+    if linear:
+        y = records(plant.state_matrix, column, outputs, blows, plan.analyser)
+    else:
+        fine = fine_records(plant, column, outputs, rows, blows, plan.analyser)
+        ranges = np.repeat([mounted[p.name].range for p in plan.points], len(plan.axes))[:, None]
+        np.clip(fine, -ranges, ranges, out=fine)
+        y = plan.analyser.sampled(fine, plan.analyser.weights(), 0, plan.analyser.samples)
+    force = np.fft.rfft(force_records(blows, plan.analyser), axis=-1)
+    value = np.fft.rfft(y, axis=-1) / force[:, None, :]
+    return value.reshape(len(trials), len(plan.references), len(plan.points), len(plan.axes), -1)
 
 
 def each_posture(

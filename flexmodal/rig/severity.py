@@ -14,16 +14,25 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from flexmodal.campaign import CampaignPosture
-from flexmodal.rig.bench import Conduct, h1, reference_rows, response_rows, strike_posture
+from flexmodal.rig.bench import (
+    Conduct,
+    h1,
+    reference_rows,
+    response_rows,
+    strike_posture,
+    strike_together,
+)
 from flexmodal.rig.effects import EFFECTS, Site, Stand
 from flexmodal.rig.structure import Hidden, build, sensors
 
 MOST_POSTURES = 3
 """Postures that the height is judged in."""
-CLOSE = 0.03
+MOST_LINES = 250
+"""Lines that it is judged at, evenly spaced in the band."""
+CLOSE = 0.08
 """Relative error of the height at which the search ends."""
 COHERENT = 0.8
-_ROUNDS = 14
+_ROUNDS = 9
 _LEAST = 1e-5
 
 
@@ -47,6 +56,7 @@ def noise_floor(stand: Stand, conduct: Conduct) -> Floor:
     postures = tuple(plan.postures[k] for k in pick)
     frequency = np.fft.rfftfreq(plan.analyser.samples, plan.analyser.interval)
     lines = np.flatnonzero((frequency >= plan.band[0]) & (frequency <= plan.band[1]))
+    lines = lines[:: max(1, len(lines) // MOST_LINES)]
     keep, squared = [], []
     for posture in postures:
         pair = [
@@ -142,17 +152,15 @@ def _predicted(
 
 
 def _struck(stand: Stand, hidden: Sequence[Hidden], floor: Floor) -> np.ndarray:
-    """The same by blows: one of each level, in the first and last of the postures."""
+    """The same by blows: one of each level, all points at once, in the first and last of the postures."""
     plan = stand.plan
     levels = {trial.force_peak: trial for trial in reversed(plan.trials)}
-    once = [replace(trial, averages=1) for trial in levels.values()]
     numbers = [plan.trials.index(trial) for trial in levels.values()]
-    quiet = Conduct(noise=0.0, scatter=0.0)
     ratios = []
     for k in sorted({0, len(floor.postures) - 1}):
         posture = floor.postures[k]
         plain, spoilt = (
-            h1(strike_posture(stand, posture, items, quiet, trials=once))[0][..., floor.lines]
+            strike_together(stand, posture, items, list(levels.values()))[..., floor.lines]
             for items in ([], hidden)
         )
         usable = floor.keep[k][numbers] & (np.abs(plain) > 0) & (np.abs(spoilt) > 0)

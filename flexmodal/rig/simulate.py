@@ -18,9 +18,15 @@ from flexmodal.rig.believed import ParameterError, true_robot
 from flexmodal.rig.effects import EFFECTS, Site, Stand
 from flexmodal.rig.plan import Plan, make_plan
 from flexmodal.rig.robot_folder import CARD, write_robot
-from flexmodal.rig.severity import noise_floor, severity_for
+from flexmodal.rig.severity import Floor, noise_floor, severity_for
 from flexmodal.rig.structure import Hidden
 from flexmodal.rig.truth import HiddenEffect, Truth, truth_path
+
+
+_NEAR = 0.2
+"""Relative distance from the height asked for at which a place will do."""
+_MOST_PLACES = 4
+"""Places tried for an effect that may choose where it sits."""
 
 
 @dataclass(frozen=True)
@@ -225,12 +231,9 @@ def _hidden(
         effect = EFFECTS[item.effect]
         random = np.random.default_rng([conduct.seed, 5, number, list(EFFECTS).index(item.effect)])
         places = effect.places(stand)
-        where = _canonical(item.where, places) or str(random.choice(places))
-        site = Site(stand, where, {**effect.draw(stand, where, random), **item.parameters})
-        severity, reached = item.severity, None
-        if item.height is not None and floor is not None:
-            severity, reached = severity_for(stand, item.effect, site, item.height, floor)
-        site = Site(stand, where, site.parameters if severity == 1 else effect.scaled(site.parameters, severity))
+        order = [_canonical(item.where, places)] if item.where else list(map(str, random.permutation(places)))
+        site, severity, reached = _placed(stand, item, order, random, floor)
+        where = site.where
         wrong = effect.check(site.parameters)
         if wrong:
             raise InvalidRequest(Fault("call", f"hide {item.effect}", wrong, "parameters in their range"))
@@ -241,6 +244,25 @@ def _hidden(
             )
         )
     return hidden, tuple(effects), None if floor is None else floor.height
+
+
+def _placed(
+    stand: Stand, item: Hide, places: Sequence[str], random: np.random.Generator, floor: Floor | None
+) -> tuple[Site, float, float | None]:
+    """Site, severity and height of an effect; where it may choose, the first place where it can stand so high."""
+    effect = EFFECTS[item.effect]
+    tried: list[tuple[Site, float, float | None]] = []
+    for where in places[:_MOST_PLACES]:
+        site = Site(stand, where, {**effect.draw(stand, where, random), **item.parameters})
+        severity, reached = item.severity, None
+        if item.height is not None and floor is not None:
+            severity, reached = severity_for(stand, item.effect, site, item.height, floor)
+        if severity != 1:
+            site = Site(stand, where, effect.scaled(site.parameters, severity))
+        tried.append((site, severity, reached))
+        if item.height is None or reached is None or abs(reached / item.height - 1) < _NEAR:
+            return tried[-1]
+    return min(tried, key=lambda one: abs(float(np.log((one[2] or 1e-9) / (item.height or 1.0)))))
 
 
 def _canonical(where: str, places: Sequence[str]) -> str:

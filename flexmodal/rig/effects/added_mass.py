@@ -59,6 +59,7 @@ EFFECT = Effect(
     place_is="a link that moves",
     draw=_draw,
     scaled=multiplied("mass"),
+    most=lambda parameters: 5.0,
     check=positive("mass"),
     act=_act,
 )

@@ -31,6 +31,7 @@ EFFECT = Effect(
     place_is="a flexible joint",
     draw=_draw,
     scaled=multiplied("torque"),
+    most=lambda parameters: 10.0,
     check=positive("torque", "presliding_stiffness"),
     act=_act,
     linear=False,

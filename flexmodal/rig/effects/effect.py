@@ -74,7 +74,7 @@ class Effect:
     """Plausible parameters, severity 1."""
     scaled: Callable[[Parameters, float], dict[str, float]]
     """The parameters at another severity; 0 is nothing at all, or as good as."""
-    most: Callable[[Parameters], float] = lambda parameters: 1e3
+    most: Callable[[Parameters], float] = lambda parameters: 30.0
     """The highest severity that still makes sense."""
     check: Callable[[Parameters], str | None] = lambda parameters: None
     """What is wrong with given parameters, if anything."""

@@ -71,6 +71,7 @@ EFFECT = Effect(
     place_is="a link that moves",
     draw=_draw,
     scaled=multiplied("mass"),
+    most=lambda parameters: 5.0,
     check=_check,
     act=_act,
 )  # fmt: skip

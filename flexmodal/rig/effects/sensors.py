@@ -86,7 +86,7 @@ SENSOR_GAIN = Effect(
     place_is="a point with a sensor",
     draw=lambda stand, where, random: {"error": _signed(random, 0.1, 0.35)},
     scaled=multiplied("error"),
-    most=lambda parameters: (9.0 if parameters["error"] > 0 else 0.9) / max(abs(parameters["error"]), 1e-9),
+    most=lambda parameters: (2.0 if parameters["error"] > 0 else 0.7) / max(abs(parameters["error"]), 1e-9),
     check=_check_error,
     sense=_gain,
 )
@@ -98,7 +98,7 @@ TIME_DELAY = Effect(
     place_is="a point with a sensor",
     draw=lambda stand, where, random: {"delay": float(random.uniform(0.02, 0.12) / stand.plan.band[1])},
     scaled=multiplied("delay"),
-    most=lambda parameters: 0.02 / max(parameters["delay"], 1e-9),
+    most=lambda parameters: 0.01 / max(parameters["delay"], 1e-9),
     check=_check_delay,
     sense=_delay,
 )
@@ -110,7 +110,7 @@ SENSOR_MISALIGNMENT = Effect(
     place_is="a point with a sensor",
     draw=_draw_turn,
     scaled=multiplied("angle"),
-    most=lambda parameters: 1.3 / max(abs(parameters["angle"]), 1e-9),
+    most=lambda parameters: 1.0 / max(abs(parameters["angle"]), 1e-9),
     check=_check_turn,
     sense=_turn,
 )
