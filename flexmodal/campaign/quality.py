@@ -2,10 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Literal
 
-FlagKind = Literal["double hit", "overload", "low energy in band", "low coherence", "zero force"]
+import numpy as np
+from jaxtyping import Float
+
+from flexmodal.campaign.blow import Blow
+
+FlagKind = Literal["double hit", "overload", "low energy in band", "low coherence"]
+
+EQUAL = 1e-6
+"""Relative difference below which neighbouring samples count as one flat top."""
 
 
 @dataclass(frozen=True)
@@ -27,3 +36,95 @@ class QualityFlag:
         where = f"posture {self.posture}, trial {self.trial}"
         where += "" if self.blow is None else f", blow {self.blow}"
         return f"{where}, point {self.point[0]} direction {self.point[1]:+d}: {self.kind}: {self.says}"
+
+
+@dataclass(frozen=True)
+class QualityLimits:
+    """What counts as odd."""
+
+    second_hit: float = 0.15
+    """A second pulse that stands out by this part of the first; less is the ringing of filters."""
+    flat_top: int = 3
+    """As many samples at the extreme value, one after the other, are an overload."""
+    energy: float = 20.0
+    """How far the spectrum of the force may fall below its maximum inside the band [dB]."""
+    coherence: float = 0.8
+    """The median over the band has to reach it."""
+
+
+def check_blows(
+    blows: Iterable[Blow], band: tuple[float, float], limits: QualityLimits | None = None
+) -> tuple[QualityFlag, ...]:
+    """Double hits, overloads and forces without energy in the band [Hz]."""
+    limits = limits or QualityLimits()
+    return tuple(flag for blow in blows for flag in _blow_flags(blow, band, limits))
+
+
+def coherence_flag(
+    coherence: Float[np.ndarray, " line"],
+    frequency: Float[np.ndarray, " line"],
+    band: tuple[float, float],
+    labels: tuple[int, int, tuple[int, int]],
+    limits: QualityLimits,
+) -> QualityFlag | None:
+    """A flag where the median coherence over the band is low; labels are posture, trial and response."""
+    inside = (frequency >= band[0]) & (frequency <= band[1])
+    if not inside.any() or np.median(coherence[inside]) >= limits.coherence:
+        return None
+    says = f"median {np.median(coherence[inside]):.2f} from {band[0]:g} to {band[1]:g} Hz"
+    return QualityFlag("low coherence", labels[0], labels[1], None, labels[2], says)
+
+
+def _blow_flags(blow: Blow, band: tuple[float, float], limits: QualityLimits) -> list[QualityFlag]:
+    found: list[tuple[FlagKind, tuple[int, int], str]] = []
+    hits = _hits(blow, limits.second_hit)
+    if len(hits) > 1:
+        times = ", ".join(f"{1e3 * time:.1f}" for time in hits[:5])
+        found.append(("double hit", blow.reference, f"{len(hits)} pulses, at {times} ms"))
+    channels = ((blow.reference, blow.force), *zip(blow.channels, blow.response, strict=True))
+    for point, values in channels:
+        if _flat_top(values) >= limits.flat_top:
+            says = f"{_flat_top(values)} samples at the extreme value {np.abs(values).max():.4g}"
+            found.append(("overload", point, says))
+    lacking = _lacking_energy(blow, band, limits.energy)
+    if lacking is not None:
+        says = f"the force falls {limits.energy:g} dB below its maximum at {lacking:.4g} Hz"
+        found.append(("low energy in band", blow.reference, says))
+    return [
+        QualityFlag(kind, blow.posture, blow.trial, blow.sequence, point, says) for kind, point, says in found
+    ]
+
+
+def _hits(blow: Blow, part: float) -> list[float]:
+    """Times of the pulses of the force, measured from the start of the record [s]."""
+    from scipy.signal import find_peaks
+
+    peak = int(np.argmax(np.abs(blow.force)))
+    force = blow.force * np.sign(blow.force[peak])
+    padded = np.concatenate([[0.0], force, [0.0]])  # a pulse at either end of the record counts
+    places, _ = find_peaks(padded, prominence=part * force[peak], height=part * force[peak])
+    return [float(blow.time[place - 1] - blow.time[0]) for place in places]
+
+
+def _flat_top(values: Float[np.ndarray, " sample"]) -> int:
+    """The longest run of samples at the largest value, or at the smallest."""
+    longest = 0
+    for signed in (values, -values):
+        top = signed.max()
+        if top <= 0:
+            continue
+        at_top = np.concatenate([[False], signed >= top * (1 - EQUAL), [False]])
+        edges = np.flatnonzero(np.diff(at_top.astype(int)))
+        longest = max(longest, int((edges[1::2] - edges[::2]).max()))
+    return longest
+
+
+def _lacking_energy(blow: Blow, band: tuple[float, float], decibel: float) -> float | None:
+    """The first frequency of the band where the force has too little energy, or None [Hz]."""
+    frequency = np.fft.rfftfreq(len(blow.force), blow.step)
+    inside = (frequency >= band[0]) & (frequency <= band[1])
+    size = np.abs(np.fft.rfft(blow.force))[inside]
+    if not size.size:
+        return None
+    weak = np.flatnonzero(size < size.max() * 10 ** (-decibel / 20))
+    return float(frequency[inside][weak[0]]) if weak.size else None

@@ -10,10 +10,7 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, field_validator
 
-MOST_DIGITS = 9_999_999_999
-"""Ten digits: what a node or load case field of a UFF record holds."""
-MOST_TRIAL = 99_999
-"""Five digits: what its version field holds."""
+from flexmodal.campaign.trial import MOST_DIGITS, MOST_TRIAL
 
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0)]

@@ -10,7 +10,7 @@ import numpy as np
 
 from flexmodal.campaign.abscissa import evened
 from flexmodal.campaign.read_toml import add_contradictions
-from flexmodal.campaign.schema import MOST_DIGITS, MOST_TRIAL
+from flexmodal.campaign.trial import MOST_DIGITS, MOST_TRIAL
 from flexmodal.text.words import FaultList, listing
 
 if TYPE_CHECKING:

@@ -6,6 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
+MOST_DIGITS = 9_999_999_999
+"""Ten digits: what a node or load case field of a UFF record holds."""
+MOST_TRIAL = 99_999
+"""Five digits: what its version field holds."""
+
 WindowKind = Literal["force", "exponential"]
 
 
