@@ -45,8 +45,8 @@ class Analyser:
 
     @property
     def trigger(self) -> float:
-        """When the pulse begins [s]: a whole number of samples."""
-        return round(PRETRIGGER * self.samples) / self.rate
+        """When the pulse begins [s]: a whole number of samples, and late enough for the filter's fore-ringing."""
+        return max(round(PRETRIGGER * self.samples), int(np.ceil(self.half_width * self.rate)) + 1) / self.rate
 
     @cached_property
     def time(self) -> Float[np.ndarray, " sample"]:

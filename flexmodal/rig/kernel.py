@@ -5,11 +5,14 @@ Codes of the laws are those of `plant`: 0 hardening, 1 friction, 2 backlash.
 
 from __future__ import annotations
 
+from typing import no_type_check
+
 import numba
 import numpy as np
 
 
 @numba.njit(cache=True, nogil=True)
+@no_type_check  # a checker's wrapper cannot be compiled
 def law(kind, p, old, new, memory):  # type: ignore[no-untyped-def]
     """Force of one element at elongation `new`, coming from `old`, and its new memory.
 
@@ -35,6 +38,7 @@ def law(kind, p, old, new, memory):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(cache=True, nogil=True)
+@no_type_check  # a checker's wrapper cannot be compiled
 def march(phi, early, late, pulse, origin, kinds, parameters, rows, c, d, fine):  # type: ignore[no-untyped-def]
     """March blows side by side and write what the outputs say.
 
