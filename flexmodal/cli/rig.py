@@ -7,7 +7,15 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from flexmodal.cli.options import SOURCE, band_of, json_option, load_robot, number, quiet_option, robot_options
+from flexmodal.cli.options import (
+    SOURCE,
+    band_of,
+    json_option,
+    load_robot,
+    number,
+    quiet_option,
+    robot_options,
+)
 from flexmodal.cli.printing import print_json, print_table, progress
 from flexmodal.errors import Fault, InvalidRequest
 
@@ -25,23 +33,27 @@ if TYPE_CHECKING:
     metavar="EFFECT[@WHERE][,NAME=VALUE…]",
     help="An effect to hide; may be repeated. Where and how strong is drawn unless said.",
 )
-@click.option("--height", type=float, metavar="X", help="Let each hidden effect stand X times the noise floor.")
-@click.option("--postures", type=int, default=7, show_default=True, help="The card's own first, then random ones.")
+@click.option("--height", type=float, metavar="X", help="Each hidden effect X times the noise floor.")
+@click.option("--postures", type=int, default=7, show_default=True, help="The card's own, then random.")
 @click.option("--points", type=int, help="Points with a sensor; all of the card's if not said.")
 @click.option(
     "--references", default="2", show_default=True, metavar="N|NAME:±AXIS,…", help="Hammer positions."
 )
 @click.option("--axes", metavar="XYZ", help="World directions the sensor measures, such as xz.")
-@click.option("--trials", type=int, default=4, show_default=True, help="Through --peaks in turn, then repeats.")
+@click.option("--trials", type=int, default=4, show_default=True, help="Through --peaks, then repeats.")
 @click.option("--averages", type=int, default=3, show_default=True, help="Blows in each FRF.")
 @click.option("--peaks", default="60,240", show_default=True, metavar="N,…", help="Peaks of the blows [N].")
 @click.option("--tip", default="soft", show_default=True, help="Of the hammer: soft, medium or hard.")
-@click.option("--band", default="2:200", show_default=True, metavar="LOW:HIGH", help="Lines of interest [Hz].")
+@click.option("--band", default="2:200", show_default=True, metavar="LOW:HIGH", help="Of interest [Hz].")
 @click.option("--record-length", type=float, default=4.0, show_default=True, help="Of each record [s].")
-@click.option("--noise", type=float, default=0.01, show_default=True, help="Of a channel, over the RMS of its record.")
+@click.option("--noise", type=float, default=0.01, show_default=True, help="Over the RMS of a record.")
 @click.option("--scatter", type=float, default=1.0, show_default=True, help="Of the blows; 0 strikes alike.")
 @click.option(
-    "--parameter-error", type=float, default=0.05, show_default=True, help="How far the card is off the robot."
+    "--parameter-error",
+    type=float,
+    default=0.05,
+    show_default=True,
+    help="Card off the robot, relative.",
 )
 @click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Of everything drawn.")
 @click.option("--ascii", "as_text", is_flag=True, help="Universal files in ASCII instead of binary.")

@@ -1,4 +1,4 @@
-"""The virtual test rig: hammer tests of any robot simulated in the time domain, with effects hidden in them."""
+"""The virtual test rig: hammer tests of any robot, simulated in time, with effects hidden in them."""
 
 from flexmodal.rig.believed import ParameterError as ParameterError
 from flexmodal.rig.effects import EFFECTS as EFFECTS

@@ -1,8 +1,9 @@
 """The analyser: an anti-aliasing filter, the same for every channel, and samples.
 
 The structure is simulated on a grid `OVERSAMPLING` times finer than the analyser's. The filter is a sinc
-windowed by Kaiser's window, evaluated as a function of continuous time: a channel that lags by d gets the same
-filter shifted by d, exactly. It is flat to 1e-5 up to fs/2.5 and 100 dB down where lines fold back to there.
+windowed by Kaiser's window, evaluated as a function of continuous time: a channel that lags by d gets the
+same filter shifted by d, exactly. It is flat to 1e-5 up to fs/2.5 and 100 dB down where lines fold back to
+there.
 """
 
 from __future__ import annotations
@@ -45,8 +46,10 @@ class Analyser:
 
     @property
     def trigger(self) -> float:
-        """When the pulse begins [s]: a whole number of samples, and late enough for the filter's fore-ringing."""
-        return max(round(PRETRIGGER * self.samples), int(np.ceil(self.half_width * self.rate)) + 1) / self.rate
+        """When the pulse begins [s]: a whole number of samples, late enough for the filter's fore-ringing."""
+        return (
+            max(round(PRETRIGGER * self.samples), int(np.ceil(self.half_width * self.rate)) + 1) / self.rate
+        )
 
     @cached_property
     def time(self) -> Float[np.ndarray, " sample"]:
@@ -55,7 +58,7 @@ class Analyser:
 
     @property
     def half_width(self) -> float:
-        """Half the length of the filter [s]: Kaiser's formula for a transition from 0.4 to 0.6 of the rate."""
+        """Half the length of the filter [s]: Kaiser's formula for a transition from 0.4 to 0.6 fs."""
         return (ATTENUATION - 7.95) / (2 * 14.36 * 0.2 * self.rate)
 
     @property
@@ -76,7 +79,11 @@ class Analyser:
         return kernel / kernel.sum()
 
     def sampled(
-        self, fine: Float[np.ndarray, "*many grid"], weights: Float[np.ndarray, " tap"], first: int, count: int
+        self,
+        fine: Float[np.ndarray, "*many grid"],
+        weights: Float[np.ndarray, " tap"],
+        first: int,
+        count: int,
     ) -> Float[np.ndarray, "*many count"]:
         """Filter and pick samples `first` to `first + count − 1` from the grid, zero before it begins."""
         taps = len(weights)
@@ -85,5 +92,7 @@ class Analyser:
         pad = [(0, 0)] * (fine.ndim - 1)
         lead, tail = max(0, -start), max(0, last + 1 - fine.shape[-1])
         padded = np.pad(fine, [*pad, (lead, tail)])[..., start + lead : last + lead + 1]
-        windows = np.lib.stride_tricks.sliding_window_view(padded, taps, axis=-1)[..., :: self.oversampling, :]
+        windows = np.lib.stride_tricks.sliding_window_view(padded, taps, axis=-1)[
+            ..., :: self.oversampling, :
+        ]
         return windows @ weights[::-1]

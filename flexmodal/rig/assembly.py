@@ -1,8 +1,8 @@
 """Putting a plant together: rigid links on flexible joints, and whatever the effects add to them.
 
-Everything that moves is described by motion maps: six rows (linear, angular, world axes) over the coordinates.
-The mass matrix is the sum over bodies of Gᵀ I G, so that a link, a section of a beam, a payload and a sensor
-are all put in alike. With nothing added it is the joint-space mass matrix that Pinocchio gives.
+Everything that moves is described by motion maps: six rows (linear, angular, world axes) over the
+coordinates. The mass matrix is the sum over bodies of Gᵀ I G, so that a link, a section of a beam, a payload
+and a sensor are all put in alike. With nothing added it is the joint-space mass matrix that Pinocchio gives.
 """
 
 from __future__ import annotations
@@ -145,7 +145,7 @@ class Assembly:
             self.add_spring(row, float(value), loss * float(value))
 
     def add_body(self, link: str, place: np.ndarray, mass: float, inertia: np.ndarray | None = None) -> None:
-        """A body fixed to a link: mass centre and moments about it in the frame of the link [m, kg, kg·m²]."""
+        """A body fixed to a link: mass centre and moments about it in the link's frame [m, kg, kg·m²]."""
         self._bodies.append((link, np.asarray(place), mass, np.zeros((3, 3)) if inertia is None else inertia))
 
     def add_inertia(self, row: np.ndarray, inertia: float) -> None:
@@ -179,11 +179,16 @@ class Assembly:
             stiffness[one, other] += spring
             stiffness[other, one] += spring
         branches = tuple(Branch(self._padded(b.row), b.stiffness, b.time) for b in self.branches)
-        elements = tuple(
-            NonlinearElement(self._padded(e.row), e.kind, e.parameters) for e in self.elements
-        )
+        elements = tuple(NonlinearElement(self._padded(e.row), e.kind, e.parameters) for e in self.elements)
         return Plant(
-            tuple(self.coordinates), mass, damping, stiffness, branches, elements, self.motion, self.orientation
+            tuple(self.coordinates),
+            mass,
+            damping,
+            stiffness,
+            branches,
+            elements,
+            self.motion,
+            self.orientation,
         )
 
     def _padded(self, rows: np.ndarray) -> np.ndarray:

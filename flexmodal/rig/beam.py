@@ -90,7 +90,12 @@ class Beam:
         s = min(max(place, 0.0), self.length)
         element = min(int(s / h), ELEMENTS - 1)
         u = s / h - element
-        deflection = [1 - 3 * u**2 + 2 * u**3, h * (u - 2 * u**2 + u**3), 3 * u**2 - 2 * u**3, h * (u**3 - u**2)]
+        deflection = [
+            1 - 3 * u**2 + 2 * u**3,
+            h * (u - 2 * u**2 + u**3),
+            3 * u**2 - 2 * u**3,
+            h * (u**3 - u**2),
+        ]
         slope = [6 * (u**2 - u) / h, 1 - 4 * u + 3 * u**2, 6 * (u - u**2) / h, 3 * u**2 - 2 * u]
         rows = np.zeros((2, 2 * ELEMENTS + 2))
         rows[:, 2 * element : 2 * element + 4] = deflection, slope
@@ -99,7 +104,7 @@ class Beam:
 
 
 def sections() -> tuple[Float[np.ndarray, " section"], Float[np.ndarray, " section"]]:
-    """Places (0 to 1 along a beam) and weights (sum 1) that integrate its mass exactly: Gauss, 4 an element."""
+    """Places (0 to 1 along a beam) and weights (sum 1) that integrate its mass exactly: Gauss's."""
     points, weights = np.polynomial.legendre.leggauss(4)
     starts = np.arange(ELEMENTS)[:, None]
     return ((starts + (points + 1) / 2) / ELEMENTS).ravel(), np.tile(weights / 2 / ELEMENTS, ELEMENTS)

@@ -95,7 +95,9 @@ def believed_bodies(robot: Robot) -> dict[str, Body]:
     """Mass properties of every link that has any, a base included that the URDF may have left out."""
     bodies = {
         link.name: Body(
-            link.mass, np.asarray(link.com), np.zeros((3, 3)) if link.inertia is None else np.asarray(link.inertia)
+            link.mass,
+            np.asarray(link.com),
+            np.zeros((3, 3)) if link.inertia is None else np.asarray(link.inertia),
         )
         for link in robot.urdf.links
         if link.mass

@@ -213,7 +213,7 @@ def h1(struck: Struck) -> tuple[np.ndarray, np.ndarray]:
 
 
 def peaks(stand: Stand, posture: CampaignPosture) -> tuple[dict[str, float], dict[str, float]]:
-    """Peak deflection of each joint [rad] and acceleration at each point [m/s²] for a blow of 1 N, nothing hidden."""
+    """Peak deflection of each joint [rad] and acceleration at each point [m/s²] for a blow of 1 N."""
     plan = stand.plan
     plant = build(stand, posture, [])
     trial = replace(plan.trials[0], force_peak=1.0)
@@ -228,7 +228,9 @@ def peaks(stand: Stand, posture: CampaignPosture) -> tuple[dict[str, float], dic
     direct = np.linalg.solve(plant.mass, pushed.T).T @ np.array(felt).T
     by_force = np.hstack([np.zeros((len(strikes), plant.dof)), direct])
     outputs = Outputs(np.repeat(by_state[None], len(strikes), axis=0), by_force, np.zeros(len(strikes)))
-    y = records(plant.state_matrix, plant.input_column(pushed), outputs, [s for s, _ in strikes], plan.analyser)
+    y = records(
+        plant.state_matrix, plant.input_column(pushed), outputs, [s for s, _ in strikes], plan.analyser
+    )
     size = np.max(np.abs(y), axis=(0, 2))
     deflection = dict(zip(plant.coordinates, size[: plant.dof].tolist(), strict=True))
     by_point = size[plant.dof :].reshape(len(plan.points), -1).max(axis=1)
@@ -238,7 +240,7 @@ def peaks(stand: Stand, posture: CampaignPosture) -> tuple[dict[str, float], dic
 def strike_together(
     stand: Stand, posture: CampaignPosture, hidden: Sequence[Hidden], trials: Sequence[Trial]
 ) -> Complex[np.ndarray, "trial reference point axis line"]:
-    """FRFs from one clean blow a trial and reference, every point measured at once by sensors without mass."""
+    """FRFs from one clean blow a trial and reference, measured at every point at once."""
     plan = stand.plan
     linear = all(EFFECTS[name].linear for name, _ in hidden)
     mounted = sensors(stand, hidden)

@@ -1,8 +1,8 @@
 """The hammer: a smooth pulse whose length the tip sets, and a hand that never strikes twice alike.
 
-The pulse is a haversine, f(t) = P/2 (1 − cos(2πt/T)) for 0 ≤ t ≤ T. Its spectrum first vanishes at 2/T and falls
-as 1/f³ beyond. A harder blow is a little shorter: T ∝ P^(−1/6), as for Hertz's contact of a sphere, where
-T ∝ v^(−1/5) and P ∝ v^(6/5).
+The pulse is a haversine, f(t) = P/2 (1 − cos(2πt/T)) for 0 ≤ t ≤ T. Its spectrum first vanishes at 2/T and
+falls as 1/f³ beyond. A harder blow is a little shorter: T ∝ P^(−1/6), as for Hertz's contact of a sphere,
+where T ∝ v^(−1/5) and P ∝ v^(6/5).
 """
 
 from __future__ import annotations

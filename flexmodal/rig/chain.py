@@ -46,8 +46,8 @@ def moved_links(robot: Robot) -> tuple[str, ...]:
 def reach(robot: Robot, link: str) -> Float[np.ndarray, "3"]:
     """From the origin of a link to its far end, in its frame [m].
 
-    The far end is where the farthest joint on it sits; where there is none, its farthest named point, or twice
-    its mass centre.
+    The far end is where the farthest joint on it sits; where there is none, its farthest named point, or
+    twice its mass centre.
     """
     ends = [np.asarray(joint.xyz, dtype=float) for joint in children(robot.urdf, link)]
     if not ends:
@@ -58,9 +58,7 @@ def reach(robot: Robot, link: str) -> Float[np.ndarray, "3"]:
 
 def slender_links(robot: Robot) -> tuple[str, ...]:
     """Links long enough to bend that carry something beyond themselves or have mass along them."""
-    return tuple(
-        link for link in moved_links(robot) if float(np.linalg.norm(reach(robot, link))) >= SHORTEST
-    )
+    return tuple(link for link in moved_links(robot) if float(np.linalg.norm(reach(robot, link))) >= SHORTEST)
 
 
 def plane_normal(robot: Robot) -> Float[np.ndarray, "3"] | None:

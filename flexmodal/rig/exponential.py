@@ -19,7 +19,7 @@ _RADIUS = 5.371920351148152
 
 
 def exponential(matrices: Float[np.ndarray, "*many n n"]) -> Float[np.ndarray, "*many n n"]:
-    """exp of each matrix of a stack."""
+    """Exp of each matrix of a stack."""
     norm = float(np.max(np.sum(np.abs(matrices), axis=-2), initial=0.0))
     halvings = max(0, int(np.ceil(np.log2(norm / _RADIUS)))) if norm > _RADIUS else 0
     a = matrices / 2.0**halvings
@@ -28,9 +28,7 @@ def exponential(matrices: Float[np.ndarray, "*many n n"]) -> Float[np.ndarray, "
     a2 = a @ a
     a4 = a2 @ a2
     a6 = a4 @ a2
-    odd = a @ (
-        a6 @ (c[13] * a6 + c[11] * a4 + c[9] * a2) + c[7] * a6 + c[5] * a4 + c[3] * a2 + c[1] * one
-    )
+    odd = a @ (a6 @ (c[13] * a6 + c[11] * a4 + c[9] * a2) + c[7] * a6 + c[5] * a4 + c[3] * a2 + c[1] * one)
     even = a6 @ (c[12] * a6 + c[10] * a4 + c[8] * a2) + c[6] * a6 + c[4] * a4 + c[2] * a2 + c[0] * one
     value = np.linalg.solve(even - odd, even + odd)
     for _ in range(halvings):

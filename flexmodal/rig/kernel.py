@@ -1,4 +1,4 @@
-"""The inner loop of a non-linear plant, compiled. Import this file only where it is run: numba is slow to load.
+"""The inner loop of a non-linear plant, compiled. Import it only where it runs: numba is slow to load.
 
 Codes of the laws are those of `plant`: 0 hardening, 1 friction, 2 backlash.
 """
@@ -13,7 +13,7 @@ import numpy as np
 
 @numba.njit(cache=True, nogil=True)
 @no_type_check  # a checker's wrapper cannot be compiled
-def law(kind, p, old, new, memory):  # type: ignore[no-untyped-def]
+def law(kind, p, old, new, memory):
     """Force of one element at elongation `new`, coming from `old`, and its new memory.
 
     Args:
@@ -39,7 +39,7 @@ def law(kind, p, old, new, memory):  # type: ignore[no-untyped-def]
 
 @numba.njit(cache=True, nogil=True)
 @no_type_check  # a checker's wrapper cannot be compiled
-def march(phi, early, late, pulse, origin, kinds, parameters, rows, c, d, fine):  # type: ignore[no-untyped-def]
+def march(phi, early, late, pulse, origin, kinds, parameters, rows, c, d, fine):
     """March blows side by side and write what the outputs say.
 
     Args:

@@ -23,7 +23,7 @@ _BLOCK = 64
 
 @dataclass(frozen=True, eq=False)
 class Outputs:
-    """What is measured: acceleration = by_state · s + by_force · f, one row a channel. Each blow has its own."""
+    """What is measured: acceleration = by_state · s + by_force · f, one row a channel, for each blow."""
 
     by_state: Float[np.ndarray, "blow channel state"]
     by_force: Float[np.ndarray, "blow channel"]
@@ -131,7 +131,7 @@ def _powers(free: np.ndarray, count: int, start: np.ndarray) -> np.ndarray:
 
 
 def _decay(rows: np.ndarray, across: np.ndarray, state: np.ndarray, count: int) -> np.ndarray:
-    """rows · s, rows · A_i s, rows · A_i² s, … for every blow, [blow, channel, sample]."""
+    """Rows · s, rows · A_i s, rows · A_i² s, … for every blow, [blow, channel, sample]."""
     powers = [np.eye(len(across))]
     for _ in range(min(_BLOCK, count)):
         powers.append(powers[-1] @ across)

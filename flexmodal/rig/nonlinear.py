@@ -1,9 +1,10 @@
 """A non-linear plant under a hammer: marched on the fine grid.
 
-The linear part and the hammer's pulse are exact, as in `linear`; the forces of the non-linear elements are taken
-as straight lines within a step (first-order hold), found by fixed-point iteration at its end: second order in the
-step. Dry friction is Dahl's model (AFOSR report 0158, 1968), dF/du = σ (1 − (F/F_c) sgn u̇), integrated over the
-distance moved in the step, which is exact while the direction holds and stays bounded by F_c at any step.
+The linear part and the hammer's pulse are exact, as in `linear`; the forces of the non-linear elements are
+taken as straight lines within a step (first-order hold), found by fixed-point iteration at its end: second
+order in the step. Dry friction is Dahl's model (AFOSR report 0158, 1968), dF/du = σ (1 − (F/F_c) sgn u̇),
+integrated over the distance moved in the step, which is exact while the direction holds and stays bounded by
+F_c at any step.
 """
 
 from __future__ import annotations
@@ -67,7 +68,7 @@ def fine_records(
 def held(
     a: Float[np.ndarray, "state state"], columns: Float[np.ndarray, "state input"], step: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """exp(A h) and the weights of an input at the start and the end of a step, if it is a straight line between.
+    """exp(A h) and the weights of an input at both ends of a step, a straight line in between.
 
     Van Loan's formula: the exponential of [[A, B, 0], [0, 0, I], [0, 0, 0]].
     """
@@ -126,5 +127,7 @@ def _law(kind: int, p: np.ndarray, old: np.ndarray, new: np.ndarray, memory: np.
         return limit + (memory - limit) * np.exp(-p[1] * np.abs(new - old) / p[0])
     if kind == BACKLASH:
         pressed, gap = p[0] * new + p[2], p[0] * p[1]
-        return np.where(pressed > 0, pressed, np.where(pressed < -gap, pressed + gap, 0.0)) - p[2] - p[0] * new
+        return (
+            np.where(pressed > 0, pressed, np.where(pressed < -gap, pressed + gap, 0.0)) - p[2] - p[0] * new
+        )
     raise AssertionError(f"no law of the code {kind}")

@@ -128,7 +128,9 @@ def _postures(
     if isinstance(wanted, int):
         named = list(robot.postures)
         count = min(wanted, len(named))
-        spaced = np.unique(np.linspace(0, len(named) - 1, count).round().astype(int)) if count else []
+        spaced: list[int] = []
+        if count:
+            spaced = np.unique(np.linspace(0, len(named) - 1, count).round().astype(int)).tolist()
         given = [(named[k], robot.postures[named[k]]) for k in spaced]
         while len(given) < wanted:
             given.append((f"random_{len(given) + 1}", _random_posture(robot, random)))
@@ -180,7 +182,7 @@ def _points(robot: Robot, count: int | None) -> tuple[CampaignPoint, ...]:
     if count > total:
         names = ", ".join(name for name, *_ in found)
         raise InvalidRequest(Fault("call", "points", str(count), f"1 to {total}: {names}"))
-    outer = _outermost(robot, [link for _, link, _ in found])
+    outer = _outermost(robot, [(link, xyz) for _, link, xyz in found])
     order = [outer, *(k for k in range(total) if k != outer)]
     picked = sorted({order[k] for k in np.linspace(0, total - 1, count).round().astype(int)})
     return tuple(CampaignPoint(n, *found[k]) for n, k in enumerate(picked, start=1))
@@ -195,8 +197,11 @@ def _depth(robot: Robot, link: str) -> int:
     return depth
 
 
-def _outermost(robot: Robot, links: Sequence[str]) -> int:
-    return max(range(len(links)), key=lambda k: _depth(robot, links[k]))
+def _outermost(robot: Robot, places: Sequence[tuple[str, tuple[float, float, float]]]) -> int:
+    """The place that most joints move, the farthest out on its link."""
+    return max(
+        range(len(places)), key=lambda k: (_depth(robot, places[k][0]), float(np.linalg.norm(places[k][1])))
+    )
 
 
 def _references(
@@ -204,7 +209,7 @@ def _references(
 ) -> tuple[tuple[int, int], ...]:
     if not isinstance(wanted, int):
         return _named_references(points, wanted)
-    outer = _outermost(robot, [point.link for point in points])
+    outer = _outermost(robot, [(point.link, point.xyz) for point in points])
     inner = sorted(range(len(points)), key=lambda k: _depth(robot, points[k].link), reverse=True)
     halfway = [inner[len(inner) // 2], *(k for k in inner if k != inner[len(inner) // 2])]
     order = [outer, *(k for k in halfway if k != outer)]
@@ -218,7 +223,9 @@ def _references(
     return tuple(everything[:wanted])
 
 
-def _named_references(points: tuple[CampaignPoint, ...], wanted: Sequence[str]) -> tuple[tuple[int, int], ...]:
+def _named_references(
+    points: tuple[CampaignPoint, ...], wanted: Sequence[str]
+) -> tuple[tuple[int, int], ...]:
     ids = {point.name: point.id for point in points}
     faults: list[Fault] = []
     found = []

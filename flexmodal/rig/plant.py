@@ -90,9 +90,9 @@ class Plant:
     def input_column(self, row: Float[np.ndarray, "*many dof"]) -> Float[np.ndarray, "*many state"]:
         """How a force along `row` enters the state: M⁻¹ rowᵀ among the velocities."""
         column = np.zeros((*row.shape[:-1], len(self.state_matrix)))
-        column[..., self.dof : 2 * self.dof] = np.linalg.solve(self.mass, row.reshape(-1, self.dof).T).T.reshape(
-            row.shape
-        )
+        column[..., self.dof : 2 * self.dof] = np.linalg.solve(
+            self.mass, row.reshape(-1, self.dof).T
+        ).T.reshape(row.shape)
         return column
 
     def output_row(self, row: Float[np.ndarray, "*many dof"]) -> Float[np.ndarray, "*many state"]:

@@ -73,7 +73,5 @@ def _urdf(robot: Robot) -> str:
         etree.SubElement(inertial, "origin", xyz=" ".join(f"{value:.9g}" for value in base.com))
         etree.SubElement(inertial, "mass", value=repr(float(base.mass)))
         moment = repr(float(base.inertia[0, 0]))
-        etree.SubElement(
-            inertial, "inertia", ixx=moment, ixy="0", ixz="0", iyy=moment, iyz="0", izz=moment
-        )
+        etree.SubElement(inertial, "inertia", ixx=moment, ixy="0", ixz="0", iyy=moment, iyz="0", izz=moment)
     return '<?xml version="1.0" encoding="utf-8"?>\n' + etree.tostring(root, encoding="unicode") + "\n"

@@ -23,6 +23,8 @@ class Sensor:
     range: float = np.inf
     """Where it saturates [m/s²]."""
 
-    def direction(self, axes: Float[np.ndarray, "3 3"], nominal: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3"]:
+    def direction(
+        self, axes: Float[np.ndarray, "3 3"], nominal: Float[np.ndarray, "3"]
+    ) -> Float[np.ndarray, "3"]:
         """World direction that it measures when it is recorded as `nominal`, on a link with these axes."""
         return axes @ self.turned @ axes.T @ nominal

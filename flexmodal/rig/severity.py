@@ -1,9 +1,9 @@
 """How severe a hidden effect has to be to stand a given height above the noise.
 
-The height is the root mean square of |ln(H with / H without)| over the lines of the band that have a coherence
-of 0.8 or more, over the same figure for the noise of one record: half the squared difference of two repeats of
-the same blows with other noise and scatter. It is judged without re-tuning anything: what a re-tuned model can
-absorb of an effect counts too.
+The height is the root mean square of |ln(H with / H without)| over the lines of the band that have a
+coherence of 0.8 or more, over the same figure for the noise of one record: half the squared difference of
+two repeats of the same blows with other noise and scatter. It is judged without re-tuning anything: what a
+re-tuned model can absorb of an effect counts too.
 """
 
 from __future__ import annotations

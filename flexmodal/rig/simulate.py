@@ -13,15 +13,14 @@ import numpy as np
 from flexmodal.campaign import Blow, Campaign
 from flexmodal.errors import Fault, InvalidRequest, OutputExists
 from flexmodal.model import Robot
-from flexmodal.rig.bench import Conduct, Struck, each_posture, peaks
 from flexmodal.rig.believed import ParameterError, true_robot
+from flexmodal.rig.bench import Conduct, Struck, each_posture, peaks
 from flexmodal.rig.effects import EFFECTS, Site, Stand
 from flexmodal.rig.plan import Plan, make_plan
 from flexmodal.rig.robot_folder import CARD, write_robot
 from flexmodal.rig.severity import Floor, noise_floor, severity_for
 from flexmodal.rig.structure import Hidden
 from flexmodal.rig.truth import HiddenEffect, Truth, truth_path
-
 
 _NEAR = 0.2
 """Relative distance from the height asked for at which a place will do."""
@@ -168,7 +167,11 @@ def simulate(
         averages=averages, peaks=peaks, tip=tip, band=band, record_length=record_length,
         random=np.random.default_rng([seed, 3]),
     )  # fmt: skip
-    error = parameter_error if isinstance(parameter_error, ParameterError) else ParameterError.all(parameter_error)
+    error = (
+        parameter_error
+        if isinstance(parameter_error, ParameterError)
+        else ParameterError.all(parameter_error)
+    )
     stand = make_stand(robot, plan, error, seed)
     conduct = Conduct(noise, scatter, seed)
     hidden, effects, floor = _hidden(stand, [Hide.parse(text) for text in hide], conduct)
@@ -222,10 +225,10 @@ def _hidden(
     if faults:
         raise InvalidRequest(faults)
     searched = any(item.height is not None for item in wanted)
-    floor = noise_floor(stand, conduct) if searched else None
-    if floor is not None and floor.height == 0:
+    if searched and conduct.noise == 0:
         allowed = "noise above 0, since heights are measured against it"
         raise InvalidRequest(Fault("call", "hide", "a height over the noise floor, without noise", allowed))
+    floor = noise_floor(stand, conduct) if searched else None
     hidden, effects = [], []
     for number, item in enumerate(wanted):
         effect = EFFECTS[item.effect]
@@ -249,7 +252,7 @@ def _hidden(
 def _placed(
     stand: Stand, item: Hide, places: Sequence[str], random: np.random.Generator, floor: Floor | None
 ) -> tuple[Site, float, float | None]:
-    """Site, severity and height of an effect; where it may choose, the first place where it can stand so high."""
+    """Site, severity and height of an effect; of several places the first where it can stand so high."""
     effect = EFFECTS[item.effect]
     tried: list[tuple[Site, float, float | None]] = []
     for where in places[:_MOST_PLACES]:

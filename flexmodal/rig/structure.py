@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from flexmodal.campaign import CampaignPosture
 from flexmodal.rig.assembly import Assembly
 from flexmodal.rig.effects import EFFECTS, Site, Stand
@@ -25,7 +27,10 @@ def sensors(stand: Stand, hidden: Sequence[Hidden]) -> dict[str, Sensor]:
 
 
 def build(
-    stand: Stand, posture: CampaignPosture, hidden: Sequence[Hidden], carrying: tuple[str, float] | None = None
+    stand: Stand,
+    posture: CampaignPosture,
+    hidden: Sequence[Hidden],
+    carrying: tuple[str, float] | None = None,
 ) -> Plant:
     """The plant in one posture.
 
@@ -41,7 +46,7 @@ def build(
         shape = EFFECTS[name].shape
         if shape is not None:
             shape(assembly, site)
-    done = {site.where for name, site in ordered if (body := EFFECTS[name].body) and body(assembly, site)}
+    done = {site.where for name, site in ordered if (take := EFFECTS[name].body) and take(assembly, site)}
     for link, body in stand.true.bodies.items():
         if link not in done:
             assembly.add_body(link, body.com, body.mass, body.inertia)
@@ -55,5 +60,5 @@ def build(
             act(assembly, site)
     if carrying is not None and carrying[1] > 0:
         point = next(point for point in stand.plan.points if point.name == carrying[0])
-        assembly.add_body(point.link, point.xyz, carrying[1])
+        assembly.add_body(point.link, np.array(point.xyz), carrying[1])
     return assembly.plant()

@@ -13,9 +13,11 @@ from flexmodal.rig.simulate import make_stand
 
 _LINK = """
   <link name="link_{k}"><inertial><origin xyz="0.5 0 0"/><mass value="4"/>
-    <inertia ixx="0.01" ixy="0" ixz="0" iyy="0.33333333333333333" iyz="0" izz="0.33333333333333333"/></inertial></link>
+    <inertia ixx="0.01" ixy="0" ixz="0" iyy="0.33333333333333333" iyz="0"
+    izz="0.33333333333333333"/></inertial></link>
   <joint name="q{k}" type="revolute"><parent link="{parent}"/><child link="link_{k}"/>
-    <origin xyz="{x} 0 0"/><axis xyz="0 -1 0"/><limit lower="-3" upper="3" effort="1" velocity="1"/></joint>"""
+    <origin xyz="{x} 0 0"/><axis xyz="0 -1 0"/><limit lower="-3" upper="3" effort="1" velocity="1"/>
+  </joint>"""
 
 _CARD = """format = 1
 name = "bars"

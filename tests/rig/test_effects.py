@@ -47,14 +47,15 @@ def test_link_flexibility_shows_in_the_measured_frf(bench, hidden):
     spec = hidden(bench, "link_flexibility", "link_1", bending_stiffness=4000.0, damping_ratio=0.02)
     posture = bench.plan.postures[0]
     plant = build(bench, posture, [spec])
-    # A spring of k at the root of a cantilever: the characteristic equation of a pinned bar with a root spring,
-    # k/EI (1 + cos cosh) = β (cos sinh − sin cosh) for β of a bar 1 m long (Blevins, Formulas, table 8-1).
+    # A spring of k at the root of a cantilever: the characteristic equation of a pinned bar with a root
+    # spring, k/EI (1 + cos cosh) = β (sin cosh − cos sinh) for β of a bar 1 m long (Blevins, Formulas, table
+    # 8-1).
     from scipy.optimize import brentq
 
     def equation(x):
-        return K / 4000 * (1 + np.cos(x) * np.cosh(x)) - x * (np.cos(x) * np.sinh(x) - np.sin(x) * np.cosh(x))
+        return K / 4000 * (1 + np.cos(x) * np.cosh(x)) - x * (np.sin(x) * np.cosh(x) - np.cos(x) * np.sinh(x))
 
-    root = brentq(equation, 1.0, 1.875)
+    root = brentq(equation, 0.3, 1.875)
     first = root**2 * np.sqrt(4000.0 / 4.0) / 2 / np.pi
     assert min(natural(plant)) == pytest.approx(first, rel=2e-4)
     found = np.abs(measured(bench, spec)[0, 1])
@@ -96,7 +97,9 @@ def test_structural_damping_has_a_flat_loss_factor(bench, hidden):
     w = 2 * np.pi * FREQUENCY
     stiffness = w**2 * I - w**2 / tip(plant)
     loss = stiffness.imag / stiffness.real
-    np.testing.assert_allclose(loss, 0.08, rtol=0.03)  # the ripple of nine elements over five octaves and a half
+    np.testing.assert_allclose(
+        loss, 0.08, rtol=0.03
+    )  # the ripple of nine elements over five octaves and a half
     middle = np.argmin(np.abs(FREQUENCY - np.sqrt(2 * 100)))
     assert stiffness.real[middle] == pytest.approx(K, rel=2e-3)
     # Kramers and Kronig: 2η/π a unit of ln ω.
@@ -179,7 +182,10 @@ def test_nonlinear_stiffness_moves_the_peak_with_the_level(bench, hidden, stand)
 def test_joint_coupling_splits_two_joints(bars, stand, hidden):
     bench = stand(bars(count=2), references=["tip:+z"], postures=["flat"])
     posture = bench.plan.postures[0]
-    plain, tied = build(bench, posture, []), build(bench, posture, [hidden(bench, "joint_coupling", "q1+q2", coupling=0.4)])
+    plain, tied = (
+        build(bench, posture, []),
+        build(bench, posture, [hidden(bench, "joint_coupling", "q1+q2", coupling=0.4)]),
+    )
     np.testing.assert_allclose(tied.stiffness, K * np.array([[1, 0.4], [0.4, 1]]))
     m = plain.mass
     # det(K − λ M) = 0 by hand
@@ -210,7 +216,9 @@ def test_absorber_splits_the_peak(bench, hidden):
     assert np.abs(at[1]) < 1e-6 * np.abs(at[[0, 2]]).min()
     found = np.abs(measured(bench, spec)[0, 1])
     grid = lines(bench)
-    low, high = (grid[s][np.argmax(found[s])] for s in ((grid > 10) & (grid < own), (grid > own) & (grid < 60)))
+    low, high = (
+        grid[s][np.argmax(found[s])] for s in ((grid > 10) & (grid < own), (grid > own) & (grid < 60))
+    )
     np.testing.assert_allclose([low, high], own * np.sqrt(split), atol=0.5)  # a line is 0.5 Hz
 
 
@@ -222,15 +230,16 @@ def test_absorber_moves_stiffly_across_its_direction(bench, hidden):
     np.testing.assert_allclose(found, [20.0, np.sqrt(K / (I + 0.3 * 0.8**2)) / 2 / np.pi], rtol=1e-9)
 
 
-def test_sensor_mass_counts_where_the_sensor_sits(bench, hidden):
+def test_sensor_mass_counts_where_the_sensor_sits(bars, stand, hidden):
+    bench = stand(bars(damping=40.0), references=["tip:+z"])
     spec = hidden(bench, "sensor_mass", "sensor", mass=0.4)
     value = measured(bench, spec)[0]
     w = 2 * np.pi * lines(bench)
     inside = (lines(bench) >= 4) & (lines(bench) <= 100)
     for number, place in enumerate((0.5, 1.0)):
-        exact = -(w**2) * place / (K + 1j * w * B - w**2 * (I + 0.4 * place**2))
+        exact = -(w**2) * place / (K + 1j * w * 40.0 - w**2 * (I + 0.4 * place**2))
         error = np.abs(value[number] - exact)[inside].max()
-        assert error < 0.06 * np.abs(exact[inside]).max()  # leakage: exp(−σ T) of a 2 s record is 0.05
+        assert error < 1e-5 * np.abs(exact[inside]).max()  # the record is long: exp(−σ T) is 1e-9
 
 
 def test_sensor_gain_is_a_factor_at_one_point(bench, hidden):
@@ -273,9 +282,7 @@ def test_clearance_shows_only_when_the_contact_opens(bench, hidden, stand):
 def test_hose_depends_on_the_posture(bench, hidden, bars, stand):
     pair = stand(bars(count=2), references=["tip:+z"], postures=["flat", "raised"])
     spec = hidden(pair, "hose", "link_2", stiffness=2e4, damping=0.0, slack=1.5, x=0.0, y=0.0, z=1.0)
-    added = [
-        build(pair, p, [spec]).stiffness - build(pair, p, []).stiffness for p in pair.plan.postures
-    ]
+    added = [build(pair, p, [spec]).stiffness - build(pair, p, []).stiffness for p in pair.plan.postures]
     for extra in added:
         assert np.linalg.matrix_rank(extra, tol=1e-6) == 1
         assert np.linalg.eigvalsh(extra)[0] > -1e-6
@@ -288,7 +295,8 @@ def test_saturation_clips_hard_blows_only(bench, hidden, stand):
     plain, clipped = measured(pair), measured(pair, spec)
     size = np.abs(plain).max()
     assert np.abs(clipped[0] - plain[0]).max() < 1e-6 * size
-    assert np.abs(clipped[1, 1] - plain[1, 1]).max() > 0.02 * size
+    inside = (lines(pair) >= 10) & (lines(pair) <= 100)
+    assert np.abs(clipped[1, 1] / plain[1, 1] - 1)[inside].max() > 0.05
     assert np.abs(clipped[1, 0] - plain[1, 0]).max() < 1e-6 * size  # another point's sensor
 
 
@@ -304,13 +312,21 @@ def test_neighbour_stills_the_floor_at_its_frequency(bars, stand, hidden):
     assert plant.dof == 3
 
 
-@pytest.mark.parametrize("pair", [("servo_compliance", "coulomb_friction"), ("link_flexibility", "added_mass")])
+@pytest.mark.parametrize(
+    "pair", [("servo_compliance", "coulomb_friction"), ("link_flexibility", "added_mass")]
+)
 def test_effects_combine(pair, stand, hidden):
     bench = stand(flexmodal.load("fanuc_s360"), points=2, trials=2, band=(2.0, 200.0))
-    places = {"servo_compliance": "q2", "coulomb_friction": "q2", "link_flexibility": "link_1", "added_mass": "link_1"}
+    places = {
+        "servo_compliance": "q2",
+        "coulomb_friction": "q2",
+        "link_flexibility": "link_1",
+        "added_mass": "link_1",
+    }
     specs = [hidden(bench, name, places[name]) for name in pair]
     both, one, other = (
-        strike_together(bench, bench.plan.postures[0], s, bench.plan.trials) for s in (specs, specs[:1], specs[1:])
+        strike_together(bench, bench.plan.postures[0], s, bench.plan.trials)
+        for s in (specs, specs[:1], specs[1:])
     )
     for alone in (one, other):
         assert np.abs(both - alone).max() > 1e-3 * np.abs(both).max()

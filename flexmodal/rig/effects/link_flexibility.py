@@ -50,13 +50,9 @@ def _about(lever: np.ndarray) -> np.ndarray:
 
 
 def _draw(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
-    """A tip as stiff in turning (EI/L) as the stiffest joint between this link and the base, or up to thrice."""
+    """EI/L half to one and a half times the stiffest joint between this link and the base."""
     length, _ = _span(where, stand)
-    stiffest = max(
-        stand.true.stiffness[name]
-        for name in stand.robot.joints
-        if where in _beyond(stand, name)
-    )
+    stiffest = max(stand.true.stiffness[name] for name in stand.robot.joints if where in _beyond(stand, name))
     return {
         "bending_stiffness": float(random.uniform(0.5, 1.5) * stiffest * length),
         "damping_ratio": float(random.uniform(0.005, 0.02)),
@@ -87,7 +83,9 @@ def _body(assembly: Assembly, site: Site) -> bool:
     length, axis = _span(site.where, site.stand)
     mass, rest = spread(site.stand.true.bodies[site.where], length, axis)
     for place, weight in zip(*sections(), strict=True):
-        assembly.add_body(site.where, place * length * axis, float(mass * weight), rest.inertia * float(weight))
+        assembly.add_body(
+            site.where, place * length * axis, float(mass * weight), rest.inertia * float(weight)
+        )
     assembly.add_body(site.where, rest.com, rest.mass)
     return True
 

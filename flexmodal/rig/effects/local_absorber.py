@@ -1,4 +1,4 @@
-"""Something resilient on a link: a mass that may move along one direction of the link, on a spring and a damper."""
+"""Something resilient on a link: a mass on a spring and a damper, free along one direction of the link."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """A spring that hardens or softens: cubic while small, levelling off beyond.
 
-Torque k q (1 + a u²/(1 + u²)) with u = q/q_r: for small q the cubic k q + (a k/q_r²) q³, for large q a stiffness
-(1 + a) k, as harmonic drives have it; so that a softening joint never turns unstable.
+Torque k q (1 + a u²/(1 + u²)) with u = q/q_r: for small q the cubic k q + (a k/q_r²) q³, for large q a
+stiffness (1 + a) k, as harmonic drives have it; so that a softening joint never turns unstable.
 """
 
 from __future__ import annotations
@@ -37,12 +37,17 @@ def _check(parameters: Parameters) -> str | None:
 EFFECT = Effect(
     name="nonlinear_stiffness",
     says="a hardening (+) or softening (−) joint spring",
-    units={"change": "of the stiffness at large deflection, relative", "deflection": "rad, where half is reached"},
+    units={
+        "change": "of the stiffness at large deflection, relative",
+        "deflection": "rad, where half is reached",
+    },
     places=lambda stand: stand.commanded_joints,
     place_is="a flexible joint",
     draw=_draw,
     scaled=multiplied("change"),
-    most=lambda parameters: (4.0 if parameters["change"] > 0 else 0.85) / max(abs(parameters["change"]), 1e-9),
+    most=lambda parameters: (
+        (4.0 if parameters["change"] > 0 else 0.85) / max(abs(parameters["change"]), 1e-9)
+    ),
     check=_check,
     act=_act,
     linear=False,

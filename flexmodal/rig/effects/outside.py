@@ -46,7 +46,10 @@ CLEARANCE = Effect(
 def _hose_links(stand: Stand) -> tuple[str, ...]:
     """Links that at least two joints move."""
     counts = {
-        link: sum(link in descendants(stand.robot.urdf, stand.robot.urdf.joint_by_name[j].child) for j in stand.robot.joints)
+        link: sum(
+            link in descendants(stand.robot.urdf, stand.robot.urdf.joint_by_name[j].child)
+            for j in stand.robot.joints
+        )
         for link in moved_links(stand.robot)
     }
     return tuple(link for link, count in counts.items() if count >= 2) or moved_links(stand.robot)
@@ -67,7 +70,7 @@ def _draw_hose(stand: Stand, where: str, random: np.random.Generator) -> dict[st
 
 
 def _hose(assembly: Assembly, site: Site) -> None:
-    """From a hook in the world to the end of a link; stiffer the farther it is stretched, slack when short."""
+    """From a hook in the world to the end of a link; stiffer the farther it is stretched."""
     end = reach(site.stand.robot, site.where)
     at = assembly.origin(site.where) + assembly.orientation(site.where) @ end
     line = at - site.vector("x", "y", "z")
@@ -80,7 +83,14 @@ def _hose(assembly: Assembly, site: Site) -> None:
 HOSE = Effect(
     name="hose",
     says="a hose to a link, stiffer the farther the posture stretches it",
-    units={"stiffness": "N/m", "damping": "N·s/m", "slack": "m", "x": "m", "y": "m", "z": "m, hook in the world"},
+    units={
+        "stiffness": "N/m",
+        "damping": "N·s/m",
+        "slack": "m",
+        "x": "m",
+        "y": "m",
+        "z": "m, hook in the world",
+    },
     places=_hose_links,
     place_is="a link that moves",
     draw=_draw_hose,
@@ -146,7 +156,13 @@ def _scale_neighbour(parameters: Parameters, s: float) -> dict[str, float]:
 NEIGHBOUR = Effect(
     name="neighbour",
     says="another machine, felt through the floor",
-    units={"floor_stiffness": "N/m", "floor_mass": "kg", "mass": "kg", "frequency": "Hz", "damping_ratio": ""},
+    units={
+        "floor_stiffness": "N/m",
+        "floor_mass": "kg",
+        "mass": "kg",
+        "frequency": "Hz",
+        "damping_ratio": "",
+    },
     places=lambda stand: ("base",),
     place_is="the base",
     draw=_draw_neighbour,

@@ -1,8 +1,8 @@
 """The motor is not locked: its rotor moves against the stiffness and damping of the position loop.
 
-J_M q̈_M = k (q − q_M) + b (q̇ − q̇_M) − K_P q_M − K_D q̇_M, [Hearne 2.1, 2.2] with a proportional and derivative
-loop; the card's spring and damper then sit between rotor and link. The rotor's inertia is reflected to the joint
-and turns about the joint's own axis only (Spong, ASME J. Dyn. Sys. 109, 1987).
+J_M q̈_M = k (q − q_M) + b (q̇ − q̇_M) − K_P q_M − K_D q̇_M, [Hearne 2.1, 2.2] with a proportional and
+derivative loop; the card's spring and damper then sit between rotor and link. The rotor's inertia is
+reflected to the joint and turns about the joint's own axis only (Spong, ASME J. Dyn. Sys. 109, 1987).
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
 """Hysteretic loss in the joints: Im K / Re K constant over the band, in time, hence causal.
 
-K (1 + iη) has no counterpart in time; a row of Maxwell elements whose relaxation times are spread over the band
-and beyond comes near it. Their strengths g ≥ 0 are fitted so that Σ g ωτ/(1 + ω²τ²) equals η times the real
-part. A causal material stiffens by 2η/π for each unit of ln ω (Kramers and Kronig): the real part is set to the
-joint's stiffness at the middle of the band.
+K (1 + iη) has no counterpart in time; a row of Maxwell elements whose relaxation times are spread over the
+band and beyond comes near it. Their strengths g ≥ 0 are fitted so that Σ g ωτ/(1 + ω²τ²) equals η times the
+real part. A causal material stiffens by 2η/π for each unit of ln ω (Kramers and Kronig): the real part is
+set to the joint's stiffness at the middle of the band.
 """
 
 from __future__ import annotations
