@@ -1,7 +1,7 @@
 """What does a blow of the virtual rig look like, and what do two hidden effects do to the FRF?
 
-Draws docs/pictures/rig.svg and .png: force and response of one blow, then amplitude, phase and coherence of an
-FRF with nothing hidden, with a bending link, and with dry friction at two force levels.
+Draws docs/pictures/rig.svg and .png: force and response of one blow, then amplitude, phase and coherence of
+an FRF with nothing hidden, with a bending link, and with dry friction at two force levels.
 """
 
 from __future__ import annotations
@@ -93,7 +93,7 @@ def draw_frfs(figure, grid, found: dict[str, RigResult]) -> None:
     middle.set_ylim(-190, 190)
     middle.set_yticks([-180, -90, 0, 90, 180])
     lower.set_ylabel("Coherence [–]")
-    lower.set_ylim(0.0, 1.05)
+    lower.set_ylim(0.8, 1.01)
     lower.set_xlabel("Frequency [Hz]")
     for axes in (upper, middle, lower):
         axes.grid(True, which="both", color="0.9", linewidth=0.5)
