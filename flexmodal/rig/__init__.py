@@ -1,0 +1,9 @@
+"""The virtual test rig: hammer tests of any robot, simulated in time, with effects hidden in them."""
+
+from flexmodal.rig.believed import ParameterError as ParameterError
+from flexmodal.rig.effects import EFFECTS as EFFECTS
+from flexmodal.rig.simulate import Hide as Hide
+from flexmodal.rig.simulate import RigResult as RigResult
+from flexmodal.rig.simulate import simulate as simulate
+from flexmodal.rig.truth import HiddenEffect as HiddenEffect
+from flexmodal.rig.truth import Truth as Truth

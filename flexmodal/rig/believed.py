@@ -1,0 +1,119 @@
+"""The robot as the tester believes it to be, and as it truly is: a few per cent off everywhere."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from jaxtyping import Float
+
+from flexmodal.model import Robot
+from flexmodal.rig.chain import moved_links, reach, rigid_with
+
+MOST = 2.5
+"""A parameter is at most this many standard deviations off."""
+BASE_MASS = 2.0
+"""Mass of a base that the URDF gives none, over that of the arm."""
+BASE_GYRATION = 0.2
+"""Its radius of gyration over the length of the stretched arm."""
+
+
+@dataclass(frozen=True, eq=False)
+class Body:
+    """Mass properties of a link."""
+
+    mass: float
+    """[kg]"""
+    com: Float[np.ndarray, "3"]
+    """In the frame of the link [m]."""
+    inertia: Float[np.ndarray, "3 3"]
+    """About the mass centre [kg·m²]."""
+
+
+@dataclass(frozen=True)
+class ParameterError:
+    """Standard deviations of the logarithm of each kind of parameter, true over believed."""
+
+    stiffness: float = 0.05
+    damping: float = 0.05
+    mass: float = 0.05
+    """Of a link's mass; its inertia goes with it."""
+    inertia: float = 0.05
+    """Of the moments of inertia, beside what the mass does."""
+    mass_centre: float = 0.0
+    """Of its distance from the origin of the link's frame."""
+
+    @classmethod
+    def all(cls, size: float) -> ParameterError:
+        """The same for all but the mass centres, which stay where the card has them."""
+        return cls(size, size, size, size)
+
+
+@dataclass(frozen=True, eq=False)
+class TrueRobot:
+    """What the hammer really meets."""
+
+    stiffness: Mapping[str, float]
+    """By flexible joint [N·m/rad]."""
+    damping: Mapping[str, float]
+    """By flexible joint [N·m·s/rad]."""
+    rotor: Mapping[str, float]
+    """Reflected inertia of a locked motor's card entry [kg·m²]."""
+    bodies: Mapping[str, Body]
+    """By link."""
+    factors: Mapping[str, float] = field(default_factory=dict)
+    """True over believed, by parameter name, such as "stiffness.q1"."""
+
+
+def true_robot(robot: Robot, error: ParameterError, random: np.random.Generator) -> TrueRobot:
+    """Draw the true robot around the believed one."""
+    factors: dict[str, float] = {}
+
+    def factor(name: str, size: float) -> float:
+        drawn = float(np.clip(random.standard_normal(), -MOST, MOST))
+        factors[name] = float(np.exp(size * drawn))
+        return factors[name]
+
+    stiffness = {n: j.stiffness * factor(f"stiffness.{n}", error.stiffness) for n, j in robot.joints.items()}
+    damping = {n: j.damping * factor(f"damping.{n}", error.damping) for n, j in robot.joints.items()}
+    moved = moved_links(robot)
+    bodies = {}
+    for name, body in believed_bodies(robot).items():
+        if name not in moved:
+            bodies[name] = body
+            continue
+        mass = factor(f"mass.{name}", error.mass)
+        inertia = factor(f"inertia.{name}", error.inertia)
+        centre = factor(f"mass_centre.{name}", error.mass_centre)
+        bodies[name] = Body(body.mass * mass, body.com * centre, body.inertia * mass * inertia)
+    rotor = {name: joint.rotor_inertia for name, joint in robot.joints.items()}
+    return TrueRobot(stiffness, damping, rotor, bodies, factors)
+
+
+def believed_bodies(robot: Robot) -> dict[str, Body]:
+    """Mass properties of every link that has any, a base included that the URDF may have left out."""
+    bodies = {
+        link.name: Body(
+            link.mass,
+            np.asarray(link.com),
+            np.zeros((3, 3)) if link.inertia is None else np.asarray(link.inertia),
+        )
+        for link in robot.urdf.links
+        if link.mass
+    }
+    base = base_body(robot)
+    if base is not None:
+        bodies[robot.urdf.root] = base
+    return bodies
+
+
+def base_body(robot: Robot) -> Body | None:
+    """The base that a tester would write down where the URDF gives none; None where it gives one."""
+    fixed = rigid_with(robot.urdf, robot.urdf.root, tuple(robot.joints))
+    if any(robot.urdf.link_by_name[name].mass for name in fixed):
+        return None
+    arm = moved_links(robot)
+    mass = BASE_MASS * sum(robot.urdf.link_by_name[name].mass or 0.0 for name in arm)
+    length = sum(float(np.linalg.norm(reach(robot, name))) for name in arm)
+    return Body(mass, np.zeros(3), mass * (BASE_GYRATION * length) ** 2 * np.eye(3))

@@ -1,0 +1,111 @@
+"""What a hidden effect is: where it can sit, how strong it comes, and what it does to the structure."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from flexmodal.model import Robot
+from flexmodal.rig.assembly import Assembly
+from flexmodal.rig.believed import TrueRobot
+from flexmodal.rig.chain import plane_normal
+from flexmodal.rig.plan import Plan
+from flexmodal.rig.sensing import Sensor
+
+Parameters = Mapping[str, float]
+
+
+@dataclass(frozen=True, eq=False)
+class Stand:
+    """What an effect may look at before it is put in."""
+
+    robot: Robot
+    true: TrueRobot
+    plan: Plan
+    deflection: Mapping[str, tuple[float, float]]
+    """Peak deflection of each joint under the weakest and the hardest kind of blow, nothing hidden [rad]."""
+    acceleration: Mapping[str, float]
+    """Peak at each point under the hardest kind of blow, nothing hidden [m/s²]."""
+
+    @property
+    def normal(self) -> np.ndarray | None:
+        """Normal of a planar chain's plane."""
+        return plane_normal(self.robot)
+
+    @property
+    def commanded_joints(self) -> tuple[str, ...]:
+        """Flexible joints that are no pseudo-joints."""
+        return tuple(name for name, joint in self.robot.joints.items() if not joint.pseudo)
+
+
+@dataclass(frozen=True)
+class Site:
+    """An effect's place and the numbers it is put in with."""
+
+    stand: Stand
+    where: str
+    parameters: Parameters
+
+    def __getitem__(self, name: str) -> float:
+        """A parameter."""
+        return self.parameters[name]
+
+    def vector(self, *names: str) -> np.ndarray:
+        """Several parameters as a vector."""
+        return np.array([self.parameters[name] for name in names])
+
+
+@dataclass(frozen=True)
+class Effect:
+    """One way in which a robot differs from its card. The hooks that do not apply are None."""
+
+    name: str
+    says: str
+    """What it is, for people."""
+    units: Mapping[str, str]
+    """Its parameters and their units."""
+    places: Callable[[Stand], tuple[str, ...]]
+    """Where it can sit."""
+    place_is: str
+    """What kind of place that is, for people."""
+    draw: Callable[[Stand, str, np.random.Generator], dict[str, float]]
+    """Plausible parameters, severity 1."""
+    scaled: Callable[[Parameters, float], dict[str, float]]
+    """The parameters at another severity; 0 is nothing at all, or as good as."""
+    most: Callable[[Parameters], float] = lambda parameters: 30.0
+    """The highest severity that still makes sense."""
+    check: Callable[[Parameters], str | None] = lambda parameters: None
+    """What is wrong with given parameters, if anything."""
+    shape: Callable[[Assembly, Site], None] | None = None
+    """New coordinates: done first, since they change how everything moves."""
+    body: Callable[[Assembly, Site], bool] | None = None
+    """Takes over putting in the mass of the link `where`; says whether it did."""
+    act: Callable[[Assembly, Site], None] | None = None
+    """Masses, springs, laws."""
+    sense: Callable[[dict[str, Sensor], Site], None] | None = None
+    """What the sensors make of the motion."""
+    linear: bool = True
+    catalogued: bool = True
+    """Whether a diagnosis has a name for it."""
+
+
+def positive(*names: str) -> Callable[[Parameters], str | None]:
+    """A check that these parameters are above 0."""
+
+    def check(parameters: Parameters) -> str | None:
+        low = [name for name in names if parameters[name] <= 0]
+        return f"{low[0]} = {parameters[low[0]]:g}, where a number above 0 is needed" if low else None
+
+    return check
+
+
+def multiplied(*names: str) -> Callable[[Parameters, float], dict[str, float]]:
+    """Severity multiplies these parameters."""
+    return lambda parameters, s: {k: v * s if k in names else v for k, v in parameters.items()}
+
+
+def divided(*names: str) -> Callable[[Parameters, float], dict[str, float]]:
+    """Severity divides these parameters: stiffnesses, which are infinite where nothing is hidden."""
+    return lambda parameters, s: {k: v / s if k in names else v for k, v in parameters.items()}

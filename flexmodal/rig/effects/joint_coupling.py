@@ -1,0 +1,44 @@
+"""A parallel mechanism ties two joints: an off-diagonal stiffness."""
+
+from __future__ import annotations
+
+from itertools import combinations
+
+import numpy as np
+
+from flexmodal.rig.assembly import Assembly
+from flexmodal.rig.effects.effect import Effect, Parameters, Site, Stand, multiplied
+
+
+def _places(stand: Stand) -> tuple[str, ...]:
+    return tuple(f"{one}+{other}" for one, other in combinations(stand.commanded_joints, 2))
+
+
+def _draw(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
+    sign = 1.0 if random.uniform() < 0.5 else -1.0
+    return {"coupling": float(sign * random.uniform(0.15, 0.45))}
+
+
+def _act(assembly: Assembly, site: Site) -> None:
+    one, other = site.where.split("+")
+    size = np.sqrt(site.stand.true.stiffness[one] * site.stand.true.stiffness[other])
+    assembly.add_coupling(one, other, float(site["coupling"] * size))
+
+
+def _check(parameters: Parameters) -> str | None:
+    value = parameters["coupling"]
+    return None if abs(value) <= 0.9 else f"coupling = {value:g}, where −0.9 to 0.9 is allowed"
+
+
+EFFECT = Effect(
+    name="joint_coupling",
+    says="a mechanism couples two joints",
+    units={"coupling": "off-diagonal stiffness over √(k₁ k₂)"},
+    places=_places,
+    place_is="a pair of flexible joints, jointA+jointB",
+    draw=_draw,
+    scaled=multiplied("coupling"),
+    most=lambda parameters: 0.9 / max(abs(parameters["coupling"]), 1e-9),
+    check=_check,
+    act=_act,
+)

@@ -1,0 +1,112 @@
+"""A link bends: a uniform beam by finite elements, where the card has a rigid body."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from flexmodal.rig.assembly import Assembly
+from flexmodal.rig.beam import Beam, sections
+from flexmodal.rig.believed import Body
+from flexmodal.rig.chain import reach, slender_links
+from flexmodal.rig.effects.effect import Effect, Parameters, Site, Stand, divided
+from flexmodal.rig.geometry import across
+
+_FIRST = 1.875104068711961
+"""First root of cos βL cosh βL = −1, for the clamped-free beam."""
+
+
+def _span(site_link: str, stand: Stand) -> tuple[float, np.ndarray]:
+    end = reach(stand.robot, site_link)
+    length = float(np.linalg.norm(end))
+    return length, end / length
+
+
+def spread(body: Body, length: float, axis: np.ndarray) -> tuple[float, Body]:
+    """Split a link's inertia into a uniform beam and a rest, so that the rigid link keeps all of it.
+
+    Returns:
+        Mass of the beam, as much as leaves the rest with a moment of inertia a body can have, and the rest.
+    """
+    thin = np.eye(3) - np.outer(axis, axis)
+    for share in np.linspace(1.0, 0.0, 41):
+        beam = share * body.mass
+        rest = body.mass - beam
+        if rest < 1e-9 * body.mass:
+            off = np.linalg.norm(body.com - length / 2 * axis) > 1e-6 * length
+            rest, com = 0.0, length / 2 * axis
+            if off:
+                continue
+        else:
+            com = (body.mass * body.com - beam * length / 2 * axis) / rest
+        total = body.inertia + body.mass * _about(body.com)
+        left = total - beam * (length**2 / 12 * thin + _about(length / 2 * axis)) - rest * _about(com)
+        if np.linalg.eigvalsh(left)[0] >= -1e-12 * np.trace(total) and 0 <= com @ axis <= length:
+            return float(beam), Body(float(rest), com, left)
+    return 0.0, body
+
+
+def _about(lever: np.ndarray) -> np.ndarray:
+    return float(lever @ lever) * np.eye(3) - np.outer(lever, lever)
+
+
+def _draw(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
+    """EI/L half to one and a half times the stiffest joint between this link and the base."""
+    length, _ = _span(where, stand)
+    stiffest = max(stand.true.stiffness[name] for name in stand.robot.joints if where in _beyond(stand, name))
+    return {
+        "bending_stiffness": float(random.uniform(0.5, 1.5) * stiffest * length),
+        "damping_ratio": float(random.uniform(0.005, 0.02)),
+    }
+
+
+def _beyond(stand: Stand, joint: str) -> tuple[str, ...]:
+    from flexmodal.rig.chain import descendants
+
+    return descendants(stand.robot.urdf, stand.robot.urdf.joint_by_name[joint].child)
+
+
+def _shape(assembly: Assembly, site: Site) -> None:
+    length, axis = _span(site.where, site.stand)
+    mass, _ = spread(site.stand.true.bodies[site.where], length, axis)
+    beam = Beam(length, site["bending_stiffness"], mass / length)
+    weight = max(site.stand.true.bodies[site.where].mass, 1e-9) / length
+    first = _FIRST**2 * np.sqrt(site["bending_stiffness"] / (weight * length**4))  # rad/s, clamped and free
+    loss = 2 * site["damping_ratio"] / first
+    axes = assembly.orientation(site.where)
+    normal = None if assembly.normal is None else axes.T @ assembly.normal
+    for side in across(axis, normal):
+        assembly.add_beam(site.where, beam, axis, side, loss)
+
+
+def _body(assembly: Assembly, site: Site) -> bool:
+    """The beam's own mass and the rest's moment along its length, the rest's mass at its centre."""
+    length, axis = _span(site.where, site.stand)
+    mass, rest = spread(site.stand.true.bodies[site.where], length, axis)
+    for place, weight in zip(*sections(), strict=True):
+        assembly.add_body(
+            site.where, place * length * axis, float(mass * weight), rest.inertia * float(weight)
+        )
+    assembly.add_body(site.where, rest.com, rest.mass)
+    return True
+
+
+def _check(parameters: Parameters) -> str | None:
+    if parameters["bending_stiffness"] <= 0:
+        return f"bending_stiffness = {parameters['bending_stiffness']:g}, where a number above 0 is needed"
+    if not 0 <= parameters["damping_ratio"] < 1:
+        return f"damping_ratio = {parameters['damping_ratio']:g}, where 0 to 1 is allowed"
+    return None
+
+
+EFFECT = Effect(
+    name="link_flexibility",
+    says="the link bends as a uniform Euler-Bernoulli beam",
+    units={"bending_stiffness": "N·m²", "damping_ratio": "of the first clamped mode"},
+    places=lambda stand: slender_links(stand.robot),
+    place_is="a link that is long enough to bend",
+    draw=_draw,
+    scaled=divided("bending_stiffness"),
+    check=_check,
+    shape=_shape,
+    body=_body,
+)

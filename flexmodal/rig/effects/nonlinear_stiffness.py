@@ -1,0 +1,54 @@
+"""A spring that hardens or softens: cubic while small, levelling off beyond.
+
+Torque k q (1 + a u²/(1 + u²)) with u = q/q_r: for small q the cubic k q + (a k/q_r²) q³, for large q a
+stiffness (1 + a) k, as harmonic drives have it; so that a softening joint never turns unstable.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from flexmodal.rig.assembly import Assembly
+from flexmodal.rig.effects.effect import Effect, Parameters, Site, Stand, multiplied
+from flexmodal.rig.plant import HARDENING, NonlinearElement
+
+
+def _draw(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
+    sign = 1.0 if random.uniform() < 0.5 else -1.0
+    return {
+        "change": float(sign * random.uniform(0.2, 0.5)),
+        "deflection": float(random.uniform(0.3, 0.6) * stand.deflection[where][1]),
+    }
+
+
+def _act(assembly: Assembly, site: Site) -> None:
+    law = (site["change"] * site.stand.true.stiffness[site.where], site["deflection"], 0.0)
+    assembly.elements.append(NonlinearElement(assembly.stretch(site.where), HARDENING, law))
+
+
+def _check(parameters: Parameters) -> str | None:
+    if not -0.85 <= parameters["change"] <= 10:
+        return f"change = {parameters['change']:g}, where −0.85 to 10 is allowed"
+    if parameters["deflection"] <= 0:
+        return f"deflection = {parameters['deflection']:g}, where a number above 0 is needed"
+    return None
+
+
+EFFECT = Effect(
+    name="nonlinear_stiffness",
+    says="a hardening (+) or softening (−) joint spring",
+    units={
+        "change": "of the stiffness at large deflection, relative",
+        "deflection": "rad, where half is reached",
+    },
+    places=lambda stand: stand.commanded_joints,
+    place_is="a flexible joint",
+    draw=_draw,
+    scaled=multiplied("change"),
+    most=lambda parameters: (
+        (4.0 if parameters["change"] > 0 else 0.85) / max(abs(parameters["change"]), 1e-9)
+    ),
+    check=_check,
+    act=_act,
+    linear=False,
+)

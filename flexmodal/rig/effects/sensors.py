@@ -1,0 +1,116 @@
+"""What sensors do to a measurement: weigh, read too much, lag, look askew, clip."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from flexmodal.rig.chain import moved_links
+from flexmodal.rig.effects.added_mass import _normal_in_link, arm_mass
+from flexmodal.rig.effects.effect import Effect, Parameters, Site, Stand, multiplied, positive
+from flexmodal.rig.geometry import turn
+from flexmodal.rig.sensing import Sensor
+
+
+def _points(stand: Stand) -> tuple[str, ...]:
+    moved = moved_links(stand.robot)
+    return tuple(point.name for point in stand.plan.points if point.link in moved)
+
+
+def _signed(random: np.random.Generator, low: float, high: float) -> float:
+    size = float(random.uniform(low, high))
+    return size if random.uniform() < 0.5 else -size
+
+
+def _weigh(sensors: dict[str, Sensor], site: Site) -> None:
+    for sensor in sensors.values():
+        sensor.mass += site["mass"]
+
+
+def _gain(sensors: dict[str, Sensor], site: Site) -> None:
+    sensors[site.where].gain *= 1 + site["error"]
+
+
+def _delay(sensors: dict[str, Sensor], site: Site) -> None:
+    sensors[site.where].delay += site["delay"]
+
+
+def _turn(sensors: dict[str, Sensor], site: Site) -> None:
+    axis = site.vector("ax", "ay", "az")
+    sensors[site.where].turned = turn(axis, site["angle"]) @ sensors[site.where].turned
+
+
+def _draw_turn(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
+    axis = random.standard_normal(3)
+    if stand.normal is not None:
+        link = next(point.link for point in stand.plan.points if point.name == where)
+        axis = _normal_in_link(stand, link)
+    axis = axis / np.linalg.norm(axis)
+    angle = _signed(random, np.radians(8), np.radians(25))
+    return {"angle": angle, "ax": float(axis[0]), "ay": float(axis[1]), "az": float(axis[2])}
+
+
+def _check_turn(parameters: Parameters) -> str | None:
+    if not any(parameters[name] for name in ("ax", "ay", "az")):
+        return "ax, ay, az all 0, where an axis is needed"
+    if abs(parameters["angle"]) > 1.3:
+        return f"angle = {parameters['angle']:g}, where −1.3 to 1.3 is allowed"
+    return None
+
+
+def _check_error(parameters: Parameters) -> str | None:
+    value = parameters["error"]
+    return None if -0.9 <= value <= 9 else f"error = {value:g}, where −0.9 to 9 is allowed"
+
+
+def _check_delay(parameters: Parameters) -> str | None:
+    value = parameters["delay"]
+    return None if 0 <= value <= 0.02 else f"delay = {value:g}, where 0 to 0.02 is allowed"
+
+
+SENSOR_MASS = Effect(
+    name="sensor_mass",
+    says="the accelerometer's mass, which moves with it from point to point",
+    units={"mass": "kg"},
+    places=lambda stand: ("sensor",),
+    place_is="the sensor",
+    draw=lambda stand, where, random: {"mass": float(random.uniform(0.01, 0.05) * arm_mass(stand))},
+    scaled=multiplied("mass"),
+    check=positive("mass"),
+    sense=_weigh,
+)
+SENSOR_GAIN = Effect(
+    name="sensor_gain",
+    says="a sensor calibrated wrongly",
+    units={"error": "relative: 0.1 reads 10 % too much"},
+    places=_points,
+    place_is="a point with a sensor",
+    draw=lambda stand, where, random: {"error": _signed(random, 0.1, 0.35)},
+    scaled=multiplied("error"),
+    most=lambda parameters: (2.0 if parameters["error"] > 0 else 0.7) / max(abs(parameters["error"]), 1e-9),
+    check=_check_error,
+    sense=_gain,
+)
+TIME_DELAY = Effect(
+    name="time_delay",
+    says="a sensor that lags",
+    units={"delay": "s"},
+    places=_points,
+    place_is="a point with a sensor",
+    draw=lambda stand, where, random: {"delay": float(random.uniform(0.02, 0.12) / stand.plan.band[1])},
+    scaled=multiplied("delay"),
+    most=lambda parameters: 0.01 / max(parameters["delay"], 1e-9),
+    check=_check_delay,
+    sense=_delay,
+)
+SENSOR_MISALIGNMENT = Effect(
+    name="sensor_misalignment",
+    says="a sensor, fixed to its link, that points elsewhere than recorded",
+    units={"angle": "rad", "ax": "", "ay": "", "az": "axis of the turn, in the frame of the link"},
+    places=_points,
+    place_is="a point with a sensor",
+    draw=_draw_turn,
+    scaled=multiplied("angle"),
+    most=lambda parameters: 1.0 / max(abs(parameters["angle"]), 1e-9),
+    check=_check_turn,
+    sense=_turn,
+)

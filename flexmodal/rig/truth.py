@@ -1,0 +1,106 @@
+"""What is hidden in a campaign: kept beside it, never in it."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from flexmodal.files import whole_file
+
+
+@dataclass(frozen=True)
+class HiddenEffect:
+    """One effect as it was put in."""
+
+    effect: str
+    where: str
+    parameters: Mapping[str, float]
+    units: Mapping[str, str]
+    severity: float
+    """Multiple of the parameters first drawn or given."""
+    height: float | None
+    """Over the noise floor; None where it was not asked for."""
+    catalogued: bool
+
+
+@dataclass(frozen=True)
+class Truth:
+    """Everything the tester does not know."""
+
+    robot: str
+    seed: int
+    noise: float
+    scatter: float
+    noise_floor: float | None
+    """Root mean square of |ln| of the noise of one record; None where it was not needed."""
+    effects: tuple[HiddenEffect, ...]
+    factors: Mapping[str, float] = field(default_factory=dict)
+    """True over believed, by parameter."""
+
+    def table(self) -> dict[str, Any]:
+        """As a table for TOML or JSON; what is None is left out."""
+        effects = []
+        for effect in self.effects:
+            entry: dict[str, Any] = {
+                "effect": effect.effect,
+                "where": effect.where,
+                "catalogued": effect.catalogued,
+                "severity": effect.severity,
+            }
+            if effect.height is not None:
+                entry["times_noise_floor"] = effect.height
+            entry["parameters"] = dict(effect.parameters)
+            entry["units"] = dict(effect.units)
+            effects.append(entry)
+        table: dict[str, Any] = {
+            "format": 1, "robot": self.robot, "seed": self.seed, "noise": self.noise, "scatter": self.scatter,
+        }  # fmt: skip
+        if self.noise_floor is not None:
+            table["noise_floor"] = self.noise_floor
+        return {**table, "true_over_believed": dict(self.factors), "effect": effects}
+
+    def write(self, path: Path) -> None:
+        """Write as TOML.
+
+        Raises:
+            OutputExists: there is a file already.
+        """
+        with whole_file(path) as scratch:
+            scratch.write_text(_toml(self.table()), encoding="utf-8")
+
+
+def truth_path(folder: Path) -> Path:
+    """`DIR.truth.toml` beside `DIR`."""
+    return folder.parent / f"{folder.name}.truth.toml"
+
+
+def _toml(table: Mapping[str, Any], path: str = "") -> str:
+    lines, later = [], []
+    for key, value in table.items():
+        name = f"{path}.{_key(key)}" if path else _key(key)
+        if isinstance(value, Mapping):
+            later.append(f"\n[{name}]\n{_toml(value, name)}")
+        elif isinstance(value, list | tuple) and value and isinstance(value[0], Mapping):
+            later += [f"\n[[{name}]]\n{_toml(entry, name)}" for entry in value]
+        elif isinstance(value, list | tuple) and not value:
+            lines.append(f"{_key(key)} = []")
+        else:
+            lines.append(f"{_key(key)} = {_value(value)}")
+    return "".join(line + "\n" for line in lines) + "".join(later)
+
+
+def _key(key: str) -> str:
+    return key if key.replace("_", "").isalnum() and key.isascii() else json.dumps(key, ensure_ascii=False)
+
+
+def _value(value: object) -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, int | float):
+        return repr(float(value)) if isinstance(value, float) else str(value)
+    if isinstance(value, list | tuple):
+        return "[" + ", ".join(_value(entry) for entry in value) + "]"
+    return json.dumps(str(value), ensure_ascii=False)

@@ -1,0 +1,85 @@
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import flexmodal
+from flexmodal.model import Robot
+from flexmodal.rig import ParameterError
+from flexmodal.rig.effects import EFFECTS, Site, Stand
+from flexmodal.rig.plan import make_plan
+from flexmodal.rig.simulate import make_stand
+
+_LINK = """
+  <link name="link_{k}"><inertial><origin xyz="0.5 0 0"/><mass value="4"/>
+    <inertia ixx="0.01" ixy="0" ixz="0" iyy="0.33333333333333333" iyz="0"
+    izz="0.33333333333333333"/></inertial></link>
+  <joint name="q{k}" type="revolute"><parent link="{parent}"/><child link="link_{k}"/>
+    <origin xyz="{x} 0 0"/><axis xyz="0 -1 0"/><limit lower="-3" upper="3" effort="1" velocity="1"/>
+  </joint>"""
+
+_CARD = """format = 1
+name = "bars"
+title = "uniform bars of 4 kg and 1 m"
+urdf = "bars.urdf"
+tool = "link_{last}"
+source = "made up for a test"
+{joints}
+[point.middle]
+link = "link_{last}"
+xyz = [0.5, 0.0, 0.0]
+[point.tip]
+link = "link_{last}"
+xyz = [1.0, 0.0, 0.0]
+[posture.flat]
+{first} = 0.0
+[posture.raised]
+{first} = 0.7
+"""
+
+
+@pytest.fixture
+def bars(tmp_path: Path) -> Callable[..., Robot]:
+    """A planar chain of uniform bars: mass 4 kg, length 1 m, all along x at rest."""
+
+    def make(count: int = 1, stiffness: float = 4e4, damping: float = 4.0) -> Robot:
+        links = "".join(
+            _LINK.format(k=k, parent="base" if k == 1 else f"link_{k - 1}", x=0 if k == 1 else 1)
+            for k in range(1, count + 1)
+        )
+        (tmp_path / "bars.urdf").write_text(f'<robot name="bars"><link name="base"/>{links}</robot>')
+        joints = "".join(
+            f"[joint.q{k}]\nstiffness = {stiffness!r}\ndamping = {damping!r}\n" for k in range(1, count + 1)
+        )
+        (tmp_path / "robot.toml").write_text(_CARD.format(last=count, joints=joints, first="q1"))
+        return flexmodal.load(tmp_path / "robot.toml")
+
+    return make
+
+
+@pytest.fixture
+def stand() -> Callable[..., Stand]:
+    """A stand without parameter errors; keywords go to the plan."""
+
+    def make(robot: Robot, error: float = 0.0, **given: object) -> Stand:
+        plan = {
+            "postures": 1, "points": None, "references": 1, "axes": None, "trials": 1, "averages": 1,
+            "peaks": (60.0, 240.0), "tip": "soft", "band": (2.0, 100.0), "record_length": 2.0,
+            "random": np.random.default_rng(0),
+        } | given  # fmt: skip
+        return make_stand(robot, make_plan(robot, **plan), ParameterError.all(error), 0)
+
+    return make
+
+
+@pytest.fixture
+def hidden() -> Callable[..., tuple[str, Site]]:
+    """An effect at a place, with given parameters over drawn ones."""
+
+    def make(stand: Stand, name: str, where: str, **given: float) -> tuple[str, Site]:
+        drawn = EFFECTS[name].draw(stand, where, np.random.default_rng(1))
+        assert set(given) <= set(drawn)
+        return name, Site(stand, where, {**drawn, **given})
+
+    return make

@@ -1,0 +1,125 @@
+"""The structure under the hammer, against closed forms and against Pinocchio."""
+
+import numpy as np
+import pytest
+import scipy.linalg
+
+import flexmodal
+from flexmodal.rig.beam import ELEMENTS, Beam, sections
+from flexmodal.rig.chain import reach
+from flexmodal.rig.effects.link_flexibility import spread
+from flexmodal.rig.exponential import exponential, polynomial
+from flexmodal.rig.structure import build
+
+FIRST, SECOND = 1.875104068711961, 4.694091132974174  # roots of cos x cosh x = -1
+
+
+def frequencies(plant) -> np.ndarray:
+    """Undamped natural frequencies [Hz]."""
+    return np.sqrt(scipy.linalg.eigh(plant.stiffness, plant.mass, eigvals_only=True)) / 2 / np.pi
+
+
+@pytest.mark.parametrize("name", ["fanuc_s360", "six_link", "ur5"])
+def test_nothing_hidden_is_the_model_pinocchio_gives(name, stand):
+    given = {"stiffness": 2e4, "damping": 10.0} if name == "ur5" else {}
+    robot = flexmodal.load(name, **given)
+    bench = stand(robot, postures=3)
+    for posture in bench.plan.postures:
+        plant = build(bench, posture, [])
+        posed = robot.at(dict(posture.q))
+        system = posed.system
+        # Two ways to sum the same bodies: rounding only.
+        np.testing.assert_allclose(plant.mass, system.mass, rtol=0, atol=1e-12 * np.abs(system.mass).max())
+        np.testing.assert_allclose(plant.stiffness, system.stiffness)
+        np.testing.assert_allclose(plant.damping, system.damping)
+        for link in ("link_3", "link_6", "wrist_1_link"):
+            if link in {part.name for part in robot.urdf.links}:
+                motion = plant.motion(link, np.zeros(3))
+                np.testing.assert_allclose(motion, posed.jacobian(link), atol=1e-12)
+
+
+def test_beam_alone_has_the_frequencies_of_a_cantilever():
+    beam = Beam(1.3, 700.0, 2.5)
+    exact = np.array([FIRST, SECOND]) ** 2 * np.sqrt(700.0 / (2.5 * 1.3**4))
+    full = np.sqrt(scipy.linalg.eigh(beam.stiffness, beam.mass, eigvals_only=True))[:2]
+    # Cubic elements converge as h⁴: (βh)⁴/720 is 5e-7 and 2e-4 for 8 elements.
+    np.testing.assert_allclose(full, exact, rtol=3e-4)
+    t = beam.condensation
+    kept = np.sqrt(scipy.linalg.eigh(t.T @ beam.stiffness @ t, t.T @ beam.mass @ t, eigvals_only=True))[:2]
+    np.testing.assert_allclose(kept, full, rtol=2e-3)  # what the inner modes left out cost
+
+
+def test_beam_bends_under_a_tip_load_and_a_tip_moment():
+    beam = Beam(0.8, 500.0, 1.0)
+    load = np.zeros(4)
+    load[0] = 1.0
+    deflection, slope = beam.shape(0.8)
+    bent = np.linalg.solve(beam.condensed_stiffness, load)
+    assert deflection @ bent == pytest.approx(0.8**3 / (3 * 500), rel=1e-9)
+    assert slope @ bent == pytest.approx(0.8**2 / (2 * 500), rel=1e-9)
+    middle, _ = beam.shape(0.4)
+    assert middle @ bent == pytest.approx(5 * 0.8**3 / (48 * 500), rel=1e-9)
+
+
+def test_sections_integrate_polynomials_of_the_shapes():
+    places, weights = sections()
+    assert len(places) == 4 * ELEMENTS
+    assert weights @ places**6 == pytest.approx(1 / 7, rel=1e-13)
+
+
+def test_stiff_link_that_could_bend_is_rigid(stand, hidden):
+    robot = flexmodal.load("fanuc_s360")
+    bench = stand(robot)
+    posture = bench.plan.postures[0]
+    rigid = frequencies(build(bench, posture, []))
+    for link in ("link_1", "link_2", "link_2_outer", "link_3"):
+        spec = hidden(bench, "link_flexibility", link, bending_stiffness=1e11)
+        np.testing.assert_allclose(frequencies(build(bench, posture, [spec]))[:4], rigid, rtol=1e-4)
+
+
+@pytest.mark.parametrize("name", ["fanuc_s360", "six_link", "ur5"])
+def test_spreading_a_link_along_its_beam_keeps_its_inertia(name, stand):
+    robot = flexmodal.load(name, **({"stiffness": 2e4} if name == "ur5" else {}))
+    bench = stand(robot)
+    for link, body in bench.true.bodies.items():
+        end = reach(robot, link)
+        length = float(np.linalg.norm(end))
+        if length < 0.05:
+            continue
+        axis = end / length
+        beam, rest = spread(body, length, axis)
+        assert 0 <= beam <= body.mass
+        assert beam + rest.mass == pytest.approx(body.mass)
+        centre = (beam * length / 2 * axis + rest.mass * rest.com) / body.mass
+        np.testing.assert_allclose(centre, body.com, atol=1e-9)
+        thin = beam * length**2 / 12 * (np.eye(3) - np.outer(axis, axis))
+
+        def about(mass, lever):
+            return mass * (lever @ lever * np.eye(3) - np.outer(lever, lever))
+
+        total = thin + about(beam, length / 2 * axis - body.com)
+        total = total + rest.inertia + about(rest.mass, rest.com - body.com)
+        np.testing.assert_allclose(total, body.inertia, atol=1e-9 * np.trace(body.inertia))
+        assert np.linalg.eigvalsh(rest.inertia)[0] >= -1e-9 * np.trace(body.inertia)
+
+
+def test_beam_on_a_locked_joint_is_a_cantilever(bars, stand, hidden):
+    robot = bars(stiffness=1e12)
+    bench = stand(robot)
+    spec = hidden(bench, "link_flexibility", "link_1", bending_stiffness=3000.0)
+    first = frequencies(build(bench, bench.plan.postures[0], [spec]))[0]
+    assert first == pytest.approx(FIRST**2 * np.sqrt(3000.0 / 4.0) / 2 / np.pi, rel=1e-4)
+
+
+def test_exponentials_agree_with_scipy():
+    random = np.random.default_rng(0)
+    stack = random.standard_normal((5, 7, 7)) * np.array([1e-3, 1.0, 4.0, 10.0, 30.0])[:, None, None]
+    for one, other in zip(exponential(stack), scipy.linalg.expm(stack), strict=True):
+        np.testing.assert_allclose(one, other, rtol=1e-9, atol=1e-9 * np.abs(other).max())
+
+
+def test_polynomial_of_a_matrix():
+    random = np.random.default_rng(0)
+    a, weights = random.standard_normal((4, 4)) / 4, random.standard_normal(23)
+    direct = sum(w * np.linalg.matrix_power(a, k) for k, w in enumerate(weights))
+    np.testing.assert_allclose(polynomial(weights, a), direct, rtol=1e-12, atol=1e-12)
