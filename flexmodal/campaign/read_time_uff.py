@@ -31,7 +31,10 @@ Key = tuple[int, int, int, int, int]
 
 def read_time_uff(file: Path, tested: Tested, faults: FaultList, warnings: list[str]) -> tuple[Blow, ...]:
     """Read `time.uff`; faults go to `faults`, and what is sound comes back."""
+    before = len(faults.faults)
     found = read_records(file, tested, (_TIME,), faults, warnings)
+    if len(faults.faults) > before:
+        return ()  # what belongs together cannot be told while records are missing
     forces: dict[Key, Labelled] = {}
     responses: dict[Key, list[Labelled]] = {}
     for one in found:

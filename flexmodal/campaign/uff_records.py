@@ -87,10 +87,10 @@ def read_records(
             if header.function not in wanted:
                 left[header.function] = left.get(header.function, 0) + 1
                 continue
-            ids = named.ids(header, dataset.number)
+            ids, before = named.ids(header, dataset.number), len(faults.faults)
             _check_characters(header, key, faults, odd, dataset.number)
             record = read_values(dataset, Path(folder), faults)
-            if ids is not None and record is not None:
+            if ids is not None and record is not None and len(faults.faults) == before:
                 found.append(Labelled(key, *ids, record))
     named.report()
     for kind, count in left.items():

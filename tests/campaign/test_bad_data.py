@@ -169,6 +169,17 @@ def test_a_header_field(folder: Path, line: int, start: int, field: str, says: s
     refused(folder, says)
 
 
+def test_a_time_history_of_an_unknown_quantity(folder: Path) -> None:
+    change_line(folder / "time.uff", 11, column(0, f"{10:10d}"))
+    refused(
+        folder, "time.uff: dataset 1: ordinate numerator data type: found 10; allowed: 8 displacement or 11"
+    )
+    lines = (folder / "time.uff").read_bytes()
+    place = lines.index(b"        12    1    0    0 ")  # the first response
+    (folder / "time.uff").write_bytes(lines[:place] + b"        10" + lines[place + 10 :])
+    refused(folder, "time.uff: dataset 2: ordinate numerator data type: found 10")
+
+
 def test_unit_exponents_that_contradict_are_a_warning(text: Path) -> None:
     change_line(text / "frf.uff", 11, column(10, f"{0:5d}{1:5d}"))
     (warning,) = read_campaign(text).warnings
