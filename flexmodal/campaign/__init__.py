@@ -8,6 +8,7 @@ from flexmodal.campaign.campaign import CampaignPosture as CampaignPosture
 from flexmodal.campaign.estimate import estimate_frfs as estimate_frfs
 from flexmodal.campaign.import_table import import_table as import_table
 from flexmodal.campaign.mode_table import ModeTable as ModeTable
+from flexmodal.campaign.modes_csv import write_modes as write_modes
 from flexmodal.campaign.noise import noise_floor as noise_floor
 from flexmodal.campaign.noise import record_variance as record_variance
 from flexmodal.campaign.quality import QualityFlag as QualityFlag

@@ -14,6 +14,9 @@ from flexmodal.ema.least_squares import solve_least_squares as solve_least_squar
 from flexmodal.ema.measured import Measured as Measured
 from flexmodal.ema.mode import EstimatedModes as EstimatedModes
 from flexmodal.ema.mode import ModeEstimate as ModeEstimate
+from flexmodal.ema.of_campaign import fit_campaign as fit_campaign
+from flexmodal.ema.of_campaign import mode_table as mode_table
+from flexmodal.ema.of_campaign import records_of as records_of
 from flexmodal.ema.peak import Peak as Peak
 from flexmodal.ema.picking import pick_peak as pick_peak
 from flexmodal.ema.select import choose_peaks as choose_peaks

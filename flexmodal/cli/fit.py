@@ -1,0 +1,176 @@
+"""`flexmodal fit`."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from flexmodal.cli.options import SOURCE, band_of, force_option, json_option, number, refuse_existing
+from flexmodal.cli.printing import print_json, print_table
+from flexmodal.errors import Fault, InvalidRequest
+
+if TYPE_CHECKING:
+    from flexmodal.campaign import Campaign
+    from flexmodal.ema import Choices, Fit
+
+_ENDINGS = (".csv", ".json", ".png", ".svg")
+
+
+@click.command()
+@click.argument("campaign", type=click.Path(path_type=Path))
+@click.option(
+    "--method",
+    type=click.Choice(["peaks", "circle", "least-squares", "lscf"]),
+    default="least-squares",
+    show_default=True,
+)
+@click.option(
+    "--per",
+    type=click.Choice(["frf", "posture"]),
+    default="frf",
+    show_default=True,
+    help="Poles of each FRF's own, or common to a posture.",
+)
+@click.option("--trials", type=click.Choice(["average", "separate"]), default="average", show_default=True)
+@click.option("--band", metavar="LOW:HIGH", help="Lines to use [Hz]; the campaign's band if none.")
+@click.option("--at", metavar="HZ,…", help="Peaks to take instead of the automatic ones.")
+@click.option("--forbid", multiple=True, metavar="LOW:HIGH", help="No automatic peak there; may be repeated.")
+@click.option("--damping", multiple=True, metavar="HZ=RATIO", help="Force the damping ratio of a peak.")
+@click.option("--hold-frequency", metavar="HZ,…", help="Natural frequencies to take as they are.")
+@click.option(
+    "--weighting",
+    type=click.Choice(["variance", "uniform", "logarithmic"]),
+    default="variance",
+    show_default=True,
+    help="Of the lines in least squares.",
+)
+@click.option("--estimator", type=click.Choice(["H1", "H2", "Hv"]), default="H1", help="Of FRFs from blows.")
+@click.option(
+    "--out", type=click.Path(path_type=Path), help="A .csv (as modes.csv), .json, .png or .svg file."
+)
+@force_option
+@json_option
+def fit(
+    campaign: Path,
+    method: str,
+    per: str,
+    trials: str,
+    band: str | None,
+    at: str | None,
+    forbid: tuple[str, ...],
+    damping: tuple[str, ...],
+    hold_frequency: str | None,
+    weighting: str,
+    estimator: str,
+    out: Path | None,
+    force: bool,
+    as_json: bool,
+) -> None:
+    """Modal parameters of measured FRFs, each with its uncertainty; exit 1 if no mode is found."""
+    from flexmodal.campaign import read_campaign
+    from flexmodal.ema import as_json as as_object
+    from flexmodal.ema import fit_campaign
+
+    refuse_existing(out, force, _ENDINGS)
+    measured = read_campaign(campaign)
+    for warning in measured.warnings:
+        click.echo(f"warning: {warning}", err=True)
+    choices = _choices(
+        None if band is None else band_of(band), at, forbid, damping, hold_frequency, weighting
+    )
+    fits = fit_campaign(measured, method, per=per, trials=trials, estimator=estimator, choices=choices)
+    found = as_object(fits)
+    if out is not None:
+        _write(fits, found, measured, out, force)
+        click.echo(f"wrote {out}", err=True)
+    if as_json:
+        print_json(found)
+    elif out is None:
+        _print(found, measured, method)
+    sys.exit(0 if found["modes"] else 1)
+
+
+def _choices(
+    band: tuple[float, float] | None,
+    at: str | None,
+    forbid: tuple[str, ...],
+    damping: tuple[str, ...],
+    hold_frequency: str | None,
+    weighting: str,
+) -> Choices:
+    from flexmodal.ema import Choices
+
+    forced = {}
+    for text in damping:
+        peak, equals, ratio = text.partition("=")
+        if not equals:
+            raise InvalidRequest(Fault(SOURCE, "--damping", repr(text), "HZ=RATIO, such as 38=0.13"))
+        forced[number(peak, "--damping", "a frequency in Hz")] = number(ratio, "--damping", "a ratio")
+    return Choices(
+        band=band,
+        at=None if at is None else _hertz(at, "--at"),
+        forbid=[band_of(text) for text in forbid],
+        hold_frequency=[] if hold_frequency is None else _hertz(hold_frequency, "--hold-frequency"),
+        damping=forced,
+        weighting=weighting,
+    )
+
+
+def _hertz(text: str, option: str) -> list[float]:
+    return [number(part, option, "frequencies in Hz, separated by commas") for part in text.split(",")]
+
+
+def _write(fits: tuple[Fit, ...], found: dict[str, Any], measured: Campaign, out: Path, force: bool) -> None:
+    import json
+
+    from flexmodal.files import whole_file
+
+    if out.suffix == ".csv":
+        from flexmodal.campaign import write_modes
+        from flexmodal.ema import mode_table
+
+        with whole_file(out, overwrite=force) as scratch:
+            write_modes(mode_table(fits), scratch)
+    elif out.suffix == ".json":
+        with whole_file(out, overwrite=force) as scratch:
+            scratch.write_text(json.dumps(found, allow_nan=False, indent=1) + "\n", encoding="utf-8")
+    else:
+        from flexmodal.ema.plot import draw_fit
+        from flexmodal.frf.plot import write_plot
+
+        if len(fits) != 1 or len(fits[0].places) != 1:
+            allowed = "a campaign of one FRF; for several, .csv or .json"
+            raise InvalidRequest(Fault(SOURCE, "--out", f"{len(fits)} fits for one picture", allowed))
+        write_plot(draw_fit(fits[0].modes, title=measured.title), out, overwrite=force)
+
+
+def _print(found: dict[str, Any], measured: Campaign, method: str) -> None:
+    rows = []
+    for row in found["modes"]:
+        spread = row["uncertainty"]
+        low, high = spread["frequency_95"]
+        least, most = spread["damping_ratio_95"]
+        rows.append(
+            [
+                f"{row['posture']}: {_place(row['response'])} per {_place(row['reference'])}",
+                str(row["mode"]),
+                f"{row['frequency']:.3f} ± {(high - low) / 2:.3f}",
+                f"{100 * row['damping_ratio']:.3f} ± {50 * (most - least):.3f}",
+                f"{abs(complex(*row['residue'])):.4g}",
+                f"{row['quality']:.3f}",
+                "; ".join(row["remarks"]),
+            ]
+        )
+    columns = ["posture: FRF", "mode", "frequency [Hz]", "ζ [%]", "|residue| [m/(s·N)]", "quality", "remarks"]
+    print_table(f"{measured.title}: modes by {method}, 95 % intervals", columns, rows)
+    for peak in found["refused"]:
+        click.echo(
+            f"refused: posture {peak['posture']}, {peak['frf']}, {peak['frequency']:.2f} Hz: {peak['why']}"
+        )
+
+
+def _place(pair: list[int]) -> str:
+    return f"{pair[0]}{'+' if pair[1] > 0 else '-'}{'xyz'[abs(pair[1]) - 1]}"

@@ -1,0 +1,84 @@
+"""A campaign to its modes: FRFs as measured or from blows, windows taken out, a table for `modes.csv`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from flexmodal.campaign import Campaign, FrfRecords, ModeTable, added_decay, estimate_frfs
+from flexmodal.ema.estimate import Choices
+from flexmodal.ema.fit import Fit, fit
+from flexmodal.ema.window import without_window
+from flexmodal.errors import Fault, InvalidRequest
+
+
+def records_of(campaign: Campaign, estimator: str = "H1") -> FrfRecords:
+    """The campaign's own FRFs, or those estimated from its blows: it has none, or H2 or Hv is asked for.
+
+    Raises:
+        InvalidRequest: it has neither, or no blows to estimate from.
+    """
+    if campaign.frfs is not None and estimator == "H1":
+        return campaign.frfs
+    if not campaign.blows:
+        found = "neither FRFs nor blows" if campaign.frfs is None else "no blows"
+        allowed = "frf.uff or time.uff to find modes in"
+        raise InvalidRequest(Fault(str(campaign.path or campaign.title), "", found, allowed))
+    return estimate_frfs(campaign, estimator=estimator)
+
+
+def fit_campaign(
+    campaign: Campaign,
+    method: str = "least-squares",
+    *,
+    per: str = "frf",
+    trials: str = "average",
+    estimator: str = "H1",
+    choices: Choices | None = None,
+) -> tuple[Fit, ...]:
+    """Find the modes of a campaign; damping that exponential windows added is taken out again.
+
+    Args:
+        campaign: what was measured; its band is used unless `choices` has one.
+        method: peaks, circle, least-squares or lscf.
+        per: "frf" for poles of each FRF's own, "posture" for poles common to the FRFs of a posture.
+        trials: "average" them, or fit each one "separate"ly.
+        estimator: H1, H2 or Hv, where FRFs are estimated from blows.
+        choices: what a person decides.
+
+    Raises:
+        InvalidRequest: no FRFs and no blows, or trials with different windows to be averaged.
+    """
+    wanted = choices or Choices()
+    if wanted.band is None and campaign.band is not None:
+        wanted = replace(wanted, band=campaign.band)
+    fits = fit(records_of(campaign, estimator), method, per=per, trials=trials, choices=wanted)
+    decays = {trial.id: added_decay(trial) for trial in campaign.trials}
+    if not any(decays.values()):
+        return fits
+    return tuple(_without_window(one, decays) for one in fits)
+
+
+def _without_window(one: Fit, decays: dict[int, float]) -> Fit:
+    used = {decays[place.trial] for place in one.places if place.trial is not None} or set(decays.values())
+    if len(used) != 1:
+        found = "trials whose exponential windows differ"
+        raise InvalidRequest(Fault("call", "trials", found, "separate, not averaged"))
+    return replace(one, modes=without_window(one.modes, used.pop()))
+
+
+def mode_table(fits: Sequence[Fit]) -> ModeTable:
+    """The modes as rows of `modes.csv`, remarks as flags; the amplitude is that of the mobility form."""
+    rows = [row for one in fits for row in one.rows()]
+    return ModeTable(
+        posture=np.array([row["posture"] for row in rows], dtype=int),
+        response=np.array([row["response"][0] for row in rows], dtype=int),
+        reference=np.array([row["reference"][0] for row in rows], dtype=int),
+        mode=np.array([row["mode"] for row in rows], dtype=int),
+        natural_frequency=np.array([row["frequency"] for row in rows], dtype=float),
+        damping_ratio=np.array([row["damping_ratio"] for row in rows], dtype=float),
+        amplitude=np.array([complex(*row["amplitude"]) for row in rows], dtype=complex),
+        flag=tuple("; ".join(row["remarks"]) for row in rows),
+    )
