@@ -46,7 +46,7 @@ class Modes:
     def damping_ratio(self) -> Float[np.ndarray, " mode"]:
         """−Re λ / |λ|; 1 for a real pole."""
         size = np.abs(self.pole)
-        return np.divide(-self.pole.real, size, out=np.ones_like(size), where=size > 0)
+        return np.divide(0.0 - self.pole.real, size, out=np.ones_like(size), where=size > 0)
 
     @property
     def overdamped(self) -> Bool[np.ndarray, " mode"]:
