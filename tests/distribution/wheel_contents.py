@@ -18,7 +18,7 @@ def faults_of(wheel: Path) -> list[str]:
     """Sentences about the contents of a wheel; none if they are as they should be."""
     names = set(zipfile.ZipFile(wheel).namelist())
     data = "flexmodal/_catalogue"
-    code = (path for path in (ROOT / "flexmodal").rglob("*.py*") if path.suffix != ".pyc")
+    code = (path for path in (ROOT / "flexmodal").rglob("*.py*") if path.suffix in {".py", ".pyi"})
     wanted = {
         *(str(path.relative_to(ROOT)) for path in code),
         *(str(path.relative_to(ROOT / "viewer")) for path in (ROOT / "viewer").rglob("*.py")),
