@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from flexmodal.campaign import Campaign
     from flexmodal.ema import Choices, Fit
 
-_ENDINGS = (".csv", ".json", ".png", ".svg")
+_ENDINGS = (".csv", ".json", ".html", ".png", ".svg")
 
 
 @click.command()
@@ -49,7 +49,7 @@ _ENDINGS = (".csv", ".json", ".png", ".svg")
 )
 @click.option("--estimator", type=click.Choice(["H1", "H2", "Hv"]), default="H1", help="Of FRFs from blows.")
 @click.option(
-    "--out", type=click.Path(path_type=Path), help="A .csv (as modes.csv), .json, .png or .svg file."
+    "--out", type=click.Path(path_type=Path), help="A .csv (as modes.csv), .json, .html, .png or .svg file."
 )
 @force_option
 @json_option
@@ -84,12 +84,12 @@ def fit(
     fits = fit_campaign(measured, method, per=per, trials=trials, estimator=estimator, choices=choices)
     found = as_object(fits)
     if out is not None:
-        _write(fits, found, measured, out, force)
+        _write(fits, found, measured, estimator, out, force)
         click.echo(f"wrote {out}", err=True)
     if as_json:
         print_json(found)
     elif out is None:
-        _print(found, measured, method)
+        _print(fits, found, measured, method)
     sys.exit(0 if found["modes"] else 1)
 
 
@@ -123,7 +123,9 @@ def _hertz(text: str, option: str) -> list[float]:
     return [number(part, option, "frequencies in Hz, separated by commas") for part in text.split(",")]
 
 
-def _write(fits: tuple[Fit, ...], found: dict[str, Any], measured: Campaign, out: Path, force: bool) -> None:
+def _write(
+    fits: tuple[Fit, ...], found: dict[str, Any], measured: Campaign, estimator: str, out: Path, force: bool
+) -> None:
     import json
 
     from flexmodal.files import whole_file
@@ -137,40 +139,27 @@ def _write(fits: tuple[Fit, ...], found: dict[str, Any], measured: Campaign, out
     elif out.suffix == ".json":
         with whole_file(out, overwrite=force) as scratch:
             scratch.write_text(json.dumps(found, allow_nan=False, indent=1) + "\n", encoding="utf-8")
+    elif out.suffix == ".html":
+        from flexmodal.ema import records_of
+        from flexmodal.ema.page import write_fit_page
+
+        write_fit_page(fits, records_of(measured, estimator), measured, out, overwrite=force)
     else:
         from flexmodal.ema.plot import draw_fit
         from flexmodal.frf.plot import write_plot
 
         if len(fits) != 1 or len(fits[0].places) != 1:
-            allowed = "a campaign of one FRF; for several, .csv or .json"
+            allowed = "a campaign of one FRF; for several, .html, .csv or .json"
             raise InvalidRequest(Fault(SOURCE, "--out", f"{len(fits)} fits for one picture", allowed))
         write_plot(draw_fit(fits[0].modes, title=measured.title), out, overwrite=force)
 
 
-def _print(found: dict[str, Any], measured: Campaign, method: str) -> None:
-    rows = []
-    for row in found["modes"]:
-        spread = row["uncertainty"]
-        low, high = spread["frequency_95"]
-        least, most = spread["damping_ratio_95"]
-        rows.append(
-            [
-                f"{row['posture']}: {_place(row['response'])} per {_place(row['reference'])}",
-                str(row["mode"]),
-                f"{row['frequency']:.3f} ± {(high - low) / 2:.3f}",
-                f"{100 * row['damping_ratio']:.3f} ± {50 * (most - least):.3f}",
-                f"{abs(complex(*row['residue'])):.4g}",
-                f"{row['quality']:.3f}",
-                "; ".join(row["remarks"]),
-            ]
-        )
-    columns = ["posture: FRF", "mode", "frequency [Hz]", "ζ [%]", "|residue| [m/(s·N)]", "quality", "remarks"]
-    print_table(f"{measured.title}: modes by {method}, 95 % intervals", columns, rows)
+def _print(fits: tuple[Fit, ...], found: dict[str, Any], measured: Campaign, method: str) -> None:
+    from flexmodal.ema.page import HEADER, mode_cells
+
+    rows = [cells for one in fits for cells in mode_cells(one)]
+    print_table(f"{measured.title}: modes by {method}, 95 % intervals", HEADER, rows)
     for peak in found["refused"]:
         click.echo(
             f"refused: posture {peak['posture']}, {peak['frf']}, {peak['frequency']:.2f} Hz: {peak['why']}"
         )
-
-
-def _place(pair: list[int]) -> str:
-    return f"{pair[0]}{'+' if pair[1] > 0 else '-'}{'xyz'[abs(pair[1]) - 1]}"

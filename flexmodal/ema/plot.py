@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -11,6 +11,7 @@ from jaxtyping import Float
 from flexmodal.ema.circle import CircleFit
 from flexmodal.ema.mode import EstimatedModes
 from flexmodal.ema.select import mode_indicator
+from flexmodal.ema.shapes import FittedShapes
 from flexmodal.ema.stabilisation import Stabilisation
 from flexmodal.frf.form import unit
 from flexmodal.frf.plot import PALETTE
@@ -192,6 +193,31 @@ def draw_mac(
             )
     figure.colorbar(image, ax=axes, label="MAC [–]")
     axes.set_title(title, loc="left", fontsize=11)
+    return figure
+
+
+def draw_shapes(shapes: FittedShapes, names: Mapping[int, str]) -> Any:
+    """What each point does in each mode, in the campaign's order: filled in phase, open a quarter off."""
+    figure = _figure(7.5, 4.2)
+    axes = figure.subplots()
+    points = range(len(shapes.responses))
+    for mode, frequency in enumerate(shapes.frequency):
+        look = {"color": PALETTE[mode % len(PALETTE)], "marker": "osD^v"[mode % 5]}
+        values = shapes.shape[:, mode]
+        axes.plot(points, values.real, linestyle="-", label=f"{frequency:.4g} Hz, in phase", **look)
+        axes.plot(points, values.imag, linestyle=":", linewidth=1, markerfacecolor="none", **look)
+    axes.axhline(0, color=MARK, linewidth=0.9)
+    labels = [
+        f"{names.get(point, point)}\n{'+' if way > 0 else '-'}{'xyz'[abs(way) - 1]}"
+        for point, way in shapes.responses
+    ]
+    axes.set_xticks(points)
+    for tick, label in zip(axes.set_xticklabels(labels, fontsize=8), labels, strict=True):
+        tick.set(text=label, parse_math=False)
+    axes.set(ylabel="Residue over the largest [–]", ylim=(-1.15, 1.15))
+    axes.legend(fontsize=9, frameon=True, framealpha=0.9)
+    axes.set_title(f"Posture {shapes.posture}: shapes; dotted, a quarter period off", loc="left", fontsize=11)
+    _grid(axes)
     return figure
 
 
