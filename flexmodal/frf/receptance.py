@@ -5,14 +5,16 @@ from __future__ import annotations
 import numpy as np
 from jaxtyping import Complex, Float
 
-from flexmodal.errors import DefectiveModes, SingularResponse
+from flexmodal.errors import DefectiveModes
+from flexmodal.frf.kernels.route import choose, run
+from flexmodal.frf.kernels.task import Task, is_damped, refuse_singular
 from flexmodal.modal import Modes, SecondOrderSystem
 
-_BLOCK = 4096
-"""Frequencies solved at once: bounds the memory for the stacked matrices."""
+_MOST_PAIRS = 36
+"""Most receptances that elimination with the rows pays for; beyond, one factorisation serves them all."""
 
-_SINGULAR = 1e-13
-"""Reciprocal condition of the scaled dynamic stiffness below which the response counts as infinite."""
+_BLOCK = 4096
+"""Frequencies solved at once there: bounds the memory for the stacked matrices."""
 
 
 def dynamic_stiffness(
@@ -29,7 +31,7 @@ def receptance(
     reference: Float[np.ndarray, "reference dof"],
     frequency: Float[np.ndarray, " line"],
 ) -> Complex[np.ndarray, "line response reference"]:
-    """Receptance matrix between two sets of rows by a direct solve.
+    """Receptance matrix between two sets of rows by elimination, compiled where that pays.
 
     Holds at any posture, damping and frequency, critical damping and 0 Hz included.
 
@@ -43,34 +45,49 @@ def receptance(
         Displacement per force [m/N, rad/N, …], by line, response and reference.
 
     Raises:
-        SingularResponse: an undamped mode is driven at its natural frequency.
+        SingularResponse: an undamped mode is driven at its natural frequency, or a free one at 0 Hz.
     """
-    undamped = float(np.min(np.linalg.eigvalsh(_scaled(system.damping, system.damping)))) <= _SINGULAR
+    if len(response) * len(reference) > _MOST_PAIRS:
+        return _by_factorisation(system, response, reference, frequency)
+    same = response.shape == reference.shape and np.array_equal(response, reference)
+    rows = response if same else np.concatenate([response, reference])
+    pairs = tuple(
+        (i, j if same else len(response) + j)
+        for i in range(len(response))
+        for j in range(i if same else 0, len(reference))
+    )
+    task = Task(
+        count=1,
+        block=lambda _: (system.mass[None], rows[None]),
+        stiffness=system.stiffness,
+        damping=system.damping,
+        hysteresis=np.zeros_like(system.mass),
+        pairs=pairs,
+        omega=2 * np.pi * frequency,
+    )
+    values = run(task, choose(task, None))[0]
+    result = np.empty((len(frequency), len(response), len(reference)), dtype=complex)
+    for place, (i, j) in enumerate(pairs):
+        column = j if same else j - len(response)
+        result[:, i, column] = values[:, place]
+        if same:
+            result[:, column, i] = values[:, place]
+    return result
+
+
+def _by_factorisation(
+    system: SecondOrderSystem, response: np.ndarray, reference: np.ndarray, frequency: np.ndarray
+) -> np.ndarray:
     blocks = []
     for start in range(0, len(frequency), _BLOCK):
         part = frequency[start : start + _BLOCK]
-        stack = dynamic_stiffness(system, part)
-        if undamped:
-            _refuse_resonance(stack, part, system)
+        stack, omega = dynamic_stiffness(system, part), 2 * np.pi * part
+        exposed = np.flatnonzero(part == 0) if is_damped(system.damping) else np.arange(len(part))
+        terms = (np.diag(term) for term in (system.stiffness, system.mass, system.damping))
+        size = sum(term * omega[:, None] ** power for term, power in zip(terms, (0, 2, 1), strict=True))
+        refuse_singular(stack[exposed], np.asarray(size)[exposed], omega[exposed])
         blocks.append(response @ np.linalg.solve(stack, reference.T.astype(complex)[None]))
     return np.concatenate(blocks)
-
-
-def _scaled(matrix: np.ndarray, by: np.ndarray) -> np.ndarray:
-    scale = 1 / np.sqrt(np.where(np.diag(by) > 0, np.diag(by), 1.0))
-    return matrix * np.outer(scale, scale)
-
-
-def _refuse_resonance(stack: np.ndarray, frequency: np.ndarray, system: SecondOrderSystem) -> None:
-    """Without full damping Z can be singular; find it before the solver returns 10¹⁰ or fails."""
-    size = np.abs(system.stiffness) + (2 * np.pi * frequency.max()) ** 2 * np.abs(system.mass)
-    values = np.linalg.svd(_scaled(stack, size), compute_uv=False)
-    worst = int(np.argmin(values[:, -1] / values[:, 0]))
-    if values[worst, -1] <= _SINGULAR * values[worst, 0]:
-        raise SingularResponse(
-            f"the receptance is infinite at {frequency[worst]:.9g} Hz: an undamped mode is driven at its "
-            "natural frequency; give the joints damping or leave this frequency out"
-        )
 
 
 def modal_sum(

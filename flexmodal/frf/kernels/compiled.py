@@ -1,0 +1,65 @@
+"""Kernels made, compiled and kept on disk.
+
+numba keeps a compiled function beside the file it comes from. A generated kernel comes from none, so it is
+given this file's name, and its own name carries a digest of its source: another source is another entry.
+The loops around it are an ordinary function of `flexmodal.frf.kernels.sweep`; a copy of it, under a name
+of its own and with the kernel among its globals, is compiled for each kernel.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable
+from functools import cache
+from types import FunctionType
+from typing import Any
+
+from flexmodal.frf.kernels import any_size, sweep
+from flexmodal.frf.kernels.factor import Shape, write_kernel
+
+OPTIONS: dict[str, Any] = {"nogil": True, "error_model": "numpy", "fastmath": {"contract"}}
+"""Multiply-adds may fuse; nothing may be reordered. The interpreter's lock is released."""
+
+
+def compile_function(function: Callable[..., Any], **options: Any) -> Any:
+    """Compile with the disk cache, or without where nothing can be written."""
+    import numba
+
+    try:
+        return numba.njit(cache=True, **OPTIONS, **options)(function)
+    except RuntimeError:  # no writable place for the cache
+        return numba.njit(**OPTIONS, **options)(function)
+
+
+@cache
+def compiled_sweep(shape: Shape) -> Any:
+    """The compiled loops over points, with the kernel of this shape inside."""
+    source, _ = write_kernel(shape)
+    digest = hashlib.sha256(source.encode()).hexdigest()[:16]
+    name = f"kernel_{shape.n}_{digest}"
+    scope: dict[str, Any] = {}
+    exec(compile(source.replace("def kernel", f"def {name}"), __file__, "exec"), scope)
+    scope[name].__module__ = __name__
+    own = {**vars(sweep), "kernel": compile_function(scope[name]), "spread": compiled_spread()}
+    return compile_function(renamed(sweep.sweep, f"sweep_{shape.n}_{digest}", own))
+
+
+@cache
+def compiled_sweep_any() -> Any:
+    """The compiled loops over points with the kernel for any number of coordinates."""
+    own = {**vars(sweep), "kernel": compile_function(any_size.kernel), "spread": compiled_spread()}
+    return compile_function(renamed(sweep.sweep, "sweep_any", own))
+
+
+@cache
+def compiled_spread() -> Any:
+    """The compiled `spread`."""
+    return compile_function(sweep.spread)
+
+
+def renamed(function: Any, name: str, scope: dict[str, Any]) -> FunctionType:
+    """A copy of a function under another name and with other globals."""
+    code = function.__code__.replace(co_name=name, co_qualname=name)
+    copy = FunctionType(code, scope, name)
+    copy.__module__ = function.__module__
+    return copy
