@@ -63,3 +63,12 @@ def renamed(function: Any, name: str, scope: dict[str, Any]) -> FunctionType:
     copy = FunctionType(code, scope, name)
     copy.__module__ = function.__module__
     return copy
+
+
+def compile_together(*functions: Callable[..., Any], last: Callable[..., Any]) -> Any:
+    """Compile a function with those of its module that it calls, lowest first; plain functions stay plain."""
+    scope: dict[str, Any] = {}
+    for function in functions:
+        own = {**function.__globals__, **scope}
+        scope[function.__name__] = compile_function(renamed(function, function.__name__, own))
+    return compile_function(renamed(last, last.__name__, {**last.__globals__, **scope}))
