@@ -37,7 +37,8 @@ class Chain:
     def arrays(self) -> tuple[np.ndarray, ...]:
         """The fields, for a compiled function."""
         return (
-            self.turns, self.axis, self.rotation, self.offset, self.mass, self.centre, self.inertia, self.rotor
+            self.turns, self.axis, self.rotation, self.offset, self.mass, self.centre, self.inertia,
+            self.rotor
         )  # fmt: skip
 
 

@@ -4,17 +4,19 @@ With y = Z⁻¹jᵀ solved once for each row,
 
     dα_uv/dq_k = (∂j_u/∂q_k) y_v + y_uᵀ(∂j_vᵀ/∂q_k) + ω² y_uᵀ (∂D/∂q_k) y_v.
 
-Let the joints move at the (complex) rates y. Body l then has the twist V_l = Σ_{i≤l} S_i y_i and all bodies from k
-outwards have the momentum P_k = Σ_{l≥k} I_l V_l. Turning joint k carries the bodies behind it and the axes behind
-it along, S_i → S_k × S_i, and leaves the twist V_k itself behind, so that
+Let the joints move at the (complex) rates y. Body l then has the twist V_l = Σ_{i≤l} S_i y_i and all
+bodies from k outwards have the momentum P_k = Σ_{l≥k} I_l V_l. Turning joint k carries the bodies behind
+it and the axes behind it along, S_i → S_k × S_i, and leaves the twist V_k itself behind, so that
 
     y_uᵀ (∂D/∂q_k) y_v = −(S_k × V_k(y_u)) · P_k(y_v) − (S_k × V_k(y_v)) · P_k(y_u):
 
-two sweeps along the chain instead of a tensor. For the rows the same argument gives sums over the joints before
-k and from k on (see `flexmodal.model.gradient.jacobian_derivative`). Twists and momenta are taken about the first
-joint's origin. The sweeps are linear, so the real and the imaginary part of y go through them one by one.
+two sweeps along the chain instead of a tensor. For the rows the same argument gives sums over the joints
+before k and from k on (see `flexmodal.model.gradient.jacobian_derivative`). Twists and momenta are taken
+about the first joint's origin. The sweeps are linear, so the real and the imaginary part of y go through
+them one by one.
 """
 
+# mypy: disable-error-code="no-untyped-def, no-untyped-call"
 from __future__ import annotations
 
 import numpy as np
@@ -29,7 +31,7 @@ from flexmodal.model.batch_kinematics import (
 )
 
 
-def factor_symmetric(matrix, size):  # type: ignore[no-untyped-def]
+def factor_symmetric(matrix, size):
     """LDLᵀ in place: 1/D on the diagonal, the rows of Lᵀ beside it; False if a pivot is not to be trusted."""
     n = len(matrix)
     trusted = True
@@ -48,7 +50,7 @@ def factor_symmetric(matrix, size):  # type: ignore[no-untyped-def]
     return trusted
 
 
-def solve_factored(matrix, row, pick, work, out):  # type: ignore[no-untyped-def]
+def solve_factored(matrix, row, pick, work, out):
     """Solve Z y = row with what `factor_symmetric` left; y's parts go to the flexible places of `out`."""
     n = len(matrix)
     for k in range(n):
@@ -64,7 +66,7 @@ def solve_factored(matrix, row, pick, work, out):  # type: ignore[no-untyped-def
         out[0, pick[k]], out[1, pick[k]] = value.real, value.imag
 
 
-def sweep_momenta(chain, arms, axes, centres, inertias, y, twists, momenta):  # type: ignore[no-untyped-def]
+def sweep_momenta(chain, arms, axes, centres, inertias, y, twists, momenta):
     """Twist of every body when the joints move at rates y, and the momentum of it and all behind it.
 
     Both about the first joint's origin, linear part first; `arms` are the joints' own linear parts there.
@@ -96,7 +98,7 @@ def sweep_momenta(chain, arms, axes, centres, inertias, y, twists, momenta):  # 
                 p[a] += momenta[i + 1, a]
 
 
-def mass_slope(turns, arm, axis, twists, momenta, k):  # type: ignore[no-untyped-def]
+def mass_slope(turns, arm, axis, twists, momenta, k):
     """(S × V_k) · P_k for one joint, S = (arm, axis), with V and P complex in two parts."""
     re, im = 0.0, 0.0
     real, imaginary = momenta[0, k], momenta[1, k]
@@ -122,7 +124,7 @@ def mass_slope(turns, arm, axis, twists, momenta, k):  # type: ignore[no-untyped
     return complex(re, im)
 
 
-def row_slopes(jacobian, selector, y, scratch, slopes):  # type: ignore[no-untyped-def]
+def row_slopes(jacobian, selector, y, scratch, slopes):
     """Set (∂j/∂q_k) y for all k, with j = selector · jacobian; y real."""
     count = len(y)
     carried, spun = scratch[:6], scratch[6:]  # Σ over the joints from k on; Σ of the turning parts before k
@@ -137,18 +139,22 @@ def row_slopes(jacobian, selector, y, scratch, slopes):  # type: ignore[no-untyp
             carried[a] += jacobian[a, k] * y[k]
         for a in range(3):
             spun[a] -= jacobian[3 + a, k] * y[k]
-        value = s[0] * (y0 * carried[2] - z * carried[1] + spun[1] * jacobian[2, k] - spun[2] * jacobian[1, k])
-        value += s[1] * (z * carried[0] - x * carried[2] + spun[2] * jacobian[0, k] - spun[0] * jacobian[2, k])
-        value += s[2] * (x * carried[1] - y0 * carried[0] + spun[0] * jacobian[1, k] - spun[1] * jacobian[0, k])
+        value = s[0] * (
+            y0 * carried[2] - z * carried[1] + spun[1] * jacobian[2, k] - spun[2] * jacobian[1, k]
+        )
+        value += s[1] * (
+            z * carried[0] - x * carried[2] + spun[2] * jacobian[0, k] - spun[0] * jacobian[2, k]
+        )
+        value += s[2] * (
+            x * carried[1] - y0 * carried[0] + spun[0] * jacobian[1, k] - spun[1] * jacobian[0, k]
+        )
         value += s[3] * (y0 * carried[5] - z * carried[4])
         value += s[4] * (z * carried[3] - x * carried[5])
         value += s[5] * (x * carried[4] - y0 * carried[3])
         slopes[k] = value
 
 
-def gradient_batch(  # type: ignore[no-untyped-def]
-    chain, joints, offsets, selectors, pick, matrices, postures, omega, pairs, values, slopes
-):
+def gradient_batch(chain, joints, offsets, selectors, pick, matrices, postures, omega, pairs, values, slopes):
     """Receptances and their derivatives along all joints.
 
     Args:
@@ -229,6 +235,8 @@ def gradient_batch(  # type: ignore[no-untyped-def]
                         row_slopes(jacobians[left], selectors[left], y[right, part], scratch, turned[part])
                     for k in range(count):
                         change = mass_slope(turns[k], arms[k], axes[k], twists[left], momenta[right], k)
-                        change = complex(turned[0, k] - w * w * change.real, turned[1, k] - w * w * change.imag)
+                        change = complex(
+                            turned[0, k] - w * w * change.real, turned[1, k] - w * w * change.imag
+                        )
                         slopes[s, f, place, k] += (3 - sides) * change
     return doubtful

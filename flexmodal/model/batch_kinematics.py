@@ -1,12 +1,13 @@
 """Mass matrices and Jacobian rows of many postures: written for the compiler, plain Python otherwise.
 
-All vectors are in world axes. The composite body behind a joint is kept by its mass, its centre and its inertia
-about that centre, so that nothing large is subtracted however far the chain reaches. With joint j turning about
-z_j through p_j, the composite behind it has the momentum l_j = m z_j × (c − p_j) and, about its centre,
-k_j = I_c z_j (m z_j and 0 for a sliding joint); then D_ij = z_i × (c − p_i)·l_j + z_i·k_j for i ≤ j
-(composite rigid body method; Featherstone, Rigid Body Dynamics Algorithms, 2008, section 6.2).
+All vectors are in world axes. The composite body behind a joint is kept by its mass, its centre and its
+inertia about that centre, so that nothing large is subtracted however far the chain reaches. With joint j
+turning about z_j through p_j, the composite behind it has the momentum l_j = m z_j × (c − p_j) and, about
+its centre, k_j = I_c z_j (m z_j and 0 for a sliding joint); then D_ij = z_i × (c − p_i)·l_j + z_i·k_j for
+i ≤ j (composite rigid body method; Featherstone, Rigid Body Dynamics Algorithms, 2008, section 6.2).
 """
 
+# mypy: disable-error-code="no-untyped-def, no-untyped-call"
 from __future__ import annotations
 
 import math
@@ -14,14 +15,14 @@ import math
 import numpy as np
 
 
-def cross(a, b, out):  # type: ignore[no-untyped-def]
+def cross(a, b, out):
     """Set out = a × b."""
     out[0] = a[1] * b[2] - a[2] * b[1]
     out[1] = a[2] * b[0] - a[0] * b[2]
     out[2] = a[0] * b[1] - a[1] * b[0]
 
 
-def place_joints(chain, q, frames, origins, axes):  # type: ignore[no-untyped-def]
+def place_joints(chain, q, frames, origins, axes):
     """Rotation, origin and axis of every joint in the world, its own motion included."""
     turns, axis, rotation, offset = chain[0], chain[1], chain[2], chain[3]
     for i in range(len(q)):
@@ -48,7 +49,7 @@ def place_joints(chain, q, frames, origins, axes):  # type: ignore[no-untyped-de
                 origins[i, a] += axes[i, a] * q[i]
 
 
-def turn(frame, axis, angle):  # type: ignore[no-untyped-def]
+def turn(frame, axis, angle):
     """Multiply a rotation from the right by one about an axis of its own (Rodrigues)."""
     s, c = math.sin(angle), math.cos(angle)
     x, y, z = axis[0], axis[1], axis[2]
@@ -61,7 +62,7 @@ def turn(frame, axis, angle):  # type: ignore[no-untyped-def]
         frame[a, 2] = w * c + along * z + s * (u * y - v * x)
 
 
-def place_bodies(chain, frames, origins, centres, inertias):  # type: ignore[no-untyped-def]
+def place_bodies(chain, frames, origins, centres, inertias):
     """Centre of mass of every body, and its inertia about it, in world axes."""
     centre, inertia = chain[5], chain[6]
     half = np.empty((3, 3))
@@ -80,7 +81,7 @@ def place_bodies(chain, frames, origins, centres, inertias):  # type: ignore[no-
                     inertias[i, a, b] += half[a, c] * frames[i, b, c]
 
 
-def mass_matrix(chain, origins, axes, centres, inertias, out):  # type: ignore[no-untyped-def]
+def mass_matrix(chain, origins, axes, centres, inertias, out):
     """D over all joints; `centres` and `inertias` are those of the bodies and are left alone."""
     turns, mass, rotor = chain[0], chain[4], chain[7]
     total = 0.0
@@ -124,7 +125,7 @@ def mass_matrix(chain, origins, axes, centres, inertias, out):  # type: ignore[n
         out[j, j] += rotor[j]
 
 
-def point_jacobian(chain, frames, origins, axes, joint, offset, position, out):  # type: ignore[no-untyped-def]
+def point_jacobian(chain, frames, origins, axes, joint, offset, position, out):
     """Position of a point, and its Jacobian over all joints, six rows, linear then angular."""
     turns = chain[0]
     lever, speed = np.empty(3), np.empty(3)
@@ -148,7 +149,7 @@ def point_jacobian(chain, frames, origins, axes, joint, offset, position, out): 
                 out[a, i] = axes[i, a]
 
 
-def pose_batch(chain, joints, offsets, selectors, pick, postures, masses, rows):  # type: ignore[no-untyped-def]
+def pose_batch(chain, joints, offsets, selectors, pick, postures, masses, rows):
     """Mass matrices and rows over the flexible joints.
 
     Args:

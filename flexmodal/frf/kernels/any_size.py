@@ -1,5 +1,6 @@
 """The kernel for any number of coordinates: the algebra of `flexmodal.frf.kernels.factor` in loops."""
 
+# mypy: disable-error-code="no-untyped-def, no-untyped-call"
 from __future__ import annotations
 
 import numpy as np
@@ -9,7 +10,7 @@ from flexmodal.frf.kernels.factor import LANES, SMALLEST_LAST_PIVOT, SMALLEST_PI
 CHUNK = 4
 
 
-def kernel(tile, rows, out, n, pairs):  # type: ignore[no-untyped-def]
+def kernel(tile, rows, out, n, pairs):
     """One tile of points; arguments as `flexmodal.frf.kernels.factor.write_kernel` says.
 
     Row k of U = DLᵀ follows from those above it, U_kc = Z_kc − Σ_{m<k} L_km U_mc with L_km = U_mk/D_m, taken

@@ -5,6 +5,7 @@ Written for the compiler, though plain Python: `kernel` is the generated functio
 `flexmodal.frf.kernels.compiled`. A point whose pivots are not trusted comes out as NaN.
 """
 
+# mypy: disable-error-code="no-untyped-def, no-untyped-call"
 from __future__ import annotations
 
 from typing import Any
@@ -17,7 +18,7 @@ kernel: Any = None
 """Stands for the generated function of one tile."""
 
 
-def sweep(parts, shared, rows, omega, extra, pairs, along, out):  # type: ignore[no-untyped-def]
+def sweep(parts, shared, rows, omega, extra, pairs, along, out):
     """Receptances of some systems at some frequencies.
 
     Args:
@@ -59,11 +60,11 @@ def sweep(parts, shared, rows, omega, extra, pairs, along, out):  # type: ignore
                 for lane in range(LANES):
                     tile[(1 + both + e) * LANES + lane] = extra[e, start if along else start + lane]
             kernel(tile, row_tile, result, n, pairs)
-            doubtful += spread(result, first, start, along, out)  # type: ignore[no-untyped-call]
+            doubtful += spread(result, first, start, along, out)
     return doubtful
 
 
-def spread(result, first, start, along, out):  # type: ignore[no-untyped-def]
+def spread(result, first, start, along, out):
     """Put a tile's results where they belong, NaN where they are not trusted; returns how many are not."""
     systems, lines, pairs = out.shape
     count = min(LANES, systems - first if along else lines - start)
