@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import logging
+import sys
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from jaxtyping import Complex, Float
@@ -13,8 +15,9 @@ from numpy.typing import ArrayLike
 
 from flexmodal.errors import Fault, InvalidPosture, InvalidRequest
 from flexmodal.frf import PointDirection, frequency_axis
+from flexmodal.frf.kernels.factor import Pairs
 from flexmodal.frf.kernels.route import Route, available_cores, choose, has_numba, run
-from flexmodal.frf.kernels.task import Pairs, Task
+from flexmodal.frf.kernels.task import Task
 from flexmodal.model.batch_chain import chain_of, places_of
 from flexmodal.model.build import pinocchio
 from flexmodal.model.gradient import receptance_and_gradient
@@ -26,8 +29,8 @@ _LOG = logging.getLogger("flexmodal.engine")
 _SLACK = 1e-9
 """How far outside a limit rounding may put a joint [rad, m]."""
 
-_FEW = 64
-"""Postures below which Pinocchio is done before compiled kinematics are loaded."""
+_FEW, _MANY = 64, 4000
+"""Postures from which compiled kinematics pay, with numba loaded already and without."""
 
 DirectionPair = tuple[str | PointDirection, str | PointDirection]
 
@@ -84,10 +87,11 @@ def receptance_batch(
     read, rows, numbers = read_pairs(robot, pairs)
     _check_loss(loss_factor)
     _check_addition(addition, len(axis), len(robot.joints))
-    compiled_poses = way.startswith("compiled") or (way == "auto" and len(values) >= _FEW)
+    pays = way == "auto" and len(values) >= (_FEW if "numba" in sys.modules else _MANY)
+    poser = _Poser(robot, values, rows, compiled=has_numba() and (pays or way.startswith("compiled")))
     task = Task(
         count=len(values),
-        block=_Poser(robot, values, rows, compiled=compiled_poses and has_numba()),
+        block=poser,
         stiffness=robot.stiffness,
         damping=robot.damping,
         hysteresis=loss_factor * robot.stiffness,
@@ -97,8 +101,7 @@ def receptance_batch(
     )
     route = choose(task, threads, way)
     if explain:
-        _LOG.info("%s; kinematics by %s", route, "compiled code" if task.block.compiled else "Pinocchio")
-        # type: ignore[attr-defined]
+        _LOG.info("%s; kinematics by %s", route, "compiled code" if poser.compiled else "Pinocchio")
     return ReceptanceBatch(axis, read, run(task, route), route)
 
 
@@ -132,7 +135,8 @@ def gradient_batch(
     result = np.empty((len(values), len(axis), len(numbers)), dtype=complex)
     slopes = np.empty((*result.shape, len(robot.moving)), dtype=complex)
     chain = chain_of(robot)
-    pays = len(values) * len(axis) >= _FEW and has_numba() and chain is not None
+    few = _FEW if "numba" in sys.modules else _MANY
+    pays = len(values) * len(axis) >= few and has_numba() and chain is not None
     if way == "numpy" or (way == "auto" and not pays):
         for place in range(len(values)):
             _gradient_of_one(robot, values[place], rows, axis, numbers, result[place], slopes[place])
@@ -157,7 +161,7 @@ def gradient_batch(
             _gradient_of_one(robot, values[spot], rows, axis, numbers, result[spot], slopes[spot])
 
     edges = np.linspace(0, len(values), cores + 1).astype(int)
-    parts = [slice(int(a), int(b)) for a, b in zip(edges[:-1], edges[1:], strict=True)]
+    parts = [slice(int(a), int(b)) for a, b in pairwise(edges)]
     with ThreadPoolExecutor(cores) as pool:
         list(pool.map(solve, parts))
     reason = f"{len(values)} postures at {len(axis)} frequencies"

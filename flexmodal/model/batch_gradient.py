@@ -139,18 +139,11 @@ def row_slopes(jacobian, selector, y, scratch, slopes):
             carried[a] += jacobian[a, k] * y[k]
         for a in range(3):
             spun[a] -= jacobian[3 + a, k] * y[k]
-        value = s[0] * (
-            y0 * carried[2] - z * carried[1] + spun[1] * jacobian[2, k] - spun[2] * jacobian[1, k]
-        )
-        value += s[1] * (
-            z * carried[0] - x * carried[2] + spun[2] * jacobian[0, k] - spun[0] * jacobian[2, k]
-        )
-        value += s[2] * (
-            x * carried[1] - y0 * carried[0] + spun[0] * jacobian[1, k] - spun[1] * jacobian[0, k]
-        )
-        value += s[3] * (y0 * carried[5] - z * carried[4])
-        value += s[4] * (z * carried[3] - x * carried[5])
-        value += s[5] * (x * carried[4] - y0 * carried[3])
+        c, t = carried, spun
+        value = s[0] * (y0 * c[2] - z * c[1] + t[1] * jacobian[2, k] - t[2] * jacobian[1, k])
+        value += s[1] * (z * c[0] - x * c[2] + t[2] * jacobian[0, k] - t[0] * jacobian[2, k])
+        value += s[2] * (x * c[1] - y0 * c[0] + t[0] * jacobian[1, k] - t[1] * jacobian[0, k])
+        value += s[3] * (y0 * c[5] - z * c[4]) + s[4] * (z * c[3] - x * c[5]) + s[5] * (x * c[4] - y0 * c[3])
         slopes[k] = value
 
 
@@ -235,8 +228,7 @@ def gradient_batch(chain, joints, offsets, selectors, pick, matrices, postures, 
                         row_slopes(jacobians[left], selectors[left], y[right, part], scratch, turned[part])
                     for k in range(count):
                         change = mass_slope(turns[k], arms[k], axes[k], twists[left], momenta[right], k)
-                        change = complex(
-                            turned[0, k] - w * w * change.real, turned[1, k] - w * w * change.imag
-                        )
-                        slopes[s, f, place, k] += (3 - sides) * change
+                        re = turned[0, k] - w * w * change.real
+                        im = turned[1, k] - w * w * change.imag
+                        slopes[s, f, place, k] += (3 - sides) * complex(re, im)
     return doubtful
