@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from itertools import pairwise
@@ -15,10 +15,11 @@ from numpy.typing import ArrayLike
 
 from flexmodal.errors import Fault, InvalidPosture, InvalidRequest
 from flexmodal.frf import PointDirection, frequency_axis
-from flexmodal.frf.kernels.factor import Pairs
+from flexmodal.frf.kernels.factor import LANES, Pairs
 from flexmodal.frf.kernels.route import Route, available_cores, choose, has_numba, run
 from flexmodal.frf.kernels.task import Task
 from flexmodal.model.batch_chain import chain_of, places_of
+from flexmodal.model.batch_planar import empty_plane
 from flexmodal.model.build import pinocchio
 from flexmodal.model.gradient import receptance_and_gradient
 from flexmodal.model.posture import check_posture
@@ -98,6 +99,7 @@ def receptance_batch(
         pairs=numbers,
         omega=2 * np.pi * axis,
         addition=addition,
+        recursion=_planar(robot, values, rows, numbers, 2 * np.pi * axis, loss_factor, addition),
     )
     route = choose(task, threads, way)
     if explain:
@@ -275,6 +277,41 @@ class _Poser:
             for row, (frame, direction) in enumerate(zip(frames, self.rows, strict=True)):
                 full = pin.getFrameJacobian(model, data, frame, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED)
                 rows[place, row] = (direction.selector @ full)[pick]
+
+
+def _planar(
+    robot: Robot,
+    values: np.ndarray,
+    rows: tuple[PointDirection, ...],
+    numbers: Pairs,
+    omega: np.ndarray,
+    loss_factor: float,
+    addition: np.ndarray | None,
+) -> Callable[[slice, slice, np.ndarray], int] | None:
+    """The recursion along a planar chain; none where the robot is no such chain or numba is missing."""
+    chain = chain_of(robot) if robot.is_planar and addition is None and has_numba() else None
+    if chain is None:
+        return None
+    across = robot.task[:2, :3]
+    plane = np.array([*across, np.cross(across[0], across[1])])
+    places = places_of(robot, tuple((d.point, d.selector) for d in rows))
+    springs = np.zeros((len(robot.moving), 4))
+    flexible = robot.flexible_index
+    springs[flexible, 0], springs[flexible, 1] = np.diag(robot.stiffness), np.diag(robot.damping)
+    springs[flexible, 2], springs[flexible, 3] = loss_factor * np.diag(robot.stiffness), 1.0
+
+    def fill(systems: slice, lines: slice, out: np.ndarray) -> int:
+        from flexmodal.frf.kernels.compiled import compiled_sweep_planar
+        from flexmodal.model.batch_compiled import compiled_planes
+
+        moved, here = expand(robot, values[systems]), omega[lines]
+        joints, wrenches = empty_plane(moved.shape[0], moved.shape[1], len(rows))
+        where = (places.joint, places.offset, places.selector)
+        compiled_planes()(chain.arrays, where, plane, springs, moved, joints, wrenches)
+        padded = np.pad(here, (0, -len(here) % LANES), mode="edge")
+        return int(compiled_sweep_planar(numbers)(joints, wrenches, padded, len(rows), out))
+
+    return fill
 
 
 def _gradient_of_one(

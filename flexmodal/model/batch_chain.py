@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
@@ -54,8 +55,17 @@ class Places:
     """Direction in world axes, translations first."""
 
 
+_KNOWN: WeakKeyDictionary[Robot, Chain | None] = WeakKeyDictionary()
+
+
 def chain_of(robot: Robot) -> Chain | None:
     """The robot's chain; None if it branches or has other joints."""
+    if robot not in _KNOWN:
+        _KNOWN[robot] = _extract(robot)
+    return _KNOWN[robot]
+
+
+def _extract(robot: Robot) -> Chain | None:
     model = robot.pinocchio
     count = model.nv
     if model.njoints != count + 1 or any(model.parents[i] != i - 1 for i in range(1, count + 1)):

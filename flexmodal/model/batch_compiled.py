@@ -8,6 +8,7 @@ from typing import Any
 from flexmodal.frf.kernels.compiled import compile_together
 from flexmodal.model import batch_gradient as gradient
 from flexmodal.model import batch_kinematics as kinematics
+from flexmodal.model import batch_planar as planar
 
 _KINEMATICS = (
     kinematics.cross,
@@ -37,3 +38,9 @@ def compiled_gradient() -> Any:
         gradient.row_slopes,
         last=gradient.gradient_batch,
     )
+
+
+@cache
+def compiled_planes() -> Any:
+    """`flexmodal.model.batch_planar.plane_batch`, compiled."""
+    return compile_together(*_KINEMATICS[:4], last=planar.plane_batch)

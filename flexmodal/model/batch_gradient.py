@@ -21,7 +21,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from flexmodal.frf.kernels.factor import SMALLEST_LAST_PIVOT, SMALLEST_PIVOT
+from flexmodal.frf.kernels.factor import GROWTH, SMALLEST_PIVOT
 from flexmodal.model.batch_kinematics import (
     cross,
     mass_matrix,
@@ -38,8 +38,8 @@ def factor_symmetric(matrix, size):
     for k in range(n):
         pivot = matrix[k, k]
         square = pivot.real * pivot.real + pivot.imag * pivot.imag
-        share = SMALLEST_PIVOT if k < n - 1 else SMALLEST_LAST_PIVOT
-        trusted = trusted and square >= (share * size[k]) ** 2 and square > 0.0
+        least = SMALLEST_PIVOT if k == n - 1 else 0.0
+        trusted = trusted and (least * size[k]) ** 2 < square <= (GROWTH * size[k]) ** 2
         inverse = complex(pivot.real / square, -pivot.imag / square)
         matrix[k, k] = inverse
         for j in range(k + 1, n):
@@ -203,7 +203,7 @@ def gradient_batch(chain, joints, offsets, selectors, pick, matrices, postures, 
                     matrix[i, j] = complex(
                         matrices[0, i, j] - w * w * mass, w * matrices[1, i, j] + matrices[2, i, j]
                     )
-                size[i] = matrices[0, i, i] + w * w * full[pick[i], pick[i]]
+                size[i] = matrices[0, i, i] + w * w * full[pick[i], pick[i]] + matrix[i, i].imag
             trusted = factor_symmetric(matrix, size)
             doubtful += not trusted
             for r in range(many):

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from flexmodal.frf.kernels.factor import LANES, SMALLEST_LAST_PIVOT, SMALLEST_PIVOT
+from flexmodal.frf.kernels.factor import GROWTH, LANES, SMALLEST_PIVOT
 
 CHUNK = 4
 
@@ -41,13 +41,13 @@ def kernel(tile, rows, out, n, pairs):
                         + omega * tile[(1 + half + width + place) * LANES + p]
                     )
                     if i == j:
-                        size[i, p] = spring - inertia
+                        size[i, p] = spring - inertia + im[i, j, p]
                 if extra:
                     added = tile[(1 + half + 3 * width + e) * LANES + p]
                     re[i, j, p] += added
                     im[i, j, p] += tile[(1 + 2 * half + 3 * width + e) * LANES + p]
                     if i == j:
-                        size[i, p] += abs(added)
+                        size[i, p] = spring - inertia + abs(added) + abs(im[i, j, p])
             e += 1
         for r in range(more):
             for p in range(LANES):
@@ -75,11 +75,13 @@ def kernel(tile, rows, out, n, pairs):
                         a = a - factor_re[m, p] * x + factor_im[m, p] * y
                         b = b - factor_re[m, p] * y - factor_im[m, p] * x
                     re[k, c, p], im[k, c, p] = a, b
-        share = SMALLEST_PIVOT if k < n - 1 else SMALLEST_LAST_PIVOT
         for p in range(LANES):
             square = re[k, k, p] * re[k, k, p] + im[k, k, p] * im[k, k, p]
             inverse_re[k, p], inverse_im[k, p] = re[k, k, p] / square, -im[k, k, p] / square
-            trust[p] = min(trust[p], square - share * share * size[k, p] * size[k, p])
+            limit = size[k, p] * size[k, p]
+            trust[p] = min(trust[p], GROWTH**2 * limit - square)
+            if k == n - 1:
+                trust[p] = min(trust[p], square - SMALLEST_PIVOT**2 * limit)
         for place in range(len(pairs)):
             u, v = n + pairs[place, 0], n + pairs[place, 1]
             for p in range(LANES):

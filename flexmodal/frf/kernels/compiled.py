@@ -14,8 +14,8 @@ from functools import cache
 from types import FunctionType
 from typing import Any
 
-from flexmodal.frf.kernels import any_size, sweep
-from flexmodal.frf.kernels.factor import Shape, write_kernel
+from flexmodal.frf.kernels import any_size, pivoted, planar, sweep
+from flexmodal.frf.kernels.factor import Pairs, Shape, write_kernel
 
 OPTIONS: dict[str, Any] = {"nogil": True, "error_model": "numpy", "fastmath": {"contract"}}
 """Multiply-adds may fuse; nothing may be reordered. The interpreter's lock is released."""
@@ -35,13 +35,34 @@ def compile_function(function: Callable[..., Any], **options: Any) -> Any:
 def compiled_sweep(shape: Shape) -> Any:
     """The compiled loops over points, with the kernel of this shape inside."""
     source, _ = write_kernel(shape)
-    digest = hashlib.sha256(source.encode()).hexdigest()[:16]
-    name = f"kernel_{shape.n}_{digest}"
-    scope: dict[str, Any] = {}
-    exec(compile(source.replace("def kernel", f"def {name}"), __file__, "exec"), scope)
-    scope[name].__module__ = __name__
-    own = {**vars(sweep), "kernel": compile_function(scope[name]), "spread": compiled_spread()}
+    kernel, digest = compile_source(source, "kernel")
+    own = {**vars(sweep), "kernel": kernel, "spread": compiled_spread()}
     return compile_function(renamed(sweep.sweep, f"sweep_{shape.n}_{digest}", own))
+
+
+@cache
+def compiled_sweep_planar(pairs: Pairs) -> Any:
+    """The compiled loops over postures of a planar chain, with the elimination of its joints inside."""
+    turning, digest = compile_source(planar.write_step(pairs, turning=True), "step")
+    sliding, _ = compile_source(planar.write_step(pairs, turning=False), "step")
+    own = {
+        **vars(planar),
+        "step_turning": turning,
+        "step_sliding": sliding,
+        "step_rigid": compile_function(planar.step_rigid),
+        "spread": compiled_spread(),
+    }
+    return compile_function(renamed(planar.sweep_planar, f"sweep_planar_{digest}", own))
+
+
+def compile_source(source: str, name: str) -> tuple[Any, str]:
+    """Compile a generated function; returns it and the digest that is part of its own name."""
+    digest = hashlib.sha256(source.encode()).hexdigest()[:16]
+    scope: dict[str, Any] = {}
+    exec(compile(source.replace(f"def {name}", f"def {name}_{digest}"), __file__, "exec"), scope)
+    function = scope[f"{name}_{digest}"]
+    function.__module__ = __name__
+    return compile_function(function), digest
 
 
 @cache
@@ -49,6 +70,12 @@ def compiled_sweep_any() -> Any:
     """The compiled loops over points with the kernel for any number of coordinates."""
     own = {**vars(sweep), "kernel": compile_function(any_size.kernel), "spread": compiled_spread()}
     return compile_function(renamed(sweep.sweep, "sweep_any", own))
+
+
+@cache
+def compiled_repair() -> Any:
+    """`flexmodal.frf.kernels.pivoted.repair`, compiled."""
+    return compile_together(pivoted.eliminate, last=pivoted.repair)
 
 
 @cache

@@ -7,9 +7,11 @@ For the complex symmetric Z = LDLᵀ (L unit lower triangular, D diagonal) and r
 so a forward elimination is all that is needed, on Z and on the rows together. With K and B diagonal all
 entries of Z beside the diagonal are real, −ω²D_ij, and the first elimination step costs half.
 
-Without pivoting a pivot can come out small although Z is far from singular: where a part of the chain, the
-rest held, resonates. The kernel watches for it, `trust` below 0, and such points are solved again with
-pivoting. Of the last pivot much less is asked: if that is small, Z is near singular and no pivoting helps.
+Without pivoting the elimination can grow: where a part of the chain, the rest held, resonates with little
+damping, a pivot comes out small and the next one large, and digits are lost in between. Nowhere else: the
+pivots of a positive definite matrix only shrink. So a pivot much larger than its own row began betrays it;
+the kernel watches for one, `trust` below 0, and such points are solved again with pivoting. A last pivot
+next to nothing says that Z may be singular, which is for the caller to judge.
 """
 
 from __future__ import annotations
@@ -24,11 +26,11 @@ LANES = 32
 LARGEST = 8
 """Most coordinates of a kernel of this kind; beyond, the code outgrows what a compiler does well."""
 
-SMALLEST_PIVOT = 1e-2
-"""A pivot smaller than this share of |K_kk| + ω²M_kk is not trusted: two of sixteen digits may be gone."""
+GROWTH = 10.0
+"""A pivot larger than this times |K_kk| + ω²M_kk + ωB_kk is not trusted: a digit of sixteen may be gone."""
 
-SMALLEST_LAST_PIVOT = 1e-8
-"""The same for the last pivot, where a small one only says that Z may be singular."""
+SMALLEST_PIVOT = 1e-8
+"""A last pivot smaller than this share of the same is not trusted either."""
 
 Pairs = tuple[tuple[int, int], ...]
 """Which rows make a receptance: numbers of the response's and of the reference's row."""
@@ -79,9 +81,11 @@ def write_kernel(shape: Shape, *, lanes: int = LANES) -> tuple[str, int]:
     trust = code.scalar("1.0")
     for k in range(n):
         inverse, square = code.inverse(matrix[k, k])
-        share = SMALLEST_PIVOT if k < n - 1 else SMALLEST_LAST_PIVOT
-        room = code.scalar(f"{square} - {share**2!r} * {sizes[k]} * {sizes[k]}")
+        room = code.scalar(f"{GROWTH**2!r} * {sizes[k]} * {sizes[k]} - {square}")
         trust = code.scalar(f"{room} if {room} < {trust} else {trust}")
+        if k == n - 1:
+            room = code.scalar(f"{square} - {SMALLEST_PIVOT**2!r} * {sizes[k]} * {sizes[k]}")
+            trust = code.scalar(f"{room} if {room} < {trust} else {trust}")
         scaled = [code.times(row[k], inverse) for row in rows]
         for place, (u, v) in enumerate(shape.pairs):
             results[place] = code.plus_times(results[place], scaled[u], rows[v][k])
@@ -103,7 +107,7 @@ def write_kernel(shape: Shape, *, lanes: int = LANES) -> tuple[str, int]:
 def _dynamic_stiffness(
     code: Emitter, shape: Shape, lanes: int
 ) -> tuple[dict[tuple[int, int], Number], list[str]]:
-    """The upper half of Z, and the size |K_kk| + ω²M_kk of each of its rows."""
+    """The upper half of Z, and the size |K_kk| + ω²M_kk + ωB_kk of each of its rows."""
     n = shape.n
     half = n * (n + 1) // 2
     width = n if shape.diagonal else half
@@ -123,12 +127,12 @@ def _dynamic_stiffness(
             place = i if shape.diagonal else packed(i, j, n)
             spring, damper, loss = (load(1 + half + part * width + place) for part in range(3))
             re, im = code.scalar(f"{spring} + {inertia}"), code.scalar(f"{loss} + {omega} * {damper}")
-            size = code.scalar(f"{spring} - {inertia}") if i == j else ""
+            size = code.scalar(f"{spring} - {inertia} + {im}") if i == j else ""
             if shape.extra:
                 more = load(1 + half + 3 * width + packed(i, j, n))
                 re = code.scalar(f"{re} + {more}")
                 im = code.scalar(f"{im} + {load(1 + 2 * half + 3 * width + packed(i, j, n))}")
-                size = code.scalar(f"{size} + abs({more})") if i == j else ""
+                size = code.scalar(f"{spring} - {inertia} + abs({more}) + abs({im})") if i == j else ""
             matrix[i, j] = Number(re, im)
             if i == j:
                 sizes.append(size)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from jaxtyping import Complex, Float
 
-from flexmodal.frf.kernels.factor import SMALLEST_LAST_PIVOT, SMALLEST_PIVOT, Pairs
+from flexmodal.frf.kernels.factor import GROWTH, SMALLEST_PIVOT, Pairs
 
 
 def ldlt_receptances(
@@ -18,7 +18,7 @@ def ldlt_receptances(
 
     Args:
         matrix: Z, of which the upper half is read and overwritten.
-        size: |K_kk| + ω²M_kk.
+        size: |K_kk| + ω²M_kk + ωB_kk.
         rows: Jacobian rows.
         pairs: numbers of the rows wanted.
 
@@ -31,8 +31,9 @@ def ldlt_receptances(
     trusted = np.ones(points, dtype=bool)
     for k in range(n):
         pivot = matrix[k, k]
-        share = SMALLEST_PIVOT if k < n - 1 else SMALLEST_LAST_PIVOT
-        trusted &= np.abs(pivot) >= share * size[k]
+        least = SMALLEST_PIVOT if k == n - 1 else 0.0
+        magnitude = np.abs(pivot)
+        trusted &= (magnitude <= GROWTH * size[k]) & (magnitude > least * size[k])
         inverse = 1 / np.where(trusted, pivot, 1)
         for place, (u, v) in enumerate(pairs):
             result[place] += columns[k, u] * inverse * columns[k, v]

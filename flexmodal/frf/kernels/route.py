@@ -17,7 +17,10 @@ from flexmodal.errors import Fault, InvalidRequest, MissingExtra
 from flexmodal.frf.kernels.factor import LANES
 from flexmodal.frf.kernels.task import Task
 
-WAYS = ("auto", "LAPACK", "numpy", "compiled", "compiled any n")
+WAYS = ("auto", "LAPACK", "numpy", "compiled", "compiled any n", "planar recursion")
+
+LONG = 12
+"""Joints from which the recursion along a planar chain beats elimination."""
 
 _POINTS = 1 << 15
 """Points of one block: its inputs stay small beside the result, and threads have something to share."""
@@ -58,6 +61,10 @@ def choose(task: Task, threads: int | None, way: str = "auto") -> Route:
         return Route(way, 1, "asked for")
     if way == "auto" and task.points < 4 * task.dof**2:
         return Route("LAPACK", 1, f"few points ({task.points})")
+    along = way == "planar recursion" or (way == "auto" and task.dof >= LONG)
+    if way == "planar recursion" and task.recursion is None:
+        allowed = "another: this wants a planar chain with diagonal K and B and no addition"
+        raise InvalidRequest(Fault("call", "way", repr(way), allowed))
     fixed = "compiled" if task.fits_fixed and way != "compiled any n" else "compiled any n"
     seconds = task.points * (0.3e-6 + 3e-9 * task.dof**3 + 0.05e-6 * len(task.pairs))
     loaded = "numba" in sys.modules
@@ -70,6 +77,8 @@ def choose(task: Task, threads: int | None, way: str = "auto") -> Route:
         return Route("numpy", 1, reason)
     blocks = sum(1 for _ in blocks_of(task))
     cores = min(threads or available_cores(), blocks)
+    if along and task.recursion is not None:
+        return Route("planar recursion", cores, f"a planar chain of {task.dof} joints")
     why = f"{task.points} points, n = {task.dof}, {len(task.pairs)} pairs"
     why += ", K and B diagonal" if task.shape.diagonal else ", K and B symmetric"
     return Route(fixed, cores, why)
@@ -98,12 +107,19 @@ def run(task: Task, route: Route) -> Complex[np.ndarray, "system line pair"]:
             solve_block = task.solve_numpy if route.way == "numpy" else task.solve_lapack
             solve_block(systems, lines, out[systems, lines])
         return out
-    from flexmodal.frf.kernels.compiled import compiled_sweep, compiled_sweep_any
+    recursion = task.recursion
+    if route.way == "planar recursion" and recursion is not None:
 
-    sweep = compiled_sweep(task.shape) if route.way == "compiled" else compiled_sweep_any()
+        def solve(place: tuple[slice, slice]) -> None:
+            if recursion(*place, out[place]):
+                task.solve_pivoting(*place, out[place])
+    else:
+        from flexmodal.frf.kernels.compiled import compiled_repair, compiled_sweep, compiled_sweep_any
 
-    def solve(place: tuple[slice, slice]) -> None:
-        task.solve_compiled(*place, sweep, out[place])
+        sweep = compiled_sweep(task.shape) if route.way == "compiled" else compiled_sweep_any()
+
+        def solve(place: tuple[slice, slice]) -> None:
+            task.solve_compiled(*place, sweep, compiled_repair(), out[place])
 
     if route.threads == 1:
         for place in blocks_of(task):

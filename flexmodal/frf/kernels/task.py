@@ -41,6 +41,9 @@ class Task:
     pairs: Pairs
     omega: Float[np.ndarray, " line"]
     addition: Complex[np.ndarray, "line dof dof"] | None = None
+    recursion: Callable[[slice, slice, np.ndarray], int] | None = None
+    """Fills some systems and lines along a planar chain and counts the points it does not trust; none where
+    the systems are no such chains."""
 
     @property
     def dof(self) -> int:
@@ -75,8 +78,8 @@ class Task:
         upper = np.triu_indices(self.dof)
         return np.concatenate([part[upper] for part in parts])
 
-    def solve_compiled(self, systems: slice, lines: slice, run: Any, out: np.ndarray) -> None:
-        """Fill `out` for some systems and lines with a compiled sweep."""
+    def solve_compiled(self, systems: slice, lines: slice, sweep: Any, repair: Any, out: np.ndarray) -> None:
+        """Fill `out` for some systems and lines with a compiled sweep, and repair what it did not trust."""
         masses, rows = self.block(systems)
         omega = self.omega[lines]
         own, here = len(masses), len(omega)
@@ -87,18 +90,16 @@ class Task:
         if self.addition is not None:
             packed = self.addition[lines][:, upper[0], upper[1]].T
             extra = np.pad(np.concatenate([packed.real, packed.imag]), ((0, 0), (0, padding)), mode="edge")
-        doubtful = run(
+        given = (
             masses[:, upper[0], upper[1]],
             self.shared,
             np.ascontiguousarray(rows).reshape(own, -1),
             np.pad(omega, (0, padding), mode="edge"),
             extra,
             np.array(self.pairs),
-            along,
-            out,
         )
-        if doubtful:
-            self._solve_pivoting(systems, lines, out)
+        if sweep(*given, along, out) and repair(*given, out):
+            self.solve_pivoting(systems, lines, out)
 
     def solve_numpy(self, systems: slice, lines: slice, out: np.ndarray) -> None:
         """Fill `out` for some systems and lines with the numpy form."""
@@ -112,15 +113,15 @@ class Task:
             values[:, ~trusted] = np.nan
             out[which, line] = values.T
         if np.any(np.isnan(out[..., 0])):
-            self._solve_pivoting(systems, lines, out)
+            self.solve_pivoting(systems, lines, out)
 
     def solve_lapack(self, systems: slice, lines: slice, out: np.ndarray) -> None:
         """Fill `out` for some systems and lines one matrix at a time, with pivoting."""
         out[...] = np.nan
-        self._solve_pivoting(systems, lines, out)
+        self.solve_pivoting(systems, lines, out)
 
     def _entries(self, mass: np.ndarray, line: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Z by row, column and point, its upper half only, and the size |K_kk| + ω²M_kk of its rows."""
+        """The upper half of Z by row, column and point, and |K_kk| + ω²M_kk + ωB_kk."""
         omega = self.omega[line]
         square = omega**2
         matrix = np.empty(mass.shape, dtype=complex)
@@ -129,15 +130,16 @@ class Task:
             matrix[i, i:] = loss * self.damping[i, i:, None]
             matrix[i, i:] += self.stiffness[i, i:, None] + 1j * self.hysteresis[i, i:, None]
             matrix[i, i:] -= square * mass[i, i:]
-        size = np.abs(np.diag(self.stiffness))[:, None] + square * mass[range(self.dof), range(self.dof)]
+        places = range(self.dof)
+        size = np.abs(np.diag(self.stiffness))[:, None] + square * mass[places, places]
         if self.addition is not None:
             added = np.moveaxis(self.addition[line], 0, -1)
             for i in range(self.dof):
                 matrix[i, i:] += added[i, i:]
-            size = size + np.abs(added.real[range(self.dof), range(self.dof)])
-        return matrix, size
+            size = size + np.abs(added.real[places, places])
+        return matrix, size + np.abs(matrix.imag[places, places])
 
-    def _solve_pivoting(self, systems: slice, lines: slice, out: np.ndarray) -> None:
+    def solve_pivoting(self, systems: slice, lines: slice, out: np.ndarray) -> None:
         """Solve the points that stand as NaN with pivoting.
 
         Raises:
