@@ -11,6 +11,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Callable
 from functools import cache
+from inspect import unwrap
 from types import FunctionType
 from typing import Any
 
@@ -25,6 +26,7 @@ def compile_function(function: Callable[..., Any], **options: Any) -> Any:
     """Compile with the disk cache, or without where nothing can be written."""
     import numba
 
+    function = unwrap(function)  # from the type checks of the tests
     try:
         return numba.njit(cache=True, **OPTIONS, **options)(function)
     except RuntimeError:  # no writable place for the cache
@@ -86,6 +88,7 @@ def compiled_spread() -> Any:
 
 def renamed(function: Any, name: str, scope: dict[str, Any]) -> FunctionType:
     """A copy of a function under another name and with other globals."""
+    function = unwrap(function)
     code = function.__code__.replace(co_name=name, co_qualname=name)
     copy = FunctionType(code, scope, name)
     copy.__module__ = function.__module__
@@ -96,6 +99,6 @@ def compile_together(*functions: Callable[..., Any], last: Callable[..., Any]) -
     """Compile a function with those of its module that it calls, lowest first; plain functions stay plain."""
     scope: dict[str, Any] = {}
     for function in functions:
-        own = {**function.__globals__, **scope}
+        own = {**unwrap(function).__globals__, **scope}
         scope[function.__name__] = compile_function(renamed(function, function.__name__, own))
-    return compile_function(renamed(last, last.__name__, {**last.__globals__, **scope}))
+    return compile_function(renamed(last, last.__name__, {**unwrap(last).__globals__, **scope}))
