@@ -123,4 +123,5 @@ def test_bad_requests(threads, way):
 
 def test_nothing_heavy_is_imported_with_the_package():
     code = "import sys, flexmodal.frf; print(sorted({'numba', 'scipy', 'matplotlib'} & set(sys.modules)))"
-    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True).stdout == "[]\n"
+    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert found.stdout == "[]\n"
