@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+import sys
+
 import numpy as np
 from jaxtyping import Complex, Float
 
 from flexmodal.errors import DefectiveModes
-from flexmodal.frf.kernels.route import choose, run
+from flexmodal.frf.kernels.route import FEW, choose, run
 from flexmodal.frf.kernels.task import Task, is_damped, refuse_singular
 from flexmodal.modal import Modes, SecondOrderSystem
 
 _MOST_PAIRS = 36
 """Most receptances that elimination with the rows pays for; beyond, one factorisation serves them all."""
+
+_FEW_LINES = 1000
+"""Lines up to which one factorisation of the stack is quicker than choosing and starting anything else."""
 
 _BLOCK = 4096
 """Frequencies solved at once there: bounds the memory for the stacked matrices."""
@@ -47,7 +52,8 @@ def receptance(
     Raises:
         SingularResponse: an undamped mode is driven at its natural frequency, or a free one at 0 Hz.
     """
-    if len(response) * len(reference) > _MOST_PAIRS:
+    few = len(frequency) < FEW * system.dof**2 and "numba" not in sys.modules
+    if few or len(frequency) < _FEW_LINES or len(response) * len(reference) > _MOST_PAIRS:
         return _by_factorisation(system, response, reference, frequency)
     same = response.shape == reference.shape and np.array_equal(response, reference)
     rows = response if same else np.concatenate([response, reference])

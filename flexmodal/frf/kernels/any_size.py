@@ -7,14 +7,12 @@ import numpy as np
 
 from flexmodal.frf.kernels.factor import GROWTH, LANES, SMALLEST_PIVOT
 
-CHUNK = 4
-
 
 def kernel(tile, rows, out, n, pairs):
     """One tile of points; arguments as `flexmodal.frf.kernels.factor.write_kernel` says.
 
-    Row k of U = DLᵀ follows from those above it, U_kc = Z_kc − Σ_{m<k} L_km U_mc with L_km = U_mk/D_m, taken
-    `CHUNK` at a time so that most operands stay in registers. The rows of the Jacobian are further columns
+    Row k of U = DLᵀ follows from those above it, U_kc = Z_kc − Σ_{m<k} L_km U_mc with L_km = U_mk/D_m: it stays in
+    the first-level cache while they pass. The rows of the Jacobian are further columns
     of Z: column c = n + r of coordinate k is entry k of row r.
     """
     half = n * (n + 1) // 2
@@ -23,7 +21,7 @@ def kernel(tile, rows, out, n, pairs):
     extra = entries > half + 3 * width
     more = len(rows) // (n * LANES)
     columns = n + more
-    re, im = np.zeros((n + CHUNK, columns, LANES)), np.zeros((n + CHUNK, columns, LANES))
+    re, im = np.zeros((n, columns, LANES)), np.zeros((n, columns, LANES))
     size, trust = np.empty((n, LANES)), np.ones(LANES)
     e = 0
     for i in range(n):
@@ -55,26 +53,17 @@ def kernel(tile, rows, out, n, pairs):
     for e in range(2 * len(pairs) * LANES):
         out[e] = 0.0
     inverse_re, inverse_im = np.empty((n, LANES)), np.empty((n, LANES))
-    factor_re, factor_im = np.zeros((CHUNK, LANES)), np.zeros((CHUNK, LANES))
+    factor_re, factor_im = np.empty(LANES), np.empty(LANES)
     for k in range(n):
-        for first in range(0, k, CHUNK):
-            for m in range(CHUNK):
-                above = first + m
-                for p in range(LANES):
-                    if above < k:
-                        a, b = re[above, k, p], im[above, k, p]
-                        factor_re[m, p] = a * inverse_re[above, p] - b * inverse_im[above, p]
-                        factor_im[m, p] = a * inverse_im[above, p] + b * inverse_re[above, p]
-                    else:
-                        factor_re[m, p] = factor_im[m, p] = 0.0
+        for m in range(k):
+            for p in range(LANES):
+                a, b = re[m, k, p], im[m, k, p]
+                factor_re[p] = a * inverse_re[m, p] - b * inverse_im[m, p]
+                factor_im[p] = a * inverse_im[m, p] + b * inverse_re[m, p]
             for c in range(k, columns):
                 for p in range(LANES):
-                    a, b = re[k, c, p], im[k, c, p]
-                    for m in range(CHUNK):
-                        x, y = re[first + m, c, p], im[first + m, c, p]
-                        a = a - factor_re[m, p] * x + factor_im[m, p] * y
-                        b = b - factor_re[m, p] * y - factor_im[m, p] * x
-                    re[k, c, p], im[k, c, p] = a, b
+                    re[k, c, p] += factor_im[p] * im[m, c, p] - factor_re[p] * re[m, c, p]
+                    im[k, c, p] -= factor_re[p] * im[m, c, p] + factor_im[p] * re[m, c, p]
         for p in range(LANES):
             square = re[k, k, p] * re[k, k, p] + im[k, k, p] * im[k, k, p]
             inverse_re[k, p], inverse_im[k, p] = re[k, k, p] / square, -im[k, k, p] / square

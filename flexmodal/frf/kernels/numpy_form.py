@@ -29,16 +29,17 @@ def ldlt_receptances(
     columns = np.array(np.swapaxes(rows, 0, 1), dtype=complex)
     result = np.zeros((len(pairs), points), dtype=complex)
     trusted = np.ones(points, dtype=bool)
-    for k in range(n):
-        pivot = matrix[k, k]
-        least = SMALLEST_PIVOT if k == n - 1 else 0.0
-        magnitude = np.abs(pivot)
-        trusted &= (magnitude <= GROWTH * size[k]) & (magnitude > least * size[k])
-        inverse = 1 / np.where(trusted, pivot, 1)
-        for place, (u, v) in enumerate(pairs):
-            result[place] += columns[k, u] * inverse * columns[k, v]
-        for j in range(k + 1, n):
-            factor = matrix[k, j] * inverse
-            matrix[j, j:] -= factor * matrix[k, j:]
-            columns[j] -= factor * columns[k]
+    with np.errstate(all="ignore"):  # a pivot of 1e-310 overflows what follows, which is then not trusted
+        for k in range(n):
+            pivot = matrix[k, k]
+            least = SMALLEST_PIVOT if k == n - 1 else 0.0
+            magnitude = np.abs(pivot)
+            trusted &= (magnitude <= GROWTH * size[k]) & (magnitude > least * size[k])
+            inverse = 1 / np.where(trusted, pivot, 1)
+            for place, (u, v) in enumerate(pairs):
+                result[place] += columns[k, u] * inverse * columns[k, v]
+            for j in range(k + 1, n):
+                factor = matrix[k, j] * inverse
+                matrix[j, j:] -= factor * matrix[k, j:]
+                columns[j] -= factor * columns[k]
     return result, trusted

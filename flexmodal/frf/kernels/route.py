@@ -19,6 +19,9 @@ from flexmodal.frf.kernels.task import Task
 
 WAYS = ("auto", "LAPACK", "numpy", "compiled", "compiled any n", "planar recursion")
 
+FEW = 40
+"""Points, times n², up to which one call of LAPACK is quicker than the calls of the numpy form."""
+
 LONG = 12
 """Joints from which the recursion along a planar chain beats elimination."""
 
@@ -43,11 +46,9 @@ class Route:
 def choose(task: Task, threads: int | None, way: str = "auto") -> Route:
     """Choose a route; every route gives the same numbers but for rounding.
 
-    Elimination in numpy costs some calls for each pair of coordinates, however few the points.
-
-    numba pays its import (about half a second) and, the first time a shape is met on a machine, its
-    compilation (seconds); the numpy form costs about a microsecond a point for six joints and grows with
-    the cube.
+    Elimination in numpy costs some calls for each pair of coordinates, however few the points. numba pays
+    its import (about half a second) and, the first time a shape is met on a machine, its compilation
+    (seconds); the numpy form costs about a microsecond a point for six joints and grows with the cube.
 
     Raises:
         InvalidRequest: a number of threads below 1, or no such way.
@@ -59,7 +60,8 @@ def choose(task: Task, threads: int | None, way: str = "auto") -> Route:
         raise InvalidRequest(Fault("call", "way", repr(way), ", ".join(WAYS)))
     if way in ("LAPACK", "numpy"):
         return Route(way, 1, "asked for")
-    if way == "auto" and task.points < 4 * task.dof**2:
+    ready = "numba" in sys.modules and task.points >= 2000  # already loaded: worth it much earlier
+    if way == "auto" and not ready and task.points < FEW * task.dof**2:
         return Route("LAPACK", 1, f"few points ({task.points})")
     along = way == "planar recursion" or (way == "auto" and task.dof >= LONG)
     if way == "planar recursion" and task.recursion is None:
