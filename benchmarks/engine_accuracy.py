@@ -94,10 +94,10 @@ def main() -> None:
     write(
         "engine_accuracy",
         "Errors of the engine in units of LAPACK's own",
-        f"Made by `benchmarks/engine_accuracy.py`: {SYSTEMS} random systems of 2 to 8 coordinates of each
-        kind, " "relative errors against elimination with fifty digits. For LAPACK the median and the
-        largest error; for " "each way the ratio of its median, 99th percentile and largest error to
-        LAPACK's (not below 2.2e-16). The " "goal is 10.",
+        f"Made by `make bench`: {SYSTEMS} random systems of 2 to 8 coordinates of each kind, relative errors "
+        "against elimination with fifty digits. For LAPACK the median and the largest error; for each way "
+        "the ratio of its median, 99th percentile and largest error to LAPACK's (2.2e-16 where below). "
+        "The goal is 10.",
         [
             "kind",
             "points",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import re
 import shutil
 import subprocess
 import tempfile
@@ -10,51 +11,37 @@ from pathlib import Path
 
 import numpy as np
 
+from flexmodal.frf.kernels.factor import Shape, write_kernel
+
 SOURCE = r"""
 #include <chrono>
 #include <cmath>
+#include <vector>
 
-constexpr int N = 6, W = 32;
+constexpr int N = 6, W = 32, ENTRIES = 1 + N * (N + 1) / 2 + 3 * N;
 
-// LDLᵀ without pivoting for W frequencies at a time; K and B diagonal, M packed by rows, one row j.
+// The generated elimination of one tile, line by line as numba gets it.
+static void kernel(const double* __restrict tile, const double* __restrict rows, double* __restrict out) {
+  for (int p = 0; p < W; ++p) {
+BODY
+  }
+}
+
 extern "C" void receptance(const double* mass, const double* k, const double* b, const double* j,
                            const double* omega, int lines, double* out) {
+  double tile[ENTRIES * W] = {}, rows[N * W], result[3 * W];
+  for (int p = 0; p < W; ++p) {
+    for (int e = 0; e < N * (N + 1) / 2; ++e) tile[(1 + e) * W + p] = mass[e];
+    for (int i = 0; i < N; ++i) {
+      tile[(1 + N * (N + 1) / 2 + i) * W + p] = k[i];
+      tile[(1 + N * (N + 1) / 2 + N + i) * W + p] = b[i];
+      rows[i * W + p] = j[i];
+    }
+  }
   for (int start = 0; start < lines; start += W) {
-    double re[N][N + 1][W], im[N][N + 1][W], sum_re[W] = {}, sum_im[W] = {};
-    const double* w = omega + start;
-    int e = 0;
-    for (int r = 0; r < N; ++r) {
-      for (int c = r; c < N; ++c, ++e)
-        for (int p = 0; p < W; ++p) {
-          re[r][c][p] = (r == c ? k[r] : 0.0) - w[p] * w[p] * mass[e];
-          im[r][c][p] = r == c ? w[p] * b[r] : 0.0;
-        }
-      for (int p = 0; p < W; ++p) re[r][N][p] = j[r], im[r][N][p] = 0.0;
-    }
-#pragma GCC unroll 6
-    for (int m = 0; m < N; ++m) {
-      double ir[W], ii[W];
-      for (int p = 0; p < W; ++p) {
-        double s = 1.0 / (re[m][m][p] * re[m][m][p] + im[m][m][p] * im[m][m][p]);
-        ir[p] = re[m][m][p] * s, ii[p] = -im[m][m][p] * s;
-        double x = re[m][N][p], y = im[m][N][p], tr = x * ir[p] - y * ii[p], ti = x * ii[p] + y * ir[p];
-        sum_re[p] += tr * x - ti * y, sum_im[p] += tr * y + ti * x;
-      }
-      for (int r = m + 1; r < N; ++r) {
-        double fr[W], fi[W];
-        for (int p = 0; p < W; ++p) {
-          fr[p] = re[m][r][p] * ir[p] - im[m][r][p] * ii[p];
-          fi[p] = re[m][r][p] * ii[p] + im[m][r][p] * ir[p];
-        }
-        for (int c = r; c <= N; ++c)
-          for (int p = 0; p < W; ++p) {
-            re[r][c][p] -= fr[p] * re[m][c][p] - fi[p] * im[m][c][p];
-            im[r][c][p] -= fr[p] * im[m][c][p] + fi[p] * re[m][c][p];
-          }
-      }
-    }
-    for (int p = 0; p < W && start + p < lines; ++p)
-      out[2 * (start + p)] = sum_re[p], out[2 * (start + p) + 1] = sum_im[p];
+    for (int p = 0; p < W; ++p) tile[p] = omega[start + p];
+    kernel(tile, rows, result);
+    for (int p = 0; p < W; ++p) out[2 * (start + p)] = result[p], out[2 * (start + p) + 1] = result[W + p];
   }
 }
 
@@ -78,6 +65,14 @@ extern "C" double peak(int wide, long rounds) { return wide ? peak_of<v8>(rounds
 """
 
 
+def _body() -> str:
+    """The lines of the kernel's loop, as C++."""
+    source, _ = write_kernel(Shape(6, ((0, 0),), diagonal=True))
+    lines = [line.strip() for line in source.splitlines()[2:]]
+    lines = [re.sub(r"= (\S+) if (\S+) < (\S+) else (\S+)$", r"= \2 < \3 ? \1 : \4", line) for line in lines]
+    return "\n".join(f"    {line if line.startswith('out') else f'double {line}'};" for line in lines)
+
+
 class Reference:
     """The compiled library."""
 
@@ -86,10 +81,10 @@ class Reference:
         if compiler is None:
             raise FileNotFoundError("no C++ compiler")
         folder = Path(tempfile.mkdtemp(prefix="engine_cpp_"))
-        (folder / "reference.cpp").write_text(SOURCE, encoding="utf-8")
+        (folder / "reference.cpp").write_text(SOURCE.replace("BODY", _body()), encoding="utf-8")
         subprocess.run(
             [
-                compiler, "-O3", "-march=native", "-shared", "-fPIC", "-std=c++17",
+                compiler, "-O3", "-march=native", "-fno-trapping-math", "-shared", "-fPIC", "-std=c++17",
                 str(folder / "reference.cpp"), "-o", str(folder / "reference.so"),
             ],
             check=True,

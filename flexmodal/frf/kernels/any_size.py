@@ -8,12 +8,12 @@ import numpy as np
 from flexmodal.frf.kernels.factor import GROWTH, LANES, SMALLEST_PIVOT
 
 
-def kernel(tile, rows, out, n, pairs):
+def kernel(tile, rows, out, n, pairs, work):
     """One tile of points; arguments as `flexmodal.frf.kernels.factor.write_kernel` says.
 
-    Row k of U = DLᵀ follows from those above it, U_kc = Z_kc − Σ_{m<k} L_km U_mc with L_km = U_mk/D_m: it stays in
-    the first-level cache while they pass. The rows of the Jacobian are further columns
-    of Z: column c = n + r of coordinate k is entry k of row r.
+    Row k of U = DLᵀ follows from those above it, U_kc = Z_kc − Σ_{m<k} L_km U_mc with L_km = U_mk/D_m: it
+    stays in the first-level cache while they pass. The rows of the Jacobian are further columns of Z: column
+    c = n + r of coordinate k is entry k of row r.
     """
     half = n * (n + 1) // 2
     entries = len(tile) // LANES - 1
@@ -21,7 +21,9 @@ def kernel(tile, rows, out, n, pairs):
     extra = entries > half + 3 * width
     more = len(rows) // (n * LANES)
     columns = n + more
-    re, im = np.zeros((n, columns, LANES)), np.zeros((n, columns, LANES))
+    re = work[: n * columns * LANES].reshape(n, columns, LANES)
+    im = work[n * columns * LANES :].reshape(n, columns, LANES)
+    im[:] = 0.0
     size, trust = np.empty((n, LANES)), np.ones(LANES)
     e = 0
     for i in range(n):

@@ -60,12 +60,12 @@ class Shape:
 
 
 def write_kernel(shape: Shape, *, lanes: int = LANES) -> tuple[str, int]:
-    """Source of `kernel(tile, rows, out, n, pairs)`, which works on one tile of points.
+    """Source of `kernel(tile, rows, out, n, pairs, work)`, which works on one tile of points.
 
     Entry e of a point's input stands at tile[e·lanes + p]: ω, then M (packed), K, B, structural damping
     (packed, or their diagonals), then the real and the imaginary half of the addition. `rows` holds row
     r's entry i at (r·n + i)·lanes; `out` receives for each pair the real and the imaginary part, and last
-    the trust. The two last arguments are for the kernel of any size and are not looked at.
+    the trust. The three last arguments are for the kernel of any size and are not looked at.
 
     Returns:
         The source, and the floating-point operations of one point.
@@ -101,7 +101,7 @@ def write_kernel(shape: Shape, *, lanes: int = LANES) -> tuple[str, int]:
         code.lines.append(f"out[{(2 * place + 1) * lanes}+p] = {result.im}")
     code.lines.append(f"out[{2 * len(shape.pairs) * lanes}+p] = {trust}")
     body = "\n".join(f"        {line}" for line in code.lines)
-    return f"def kernel(tile, rows, out, n, pairs):\n    for p in range({lanes}):\n{body}\n", code.flops
+    return f"def kernel(tile, rows, out, n, pairs, work):\n    for p in range({lanes}):\n{body}\n", code.flops
 
 
 def _dynamic_stiffness(

@@ -45,6 +45,7 @@ def sweep(parts, shared, rows, omega, extra, pairs, along, out):
     for e in range(len(shared)):
         for lane in range(LANES):
             tile[(1 + own + e) * LANES + lane] = shared[e]
+    work = np.empty(2 * n * (n + rows.shape[1] // n) * LANES)
     doubtful = 0
     for first in range(0, systems, LANES if along else 1):
         for lane in range(LANES):
@@ -59,7 +60,7 @@ def sweep(parts, shared, rows, omega, extra, pairs, along, out):
             for e in range(len(extra)):
                 for lane in range(LANES):
                     tile[(1 + both + e) * LANES + lane] = extra[e, start if along else start + lane]
-            kernel(tile, row_tile, result, n, pairs)
+            kernel(tile, row_tile, result, n, pairs, work)
             doubtful += spread(result, first, start, along, out)
     return doubtful
 
