@@ -13,7 +13,7 @@ import numpy as np
 from jaxtyping import Complex, Float
 from numpy.typing import ArrayLike
 
-from flexmodal.errors import Fault, InvalidPosture, InvalidRequest
+from flexmodal.errors import Fault, InvalidPosture, InvalidRequest, MissingExtra
 from flexmodal.frf import PointDirection, frequency_axis
 from flexmodal.frf.kernels.factor import LANES, Pairs
 from flexmodal.frf.kernels.route import Route, available_cores, choose, has_numba, run
@@ -128,7 +128,10 @@ def gradient_batch(
 
     Raises:
         InvalidPosture, InvalidPoint, InvalidFrequencies, InvalidRequest: bad arguments.
+        MissingExtra: the compiled way was asked for and numba is not installed.
     """
+    if threads is not None and (isinstance(threads, bool) or threads < 1):
+        raise InvalidRequest(Fault("call", "threads", repr(threads), "a whole number of at least 1, or none"))
     axis = frequency_axis(frequencies)
     values = posture_array(robot, postures)
     read, rows, numbers = read_pairs(robot, pairs)
@@ -143,6 +146,8 @@ def gradient_batch(
         for place in range(len(values)):
             _gradient_of_one(robot, values[place], rows, axis, numbers, result[place], slopes[place])
         return ReceptanceBatch(axis, read, result, Route("numpy", 1, "few points, or as asked"), slopes)
+    if not has_numba():
+        raise MissingExtra("the compiled gradient needs numba: pip install flexmodal[fast]")
     if chain is None:
         raise InvalidRequest(Fault("call", "way", "compiled for a robot that branches", "auto or numpy"))
     from flexmodal.model.batch_compiled import compiled_gradient

@@ -9,7 +9,7 @@ import pinocchio as pin
 import pytest
 
 import flexmodal
-from flexmodal.errors import InvalidInput
+from flexmodal.errors import InvalidInput, MissingExtra
 from flexmodal.model.batch import gradient_batch, posture_array, receptance_batch
 from flexmodal.model.batch_chain import chain_of, places_of
 from flexmodal.model.batch_compiled import compiled_poses
@@ -219,3 +219,21 @@ def test_bad_requests_say_what_is_wrong(change, words):
     robot = flexmodal.load("six_link")
     with pytest.raises(InvalidInput, match=words):
         receptance_batch(robot, given.pop("postures"), given.pop("pairs"), given.pop("frequencies"), **given)
+
+
+@pytest.mark.parametrize("change", [{"threads": 0}, {"way": "fastest"}, {"pairs": []}, {"postures": []}])
+def test_bad_requests_for_gradients(change):
+    given = {"postures": ["start_1"], "pairs": ["tool:+z"], "frequencies": [1.0], **change}
+    robot = flexmodal.load("six_link")
+    with pytest.raises(InvalidInput):
+        gradient_batch(robot, given.pop("postures"), given.pop("pairs"), given.pop("frequencies"), **given)
+
+
+@pytest.mark.parametrize("function", [receptance_batch, gradient_batch])
+def test_without_numba(function, monkeypatch):
+    for module in ("flexmodal.model.batch", "flexmodal.frf.kernels.route"):
+        monkeypatch.setattr(f"{module}.has_numba", lambda: False)
+    robot = flexmodal.load("six_link")
+    with pytest.raises(MissingExtra, match="numba"):
+        function(robot, ["start_1"], ["tool:+z"], [1.0], way="compiled")
+    assert function(robot, ["start_1"] * 3, ["tool:+z"], np.linspace(1, 2, 500)).route.way == "numpy"

@@ -14,7 +14,7 @@ import numpy as np
 from jaxtyping import Complex
 
 from flexmodal.errors import Fault, InvalidRequest, MissingExtra
-from flexmodal.frf.kernels.factor import LANES
+from flexmodal.frf.kernels.factor import LANES, Shape
 from flexmodal.frf.kernels.task import Task
 
 WAYS = ("auto", "LAPACK", "numpy", "compiled", "compiled any n", "planar recursion")
@@ -24,6 +24,12 @@ FEW = 40
 
 LONG = 12
 """Joints from which the recursion along a planar chain beats elimination."""
+
+_WORTH_A_CALL = 500
+"""Points from which a compiled kernel that is loaded already is quicker than anything else."""
+
+_LOADED: set[Shape] = set()
+"""Shapes whose kernels this process has used."""
 
 _POINTS = 1 << 15
 """Points of one block: its inputs stay small beside the result, and threads have something to share."""
@@ -60,7 +66,7 @@ def choose(task: Task, threads: int | None, way: str = "auto") -> Route:
         raise InvalidRequest(Fault("call", "way", repr(way), ", ".join(WAYS)))
     if way in ("LAPACK", "numpy"):
         return Route(way, 1, "asked for")
-    ready = "numba" in sys.modules and task.points >= 2000  # already loaded: worth it much earlier
+    ready = task.shape in _LOADED and task.points >= _WORTH_A_CALL
     if way == "auto" and not ready and task.points < FEW * task.dof**2:
         return Route("LAPACK", 1, f"few points ({task.points})")
     along = way == "planar recursion" or (way == "auto" and task.dof >= LONG)
@@ -74,7 +80,7 @@ def choose(task: Task, threads: int | None, way: str = "auto") -> Route:
         if way != "auto":
             raise MissingExtra("the compiled routes need numba: pip install flexmodal[fast]")
         return Route("numpy", 1, "numba is not installed")
-    if way == "auto" and seconds < (0.05 if loaded else 1.0):
+    if way == "auto" and not ready and seconds < (0.05 if loaded else 1.0):
         reason = f"{task.points} points are done before a compiled kernel would be loaded"
         return Route("numpy", 1, reason)
     blocks = sum(1 for _ in blocks_of(task))
@@ -119,6 +125,7 @@ def run(task: Task, route: Route) -> Complex[np.ndarray, "system line pair"]:
         from flexmodal.frf.kernels.compiled import compiled_repair, compiled_sweep, compiled_sweep_any
 
         sweep = compiled_sweep(task.shape) if route.way == "compiled" else compiled_sweep_any()
+        _LOADED.add(task.shape)
 
         def solve(place: tuple[slice, slice]) -> None:
             task.solve_compiled(*place, sweep, compiled_repair(), out[place])

@@ -80,7 +80,7 @@ def lightly_damped(damping):
 @pytest.mark.parametrize("way", WAYS)
 def test_a_part_that_resonates_costs_no_digits(way, damping):
     task, expected = lightly_damped(damping)
-    # Without the watch over growth the error here is 1e-3 to infinite.
+    # Without the watch over growth the error is 4e-5 undamped and 2e-7 at a damping of 1e-12.
     np.testing.assert_allclose(run(task, choose(task, 1, way)), expected, rtol=1e-12)
 
 
