@@ -2,13 +2,14 @@
 # make test    set up and run the tests
 # make check   ruff, mypy, import-linter, and what is in the wheel
 # make tables  remake the tables in docs/
+# make bench   measure the engine against its goals and its peers; some minutes
 # make fuzz    read 100000 mutated campaigns; no crash, no hang, no flood of memory
 # make clean   remove what these made
 
 PYTHON ?= python3.11
 BIN := .venv/bin
 .DEFAULT_GOAL := help
-.PHONY: help demo test check tables browser clean
+.PHONY: help demo test check tables bench fuzz browser clean
 
 help:
 	@grep '^# make' Makefile | cut -c3-
@@ -54,6 +55,14 @@ tables: .venv/tested
 clean:
 	rm -rf .venv dist build demo .pytest_cache .mypy_cache .ruff_cache
 
-.PHONY: fuzz
 fuzz: .venv/tested
 	$(BIN)/python benchmarks/fuzz_campaign.py
+
+.venv/peers: .venv/tested
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --group bench
+	@touch $@
+
+# One thread for everybody, or the ratios would compare core counts; sdynpy loads Qt, which wants no screen.
+bench: .venv/peers
+	OPENBLAS_NUM_THREADS=1 QT_QPA_PLATFORM=offscreen $(BIN)/python benchmarks/engine.py
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/engine_accuracy.py

@@ -2,17 +2,24 @@
 
 from __future__ import annotations
 
+import sys
+
 import numpy as np
 from jaxtyping import Complex, Float
 
-from flexmodal.errors import DefectiveModes, SingularResponse
+from flexmodal.errors import DefectiveModes
+from flexmodal.frf.kernels.route import FEW, choose, run
+from flexmodal.frf.kernels.task import SINGULAR, Task, is_damped, refuse_singular, singular
 from flexmodal.modal import Modes, SecondOrderSystem
 
-_BLOCK = 4096
-"""Frequencies solved at once: bounds the memory for the stacked matrices."""
+_MOST_PAIRS = 36
+"""Most receptances that elimination with the rows pays for; beyond, one factorisation serves them all."""
 
-_SINGULAR = 1e-13
-"""Smallest singular value of the scaled dynamic stiffness below which the response counts as infinite."""
+_FEW_LINES = 1000
+"""Lines up to which one factorisation of the stack is quicker than choosing and starting anything else."""
+
+_BLOCK = 4096
+"""Frequencies solved at once there: bounds the memory for the stacked matrices."""
 
 
 def dynamic_stiffness(
@@ -29,7 +36,7 @@ def receptance(
     reference: Float[np.ndarray, "reference dof"],
     frequency: Float[np.ndarray, " line"],
 ) -> Complex[np.ndarray, "line response reference"]:
-    """Receptance matrix between two sets of rows by a direct solve.
+    """Receptance matrix between two sets of rows by elimination, compiled where that pays.
 
     Holds at any posture, damping and frequency, critical damping and 0 Hz included.
 
@@ -45,44 +52,48 @@ def receptance(
     Raises:
         SingularResponse: an undamped mode is driven at its natural frequency, or a free one at 0 Hz.
     """
-    undamped = (
-        float(np.min(np.linalg.eigvalsh(_scaled(system.damping, np.diag(system.damping))))) <= _SINGULAR
+    few = len(frequency) < FEW * system.dof**2 and "numba" not in sys.modules
+    if few or len(frequency) < _FEW_LINES or len(response) * len(reference) > _MOST_PAIRS:
+        return _by_factorisation(system, response, reference, frequency)
+    same = response.shape == reference.shape and np.array_equal(response, reference)
+    rows = response if same else np.concatenate([response, reference])
+    pairs = tuple(
+        (i, j if same else len(response) + j)
+        for i in range(len(response))
+        for j in range(i if same else 0, len(reference))
     )
+    task = Task(
+        count=1,
+        block=lambda _: (system.mass[None], rows[None]),
+        stiffness=system.stiffness,
+        damping=system.damping,
+        hysteresis=np.zeros_like(system.mass),
+        pairs=pairs,
+        omega=2 * np.pi * frequency,
+    )
+    values = run(task, choose(task, None))[0]
+    result = np.empty((len(frequency), len(response), len(reference)), dtype=complex)
+    for place, (i, j) in enumerate(pairs):
+        column = j if same else j - len(response)
+        result[:, i, column] = values[:, place]
+        if same:
+            result[:, column, i] = values[:, place]
+    return result
+
+
+def _by_factorisation(
+    system: SecondOrderSystem, response: np.ndarray, reference: np.ndarray, frequency: np.ndarray
+) -> np.ndarray:
     blocks = []
     for start in range(0, len(frequency), _BLOCK):
         part = frequency[start : start + _BLOCK]
-        stack = dynamic_stiffness(system, part)
-        exposed = len(part) if undamped else int(part[0] == 0)  # damping holds everything but 0 Hz
-        _refuse_resonance(stack[:exposed], part[:exposed], system)
+        stack, omega = dynamic_stiffness(system, part), 2 * np.pi * part
+        exposed = np.flatnonzero(part == 0) if is_damped(system.damping) else np.arange(len(part))
+        terms = (np.diag(term) for term in (system.stiffness, system.mass, system.damping))
+        size = sum(term * omega[:, None] ** power for term, power in zip(terms, (0, 2, 1), strict=True))
+        refuse_singular(stack[exposed], np.asarray(size)[exposed], omega[exposed])
         blocks.append(response @ np.linalg.solve(stack, reference.T.astype(complex)[None]))
     return np.concatenate(blocks)
-
-
-def _scaled(matrix: np.ndarray, diagonal: np.ndarray) -> np.ndarray:
-    scale = 1 / np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
-    return matrix * scale[..., :, None] * scale[..., None, :]
-
-
-def _refuse_resonance(stack: np.ndarray, frequency: np.ndarray, system: SecondOrderSystem) -> None:
-    """Without full damping Z can be singular; find it before the solver returns 10¹⁰ or fails."""
-    if len(frequency) == 0:
-        return
-    omega = 2 * np.pi * frequency[:, None]
-    stiffness, mass, damping = (np.diag(part) for part in (system.stiffness, system.mass, system.damping))
-    # Against its own terms at its own line, so that neither the rest of the axis, nor a stiffer joint, nor
-    # all the modes meeting at one frequency changes the verdict.
-    scaled = _scaled(stack, stiffness + omega**2 * mass + omega * damping)
-    smallest = np.linalg.svd(scaled, compute_uv=False)[:, -1]
-    worst = int(np.argmin(smallest))
-    if smallest[worst] <= _SINGULAR:
-        raise _infinite(frequency[worst])
-
-
-def _infinite(frequency: float) -> SingularResponse:
-    return SingularResponse(
-        f"the receptance is infinite at {frequency:.9g} Hz: an undamped mode is driven at its "
-        "natural frequency; give the joints damping or leave this frequency out"
-    )
 
 
 def modal_sum(
@@ -103,7 +114,7 @@ def modal_sum(
         )
     poles, shapes = modes.expanded()
     driven = 2j * np.pi * frequency[:, None]
-    at_pole = np.abs(driven - poles) <= _SINGULAR * np.abs(poles)
+    at_pole = np.abs(driven - poles) <= SINGULAR * np.abs(poles)
     if np.any(at_pole):
-        raise _infinite(frequency[int(np.argmax(np.any(at_pole, axis=1)))])
+        raise singular(2 * np.pi * float(frequency[int(np.argmax(np.any(at_pole, axis=1)))]))
     return np.einsum("rp,lp,sp->lrs", response @ shapes, 1 / (driven - poles), reference @ shapes)

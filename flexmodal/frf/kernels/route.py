@@ -1,0 +1,153 @@
+"""Which way to take to a receptance, why, and taking it on the cores it was given."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from functools import cache
+from importlib.util import find_spec
+
+import numpy as np
+from jaxtyping import Complex
+
+from flexmodal.errors import Fault, InvalidRequest, MissingExtra
+from flexmodal.frf.kernels.factor import LANES, Shape
+from flexmodal.frf.kernels.task import Task
+
+WAYS = ("auto", "LAPACK", "numpy", "compiled", "compiled any n", "planar recursion")
+
+FEW = 40
+"""Points, times n², up to which one call of LAPACK is quicker than the calls of the numpy form."""
+
+LONG = 12
+"""Joints from which the recursion along a planar chain beats elimination."""
+
+_WORTH_A_CALL = 500
+"""Points from which a compiled kernel that is loaded already is quicker than anything else."""
+
+_LOADED: set[Shape] = set()
+"""Shapes whose kernels this process has used."""
+
+_POINTS = 1 << 15
+"""Points of one block: its inputs stay small beside the result, and threads have something to share."""
+
+
+@dataclass(frozen=True)
+class Route:
+    """The way taken and the reason."""
+
+    way: str
+    threads: int
+    reason: str
+
+    def __str__(self) -> str:
+        """One line for a log."""
+        cores = "1 thread" if self.threads == 1 else f"{self.threads} threads"
+        return f"{self.way} on {cores}: {self.reason}"
+
+
+def choose(task: Task, threads: int | None, way: str = "auto") -> Route:
+    """Choose a route; every route gives the same numbers but for rounding.
+
+    Elimination in numpy costs some calls for each pair of coordinates, however few the points. numba pays
+    its import (about half a second) and, the first time a shape is met on a machine, its compilation
+    (seconds); the numpy form costs about a microsecond a point for six joints and grows with the cube.
+
+    Raises:
+        InvalidRequest: a number of threads below 1, or no such way.
+        MissingExtra: a compiled route was asked for and numba is not installed.
+    """
+    if threads is not None and (isinstance(threads, bool) or threads < 1):
+        raise InvalidRequest(Fault("call", "threads", repr(threads), "a whole number of at least 1, or none"))
+    if way not in WAYS:
+        raise InvalidRequest(Fault("call", "way", repr(way), ", ".join(WAYS)))
+    if way in ("LAPACK", "numpy"):
+        return Route(way, 1, "asked for")
+    ready = task.shape in _LOADED and task.points >= _WORTH_A_CALL
+    if way == "auto" and not ready and task.points < FEW * task.dof**2:
+        return Route("LAPACK", 1, f"few points ({task.points})")
+    along = way == "planar recursion" or (way == "auto" and task.dof >= LONG)
+    if way == "planar recursion" and task.recursion is None:
+        allowed = "another: this wants a planar chain with diagonal K and B and no addition"
+        raise InvalidRequest(Fault("call", "way", repr(way), allowed))
+    fixed = "compiled" if task.fits_fixed and way != "compiled any n" else "compiled any n"
+    seconds = task.points * (0.3e-6 + 3e-9 * task.dof**3 + 0.05e-6 * len(task.pairs))
+    loaded = "numba" in sys.modules
+    if not has_numba():
+        if way != "auto":
+            raise MissingExtra("the compiled routes need numba: pip install flexmodal[fast]")
+        return Route("numpy", 1, "numba is not installed")
+    if way == "auto" and not ready and seconds < (0.05 if loaded else 1.0):
+        reason = f"{task.points} points are done before a compiled kernel would be loaded"
+        return Route("numpy", 1, reason)
+    blocks = sum(1 for _ in blocks_of(task))
+    cores = min(threads or available_cores(), blocks)
+    if along and task.recursion is not None:
+        return Route("planar recursion", cores, f"a planar chain of {task.dof} joints")
+    why = f"{task.points} points, n = {task.dof}, {len(task.pairs)} pairs"
+    why += ", K and B diagonal" if task.shape.diagonal else ", K and B symmetric"
+    return Route(fixed, cores, why)
+
+
+@cache
+def has_numba() -> bool:
+    """Whether numba is installed."""
+    return "numba" in sys.modules or find_spec("numba") is not None
+
+
+def available_cores() -> int:
+    """Cores this process may run on."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def run(task: Task, route: Route) -> Complex[np.ndarray, "system line pair"]:
+    """Take a route.
+
+    Raises:
+        SingularResponse: an undamped mode is driven at its natural frequency.
+    """
+    out = np.empty((task.count, len(task.omega), len(task.pairs)), dtype=complex)
+    if route.way in ("LAPACK", "numpy"):
+        for systems, lines in blocks_of(task):
+            solve_block = task.solve_numpy if route.way == "numpy" else task.solve_lapack
+            solve_block(systems, lines, out[systems, lines])
+        return out
+    recursion = task.recursion
+    if route.way == "planar recursion" and recursion is not None:
+
+        def solve(place: tuple[slice, slice]) -> None:
+            if recursion(*place, out[place]):
+                task.solve_pivoting(*place, out[place])
+    else:
+        from flexmodal.frf.kernels.compiled import compiled_repair, compiled_sweep, compiled_sweep_any
+
+        sweep = compiled_sweep(task.shape) if route.way == "compiled" else compiled_sweep_any()
+        _LOADED.add(task.shape)
+
+        def solve(place: tuple[slice, slice]) -> None:
+            task.solve_compiled(*place, sweep, compiled_repair(), out[place])
+
+    if route.threads == 1:
+        for place in blocks_of(task):
+            solve(place)
+        return out
+    with ThreadPoolExecutor(route.threads) as pool:
+        list(pool.map(solve, blocks_of(task)))
+    return out
+
+
+def blocks_of(task: Task) -> Iterator[tuple[slice, slice]]:
+    """Cut a task into blocks of systems and lines."""
+    lines = min(len(task.omega), _POINTS)
+    systems = max(1, _POINTS // lines)
+    if systems > LANES:
+        systems -= systems % LANES
+    for first in range(0, task.count, systems):
+        for start in range(0, len(task.omega), lines):
+            yield (
+                slice(first, min(first + systems, task.count)),
+                slice(start, min(start + lines, len(task.omega))),
+            )

@@ -1,0 +1,46 @@
+"""The compiled functions for batches of postures, made when first asked for."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+from flexmodal.frf.kernels.compiled import compile_together
+from flexmodal.model import batch_gradient as gradient
+from flexmodal.model import batch_kinematics as kinematics
+from flexmodal.model import batch_planar as planar
+
+_KINEMATICS = (
+    kinematics.cross,
+    kinematics.turn,
+    kinematics.place_joints,
+    kinematics.place_bodies,
+    kinematics.mass_matrix,
+    kinematics.point_jacobian,
+)
+
+
+@cache
+def compiled_poses() -> Any:
+    """`flexmodal.model.batch_kinematics.pose_batch`, compiled."""
+    return compile_together(*_KINEMATICS, last=kinematics.pose_batch)
+
+
+@cache
+def compiled_gradient() -> Any:
+    """`flexmodal.model.batch_gradient.gradient_batch`, compiled."""
+    return compile_together(
+        *_KINEMATICS,
+        gradient.factor_symmetric,
+        gradient.solve_factored,
+        gradient.sweep_momenta,
+        gradient.mass_slope,
+        gradient.row_slopes,
+        last=gradient.gradient_batch,
+    )
+
+
+@cache
+def compiled_planes() -> Any:
+    """`flexmodal.model.batch_planar.plane_batch`, compiled."""
+    return compile_together(*_KINEMATICS[:4], last=planar.plane_batch)

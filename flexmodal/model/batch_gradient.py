@@ -1,0 +1,234 @@
+"""Receptance and its derivative along every joint, for many postures: written for the compiler.
+
+With y = Z⁻¹jᵀ solved once for each row,
+
+    dα_uv/dq_k = (∂j_u/∂q_k) y_v + y_uᵀ(∂j_vᵀ/∂q_k) + ω² y_uᵀ (∂D/∂q_k) y_v.
+
+Let the joints move at the (complex) rates y. Body l then has the twist V_l = Σ_{i≤l} S_i y_i and all
+bodies from k outwards have the momentum P_k = Σ_{l≥k} I_l V_l. Turning joint k carries the bodies behind
+it and the axes behind it along, S_i → S_k × S_i, and leaves the twist V_k itself behind, so that
+
+    y_uᵀ (∂D/∂q_k) y_v = −(S_k × V_k(y_u)) · P_k(y_v) − (S_k × V_k(y_v)) · P_k(y_u):
+
+two sweeps along the chain instead of a tensor. For the rows the same argument gives sums over the joints
+before k and from k on (see `flexmodal.model.gradient.jacobian_derivative`). Twists and momenta are taken
+about the first joint's origin. The sweeps are linear, so the real and the imaginary part of y go through
+them one by one.
+"""
+
+# mypy: disable-error-code="no-untyped-def, no-untyped-call"
+from __future__ import annotations
+
+import numpy as np
+
+from flexmodal.frf.kernels.factor import GROWTH, SMALLEST_PIVOT
+from flexmodal.model.batch_kinematics import (
+    cross,
+    mass_matrix,
+    place_bodies,
+    place_joints,
+    point_jacobian,
+)
+
+
+def factor_symmetric(matrix, size):
+    """LDLᵀ in place: 1/D on the diagonal, the rows of Lᵀ beside it; False if a pivot is not to be trusted."""
+    n = len(matrix)
+    trusted = True
+    for k in range(n):
+        pivot = matrix[k, k]
+        square = pivot.real * pivot.real + pivot.imag * pivot.imag
+        least = SMALLEST_PIVOT if k == n - 1 else 0.0
+        trusted = trusted and (least * size[k]) ** 2 < square <= (GROWTH * size[k]) ** 2
+        inverse = complex(pivot.real / square, -pivot.imag / square)
+        matrix[k, k] = inverse
+        for j in range(k + 1, n):
+            factor = matrix[k, j] * inverse
+            for i in range(j, n):
+                matrix[j, i] -= factor * matrix[k, i]
+            matrix[j, k] = factor
+    return trusted
+
+
+def solve_factored(matrix, row, pick, work, out):
+    """Solve Z y = row with what `factor_symmetric` left; y's parts go to the flexible places of `out`."""
+    n = len(matrix)
+    for k in range(n):
+        value = complex(row[pick[k]], 0.0)
+        for i in range(k):
+            value -= matrix[k, i] * work[i]
+        work[k] = value
+    for k in range(n - 1, -1, -1):
+        value = work[k] * matrix[k, k]
+        for i in range(k + 1, n):
+            value -= matrix[i, k] * work[i]
+        work[k] = value
+        out[0, pick[k]], out[1, pick[k]] = value.real, value.imag
+
+
+def sweep_momenta(chain, arms, axes, centres, inertias, y, twists, momenta):
+    """Twist of every body when the joints move at rates y, and the momentum of it and all behind it.
+
+    Both about the first joint's origin, linear part first; `arms` are the joints' own linear parts there.
+    """
+    turns, mass = chain[0], chain[4]
+    count = len(y)
+    for i in range(count):
+        for a in range(3):
+            twists[i, a] = arms[i, a] * y[i]
+            twists[i, 3 + a] = axes[i, a] * y[i] if turns[i] else 0.0
+            if i > 0:
+                twists[i, a] += twists[i - 1, a]
+                twists[i, 3 + a] += twists[i - 1, 3 + a]
+    for i in range(count - 1, -1, -1):
+        v, c = twists[i], centres[i]
+        x = mass[i] * (v[0] + v[4] * c[2] - v[5] * c[1])
+        z = mass[i] * (v[1] + v[5] * c[0] - v[3] * c[2])
+        w = mass[i] * (v[2] + v[3] * c[1] - v[4] * c[0])
+        p = momenta[i]
+        p[0], p[1], p[2] = x, z, w
+        p[3] = c[1] * w - c[2] * z
+        p[4] = c[2] * x - c[0] * w
+        p[5] = c[0] * z - c[1] * x
+        for a in range(3):
+            for b in range(3):
+                p[3 + a] += inertias[i, a, b] * v[3 + b]
+        if i < count - 1:
+            for a in range(6):
+                p[a] += momenta[i + 1, a]
+
+
+def mass_slope(turns, arm, axis, twists, momenta, k):
+    """(S × V_k) · P_k for one joint, S = (arm, axis), with V and P complex in two parts."""
+    re, im = 0.0, 0.0
+    real, imaginary = momenta[0, k], momenta[1, k]
+    for part in range(2):
+        v = twists[part, k]
+        x0 = arm[1] * v[5] - arm[2] * v[4]
+        x1 = arm[2] * v[3] - arm[0] * v[5]
+        x2 = arm[0] * v[4] - arm[1] * v[3]
+        x3 = x4 = x5 = 0.0
+        if turns:
+            x0 += axis[1] * v[2] - axis[2] * v[1]
+            x1 += axis[2] * v[0] - axis[0] * v[2]
+            x2 += axis[0] * v[1] - axis[1] * v[0]
+            x3 = axis[1] * v[5] - axis[2] * v[4]
+            x4 = axis[2] * v[3] - axis[0] * v[5]
+            x5 = axis[0] * v[4] - axis[1] * v[3]
+        p = real
+        with_re = x0 * p[0] + x1 * p[1] + x2 * p[2] + x3 * p[3] + x4 * p[4] + x5 * p[5]
+        p = imaginary
+        with_im = x0 * p[0] + x1 * p[1] + x2 * p[2] + x3 * p[3] + x4 * p[4] + x5 * p[5]
+        re += -with_im if part else with_re
+        im += with_re if part else with_im
+    return complex(re, im)
+
+
+def row_slopes(jacobian, selector, y, scratch, slopes):
+    """Set (∂j/∂q_k) y for all k, with j = selector · jacobian; y real."""
+    count = len(y)
+    carried, spun = scratch[:6], scratch[6:]  # Σ over the joints from k on; Σ of the turning parts before k
+    scratch[:] = 0.0
+    for i in range(count):
+        for a in range(3):
+            spun[a] += jacobian[3 + a, i] * y[i]
+    s = selector
+    for k in range(count - 1, -1, -1):
+        x, y0, z = jacobian[3, k], jacobian[4, k], jacobian[5, k]
+        for a in range(6):
+            carried[a] += jacobian[a, k] * y[k]
+        for a in range(3):
+            spun[a] -= jacobian[3 + a, k] * y[k]
+        c, t = carried, spun
+        value = s[0] * (y0 * c[2] - z * c[1] + t[1] * jacobian[2, k] - t[2] * jacobian[1, k])
+        value += s[1] * (z * c[0] - x * c[2] + t[2] * jacobian[0, k] - t[0] * jacobian[2, k])
+        value += s[2] * (x * c[1] - y0 * c[0] + t[0] * jacobian[1, k] - t[1] * jacobian[0, k])
+        value += s[3] * (y0 * c[5] - z * c[4]) + s[4] * (z * c[3] - x * c[5]) + s[5] * (x * c[4] - y0 * c[3])
+        slopes[k] = value
+
+
+def gradient_batch(chain, joints, offsets, selectors, pick, matrices, postures, omega, pairs, values, slopes):
+    """Receptances and their derivatives along all joints.
+
+    Args:
+        chain: arrays of a `Chain`.
+        joints: carrier of each row's point.
+        offsets: of the points in the carriers' frames.
+        selectors: directions of the rows.
+        pick: which joints are flexible.
+        matrices: K, B and the structural damping.
+        postures: angles and lengths of all joints; posture × joint.
+        omega: angular frequencies [rad/s].
+        pairs: numbers of the rows that make a receptance; pair × 2.
+        values: receives posture × frequency × pair.
+        slopes: receives posture × frequency × pair × joint.
+
+    Returns:
+        How many points are not trusted; they are NaN.
+    """
+    count, n, many = postures.shape[1], len(pick), len(joints)
+    turns = chain[0]
+    frames, origins, axes = np.empty((count, 3, 3)), np.empty((count, 3)), np.empty((count, 3))
+    centres, inertias = np.empty((count, 3)), np.empty((count, 3, 3))
+    arms = np.empty((count, 3))
+    full, position = np.empty((count, count)), np.empty(3)
+    jacobians, rows = np.empty((many, 6, count)), np.empty((many, count))
+    matrix, size = np.empty((n, n), dtype=np.complex128), np.empty(n)
+    work = np.empty(n, dtype=np.complex128)
+    y = np.zeros((many, 2, count))
+    twists, momenta = np.empty((many, 2, count, 6)), np.empty((many, 2, count, 6))
+    turned, scratch = np.empty((2, count)), np.empty(9)
+    doubtful = 0
+    for s in range(len(postures)):
+        place_joints(chain, postures[s], frames, origins, axes)
+        place_bodies(chain, frames, origins, centres, inertias)
+        mass_matrix(chain, origins, axes, centres, inertias, full)
+        for r in range(many):
+            point_jacobian(chain, frames, origins, axes, joints[r], offsets[r], position, jacobians[r])
+            for i in range(count):
+                rows[r, i] = 0.0
+                for a in range(6):
+                    rows[r, i] += selectors[r, a] * jacobians[r, a, i]
+        for i in range(count):
+            for a in range(3):
+                arms[i, a] = origins[i, a] - origins[0, a] if turns[i] else axes[i, a]
+                centres[i, a] -= origins[0, a]
+            if turns[i]:
+                cross(arms[i].copy(), axes[i], arms[i])
+        for f in range(len(omega)):
+            w = omega[f]
+            for i in range(n):
+                for j in range(i, n):
+                    mass = full[pick[i], pick[j]]
+                    matrix[i, j] = complex(
+                        matrices[0, i, j] - w * w * mass, w * matrices[1, i, j] + matrices[2, i, j]
+                    )
+                size[i] = matrices[0, i, i] + w * w * full[pick[i], pick[i]] + matrix[i, i].imag
+            trusted = factor_symmetric(matrix, size)
+            doubtful += not trusted
+            for r in range(many):
+                solve_factored(matrix, rows[r], pick, work, y[r])
+                for part in range(2):
+                    sweep_momenta(
+                        chain, arms, axes, centres, inertias, y[r, part], twists[r, part], momenta[r, part]
+                    )
+            for place in range(len(pairs)):
+                u, v = pairs[place, 0], pairs[place, 1]
+                re, im = 0.0, 0.0
+                for i in range(count):
+                    re += rows[u, i] * y[v, 0, i]
+                    im += rows[u, i] * y[v, 1, i]
+                values[s, f, place] = complex(re, im) if trusted else complex(np.nan, np.nan)
+                # A drive point is the same from both sides: take one and double it.
+                sides = 1 if u == v else 2
+                slopes[s, f, place] = 0.0
+                for side in range(sides):
+                    left, right = (u, v) if side == 0 else (v, u)
+                    for part in range(2):
+                        row_slopes(jacobians[left], selectors[left], y[right, part], scratch, turned[part])
+                    for k in range(count):
+                        change = mass_slope(turns[k], arms[k], axes[k], twists[left], momenta[right], k)
+                        re = turned[0, k] - w * w * change.real
+                        im = turned[1, k] - w * w * change.imag
+                        slopes[s, f, place, k] += (3 - sides) * complex(re, im)
+    return doubtful
