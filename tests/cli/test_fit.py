@@ -102,3 +102,21 @@ def test_exit_1_where_no_mode_is_found(cli):
     ran = cli("fit", PLATE, "--band", "150:180", "--forbid", "150:180", "--json")
     assert ran.status == 1
     assert json.loads(ran.out)["modes"] == []
+
+
+@pytest.mark.parametrize(
+    ("options", "headings"),
+    [
+        ((BEAM, "--per", "posture", "--method", "lscf"), ["Measured and synthesised", "Stabilisation"]),
+        ((PLATE, "--band", "110:145", "--at", "126", "--method", "circle"), ["Circles", "Coherence"]),
+    ],
+)
+def test_one_page_with_every_picture(cli, tmp_path, options, headings):
+    page = tmp_path / "fit.html"
+    assert cli("fit", *options, "--out", page).status == 0
+    text = page.read_text(encoding="utf-8")
+    for heading in headings:
+        assert f"<h2>{heading}</h2>" in text
+    assert text.count("<svg") >= len(headings)
+    assert 'src="http' not in text
+    assert 'href="http' not in text
