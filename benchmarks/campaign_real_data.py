@@ -1,7 +1,7 @@
 """Make the campaigns in tests/data/real from the published measurements they hold.
 
-`python benchmarks/campaign_real_data.py FOLDER`, where FOLDER holds mssp_plate_sweep/ and
-pyuff_accelerance_points/ as their repositories publish them; needs h5py.
+`python benchmarks/campaign_real_data.py FOLDER`, where FOLDER holds mssp_plate_sweep/,
+pyuff_accelerance_points/ and vibrationtesting_lab_frf/ as their repositories publish them; needs h5py.
 """
 
 from __future__ import annotations
@@ -13,7 +13,15 @@ from pathlib import Path
 import numpy as np
 from tables import ROOT
 
-from flexmodal.campaign import Blow, Campaign, CampaignPoint, CampaignPosture, Trial, write_campaign
+from flexmodal.campaign import (
+    Blow,
+    Campaign,
+    CampaignPoint,
+    CampaignPosture,
+    FrfRecords,
+    Trial,
+    write_campaign,
+)
 
 REAL = ROOT / "tests" / "data" / "real"
 VIEWS = ("view_0", "view_0_02", "view_0_03", "view_0_04", "view_1")
@@ -63,6 +71,32 @@ def beam(source: Path) -> None:
     finish(source, folder, "frf.uff is measurement.uff, unchanged; the text files were left out")
 
 
+def laboratory(source: Path) -> None:
+    """The analyser's averaged FRF of a hammer test; its units are not published and taken for SI."""
+    from scipy.io import loadmat
+
+    table = loadmat(source / "case1.mat")
+    frequency = table["Freq_domain"].ravel().astype(float)
+    value = table["Hf_chan_2"].ravel().astype(complex)[None, :]
+    one, place = np.ones(1, dtype=int), np.array([[1, 3]])
+    campaign = Campaign(
+        title="Laboratory hammer test, one averaged FRF",
+        robot="none",
+        band=(190.0, 235.0),
+        postures=(CampaignPosture(1, "as mounted", {}),),
+        points=(CampaignPoint(1, "channel 2", "structure", ORIGIN),),
+        trials=(Trial(1, 1.0, 1, "not published"),),
+        frfs=FrfRecords(frequency, value, None, one, one, place, place, "receptance"),
+    )
+    folder = REAL / "laboratory_hammer"
+    if folder.exists():
+        shutil.rmtree(folder)
+    remark = (
+        "the FRF of case1.mat as dataset 58b, every digit kept; its coherence, above 1 in places, left out"
+    )
+    finish(source, write_campaign(campaign, folder), remark)
+
+
 def finish(source: Path, folder: Path, remark: str) -> None:
     shutil.copyfile(source / "LICENSE", folder / "LICENSE")
     text = (source / "PROVENANCE.md").read_text(encoding="utf-8").rstrip("\n")
@@ -79,6 +113,7 @@ def main() -> None:
     REAL.mkdir(parents=True, exist_ok=True)
     plate(source / "mssp_plate_sweep")
     beam(source / "pyuff_accelerance_points")
+    laboratory(source / "vibrationtesting_lab_frf")
 
 
 if __name__ == "__main__":

@@ -120,3 +120,16 @@ def test_one_page_with_every_picture(cli, tmp_path, options, headings):
     assert text.count("<svg") >= len(headings)
     assert 'src="http' not in text
     assert 'href="http' not in text
+
+
+def test_the_laboratory_hammer_test_as_other_programs_find_it(cli):
+    (mode,) = cli("fit", REAL / "laboratory_hammer", "--json").json()["modes"]
+    peers = [
+        peer
+        for name in ("own single-mode LS", "sdypy-EMA", "vibrationtesting")
+        for peer in reference("vibrationtesting_lab_frf/case1", name)
+    ]
+    assert len(peers) == 3
+    low, high = mode["uncertainty"]["damping_ratio_95"]
+    assert all(mode["frequency"] == pytest.approx(frequency, rel=0.005) for frequency, _ in peers)
+    assert any(low <= damping <= high for _, damping in peers)  # they scatter among themselves by 9 %
