@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from flexmodal.campaign import without_window as unwindowed
 from flexmodal.ema.mode import EstimatedModes, ModeEstimate
 from flexmodal.errors import Fault, InvalidRequest
 
@@ -30,19 +31,18 @@ def without_window(found: EstimatedModes, decay: float) -> EstimatedModes:
 
 
 def _corrected(mode: ModeEstimate, decay: float) -> ModeEstimate:
-    pole = mode.pole + decay
-    natural = abs(pole)
+    frequency, damping = (float(part) for part in unwindowed(mode.frequency, mode.damping_ratio, decay))
     before = _slopes(2 * np.pi * mode.frequency, mode.damping_ratio)
-    after = _slopes(natural, -pole.real / natural)
+    after = _slopes(2 * np.pi * frequency, damping)
     spread = np.diag([2 * np.pi, 1.0])
     turn = np.linalg.inv(after @ spread) @ before @ spread
     remarks = mode.remarks
-    if pole.real >= 0:
+    if damping <= 0:
         remarks = (*remarks, "the window's damping is more than all that was measured")
     return replace(
         mode,
-        frequency=float(natural / (2 * np.pi)),
-        damping_ratio=float(-pole.real / natural),
+        frequency=frequency,
+        damping_ratio=damping,
         covariance=turn @ mode.covariance @ turn.T,
         remarks=remarks,
     )

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from jaxtyping import Complex, Float
 
-from flexmodal.errors import Fault, InvalidRequest, SingularResponse
-from flexmodal.frf.kernels.factor import LANES, LARGEST, Pairs, Shape, row_count
+from flexmodal.errors import SingularResponse
+from flexmodal.frf.kernels.factor import LANES, LARGEST, Pairs, Shape
 from flexmodal.frf.kernels.numpy_form import ldlt_receptances
 
 Block = Callable[[slice], tuple[Float[np.ndarray, "system dof dof"], Float[np.ndarray, "system row dof"]]]
@@ -212,13 +212,3 @@ def is_damped(loss: Float[np.ndarray, "dof dof"]) -> bool:
     diagonal = np.diag(loss)
     scale = 1 / np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
     return float(np.min(np.linalg.eigvalsh(loss * scale[:, None] * scale))) > SINGULAR
-
-
-def check_pairs(pairs: Pairs, rows: int) -> None:
-    """Pairs must speak of rows that exist.
-
-    Raises:
-        InvalidRequest: none, or a number out of range.
-    """
-    if not pairs or row_count(pairs) > rows or min(min(pair) for pair in pairs) < 0:
-        raise InvalidRequest(Fault("call", "pairs", repr(pairs), f"numbers of rows from 0 to {rows - 1}"))
