@@ -3,9 +3,9 @@
     r = ln(α_model / α_measured),   phase wrapped to (−π, π],   ∂r = ∂α / α,
 
 each line weighted by 1/(σ² + ε²): σ² its relative variance of measurement, ε a floor for what the model
-leaves out. The floor is lowered in steps, which leads past local minima at resonances and antiresonances. Large
-residuals count linearly (Huber, Ann. Math. Statist. 35, 1964). Priors enter as in any maximum a posteriori
-estimate; steps are damped after Levenberg and Marquardt.
+leaves out. The floor is lowered in steps, which leads past local minima at resonances and antiresonances.
+Large residuals count linearly (Huber, Ann. Math. Statist. 35, 1964). Priors enter as in any maximum a
+posteriori estimate; steps are damped after Levenberg and Marquardt.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ HUBER = 3.0
 STEPS = 30
 """At most, at each floor."""
 SETTLED = 1e-3
-"""A step that changes the cost relatively by less ends a round; the round at the last floor goes on to `FINE`."""
+"""A step that changes the cost relatively by less ends a round; the last one goes on to `FINE`."""
 FINE = 1e-6
 
 

@@ -33,7 +33,8 @@ def robot_space(
     Args:
         robot: from its card come the values, bounds (`lower`, `upper`) and trust (`scale`) of each joint.
         kinds: some of `KINDS`. `mass.LINK` [kg] takes the link's inertia with it; `inertia.LINK` is the
-            factor on the moments about the mass centre besides, so that any value above 0 is a body there can be.
+            factor on the moments about the mass centre besides, so that any value above 0 is a body there can
+            be.
         trust: standard deviation of ln(true / card) by kind or by name, over those of the card.
 
     Raises:

@@ -3,9 +3,10 @@
     Z(s) = K + h H + s C + s² M,    α_uv = u Z⁻¹ vᵀ,    ∂α_uv = ∂u y_v + y_uᵀ ∂vᵀ − y_uᵀ ∂Z y_v,
 
 with y = Z⁻¹ jᵀ solved once for each row [m/N for translations], at s = iω, or s = iω + σ where an exponential
-window exp(−σt) was put on the records. H is hysteretic stiffness. A constant loss factor is not causal by itself; what goes with it is a stiffness that grows with ln ω (Kramers and Kronig; see
-Nashif, Jones and Henderson, Vibration Damping, 1985), so h(ω) = i + (2/π) ln(ω/ω₀) with ω₀ the middle of the
-band on a logarithmic scale.
+window exp(−σt) was put on the records. H is hysteretic stiffness. A constant loss factor is not causal by
+itself; what goes with it is a stiffness that grows with ln ω (Kramers and Kronig; see Nashif, Jones and
+Henderson, Vibration Damping, 1985), so h(ω) = i + (2/π) ln(ω/ω₀) with ω₀ the middle of the band on a
+logarithmic scale.
 """
 
 from __future__ import annotations

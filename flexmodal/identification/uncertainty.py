@@ -7,8 +7,8 @@ least squares with clusters (Liang and Zeger, Biometrika 73, 1986),
     cov = A⁻¹ (Σ_c g_c g_cᵀ · G/(G − 1) + P) A⁻¹,    A = Σ JᵀWJ + P,
 
 with g_c the gradient summed over one cluster — all that was measured between one response and one hammer
-point in one posture —, G their number and P the prior's precision. Where there are few clusters for the parameters,
-the interval is widened to Student's t.
+point in one posture —, G their number and P the prior's precision. Where there are few clusters for the
+parameters, the interval is widened to Student's t.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The identification's own mass matrix, receptance and derivatives against Pinocchio and finite differences."""
+"""Mass matrix, receptance and derivatives of the identification, against Pinocchio and finite differences."""
 
 import numpy as np
 import pytest
