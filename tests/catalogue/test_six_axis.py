@@ -29,6 +29,13 @@ def test_postures_keep_inside_the_limits(posture):
         assert joint.lower < angle < joint.upper
 
 
+@pytest.mark.parametrize("posture", POSTURES)
+def test_the_tool_keeps_off_the_floor_and_the_column(posture):
+    x, y, z = ROBOT.measures(posture).tool
+    assert z > 0.15
+    assert math.hypot(x, y) > 0.5
+
+
 def test_reach_and_masses_of_the_head():
     origin = {joint.name: np.array(joint.xyz) for joint in ROBOT.urdf.joints}
     forearm = origin["q4"] + origin["q5"]
