@@ -58,6 +58,8 @@ class Normal:
     scores: Float[np.ndarray, "observation parameter"]
     squared: Float[np.ndarray, " observation"]
     """Σ w |r|² of each observation."""
+    blocks: Float[np.ndarray, "observation parameter parameter"]
+    """What each observation adds to the curvature."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,7 +108,7 @@ def normal_equations(
     weight = weighing.weight(observations)
     names = model.space.names
     size = len(names)
-    curvature = np.zeros((size, size))
+    blocks = np.zeros((len(observations), size, size))
     scores, squared = np.zeros((len(observations), size)), np.zeros(len(observations))
     data_cost = 0.0
     for group in model.groups(x, observations, slopes=True):
@@ -123,11 +125,13 @@ def normal_equations(
         scores[rows] = np.einsum("pnl,nl->np", jacobian.real, r.real) + np.einsum(
             "pnl,nl->np", jacobian.imag, r.imag
         )
-        flat = jacobian.reshape(size, -1)
-        curvature += flat.real @ flat.real.T + flat.imag @ flat.imag.T
+        each = np.moveaxis(jacobian, 0, 1)  # [observation, parameter, line]
+        blocks[rows] = each.real @ np.swapaxes(each.real, 1, 2) + each.imag @ np.swapaxes(each.imag, 1, 2)
     precision = model.space.precision
     gradient = scores.sum(axis=0) + precision * x
-    return Normal(data_cost + _prior(model, x), data_cost, gradient, curvature, scores, squared)
+    return Normal(
+        data_cost + _prior(model, x), data_cost, gradient, blocks.sum(axis=0), scores, squared, blocks
+    )
 
 
 def fit(

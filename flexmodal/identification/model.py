@@ -15,6 +15,7 @@ from flexmodal.identification.assembly import Assembly, put_together
 from flexmodal.identification.observations import Observations
 from flexmodal.identification.parameter import ParameterSpace
 from flexmodal.identification.structure import Axis, Structure, receptance
+from flexmodal.identification.truncation import missing
 from flexmodal.model import Robot
 
 AXES = np.eye(3)
@@ -133,6 +134,8 @@ def group_receptance(
     """
     distinct, back = np.unique(group.pairs, axis=0, return_inverse=True)
     value, slopes = receptance(group.structure, axis, distinct, names)
+    if axis.length > 0 and (cut := missing(group.structure, axis, distinct, names)) is not None:
+        value, slopes = value + cut[0], slopes + cut[1]
     value, slopes = value[back.ravel()], slopes[:, back.ravel()]
     if group.reading is not None:
         log, changes = group.reading(axis)
