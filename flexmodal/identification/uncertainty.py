@@ -25,7 +25,7 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Float, Int
 
-from flexmodal.identification.frf_fit import Normal
+from flexmodal.identification.descent import Normal
 from flexmodal.identification.observations import Observations
 from flexmodal.identification.parameter import ParameterSpace
 
@@ -146,3 +146,24 @@ def _root(matrix: np.ndarray) -> np.ndarray:
     """R with R Rᵀ = matrix, directions that nothing tells given next to nothing."""
     values, vectors = np.linalg.eigh(matrix)
     return vectors * np.sqrt(np.maximum(values, 1e-14 * max(float(values[-1]), 1e-300)))
+
+
+def laplace(space: ParameterSpace, normal: Normal, count: int) -> Uncertainty:
+    """Covariance of the curvature, for data whose errors are independent and known.
+
+    Where χ² is larger than its degrees of freedom, the errors were too small or the model leaves something
+    out, and the part of the data is widened by √(χ²/ν), as is usual for averages (Birge, Phys. Rev. 40,
+    1932).
+
+    Args:
+        space: with priors.
+        normal: at the end of the fit.
+        count: how many numbers were fitted.
+    """
+    prior = np.diag(space.precision)
+    inverse = np.linalg.pinv(normal.curvature + prior, hermitian=True)
+    spent = float(np.trace(inverse @ normal.curvature))
+    freedom = max(count - spent, 1.0)
+    wider = max(1.0, float(normal.squared.sum()) / freedom)
+    covariance = inverse @ (wider * normal.curvature + prior) @ inverse
+    return Uncertainty(space, covariance, np.full(len(space), freedom), normal.curvature)

@@ -7,6 +7,8 @@ import pytest
 import flexmodal
 from flexmodal.rig import simulate
 
+POSTURES = ["configuration_1", "configuration_3", "configuration_7"]
+
 
 @pytest.fixture(scope="session")
 def fanuc():
@@ -16,7 +18,7 @@ def fanuc():
 @pytest.fixture(scope="session")
 def rig(fanuc):
     """Three postures, three points, two hammer positions, two repeats: 36 FRFs."""
-    return simulate(fanuc, postures=3, points=3, references=2, trials=2, peaks=(100.0,), seed=2)
+    return simulate(fanuc, postures=POSTURES, points=3, references=2, trials=2, peaks=(100.0,), seed=2)
 
 
 @pytest.fixture(scope="session")
