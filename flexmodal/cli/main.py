@@ -20,6 +20,7 @@ _COMMANDS = {
     "measures": "Stiffness, mobility and receptance of a posture along a direction.",
     "optimise": "The posture that resists best.",
     "fit": "Modal parameters of measured FRFs, with uncertainty.",
+    "identify": "Stiffness, damping and inertia from a campaign, with uncertainty.",
     "rig": "A simulated hammer test, with effects hidden in it.",
     "show": "The robot, its modes or its deflection in the browser.",
     "demo": "A tour: two robots, their FRFs, a better posture, a page.",

@@ -13,6 +13,7 @@ from flexmodal.identification.optima import search
 from flexmodal.identification.outcome import Gaps, Outcome
 from flexmodal.identification.parameter import ParameterSpace
 from flexmodal.identification.problem import IdentificationProblem, Source, build_identification
+from flexmodal.identification.routes import MODEL_ERROR
 from flexmodal.model import Robot
 
 
@@ -25,6 +26,7 @@ def identify(
     trust: Mapping[str, float] | None = None,
     hold_out: Sequence[str | int] = (),
     use: Sequence[str] | None = None,
+    model_error: float = MODEL_ERROR,
     starts: int = 1,
     seed: int = 0,
     advance: Callable[[str], None] = lambda stage: None,
@@ -43,6 +45,7 @@ def identify(
         trust: standard deviations of ln(true / card) by kind or name, over the card's.
         hold_out: names or ids of postures, or names of points, that the fit is not to see.
         use: what of the modes.
+        model_error: relative error of natural frequencies that the model is granted.
         starts: how many starting points: the card, then others drawn from the prior.
         seed: of those.
         advance: called with the name of each stage as it begins.
@@ -52,7 +55,14 @@ def identify(
     """
     advance("reading")
     problem = build_identification(
-        campaign, robot, source=source, space=space, trust=trust, hold_out=hold_out, use=use
+        campaign,
+        robot,
+        source=source,
+        space=space,
+        trust=trust,
+        hold_out=hold_out,
+        use=use,
+        model_error=model_error,
     )
     return solve_identification(problem, starts=starts, seed=seed, advance=advance)
 

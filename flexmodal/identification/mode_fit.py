@@ -32,6 +32,7 @@ from flexmodal.identification.pairing import mac_table, pair
 from flexmodal.identification.parameter import ParameterSpace
 from flexmodal.identification.poles import Poles, poles
 from flexmodal.identification.structure import Axis, Structure
+from flexmodal.model import Robot
 
 USES = ("frequency", "damping", "shape", "residue", "antiresonance")
 TENTH = 10.0
@@ -45,6 +46,11 @@ class PosedModel(Protocol):
     @property
     def space(self) -> ParameterSpace:
         """What it depends on."""
+        ...
+
+    @property
+    def robot(self) -> Robot:
+        """Whose chain it has."""
         ...
 
     def structure_at(
@@ -129,7 +135,7 @@ class ModeProblem:
         shapes = [[(self.rows(number, s.places), s.residue) for s in mode.shapes] for mode in modes]
         return mac_table(seen.structure, seen.found, shapes)
 
-    def partners(self, x: Float[np.ndarray, " parameter"], *, scale: float = 0.15) -> tuple[int, ...]:
+    def partners(self, x: Float[np.ndarray, " parameter"], *, scale: float = 0.1) -> tuple[int, ...]:
         """The mode of the model that each measured mode is; −1 where there is none."""
         partner = [-1] * len(self.observations.modes)
         for number in range(len(self.observations.postures)):

@@ -19,8 +19,8 @@ def pair(
     alike: Float[np.ndarray, "measured mode"] | None,
     found: Poles,
     *,
-    scale: float = 0.15,
-    shape_weight: float = 0.5,
+    scale: float = 0.1,
+    shape_weight: float = 0.3,
 ) -> list[int]:
     """Pair measured modes with the oscillating modes of the model, so that disagreements are least in sum.
 

@@ -18,7 +18,7 @@ from flexmodal.identification.mode_fit import USES
 from flexmodal.identification.model import RobotModel
 from flexmodal.identification.observations import observe
 from flexmodal.identification.parameter import ParameterSpace
-from flexmodal.identification.routes import FrfRoute, ModeRoute, Route
+from flexmodal.identification.routes import MODEL_ERROR, FrfRoute, ModeRoute, Route
 from flexmodal.identification.space import robot_space
 from flexmodal.model import Robot
 from flexmodal.text.words import listing, nearest
@@ -67,6 +67,7 @@ def build_identification(
     trust: Mapping[str, float] | None = None,
     hold_out: Sequence[str | int] = (),
     use: Sequence[str] | None = None,
+    model_error: float = MODEL_ERROR,
 ) -> IdentificationProblem:
     """Set up an identification.
 
@@ -78,19 +79,25 @@ def build_identification(
         space: parameters; stiffness, damping, mass and inertia of the robot if None.
         trust: standard deviations of ln(true / card) by kind or name, over the card's.
         hold_out: names or ids of postures, or names of points, that the fit is not to see.
-        use: what of the modes: frequency, damping, shape, residue, antiresonance; frequency and damping with
-            the shapes of a table or the residues of a fit if None.
+        use: what of the modes: frequency, damping, shape, residue, antiresonance; if None frequency and
+            damping, with residues where FRFs are fitted. Shapes of a table are as good as whoever made it.
+        model_error: relative error of natural frequencies that the model is granted, tenfold of all else of
+            modes; without it a few frequencies that are known very well would decide everything.
 
     Raises:
         InvalidRequest: campaign and robot do not belong together, the data are too few or nothing but noise,
             or an argument is out of its range.
     """
     check_belonging(campaign, robot)
+    if not 0 <= model_error < 1:
+        raise InvalidRequest(Fault("call", "model_error", f"{model_error:g}", "0 to 1"))
     chosen = robot_space(robot, trust=trust) if space is None else space.trusting(dict(trust or {}))
     road = source or ("modes" if campaign.frfs is None and not campaign.blows else "frf")
     model = RobotModel(robot, chosen)
     whole: Route
-    whole = FrfRoute(model, observe(campaign)) if road == "frf" else _of_modes(campaign, model, use)
+    whole = (
+        FrfRoute(model, observe(campaign)) if road == "frf" else _of_modes(campaign, model, use, model_error)
+    )
     held = _held_out(campaign, whole, hold_out)
     route = whole
     if held:
@@ -102,18 +109,20 @@ def build_identification(
     return IdentificationProblem(campaign, robot, chosen, road, route, whole, held)
 
 
-def _of_modes(campaign: Campaign, model: RobotModel, use: Sequence[str] | None) -> ModeRoute:
+def _of_modes(
+    campaign: Campaign, model: RobotModel, use: Sequence[str] | None, model_error: float
+) -> ModeRoute:
     """Modes of the table, or of fits that begin at the card's own frequencies."""
     tabled = campaign.modes is not None and "antiresonance" not in (use or ())
-    chosen = _uses(use or (("frequency", "damping", "shape" if tabled else "residue")))
+    chosen = _uses(use or ("frequency", "damping", *(() if tabled else ("residue",))))
     if tabled:
-        return ModeRoute(model, modes_of_table(campaign), chosen)
+        return ModeRoute(model, modes_of_table(campaign), chosen, model_error)
     near = {}
     for posture in campaign.postures:
         modes = model.robot.at(dict(posture.q)).modes()
         near[posture.id] = modes.frequency[modes.damping_ratio < OSCILLATING].tolist()
     found = modes_of_frfs(campaign, near, antiresonances="antiresonance" in chosen)
-    return ModeRoute(model, found, chosen)
+    return ModeRoute(model, found, chosen, model_error)
 
 
 def _uses(use: Sequence[str]) -> tuple[str, ...]:

@@ -25,9 +25,11 @@ from flexmodal.identification.uncertainty import Uncertainty, laplace, uncertain
 Advance = Callable[[int, float], None]
 QUICK_LINES = 120
 """Lines of each FRF that a first look takes."""
-FLOORS_OF_MODES = (0.1, 0.02, 0.003, 0.0005)
+FLOORS_OF_MODES = (0.1, 0.02, 0.003)
 """Relative model error of a natural frequency, in the order in which it is lowered."""
-WIDE, CLOSE = 0.3, 0.15
+MODEL_ERROR = 0.0005
+"""Where that ends, unless it is said otherwise."""
+WIDE, CLOSE = 0.3, 0.1
 """Relative differences of frequency that pairing counts as large, at first and then."""
 SHARE_ABOVE_NOISE = 0.05
 """Of all lines, that must be above the noise for a fit to make sense."""
@@ -183,6 +185,15 @@ class ModeRoute:
     model: PosedModel
     observations: ModeObservations
     use: tuple[str, ...] = ("frequency", "damping", "shape")
+    model_error: float = MODEL_ERROR
+    """Relative error of natural frequencies that the model itself is granted; tenfold for all else."""
+    reach: float = WIDE
+    """Relative difference of frequency that the first pairing counts as large."""
+
+    @property
+    def floors(self) -> tuple[float, ...]:
+        """Those of the steps, the last one the model's own."""
+        return (*(floor for floor in FLOORS_OF_MODES if floor > self.model_error), self.model_error)
 
     @property
     def space(self) -> ParameterSpace:
@@ -196,10 +207,17 @@ class ModeRoute:
 
     @property
     def count(self) -> int:
-        """Entries that have a partner at the card."""
-        card = np.zeros(len(self.space))
-        entries = self.problem.entries(card, self.problem.partners(card, scale=WIDE), slopes=False)
-        return sum(len(one.residual) for one in entries if one is not None)
+        """Of each posture at most as many modes as the model has coordinates."""
+        total, observed = 0, self.observations
+        shapes = len({"shape", "residue"} & set(self.use))
+        for number in range(len(observed.postures)):
+            numbers = []
+            for mode in (observed.modes[k] for k in observed.in_posture(number)):
+                damped = "damping" in self.use and bool(np.isfinite(mode.damping_ratio))
+                size = int("frequency" in self.use) + int(damped)
+                numbers.append(size + sum(2 * shapes * len(shape.places) for shape in mode.shapes))
+            total += sum(sorted(numbers, reverse=True)[: len(self.model.robot.joints)])
+        return total + len(observed.antiresonances) * ("antiresonance" in self.use)
 
     def faults(self) -> list[Fault]:
         """Too few numbers."""
@@ -213,8 +231,8 @@ class ModeRoute:
     ) -> Fitted:  # fmt: skip
         """See `Route`; modes are paired anew whenever a round has ended."""
         x = np.zeros(len(self.space)) if start is None else np.array(start, dtype=float)
-        floors = FLOORS_OF_MODES[:2] if quick else FLOORS_OF_MODES[-1:] if warm else FLOORS_OF_MODES
-        problem, steps, scale = self.problem, 0, CLOSE if warm else WIDE
+        floors = self.floors[:2] if quick else self.floors[-1:] if warm else self.floors
+        problem, steps, scale = self.problem, 0, CLOSE if warm else self.reach
         for number, floor in enumerate(floors):
             last = number == len(floors) - 1
             partners = problem.partners(x, scale=scale)
@@ -243,7 +261,7 @@ class ModeRoute:
         total = np.zeros((size, size))
         for one in self.problem.entries(card, partners, slopes=True):
             if one is not None:
-                weight = 1 / (one.variance + (FLOORS_OF_MODES[-1] * one.coarse) ** 2)
+                weight = 1 / (one.variance + (self.model_error * one.coarse) ** 2)
                 total += (one.slopes * weight) @ one.slopes.T
         return total
 
@@ -278,7 +296,7 @@ class ModeRoute:
 
     def keeping(self, keep: Bool[np.ndarray, " observation"]) -> ModeRoute:
         """See `Route`."""
-        return ModeRoute(self.model, self.observations.keeping(keep), self.use)
+        return replace(self, observations=self.observations.keeping(keep))
 
 
 def _few(source: str, count: int, parameters: int, what: str) -> list[Fault]:
