@@ -10,7 +10,7 @@ posteriori estimate; steps are damped after Levenberg and Marquardt.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -134,6 +134,7 @@ def fit(
     stride: int = 1,
     share: Float[np.ndarray, " observation"] | None = None,
     steps: int = STEPS,
+    hold: Mapping[str, float] | None = None,
     advance: Callable[[int, float], None] = lambda step, cost: None,
 ) -> FrfFit:
     """Fit a model to observations.
@@ -146,6 +147,7 @@ def fit(
         stride: look at every so many lines.
         share: multiple of each observation's weight, 0 or more.
         steps: most at each floor.
+        hold: coordinates that stay where they are put, by name.
         advance: called after each step with its number and the cost.
     """
     x = np.zeros(len(model.space)) if start is None else np.array(start, dtype=float)
@@ -162,6 +164,7 @@ def fit(
             x,
             most=steps,
             settled=FINE if number == len(floors) - 1 else SETTLED,
+            hold=hold,
             advance=lambda step, cost, before=total: advance(before + step, cost),  # type: ignore[misc]
         )
         x, total = found.x, total + found.steps
