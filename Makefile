@@ -3,13 +3,14 @@
 # make check   ruff, mypy, import-linter, and what is in the wheel
 # make tables  remake the tables in docs/
 # make bench   measure the engine against its goals and its peers; some minutes
+# make recovery  identify 300 simulated campaigns; goes on where it was stopped; an hour
 # make fuzz    read 100000 mutated campaigns; no crash, no hang, no flood of memory
 # make clean   remove what these made
 
 PYTHON ?= python3.11
 BIN := .venv/bin
 .DEFAULT_GOAL := help
-.PHONY: help demo test check tables bench fuzz browser clean
+.PHONY: help demo test check tables bench recovery fuzz browser clean
 
 help:
 	@grep '^# make' Makefile | cut -c3-
@@ -51,6 +52,11 @@ tables: .venv/tested
 	$(BIN)/python benchmarks/six_link_postures.py
 	$(BIN)/python benchmarks/ema_methods.py
 	$(BIN)/python benchmarks/ema_real.py
+	$(BIN)/python benchmarks/identification_thesis.py
+
+recovery: .venv/tested
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/identification_recovery.py
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/identification_speed.py
 
 clean:
 	rm -rf .venv dist build demo .pytest_cache .mypy_cache .ruff_cache
