@@ -25,8 +25,8 @@ BETTER = 0.97
 """Held-out gap over the global one below which local models are worth their number."""
 LEAST = 1e-3
 """Weights below this are nothing."""
-APART = 3.0
-"""Standard errors from which a parameter differs between load levels."""
+APART = 0.999
+"""Confidence, by Student's t, from which a parameter differs between load levels."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,15 +128,19 @@ class LevelModels:
 
     @property
     def different(self) -> tuple[str, ...]:
-        """Parameters that move with the force by more than `APART` standard errors, the clearest first."""
+        """Parameters that move with the force for sure, the clearest first."""
+        from scipy.special import stdtrit
+
         found = []
         for k, name in enumerate(self.uncertainty[0].space.names):
             for a in range(len(self.at)):
                 for b in range(a):
-                    spread = np.hypot(self.uncertainty[a].deviation[k], self.uncertainty[b].deviation[k])
-                    score = abs(self.at[a][k] - self.at[b][k]) / max(float(spread), 1e-300)
-                    found.append((float(score), name))
-        return tuple(dict.fromkeys(name for score, name in sorted(found, reverse=True) if score > APART))
+                    one, other = self.uncertainty[a], self.uncertainty[b]
+                    spread = float(np.hypot(one.deviation[k], other.deviation[k]))
+                    freedom = min(float(one.freedom[k]), float(other.freedom[k]), 1e9)
+                    reach = spread * float(stdtrit(freedom, (1 + APART) / 2))
+                    found.append((abs(float(self.at[a][k] - self.at[b][k])) / max(reach, 1e-300), name))
+        return tuple(dict.fromkeys(name for score, name in sorted(found, reverse=True) if score > 1))
 
     @property
     def verdict(self) -> str:

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.special import stdtrit
 
 from flexmodal.errors import InvalidRequest
 from flexmodal.identification import RobotModel, build_identification, predict, robot_space
@@ -35,7 +36,8 @@ def test_along_a_profile_the_cost_has_risen_as_much_as_it_may(outcome):
     again = outcome.problem.route.fit(outcome.at, warm=True, hold={"damping.q1": at})
     assert again.x[k] == at
     inverse = np.linalg.inv(outcome.fitted.normal.curvature + np.diag(space.precision))
-    wanted = outcome.uncertainty.covariance[k, k] / inverse[k, k]  # times t² of one standard error, about 1
+    factor = stdtrit(outcome.uncertainty.freedom[k], 0.84)
+    wanted = factor**2 * outcome.uncertainty.covariance[k, k] / inverse[k, k]
     assert (again.normal.cost - outcome.fitted.normal.cost) / wanted == pytest.approx(1.0, rel=0.15)
 
 
@@ -51,7 +53,9 @@ def test_several_starts_end_in_one_place(campaign, fanuc):
     fitted, optima = search(problem.route, starts=4, seed=1)
     assert len(optima) >= 1
     assert sum(one.hits for one in optima) >= 2
-    np.testing.assert_allclose(fitted.x, problem.route.fit().x, atol=1e-4)
+    card = problem.route.fit()
+    # the last step changed the cost by less than a millionth: some tenths of a naive standard error
+    assert np.all(np.abs(fitted.x - card.x) < 0.3 * problem.route.uncertainty(card).deviation)
     again, same = search(problem.route, starts=4, seed=1)
     np.testing.assert_array_equal(again.x, fitted.x)
     assert [one.hits for one in same] == [one.hits for one in optima]
