@@ -7,6 +7,7 @@ differentiated by rebuilding.
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -32,6 +33,18 @@ class Assembly:
         self._maps = dict(arm.maps)
         self._outer: dict[str, list[tuple[np.ndarray, np.ndarray, dict[str, np.ndarray]]]] = {}
         self._terms: list[tuple[str, np.ndarray, tuple[str, ...]]] = []
+
+    def alike(self) -> Assembly:
+        """Another with the same coordinates and motions and nothing on them yet."""
+        other = copy.copy(self)
+        other._terms = []
+        other.coordinates = list(self.coordinates)
+        return other
+
+    @property
+    def terms(self) -> tuple[tuple[str, np.ndarray, tuple[str, ...]], ...]:
+        """Every mass, spring and damper so far: kind of matrix, matrix, the parameters it is proportional to."""
+        return tuple(self._terms)
 
     # motions
 

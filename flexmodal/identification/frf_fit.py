@@ -118,13 +118,11 @@ def normal_equations(
         data_cost += float(np.sum(_robust(scaled)))
         squared[rows] = scaled.sum(axis=1)
         root = np.sqrt(weight[rows] * np.minimum(1.0, HUBER / np.sqrt(np.maximum(scaled, 1e-300))))
-        jacobian = slopes / np.where(value == 0, np.inf, value) * root
-        r = r * root
-        scores[rows] = np.einsum("pnl,nl->np", jacobian.real, r.real) + np.einsum(
-            "pnl,nl->np", jacobian.imag, r.imag
-        )
-        flat = jacobian.reshape(size, -1)
-        curvature += flat.real @ flat.real.T + flat.imag @ flat.imag.T
+        slopes *= root / np.where(value == 0, np.inf, value)
+        real = np.ascontiguousarray(slopes).view(float)  # real and imaginary parts in turn
+        scores[rows] = np.matmul(real.transpose(1, 0, 2), (r * root).view(float)[:, :, None])[:, :, 0]
+        flat = real.reshape(size, -1)
+        curvature += flat @ flat.T
     precision = model.space.precision
     gradient = scores.sum(axis=0) + precision * x
     return Normal(data_cost + _prior(model, x), data_cost, gradient, curvature, scores, squared)

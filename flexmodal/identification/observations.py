@@ -22,6 +22,10 @@ from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.identification.structure import Axis
 
 
+HEARD = 0.15
+"""Part of the lines that have to be coherent for a record to count as a measurement."""
+
+
 @dataclass(frozen=True, eq=False)
 class Observations:
     """What was measured; observation n is the receptance `value[n]` of one posture, pair and force level."""
@@ -50,6 +54,8 @@ class Observations:
     """Coherent enough, and not zero."""
     of_record: Int[np.ndarray, " record"]
     """The observation that each record belongs to."""
+    silent: tuple[str, ...] = ()
+    """Records that were left out because hardly a line of theirs is coherent."""
 
     @cached_property
     def axis(self) -> Axis:
@@ -106,6 +112,7 @@ def observe(campaign: Campaign) -> Observations:
         raise InvalidRequest(
             Fault(str(campaign.path or "campaign"), "band", f"no line from {low:g} to {high:g} Hz", allowed)
         )
+    records, silent = _heard(records, campaign)
     relative = record_variance(records, relative=True)
     groups = repeat_groups(records.trials or campaign.trials)
     records = _receptances(records, campaign)
@@ -153,7 +160,29 @@ def observe(campaign: Campaign) -> Observations:
         variance=variance / count**2,
         used=(weight / count >= COHERENT) & (value != 0) & np.isfinite(variance),
         of_record=of_record,
+        silent=silent,
     )
+
+
+def _heard(frfs: FrfRecords, campaign: Campaign) -> tuple[FrfRecords, tuple[str, ...]]:
+    """Records with a signal in them, and the names of the others.
+
+    A sensor that sits where nothing moves along its axis records noise. With few averages some lines of noise
+    are coherent by chance: one in 25 above 0.8 with three averages.
+    """
+    if frfs.coherence is None:
+        return frfs, ()
+    heard = np.mean(frfs.coherence >= COHERENT, axis=1) >= HEARD
+    if not heard.any():
+        found = f"coherence below {COHERENT:g} on nearly every line of every record"
+        allowed = "records with a signal in them"
+        raise InvalidRequest(Fault(str(campaign.path or "campaign"), "frfs", found, allowed))
+    names = [
+        f"posture {int(frfs.posture[row])}, response {frfs.response[row].tolist()}, "
+        f"reference {frfs.reference[row].tolist()}, trial {int(frfs.trial[row])}"
+        for row in np.flatnonzero(~heard)
+    ]
+    return frfs.take(np.flatnonzero(heard)), tuple(names)
 
 
 def _inside(frfs: FrfRecords, band: tuple[float, float]) -> FrfRecords:

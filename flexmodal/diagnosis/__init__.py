@@ -1,0 +1,1 @@
+"""Says what is still missing between a model and a measurement, and adds it."""

@@ -1,0 +1,92 @@
+"""The foundation gives: the root link tilts and shifts on springs, all of it at once.
+
+Three coordinates under a planar chain, six under a spatial one. The inertia of the root link counts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from flexmodal.diagnosis.effects.effect import Effect, Scene, Site, positive
+from flexmodal.identification import Parameter
+from flexmodal.identification.assembly import Assembly
+
+
+def motions(normal: np.ndarray | None) -> tuple[list[str], np.ndarray]:
+    """Names and motions [6, coordinate]: along, up, tilt; or x, y, z, rx, ry, rz."""
+    if normal is None:
+        return ["base x", "base y", "base z", "base rx", "base ry", "base rz"], np.eye(6)
+    level = np.cross(normal, np.array([0.0, 0.0, 1.0]))
+    level = level / np.linalg.norm(level) if np.linalg.norm(level) > 1e-9 else np.array([1.0, 0.0, 0.0])
+    motion = np.zeros((6, 3))
+    motion[:3, 0], motion[:3, 1], motion[3:, 2] = level, np.cross(level, normal), normal
+    return ["base x", "base z", "base tilt"], motion
+
+
+def _sizes(scene: Scene) -> tuple[float, float]:
+    """Mass of everything, and its inertia about the base with the arm as in the first posture."""
+    arm = scene.arm(0)
+    mass = sum(body.mass for body in arm.bodies.values())
+    about = sum(
+        body.mass * float(np.sum((arm.placed[link][:3, :3] @ body.centre + arm.placed[link][:3, 3]) ** 2))
+        + float(np.trace(body.inertia)) / 2
+        for link, body in arm.bodies.items()
+    )
+    return float(mass), float(about)
+
+
+def _parameters(scene: Scene, where: str) -> tuple[Parameter, ...]:
+    mass, about = _sizes(scene)
+    shift, tilt = mass * (2 * np.pi * 30) ** 2, about * (2 * np.pi * 15) ** 2
+    found = [
+        positive("horizontal_stiffness", "N/m", shift, 1.5, shift / 1e3, shift * 1e4),
+        positive("vertical_stiffness", "N/m", shift * 1.5, 1.5, shift / 1e3, shift * 1e4),
+        positive("tilt_stiffness", "N·m/rad", tilt, 1.5, tilt / 1e3, tilt * 1e4),
+        positive("translation_damping", "N·s/m", shift * 5e-4, 1.5, shift * 1e-7, shift),
+        positive("tilt_damping", "N·m·s/rad", tilt * 8e-4, 1.5, tilt * 1e-7, tilt),
+    ]
+    if scene.normal is None:
+        found.append(positive("twist_stiffness", "N·m/rad", 2 * tilt, 1.5, tilt / 1e3, tilt * 1e4))
+    return tuple(found)
+
+
+def _starts(scene: Scene, where: str) -> list[Mapping[str, float]]:
+    mass, about = _sizes(scene)
+    return [
+        {
+            "horizontal_stiffness": mass * (2 * np.pi * shift) ** 2,
+            "vertical_stiffness": 1.5 * mass * (2 * np.pi * shift) ** 2,
+            "tilt_stiffness": about * (2 * np.pi * tilt) ** 2,
+        }
+        for shift in (25.0, 80.0)
+        for tilt in (12.0, 40.0)
+    ]
+
+
+def _shape(assembly: Assembly, site: Site) -> None:
+    names, motion = motions(site.scene.normal)
+    assembly.move_root(assembly.add_coordinates(names), motion)
+
+
+def _act(assembly: Assembly, site: Site) -> None:
+    names, motion = motions(site.scene.normal)
+    for name, way in zip(names, motion.T, strict=True):
+        row = assembly.row(name)
+        kind = "tilt" if way[3:].any() else "vertical" if abs(way[2]) > 0.5 else "horizontal"
+        upright = site.scene.normal is None and abs(way[5]) > 0.5
+        assembly.add_spring(row, site["twist_stiffness" if upright else f"{kind}_stiffness"])
+        assembly.add_damper(row, site["tilt_damping" if kind == "tilt" else "translation_damping"])
+
+
+EFFECT = Effect(
+    name="base_flexibility",
+    says="the foundation gives way",
+    looks_like="resonances in which the whole arm moves, posture for posture as the mass above shifts",
+    places=lambda scene: ("base",),
+    parameters=_parameters,
+    starts=_starts,
+    shape=_shape,
+    act=_act,
+)
