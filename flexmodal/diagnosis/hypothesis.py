@@ -187,11 +187,14 @@ class Hypothesis:
                 changes[name] = changes.get(name, Change()) + Change(**{kind: matrix})
         rows = self._rows(observations, frame, one, values)
         bare = _summed(added)
+        loss = added.loss_factor
         for shift in shifts:
-            change = self._change(observations, frame, one, values, shift, bare, rows)
+            change = self._change(observations, frame, one, values, shift, bare, loss, rows)
             if change is not None:
                 changes[shift.name] = change
-        return Structure(tuple(frame.assembly.coordinates), *(total[kind] for kind in KINDS), *rows, changes)
+        return Structure(
+            tuple(frame.assembly.coordinates), *(total[kind] for kind in KINDS), *rows, changes, loss
+        )
 
     def _change(
         self,
@@ -201,14 +204,18 @@ class Hypothesis:
         values: Mapping[str, float],
         shift: _Shift,
         bare: Mapping[str, np.ndarray],
+        bare_loss: float,
         rows: tuple[np.ndarray, np.ndarray],
     ) -> Change | None:
         """Derivative along one of an effect's own parameters, by differences of what depends on it."""
         effect = next(placed.effect for placed in self.placed if placed.label == shift.label)
         slots: dict[str, np.ndarray] = {}
+        loss = 0.0
         moved = self._frame(one.posture, shift.values)
         if effect.act is not None or moved is not frame:
-            other = _summed(self._act(moved, one, shift.values))
+            acted = self._act(moved, one, shift.values)
+            other = _summed(acted)
+            loss = (acted.loss_factor - bare_loss) / shift.step
             for kind in KINDS:
                 slots[kind] = other[kind] - bare[kind]
         if moved is not frame:
@@ -220,12 +227,10 @@ class Hypothesis:
             others = self._rows(observations, moved, one, shift.values)
             slots["response"], slots["reference"] = others[0] - rows[0], others[1] - rows[1]
         kept = {name: slot / shift.step for name, slot in slots.items() if slot.any()}
-        return Change(**kept) if kept else None
+        return Change(**kept, loss_factor=loss or None) if kept or loss else None
 
     def _frame(self, posture: int, values: Mapping[str, float]) -> Frame:
-        geometry = tuple(
-            values[f"{one.label}.{name}"] for one in self.placed for name in one.effect.geometry
-        )
+        geometry = tuple(values[f"{one.label}.{name}"] for one in self.placed for name in one.effect.geometry)
         key = (posture, geometry)
         if key not in self._frames:
             if len(self._frames) >= _FRAMES:
@@ -297,9 +302,7 @@ class Hypothesis:
             response = _kept(frame, observations, one.where)
         return response, _kept(frame, observations, one.struck)
 
-    def _reader(
-        self, one: _Slice, values: Mapping[str, float], shifts: Sequence[_Shift]
-    ) -> Reader | None:
+    def _reader(self, one: _Slice, values: Mapping[str, float], shifts: Sequence[_Shift]) -> Reader | None:
         labels = {placed.label for placed in self.placed if placed.effect.read is not None}
         if not labels:
             return None

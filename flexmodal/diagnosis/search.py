@@ -103,5 +103,10 @@ def polished(
 ) -> FrfFit:
     """A candidate fitted closely."""
     return fit(
-        one.hypothesis, observations, one.x, floors=floors, steps=steps, stride=stride_for(observations, CLOSE)
+        one.hypothesis,
+        observations,
+        one.x,
+        floors=floors,
+        steps=steps,
+        stride=stride_for(observations, CLOSE),
     )

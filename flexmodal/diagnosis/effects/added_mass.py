@@ -56,4 +56,5 @@ EFFECT = Effect(
     ],
     act=_act,
     physical=_physical,
+    units={"x": "m", "y": "m", "z": "m"},
 )

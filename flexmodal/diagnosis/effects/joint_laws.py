@@ -99,10 +99,7 @@ FRICTION = Effect(
     act=_rub,
     variants=("blow",),
     untestable=_one_level,
-    physical=lambda scene, where, values: {
-        name: values[name] for name in ("torque", "presliding_stiffness")
-    },
-    crude=0.1,
+    physical=lambda scene, where, values: {name: values[name] for name in ("torque", "presliding_stiffness")},
 )
 
 
@@ -145,5 +142,5 @@ NONLINEAR = Effect(
     variants=("blow",),
     untestable=_one_level,
     physical=_hardening_physical,
-    crude=0.1,
+    units={"cubic_stiffness": "N·m/rad³"},
 )

@@ -69,4 +69,5 @@ EFFECT = Effect(
     shape=_shape,
     act=_act,
     physical=_physical,
+    units={"proportional_gain": "N·m/rad", "derivative_gain": "N·m·s/rad", "rotor_inertia": "kg·m²"},
 )
