@@ -1,7 +1,7 @@
 """Where measurement and model disagree, of what kind the disagreement is, and in words.
 
-A region is a run of neighbouring lines of one FRF on which the smoothed squared residual stands out of the noise.
-Its share is its part of everything that stands out.
+A region is a run of neighbouring lines of one FRF on which the smoothed squared residual stands out of the
+noise. Its share is its part of everything that stands out.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ def excess(
 def disagreement(
     observations: Observations, predicted: Complex[np.ndarray, "observation line"]
 ) -> tuple[Region, ...]:
-    """The regions with the largest shares, the largest first; those of one kind and place at several levels once.
+    """The regions with the largest shares, the largest first; what several levels share, once.
 
     Args:
         observations: measured receptances.
@@ -63,8 +63,9 @@ def disagreement(
     frequency = observations.axis.frequency
     for share, row, first, last in found:
         kind, says = _kind(observations, predicted, row, first, last)
-        key = (int(observations.posture[row]), *observations.response[row].tolist(),
-               *observations.reference[row].tolist(), round(20 * float(np.log(frequency[(first + last) // 2]))))  # fmt: skip
+        pair = (*observations.response[row].tolist(), *observations.reference[row].tolist())
+        middle = round(20 * float(np.log(frequency[(first + last) // 2])))
+        key = (int(observations.posture[row]), *pair, middle)
         if key in seen:
             known = regions[seen[key]]
             regions[seen[key]] = replace(known, share=known.share + share)
@@ -186,7 +187,7 @@ def _peaks(
                 level = np.abs(model[near]) / np.abs(measured[k])
                 kind = "too much damping" if level < 1 else "too little damping"
                 return kind, (
-                    f"at {frequency[k]:.4g} Hz the model has {kind}: its peak is {level:.2f} times the measured"
+                    f"at {frequency[k]:.4g} Hz the model has {kind}: its peak is {level:.2f} × the measured"
                 )
             return f"shifted {what}", (
                 f"the {what} measured at {frequency[k]:.4g} Hz lies at {frequency[near]:.4g} Hz in the model"

@@ -15,7 +15,7 @@ from flexmodal.identification import Observations, ParameterSpace
 from flexmodal.identification.arm import Body
 from flexmodal.identification.assembly import Assembly, put_together
 from flexmodal.identification.model import Group, places
-from flexmodal.identification.structure import Axis, Change, Structure
+from flexmodal.identification.structure import Axis, Change, Structure, changed
 
 STEP = 1e-6
 """Of the forward differences along an effect's own parameters."""
@@ -184,7 +184,7 @@ class Hypothesis:
         for kind, matrix, names in added.terms:
             total[kind] = total[kind] + matrix
             for name in names:
-                changes[name] = changes.get(name, Change()) + Change(**{kind: matrix})
+                changes[name] = changes.get(name, Change()) + changed({kind: matrix})
         rows = self._rows(observations, frame, one, values)
         bare = _summed(added)
         loss = added.loss_factor
@@ -193,7 +193,15 @@ class Hypothesis:
             if change is not None:
                 changes[shift.name] = change
         return Structure(
-            tuple(frame.assembly.coordinates), *(total[kind] for kind in KINDS), *rows, changes, loss
+            coordinates=tuple(frame.assembly.coordinates),
+            mass=total["mass"],
+            damping=total["damping"],
+            stiffness=total["stiffness"],
+            loss=total["loss"],
+            response=rows[0],
+            reference=rows[1],
+            changes=changes,
+            loss_factor=loss,
         )
 
     def _change(
@@ -227,7 +235,7 @@ class Hypothesis:
             others = self._rows(observations, moved, one, shift.values)
             slots["response"], slots["reference"] = others[0] - rows[0], others[1] - rows[1]
         kept = {name: slot / shift.step for name, slot in slots.items() if slot.any()}
-        return Change(**kept, loss_factor=loss or None) if kept or loss else None
+        return changed(kept, loss or None) if kept or loss else None
 
     def _frame(self, posture: int, values: Mapping[str, float]) -> Frame:
         geometry = tuple(values[f"{one.label}.{name}"] for one in self.placed for name in one.effect.geometry)

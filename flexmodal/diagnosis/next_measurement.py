@@ -1,8 +1,8 @@
 """Which measurement would separate two explanations best.
 
-Over the robot's own postures and random ones within the limits, every response and hammer point of the campaign
-and every level of force, the two fitted models' receptances are compared: root mean square of |ln(α₁/α₂)| over
-the noise of the campaign, which is taken to be as it was.
+Over the robot's own postures and random ones within the limits, every response and hammer point of the
+campaign and every level of force, the two fitted models' receptances are compared: root mean square of
+|ln(α₁/α₂)| over the noise of the campaign, which is taken to be as it was.
 """
 
 from __future__ import annotations

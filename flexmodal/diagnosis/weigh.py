@@ -1,16 +1,16 @@
 """Which explanation do the data prefer, and how surely.
 
-The score of a hypothesis is the logarithm of its evidence by Laplace's method on the postures it was fitted to,
-plus the log-likelihood of the postures held out:
+The score of a hypothesis is the logarithm of its evidence by Laplace's method on the postures it was fitted
+to, plus the log-likelihood of the postures held out:
 
     S = −κ/2s² (C_fitted + C_held out) − ½ ln det(I + P⁻¹A κ/s²),
 
-C the robust sums of squares, A the curvature, P the prior's precision. Naive sums would give probabilities of 0
-or 1 even where they are wrong: residuals of neighbouring lines are alike as soon as a model is a little off. So
-κ = 1/(1 + 2Σρ) discounts them by the autocorrelation ρ of the best hypothesis' residuals, and s² ≥ 1 is its
-reduced sum of squares. Probabilities come from these scores under the Bayesian bootstrap (Rubin, Ann. Statist. 9,
-1981) over clusters — everything between one response and one hammer point in one posture —, as pseudo-BMA+ does
-(Yao, Vehtari, Simpson and Gelman, Bayesian Analysis 13, 2018).
+C the robust sums of squares, A the curvature, P the prior's precision. Naive sums would give probabilities of
+0 or 1 even where they are wrong: residuals of neighbouring lines are alike as soon as a model is a little
+off. So κ = 1/(1 + 2Σρ) discounts them by the autocorrelation ρ of the best hypothesis' residuals, and s² ≥ 1
+is its reduced sum of squares. Probabilities come from these scores under the Bayesian bootstrap (Rubin, Ann.
+Statist. 9, 1981) over clusters — everything between one response and one hammer point in one posture —, as
+pseudo-BMA+ does (Yao, Vehtari, Simpson and Gelman, Bayesian Analysis 13, 2018).
 """
 
 from __future__ import annotations

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from jaxtyping import Bool, Complex, Float
+from jaxtyping import Bool
 
 from flexmodal.campaign import Campaign
 from flexmodal.diagnosis.compare import disagreement, excess
@@ -18,16 +18,13 @@ from flexmodal.diagnosis.outcome import (
     Diagnosis,
     Gaps,
     NextMeasurement,
-    Region,
     Step,
     Verdict,
     Weighed,
 )
 from flexmodal.diagnosis.provenance import provenance
 from flexmodal.diagnosis.search import (
-    Candidate,
     candidates,
-    distinct,
     narrowed,
     polished,
     stride_for,
@@ -48,7 +45,7 @@ from flexmodal.identification import (
 from flexmodal.model import Robot
 
 TRUST = {"stiffness": 0.08, "damping": 0.08, "mass": 0.08, "inertia": 0.08}
-"""Standard deviation of ln(true / card) that re-tuning starts from, unless the card or the user says other."""
+"""Standard deviation of ln(true / card) in re-tuning, unless the card or the user says other."""
 MOST_STEPS = 3
 """Effects added at most."""
 FINALISTS = 5
@@ -99,8 +96,8 @@ def diagnose(
     Args:
         campaign: with FRFs, or blows to estimate them from.
         robot: as it is believed to be.
-        hold_out: postures (ids or names) that no weighed fit sees; every fourth, at least one, by default. With
-            fewer than three postures none is held out.
+        hold_out: postures (ids or names) that no weighed fit sees; every fourth, at least one, by default.
+            With fewer than three postures none is held out.
         effects: names from the catalogue; all by default.
         trust: standard deviation of ln(true / card) by kind or parameter name.
         seed: of the bootstrap.
@@ -144,7 +141,6 @@ class _Course:
 
     def run(self) -> Diagnosis:
         """Add effects until nothing significant is left."""
-        bench = self.bench
         for number in range(MOST_STEPS):
             if number and self._over(self.current) <= FLOOR_REACHED and self._quiet(self.current):
                 break
@@ -369,8 +365,8 @@ class _Course:
         where = self._place(final)
         near = f" Nearest comes {effects[-1][0]} at {effects[-1][1]}, which is not enough." if effects else ""
         says = (
-            f"Something is missing that nothing in the catalogue explains: the gap stays at {over:.1f} × the noise "
-            f"floor. Look at {where}.{near}"
+            "Something is missing that nothing in the catalogue explains: the gap stays at "
+            f"{over:.1f} × the noise floor. Look at {where}.{near}"
         )
         return Verdict(((UNKNOWN, where),), False, says)
 
@@ -378,7 +374,7 @@ class _Course:
         return next(effect.says for effect in self.bench.effects if effect.name == name)
 
     def _place(self, final: Weighable) -> str:
-        """Where an unexplained disagreement sits best: the place of what comes nearest, or of the worst point."""
+        """Where an unexplained disagreement sits best: the place of what comes nearest, or the worst."""
         if final.hypothesis.placed:
             return final.hypothesis.keys[-1][1]
         observations = self.bench.observations

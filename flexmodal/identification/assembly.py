@@ -14,7 +14,7 @@ import numpy as np
 from jaxtyping import Float
 
 from flexmodal.identification.arm import Arm, Body, beyond, carried, plane_normal
-from flexmodal.identification.structure import Change, Structure
+from flexmodal.identification.structure import Structure, changed
 
 _KINDS = ("mass", "damping", "stiffness", "loss")
 
@@ -46,7 +46,7 @@ class Assembly:
 
     @property
     def terms(self) -> tuple[tuple[str, np.ndarray, tuple[str, ...]], ...]:
-        """Every mass, spring and damper so far: kind of matrix, matrix, the parameters it is proportional to."""
+        """Every mass, spring and damper so far: kind, matrix, the parameters it is proportional to."""
         return tuple(self._terms)
 
     # motions
@@ -195,7 +195,7 @@ class Assembly:
             total["loss"],
             self._padded(response),
             self._padded(reference),
-            {name: Change(**slot) for name, slot in slopes.items()},
+            {name: changed(slot) for name, slot in slopes.items()},
             self.loss_factor,
         )
 

@@ -3,9 +3,9 @@
     Z(s) = K + h(s) H + s C + s² M,    α_uv = u Z⁻¹ vᵀ,    ∂α_uv = ∂u y_v + y_uᵀ ∂vᵀ − y_uᵀ ∂Z y_v,
 
 with y = Z⁻¹ jᵀ solved once for each row [m/N for translations], at s = iω, or s = iω + σ where an exponential
-window exp(−σt) was put on the records. H is the stiffness of hysteretic springs. K (1 + iη) with the same η at
-every frequency is not causal unless the real part grows with frequency (Kramers and Kronig). The causal spring of
-constant loss factor is a power law (Bagley and Torvik, J. Rheology 27, 1983),
+window exp(−σt) was put on the records. H is the stiffness of hysteretic springs. K (1 + iη) with the
+same η at every frequency is not causal unless the real part grows with frequency (Kramers and Kronig). The
+causal spring of constant loss factor is a power law (Bagley and Torvik, J. Rheology 27, 1983),
 
     K(s) = K (s/ω₀)^β / cos(βπ/2),   β = (2/π) arctan η,   h = K(s)/K − 1,
 
@@ -78,6 +78,19 @@ class Change:
             for name in ("mass", "damping", "stiffness", "loss", "response", "reference", "loss_factor")
         )
         return Change(*(b if a is None else a if b is None else a + b for a, b in pairs))
+
+
+def changed(slots: Mapping[str, np.ndarray], loss_factor: float | None = None) -> Change:
+    """A change from matrices and rows by name."""
+    return Change(
+        slots.get("mass"),
+        slots.get("damping"),
+        slots.get("stiffness"),
+        slots.get("loss"),
+        slots.get("response"),
+        slots.get("reference"),
+        loss_factor,
+    )
 
 
 @dataclass(frozen=True, eq=False)

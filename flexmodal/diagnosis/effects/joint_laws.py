@@ -1,9 +1,9 @@
 """Joints whose stiffness or loss depends on how far they swing, by describing functions.
 
 At an amplitude A a non-linear torque acts, in the first harmonic, as a spring and a damper (Gelb and Vander
-Velde, Multiple-Input Describing Functions, 1968). A is taken for each posture, hammer point and level of force
-from the believed robot's own swing; one factor on all of them is fitted along, since a swing that dies away has
-no single amplitude.
+Velde, Multiple-Input Describing Functions, 1968). A is taken for each posture, hammer point and level of
+force from the believed robot's own swing; one factor on all of them is fitted along, since a swing that dies
+away has no single amplitude.
 """
 
 from __future__ import annotations
