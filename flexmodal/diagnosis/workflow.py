@@ -24,6 +24,7 @@ from flexmodal.diagnosis.outcome import (
 )
 from flexmodal.diagnosis.provenance import provenance
 from flexmodal.diagnosis.search import (
+    COARSE,
     candidates,
     narrowed,
     polished,
@@ -63,6 +64,9 @@ LEFT = 0.06
 TIE = 0.05
 """Probability from which another explanation counts as tied with the best."""
 
+_FEWEST = 3
+"""Postures from which on some are held out."""
+
 Advance = Callable[[str, float], None]
 
 
@@ -96,8 +100,8 @@ def diagnose(
     Args:
         campaign: with FRFs, or blows to estimate them from.
         robot: as it is believed to be.
-        hold_out: postures (ids or names) that no weighed fit sees; every fourth, at least one, by default.
-            With fewer than three postures none is held out.
+        hold_out: postures (ids or names) that no weighed fit sees. By default one in four, at least one,
+            those on which the re-tuned robot is neither best nor worst; with fewer than three postures none.
         effects: names from the catalogue; all by default.
         trust: standard deviation of ln(true / card) by kind or parameter name.
         seed: of the bootstrap.
@@ -110,10 +114,11 @@ def diagnose(
     _belong(observations, robot)
     scene = Scene(robot, observations)
     known = catalogue(effects)
-    held = _held(observations, hold_out)
+    base = robot_space(robot, trust={**_trust_of(robot), **(trust or {})})
+    held = _held(observations, hold_out) if hold_out is not None else _middling(scene, base)
     bench = _Bench(
         scene,
-        robot_space(robot, trust={**_trust_of(robot), **(trust or {})}),
+        base,
         observations,
         observations.keeping(~held),
         held,
@@ -420,24 +425,40 @@ def _belong(observations: Observations, robot: Robot) -> None:
         raise InvalidRequest(faults)
 
 
-def _held(observations: Observations, wanted: Sequence[int | str] | None) -> Bool[np.ndarray, " observation"]:
+def _middling(scene: Scene, base: ParameterSpace) -> Bool[np.ndarray, " observation"]:
+    """Observations of the postures in the middle, by how far the re-tuned robot is from each.
+
+    A posture that alone shows the effect must not be held out, nor one that does not show it at all.
+    """
+    observations = scene.observations
+    count = len(observations.postures)
+    if count < _FEWEST:
+        return np.zeros(len(observations), dtype=bool)
+    root = Hypothesis(scene, base)
+    tuned = fit(root, observations, floors=(0.2, 0.05), steps=10, stride=stride_for(observations, COARSE))
+    value = predict(root, tuned.x, observations)
+    far = [gap(observations, value, observations.posture == k).value for k in range(count)]
+    order = np.argsort(np.nan_to_num(far), kind="stable")
+    number = max(1, count // 4)
+    first = (count - number) // 2
+    return np.isin(observations.posture, order[first : first + number])
+
+
+def _held(observations: Observations, wanted: Sequence[int | str]) -> Bool[np.ndarray, " observation"]:
     """Observations of the postures that are held out."""
     names = {p.name: k for k, p in enumerate(observations.postures)}
     ids = {p.id: k for k, p in enumerate(observations.postures)}
     count = len(observations.postures)
-    if wanted is None:
-        numbers = list(range(2, count, 4)) or [count - 1] if count >= 3 else []
-    else:
-        faults, numbers = [], []
-        for one in wanted:
-            k = names.get(str(one), ids.get(int(one)) if str(one).isdigit() else None)
-            if k is None:
-                allowed = ", ".join(p.name for p in observations.postures)
-                faults.append(Fault("call", "hold_out", repr(one), f"a posture with FRFs: {allowed}"))
-            else:
-                numbers.append(k)
-        if len(set(numbers)) >= count and not faults:
-            faults.append(Fault("call", "hold_out", "every posture", "one left to fit at least"))
-        if faults:
-            raise InvalidRequest(faults)
+    faults, numbers = [], []
+    for one in wanted:
+        k = names.get(str(one), ids.get(int(one)) if str(one).isdigit() else None)
+        if k is None:
+            allowed = ", ".join(p.name for p in observations.postures)
+            faults.append(Fault("call", "hold_out", repr(one), f"a posture with FRFs: {allowed}"))
+        else:
+            numbers.append(k)
+    if len(set(numbers)) >= count and not faults:
+        faults.append(Fault("call", "hold_out", "every posture", "one left to fit at least"))
+    if faults:
+        raise InvalidRequest(faults)
     return np.isin(observations.posture, numbers)

@@ -23,6 +23,9 @@ from jaxtyping import Complex, Float
 
 from flexmodal.errors import SingularResponse
 
+ROUNDING = 1e-12
+"""Part of the sum of its terms' sizes from which on a receptance is not zero."""
+
 
 @dataclass(frozen=True, eq=False)
 class Axis:
@@ -147,6 +150,8 @@ def receptance(
 ) -> tuple[Complex[np.ndarray, "pair line"], Complex[np.ndarray, "name pair line"]]:
     """Receptances of some pairs of rows, and their derivatives along some parameters.
 
+    What is nothing but rounding, where a point does not move along its axis at all, is exactly zero.
+
     Args:
         structure: in one posture.
         axis: where.
@@ -160,6 +165,8 @@ def receptance(
     u, v = pairs[:, 0], pairs[:, 1]
     left, right = np.moveaxis(yu, 2, 0)[u], np.moveaxis(yv, 2, 0)[v]  # [pair, line, dof]
     value = np.einsum("pd,pld->pl", structure.response[u], right)
+    size = np.einsum("pd,pld->pl", np.abs(structure.response[u]), np.abs(right))
+    value[np.abs(value) <= ROUNDING * size] = 0.0
     slopes = np.zeros((len(names), *value.shape), dtype=complex)
     if not names:
         return value, slopes
