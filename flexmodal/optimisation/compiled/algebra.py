@@ -58,6 +58,19 @@ def orthogonal_rows(matrix, left, values):
         values[i] = math.sqrt(total)
 
 
+def copy_vector(source, out):
+    """Set out = source."""
+    for k in range(len(out)):
+        out[k] = source[k]
+
+
+def copy_matrix(source, out):
+    """Set out = source."""
+    for i in range(out.shape[0]):
+        for k in range(out.shape[1]):
+            out[i, k] = source[i, k]
+
+
 def largest(values):
     """The largest entry, 0 of none."""
     best = 0.0

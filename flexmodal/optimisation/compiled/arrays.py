@@ -152,6 +152,24 @@ class Tangent(NamedTuple):
     above: np.ndarray
     change: np.ndarray
     image: np.ndarray
+    allowed: np.ndarray
+    """Joints that a retraction may move, and those that a Newton step does."""
+    free: np.ndarray
+    kept: np.ndarray
+    reach: np.ndarray
+    """For the quadratic program, as all below."""
+    root: np.ndarray
+    centre: np.ndarray
+    away: np.ndarray
+    columns: np.ndarray
+    residual: np.ndarray
+    x: np.ndarray
+    triangle: np.ndarray
+    unit: np.ndarray
+    solved: np.ndarray
+    chosen: np.ndarray
+    inside: np.ndarray
+    barred: np.ndarray
 
 
 def room_for(joints: int, held: int, width: int) -> tuple[Places, Tangent]:
@@ -167,7 +185,13 @@ def room_for(joints: int, held: int, width: int) -> tuple[Places, Tangent]:
         basis=np.zeros((width, width)), factors=np.zeros(held), model=np.zeros((width, width)),
         gradient=np.zeros(width), trial=np.zeros(width), trial_gradient=np.zeros(width),
         step=np.zeros(width), below=np.zeros(width), above=np.zeros(width), change=np.zeros(width),
-        image=np.zeros(width),
+        image=np.zeros(width), allowed=np.zeros(width, dtype=bool), free=np.zeros(width, dtype=bool),
+        kept=np.zeros(width), reach=np.zeros((width, width)), root=np.zeros((width, width)),
+        centre=np.zeros(width), away=np.zeros(width), columns=np.zeros((2 * width, width + 1)),
+        residual=np.zeros(width + 1), x=np.zeros(2 * width), triangle=np.zeros((width + 1, width + 1)),
+        unit=np.zeros((width + 1, width + 1)), solved=np.zeros(width + 1),
+        chosen=np.zeros(width + 1, dtype=np.int64), inside=np.zeros(2 * width, dtype=bool),
+        barred=np.zeros(2 * width, dtype=bool),
     )  # fmt: skip
     return places, tangent
 

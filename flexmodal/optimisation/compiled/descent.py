@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 
-from flexmodal.optimisation.compiled.algebra import multipliers, null_space, orthogonal_rows
+from flexmodal.optimisation.compiled.algebra import copy_matrix, multipliers, null_space, orthogonal_rows
 from flexmodal.optimisation.compiled.held import retract
 from flexmodal.optimisation.compiled.judge import cost_of, gradient_of
 from flexmodal.optimisation.compiled.quadratic import quadratic_step
@@ -59,42 +59,43 @@ def descend_all(chain, hold, box, judge, places, tangent, room, iterations, valu
 
 def descend_one(chain, hold, box, judge, places, tangent, room, iterations, values, cost):
     """Cost, end and iterations of a descent from a posture on the hold, whose cost was taken just now."""
-    t = tangent
-    width = len(values)
-    gradient_of(chain, judge, box.columns, places, room, t.gradient)
-    first_model(t.gradient, t.model)
+    t, width, columns, lower, upper = tangent, len(values), box.columns, box.lower, box.upper
+    gradient, step, trial, trial_gradient = t.gradient, t.step, t.trial, t.trial_gradient
+    below, above, model = t.below, t.above, t.model
+    gradient_of(chain, judge, columns, places, room, gradient)
+    first_model(gradient, model)
     fresh = True
     for count in range(iterations):
-        t.rows[:] = t.constraint
+        copy_matrix(t.constraint, t.rows)
         orthogonal_rows(t.rows, t.left, t.sizes)
         free = t.basis[null_space(t.rows, t.sizes, t.basis) :]
         for k in range(width):
-            t.below[k], t.above[k] = box.lower[k] - values[k], box.upper[k] - values[k]
-        quadratic_step(t.model, True, t.gradient, free, t.below, t.above, t.step)
+            below[k], above[k] = lower[k] - values[k], upper[k] - values[k]
+        quadratic_step(tangent, True, free)
         steepness = 0.0
         for k in range(width):
-            steepness += t.step[k] * t.step[k]
+            steepness += step[k] * step[k]
         if cost < judge.goal:
             return cost, PERFECT if judge.bounded else UNBOUNDED, count
         if steepness <= GRADIENT * GRADIENT:
             return cost, SETTLED, count
-        if not quadratic_step(t.model, False, t.gradient, free, t.below, t.above, t.step):
-            first_model(t.gradient, t.model)
-            quadratic_step(t.model, False, t.gradient, free, t.below, t.above, t.step)
+        if not quadratic_step(tangent, False, free):
+            first_model(gradient, model)
+            quadratic_step(tangent, False, free)
         found = line_search(chain, hold, box, judge, places, tangent, room, values, cost)
         if found == math.inf:
             if fresh:
                 return cost, SETTLED if steepness <= _ROUNDING * _ROUNDING else UNSETTLED, count
-            first_model(t.gradient, t.model)
+            first_model(gradient, model)
             fresh = True
             continue
-        gradient_of(chain, judge, box.columns, places, room, t.trial_gradient)
+        gradient_of(chain, judge, columns, places, room, trial_gradient)
         lagrangian_change(box, tangent)
         for k in range(width):
-            t.step[k] = t.trial[k] - values[k]
-            values[k], t.gradient[k] = t.trial[k], t.trial_gradient[k]
-        t.constraint[:] = t.trial_constraint
-        update(t.model, t.step, t.change, t.image, fresh)
+            step[k] = trial[k] - values[k]
+            values[k], gradient[k] = trial[k], trial_gradient[k]
+        copy_matrix(t.trial_constraint, t.constraint)
+        update(model, step, t.change, t.image, fresh)
         cost, fresh = found, False
     return cost, UNSETTLED, iterations
 
@@ -114,11 +115,11 @@ def line_search(chain, hold, box, judge, places, tangent, room, values, cost):
 
     Leaves the posture in `tangent.trial`.
     """
-    trial, step = tangent.trial, tangent.step
+    trial, step, gradient = tangent.trial, tangent.step, tangent.gradient
     longest, slope = 0.0, 0.0
     for k in range(len(values)):
         longest = max(longest, abs(step[k]))
-        slope += tangent.gradient[k] * step[k]
+        slope += gradient[k] * step[k]
     if not (slope < 0.0 and longest > 0.0):
         return math.inf
     share = min(1.0, _LONGEST / longest)
@@ -144,20 +145,28 @@ def lagrangian_change(box, tangent):
 
     These are the ones of the joints off their limits.
     """
-    t = tangent
-    for k in range(len(t.trial)):
-        inside = box.lower[k] < t.trial[k] < box.upper[k]
-        t.image[k] = t.trial_gradient[k] if inside else 0.0
-        t.change[k] = t.trial_gradient[k] - t.gradient[k]
-        for r in range(len(t.rows)):
-            t.rows[r, k] = t.trial_constraint[r, k] if inside else 0.0
-    if len(t.rows) == 0:
+    constraint, trial_constraint, rows = tangent.constraint, tangent.trial_constraint, tangent.rows
+    trial, trial_gradient, gradient = tangent.trial, tangent.trial_gradient, tangent.gradient
+    change, image, factors, lower, upper = (
+        tangent.change,
+        tangent.image,
+        tangent.factors,
+        box.lower,
+        box.upper,
+    )
+    for k in range(len(trial)):
+        inside = lower[k] < trial[k] < upper[k]
+        image[k] = trial_gradient[k] if inside else 0.0
+        change[k] = trial_gradient[k] - gradient[k]
+        for r in range(len(rows)):
+            rows[r, k] = trial_constraint[r, k] if inside else 0.0
+    if len(rows) == 0:
         return
-    orthogonal_rows(t.rows, t.left, t.sizes)
-    multipliers(t.rows, t.left, t.sizes, t.image, t.factors)
-    for r in range(len(t.rows)):
-        for k in range(len(t.trial)):
-            t.change[k] -= t.factors[r] * (t.trial_constraint[r, k] - t.constraint[r, k])
+    orthogonal_rows(rows, tangent.left, tangent.sizes)
+    multipliers(rows, tangent.left, tangent.sizes, image, factors)
+    for r in range(len(rows)):
+        for k in range(len(trial)):
+            change[k] -= factors[r] * (trial_constraint[r, k] - constraint[r, k])
 
 
 def update(model, moved, change, expected, first):

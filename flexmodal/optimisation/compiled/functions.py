@@ -30,20 +30,25 @@ _LOWEST_FIRST = (
     kinematics.point_jacobian,
     gradient.factor_symmetric,
     gradient.solve_factored,
+    gradient.place_arm,
     gradient.sweep_momenta,
     gradient.row_slopes,
     pivoted.eliminate,
+    algebra.copy_vector,
+    algebra.copy_matrix,
     algebra.orthogonal_rows,
     algebra.largest,
     algebra.null_space,
     algebra.shortest_solution,
     algebra.multipliers,
-    quadratic._whiten,
-    quadratic._residual,
-    quadratic._least_squares,
+    quadratic.whiten,
+    quadratic.leave,
+    quadratic.least_squares,
+    quadratic.step_back,
     quadratic.nonnegative,
     quadratic.least_distance,
     quadratic.quadratic_step,
+    held.row_product,
     held.rotation_vector,
     held.axis_vector,
     held.held_error,
@@ -64,7 +69,6 @@ _LOWEST_FIRST = (
     judge.mobility,
     judge.spread_rates,
     judge.stiffness_cost,
-    judge.task_image,
     judge.add_task_slopes,
     judge.stiffness_slope,
     judge.cost_of,
@@ -82,7 +86,7 @@ def descents(compiled: bool) -> Any:
     """`flexmodal.optimisation.compiled.descent.descend_all`."""
     if not compiled:
         return unwrap(descent.descend_all)
-    return compile_together(*_LOWEST_FIRST, last=descent.descend_all)
+    return compile_together(*_LOWEST_FIRST, last=descent.descend_all, allocates=False)
 
 
 @cache

@@ -10,10 +10,8 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from flexmodal.model.batch_kinematics import cross, place_joints, point_jacobian
-from flexmodal.optimisation.compiled.algebra import orthogonal_rows, shortest_solution
+from flexmodal.optimisation.compiled.algebra import copy_vector, orthogonal_rows, shortest_solution
 from flexmodal.optimisation.compiled.arrays import ORIENTATION, POSITION
 
 TOLERANCE = 1e-10
@@ -27,16 +25,13 @@ _CLIPPED = 0.7
 
 
 def rotation_vector(turned, target, out):
-    """The rotation vector of turned · targetᵀ [rad]."""
-    e = np.empty((3, 3))
+    """The rotation vector of E = turned · targetᵀ [rad]."""
+    cosine = -1.0
     for a in range(3):
-        for b in range(3):
-            e[a, b] = 0.0
-            for c in range(3):
-                e[a, b] += turned[a, c] * target[b, c]
-    out[0], out[1], out[2] = e[2, 1] - e[1, 2], e[0, 2] - e[2, 0], e[1, 0] - e[0, 1]
+        b, c = (a + 1) % 3, (a + 2) % 3
+        out[a] = row_product(turned, target, c, b) - row_product(turned, target, b, c)
+        cosine += row_product(turned, target, a, a)
     sine = math.sqrt(out[0] * out[0] + out[1] * out[1] + out[2] * out[2])
-    cosine = e[0, 0] + e[1, 1] + e[2, 2] - 1.0
     if sine > 1e-9:
         scale = math.atan2(sine, cosine) / sine
     elif cosine > 0.0:
@@ -44,13 +39,18 @@ def rotation_vector(turned, target, out):
     else:  # half a turn: the axis is the longest column of E + 1
         best = 0
         for a in range(1, 3):
-            if e[a, a] > e[best, best]:
+            if row_product(turned, target, a, a) > row_product(turned, target, best, best):
                 best = a
         for a in range(3):
-            out[a] = e[a, best] + (1.0 if a == best else 0.0)
+            out[a] = row_product(turned, target, a, best) + (1.0 if a == best else 0.0)
         scale = math.pi / math.sqrt(out[0] * out[0] + out[1] * out[1] + out[2] * out[2])
     for a in range(3):
         out[a] *= scale
+
+
+def row_product(turned, target, a, b):
+    """Entry (a, b) of turned · targetᵀ."""
+    return turned[a, 0] * target[b, 0] + turned[a, 1] * target[b, 1] + turned[a, 2] * target[b, 2]
 
 
 def axis_vector(turned, target, out):
@@ -60,19 +60,18 @@ def axis_vector(turned, target, out):
     cosine = target[0] * turned[0] + target[1] * turned[1] + target[2] * turned[2]
     if sine > 1e-12:
         scale = math.atan2(sine, cosine) / sine
-        for a in range(3):
-            out[a] *= scale
-    elif cosine < 0.0:  # opposite: half a turn about anything across
+    elif cosine > 0.0:
+        scale = 1.0
+    else:  # opposite: half a turn about anything across
         least = 0
         for a in range(1, 3):
             if abs(target[a]) < abs(target[least]):
                 least = a
-        unit = np.zeros(3)
-        unit[least] = 1.0
-        cross(target, unit, out)
-        size = math.sqrt(out[0] * out[0] + out[1] * out[1] + out[2] * out[2])
-        for a in range(3):
-            out[a] *= math.pi / size
+        b, c = (least + 1) % 3, (least + 2) % 3
+        out[least], out[b], out[c] = 0.0, target[c], -target[b]
+        scale = math.pi / math.sqrt(out[b] * out[b] + out[c] * out[c])
+    for a in range(3):
+        out[a] *= scale
 
 
 def held_error(chain, hold, columns, places, error, constraint):
@@ -89,37 +88,37 @@ def held_error(chain, hold, columns, places, error, constraint):
     Returns:
         The size of the error.
     """
-    frames, jacobian, turn = places.frames, places.jacobian, places.turn
+    frames, jacobian, position, turn = places.frames, places.jacobian, places.position, places.turn
+    rows, target, joint = hold.rows, hold.target, hold.joint
     place_joints(chain, places.moved, frames, places.origins, places.axes)
-    if len(hold.rows) == 0:
+    if len(rows) == 0:
         return 0.0
-    point_jacobian(
-        chain, frames, places.origins, places.axes, hold.joint, hold.offset, places.position, jacobian
-    )
+    point_jacobian(chain, frames, places.origins, places.axes, joint, hold.offset, position, jacobian)
     turn[:] = 0.0
     if hold.kind != POSITION:
+        turned, own = places.turned, hold.own
         for a in range(3):
             for b in range(3):
-                places.turned[a, b] = hold.own[a, b]
-                if hold.joint >= 0:
-                    places.turned[a, b] = 0.0
+                turned[a, b] = own[a, b]
+                if joint >= 0:
+                    turned[a, b] = 0.0
                     for c in range(3):
-                        places.turned[a, b] += frames[hold.joint, a, c] * hold.own[c, b]
+                        turned[a, b] += frames[joint, a, c] * own[c, b]
         if hold.kind == ORIENTATION:
-            rotation_vector(places.turned, hold.orientation, turn)
+            rotation_vector(turned, hold.orientation, turn)
         else:
-            axis_vector(places.turned[:, 0], hold.orientation[:, 0], turn)
+            axis_vector(turned[:, 0], hold.orientation[:, 0], turn)
     total = 0.0
-    for r in range(len(hold.rows)):
+    for r in range(len(rows)):
         value = 0.0
         for a in range(3):
-            value += hold.rows[r, a] * (places.position[a] - hold.target[a]) + hold.rows[r, 3 + a] * turn[a]
+            value += rows[r, a] * (position[a] - target[a]) + rows[r, 3 + a] * turn[a]
         error[r] = value
         total += value * value
         for k in range(len(columns)):
             value = 0.0
             for a in range(6):
-                value += hold.rows[r, a] * jacobian[a, columns[k]]
+                value += rows[r, a] * jacobian[a, columns[k]]
             constraint[r, k] = value
     return math.sqrt(total)
 
@@ -131,12 +130,14 @@ def newton(chain, hold, box, values, allowed, steps, places, tangent, constraint
     """
     held, width = constraint.shape
     work, left, sizes = tangent.rows, tangent.left, tangent.sizes
-    error, step = tangent.error, tangent.image
-    free = allowed.copy()
+    error, step, moved = tangent.error, tangent.image, places.moved
+    columns, lower, upper = box.columns, box.lower, box.upper
+    free = tangent.free
+    copy_vector(allowed, free)
     for _ in range(steps):
         for k in range(width):
-            places.moved[box.columns[k]] = values[k]
-        if held_error(chain, hold, box.columns, places, error, constraint) <= TOLERANCE:
+            moved[columns[k]] = values[k]
+        if held_error(chain, hold, columns, places, error, constraint) <= TOLERANCE:
             return True
         for r in range(held):
             error[r] = -error[r]
@@ -153,12 +154,12 @@ def newton(chain, hold, box, values, allowed, steps, places, tangent, constraint
         met = False
         for k in range(width):
             goal = values[k] + share * step[k]
-            values[k] = min(max(goal, box.lower[k]), box.upper[k])
+            values[k] = min(max(goal, lower[k]), upper[k])
             if values[k] != goal:
                 met = True
                 free[k] = False
         if not met:
-            free[:] = allowed
+            copy_vector(allowed, free)
     return False
 
 
@@ -167,22 +168,22 @@ def retract(chain, hold, box, values, steps, places, tangent, constraint):
 
     Joints at a limit stay there if the others can do it.
     """
-    width = len(values)
-    free = np.empty(width, dtype=np.bool_)
+    width, lower, upper = len(values), box.lower, box.upper
+    free, kept = tangent.allowed, tangent.kept
     inside = True
     for k in range(width):
-        if not values[k] > box.lower[k] + _AT_LIMIT:
-            values[k] = box.lower[k]
-        elif not values[k] < box.upper[k] - _AT_LIMIT:
-            values[k] = box.upper[k]
-        free[k] = box.lower[k] < values[k] < box.upper[k]
+        if not values[k] > lower[k] + _AT_LIMIT:
+            values[k] = lower[k]
+        elif not values[k] < upper[k] - _AT_LIMIT:
+            values[k] = upper[k]
+        free[k] = lower[k] < values[k] < upper[k]
         inside = inside and free[k]
     if len(constraint) == 0 or inside:
         free[:] = True
         return newton(chain, hold, box, values, free, steps, places, tangent, constraint)
-    kept = values.copy()
+    copy_vector(values, kept)
     if newton(chain, hold, box, values, free, steps, places, tangent, constraint):
         return True
-    values[:] = kept
+    copy_vector(kept, values)
     free[:] = True
     return newton(chain, hold, box, values, free, steps, places, tangent, constraint)

@@ -1,7 +1,7 @@
 """What a posture is judged by, and its derivative along the commanded joints: written for the compiler.
 
-The costs are those of `flexmodal.optimisation.objective`, logarithms throughout. The joints are placed before,
-by `flexmodal.optimisation.compiled.held.held_error`.
+The costs are those of `flexmodal.optimisation.objective`, logarithms throughout. The joints are placed
+before, by `flexmodal.optimisation.compiled.held.held_error`.
 """
 
 # mypy: disable-error-code="no-untyped-def, no-untyped-call"
@@ -21,15 +21,17 @@ _TINY = 2.2250738585072014e-308
 
 def cost_of(chain, judge, places, room):
     """Cost at the joints as placed; infinite where there is none."""
-    room.rows[:] = 0.0
-    for p in range(len(judge.joint)):
-        point_jacobian(
-            chain, places.frames, places.origins, places.axes, judge.joint[p], judge.offset[p],
-            places.position, room.jacobians[p],
-        )  # fmt: skip
-        for i in range(room.rows.shape[1]):
+    frames, origins, axes, position = places.frames, places.origins, places.axes, places.position
+    joint, offset, selector, row = judge.joint, judge.offset, judge.selector, judge.row
+    jacobians, rows = room.jacobians, room.rows
+    rows[:] = 0.0
+    for p in range(len(joint)):
+        point_jacobian(chain, frames, origins, axes, joint[p], offset[p], position, jacobians[p])
+        for i in range(rows.shape[1]):
+            value = 0.0
             for a in range(6):
-                room.rows[judge.row[p], i] += judge.selector[p, a] * room.jacobians[p, a, i]
+                value += selector[p, a] * jacobians[p, a, i]
+            rows[row[p], i] += value
     if judge.kind == RECEPTANCE:
         return receptance_cost(chain, judge, places, room)
     if judge.kind == STIFFNESS:
@@ -45,17 +47,21 @@ def gradient_of(chain, judge, columns, places, room, gradient):
         stiffness_slope(judge, room)
     else:
         room.slope[:] = 0.0
-        spread_rates(judge.pick, room.rows[0][judge.pick], room.spread)
+        pick, rates, rows = judge.pick, room.rates, room.rows
+        for i in range(len(pick)):
+            rates[i] = rows[0, pick[i]]
+        spread_rates(pick, rates, room.spread)
         add_row_slopes(judge, 0, 2.0 / mobility(judge, room), room.spread, room)
+    slope = room.slope
     for k in range(len(columns)):
-        gradient[k] = room.slope[columns[k]]
+        gradient[k] = slope[columns[k]]
 
 
 def mobility(judge, room):
     """ξ_M = j jᵀ over the flexible joints."""
-    total = _TINY
-    for i in range(len(judge.pick)):
-        total += room.rows[0, judge.pick[i]] * room.rows[0, judge.pick[i]]
+    rows, pick, total = room.rows, judge.pick, _TINY
+    for i in range(len(pick)):
+        total += rows[0, pick[i]] * rows[0, pick[i]]
     return total
 
 
@@ -68,20 +74,21 @@ def spread_rates(pick, rates, out):
 
 def stiffness_cost(judge, room):
     """−ln ξ_K with ξ_K = uᵀ J⁺ᵀ K J⁺ u; leaves the deflection J⁺u, K J⁺u and ξ_K."""
-    pick, stiffness = judge.pick, judge.matrices[0]
-    for r in range(len(judge.task)):
+    pick, stiffness, selectors, jacobian = judge.pick, judge.matrices[0], judge.task, room.jacobians[0]
+    task, deflection, moment = room.task, room.deflection, room.moment
+    for r in range(len(selectors)):
         for i in range(len(pick)):
-            room.task[r, i] = 0.0
+            task[r, i] = 0.0
             for a in range(6):
-                room.task[r, i] += judge.task[r, a] * room.jacobians[0, a, pick[i]]
-    orthogonal_rows(room.task, room.left, room.sizes)
-    shortest_solution(room.task, room.left, room.sizes, judge.along, room.deflection)
+                task[r, i] += selectors[r, a] * jacobian[a, pick[i]]
+    orthogonal_rows(task, room.left, room.sizes)
+    shortest_solution(task, room.left, room.sizes, judge.along, deflection)
     value = 0.0
     for i in range(len(pick)):
-        room.moment[i] = 0.0
+        moment[i] = 0.0
         for j in range(len(pick)):
-            room.moment[i] += stiffness[i, j] * room.deflection[j]
-        value += room.moment[i] * room.deflection[i]
+            moment[i] += stiffness[i, j] * deflection[j]
+        value += moment[i] * deflection[i]
     room.norms[0] = value
     return -math.log(value) if value > 0.0 else math.inf
 
@@ -96,42 +103,45 @@ def stiffness_slope(judge, room):
     each the derivative of one row at given rates.
     """
     task, left, sizes, shares, rates = room.task, room.left, room.sizes, room.shares, room.rates
+    pick, along, selectors, jacobian = judge.pick, judge.along, judge.task, room.jacobians[0]
+    deflection, moment = room.deflection, room.moment
     room.slope[:] = 0.0
     factor = -2.0 / room.norms[0]
-    multipliers(task, left, sizes, room.moment, shares)
+    multipliers(task, left, sizes, moment, shares)
     for i in range(len(rates)):
-        rates[i] = -room.deflection[i]
+        rates[i] = -deflection[i]
     add_task_slopes(judge, factor, room)
     shortest_solution(task, left, sizes, shares, rates)
     for r in range(len(shares)):
-        shares[r] = judge.along[r] - task_image(judge, room, r, room.deflection)
+        shares[r] = along[r]
+        for i in range(len(deflection)):
+            for a in range(6):
+                shares[r] -= selectors[r, a] * jacobian[a, pick[i]] * deflection[i]
     add_task_slopes(judge, factor, room)
-    multipliers(task, left, sizes, room.moment, shares)
+    multipliers(task, left, sizes, moment, shares)
     for i in range(len(rates)):
-        rates[i] = room.moment[i]
+        rates[i] = moment[i]
         for r in range(len(shares)):
             for a in range(6):
-                rates[i] -= shares[r] * judge.task[r, a] * room.jacobians[0, a, judge.pick[i]]
-    multipliers(task, left, sizes, room.deflection, shares)
+                rates[i] -= shares[r] * selectors[r, a] * jacobian[a, pick[i]]
+    multipliers(task, left, sizes, deflection, shares)
     add_task_slopes(judge, factor, room)
-
-
-def task_image(judge, room, r, rates):
-    """Row r of the task Jacobian times rates."""
-    total = 0.0
-    for i in range(len(rates)):
-        for a in range(6):
-            total += judge.task[r, a] * room.jacobians[0, a, judge.pick[i]] * rates[i]
-    return total
 
 
 def add_task_slopes(judge, factor, room):
     """Add factor · sharesᵀ (∂J/∂q_k) rates to the slope for all joints k."""
+    selector, selectors, shares, turned, slope = (
+        room.selector,
+        judge.task,
+        room.shares,
+        room.turned,
+        room.slope,
+    )
     for a in range(6):
-        room.selector[a] = 0.0
-        for r in range(len(room.shares)):
-            room.selector[a] += room.shares[r] * judge.task[r, a]
+        selector[a] = 0.0
+        for r in range(len(shares)):
+            selector[a] += shares[r] * selectors[r, a]
     spread_rates(judge.pick, room.rates, room.spread)
-    row_slopes(room.jacobians[0], room.selector, room.spread, room.sums, room.turned)
-    for k in range(len(room.slope)):
-        room.slope[k] += factor * room.turned[k]
+    row_slopes(room.jacobians[0], selector, room.spread, room.sums, turned)
+    for k in range(len(slope)):
+        slope[k] += factor * turned[k]

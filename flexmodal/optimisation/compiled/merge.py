@@ -22,7 +22,7 @@ def merge(values, turning, order, group, hits):
     Returns:
         How many are distinct.
     """
-    first = order.copy()  # the best of each
+    first = order.copy()
     count = 0
     for place in range(len(order)):
         here = values[order[place]]

@@ -9,8 +9,6 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 _DEPENDENT = 1e-11
 """Share of a column left beside those before it below which it adds nothing."""
 
@@ -18,83 +16,77 @@ _GAIN = 1e-12
 """A column that would lessen the residual by less than this share stays out."""
 
 
-def quadratic_step(model, identity, gradient, basis, lower, upper, step):
-    """Minimise ½ sᵀBs + gᵀs over the span of some orthonormal rows with lower ≤ s ≤ upper.
+def quadratic_step(t, identity, free):
+    """Minimise ½ sᵀBs + gᵀs over the span of some orthonormal rows with below ≤ s ≤ above.
 
     Args:
-        model: B.
+        t: a `Tangent`, of which `model`, `gradient`, `below` and `above` are read and `step` receives s.
         identity: take the identity for B instead.
-        gradient: g.
-        basis: rows that span what is free.
-        lower: 0 or less.
-        upper: 0 or more.
-        step: receives s.
+        free: rows that span what is free.
 
     Returns:
-        Whether B is positive definite there; `step` is of no use otherwise.
+        Whether B is positive definite there; the step is of no use otherwise.
     """
-    free, width = basis.shape
+    gradient, below, above, step = t.gradient, t.below, t.above, t.step
+    count, width = free.shape
     step[:] = 0.0
-    if free == 0:
+    if count == 0:
         return True
-    reach = np.empty((free, width))  # root⁻¹ · basis
-    centre = np.empty(free)
-    for i in range(free):
+    reach, centre = t.reach, t.centre  # root⁻¹ · free
+    for i in range(count):
         total = 0.0
         for k in range(width):
-            reach[i, k] = basis[i, k]
-            total += basis[i, k] * gradient[k]
+            reach[i, k] = free[i, k]
+            total += free[i, k] * gradient[k]
         centre[i] = total
-    if not identity and not _whiten(model, basis, reach, centre):
+    if not identity and not whiten(t.model, free, t.root, t.image, reach, centre):
         return False
     inside = True
     for k in range(width):
         total = 0.0
-        for i in range(free):
+        for i in range(count):
             total -= reach[i, k] * centre[i]
         step[k] = total
-        inside = inside and lower[k] <= total <= upper[k]
+        inside = inside and below[k] <= total <= above[k]
     if inside:
         return True
-    away = np.empty(free)
-    least_distance(reach, step, lower, upper, away)
+    away = t.away
+    least_distance(t, count)
     for k in range(width):
         total = step[k]
-        for i in range(free):
+        for i in range(count):
             total += reach[i, k] * away[i]
-        step[k] = min(max(total, lower[k]), upper[k])
+        step[k] = min(max(total, below[k]), above[k])
     return True
 
 
-def _whiten(model, basis, reach, centre):
+def whiten(model, free, root, image, reach, centre):
     """Multiply `reach` and `centre` by the inverse of the Cholesky factor of the reduced model."""
-    free, width = basis.shape
-    root = np.empty((free, free))
-    image = np.empty(width)
-    for i in range(free):
+    count, width = free.shape
+    for i in range(count):
         for k in range(width):
             total = 0.0
             for m in range(width):
-                total += model[k, m] * basis[i, m]
+                total += model[k, m] * free[i, m]
             image[k] = total
-        for j in range(i, free):
+        for j in range(i, count):
             total = 0.0
             for k in range(width):
-                total += image[k] * basis[j, k]
+                total += image[k] * free[j, k]
             root[j, i] = total
-    for j in range(free):
+    for j in range(count):
         pivot = root[j, j]
         for m in range(j):
             pivot -= root[j, m] * root[j, m]
         if not pivot > 0.0:
             return False
         root[j, j] = math.sqrt(pivot)
-        for i in range(j + 1, free):
+        for i in range(j + 1, count):
             total = root[i, j]
             for m in range(j):
                 total -= root[i, m] * root[j, m]
             root[i, j] = total / root[j, j]
-    for i in range(free):
+    for i in range(count):
         for m in range(i):
             centre[i] -= root[i, m] * centre[m]
             for k in range(width):
@@ -105,46 +97,44 @@ def _whiten(model, basis, reach, centre):
     return True
 
 
-def least_distance(reach, step, lower, upper, out):
-    """The shortest u that brings step + reachᵀ u between the limits.
+def least_distance(t, free):
+    """Set `t.away` to the shortest u that brings step + reachᵀ u between the limits.
 
     Through its dual, a non-negative least-squares problem (Lawson and Hanson, Solving Least Squares Problems,
     1974, chapter 23).
     """
-    free, width = reach.shape
-    columns = np.empty((2 * width, free + 1))
+    reach, step, below, above, columns = t.reach, t.step, t.below, t.above, t.columns
+    residual, away = t.residual[: free + 1], t.away
     count = 0
-    for k in range(width):
+    for k in range(len(step)):
         size = 0.0
         for i in range(free):
             size += reach[i, k] * reach[i, k]
         size = math.sqrt(size)
         for side in range(2):
-            limit = (lower[k] - step[k]) if side == 0 else (step[k] - upper[k])
+            limit = (below[k] - step[k]) if side == 0 else (step[k] - above[k])
             if size > 0.0 and math.isfinite(limit):
                 sign = 1.0 if side == 0 else -1.0
                 for i in range(free):
                     columns[count, i] = sign * reach[i, k] / size
                 columns[count, free] = limit / size
                 count += 1
-    residual = np.empty(free + 1)
-    nonnegative(columns[:count], residual)
+    nonnegative(t, columns[:count, : free + 1], residual)
     for i in range(free):
-        out[i] = -residual[i] / residual[free] if residual[free] != 0.0 else 0.0
+        away[i] = -residual[i] / residual[free] if residual[free] != 0.0 else 0.0
 
 
-def nonnegative(columns, residual):
+def nonnegative(t, columns, residual):
     """Residual E x − (0, …, 0, 1) of the x ≥ 0 that makes it smallest; E is given by its columns.
 
     The active-set method of the same book, section 23.3.
     """
     count, size = columns.shape
-    x, trial = np.zeros(count), np.empty(count)
-    chosen = np.empty(size, dtype=np.int64)  # the passive set, in the order of entry
-    inside, barred = np.zeros(count, dtype=np.bool_), np.zeros(count, dtype=np.bool_)
-    used = 0
+    x, trial, chosen, inside, barred = t.x, t.solved, t.chosen, t.inside, t.barred
+    x[:], inside[:], barred[:] = 0.0, False, False
+    used = 0  # the passive set, in the order of entry
     for _ in range(3 * count + 3):
-        _residual(columns, x, residual)
+        leave(columns, x, residual)
         best, most = -1, 0.0
         for j in range(count):
             if inside[j] or barred[j]:
@@ -160,49 +150,55 @@ def nonnegative(columns, residual):
             break
         chosen[used] = best
         used += 1
-        if not _least_squares(columns, chosen, used, trial) or trial[used - 1] <= 0.0:
+        if not least_squares(t, columns, used) or trial[used - 1] <= 0.0:
             used -= 1
             barred[best] = True
             continue
         inside[best] = True
         barred[:] = False
-        while True:
-            share = 1.0
-            for place in range(used):
-                j = chosen[place]
-                if trial[place] <= 0.0:
-                    share = min(share, x[j] / (x[j] - trial[place]))
-            left = 0
-            for place in range(used):
-                j = chosen[place]
-                x[j] += share * (trial[place] - x[j])
-                if trial[place] <= 0.0 and x[j] <= 1e-15:
-                    x[j] = 0.0
-                    inside[j] = False
-                else:
-                    chosen[left] = j
-                    left += 1
-            if left == used:
-                break
-            used = left
-            if used == 0 or not _least_squares(columns, chosen, used, trial):
-                break
-    _residual(columns, x, residual)
+        used = step_back(t, columns, used)
+    leave(columns, x, residual)
 
 
-def _residual(columns, x, residual):
+def step_back(t, columns, used):
+    """Go towards the least-squares solution as far as x stays positive; drop what met zero, and again."""
+    x, trial, chosen, inside = t.x, t.solved, t.chosen, t.inside
+    while True:
+        share = 1.0
+        for place in range(used):
+            j = chosen[place]
+            if trial[place] <= 0.0:
+                share = min(share, x[j] / (x[j] - trial[place]))
+        left = 0
+        for place in range(used):
+            j = chosen[place]
+            x[j] += share * (trial[place] - x[j])
+            if trial[place] <= 0.0 and x[j] <= 1e-15:
+                x[j] = 0.0
+                inside[j] = False
+            else:
+                chosen[left] = j
+                left += 1
+        if left == used or left == 0 or not least_squares(t, columns, left):
+            return left
+        used = left
+
+
+def leave(columns, x, residual):
+    """Set the residual E x − (0, …, 0, 1)."""
     residual[:] = 0.0
     residual[len(residual) - 1] = -1.0
-    for j in range(len(x)):
+    for j in range(len(columns)):
         if x[j] != 0.0:
             for i in range(len(residual)):
                 residual[i] += x[j] * columns[j, i]
 
 
-def _least_squares(columns, chosen, used, out):
-    """Least squares with some columns only, by Gram–Schmidt; False if they depend on one another."""
+def least_squares(t, columns, used):
+    """Least squares with the chosen columns only, by Gram–Schmidt; False if they depend on one another."""
+    unit, triangle, chosen, out = t.unit, t.triangle, t.chosen, t.solved
     size = columns.shape[1]
-    unit, triangle = np.empty((used, size)), np.zeros((used, used))
+    triangle[:] = 0.0
     for c in range(used):
         before = 0.0
         for i in range(size):
