@@ -27,7 +27,9 @@ CUTTER = {
     "approach": Field(angle(1, 90), 'an angle from 1 to 90 degrees: rad, or like "45deg"'),
 }
 FORCE = {
-    "tangential": Field(number(0, 1e13, above=True), "a number in N/m², above 0, at most 1e13", required=True),
+    "tangential": Field(
+        number(0, 1e13, above=True), "a number in N/m², above 0, at most 1e13", required=True
+    ),
     "radial_ratio": _RATIO,
     "axial_ratio": _RATIO,
     "tangential_edge": _EDGE,
@@ -184,7 +186,9 @@ class CutFrame:
         faults = _settle(self, FRAME, "frame")
         if not faults.faults and abs(float(np.dot(self.axis, self.feed))) > 1e-3:
             degrees = math.degrees(math.acos(min(1.0, abs(float(np.dot(self.axis, self.feed))))))
-            faults.add("frame.feed", f"{degrees:.3g} degrees from frame.axis", "a direction across frame.axis")
+            faults.add(
+                "frame.feed", f"{degrees:.3g} degrees from frame.axis", "a direction across frame.axis"
+            )
         _raise(faults)
 
     @property

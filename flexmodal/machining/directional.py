@@ -1,8 +1,8 @@
 """Directional matrices of a milling cut: from the deflection of the tip to the force on it.
 
-The force per axial depth on the tip, in the frame of the cut, is `W(φ) [r(t) − r(t − T)]`: the deflection
-now against that of the tooth before. With the tooth's cutting edge along e, the outward normal n of the
-surface it cuts and its path along v,
+The force per axial depth on the tip, in the frame of the cut, is `W(φ) [r(t) − r(t − T)]`: the deflection now
+against that of the tooth before. With the tooth's cutting edge along e, the outward normal n of the surface
+it cuts and its path along v,
 
     v = (cos φ, −sin φ, 0)                              path of the tooth
     n = (sin φ sin κ, cos φ sin κ, −cos κ)              chip thickness is n · Δr
@@ -49,9 +49,7 @@ def average(cut: Cut) -> Float[np.ndarray, "3 3"]:
     return harmonics(cut, np.array([0]))[0].real
 
 
-def harmonics(
-    cut: Cut, orders: np.ndarray, depth: float = 0.0
-) -> Complex[np.ndarray, "order 3 3"]:
+def harmonics(cut: Cut, orders: np.ndarray, depth: float = 0.0) -> Complex[np.ndarray, "order 3 3"]:
     """Fourier coefficients W_k over a tooth period, W(t) = Σ W_k exp(2πi k t / T) [N/m²].
 
     Args:
@@ -62,9 +60,7 @@ def harmonics(
     return _series(cut, tooth_matrix(cut, _samples()), orders, depth)
 
 
-def static_force_harmonics(
-    cut: Cut, orders: np.ndarray, depth: float
-) -> Complex[np.ndarray, "order 3"]:
+def static_force_harmonics(cut: Cut, orders: np.ndarray, depth: float) -> Complex[np.ndarray, "order 3"]:
     """Fourier coefficients over a tooth period of the force of the undisturbed cut on the tip [N].
 
     Needs `feed_per_tooth`; chip thickness is feed × sin φ × sin κ, edge forces act all through the cut.
@@ -89,9 +85,7 @@ def at(cut: Cut, angle: Float[np.ndarray, " angle"], depth: float = 0.0) -> Floa
     return window_mean(cut, angle - lag, lag)
 
 
-def window_mean(
-    cut: Cut, start: Float[np.ndarray, " angle"], width: float
-) -> Float[np.ndarray, "angle 3 3"]:
+def window_mean(cut: Cut, start: Float[np.ndarray, " angle"], width: float) -> Float[np.ndarray, "angle 3 3"]:
     """Mean of the straight cutter's W from each start angle on over a width [rad], exactly."""
     coefficients = np.fft.fft(tooth_matrix(cut, _samples()), axis=0) / len(_samples())
     total = np.zeros((len(start), 3, 3))

@@ -30,7 +30,10 @@ def number(low: float, high: float, *, above: bool = False) -> Callable[[Any], f
     def read(given: Any) -> float:
         if isinstance(given, bool) or not isinstance(given, int | float | np.integer | np.floating):
             raise ValueError
-        value = float(given) if abs(given) < 1e300 else math.inf
+        try:
+            value = float(given)
+        except OverflowError:
+            raise ValueError from None
         if not low <= value <= high or (above and value == low):
             raise ValueError
         return value

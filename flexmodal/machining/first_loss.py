@@ -1,4 +1,4 @@
-"""The smallest depth at which a cut loses its stability, when all one can ask is whether a depth is stable."""
+"""The smallest unstable depth, when all one can ask is whether a depth is stable."""
 
 from __future__ import annotations
 

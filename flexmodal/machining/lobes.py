@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -66,7 +67,7 @@ def unfolded(base: float, period: float, near: float) -> tuple[float, int, bool]
     """What a Floquet multiplier's angle stands for.
 
     Args:
-        base: the angle as a frequency in 0 … 1/2T [Hz]; whole tooth-passing frequencies and the sign are lost.
+        base: the angle as a frequency in 0 … 1/2T [Hz]; whole tooth-passing frequencies and sign are lost.
         period: T [s].
         near: the frequency expected [Hz].
 
@@ -76,3 +77,13 @@ def unfolded(base: float, period: float, near: float) -> tuple[float, int, bool]
     aliases = [abs(sign * base + round((near - sign * base) * period) / period) for sign in (1, -1)]
     frequency = min(aliases, key=lambda value: abs(value - near))
     return frequency, int(np.floor(frequency * period + 1e-9)), bool(abs(2 * base * period - 1) < 1e-6)
+
+
+def joined(parts: Sequence[Lobes]) -> Lobes:
+    """Lobes of one cut and method over several sets of speeds as one, each speed once."""
+    speed, order = np.unique(np.concatenate([one.speed for one in parts]), return_index=True)
+    arrays = (
+        np.concatenate([getattr(one, name) for one in parts])[order]
+        for name in ("depth", "chatter_frequency", "lobe", "flip")
+    )
+    return Lobes(parts[0].cut, parts[0].method, speed, *arrays)

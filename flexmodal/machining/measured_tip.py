@@ -133,14 +133,18 @@ def _sorted_pairs(
         kept = table.setdefault(pair, (form, {}))
         if frequency in kept[1] or kept[0] != form:
             found = f"{frequency:g} Hz again" if kept[0] == form else f"{form} after {kept[0]}"
-            faults.add(f"line {rows.line_num}", found, "each pair of directions at each frequency once, one form")
+            faults.add(
+                f"line {rows.line_num}", found, "each pair of directions at each frequency once, one form"
+            )
         kept[1][frequency] = sign * complex(re, im)
     if not table and not faults.faults:
         faults.add("", "no lines", "receptances at two frequencies or more")
     return table
 
 
-def _assemble(table: dict[tuple[int, int], tuple[str, dict[float, complex]]], faults: FaultList) -> MeasuredTip:
+def _assemble(
+    table: dict[tuple[int, int], tuple[str, dict[float, complex]]], faults: FaultList
+) -> MeasuredTip:
     axis = sorted(next(iter(table.values()))[1])
     for (row, column), (_, values) in table.items():
         if sorted(values) != axis:

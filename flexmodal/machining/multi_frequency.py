@@ -1,12 +1,13 @@
 """Stability of the interrupted cut from a receptance alone: several harmonics, and the criterion of Nyquist.
 
 A perturbation exp(iωt) of a cut of tooth period T vibrates at ω + 2πs/T for all whole s. With the Fourier
-coefficients W_k of the directional matrix, its parts r_s obey `r_s = a (1 − exp(−iωT)) Φ(ω + 2πs/T) Σ_m W_{s−m} r_m`
-(Budak and Altintas, Journal of Dynamic Systems, Measurement and Control 120 (1998) 22; Merdol and Altintas,
-Journal of Manufacturing Science and Engineering 126 (2004) 459). Instead of iterating on ω we count: as ω runs
-from 0 to π/T, the phase of the determinant of that system grows by π for each unstable Floquet exponent (Nyquist;
-for the zero-order system Eynian and Altintas 2009). At ω = 0 the determinant is 1; at π/T, where period doubling
-sets in, it is real because the harmonics −h−1 … h pair off. The cut-off is thus exact in phase.
+coefficients W_k of the directional matrix, its parts r_s obey `r_s = a (1 − exp(−iωT)) Φ(ω + 2πs/T) Σ_m
+W_{s−m} r_m` (Budak and Altintas, Journal of Dynamic Systems, Measurement and Control 120 (1998) 22; Merdol
+and Altintas, Journal of Manufacturing Science and Engineering 126 (2004) 459). Instead of iterating on ω we
+count: as ω runs from 0 to π/T, the phase of the determinant of that system grows by π for each unstable
+Floquet exponent (Nyquist; for the zero-order system Eynian and Altintas 2009). At ω = 0 the determinant is 1;
+at π/T, where period doubling sets in, it is real because the harmonics −h−1 … h pair off. The cut-off is thus
+exact in phase.
 
 It needs no mass and stiffness, so a measured receptance will do. No step of it is shared with
 semi-discretisation.
@@ -29,7 +30,7 @@ _FEWEST, _MOST = 6, 60
 _BEYOND = 1.3
 """The harmonics reach this many times the highest natural frequency, and two further."""
 _PULSE = 2.0
-"""They reach this many times over the spectrum of the pulse of a tooth: 1 over the part of the period it cuts."""
+"""They reach this many times over the spectrum of a tooth's pulse: 1 over the part of the period it cuts."""
 _TURN = 0.7
 """Most the determinant may turn between two lines [rad]."""
 _ROUNDS = 30
@@ -38,9 +39,7 @@ _ROUNDS = 30
 class HillDeterminant:
     """The determinant at one spindle speed; the lines it was evaluated at are kept from depth to depth."""
 
-    def __init__(
-        self, tip: TipReceptance, cut: Cut, spindle_speed: float, count: int | None = None
-    ) -> None:
+    def __init__(self, tip: TipReceptance, cut: Cut, spindle_speed: float, count: int | None = None) -> None:
         self.tip, self.cut = tip, cut
         self.period = cut.tooth_period(spindle_speed)
         count = _enough(tip, cut, spindle_speed) if count is None else count
@@ -139,7 +138,7 @@ def multi_frequency(
 
 
 def _enough(tip: TipReceptance, cut: Cut, spindle_speed: float) -> int:
-    """Harmonics that pass the highest resonance and the pulse, and stay below the last line of a measurement."""
+    """Harmonics that pass the highest resonance and the pulse, and stay within a measurement."""
     period = cut.tooth_period(spindle_speed)
     part = (cut.engagement.exit - cut.engagement.entry) * cut.cutter.teeth / (2 * np.pi)
     count = max(_FEWEST, int(np.ceil(_BEYOND * tip.resonances[-1] * period)) + 2, int(np.ceil(_PULSE / part)))

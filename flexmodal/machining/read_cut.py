@@ -29,7 +29,9 @@ from flexmodal.text.words import FaultList, listing, nearest, shown
 
 _KEYS = ("format", "title", "source", "cutter", "force", "engagement", "frame", "mode")
 _BY_IMMERSION = {
-    "immersion": Field(number(0, 1, above=True), "a number above 0 and at most 1, radial depth over diameter"),
+    "immersion": Field(
+        number(0, 1, above=True), "a number above 0 and at most 1, radial depth over diameter"
+    ),
     "milling": Field(text("up", "down"), '"up" or "down"'),
 }
 _EITHER = "immersion and milling, or entry and exit"

@@ -1,10 +1,10 @@
 """Floquet multipliers of the regenerative cut by first-order semi-discretisation.
 
 Insperger and Stépán, International Journal for Numerical Methods in Engineering 61 (2004) 117, and Insperger,
-International Journal of Machine Tools and Manufacture 50 (2010) 658. The tooth period is cut into intervals. In
-each, W(t) is replaced by its mean and the deflection one tooth ago by a straight line, and the rest is solved
-exactly by a matrix exponential. Unlike the zero-order solution it keeps the interrupted cut: period doubling,
-low immersion, helix. It needs the second-order system and not only a receptance.
+International Journal of Machine Tools and Manufacture 50 (2010) 658. The tooth period is cut into intervals.
+In each, W(t) is replaced by its mean and the deflection one tooth ago by a straight line, and the rest is
+solved exactly by a matrix exponential. Unlike the zero-order solution it keeps the interrupted cut: period
+doubling, low immersion, helix. It needs the second-order system and not only a receptance.
 """
 
 from __future__ import annotations

@@ -91,7 +91,9 @@ class ModelTip:
     def _about_poles(self, count: int) -> np.ndarray:
         """Frequencies spread about each pole by its half width [Hz]."""
         pole = self.poles / (2 * np.pi)
-        spread = np.tan(np.linspace(-1.54, 1.54, count)) if count > 9 else np.tan(np.linspace(-1.2, 1.2, count))
+        spread = (
+            np.tan(np.linspace(-1.54, 1.54, count)) if count > 9 else np.tan(np.linspace(-1.2, 1.2, count))
+        )
         centre = np.where(pole.imag > 0, pole.imag, np.abs(pole))
         return (centre[:, None] + np.abs(pole.real)[:, None] * spread).ravel()
 
@@ -111,8 +113,8 @@ class ModelTip:
         free = seen & (modes.damping_ratio < _UNDAMPED)
         if np.any(free):
             raise SingularResponse(
-                f"the mode at {modes.frequency[free][0]:.4g} Hz has no damping, so no depth of cut is stable; "
-                "give the joints damping"
+                f"the mode at {modes.frequency[free][0]:.4g} Hz has no damping, so no depth of "
+                "cut is stable; give the joints damping"
             )
         return modes.pole[seen]
 
@@ -172,7 +174,9 @@ def _with_modes(
         return ModelTip(system, rows, added)
     other, more = _modal_system(modes)
     joined = SecondOrderSystem(
-        *(_blocks(getattr(system, name), getattr(other, name)) for name in ("mass", "damping", "stiffness")),
+        _blocks(system.mass, other.mass),
+        _blocks(system.damping, other.damping),
+        _blocks(system.stiffness, other.stiffness),
         (*system.coordinates, *other.coordinates),
     )
     return ModelTip(joined, np.hstack([rows, more]), added)
@@ -186,6 +190,6 @@ def _blocks(first: np.ndarray, second: np.ndarray) -> np.ndarray:
 
 
 def _cross(vector: np.ndarray) -> np.ndarray:
-    """Matrix of the cross product vector × …"""
+    """Matrix of the cross product with a vector on its left."""
     x, y, z = vector
     return np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])

@@ -1,8 +1,8 @@
 """Stability lobes from the mean directional matrix: the zero-order solution of Altintas and Budak (1995).
 
-Chatter at ω and depth a needs `1 = a (1 − exp(−iωT)) μ(ω)` for an eigenvalue μ of Φ W₀. With μ = |μ| exp(iβ) the
-depth is real where `ωT = π + 2β + 2πk`, and is then `1 / (2 Re μ)`; k counts the whole waves between two teeth.
-For one spindle speed every such frequency is found on every branch; the smallest depth is the limit.
+Chatter at ω and depth a needs `1 = a (1 − exp(−iωT)) μ(ω)` for an eigenvalue μ of Φ W₀. With μ = |μ| exp(iβ)
+the depth is real where `ωT = π + 2β + 2πk`, and is then `1 / (2 Re μ)`; k counts the whole waves between two
+teeth. For one spindle speed every such frequency is found on every branch; the smallest depth is the limit.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from flexmodal.machining.cut import Cut
 from flexmodal.machining.lobes import Lobes
 from flexmodal.machining.tip import TipReceptance
 
-_POLISH = 6
+_POLISH = 12
 _CANDIDATES = 3
 """Crossings polished at each speed; the interpolated ones rank the rest well enough."""
 
@@ -41,7 +41,7 @@ def zero_order(tip: TipReceptance, cut: Cut, speed: Float[np.ndarray, " speed"])
 
 
 def _crossings(found: Branches, period: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Cells in which ωT − π − 2β passes a multiple of 2π, the multiple, and where in the cell; the lowest few."""
+    """Cells where ωT − π − 2β passes a multiple of 2π, which one, and where in the cell; the lowest few."""
     begin = 2 * np.pi * found.low * period - np.pi - 2 * np.angle(found.at_low)
     step = 2 * np.pi * (found.high - found.low) * period - 2 * found.turn
     low, high = np.minimum(begin, begin + step), np.maximum(begin, begin + step)
@@ -62,17 +62,24 @@ def _crossings(found: Branches, period: float) -> tuple[np.ndarray, np.ndarray, 
 def _polish(
     found: Branches, cell: np.ndarray, lobe: np.ndarray, part: np.ndarray, period: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Frequencies where the phase is exact to rounding, by secant steps inside the cell, and depths there."""
-    width = found.high[cell] - found.low[cell]
-    slope = 2 * np.pi * period - 2 * found.turn[cell] / width
-    frequency = found.low[cell] + part * width
+    """Frequencies where the phase is exact, by bracketed secant steps (Illinois), and the depths there."""
+
+    def error(frequency: np.ndarray, value: np.ndarray) -> np.ndarray:
+        turned = np.angle(found.at_low[cell]) + np.angle(value / found.at_low[cell])
+        return 2 * np.pi * (frequency * period - lobe) - np.pi - 2 * turned
+
+    low, high = found.low[cell], found.high[cell]
+    at_low, at_high = error(low, found.at_low[cell]), error(high, found.at_high[cell])
+    frequency = low + part * (high - low)
     value = found.follow(cell, frequency)
     for _ in range(_POLISH):
-        turned = np.angle(value / found.at_low[cell]) + np.angle(found.at_low[cell])
-        error = 2 * np.pi * frequency * period - np.pi - 2 * turned - 2 * np.pi * lobe
-        with np.errstate(divide="ignore", invalid="ignore"):
-            step = np.nan_to_num(error / slope, posinf=0.0, neginf=0.0)
-        frequency = np.clip(frequency - step, found.low[cell], found.high[cell])
+        here = error(frequency, value)
+        above = np.sign(here) == np.sign(at_high)
+        low, at_low = np.where(above, low, frequency), np.where(above, at_low / 2, here)
+        high, at_high = np.where(above, frequency, high), np.where(above, here, at_high / 2)
+        gap = at_high - at_low
+        step = np.divide(at_low, gap, out=np.full_like(gap, -0.5), where=gap != 0)
+        frequency = np.clip(low - step * (high - low), low, high)
         value = found.follow(cell, frequency)
     depth = np.full(len(cell), np.inf)
     np.divide(0.5, value.real, out=depth, where=value.real > 0)
