@@ -36,6 +36,6 @@ from flexmodal.machining.solve import METHODS as METHODS
 from flexmodal.machining.solve import stability_lobes as stability_lobes
 from flexmodal.machining.solve import unconditional_depth as unconditional_depth
 from flexmodal.machining.tip import ModelTip as ModelTip
-from flexmodal.machining.tip import TipReceptance as TipReceptance
 from flexmodal.machining.tip import modal_tip as modal_tip
 from flexmodal.machining.tip import tool_tip as tool_tip
+from flexmodal.machining.tip_receptance import TipReceptance as TipReceptance

@@ -10,7 +10,7 @@ from jaxtyping import Complex, Float
 
 from flexmodal.machining.cut import Cut
 from flexmodal.machining.directional import average, chip_axes
-from flexmodal.machining.tip import TipReceptance
+from flexmodal.machining.tip_receptance import TipReceptance
 
 _TURN = 0.04
 """Most an eigenvalue may turn between two lines of the grid [rad]."""

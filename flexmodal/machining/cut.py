@@ -15,20 +15,20 @@ from flexmodal.errors import InvalidCut
 from flexmodal.machining.fields import Field, angle, direction, number, numbers, read_table, text, whole
 from flexmodal.text.words import FaultList
 
-_RATIO = Field(number(-10, 10), "a number from -10 to 10, in parts of force.tangential")
-_EDGE = Field(number(0, 1e9), "a number in N/m, from 0 to 1e9")
+_RATIO = Field(number(-10.0, 10.0), "a number from -10 to 10, in parts of force.tangential")
+_EDGE = Field(number(0.0, 1e9), "a number in N/m, from 0 to 1e9")
 _WHOLE_SIDE = 1e-9
 """How near an entry angle has to be to 0, or an exit angle to 180°, to leave a wall behind [rad]."""
 
 CUTTER = {
     "teeth": Field(whole(1, 100), "a whole number from 1 to 100", required=True),
-    "diameter": Field(number(0, 10, above=True), "a number in m, above 0 and at most 10", required=True),
-    "helix": Field(angle(0, 80), 'an angle from 0 to 80 degrees: rad, or like "30deg"'),
-    "approach": Field(angle(1, 90), 'an angle from 1 to 90 degrees: rad, or like "45deg"'),
+    "diameter": Field(number(0.0, 10.0, above=True), "a number in m, above 0 and at most 10", required=True),
+    "helix": Field(angle(0.0, 80.0), 'an angle from 0 to 80 degrees: rad, or like "30deg"'),
+    "approach": Field(angle(1.0, 90.0), 'an angle from 1 to 90 degrees: rad, or like "45deg"'),
 }
 FORCE = {
     "tangential": Field(
-        number(0, 1e13, above=True), "a number in N/m², above 0, at most 1e13", required=True
+        number(0.0, 1e13, above=True), "a number in N/m², above 0, at most 1e13", required=True
     ),
     "radial_ratio": _RATIO,
     "axial_ratio": _RATIO,
@@ -37,13 +37,13 @@ FORCE = {
     "axial_edge": _EDGE,
 }
 ENGAGEMENT = {
-    "entry": Field(angle(0, 180), 'an angle from 0 to 180 degrees: rad, or like "90deg"', required=True),
-    "exit": Field(angle(0, 180), 'an angle from 0 to 180 degrees: rad, or like "180deg"', required=True),
+    "entry": Field(angle(0.0, 180.0), 'an angle from 0 to 180 degrees: rad, or like "90deg"', required=True),
+    "exit": Field(angle(0.0, 180.0), 'an angle from 0 to 180 degrees: rad, or like "180deg"', required=True),
     "spindle_speed": Field(
         numbers(2, 1e-3, 1e7), "two numbers in rev/min, the lower first, from 0.001 to 1e7", required=True
     ),
-    "feed_per_tooth": Field(number(0, 1, above=True), "a number in m, above 0 and at most 1"),
-    "depth": Field(number(0, 10, above=True), "a number in m, above 0 and at most 10"),
+    "feed_per_tooth": Field(number(0.0, 1.0, above=True), "a number in m, above 0 and at most 1"),
+    "depth": Field(number(0.0, 10.0, above=True), "a number in m, above 0 and at most 10"),
 }
 FRAME = {
     "relative_to": Field(text("tool", "world"), '"tool" or "world"', required=True),
@@ -54,10 +54,10 @@ FRAME = {
 }
 MODE = {
     "direction": Field(text("x", "y", "z"), '"x" (feed), "y" (normal) or "z" (axis)', required=True),
-    "frequency": Field(number(0, 1e6, above=True), "a number in Hz, above 0 and at most 1e6", required=True),
+    "frequency": Field(number(0.0, 1e6, above=True), "a number in Hz, above 0, at most 1e6", required=True),
     "damping_ratio": Field(number(1e-6, 0.999), "a number from 1e-6 to 0.999", required=True),
     "stiffness": Field(
-        number(0, 1e15, above=True), "a number in N/m, above 0 and at most 1e15", required=True
+        number(0.0, 1e15, above=True), "a number in N/m, above 0 and at most 1e15", required=True
     ),
 }
 
@@ -175,8 +175,10 @@ class CutFrame:
 
     relative_to: str
     """Whether the directions turn with the robot's tool or stand in the world."""
-    axis: tuple[float, float, float]
-    feed: tuple[float, float, float]
+    axis: str | tuple[float, float, float]
+    """From the tip into the spindle: "+z" and the like, or a vector; a unit vector once made."""
+    feed: str | tuple[float, float, float]
+    """The way the tool moves over the work; the same."""
     point: str | None = None
     """Point of the robot or URDF link that carries the cutter; the robot's tool if none."""
     offset: tuple[float, float, float] = (0.0, 0.0, 0.0)
@@ -184,8 +186,9 @@ class CutFrame:
 
     def __post_init__(self) -> None:
         faults = _settle(self, FRAME, "frame")
-        if not faults.faults and abs(float(np.dot(self.axis, self.feed))) > 1e-3:
-            degrees = math.degrees(math.acos(min(1.0, abs(float(np.dot(self.axis, self.feed))))))
+        along = 0.0 if faults.faults else abs(float(np.dot(_vector(self.axis), _vector(self.feed))))
+        if along > 1e-3:
+            degrees = math.degrees(math.acos(min(1.0, along)))
             faults.add(
                 "frame.feed", f"{degrees:.3g} degrees from frame.axis", "a direction across frame.axis"
             )
@@ -194,8 +197,8 @@ class CutFrame:
     @property
     def rows(self) -> Float[np.ndarray, "3 3"]:
         """Unit vectors x, y, z as rows, along the axes of what the frame is relative to."""
-        z = np.array(self.axis)
-        x = np.array(self.feed) - np.dot(self.feed, z) * z
+        z, feed = _vector(self.axis), _vector(self.feed)
+        x = feed - np.dot(feed, z) * z
         x /= np.linalg.norm(x)
         return np.array([x, np.cross(z, x), z])
 
@@ -231,6 +234,11 @@ class Cut:
     def tooth_period(self, spindle_speed: float) -> float:
         """Time between two teeth [s] at a spindle speed [rev/min]."""
         return 60 / (self.cutter.teeth * spindle_speed)
+
+
+def _vector(given: str | tuple[float, float, float]) -> np.ndarray:
+    """A direction already read."""
+    return np.asarray(given, dtype=float)
 
 
 def _settle(record: Any, table: Mapping[str, Field], section: str) -> FaultList:

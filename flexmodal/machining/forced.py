@@ -10,6 +10,7 @@ the deflection along y at that moment, higher up a helix at a later one.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from jaxtyping import Complex, Float
@@ -17,12 +18,12 @@ from jaxtyping import Complex, Float
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.machining.cut import Cut
 from flexmodal.machining.directional import helix_lag, static_force_harmonics
-from flexmodal.machining.tip import TipReceptance
+from flexmodal.machining.tip_receptance import TipReceptance
 
 _HARMONICS = 60
 """The displacement falls with the cube of the harmonic beyond the last resonance."""
 _HEIGHTS = 21
-_SAMPLES = 720
+_SAMPLES = 360
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,15 +49,13 @@ class ForcedVibration:
 
     def at(self, angle: Float[np.ndarray, " angle"]) -> Float[np.ndarray, "angle 3"]:
         """Displacement when the first tooth's tip stands at an angle [rad]: [m]."""
-        order = np.arange(len(self.frequency)) * self.cut.cutter.teeth
-        wave = np.exp(1j * np.outer(angle, order)) * np.where(order == 0, 1, 2)
-        return (wave @ self.displacement).real
+        return (_waves(angle, self.cut.cutter.teeth, len(self.frequency)) @ self.displacement).real
 
     @property
     def peak(self) -> Float[np.ndarray, "3"]:
         """Largest departure from the mean deflection along x, y, z over a tooth period [m]."""
-        angle = 2 * np.pi / self.cut.cutter.teeth * np.arange(_SAMPLES) / _SAMPLES
-        return np.max(np.abs(self.at(angle) - self.static), axis=0)
+        waves = _period(self.cut.cutter.teeth, len(self.frequency))
+        return np.max(np.abs((waves[:, 1:] @ self.displacement[1:]).real), axis=0)
 
     @property
     def height(self) -> Float[np.ndarray, " height"]:
@@ -77,11 +76,15 @@ class ForcedVibration:
     @property
     def surface_error(self) -> float | None:
         """The error of largest size on any wall [m]; none where the cut leaves no wall."""
-        walls = [wall for wall in (self.entry_wall, self.exit_wall) if wall is not None]
-        if not walls:
-            return None
-        every = np.concatenate(walls)
-        return float(every[np.argmax(np.abs(every))])
+        return _largest(self.entry_wall, self.exit_wall)
+
+    @property
+    def dynamic_error(self) -> float | None:
+        """The same without the mean deflection, which an offset of the path can take back [m]."""
+        along = float(self.static[1])
+        entry = None if self.entry_wall is None else self.entry_wall - along
+        leaving = None if self.exit_wall is None else self.exit_wall + along
+        return _largest(entry, leaving)
 
     def _wall(self, passing: float, outward: float) -> np.ndarray:
         lag = 2 * self.height * np.tan(self.cut.cutter.helix) / self.cut.cutter.diameter
@@ -108,14 +111,36 @@ def forced_vibration(
         raise InvalidRequest(
             Fault("cut", "engagement", "no feed_per_tooth and depth", "both, for forced vibration")
         )
-    passing = 1 / cut.tooth_period(spindle_speed)
-    most = _HARMONICS
+    frequency = _harmonics(tip, cut, spindle_speed)
+    force = static_force_harmonics(cut, np.arange(len(frequency)), depth)
+    displacement = np.einsum("kij,kj->ki", tip.receptance(frequency), force)
+    return ForcedVibration(cut, spindle_speed, depth, frequency, force, displacement)
+
+
+def _harmonics(tip: TipReceptance, cut: Cut, spindle_speed: float) -> Float[np.ndarray, " harmonic"]:
+    """0, the tooth-passing frequency and its multiples, as far as the tip is known [Hz]."""
+    passing, most = 1 / cut.tooth_period(spindle_speed), _HARMONICS
     if np.isfinite(tip.highest):
         most = max(1, min(most, int(np.floor(tip.highest / passing))))
-    order = np.arange(most + 1)
-    force = static_force_harmonics(cut, order, depth)
-    displacement = np.einsum("kij,kj->ki", tip.receptance(order * passing), force)
-    return ForcedVibration(cut, spindle_speed, depth, order * passing, force, displacement)
+    return np.arange(most + 1) * passing
+
+
+def _waves(angle: np.ndarray, teeth: int, count: int) -> np.ndarray:
+    """From Fourier coefficients of orders 0 … to a real function at angles of the cutter."""
+    order = np.arange(count)
+    return np.exp(1j * np.outer(angle, order * teeth)) * np.where(order == 0, 1, 2)
+
+
+@lru_cache(maxsize=8)
+def _period(teeth: int, count: int) -> np.ndarray:
+    """The same over a tooth period."""
+    return _waves(2 * np.pi / teeth * np.arange(_SAMPLES) / _SAMPLES, teeth, count)
+
+
+def _largest(*walls: np.ndarray | None) -> float | None:
+    """The entry of largest size; none if there is no wall."""
+    every = np.concatenate([np.zeros(0), *(wall for wall in walls if wall is not None)])
+    return float(every[np.argmax(np.abs(every))]) if len(every) else None
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,6 +157,8 @@ class ForcedSweep:
     """Largest departure from it [m]."""
     surface_error: Float[np.ndarray, " speed"]
     """Error of largest size on a wall, positive where too much is cut [m]; not a number without a wall."""
+    dynamic_error: Float[np.ndarray, " speed"]
+    """The same without the mean deflection [m]."""
 
 
 def forced_sweep(
@@ -143,6 +170,9 @@ def forced_sweep(
         As `forced_vibration`.
     """
     each = [forced_vibration(tip, cut, float(one), depth) for one in speed]
-    errors = [np.nan if one.surface_error is None else one.surface_error for one in each]
+    errors, dynamic = (
+        np.array([getattr(one, name) for one in each], dtype=float)  # none becomes not a number
+        for name in ("surface_error", "dynamic_error")
+    )
     static, peak = np.array([one.static for one in each]), np.array([one.peak for one in each])
-    return ForcedSweep(speed, each[0].depth, static, peak, np.array(errors))
+    return ForcedSweep(speed, each[0].depth, static, peak, errors, dynamic)

@@ -17,6 +17,7 @@ from flexmodal.frf.axis import frequency_axis
 from flexmodal.frf.direction import PointDirection
 from flexmodal.frf.export import COLUMNS
 from flexmodal.frf.form import FORMS, convert
+from flexmodal.machining.tip_receptance import TipReceptance
 from flexmodal.text.reading import read_regular
 from flexmodal.text.words import FaultList, listing, shown
 
@@ -27,7 +28,7 @@ _QUASI_STATIC = 0.3
 
 
 @dataclass(frozen=True, eq=False)
-class MeasuredTip:
+class MeasuredTip(TipReceptance):
     """A 3 × 3 receptance on lines; linear between them.
 
     Below the first line the tool is a spring: the real part there is held, provided that its phase there is

@@ -22,7 +22,8 @@ from flexmodal.errors import InvalidFrequencies
 from flexmodal.machining.branches import branches, eigenvalues
 from flexmodal.machining.cut import Cut
 from flexmodal.machining.directional import average, chip_axes
-from flexmodal.machining.tip import ModelTip, TipReceptance
+from flexmodal.machining.tip import ModelTip
+from flexmodal.machining.tip_receptance import TipReceptance
 
 _POLISH = 60
 

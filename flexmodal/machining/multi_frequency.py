@@ -23,7 +23,7 @@ from flexmodal.machining.cut import Cut
 from flexmodal.machining.directional import chip_axes, harmonics, helix_lag
 from flexmodal.machining.first_loss import first_loss
 from flexmodal.machining.lobes import Lobes, unfolded
-from flexmodal.machining.tip import TipReceptance
+from flexmodal.machining.tip_receptance import TipReceptance
 from flexmodal.machining.zero_order import zero_order
 
 _FEWEST, _MOST = 6, 60

@@ -30,10 +30,11 @@ from flexmodal.text.words import FaultList, listing, nearest, shown
 _KEYS = ("format", "title", "source", "cutter", "force", "engagement", "frame", "mode")
 _BY_IMMERSION = {
     "immersion": Field(
-        number(0, 1, above=True), "a number above 0 and at most 1, radial depth over diameter"
+        number(0.0, 1.0, above=True), "a number above 0 and at most 1, radial depth over diameter"
     ),
     "milling": Field(text("up", "down"), '"up" or "down"'),
 }
+_OPTIONAL = _BY_IMMERSION | {key: replace(ENGAGEMENT[key], required=False) for key in ("entry", "exit")}
 _EITHER = "immersion and milling, or entry and exit"
 _TEXT = "some text, not empty"
 
@@ -98,11 +99,13 @@ def _engagement(content: Any, faults: FaultList) -> Engagement | None:
     by_angles = sorted(set(content) & {"entry", "exit"})
     if bool(by_immersion) == bool(by_angles):
         faults.add("engagement", listing(by_immersion + by_angles, "neither of the two"), _EITHER)
-    table = ENGAGEMENT if by_angles and not by_immersion else _without_angles()
-    if by_immersion:
-        table = table | {key: replace(field, required=True) for key, field in _BY_IMMERSION.items()}
+    if bool(by_immersion) == bool(by_angles):  # say so, and judge the rest
+        read_table(content, {**_without_angles(), **_OPTIONAL}, "engagement", faults)
+        return None
+    required = {key: replace(field, required=True) for key, field in _BY_IMMERSION.items()}
+    table = ENGAGEMENT if by_angles else _without_angles() | required
     values = read_table(content, table, "engagement", faults)
-    if values is None or bool(by_immersion) == bool(by_angles):
+    if values is None:
         return None
     if by_immersion:
         entry, leaving = immersion_angles(values.pop("immersion"), values.pop("milling"))

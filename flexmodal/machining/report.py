@@ -18,7 +18,8 @@ from flexmodal.machining.plot import draw_comparison, draw_lobes
 
 LOBES_COLUMNS = (
     "spindle_speed_rev_per_min", "stable_depth_m", "chatter_frequency_hz", "lobe", "period_doubling",
-    "surface_error_m", "static_x_m", "static_y_m", "static_z_m", "peak_x_m", "peak_y_m", "peak_z_m",
+    "surface_error_m", "dynamic_error_m", "static_x_m", "static_y_m", "static_z_m", "peak_x_m", "peak_y_m",
+    "peak_z_m",
 )  # fmt: skip
 COMPARISON_COLUMNS = (
     "posture", "parameter", "critical_depth_m", "critical_speed_rev_per_min", "chatter_frequency_hz",
@@ -112,9 +113,13 @@ def numbers(found: PostureDepth) -> list[list[str]]:
     if found.forced is not None:
         rows.append(["intended depth", millimetres(found.forced.depth), "mm"])
         rows.append(["  stable at", stable_part(found), "of the range"])
-        errors = 1e6 * np.abs(found.forced.surface_error)
-        if np.any(np.isfinite(errors)):
-            rows.append(["  error of the wall, size", f"{errors.min():.3g} to {errors.max():.3g}", "µm"])
+        for name, metres in (
+            ("  error of the wall, size", found.forced.surface_error),
+            ("  without the mean deflection", found.forced.dynamic_error),
+        ):
+            size = 1e6 * np.abs(metres)
+            if np.all(np.isfinite(size)):
+                rows.append([name, f"{size.min():.3g} to {size.max():.3g}", "µm"])
     return rows
 
 
@@ -148,7 +153,8 @@ def write_lobes_csv(found: PostureDepth, path: Path, *, overwrite: bool = False)
     rows = []
     for place, speed in enumerate(lobes.speed):
         more: list[float] = [] if forced is None else [
-            forced.surface_error[place], *forced.static[place], *forced.peak[place]
+            forced.surface_error[place], forced.dynamic_error[place],
+            *forced.static[place], *forced.peak[place],
         ]  # fmt: skip
         lobe = int(lobes.lobe[place])
         head = [speed, lobes.depth[place], lobes.chatter_frequency[place]]
@@ -211,7 +217,7 @@ def write_json(found: dict[str, Any], path: Path, *, overwrite: bool = False) ->
 
 def lobes_picture(robot: str, found: PostureDepth) -> Any:
     """The picture of one posture's lobes."""
-    title = f"{robot} at {found.posture}: {found.lobes.cut.title}"
+    title = f"{robot} at {found.posture}\n{found.lobes.cut.title}"
     depth = found.lobes.cut.engagement.depth
     curves = {"": found.lobes}
     return draw_lobes(curves, title=title, coupling=found.coupling.depth, depth=depth, forced=found.forced)
@@ -268,6 +274,7 @@ def _forced(found: PostureDepth) -> dict[str, Any] | None:
         "depth": forced.depth,
         "stable": [bool(value) for value in found.lobes.depth > forced.depth],
         "surface_error": [finite(value) for value in forced.surface_error],
+        "dynamic_error": [finite(value) for value in forced.dynamic_error],
         "static": forced.static.tolist(),
         "peak": forced.peak.tolist(),
     }

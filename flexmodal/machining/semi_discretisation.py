@@ -20,9 +20,11 @@ from flexmodal.machining.lobes import Lobes, unfolded
 from flexmodal.machining.tip import ModelTip
 from flexmodal.machining.zero_order import zero_order
 
-_FEWEST, _MOST = 40, 900
-_PER_CYCLE = 16
+_FEWEST, _MOST = 60, 900
+_PER_CYCLE = 24
 """Intervals for each period of the fastest mode."""
+_IN_CUT = 20
+"""Intervals in the part of the period in which a tooth cuts."""
 _GAUSS = ((-0.7745966692414834, 5 / 18), (0.0, 8 / 18), (0.7745966692414834, 5 / 18))
 
 
@@ -36,13 +38,14 @@ def multipliers(
         cut: the cut.
         spindle_speed: [rev/min].
         depth: axial depth of cut [m].
-        intervals: of a tooth period; sixteen for each period of the fastest mode if none, forty at least.
+        intervals: of a tooth period; if none, 24 for each period of the fastest
+            mode, 20 for the part in which a tooth cuts, 60 at least.
 
     Raises:
         InvalidRequest: the tip holds a measured receptance, or the intervals are more than 900.
     """
     period = cut.tooth_period(spindle_speed)
-    count = _intervals(tip, period) if intervals is None else intervals
+    count = _intervals(tip, cut, period) if intervals is None else intervals
     if tip.added is not None:
         allowed = "a model alone; with a measured receptance use multi-frequency"
         raise InvalidRequest(Fault("call", "method", "semi-discretisation of a measured receptance", allowed))
@@ -82,9 +85,10 @@ def semi_discretisation(
     return Lobes(cut, "semi-discretisation", speed, depth, chatter, lobe, flip)
 
 
-def _intervals(tip: ModelTip, period: float) -> int:
+def _intervals(tip: ModelTip, cut: Cut, period: float) -> int:
     fastest = float(np.max(np.abs(tip.poles))) / (2 * np.pi)
-    return max(_FEWEST, int(np.ceil(_PER_CYCLE * fastest * period)))
+    part = (cut.engagement.exit - cut.engagement.entry) * cut.cutter.teeth / (2 * np.pi)
+    return max(_FEWEST, int(np.ceil(_PER_CYCLE * fastest * period)), int(np.ceil(_IN_CUT / part)))
 
 
 def _steps(

@@ -19,6 +19,8 @@ from flexmodal.machining.tip import ModelTip
 _SLICES = 12
 """Slices along a helix."""
 _CORRECTIONS = 2
+_LARGEST = 1e12
+"""A state beyond this ends the simulation: the linear theory knows no bounds."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,28 +79,33 @@ def simulate(
     cutting = _Teeth(cut, depth, steps, linear=linear)
     total = periods * steps
     see = np.hstack([tip.rows, np.zeros_like(tip.rows)])
+    direct = see @ second
     state = np.zeros(2 * tip.system.dof)
     state[tip.system.dof :] = np.linalg.solve(tip.system.mass, tip.rows.T @ np.array(kick))
     moved, pushed = np.zeros((total, 3)), np.zeros((total, 3))
-    force = cutting.force(0, moved[0])
+    cutting.stand(0)
+    force = cutting.force(moved[0])
     for step in range(total):
         moved[step], pushed[step] = see @ state, force
-        cutting.keep(step, moved[step])
-        if step == total - 1:
-            break
-        following = force
+        cutting.keep(moved[step])
+        cutting.stand(step + 1)
         free = turn @ state + first @ force
+        seen = see @ free
+        following = force
         for _ in range(_CORRECTIONS):
-            following = cutting.force(step + 1, see @ (free + second @ following))
+            following = cutting.force(seen + direct @ following)
         state, force = free + second @ following, following
-        if not np.all(np.abs(state) < 1e12):
+        if not abs(state).max() < _LARGEST:
             moved, pushed, total = moved[: step + 1], pushed[: step + 1], step + 1
             break
     return CutHistory(np.arange(total) * period / steps, moved, pushed, steps)
 
 
 class _Teeth:
-    """Cutting force at an instant, and the surface that the teeth before have left."""
+    """Cutting force at an instant, and the surface that the teeth before have left.
+
+    Arrays run over the steps of a turn, then over teeth and slices as one.
+    """
 
     def __init__(self, cut: Cut, depth: float, steps: int, *, linear: bool) -> None:
         cutter, self.cut, self.linear, self.steps = cut.cutter, cut, linear, steps
@@ -106,46 +113,45 @@ class _Teeth:
         height = (np.arange(slices) + 0.5) * depth / slices
         self.lag = 2 * height * np.tan(cutter.helix) / cutter.diameter
         self.pitch = 2 * np.pi / cutter.teeth
-        self.width = depth / slices / np.sin(cutter.approach)
-        self.feed = cut.engagement.feed_per_tooth or 0.0
-        self.surface = np.zeros((steps, cutter.teeth, slices))
-        self.path, self.normal, self.edge, self.inside = self._turn(steps * cutter.teeth)
-
-    def force(self, step: int, moved: np.ndarray) -> np.ndarray:
-        """On the tip [N]."""
-        at = step % len(self.inside)
-        normal, inside = self.normal[at], self.inside[at]
-        chip = normal @ moved + self.feed * normal[..., 0] - self._before(step)
-        if not self.linear:
-            inside = inside * (chip > 0)
-        chip, here = (chip * inside)[..., None], (inside * (self.feed > 0))[..., None]
-        specific, rub = self.cut.force.specific, self.cut.force.edge
-        push = (
-            (specific[0] * chip + rub[0] * here) * self.path[at]
-            + (specific[1] * chip + rub[1] * here) * normal
-            + (specific[2] * chip + rub[2] * here) * self.edge[at]
+        path, normal, edge, inside = self._turn(steps * cutter.teeth)
+        width = (depth / slices / np.sin(cutter.approach) * inside)[..., None]
+        feed = cut.engagement.feed_per_tooth or 0.0
+        self.normal, self.inside = normal, inside > 0
+        self.fed = feed * normal[..., 0]
+        self.cutting = -width * sum(
+            k * v for k, v in zip(cut.force.specific, (path, normal, edge), strict=True)
         )
-        return -self.width * push.sum(axis=(0, 1))
+        self.rubbing = -width * sum(k * v for k, v in zip(cut.force.edge, (path, normal, edge), strict=True))
+        self.rubbing *= feed > 0
+        self.surface = np.zeros((steps, cutter.teeth * slices))
+        self.now, self.old, self.slices = 0, self.surface[0], slices
 
-    def keep(self, step: int, moved: np.ndarray) -> None:
-        """What this step leaves for the tooth after."""
-        at = step % len(self.inside)
-        normal = self.normal[at]
-        left = normal @ moved
+    def stand(self, step: int) -> None:
+        """Turn the cutter to a step: of the surface each tooth meets what the one before has left."""
+        self.now, self.slot = step % len(self.inside), step % self.steps
+        before = self.surface[self.slot]
+        # In the frame that moves with the feed the old surface has come nearer.
+        self.old = np.concatenate([before[self.slices :], before[: self.slices]]) - self.fed[self.now]
+
+    def force(self, moved: np.ndarray) -> np.ndarray:
+        """On the tip where it is [N]."""
+        chip = self.normal[self.now] @ moved - self.old
+        if self.linear:
+            return chip @ self.cutting[self.now] + self.rubbing[self.now].sum(axis=0)
+        touching = chip > 0
+        return (chip * touching) @ self.cutting[self.now] + touching @ self.rubbing[self.now]
+
+    def keep(self, moved: np.ndarray) -> None:
+        """What this step leaves for the tooth after; a tooth in the air leaves what there was."""
+        left = self.normal[self.now] @ moved
         if not self.linear:
-            # A tooth in the air leaves the old surface, which the feed has meanwhile brought nearer.
-            old = self._before(step) - self.feed * normal[..., 0]
-            left = np.where(self.inside[at] > 0, np.maximum(left, old), 0.0)
-        self.surface[step % self.steps] = left
-
-    def _before(self, step: int) -> np.ndarray:
-        """Height of the surface along each tooth's normal, as the tooth before has left it."""
-        return np.roll(self.surface[step % self.steps], -1, axis=0)
+            left = np.where(self.inside[self.now], np.maximum(left, self.old), 0.0)
+        self.surface[self.slot] = left
 
     def _turn(self, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """Path, normal and edge of every tooth and slice at each step of a turn, and its part in the cut."""
         tip = self.pitch * (np.arange(count)[:, None] / self.steps + np.arange(self.cut.cutter.teeth))
-        angle = np.mod(tip[:, :, None] - self.lag, 2 * np.pi)
+        angle = np.mod(tip[:, :, None] - self.lag, 2 * np.pi).reshape(count, -1)
         sk, ck = np.sin(self.cut.cutter.approach), np.cos(self.cut.cutter.approach)
         s, c, o = np.sin(angle), np.cos(angle), np.zeros_like(angle)
         inside = self._share(angle) + self._share(angle - 2 * np.pi)

@@ -14,7 +14,8 @@ from flexmodal.machining.cut import Cut
 from flexmodal.machining.lobes import Lobes, joined, speed_axis
 from flexmodal.machining.multi_frequency import multi_frequency
 from flexmodal.machining.semi_discretisation import semi_discretisation
-from flexmodal.machining.tip import ModelTip, TipReceptance
+from flexmodal.machining.tip import ModelTip
+from flexmodal.machining.tip_receptance import TipReceptance
 from flexmodal.machining.zero_order import zero_order
 
 METHODS = ("zero-order", "multi-frequency", "semi-discretisation")

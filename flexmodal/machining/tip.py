@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Protocol
 
 import numpy as np
 from jaxtyping import Complex, Float
@@ -13,6 +12,7 @@ from flexmodal.errors import FlexmodalError, SingularResponse
 from flexmodal.frf.receptance import receptance
 from flexmodal.machining.cut import Cut, ToolMode
 from flexmodal.machining.measured_tip import MeasuredTip
+from flexmodal.machining.tip_receptance import TipReceptance
 from flexmodal.modal import SecondOrderSystem, solve_modes
 from flexmodal.model import PosedRobot
 from flexmodal.model.placements import link_placements
@@ -24,31 +24,8 @@ _BLIND = 1e-9
 """Part of the largest static compliance below which a mode is not seen by the tip."""
 
 
-class TipReceptance(Protocol):
-    """Anything that gives the 3 × 3 receptance of the tip over frequency."""
-
-    def receptance(self, frequency: Float[np.ndarray, " line"]) -> Complex[np.ndarray, "line 3 3"]:
-        """Displacement along x, y, z per force along x, y, z of the cut [m/N]."""
-        ...
-
-    @property
-    def lines(self) -> Float[np.ndarray, " line"]:
-        """Frequencies dense enough to show every resonance; chatter is sought between the ends [Hz]."""
-        ...
-
-    @property
-    def resonances(self) -> Float[np.ndarray, " few"]:
-        """A few frequencies about each resonance, ascending [Hz]."""
-        ...
-
-    @property
-    def highest(self) -> float:
-        """Beyond this frequency nothing is known of the tip; infinite for a model [Hz]."""
-        ...
-
-
 @dataclass(frozen=True, eq=False)
-class ModelTip:
+class ModelTip(TipReceptance):
     """The tip of a second-order system, with a measured receptance added if there is one."""
 
     system: SecondOrderSystem

@@ -13,7 +13,7 @@ from jaxtyping import Float
 from flexmodal.machining.branches import Branches, branches
 from flexmodal.machining.cut import Cut
 from flexmodal.machining.lobes import Lobes
-from flexmodal.machining.tip import TipReceptance
+from flexmodal.machining.tip_receptance import TipReceptance
 
 _POLISH = 12
 _CANDIDATES = 3
@@ -36,6 +36,8 @@ def zero_order(tip: TipReceptance, cut: Cut, speed: Float[np.ndarray, " speed"])
     chosen = [_crossings(found, float(one)) for one in period]
     place = np.repeat(np.arange(len(speed)), [len(cells) for cells, *_ in chosen])
     cell, lobe, part = (np.concatenate([one[k] for one in chosen]) for k in range(3))
+    if not len(place):
+        return _lowest(cut, speed, place, np.zeros(0), np.zeros(0), place)
     frequency, depth = _polish(found, cell.astype(int), lobe, part, period[place])
     return _lowest(cut, speed, place, frequency, depth, lobe.astype(int))
 
