@@ -19,6 +19,7 @@ _COMMANDS = {
     "modes": "Natural frequencies, damping ratios and shapes at a posture.",
     "measures": "Stiffness, mobility and receptance of a posture along a direction.",
     "optimise": "The posture that resists best.",
+    "tune": "The operating frequency that vibrates least.",
     "fit": "Modal parameters of measured FRFs, with uncertainty.",
     "rig": "A simulated hammer test, with effects hidden in it.",
     "show": "The robot, its modes or its deflection in the browser.",

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from flexmodal.model import Robot
     from flexmodal.optimisation import Hold, Objective, Outcome
 
-_OBJECTIVES = ("receptance", "stiffness", "mobility", "worst", "weighted")
+_OBJECTIVES = ("receptance", "stiffness", "mobility", "worst", "weighted", "tuned")
 _BAND_LINES = 60
 """Lines a band is judged at, evenly spaced."""
 
@@ -132,18 +132,28 @@ def _objective(
     import numpy as np
 
     from flexmodal.frf import PointDirection, frequency_axis
-    from flexmodal.optimisation import MobilityObjective, ReceptanceObjective, StiffnessObjective
+    from flexmodal.optimisation import (
+        MobilityObjective,
+        ReceptanceObjective,
+        StiffnessObjective,
+        TunedObjective,
+    )
 
     split = [text.partition("=") for text in given] or [(f"{arm.tool}:+z", "", "")]
     read = tuple(PointDirection.parse(text, source=f"{SOURCE} --direction") for text, _, _ in split)
     for direction in read:
         arm.frame_of(direction.point, source=f"{SOURCE} --direction")
     weights = tuple(number(weight, "--direction", "a weight") if weight else 1.0 for _, _, weight in split)
-    several = name in ("worst", "weighted")
+    several = name in ("worst", "weighted", "tuned")
     if len(read) > 1 and not several:
         raise InvalidRequest(
             Fault(SOURCE, "--direction", f"{len(read)} directions", f"one for --objective {name}")
         )
+    if name == "tuned":
+        if band is None or frequency is not None:
+            found = "no --band" if band is None else "--frequency"
+            raise InvalidRequest(Fault(SOURCE, "--objective tuned", found, "--band LOW:HIGH, no --frequency"))
+        return TunedObjective(read[0], band_of(band))
     if name in ("stiffness", "mobility"):
         if frequency is not None or band is not None:
             allowed = f"neither: the {name} measure has no frequency"
@@ -164,7 +174,8 @@ def _objective(
 
 
 def _json(outcome: Outcome) -> dict[str, Any]:
-    return {
+    chosen = _frequency(outcome)
+    return ({} if chosen is None else {"frequency": chosen}) | {
         "posture": dict(outcome.best.posture.values),
         "objective": outcome.best.objective,
         "start": outcome.start,
@@ -177,6 +188,16 @@ def _json(outcome: Outcome) -> dict[str, Any]:
             for optimum in outcome.optima
         ],
     }
+
+
+def _frequency(outcome: Outcome) -> float | None:
+    """The frequency that was chosen with the posture, if it was [Hz]."""
+    from flexmodal.optimisation import TunedObjective
+
+    objective = outcome.problem.objective
+    if not isinstance(objective, TunedObjective):
+        return None
+    return objective.frequency_at(outcome.problem.robot.at(outcome.best.posture))
 
 
 def _print(outcome: Outcome, objective: str) -> None:
@@ -197,6 +218,9 @@ def _print(outcome: Outcome, objective: str) -> None:
         better, worse = sorted((outcome.best.objective, outcome.start))
         factor = f": a factor of {worse / better:.3g}" if better > 0 else ""
         click.echo(f"start {outcome.start:.5g} {unit}, best {outcome.best.objective:.5g}{factor}")
+    chosen = _frequency(outcome)
+    if chosen is not None:
+        click.echo(f"best frequency {chosen:.6g} Hz")
     click.echo(
         f"{robot.tool} at ({', '.join(f'{value:.4f}' for value in outcome.tool)}) m; {outcome.verdict}"
     )

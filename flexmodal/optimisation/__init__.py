@@ -1,5 +1,7 @@
 """Choosing a posture: objectives, what is held, and the searches."""
 
+from flexmodal.optimisation.fixed_gain import FrequencyDescent as FrequencyDescent
+from flexmodal.optimisation.fixed_gain import fixed_gain_descent as fixed_gain_descent
 from flexmodal.optimisation.hold import Hold as Hold
 from flexmodal.optimisation.objective import MobilityObjective as MobilityObjective
 from flexmodal.optimisation.objective import Objective as Objective
@@ -9,3 +11,7 @@ from flexmodal.optimisation.optimise import optimise as optimise
 from flexmodal.optimisation.outcome import Optimum as Optimum
 from flexmodal.optimisation.outcome import Outcome as Outcome
 from flexmodal.optimisation.problem import PostureProblem as PostureProblem
+from flexmodal.optimisation.tune import Extremum as Extremum
+from flexmodal.optimisation.tune import Tuning as Tuning
+from flexmodal.optimisation.tune import tune as tune
+from flexmodal.optimisation.tuned import TunedObjective as TunedObjective
