@@ -7,10 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from flexmodal.cli.judging import judging_options, objective_of
 from flexmodal.cli.options import (
     SOURCE,
-    band_of,
-    hertz,
     json_option,
     load_robot,
     number,
@@ -23,11 +22,7 @@ from flexmodal.errors import Fault, InvalidRequest
 
 if TYPE_CHECKING:
     from flexmodal.model import Robot
-    from flexmodal.optimisation import Hold, Objective, Outcome
-
-_OBJECTIVES = ("receptance", "stiffness", "mobility", "worst", "weighted", "tuned")
-_BAND_LINES = 60
-"""Lines a band is judged at, evenly spaced."""
+    from flexmodal.optimisation import Hold, Outcome
 
 
 @click.command()
@@ -35,16 +30,7 @@ _BAND_LINES = 60
 @click.option("--hold", metavar="X,Z|X,Y,Z", help="Keep the end-effector there [m].")
 @click.option("--family", metavar="NAME", help="Search along a family of the card.")
 @click.option("--free", is_flag=True, help="Let the end-effector go anywhere.")
-@click.option("--frequency", callback=hertz, metavar="HZ", help="Where the receptance is taken.")
-@click.option("--band", metavar="LOW:HIGH", help="A band of frequencies instead of one.")
-@click.option(
-    "--direction",
-    "directions",
-    multiple=True,
-    metavar="POINT:AXIS[=WEIGHT]",
-    help="Such as tool:+z (the default); may be repeated.",
-)
-@click.option("--objective", type=click.Choice(_OBJECTIVES), default="receptance", show_default=True)
+@judging_options
 @click.option("--start", metavar="POSTURE", help="Compare with this posture, and start from it too.")
 @click.option(
     "--starts", type=int, default=64, show_default=True, help="Starts in all; random but for --start."
@@ -71,10 +57,6 @@ def optimise(
     hold: str | None,
     family: str | None,
     free: bool,
-    frequency: float | None,
-    band: str | None,
-    directions: tuple[str, ...],
-    objective: str,
     start: str | None,
     starts: int,
     seed: int,
@@ -82,6 +64,7 @@ def optimise(
     quiet: bool,
     as_json: bool,
     show: bool,
+    **judging: Any,
 ) -> None:
     """The posture that resists best, holding the end-effector, along a family, or free."""
     from flexmodal.optimisation import PostureProblem
@@ -89,7 +72,7 @@ def optimise(
 
     _one_of(hold, family, free)
     arm = load_robot(robot, stiffness, damping, tool, fix)
-    judge = _objective(arm, objective, directions, frequency, band)
+    judge = objective_of(arm, seed=seed, **judging)
     problem = PostureProblem(arm, judge, _hold(arm, hold))
     chosen = None if family is None else arm.family(family, source=f"{SOURCE} --family")
     where = None if start is None else posture_of(arm, start, "--start")
@@ -100,7 +83,7 @@ def optimise(
     if as_json:
         print_json(_json(outcome))
     else:
-        _print(outcome, objective)
+        _print(outcome, judging["objective"])
     if show:
         from flexmodal.cli.viewing import viewer
 
@@ -124,53 +107,6 @@ def _hold(arm: Robot, text: str | None) -> Hold | None:
     return Hold.at(
         arm, tuple(number(part, "--hold", "coordinates X,Z or X,Y,Z [m]") for part in text.split(","))
     )
-
-
-def _objective(
-    arm: Robot, name: str, given: tuple[str, ...], frequency: float | None, band: str | None
-) -> Objective:
-    import numpy as np
-
-    from flexmodal.frf import PointDirection, frequency_axis
-    from flexmodal.optimisation import (
-        MobilityObjective,
-        ReceptanceObjective,
-        StiffnessObjective,
-        TunedObjective,
-    )
-
-    split = [text.partition("=") for text in given] or [(f"{arm.tool}:+z", "", "")]
-    read = tuple(PointDirection.parse(text, source=f"{SOURCE} --direction") for text, _, _ in split)
-    for direction in read:
-        arm.frame_of(direction.point, source=f"{SOURCE} --direction")
-    weights = tuple(number(weight, "--direction", "a weight") if weight else 1.0 for _, _, weight in split)
-    several = name in ("worst", "weighted", "tuned")
-    if len(read) > 1 and not several:
-        raise InvalidRequest(
-            Fault(SOURCE, "--direction", f"{len(read)} directions", f"one for --objective {name}")
-        )
-    if name == "tuned":
-        if band is None or frequency is not None:
-            found = "no --band" if band is None else "--frequency"
-            raise InvalidRequest(Fault(SOURCE, "--objective tuned", found, "--band LOW:HIGH, no --frequency"))
-        return TunedObjective(read[0], band_of(band))
-    if name in ("stiffness", "mobility"):
-        if frequency is not None or band is not None:
-            allowed = f"neither: the {name} measure has no frequency"
-            raise InvalidRequest(Fault(SOURCE, "--frequency or --band", "given", allowed))
-        return StiffnessObjective(read[0]) if name == "stiffness" else MobilityObjective(read[0])
-    if (frequency is None) == (band is None):
-        raise InvalidRequest(
-            Fault(
-                SOURCE,
-                "--frequency",
-                "none" if band is None else "given with --band",
-                "--frequency HZ or --band LOW:HIGH",
-            )
-        )
-    lines = np.array([frequency]) if band is None else np.linspace(*band_of(band), _BAND_LINES)
-    axis = frequency_axis(lines, source=f"{SOURCE} --frequency")
-    return ReceptanceObjective(read, axis, "worst" if name == "worst" else "weighted", weights)
 
 
 def _json(outcome: Outcome) -> dict[str, Any]:

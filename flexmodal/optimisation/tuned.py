@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from jaxtyping import Float
@@ -25,6 +26,7 @@ class TunedObjective:
     direction: PointDirection
     band: Band
     """[Hz]."""
+    larger_is_better: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
         if not 0 <= self.band[0] < self.band[1]:
