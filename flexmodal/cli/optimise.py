@@ -2,32 +2,33 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from flexmodal.cli.holding import hold_of, orientation_options
 from flexmodal.cli.judging import judging_options, objective_of
 from flexmodal.cli.options import (
     SOURCE,
     json_option,
     load_robot,
-    number,
     posture_of,
     quiet_option,
     robot_options,
 )
-from flexmodal.cli.printing import degrees, print_json, print_table, progress
+from flexmodal.cli.printing import degrees, noted_progress, print_json, print_table
 from flexmodal.errors import Fault, InvalidRequest
 
 if TYPE_CHECKING:
-    from flexmodal.model import Robot
-    from flexmodal.optimisation import Hold, Outcome
+    from flexmodal.optimisation import Outcome
 
 
 @click.command()
 @robot_options
 @click.option("--hold", metavar="X,Z|X,Y,Z", help="Keep the end-effector there [m].")
+@orientation_options
 @click.option("--family", metavar="NAME", help="Search along a family of the card.")
 @click.option("--free", is_flag=True, help="Let the end-effector go anywhere.")
 @judging_options
@@ -57,6 +58,9 @@ def optimise(
     hold: str | None,
     family: str | None,
     free: bool,
+    orientation: str | None,
+    axis: str | None,
+    tool_axis: str,
     start: str | None,
     starts: int,
     seed: int,
@@ -73,12 +77,20 @@ def optimise(
     _one_of(hold, family, free)
     arm = load_robot(robot, stiffness, damping, tool, fix)
     judge = objective_of(arm, seed=seed, **judging)
-    problem = PostureProblem(arm, judge, _hold(arm, hold))
+    problem = PostureProblem(arm, judge, hold_of(arm, hold, orientation, axis, tool_axis))
     chosen = None if family is None else arm.family(family, source=f"{SOURCE} --family")
     where = None if start is None else posture_of(arm, start, "--start")
-    with progress(401 if chosen else starts, "searching", quiet=quiet) as advance:
+    total = 401 if chosen else starts
+    with noted_progress(total, "searching", quiet=quiet) as (advance, note):
         outcome = search(
-            problem, family=chosen, start=where, starts=starts, seed=seed, method=method, advance=advance
+            problem,
+            family=chosen,
+            start=where,
+            starts=starts,
+            seed=seed,
+            method=method,
+            advance=advance,
+            improved=lambda value: note(f"best {value:.4g} {judge.unit}"),
         )
     if as_json:
         print_json(_json(outcome))
@@ -88,6 +100,9 @@ def optimise(
         from flexmodal.cli.viewing import viewer
 
         viewer("show_outcome")(outcome, start=where, announce=lambda text: click.echo(text, err=True))
+    if outcome.interrupted:
+        click.echo("flexmodal: interrupted", err=True)
+        sys.exit(130)
     sys.exit(0 if outcome.converged else 1)
 
 
@@ -99,22 +114,12 @@ def _one_of(hold: str | None, family: str | None, free: bool) -> None:
         raise InvalidRequest(Fault(SOURCE, "", " and ".join(given) or "none of them", allowed))
 
 
-def _hold(arm: Robot, text: str | None) -> Hold | None:
-    from flexmodal.optimisation import Hold
-
-    if text is None:
-        return None
-    return Hold.at(
-        arm, tuple(number(part, "--hold", "coordinates X,Z or X,Y,Z [m]") for part in text.split(","))
-    )
-
-
 def _json(outcome: Outcome) -> dict[str, Any]:
     chosen = _frequency(outcome)
     return ({} if chosen is None else {"frequency": chosen}) | {
         "posture": dict(outcome.best.posture.values),
         "objective": outcome.best.objective,
-        "start": outcome.start,
+        "start": None if outcome.start is None or math.isinf(outcome.start) else outcome.start,
         "unit": outcome.problem.objective.unit,
         "tool": list(outcome.tool),
         "converged": outcome.converged,
@@ -150,7 +155,9 @@ def _print(outcome: Outcome, objective: str) -> None:
     print_table(f"{robot.name}: best postures found", columns, rows)
     if len(outcome.optima) > 10:
         click.echo(f"and {len(outcome.optima) - 10} more; --json lists them all")
-    if outcome.start is not None:
+    if outcome.start is not None and math.isinf(outcome.start):
+        click.echo("start: infinite, an undamped mode is driven at its natural frequency there")
+    elif outcome.start is not None:
         better, worse = sorted((outcome.best.objective, outcome.start))
         factor = f": a factor of {worse / better:.3g}" if better > 0 else ""
         click.echo(f"start {outcome.start:.5g} {unit}, best {outcome.best.objective:.5g}{factor}")

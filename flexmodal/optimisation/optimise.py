@@ -7,7 +7,8 @@ from collections.abc import Callable
 import numpy as np
 
 from flexmodal.cards import FamilyCard
-from flexmodal.errors import Fault, InvalidRequest, Unreachable
+from flexmodal.errors import Fault, FlexmodalError, InvalidRequest, SingularResponse
+from flexmodal.model import Posture
 from flexmodal.model.robot import Pose
 from flexmodal.optimisation.descent import Descent, descend
 from flexmodal.optimisation.family import search_family
@@ -15,11 +16,13 @@ from flexmodal.optimisation.null_space import null_space_descent
 from flexmodal.optimisation.objective import Limit
 from flexmodal.optimisation.outcome import Optimum, Outcome, distinct
 from flexmodal.optimisation.problem import PostureProblem
+from flexmodal.optimisation.unreachable import unreachable
 
 METHODS = ("newton", "null-space")
 DEFAULT_STARTS = 64
 
 Advance = Callable[[], None]
+Improved = Callable[[float], None]
 
 
 def optimise(
@@ -31,6 +34,7 @@ def optimise(
     seed: int = 0,
     method: str = "newton",
     advance: Advance = lambda: None,
+    improved: Improved = lambda value: None,
 ) -> Outcome:
     """Search for the best posture.
 
@@ -43,18 +47,20 @@ def optimise(
         method: "newton" (feasible quasi-Newton, many starts) or "null-space" (the thesis's descent, from
             the given start only).
         advance: called once a start, for a progress bar.
+        improved: called with the objective of the best so far, whenever it is better than before.
 
     Returns:
-        All distinct optima found, best first.
+        All distinct optima found, best first. Interrupted by Ctrl-C, what was found until then.
 
     Raises:
         InvalidRequest: options that contradict one another or are out of range.
         InvalidPosture: a bad start.
         Unreachable: no start could be brought to the target.
+        SingularResponse: at every start an undamped mode is driven at its natural frequency.
     """
     _check(problem, family, start, starts, method)
     posture = None if start is None else problem.robot.posture(start)
-    before = None if posture is None else problem.objective.value(problem.robot.at(posture))
+    before = None if posture is None else _value(problem, posture)
     given = None if posture is None else problem.vector(posture)
     if family is not None:
         found = [Descent(values, cost, True, 0) for cost, values in search_family(problem, family, advance)]
@@ -62,17 +68,64 @@ def optimise(
     if method == "null-space":
         assert given is not None
         return _outcome(problem, [null_space_descent(problem, given)], before, method)
+    found, tried, interrupted = _search(problem, given, starts, seed, advance, improved)
+    return _outcome(problem, found, before, method, tried=tried, interrupted=interrupted)
+
+
+def _search(
+    problem: PostureProblem,
+    given: np.ndarray | None,
+    starts: int,
+    seed: int,
+    advance: Advance,
+    improved: Improved,
+) -> tuple[list[Descent], int, bool]:
+    """Descents from the given start and random ones; stops at Ctrl-C once there is something to keep."""
     generator = np.random.default_rng(seed)
-    found = []
-    for count in range(starts):
-        vector = given if count == 0 and given is not None else problem.random_vector(generator)
-        result = descend(problem, vector)
-        if result is not None:
-            found.append(result)
-        advance()
+    found: list[Descent] = []
+    trouble: FlexmodalError | None = None
+    best, count = np.inf, 0
+    try:
+        for count in range(starts):
+            first = count == 0 and given is not None
+            vector = given if first and given is not None else problem.random_vector(generator)
+            try:
+                result = descend(problem, vector)
+                if result is None and first:
+                    result = _from_beside(problem, vector)
+            except FlexmodalError as error:
+                trouble, result = error, None
+            if result is not None:
+                found.append(result)
+                if result.cost < best and result.limit is not Limit.UNBOUNDED:
+                    best = result.cost
+                    improved(problem.objective.value(problem.posed(result.values)))
+            advance()
+    except KeyboardInterrupt:
+        if not found:
+            raise
+        return found, count, True
     if not found:
-        raise _unreachable(problem, starts)
-    return _outcome(problem, found, before, method)
+        raise trouble or unreachable(problem, starts)
+    return found, starts, False
+
+
+def _from_beside(problem: PostureProblem, start: np.ndarray) -> Descent | None:
+    """From a start that no step leads away from, as where a stretched arm is to reach inwards."""
+    generator = np.random.default_rng(0)
+    for size in (0.01, 0.03, 0.1, 0.3):
+        result = descend(problem, start + generator.normal(scale=size, size=len(start)))
+        if result is not None:
+            return result
+    return None
+
+
+def _value(problem: PostureProblem, posture: Posture) -> float:
+    """The objective at a start; infinite where it drives an undamped mode at its natural frequency."""
+    try:
+        return problem.objective.value(problem.robot.at(posture))
+    except SingularResponse:
+        return float("inf")
 
 
 def _check(
@@ -93,7 +146,15 @@ def _check(
         raise InvalidRequest(faults)
 
 
-def _outcome(problem: PostureProblem, found: list[Descent], before: float | None, method: str) -> Outcome:
+def _outcome(
+    problem: PostureProblem,
+    found: list[Descent],
+    before: float | None,
+    method: str,
+    *,
+    tried: int = 0,
+    interrupted: bool = False,
+) -> Outcome:
     bounded = [result for result in found if result.limit is not Limit.UNBOUNDED]
     unbounded = len(found) - len(bounded)
     # A descent that did not meet the tolerance still counts where it is the best there is.
@@ -103,22 +164,14 @@ def _outcome(problem: PostureProblem, found: list[Descent], before: float | None
         Optimum(problem.posture(values), problem.objective.value(problem.posed(values)), hits)
         for _, values, hits in distinct(problem, [(result.cost, result.values) for result in kept])
     )
-    return Outcome(problem, optima, before, best.converged, len(found), unbounded, method)
-
-
-def _unreachable(problem: PostureProblem, starts: int) -> Unreachable:
-    assert problem.hold is not None
-    generator = np.random.default_rng(0)
-    nearest = np.inf
-    for _ in range(50):
-        values = problem.random_vector(generator)
-        for _ in range(50):
-            error, jacobian = problem.held(values)
-            nearest = min(nearest, float(np.linalg.norm(error)))
-            step = -jacobian.T @ np.linalg.solve(jacobian @ jacobian.T + 1e-3 * np.eye(len(error)), error)
-            values = np.clip(values + step, problem.lower, problem.upper)
-    place = ", ".join(f"{value:g}" for value in problem.hold.target)
-    return Unreachable(
-        f"no posture within the joint limits puts {problem.hold.point} at ({place}) m: none of {starts} "
-        f"starts got there, the nearest was {nearest:.3g} m away"
+    return Outcome(
+        problem,
+        optima,
+        before,
+        best.converged,
+        len(found),
+        unbounded,
+        method,
+        tried or len(found),
+        interrupted,
     )
