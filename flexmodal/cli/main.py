@@ -20,6 +20,7 @@ _COMMANDS = {
     "measures": "Stiffness, mobility and receptance of a posture along a direction.",
     "optimise": "The posture that resists best.",
     "tune": "The operating frequency that vibrates least.",
+    "path": "A posture for each point of a toolpath.",
     "fit": "Modal parameters of measured FRFs, with uncertainty.",
     "rig": "A simulated hammer test, with effects hidden in it.",
     "show": "The robot, its modes or its deflection in the browser.",
