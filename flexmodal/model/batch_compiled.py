@@ -33,6 +33,7 @@ def compiled_gradient() -> Any:
         *_KINEMATICS,
         gradient.factor_symmetric,
         gradient.solve_factored,
+        gradient.place_arm,
         gradient.sweep_momenta,
         gradient.mass_slope,
         gradient.row_slopes,

@@ -23,7 +23,6 @@ import numpy as np
 
 from flexmodal.frf.kernels.factor import GROWTH, SMALLEST_PIVOT
 from flexmodal.model.batch_kinematics import (
-    cross,
     mass_matrix,
     place_bodies,
     place_joints,
@@ -64,6 +63,17 @@ def solve_factored(matrix, row, pick, work, out):
             value -= matrix[i, k] * work[i]
         work[k] = value
         out[0, pick[k]], out[1, pick[k]] = value.real, value.imag
+
+
+def place_arm(turns, origin, first, axis, out):
+    """Linear part of a joint's twist at unit rate about the first joint's origin."""
+    if turns:
+        x, y, z = origin[0] - first[0], origin[1] - first[1], origin[2] - first[2]
+        out[0] = y * axis[2] - z * axis[1]
+        out[1] = z * axis[0] - x * axis[2]
+        out[2] = x * axis[1] - y * axis[0]
+    else:
+        out[0], out[1], out[2] = axis[0], axis[1], axis[2]
 
 
 def sweep_momenta(chain, arms, axes, centres, inertias, y, twists, momenta):
@@ -191,10 +201,8 @@ def gradient_batch(chain, joints, offsets, selectors, pick, matrices, postures, 
                     rows[r, i] += selectors[r, a] * jacobians[r, a, i]
         for i in range(count):
             for a in range(3):
-                arms[i, a] = origins[i, a] - origins[0, a] if turns[i] else axes[i, a]
                 centres[i, a] -= origins[0, a]
-            if turns[i]:
-                cross(arms[i].copy(), axes[i], arms[i])
+            place_arm(turns[i], origins[i], origins[0], axes[i], arms[i])
         for f in range(len(omega)):
             w = omega[f]
             for i in range(n):

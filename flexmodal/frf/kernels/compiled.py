@@ -95,10 +95,34 @@ def renamed(function: Any, name: str, scope: dict[str, Any]) -> FunctionType:
     return copy
 
 
-def compile_together(*functions: Callable[..., Any], last: Callable[..., Any]) -> Any:
-    """Compile a function with those of its module that it calls, lowest first; plain functions stay plain."""
+def compile_together(*functions: Callable[..., Any], last: Callable[..., Any], allocates: bool = True) -> Any:
+    """Compile a function with those of its module that it calls, lowest first; plain functions stay plain.
+
+    Functions that allocate nothing may do without counting references: of a call with many arrays it takes
+    most of the time.
+    """
+    options = {} if allocates else _uncounted()
     scope: dict[str, Any] = {}
     for function in functions:
         own = {**unwrap(function).__globals__, **scope}
-        scope[function.__name__] = compile_function(renamed(function, function.__name__, own))
-    return compile_function(renamed(last, last.__name__, {**unwrap(last).__globals__, **scope}))
+        inner = compile_function(renamed(function, function.__name__, own), **options, **_inside())
+        scope[function.__name__] = inner
+    own = {**unwrap(last).__globals__, **scope}
+    return compile_function(renamed(last, last.__name__, own), **options)
+
+
+@cache
+def _inside() -> dict[str, Any]:
+    """Options of functions that only compiled ones call: a door to Python takes time to compile."""
+    from numba.core.options import DefaultOptions
+
+    doors = ("no_cpython_wrapper", "no_cfunc_wrapper")
+    return {door: True for door in doors if hasattr(DefaultOptions, door)}
+
+
+@cache
+def _uncounted() -> dict[str, Any]:
+    """The option that turns reference counting off, where this numba has it."""
+    from numba.core.options import DefaultOptions
+
+    return {"_nrt": False} if hasattr(DefaultOptions, "_nrt") else {}
