@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 @judging_options
 @click.option("--start", metavar="POSTURE", help="Compare with this posture, and start from it too.")
 @click.option(
-    "--starts", type=int, default=64, show_default=True, help="Starts in all; random but for --start."
+    "--starts", type=int, help="Starts in all, random but for --start; 256, or 64 where Python searches."
 )
 @click.option(
     "--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Of the random starts."
@@ -62,7 +62,7 @@ def optimise(
     axis: str | None,
     tool_axis: str,
     start: str | None,
-    starts: int,
+    starts: int | None,
     seed: int,
     method: str,
     quiet: bool,
@@ -73,6 +73,7 @@ def optimise(
     """The posture that resists best, holding the end-effector, along a family, or free."""
     from flexmodal.optimisation import PostureProblem
     from flexmodal.optimisation import optimise as search
+    from flexmodal.optimisation.searches import is_compiled
 
     _one_of(hold, family, free)
     arm = load_robot(robot, stiffness, damping, tool, fix)
@@ -80,7 +81,7 @@ def optimise(
     problem = PostureProblem(arm, judge, hold_of(arm, hold, orientation, axis, tool_axis))
     chosen = None if family is None else arm.family(family, source=f"{SOURCE} --family")
     where = None if start is None else posture_of(arm, start, "--start")
-    total = 401 if chosen else starts
+    total = 401 if chosen else starts or (256 if is_compiled(problem) else 64)
     with noted_progress(total, "searching", quiet=quiet) as (advance, note):
         outcome = search(
             problem,

@@ -15,7 +15,7 @@ from flexmodal.model.gradient import jacobian_derivative
 from flexmodal.model.measures import reduced_task
 from flexmodal.optimisation.objective import Limit
 
-_LEVER = 1e-3
+LEVER = 1e-3
 """A lever arm below this [m] counts as none."""
 
 
@@ -64,7 +64,7 @@ class StiffnessObjective:
 
         Taken as reached when the stiffest joint would resist with a lever arm below a millimetre.
         """
-        return Limit.UNBOUNDED if -cost > np.log(np.max(robot.stiffness) / _LEVER**2) else Limit.NONE
+        return Limit.UNBOUNDED if -cost > np.log(np.max(robot.stiffness) / LEVER**2) else Limit.NONE
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,4 +90,4 @@ class MobilityObjective:
 
     def limit(self, cost: float, robot: Robot) -> Limit:
         """No joint moves the point along the direction."""
-        return Limit.PERFECT if cost < 2 * np.log(_LEVER**2) else Limit.NONE
+        return Limit.PERFECT if cost < 2 * np.log(LEVER**2) else Limit.NONE

@@ -7,7 +7,13 @@ from scipy.spatial.transform import Rotation
 import flexmodal
 from flexmodal.errors import InvalidRequest, SingularResponse, Unreachable
 from flexmodal.frf import PointDirection
-from flexmodal.optimisation import Hold, PostureProblem, ReceptanceObjective, optimise
+from flexmodal.optimisation import (
+    Hold,
+    PostureProblem,
+    ReceptanceObjective,
+    SeparationObjective,
+    optimise,
+)
 from flexmodal.optimisation.orientation import FixedOrientation, aligned
 
 from ..model.writing import body, joint, planar, save
@@ -226,15 +232,58 @@ def test_interrupted_with_the_best_so_far(arm):
         if count == 4:
             raise KeyboardInterrupt
 
-    outcome = optimise(held, starts=1000, seed=7, advance=stop, improved=seen.append)
+    outcome = optimise(held, starts=1000, seed=7, way="plain", advance=stop, improved=seen.append)
     assert outcome.interrupted
     assert "interrupted after 3 starts" in outcome.verdict
     assert seen == sorted(seen, reverse=True)
     assert outcome.best.objective == pytest.approx(seen[-1])
-    whole = optimise(held, starts=4, seed=7)
+    whole = optimise(held, starts=4, seed=7, way="plain")
     assert outcome.best.objective == pytest.approx(whole.best.objective)
     with pytest.raises(KeyboardInterrupt):  # nothing to keep
         optimise(problem(arm, Hold.at(arm, (7.0, 0.0)), 5.0), starts=3, advance=stop_now)
+
+
+@pytest.mark.usefixtures("types_unchecked")
+def test_a_compiled_search_interrupted(arm):
+    """It stops between two batches of starts and keeps what they found."""
+    held = problem(arm, Hold.at(arm, (-2.0, 2.0)), 5.0)
+    seen = []
+
+    def stop(value):
+        seen.append(value)
+        raise KeyboardInterrupt
+
+    outcome = optimise(held, starts=1000, seed=7, improved=stop)
+    assert outcome.interrupted
+    assert 0 < outcome.tried < 1000
+    assert outcome.best.objective == pytest.approx(seen[0])
+    with pytest.raises(KeyboardInterrupt):
+        optimise(problem(arm, Hold.at(arm, (7.0, 0.0)), 5.0), starts=1000, advance=stop_now)
+
+
+@pytest.mark.usefixtures("types_unchecked")
+@pytest.mark.parametrize("case", ["position", "orientation", "axis", "angle", "axis in the plane"])
+def test_compiled_and_plain_find_the_same(arm, ur5, case):
+    """The best of 40 starts, and the answer where there is none."""
+    place = (0.4, 0.2, 0.3)
+    hold = {
+        "position": lambda: Hold.at(arm, (-3.5, 1.0)),
+        "orientation": lambda: Hold.at(ur5, place, orientation=(3.0, 0.2, -0.5)),
+        "axis": lambda: Hold.at(ur5, place, axis=(0.1, -0.2, -1.0), tool_axis="-z"),
+        "angle": lambda: Hold.at(arm, (-3.5, 1.0), orientation=(1.2,)),
+        "axis in the plane": lambda: Hold.at(arm, (-3.5, 1.0), axis=(1.0, 0.0, 1.0), tool_axis="-x"),
+    }[case]()
+    held = problem(ur5 if hold.point == "tool0" else arm, hold, 3.0)
+    both = [optimise(held, starts=40, seed=3, way=way) for way in ("compiled", "plain")]
+    assert both[0].best.objective == pytest.approx(both[1].best.objective, rel=1e-6)
+    values = held.vector(both[0].best.posture)
+    assert np.linalg.norm(held.held(values)[0]) <= 1e-9
+    assert gain_left(held, values) <= 2e-5
+    far = problem(arm, Hold.at(arm, (7.0, 0.0)), 3.0)
+    with pytest.raises(Unreachable, match="nearest was"):
+        optimise(far, starts=40, way="compiled")
+    with pytest.raises(InvalidRequest, match="does not apply"):
+        optimise(PostureProblem(arm, SeparationObjective(5.0)), way="compiled")
 
 
 def stop_now():

@@ -10,7 +10,7 @@ import numpy as np
 from flexmodal.frf import PointDirection
 from flexmodal.model import Robot, load
 from flexmodal.optimisation.fixed_gain import fixed_gain_descent
-from flexmodal.optimisation.optimise import DEFAULT_STARTS, optimise
+from flexmodal.optimisation.optimise import optimise
 from flexmodal.optimisation.outcome import Outcome
 from flexmodal.optimisation.studies.study import Study
 from flexmodal.optimisation.tune import Tuning, tune
@@ -58,7 +58,7 @@ class StudyResult:
 
 
 def run_study(
-    study: Study, *, starts: int = DEFAULT_STARTS, seed: int = 0, advance: Advance = lambda: None
+    study: Study, *, starts: int | None = None, seed: int = 0, advance: Advance = lambda: None
 ) -> StudyResult:
     """Compute a study again.
 
