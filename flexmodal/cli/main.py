@@ -21,6 +21,7 @@ _COMMANDS = {
     "optimise": "The posture that resists best.",
     "tune": "The operating frequency that vibrates least.",
     "path": "A posture for each point of a toolpath.",
+    "studies": "Published optimisations run again beside their printed numbers.",
     "fit": "Modal parameters of measured FRFs, with uncertainty.",
     "rig": "A simulated hammer test, with effects hidden in it.",
     "show": "The robot, its modes or its deflection in the browser.",

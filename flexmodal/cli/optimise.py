@@ -34,7 +34,9 @@ if TYPE_CHECKING:
 @judging_options
 @click.option("--start", metavar="POSTURE", help="Compare with this posture, and start from it too.")
 @click.option(
-    "--starts", type=int, help="Starts in all, random but for --start; 256, or 64 where Python searches."
+    "--starts",
+    type=int,
+    help="Starts in all, random but for --start; if none, till the best is found again.",
 )
 @click.option(
     "--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Of the random starts."

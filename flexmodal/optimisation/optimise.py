@@ -22,9 +22,6 @@ from flexmodal.optimisation.searches import (
 )
 
 METHODS, WAYS = ("newton", "null-space"), ("auto", "compiled", "plain")
-DEFAULT_STARTS, MANY_STARTS = 64, 256
-"""Starts if nobody says how many: in Python, and in the compiled search."""
-
 _MANY = 16
 """Starts from which the compiled search pays, whose start-up takes as long as a dozen descents in Python."""
 
@@ -47,8 +44,8 @@ def optimise(
         problem: robot, objective and hold.
         family: search only along this family; excludes a hold.
         start: a posture to compare with and to start from as well.
-        starts: how many starts in all, the given one included; the rest are random. If none, 256 where the
-            compiled search applies, else 64.
+        starts: how many starts in all, the given one included; the rest are random. If none, 64; where the
+            compiled search applies, 256 at a time until five ended in the best, 4096 at most.
         seed: of the random starts; the same seed gives the same answer.
         method: "newton" (feasible quasi-Newton, many starts) or "null-space" (the thesis's descent, from
             the given start only).
@@ -79,9 +76,8 @@ def optimise(
         return _outcome(problem, gathered(problem, [null_space_descent(problem, given)], 1), before, method)
     pays = starts is None or starts >= _MANY
     compiled = way == "compiled" or (way == "auto" and pays and is_compiled(problem))
-    count = starts or (MANY_STARTS if compiled else DEFAULT_STARTS)
     search = all_at_once if compiled else one_by_one
-    return _outcome(problem, search(problem, given, count, seed, advance, improved), before, method)
+    return _outcome(problem, search(problem, given, starts, seed, advance, improved), before, method)
 
 
 def _value(problem: PostureProblem, posture: Posture) -> float:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,6 +16,15 @@ from flexmodal.optimisation.objective import Limit
 from flexmodal.optimisation.outcome import distinct
 from flexmodal.optimisation.problem import PostureProblem
 from flexmodal.optimisation.unreachable import unreachable
+
+if TYPE_CHECKING:
+    from flexmodal.optimisation.compiled import Ends
+
+DEFAULT_STARTS, MANY_STARTS = 64, 256
+"""Starts if nobody says how many: in Python, and at a time in the compiled search."""
+
+_SURE, _BATCHES = 5, 16
+"""Starts that have to end in the best before the compiled search stops by itself, and most batches."""
 
 _FEW = 4
 """Starts tried one by one to say why none of many came to anything."""
@@ -50,12 +60,14 @@ def is_compiled(problem: PostureProblem) -> bool:
 def all_at_once(
     problem: PostureProblem,
     given: np.ndarray | None,
-    starts: int,
+    starts: int | None,
     seed: int,
     advance: Advance,
     improved: Improved,
 ) -> Found:
     """Descend from the given start and random ones in compiled code.
+
+    If nobody says from how many, 256 at a time until five ended in the best, 4096 at most.
 
     Raises:
         Unreachable, SingularResponse: no start came to anything.
@@ -64,15 +76,12 @@ def all_at_once(
     from flexmodal.optimisation.compiled.plan import plan_of
     from flexmodal.optimisation.compiled.search import descend_from, tell_apart
 
-    rest = starts if given is None else starts - 1
-    vectors = random_starts(problem, rest, np.random.default_rng(seed))
-    if given is not None:
-        vectors = np.concatenate([_leaning(problem, given)[None], vectors])
     told, best = 0, np.inf
 
     def progress(done: int, least: float) -> None:
         nonlocal told, best
-        fresh, told = done - told, done
+        before = 0 if ends is None else len(ends.cost)
+        fresh, told = before + done - told, before + done
         for _ in range(fresh):
             advance()
         if least < best:
@@ -81,21 +90,42 @@ def all_at_once(
 
     plan = plan_of(problem)
     assert plan is not None
-    ends = descend_from(plan, vectors, progress=progress)
-    basins = tell_apart(plan, ends)
-    interrupted = told < len(vectors)
+    generator = np.random.default_rng(seed)
+    ends, interrupted = None, False
+    for _ in range(1 if starts is not None else _BATCHES):
+        vectors = random_starts(problem, starts or MANY_STARTS, generator)
+        if given is not None and ends is None:
+            vectors = np.concatenate([_leaning(problem, given)[None], vectors[:-1]])
+        more = descend_from(plan, vectors, progress=progress)
+        interrupted = told < len(vectors) + (0 if ends is None else len(ends.cost))
+        ends = more if ends is None else _joined(ends, more)
+        basins = tell_apart(plan, ends)
+        sure = len(basins.cost) > 0 and int(basins.hits[0]) >= _SURE
+        if interrupted or sure or ends.reached == 0:
+            break
+    assert ends is not None
     if len(basins.cost) == 0 and interrupted:
         raise KeyboardInterrupt
+    if ends.reached == 0 and problem.hold is not None:
+        raise unreachable(problem, told)
     if len(basins.cost) == 0:  # nothing, or nothing bounded: say why
-        return one_by_one(problem, given, min(starts, _FEW), seed, lambda: None, lambda value: None)
+        return one_by_one(problem, given, min(starts or _FEW, _FEW), seed, lambda: None, lambda value: None)
     rows = zip(basins.cost.tolist(), basins.values, basins.hits.tolist(), strict=True)
     return Found(list(rows), basins.settled, ends.reached, ends.unbounded, told, interrupted)
+
+
+def _joined(one: Ends, other: Ends) -> Ends:
+    """Ends of two batches as one."""
+    from flexmodal.optimisation.compiled import Ends
+
+    names = ("values", "cost", "end", "iterations")
+    return Ends(*(np.concatenate([getattr(one, name), getattr(other, name)]) for name in names))
 
 
 def one_by_one(
     problem: PostureProblem,
     given: np.ndarray | None,
-    starts: int,
+    starts: int | None,
     seed: int,
     advance: Advance,
     improved: Improved,
@@ -106,7 +136,7 @@ def one_by_one(
         Unreachable: no start came onto the hold.
         SingularResponse: at every start an undamped mode is driven at its natural frequency.
     """
-    generator = np.random.default_rng(seed)
+    generator, starts = np.random.default_rng(seed), starts or DEFAULT_STARTS
     found: list[Descent] = []
     trouble: FlexmodalError | None = None
     best, count, interrupted = np.inf, 0, False

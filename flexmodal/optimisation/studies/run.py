@@ -15,8 +15,8 @@ from flexmodal.optimisation.outcome import Outcome
 from flexmodal.optimisation.studies.study import Study
 from flexmodal.optimisation.tune import Tuning, tune
 
-_GAINS = (1.0, 20.0)
-"""Gains of the fixed-gain descents [Hz²]: one that is small enough, one that hops."""
+_GAIN = 20.0
+"""Gain of the fixed-gain descents [Hz²], so large that some hop."""
 
 Advance = Callable[[], None]
 
@@ -36,7 +36,7 @@ class StudyResult:
     at: float | None = None
     """Parameter [rad] or frequency [Hz] of the best."""
     ends: tuple[float, ...] = ()
-    """Values at the ends of a sweep, or the frequencies where descents of a small gain end [Hz]."""
+    """Values at the ends of a sweep, or the frequencies that the slope leads down to, 0 and ∞ too [Hz]."""
     pole_sum: tuple[float, ...] = ()
     """Of a sweep |Σ 1/(iω − λ)| over all poles at its ends, the thesis's prediction above 46 Hz."""
     minima: tuple[float, ...] = ()
@@ -116,10 +116,8 @@ def _frequency(study: Study, robot: Robot) -> StudyResult:
     found = tune(posed, (low, high), response=along)
     ends, hops = [], []
     for start in study.starts:
-        small, large = (
-            fixed_gain_descent(posed, start, gain=gain, ceiling=high, direction=along) for gain in _GAINS
-        )
-        ends.append(float(small.frequency[-1]))
+        ends.append(_downhill(found, start))
+        large = fixed_gain_descent(posed, start, gain=_GAIN, ceiling=high, direction=along)
         hops += [f"{start:g} Hz: {a:.1f} to {b:.1f} Hz" for a, b in large.hops(found)]
     return StudyResult(
         study,
@@ -131,3 +129,12 @@ def _frequency(study: Study, robot: Robot) -> StudyResult:
         hops=tuple(hops),
         tuning=found,
     )
+
+
+def _downhill(found: Tuning, start: float) -> float:
+    """The minimum that the slope leads to from a frequency; 0 or infinite where it leads out of the band."""
+    places = [(one.frequency, True) for one in found.minima]
+    places += [(one.frequency, False) for one in found.maxima]
+    above = min((place for place in places if place[0] >= start), default=(np.inf, False))
+    below = max((place for place in places if place[0] < start), default=(0.0, True))
+    return above[0] if above[1] or not below[1] else below[0]
