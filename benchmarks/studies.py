@@ -76,16 +76,16 @@ def posture_table(studies) -> tuple[str, list[str]]:
         "final posture, model", "ours", f"best of {MANY} starts", "gain", "hits", "ran singular",
     ]  # fmt: skip
     verdict = (
-        "In every study ours is at least as good as the printed final posture in the model, and with the tool "
-        "held it is the best of the 10⁴ starts."
+        "In every study ours is at least as good as the printed final posture in the model, and with the "
+        "tool held it is the best of the 10⁴ starts."
         if not missed
         else "Missed: " + "; ".join(missed) + "."
     )
     lead = (
         "Made by `make studies`; `flexmodal studies NAME` runs one. |receptance| along z in m/N, stiffness "
-        "measure ξ_K in N/m. *Printed* is the thesis's number, *model* the same posture in the card `six_link`, "
-        "*ours* the search with its default settings, which stop when five starts have ended in the best; *gain* "
-        f"compares ours with the printed final posture, both in the model. {verdict}"
+        "measure ξ_K in N/m. *Printed* is the thesis's number, *model* the same posture in the card "
+        "`six_link`, *ours* the search with its default settings, which stop when five starts have ended in "
+        f"the best; *gain* compares ours with the printed final posture, both in the model. {verdict}"
     )
     return table("# Studies\n\n## Postures of the six-link arm", lead, header, rows, says), missed
 
@@ -123,8 +123,8 @@ def sweep_table(studies) -> tuple[str, None]:
         "135°, sum over poles", "best, printed", "best, model",
     ]  # fmt: skip
     lead = (
-        "|receptance| of the tool along z [m/N] at both ends of the sweep, |Σ 1/(iω − λ)| over the model's poles "
-        "[s/rad], which is what the thesis prints above 46 Hz, and the best angle."
+        "|receptance| of the tool along z [m/N] at both ends of the sweep, |Σ 1/(iω − λ)| over the model's "
+        "poles [s/rad], which is what the thesis prints above 46 Hz, and the best angle."
     )
     return table("## Configurations of the Fanuc (section 3.2)", lead, header, rows, says), None
 

@@ -101,7 +101,7 @@ def test_frequencies():
         ("", ["format", "robot", "study"]),
         ('format = 2\nrobot = "six_link"\n[study.a]\n', ["format: found 2", "study.a.title", "study.a.kind"]),
         (
-            'format = 1\nrobot = "six_link"\n[study.a]\ntitle = "t"\nsays = "s"\nkind = "walk"\nhold = "x"\nfreq = 1\n',
+            'format = 1\nrobot = "r"\n[study.a]\ntitle="t"\nsays="s"\nkind = "walk"\nhold = "x"\nfreq = 1\n',
             ["study.a.kind", "study.a.hold", "study.a.freq", "posture or sweep or frequency"],
         ),
         (
