@@ -83,7 +83,9 @@ def narrowed(
     for floor, steps, keep in ROUNDS:
         done = []
         for number, one in enumerate(todo):
-            made = fit(one.hypothesis, observations, one.x, floors=(floor,), steps=steps, stride=stride)
+            made = fit(
+                one.hypothesis, observations, one.x, floors=(floor,), steps=steps, stride=stride, apart=False
+            )
             done.append(Candidate(one.hypothesis, made.x, made.normal.cost))
             advance((number + 1) / len(todo) / len(ROUNDS))
         todo = distinct(done)[:keep]

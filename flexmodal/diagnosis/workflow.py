@@ -29,6 +29,7 @@ from flexmodal.diagnosis.search import (
     narrowed,
     polished,
     stride_for,
+    unlimited,
 )
 from flexmodal.diagnosis.weigh import Scales, Weighable, weigh, weighable
 from flexmodal.errors import Fault, InvalidRequest
@@ -43,6 +44,8 @@ from flexmodal.identification import (
     robot_space,
     uncertainty,
 )
+from flexmodal.identification.frf_fit import residual
+from flexmodal.identification.truncation import missing
 from flexmodal.model import Robot
 
 TRUST = {"stiffness": 0.08, "damping": 0.08, "mass": 0.08, "inertia": 0.08}
@@ -55,6 +58,8 @@ SIGNIFICANT = 8.0
 """Score that an effect has to gain, in 19 of 20 draws of the bootstrap [nat]."""
 WORTH = 0.03
 """Part of the remaining sum of squares that it has to take away besides."""
+WORST = 0.05
+"""Part of the observations, the worst, that do not count in it."""
 FLOOR_REACHED = 1.15
 """Gap over noise floor that needs no explanation."""
 EXPLAINED = 1.6
@@ -112,6 +117,7 @@ def diagnose(
     """
     observations = observe(campaign)
     _belong(observations, robot)
+    observations = _whole(observations, robot)
     scene = Scene(robot, observations)
     known = catalogue(effects)
     base = robot_space(robot, trust={**_trust_of(robot), **(trust or {})})
@@ -281,7 +287,16 @@ class _Course:
         )
 
     def _over(self, one: Weighable) -> float:
-        return gap(self.bench.observations, one.predicted).over_floor
+        """Gap over noise floor, without the few observations that are worst.
+
+        Where a point hardly moves along its axis, a hammer's tilt of a fraction of a degree counts for more
+        than noise.
+        """
+        observations = self.bench.observations
+        each = np.where(observations.used, np.abs(residual(one.predicted, observations.value)) ** 2, 0.0)
+        ratio = each.sum(axis=1) / np.maximum((observations.variance * observations.used).sum(axis=1), 1e-300)
+        keep = ratio <= np.quantile(ratio, 1 - WORST)
+        return gap(observations, one.predicted, keep).over_floor
 
     def _quiet(self, one: Weighable) -> bool:
         """Whether hardly a line stands out of the noise."""
@@ -425,6 +440,16 @@ def _belong(observations: Observations, robot: Robot) -> None:
         raise InvalidRequest(faults)
 
 
+def _whole(observations: Observations, robot: Robot) -> Observations:
+    """The observations, without the length of their records where the robot comes to rest within it."""
+    root = Hypothesis(Scene(robot, observations), robot_space(robot))
+    for group in root.groups(np.zeros(len(root.space)), observations, slopes=False):
+        axis = observations.axis_of(group.level)
+        if axis.length > 0 and missing(group.structure, axis, group.pairs[:1]) is not None:
+            return observations
+    return unlimited(observations)
+
+
 def _middling(scene: Scene, base: ParameterSpace) -> Bool[np.ndarray, " observation"]:
     """Observations of the postures in the middle, by how far the re-tuned robot is from each.
 
@@ -435,7 +460,8 @@ def _middling(scene: Scene, base: ParameterSpace) -> Bool[np.ndarray, " observat
     if count < _FEWEST:
         return np.zeros(len(observations), dtype=bool)
     root = Hypothesis(scene, base)
-    tuned = fit(root, observations, floors=(0.2, 0.05), steps=10, stride=stride_for(observations, COARSE))
+    stride = stride_for(observations, COARSE)
+    tuned = fit(root, observations, floors=(0.2, 0.05), steps=10, stride=stride, apart=False)
     value = predict(root, tuned.x, observations)
     far = [gap(observations, value, observations.posture == k).value for k in range(count)]
     order = np.argsort(np.nan_to_num(far), kind="stable")

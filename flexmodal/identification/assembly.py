@@ -201,7 +201,8 @@ class Assembly:
 
     def rows(self, places: Sequence[tuple[str, np.ndarray, np.ndarray]]) -> Float[np.ndarray, "place dof"]:
         """Rows of points: link, place in its frame [m], direction in the world."""
-        return np.array([way @ self.motion(link, place)[:3] for link, place, way in places])
+        found = [way @ self.motion(link, place)[:3] for link, place, way in places]
+        return np.array(found).reshape(len(found), len(self.coordinates))
 
     def _padded(self, rows: np.ndarray) -> np.ndarray:
         missing = len(self.coordinates) - rows.shape[-1]
