@@ -50,21 +50,23 @@ from flexmodal.model import Robot
 
 TRUST = {"stiffness": 0.08, "damping": 0.08, "mass": 0.08, "inertia": 0.08}
 """Standard deviation of ln(true / card) in re-tuning, unless the card or the user says other."""
-MOST_STEPS = 3
-"""Effects added at most."""
+MOST_STEPS = 2
+"""Effects added at most: more of them explain anything."""
 FINALISTS = 5
 """Candidates that are fitted closely and weighed."""
 SIGNIFICANT = 8.0
 """Score that an effect has to gain, in 19 of 20 draws of the bootstrap [nat]."""
 WORTH = 0.03
-"""Part of the remaining sum of squares that it has to take away besides."""
+"""Part of the sum of squares that it has to take away besides."""
+ANOTHER = 0.35
+"""The same for every further effect: what a good but not perfect model leaves is not another effect."""
 WORST = 0.05
 """Part of the observations, the worst, that do not count in it."""
 FLOOR_REACHED = 1.15
 """Gap over noise floor that needs no explanation."""
 EXPLAINED = 1.6
 """Gap over noise floor that a perfect model may show."""
-LEFT = 0.06
+LEFT = 0.12
 """Part of the disagreement above the noise that may be left between the two."""
 TIE = 0.05
 """Probability from which another explanation counts as tied with the best."""
@@ -178,7 +180,7 @@ class _Course:
         scales = weigh(looked, bench.observations, bench.seed)
         best = int(np.argmax(scales.scores))
         worth = 1 - looked[best].costs.sum() / max(before.costs.sum(), 1e-300)
-        if best == 0 or scales.gain < SIGNIFICANT or worth < WORTH:
+        if best == 0 or scales.gain < SIGNIFICANT or worth < (ANOTHER if number else WORTH):
             return None
         self.current = looked[best]
         step = self._describe(looked, scales, best, before)
@@ -446,7 +448,7 @@ def _whole(observations: Observations, robot: Robot) -> Observations:
     for group in root.groups(np.zeros(len(root.space)), observations, slopes=False):
         axis = observations.axis_of(group.level)
         if axis.length > 0 and missing(group.structure, axis, group.pairs[:1]) is not None:
-            return observations
+            return replace(observations, cut_slopes=False)  # steps need not be exact, and are much faster so
     return unlimited(observations)
 
 

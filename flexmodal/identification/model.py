@@ -153,8 +153,10 @@ def group_receptance(
     """
     distinct, back = np.unique(group.pairs, axis=0, return_inverse=True)
     value, slopes = receptance(group.structure, axis, distinct, names)
-    if axis.length > 0 and (cut := missing(group.structure, axis, distinct, names)) is not None:
-        value, slopes = value + cut[0], slopes + cut[1]
+    looked = names if axis.cut_slopes else ()
+    if axis.length > 0 and (cut := missing(group.structure, axis, distinct, looked)) is not None:
+        value = value + cut[0]
+        slopes = slopes + cut[1] if looked else slopes
     value, slopes = value[back.ravel()], slopes[:, back.ravel()]
     if group.reading is not None:
         log, changes = group.reading(axis)

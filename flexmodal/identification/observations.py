@@ -64,6 +64,8 @@ class Observations:
     """Records that were left out because hardly a line of theirs is coherent."""
     power: int = 2
     """What was recorded: acceleration 2, velocity 1, displacement 0."""
+    cut_slopes: bool = True
+    """See `Axis`."""
 
     @cached_property
     def axis(self) -> Axis:
@@ -73,7 +75,13 @@ class Observations:
 
     def axis_of(self, level: int) -> Axis:
         """The lines for one kind of blow."""
-        return replace(self.axis, decay=self.decays[level], length=self.lengths[level], power=self.power)
+        return replace(
+            self.axis,
+            decay=self.decays[level],
+            length=self.lengths[level],
+            power=self.power,
+            cut_slopes=self.cut_slopes,
+        )
 
     def peak(self, level: int) -> float:
         """Typical force peak of a kind of blow [N]."""

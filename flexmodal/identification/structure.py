@@ -41,6 +41,8 @@ class Axis:
     """Of the records, from the blow to their end [s]; 0 where it is not known or does not matter."""
     power: int = 2
     """What was recorded: acceleration 2, velocity 1, displacement 0."""
+    cut_slopes: bool = True
+    """Whether derivatives look at what the end of a record cuts off; values always do."""
 
     def __len__(self) -> int:
         """How many lines."""
