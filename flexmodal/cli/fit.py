@@ -155,10 +155,11 @@ def _write(
 
 
 def _print(fits: tuple[Fit, ...], found: dict[str, Any], measured: Campaign, method: str) -> None:
-    from flexmodal.ema.page import HEADER, mode_cells
+    from flexmodal.ema.table import HEADER, LEGEND, mode_cells
 
     rows = [cells for one in fits for cells in mode_cells(one)]
-    print_table(f"{measured.title}: modes by {method}, 95 % intervals", HEADER, rows)
+    print_table(f"{measured.title}: modes by {method}", HEADER, rows)
+    click.echo(LEGEND)
     for peak in found["refused"]:
         click.echo(
             f"refused: posture {peak['posture']}, {peak['frf']}, {peak['frequency']:.2f} Hz: {peak['why']}"

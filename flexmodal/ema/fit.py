@@ -52,18 +52,27 @@ class Fit:
                     "residue": [float(residue.real), float(residue.imag)],
                     "amplitude": [float(multiplier[frf].real), float(multiplier[frf].imag)],
                     "uncertainty": {
-                        "frequency": mode.frequency_error,
-                        "damping_ratio": mode.damping_error,
-                        "residue": float(mode.residue_error[frf]),
+                        **_errors(np.hypot(mode.by_noise, mode.by_choices), frf),
                         "frequency_95": list(mode.frequency_interval()),
                         "damping_ratio_95": list(mode.damping_interval()),
                         "residue_95": [float(low[frf]), float(high[frf])],
+                        "noise": _errors(mode.by_noise, frf),
+                        "choices": _errors(mode.by_choices, frf),
                     },
                     "quality": mode.quality,
                     "method": mode.method,
                     "remarks": list(mode.remarks),
                 }
                 yield row
+
+
+def _errors(errors: Float[np.ndarray, " number"], frf: int) -> dict[str, float]:
+    """Standard errors by name; those of frequency and damping come first, then one for each FRF."""
+    return {
+        "frequency": float(errors[0]),
+        "damping_ratio": float(errors[1]),
+        "residue": float(errors[2 + frf]),
+    }
 
 
 def fit(

@@ -139,7 +139,7 @@ def draw_stabilisation(
     behind = axes.twinx()
     indicator = mode_indicator(diagram.measured)
     behind.semilogy(diagram.measured.frequency, indicator, color="0.72", linewidth=1.1, zorder=0)
-    behind.set_ylabel("Mode indicator Σ|Y|² [–]", color="0.45")
+    behind.set_ylabel("Mode indicator Σ|Y|²/noise [–]", color="0.45")
     behind.tick_params(colors="0.45")
     axes.set_zorder(behind.get_zorder() + 1)
     axes.patch.set_visible(False)
