@@ -67,9 +67,9 @@ def noise_of(
 ) -> tuple[Float[np.ndarray, "group line frf"], Float[np.ndarray, " group"]]:
     """Variance of each value as the deviations confirm it, and the degrees of freedom behind it.
 
-    A known variance is taken at its word unless the deviations are larger, an unknown one is s²/weight with
-    s² from the deviations of each FRF; and where the deviations near a line are larger than that, as they
-    are round a resonance that the model misses by more than its valleys, theirs is taken. Deviations that
+    A known variance is taken at its word unless the deviations near a line are larger, as they are round a
+    resonance that the model misses by more than its valleys; an unknown one is s²/weight with s² from the
+    deviations of each FRF, with the same exception. Deviations that
     neighbouring lines share (leakage, a mode that the model lacks) count for fewer lines, as their
     autocorrelation says.
 
@@ -86,16 +86,14 @@ def noise_of(
     weight = np.broadcast_to(problem.weight, problem.value.shape)
     square = np.abs(state.deviation) ** 2
     colour = _colour(np.sqrt(weight) * state.deviation)[:, None, None]
-    if variance is None:
-        each = 2 * np.sum(weight * square, axis=1, keepdims=True) / max(freedom, 1) / weight
-    else:
-        each = variance * np.maximum(
-            np.sum(square / variance, axis=1, keepdims=True) * 2 / max(freedom, 1), 1.0
-        )
-    if variance is None and not by_weight:
-        each = _nearby(square) * 2 * lines / max(freedom, 1)
-    else:
+    spent = 2 * lines / max(freedom, 1)
+    if variance is not None:
+        each = variance * np.maximum(_nearby(square / variance) * spent, 1.0)
+    elif by_weight:
+        each = np.mean(weight * square, axis=1, keepdims=True) * spent / weight
         each = each * np.maximum(_nearby(square / each), 1.0)
+    else:
+        each = _nearby(square) * spent
     return each * colour, np.full(len(problem.value), max(freedom, 1) * frfs)
 
 

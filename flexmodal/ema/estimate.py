@@ -50,7 +50,7 @@ class Choices:
     """Terms for modes outside the band: none, real, complex."""
     weighting: str = "variance"
     """Of least squares: variance, uniform, logarithmic."""
-    highest_order: int = 60
+    highest_order: int = 40
     """Of LSCF."""
     tolerances: Tolerances = field(default_factory=Tolerances)
     """Of the stabilisation diagram."""

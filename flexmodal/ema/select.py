@@ -19,6 +19,9 @@ from flexmodal.errors import Fault, InvalidRequest
 _LOWEST_ORDERS = 6
 """A diagram of fewer orders shows nothing that stays."""
 
+_BESIDE = 2.0
+"""A peak within so many lines of a stable pole, or within its half-power bandwidth, is that pole's."""
+
 _SURE = 7.0
 """Standard deviations by which a peak must stand out of the valleys beside it to be none of the noise's."""
 
@@ -45,7 +48,7 @@ def choose_peaks(
     damping: Mapping[float, float] | None = None,
     prominence: float = 2.0,
     most: int = 50,
-    highest_order: int = 60,
+    highest_order: int = 40,
     tolerances: Tolerances | None = None,
 ) -> tuple[Peak, ...]:
     """Find the peaks, or take those that a person names.
@@ -75,7 +78,8 @@ def choose_peaks(
     if at is None:
         widths = _stable_poles(part, highest_order, tolerances)
         places = [float(part.frequency[line]) for line in _stand_out(part, indicator, prominence, most)]
-        places = [f for f in places if not any(abs(f - pole) <= width for pole, width in widths.items())]
+        reach = {pole: max(width, _BESIDE * part.spacing) for pole, width in widths.items()}
+        places = [f for f in places if not any(abs(f - pole) <= reach[pole] for pole in reach)]
         chosen: list[float | Peak] = [
             f for f in sorted([*widths, *places]) if not any(low <= f <= high for low, high in forbid)
         ]
@@ -121,7 +125,7 @@ def _stand_out(measured: Measured, indicator: np.ndarray, prominence: float, mos
         indicator - np.maximum(_lowest_since_higher(indicator), _lowest_since_higher(indicator[::-1])[::-1])
     )[lines]
     mobility = with_variance(measured).to("mobility")
-    power = np.mean(np.abs(mobility.value) ** 2, axis=0)
+    power = noise_levels(mobility) ** 2
     share = np.asarray(mobility.variance) / power
     # |Y + n|² has the variance 2|Y|²v + v² for circular noise of variance v.
     spread = np.sqrt(np.sum(2 * np.abs(mobility.value) ** 2 / power * share + share**2, axis=1))

@@ -23,7 +23,7 @@ class Tolerances:
     """Largest relative change of the damping ratio."""
     most_damping: float = 0.5
     """Poles damped more are taken for fits of the background."""
-    orders: float = 0.4
+    orders: float = 0.3
     """Share of the orders in which a pole must be stable to be chosen as a mode."""
 
     def __post_init__(self) -> None:

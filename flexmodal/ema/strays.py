@@ -11,35 +11,46 @@ from dataclasses import replace
 
 import numpy as np
 
-from flexmodal.ema.least_squares import DRIVEN, LeastSquaresProblem, solve_least_squares
+from flexmodal.ema.least_squares import DRIVEN, HIDDEN, LeastSquaresProblem, solve_least_squares
 from flexmodal.ema.measured import FEWEST_LINES
 from flexmodal.ema.mode import EstimatedModes, ModeEstimate, with_residual_terms
 
 _WIDTHS = 3.0
-"""A mode's own band reaches so many half-power bandwidths to either side, or so many lines:"""
+"""A mode has strayed that ends so many half-power bandwidths, and two lines, from where its pole was."""
 _LINES = 12
+"""Its own band reaches as many bandwidths to either side, and so many lines at least."""
 _NEAR = 3.0
 """A damping ratio found there may differ from the one begun with by this factor."""
 
 
 def with_strays(problem: LeastSquaresProblem, found: EstimatedModes) -> EstimatedModes:
-    """The same modes, and those that were driven away as far as bands of their own show them.
+    """The modes that stayed near their poles, and those that strayed as far as bands of their own show them.
 
     Args:
-        problem: what was fitted.
+        problem: what was fitted, from poles that a stabilisation diagram or the indicator showed.
         found: what came of it.
     """
-    driven = {frequency for frequency, why in found.refused if why.startswith(DRIVEN)}
-    back = {
-        float(start[0]): mode
-        for start in problem.start
-        if float(start[0]) in driven and (mode := _alone(problem, start)) is not None
-    }
-    if not back:
+    spacing = problem.measured.spacing
+    hidden = {frequency for frequency, why in found.refused if why == HIDDEN}
+    starts = [start for start in problem.start if float(start[0]) not in hidden]
+    stayed = [mode for mode in found if any(_stays(mode, start, spacing) for start in starts)]
+    strays = [start for start in starts if not any(_stays(mode, start, spacing) for mode in stayed)]
+    if not strays:
         return found
-    modes = tuple(sorted([*found.modes, *back.values()], key=lambda mode: mode.frequency))
-    refused = tuple(one for one in found.refused if one[0] not in back)
+    alone = {float(start[0]): _alone(problem, start) for start in strays}
+    back = [mode for mode in alone.values() if mode is not None]
+    modes = tuple(sorted([*stayed, *back], key=lambda mode: mode.frequency))
+    told = dict(found.refused)
+    lost = {f: told.get(f, f"{DRIVEN} it far from its pole") for f, mode in alone.items() if mode is None}
+    refused = tuple(sorted([*((f, why) for f, why in found.refused if f not in alone), *lost.items()]))
+    if not modes:
+        return replace(found, modes=(), refused=refused)
     return with_residual_terms(replace(found, modes=modes, refused=refused), problem.residuals)
+
+
+def _stays(mode: ModeEstimate, start: np.ndarray, spacing: float) -> bool:
+    width = 2 * abs(float(start[1])) * float(start[0])
+    return abs(mode.frequency - float(start[0])) <= _WIDTHS * width + 2 * spacing
 
 
 def _alone(problem: LeastSquaresProblem, start: np.ndarray) -> ModeEstimate | None:

@@ -34,7 +34,7 @@ def mode_cells(one: Fit) -> Iterator[tuple[str, ...]]:
             f"{one.posture}: {one.places[frf]}" + (f" of {len(one.places)}" if len(one.places) > 1 else ""),
             str(number),
             _with_parts(mode, reach, 0, mode.frequency),
-            _with_parts(mode, 100 * reach, 1, 100 * mode.damping_ratio, 100),
+            _with_parts(mode, 100 * reach, 1, 100 * mode.damping_ratio, 100.0),
             f"{abs(mode.residue[frf]):.4g} ± {reach[2 + frf]:.2g}",
             f"{mode.quality:.3f}",
             "; ".join(mode.remarks),

@@ -4,13 +4,15 @@ Noise is not all that makes a number uncertain: on real data the residual terms,
 the band move damping ratios by more than noise does. So the fit is solved again from where it ended, with one
 of these changed at a time. Of two estimates of one thing from the same data, one of which makes the best use
 of them, the difference d has the variance |V₁ − V₂| where noise alone parts them (Hausman, Econometrica 46,
-1978). What d has beyond 1.96 such standard deviations is put down to the choice,
+1978). What d has beyond z = 2.58 such standard deviations, which noise exceeds once in a hundred times, is
+put down to the choice. With either estimate as likely to be right as the other, the one that is stated is off
+by nothing or by d, so that its variance grows by half the square,
 
-    (1.96 σ)² = max(d² − 1.96² |V₁ − V₂|, 0),
+    σ² = max(d² − z² |V₁ − V₂|, 0) / 2,
 
-and the squares of several choices are added up, as those of independent contributions are (GUM, 5.1.2). A
-choice counts only as far as an analyst would stand by it: its fit has settled and leaves no more than twice
-the squared deviations.
+and those of several choices are added up, as independent contributions are (GUM, 5.1.2). A choice counts only
+as far as an analyst would stand by it: its fit has settled and leaves no more than twice the squared
+deviations.
 """
 
 from __future__ import annotations
@@ -26,14 +28,14 @@ from flexmodal.ema.mode import ModeEstimate
 from flexmodal.ema.separable import Elimination, Separable, minimise
 from flexmodal.ema.weights import Weighting, by_deviation, weights_of
 
-SURE = 1.959964
-"""Standard deviations within which 95 % of a normal variable lie."""
+SURE = 2.575829
+"""Standard deviations within which 99 % of a normal variable lie."""
 
 _ENDS = 0.1
 """Part of the band that is left out at each end to see whether it matters."""
 
 _CLEAR = 10
-"""So many lines, and two half-power bandwidths, stay between any mode and an end of the band."""
+"""So many lines, and a half-power bandwidth, stay between any mode and an end of the band."""
 
 _WORSE = 2.0
 """A choice that leaves so many times the squared deviations is none that an analyst would stand by."""
@@ -106,7 +108,7 @@ def _beyond(
     difference: Float[np.ndarray, "*shape"], spread: Float[np.ndarray, "*shape"]
 ) -> Float[np.ndarray, "*shape"]:
     """The variance that stands for a choice: of two estimates and the difference of their variances."""
-    return np.maximum(difference**2 - SURE**2 * np.abs(spread), 0.0) / SURE**2
+    return np.maximum(difference**2 - SURE**2 * np.abs(spread), 0.0) / 2
 
 
 def _others(
@@ -150,7 +152,7 @@ def _narrower(solved: Solved) -> Bool[np.ndarray, " line"]:
     """The lines without the ends of the band, as far as these are clear of every mode."""
     axis = solved.problem.omega
     span = _ENDS * (axis[-1] - axis[0])
-    reach = np.maximum(4 * np.abs(solved.damping) * solved.omega, _CLEAR * float(np.median(np.diff(axis))))
+    reach = np.maximum(2 * np.abs(solved.damping) * solved.omega, _CLEAR * float(np.median(np.diff(axis))))
     low = min(axis[0] + span, float(np.min(solved.omega - reach)))
     high = max(axis[-1] - span, float(np.max(solved.omega + reach)))
     lines: Bool[np.ndarray, " line"] = (axis >= low) & (axis <= high)
