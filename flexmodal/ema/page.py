@@ -118,7 +118,7 @@ def _sections(
     yield "Shapes along the arm", [draw_shapes(one, names) for one in shapes[:_MOST]]
     tables = []
     for first, second in zip(shapes, (*shapes[1:], *shapes[:1]), strict=True):
-        if first.responses == second.responses:
+        if (first.places, first.side) == (second.places, second.side):
             title = f"MAC: posture {first.posture} against posture {second.posture}"
             rows, columns = ([f"{f:.4g} Hz" for f in one.frequency] for one in (first, second))
             tables.append(draw_mac(mac(first.shape, second.shape), rows, columns, title=title))

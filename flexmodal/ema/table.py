@@ -27,7 +27,7 @@ _MOST_DIGITS = 9
 
 def mode_cells(one: Fit) -> Iterator[tuple[str, ...]]:
     """One row of text for each mode, under `HEADER`; of several FRFs the one that shows it best."""
-    for number, mode in enumerate(one.modes, start=1):
+    for number, mode in one.numbered():
         reach = mode.reach()
         frf = int(np.argmax(np.abs(mode.residue)))
         yield (
