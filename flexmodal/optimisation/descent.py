@@ -23,6 +23,9 @@ GRADIENT = 1e-7
 _ROUNDING = 1e-4
 """Projected gradient below which a line search that finds nothing better has met rounding."""
 
+_SWAMPING = 1e6
+"""Gradient beside which limits of a few radians are lost in rounding [1/rad]."""
+
 _LONGEST = 0.5
 """Longest step of one joint [rad, m]."""
 
@@ -54,7 +57,7 @@ def descend(problem: PostureProblem, start: np.ndarray, *, iterations: int = 200
     for count in range(iterations):
         _, constraint = problem.held(values)
         room = (problem.lower - values, problem.upper - values)
-        steepness = float(np.linalg.norm(quadratic_step(np.eye(len(values)), gradient, constraint, *room)))
+        steepness = _steepness(gradient, constraint, *room)
         limit = problem.objective.limit(cost, problem.robot)
         if limit is not Limit.NONE or steepness <= GRADIENT:
             return Descent(values, cost, limit is not Limit.UNBOUNDED, count, limit)
@@ -71,6 +74,13 @@ def descend(problem: PostureProblem, start: np.ndarray, *, iterations: int = 200
         model = _update(model, next_values - values, change, first=fresh)
         values, cost, gradient, fresh = next_values, next_cost, next_gradient, False
     return Descent(values, cost, False, iterations)
+
+
+def _steepness(gradient: np.ndarray, constraint: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> float:
+    """Length of the steepest-descent step that hold and limits leave; beside a zero it is scaled down."""
+    scale = max(1.0, float(np.linalg.norm(gradient)) / _SWAMPING)
+    step = quadratic_step(np.eye(len(gradient)), gradient / scale, constraint, lower, upper)
+    return float(np.linalg.norm(step))
 
 
 def _first_model(gradient: np.ndarray) -> np.ndarray:

@@ -9,9 +9,11 @@ import numpy as np
 from jaxtyping import Bool
 
 from flexmodal.model import Robot
-from flexmodal.model.batch_chain import Chain, chain_of, places_of
+from flexmodal.model.batch_chain import Chain, chain_of, places_of, turn_of
 from flexmodal.optimisation.compiled.arrays import (
+    AXIS,
     MOBILITY,
+    ORIENTATION,
     POSITION,
     RECEPTANCE,
     STIFFNESS,
@@ -20,15 +22,9 @@ from flexmodal.optimisation.compiled.arrays import (
     Judge,
 )
 from flexmodal.optimisation.hold import Hold
-from flexmodal.optimisation.objective import (
-    _LEVER,
-    _SHARPNESS,
-    BLIND,
-    MobilityObjective,
-    Objective,
-    ReceptanceObjective,
-    StiffnessObjective,
-)
+from flexmodal.optimisation.measures import LEVER, MobilityObjective, StiffnessObjective
+from flexmodal.optimisation.objective import BLIND, SHARPNESS, Objective, ReceptanceObjective
+from flexmodal.optimisation.orientation import FixedOrientation
 from flexmodal.optimisation.problem import PostureProblem
 
 
@@ -60,18 +56,29 @@ def plan_of(problem: PostureProblem) -> Plan | None:
 
 
 def held_of(robot: Robot, hold: Hold | None) -> Held:
-    """What is held, a position only."""
+    """What is held: a position, and the orientation or an axis if they are."""
     if hold is None:
         return Held(-1, np.zeros(3), POSITION, np.eye(3), np.zeros((0, 6)), np.zeros(3), np.eye(3))
     places = places_of(robot, ((hold.point, np.zeros(6)),))
+    kind, turned = POSITION, np.zeros((0, 3))
+    own, orientation = turn_of(robot, hold.point), np.eye(3)
+    if isinstance(hold.orientation, FixedOrientation):
+        kind, turned, orientation = ORIENTATION, np.eye(3), hold.orientation.rotation
+    elif hold.orientation is not None:
+        kind = AXIS
+        turned = np.cross(hold.orientation.target, hold.orientation.across)
+        own = np.tile((own @ hold.orientation.axis)[:, None], (1, 3))
+        orientation = np.tile(hold.orientation.target[:, None], (1, 3))
+    rows = np.zeros((len(hold.rows) + len(turned), 6))
+    rows[: len(hold.rows), :3], rows[len(hold.rows) :, 3:] = hold.rows, turned
     return Held(
         joint=int(places.joint[0]),
         offset=places.offset[0],
-        kind=POSITION,
-        own=np.eye(3),
-        rows=np.hstack([hold.rows, np.zeros_like(hold.rows)]),
+        kind=kind,
+        own=np.ascontiguousarray(own),
+        rows=rows,
         target=hold.rows.T @ hold.target,  # the rows are orthonormal
-        orientation=np.eye(3),
+        orientation=np.ascontiguousarray(orientation),
     )
 
 
@@ -84,26 +91,29 @@ def judge_of(robot: Robot, objective: Objective) -> Judge | None:
         along = rows @ objective.direction.selector
         if not np.any(along):
             return None  # the objective itself says what is wrong
-        goal = -float(np.log(np.max(robot.stiffness) / _LEVER**2))
+        goal = -float(np.log(np.max(robot.stiffness) / LEVER**2))
         return _judge(
             robot, STIFFNESS, [objective.direction], goal=goal, bounded=False, task=rows, along=along
         )
     if isinstance(objective, MobilityObjective):
-        return _judge(robot, MOBILITY, [objective.direction], goal=2 * float(np.log(_LEVER**2)))
+        return _judge(robot, MOBILITY, [objective.direction], goal=2 * float(np.log(LEVER**2)))
     return None
 
 
-def _receptance(robot: Robot, objective: ReceptanceObjective) -> Judge:
+def _receptance(robot: Robot, objective: ReceptanceObjective) -> Judge | None:
     """Weights make one row of all directions; the worst direction keeps them apart."""
     apart = objective.combine == "worst" and len(objective.directions) > 1
-    sharp = objective.combine == "worst" and (apart or len(objective.frequency) > 1)
+    sharp = objective.over == "largest" and (apart or len(objective.frequency) > 1)
+    other = objective.combine == "force" or objective.toward != objective.weights
+    if other or (apart and not sharp) or any(share != 1.0 for share in objective.line_weights):
+        return None
     judge = _judge(
         robot,
         RECEPTANCE,
         list(objective.directions),
         goal=float(np.log(BLIND)),
         omega=2 * np.pi * np.asarray(objective.frequency, dtype=float),
-        power=float(_SHARPNESS) if sharp else 1.0,
+        power=float(SHARPNESS) if sharp else 1.0,
     )
     if apart:
         return judge._replace(row=np.arange(len(objective.directions)))
