@@ -89,7 +89,8 @@ def receptance_batch(
     _check_loss(loss_factor)
     _check_addition(addition, len(axis), len(robot.joints))
     pays = way == "auto" and len(values) >= (_FEW if "numba" in sys.modules else _MANY)
-    poser = _Poser(robot, values, rows, compiled=has_numba() and (pays or way.startswith("compiled")))
+    asked = way.startswith("compiled") or way == "planar recursion"
+    poser = _Poser(robot, values, rows, compiled=has_numba() and (pays or asked))
     task = Task(
         count=len(values),
         block=poser,
