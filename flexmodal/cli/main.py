@@ -19,6 +19,7 @@ _COMMANDS = {
     "modes": "Natural frequencies, damping ratios and shapes at a posture.",
     "measures": "Stiffness, mobility and receptance of a posture along a direction.",
     "optimise": "The posture that resists best.",
+    "lobes": "Stability lobes of a milling cut, and postures by depth of cut.",
     "tune": "The operating frequency that vibrates least.",
     "path": "A posture for each point of a toolpath.",
     "studies": "Published optimisations run again beside their printed numbers.",

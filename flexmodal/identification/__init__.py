@@ -1,0 +1,16 @@
+"""Changes parameters to match a measurement, with uncertainty."""
+
+from flexmodal.identification.frf_fit import FrfFit as FrfFit
+from flexmodal.identification.frf_fit import fit as fit
+from flexmodal.identification.gap import Gap as Gap
+from flexmodal.identification.gap import gap as gap
+from flexmodal.identification.model import FrfModel as FrfModel
+from flexmodal.identification.model import RobotModel as RobotModel
+from flexmodal.identification.model import predict as predict
+from flexmodal.identification.observations import Observations as Observations
+from flexmodal.identification.observations import observe as observe
+from flexmodal.identification.parameter import Parameter as Parameter
+from flexmodal.identification.parameter import ParameterSpace as ParameterSpace
+from flexmodal.identification.space import robot_space as robot_space
+from flexmodal.identification.uncertainty import Uncertainty as Uncertainty
+from flexmodal.identification.uncertainty import uncertainty as uncertainty
