@@ -8,6 +8,7 @@ Hessian of the Lagrangian.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -41,13 +42,24 @@ class Descent:
     limit: Limit = Limit.NONE
 
 
-def descend(problem: PostureProblem, start: np.ndarray, *, iterations: int = 200) -> Descent | None:
+Watch = Callable[[np.ndarray, float], None]
+"""Told the vector and the cost of every iterate."""
+
+
+def descend(
+    problem: PostureProblem,
+    start: np.ndarray,
+    *,
+    iterations: int = 200,
+    watch: Watch = lambda values, cost: None,
+) -> Descent | None:
     """Go down from a start; None if no posture on the hold can be reached from it.
 
     Args:
         problem: what to minimise.
         start: vector of the commanded joints; brought onto the hold first.
         iterations: give up after this many.
+        watch: told every iterate.
     """
     values = problem.retract(start)
     if values is None:
@@ -55,6 +67,7 @@ def descend(problem: PostureProblem, start: np.ndarray, *, iterations: int = 200
     cost, gradient = problem.cost_and_gradient(values)
     model, fresh = _first_model(gradient), True
     for count in range(iterations):
+        watch(values, cost)
         _, constraint = problem.held(values)
         room = (problem.lower - values, problem.upper - values)
         steepness = _steepness(gradient, constraint, *room)
