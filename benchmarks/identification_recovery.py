@@ -1,8 +1,9 @@
-"""Does the identification find the truth, and are its intervals honest? 100 simulated campaigns on each of three arms.
+"""Does the identification find the truth, and are its intervals honest? 100 campaigns on each of three arms.
 
-The true robot differs from the card by a standard deviation between 2 and 10 %, drawn for each campaign, in every
-stiffness, damping, mass and inertia. What is counted is how often the 95 % interval of a parameter that the data
-tell holds the truth. Results are kept as JSON lines in build/, so that a run that was stopped goes on where it was.
+The true robot differs from the card by a standard deviation between 2 and 10 %, drawn for each campaign, in
+every stiffness, damping, mass and inertia. What is counted is how often the 95 % interval of a parameter
+that the data tell holds the truth. Results are kept as JSON lines in build/, so that a run that was stopped
+goes on where it was.
 """
 
 from __future__ import annotations
@@ -123,16 +124,21 @@ def main() -> None:
     write(
         "identification_recovery",
         "Identification of simulated campaigns: is the truth found?",
-        f"Made by `make recovery`: {options.count} campaigns on each robot, 4 postures × 4 points × 2 hammer positions × "
-        "4 trials, FRFs alone, every parameter of the true robot off the card by a standard deviation between 2 and "
+        f"Made by `make recovery`: {options.count} campaigns on each robot, 4 postures × 4 points × 2 "
+        f"hammer positions × "
+        "4 trials, FRFs alone, every parameter of the true robot off the card by a standard deviation "
+        "between 2 and "
         "10 %. A parameter is identified if less than half of its prior's standard deviation is left.",
         ["robot: parameters", "identified", "inside 95 % interval [%]", "single parameters [%]",
          "median error [%]", "median half interval [%]", "not identified", "foreseen before the fit [%]",
          "time [s]"],
         rows,
-        "Inside: how often the interval of an identified parameter held the truth; single parameters: the lowest and the "
-        "highest such share of one of them. Foreseen: how often what the Fisher information at the card said about "
-        "identified or not was so after the fit. Time: median for reading, fit and intervals on one core of a shared "
+        "Inside: how often the interval of an identified parameter held the truth; single parameters: the "
+        "lowest and the "
+        "highest such share of one of them. Foreseen: how often what the Fisher information at the card "
+        "said about "
+        "identified or not was so after the fit. Time: median for reading, fit and intervals on one core of "
+        "a shared "
         "machine, without the simulation.",
     )  # fmt: skip
 

@@ -32,9 +32,7 @@ FILES = ("identification.json", "report.html", "fit.png", "fit.svg", "robot")
     metavar="POSTURE",
     help="A posture or a point that the fit is not to see; may be repeated. Each in turn if none is named.",
 )
-@click.option(
-    "--use", metavar="WHAT,…", help="Of modes: frequency, damping, shape, residue, antiresonance."
-)
+@click.option("--use", metavar="WHAT,…", help="Of modes: frequency, damping, shape, residue, antiresonance.")
 @click.option("--robot", metavar="ROBOT", help="Instead of the robot that the campaign names.")
 @click.option(
     "--kinds", default="stiffness,damping,mass,inertia", show_default=True, help="Kinds of parameters."
@@ -108,7 +106,7 @@ def identify(
 
 
 def _robot_of(campaign: Campaign, given: str | None) -> Robot:
-    """The robot that was asked for, or the one the campaign names: a card, or a path relative to the campaign."""
+    """The robot asked for, or the one the campaign names: a card, or a path relative to it."""
     from flexmodal.model import load
 
     if given is not None:

@@ -11,7 +11,7 @@ from flexmodal.identification.outcome import Outcome
 
 
 def as_json(outcome: Outcome) -> dict[str, Any]:
-    """Parameters, correlated pairs and gaps as the command line's page fixes them; verdict and origin besides."""
+    """Parameters, correlated pairs and gaps as documented; held-out gaps, verdict and origin besides."""
     parameters = {
         one.name: {
             "value": one.value,

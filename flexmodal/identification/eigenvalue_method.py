@@ -1,9 +1,9 @@
 """The thesis's own way to dynamic parameters [Hearne 2.6]: eigenvalues alone, absolute bounds, no priors.
 
-Masses, moments of inertia, stiffness and damping are independent unknowns within bounds [Hearne, Appendix D]; the
-error is that of natural frequency and damping ratio [2.54], in stages: a fit to a few configurations is the start
-of the next one. What it cannot tell — the scale of everything, for one — it leaves where the bounds or the start
-put it.
+Masses, moments of inertia, stiffness and damping are independent unknowns within bounds [Hearne, Appendix
+D]; the error is that of natural frequency and damping ratio [2.54], in stages: a fit to a few configurations
+is the start of the next one. What it cannot tell — the scale of everything, for one — it leaves where the
+bounds or the start put it.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ NO_PRIOR = 30.0
 UNITS = {"stiffness": "N·m/rad", "damping": "N·m·s/rad", "mass": "kg", "moment": "kg·m²"}
 
 Bounds = Mapping[str, tuple[float, float, float]]
-"""Lowest, initial and highest value by name: `stiffness.JOINT`, `damping.JOINT`, `mass.LINK`, `moment.LINK`."""
+"""Lowest, initial, highest value: `stiffness.JOINT`, `damping.JOINT`, `mass.LINK`, `moment.LINK`."""
 
 
 @dataclass(frozen=True, eq=False)

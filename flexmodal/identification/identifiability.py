@@ -17,7 +17,7 @@ from jaxtyping import Float
 from flexmodal.identification.parameter import ParameterSpace
 from flexmodal.identification.uncertainty import KNOWN
 
-BLIND = 1e-7
+BLIND = 1e-11
 """Eigenvalue, relative to the largest, from which nothing at all is told."""
 UNBOUNDED = 2.0
 """Standard deviation that stands for no prior: a factor of seven."""

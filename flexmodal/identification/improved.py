@@ -1,4 +1,4 @@
-"""The identified robot as a card with its URDF, which loads like any other; never over the card it came from."""
+"""The identified robot as a card with its URDF, which loads like any other; never over the old one."""
 
 from __future__ import annotations
 

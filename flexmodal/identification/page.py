@@ -30,8 +30,9 @@ figure { margin: 1rem 0; break-inside: avoid }
 <p>Before the fit: {{ before }}.</p>
 <div class="wide"><table>
 <tr>{% for cell in header %}<th>{{ cell }}</th>{% endfor %}</tr>
-{% for row in rows %}<tr{% if not row.known %} class="open"{% endif %}>{% for cell in row.cells %}<td>{{ cell }}</td>{% endfor %}</tr>
-{% endfor %}</table></div>
+{% for row in rows %}<tr{% if not row.known %} class="open"{% endif %}>
+{% for cell in row.cells %}<td>{{ cell
+}}</td>{% endfor %}</tr> {% endfor %}</table></div>
 <h2>Measured against model</h2>
 {% for picture in pictures %}<figure>{{ picture | safe }}</figure>
 {% endfor %}

@@ -1,11 +1,11 @@
-"""The thesis's piecewise model [Hearne 2.6.4, 3.9–3.10]: measured amplitude below a switch, unit amplitude above.
+"""The thesis's piecewise model [Hearne 2.6.4, 3.9–3.10]: measured amplitude below a switch, one above.
 
     α(ω) = Σ_p A_p/(iω − λ_p)  below,    c Σ_p 1/(iω − λ_p)  above,
 
 over all 2n poles of the model, each conjugate with the conjugate multiplier. Poles come from identified
 parameters, multipliers A_p from a measurement at one point, since eigenvalues alone do not give
-any. The thesis types the switch in (46 Hz); here it is where the model with multipliers is least between its first
-two modes. With c = 1 the two halves differ by decades, as in the thesis; `joined` makes them meet.
+any. The thesis types the switch in (46 Hz); here it is where the model with multipliers is least between its
+first two modes. With c = 1 the two halves differ by decades, as in the thesis; `joined` makes them meet.
 """
 
 from __future__ import annotations

@@ -130,8 +130,8 @@ def _draw_modes(outcome: Outcome, route: ModeRoute) -> Any:
         (right, 1, 1000.0, [m.damping_error for m in observed.modes], "Damping ratio: model − measured [%]"),
     )
     for axes, column, scale, error, label in errors:
-        axes.errorbar(0 * rows, rows, xerr=196 * np.array(error), fmt="none", ecolor=MEASURED, elinewidth=5, alpha=0.4,
-                      label="measured ± 1.96 standard errors")  # fmt: skip
+        axes.errorbar(0 * rows, rows, xerr=196 * np.array(error), fmt="none", ecolor=MEASURED, elinewidth=5,
+                      alpha=0.4, label="measured ± 1.96 standard errors")  # fmt: skip
         axes.plot(
             scale * before[: len(rows), column], rows, "s", color=CARD, markerfacecolor="none", label="card"
         )
@@ -143,5 +143,5 @@ def _draw_modes(outcome: Outcome, route: ModeRoute) -> Any:
         axes.grid(True, axis="x", color="0.9", linewidth=0.6)
     left.set_yticks(rows, labels, fontsize=8)
     left.invert_yaxis()
-    right.legend(fontsize=8)
+    figure.legend(*left.get_legend_handles_labels(), loc="outside upper right", ncols=3, fontsize=8)
     return figure
