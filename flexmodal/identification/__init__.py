@@ -5,6 +5,7 @@ from flexmodal.identification.frf_fit import fit as fit
 from flexmodal.identification.gap import Gap as Gap
 from flexmodal.identification.gap import gap as gap
 from flexmodal.identification.model import FrfModel as FrfModel
+from flexmodal.identification.model import ReceptanceModel as ReceptanceModel
 from flexmodal.identification.model import RobotModel as RobotModel
 from flexmodal.identification.model import predict as predict
 from flexmodal.identification.observations import Observations as Observations

@@ -17,7 +17,7 @@ import numpy as np
 from jaxtyping import Complex, Float
 
 from flexmodal.errors import Fault, InvalidRequest
-from flexmodal.identification.model import FrfModel, group_receptance
+from flexmodal.identification.model import Model, evaluated
 from flexmodal.identification.observations import Observations
 
 FLOORS = (0.2, 0.05, 0.01)
@@ -27,7 +27,7 @@ HUBER = 3.0
 STEPS = 30
 """At most, at each floor."""
 SETTLED = 1e-3
-"""A step that changes the cost relatively by less ends a round; the last one goes on to `FINE`."""
+"""A step that changes the cost relatively by less ends a round; the last one goes on to `FINE`, unless told other."""
 FINE = 1e-6
 
 
@@ -81,26 +81,22 @@ def residual(
 
 
 def cost_of(
-    model: FrfModel, x: Float[np.ndarray, " parameter"], observations: Observations, weighing: Weighing
+    model: Model, x: Float[np.ndarray, " parameter"], observations: Observations, weighing: Weighing
 ) -> float:
     """Cost alone: the robust sum of squares plus the prior's."""
     weight = weighing.weight(observations)
     total = 0.0
     try:
-        groups = model.groups(x, observations, slopes=False)
+        for rows, value, _ in evaluated(model, x, observations, weighing.lines, slopes=False):
+            r = residual(value, observations.value[rows][:, weighing.lines])
+            total += float(np.sum(_robust(weight[rows] * np.abs(r) ** 2)))
     except np.linalg.LinAlgError:
         return float("inf")
-    for group in groups:
-        axis = observations.axis_of(group.level).take(weighing.lines)
-        value, _ = group_receptance(group, axis, ())
-        rows = group.observations
-        r = residual(value, observations.value[rows][:, weighing.lines])
-        total += float(np.sum(_robust(weight[rows] * np.abs(r) ** 2)))
     return total + _prior(model, x)
 
 
 def normal_equations(
-    model: FrfModel, x: Float[np.ndarray, " parameter"], observations: Observations, weighing: Weighing
+    model: Model, x: Float[np.ndarray, " parameter"], observations: Observations, weighing: Weighing
 ) -> Normal:
     """Cost, gradient and curvature at x."""
     weight = weighing.weight(observations)
@@ -109,10 +105,7 @@ def normal_equations(
     curvature = np.zeros((size, size))
     scores, squared = np.zeros((len(observations), size)), np.zeros(len(observations))
     data_cost = 0.0
-    for group in model.groups(x, observations, slopes=True):
-        axis = observations.axis_of(group.level).take(weighing.lines)
-        value, slopes = group_receptance(group, axis, names)
-        rows = group.observations
+    for rows, value, slopes in evaluated(model, x, observations, weighing.lines, slopes=True):
         r = residual(value, observations.value[rows][:, weighing.lines])
         scaled = weight[rows] * np.abs(r) ** 2
         data_cost += float(np.sum(_robust(scaled)))
@@ -129,13 +122,14 @@ def normal_equations(
 
 
 def fit(
-    model: FrfModel,
+    model: Model,
     observations: Observations,
     start: Float[np.ndarray, " parameter"] | None = None,
     *,
     floors: Sequence[float] = FLOORS,
     stride: int = 1,
     steps: int = STEPS,
+    settled: float = FINE,
     advance: Callable[[int, float], None] = lambda step, cost: None,
 ) -> FrfFit:
     """Fit a model to observations.
@@ -147,6 +141,7 @@ def fit(
         floors: relative model errors, lowered one after the other.
         stride: look at every so many lines.
         steps: most at each floor.
+        settled: a step that changes the cost relatively by less ends the last round.
         advance: called after each step with its number and the cost.
     """
     x = np.zeros(len(model.space)) if start is None else np.array(start, dtype=float)
@@ -158,14 +153,14 @@ def fit(
         weighing = Weighing(floor, lines)
         last = number == len(floors) - 1
         x, normal, taken, converged = _descend(
-            model, x, observations, weighing, steps, FINE if last else SETTLED, advance, total
+            model, x, observations, weighing, steps, settled if last else SETTLED, advance, total
         )
         total += taken
     return FrfFit(x, normal, weighing, converged, total)
 
 
 def _descend(
-    model: FrfModel, x: np.ndarray, observations: Observations, weighing: Weighing, most: int, settled: float,
+    model: Model, x: np.ndarray, observations: Observations, weighing: Weighing, most: int, settled: float,
     advance: Callable[[int, float], None], before: int,
 ) -> tuple[np.ndarray, Normal, int, bool]:  # fmt: skip
     """Levenberg and Marquardt within the bounds: coordinates that push against one are held."""
@@ -207,5 +202,5 @@ def _robust(scaled: Float[np.ndarray, "*shape"]) -> Float[np.ndarray, "*shape"]:
     return np.where(scaled <= HUBER**2, scaled, 2 * HUBER * np.sqrt(scaled) - HUBER**2)
 
 
-def _prior(model: FrfModel, x: np.ndarray) -> float:
+def _prior(model: Model, x: np.ndarray) -> float:
     return float(np.sum(model.space.precision * x**2))
