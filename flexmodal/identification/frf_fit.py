@@ -18,7 +18,7 @@ from jaxtyping import Complex, Float
 
 from flexmodal.errors import Fault, InvalidRequest, SingularResponse
 from flexmodal.identification.descent import Normal, descend, prior_cost, robust, robust_weight
-from flexmodal.identification.model import FrfModel, group_receptance
+from flexmodal.identification.model import Model, evaluated
 from flexmodal.identification.observations import Observations
 
 FLOORS = (0.2, 0.05, 0.01)
@@ -26,7 +26,7 @@ FLOORS = (0.2, 0.05, 0.01)
 STEPS = 30
 """At most, at each floor."""
 SETTLED = 1e-3
-"""A step that changes the cost relatively by less ends a round; the last one goes on to `FINE`."""
+"""A step that changes the cost relatively by less ends a round; the last one goes on to `FINE`, unless told other."""
 FINE = 1e-6
 
 
@@ -69,16 +69,13 @@ def residual(
 
 
 def cost_of(
-    model: FrfModel, x: Float[np.ndarray, " parameter"], observations: Observations, weighing: Weighing
+    model: Model, x: Float[np.ndarray, " parameter"], observations: Observations, weighing: Weighing
 ) -> float:
     """Cost alone: the robust sum of squares plus the prior's; infinite where there is no model."""
     weight = weighing.weight(observations)
     total = 0.0
     try:
-        for group in model.groups(x, observations, slopes=False):
-            axis = observations.axis_of(group.level).take(weighing.lines)
-            value, _ = group_receptance(group, axis, ())
-            rows = group.observations
+        for rows, value, _ in evaluated(model, x, observations, weighing.lines, slopes=False):
             r = residual(value, observations.value[rows][:, weighing.lines])
             total += float(np.sum(robust(weight[rows] * np.abs(r) ** 2)))
     except (np.linalg.LinAlgError, SingularResponse):
@@ -87,7 +84,7 @@ def cost_of(
 
 
 def normal_equations(
-    model: FrfModel,
+    model: Model,
     x: Float[np.ndarray, " parameter"],
     observations: Observations,
     weighing: Weighing,
@@ -102,10 +99,7 @@ def normal_equations(
     blocks = np.zeros((len(observations), size, size)) if apart else None
     scores, squared = np.zeros((len(observations), size)), np.zeros(len(observations))
     data_cost = 0.0
-    for group in model.groups(x, observations, slopes=True):
-        axis = observations.axis_of(group.level).take(weighing.lines)
-        value, slopes = group_receptance(group, axis, names)
-        rows = group.observations
+    for rows, value, slopes in evaluated(model, x, observations, weighing.lines, slopes=True):
         r = residual(value, observations.value[rows][:, weighing.lines])
         scaled = weight[rows] * np.abs(r) ** 2
         data_cost += float(np.sum(robust(scaled)))
@@ -134,7 +128,7 @@ def normal_equations(
 
 
 def fit(
-    model: FrfModel,
+    model: Model,
     observations: Observations,
     start: Float[np.ndarray, " parameter"] | None = None,
     *,
@@ -143,6 +137,7 @@ def fit(
     share: Float[np.ndarray, " observation"] | None = None,
     steps: int = STEPS,
     apart: bool = True,
+    settled: float = FINE,
     advance: Callable[[int, float], None] = lambda step, cost: None,
 ) -> FrfFit:
     """Fit a model to observations.
@@ -156,6 +151,7 @@ def fit(
         share: multiple of each observation's weight, 0 or more.
         steps: most at each floor.
         apart: end with what each observation adds to the curvature, as `uncertainty` needs it.
+        settled: a step that changes the cost relatively by less ends the last round.
         advance: called after each step with its number and the cost.
     """
     x = np.zeros(len(model.space)) if start is None else np.array(start, dtype=float)
@@ -171,7 +167,7 @@ def fit(
             lambda x, w=weighing: cost_of(model, x, observations, w),  # type: ignore[misc]
             x,
             most=steps,
-            settled=FINE if number == len(floors) - 1 else SETTLED,
+            settled=settled if number == len(floors) - 1 else SETTLED,
             advance=lambda step, cost, before=total: advance(before + step, cost),  # type: ignore[misc]
         )
         x, total = found.x, total + found.steps
