@@ -71,7 +71,7 @@ def solve_modes(system: SecondOrderSystem) -> Modes:
 
     Undamped and proportionally damped systems (those whose `M⁻¹C` and `M⁻¹K` commute) are solved by a
     real symmetric eigenproblem, exact for repeated frequencies; all others by the companion form in
-    coordinates that make the mass matrix the identity. The loss of hysteretic springs comes on top, pole by pole.
+    coordinates that make the mass matrix the identity. Hysteretic loss comes on top, pole by pole.
 
     Args:
         system: mass, damping and stiffness, and hysteresis if it has any.

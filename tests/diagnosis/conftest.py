@@ -46,7 +46,12 @@ def diagnosis_of(scene, stages, hypothesis, made, *, steps=(), verdict=None, mea
     observations = scene.observations
     size = {name: gap(observations, value) for name, value in stages.items()}
     gaps = Gaps(
-        size["before"].value, size["after"].value, None, None, size["after"].noise_floor, size["believed"].value
+        size["before"].value,
+        size["after"].value,
+        None,
+        None,
+        size["after"].noise_floor,
+        size["believed"].value,
     )
     region = Region(
         posture=observations.postures[0].id, response=(1, 3), reference=(1, 3), trial=1, band=(36.0, 52.0),
@@ -98,7 +103,12 @@ def diagnosed(scene, hinged):
         ties=(("local_absorber", "link_2"),),
     )  # fmt: skip
     measurement = NextMeasurement(
-        {"q1": 1.2, "q2": 0.3, "q3": 0.0}, (3, 3), (2, 3), ("@".join(KEY), "local_absorber@link_2"), 4.2, 240.0
+        {"q1": 1.2, "q2": 0.3, "q3": 0.0},
+        (3, 3),
+        (2, 3),
+        ("@".join(KEY), "local_absorber@link_2"),
+        4.2,
+        240.0,
     )
     return diagnosis_of(
         scene, stages, hypothesis, after, steps=[step], measurement=measurement,

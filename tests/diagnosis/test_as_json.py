@@ -50,7 +50,9 @@ def test_values_are_those_of_the_diagnosis(diagnosed):
 def test_one_effect_in_two_places_is_told_apart_by_them(diagnosed):
     pair = ("added_mass@link_1", "added_mass@link_2")
     measurement = replace(diagnosed.next_measurement, separates=pair)
-    assert plain(replace(diagnosed, next_measurement=measurement))["next_measurement"]["separates"] == list(pair)
+    assert plain(replace(diagnosed, next_measurement=measurement))["next_measurement"]["separates"] == list(
+        pair
+    )
 
 
 def test_nothing_found(diagnosed):

@@ -59,7 +59,9 @@ def test_one_oscillator_of_constant_loss():
     truth = np.sqrt(-5000 / 2 * (1 + 0.3j) + 0j)
     truth = truth if truth.imag > 0 else -truth
     np.testing.assert_allclose(modes.pole, [truth], rtol=1e-12)
-    np.testing.assert_allclose(modes.shape[0, 0] ** 2, 1 / (2 * truth * 2.0), rtol=1e-12)  # residue of 1/(K − …)
+    np.testing.assert_allclose(
+        modes.shape[0, 0] ** 2, 1 / (2 * truth * 2.0), rtol=1e-12
+    )  # residue of 1/(K − …)
 
 
 @pytest.mark.parametrize("frequency", [None, 12.0])
