@@ -18,7 +18,7 @@ ALLOWED: dict[str, dict[str, str]] = {
         "urdf": "a path to a URDF: relative to this file, absolute, or package://",
         "tool": "the name of a URDF link",
         "source": CARD_TEXT + ": where the numbers come from",
-        "loss_frequency": "a number in Hz, above 0 and at most 1e18, where joints with loss have their stiffness",
+        "loss_frequency": "a number in Hz, above 0, at most 1e18, where lossy joints have their stiffness",
         "joint": "at least one table [joint.<name>]",
         "coupling": 'tables [coupling."jointA+jointB"]',
         "point": "tables [point.<name>]",

@@ -1,7 +1,7 @@
 """Springs that lose energy by hysteresis: a loss factor that does not depend on the frequency.
 
-K (1 + iη) at every frequency is the usual form, and answers before it is pushed. The causal spring of constant
-loss factor is a power law (Bagley and Torvik, J. Rheology 27, 1983),
+K (1 + iη) at every frequency is the usual form, and answers before it is pushed. The causal spring of
+constant loss factor is a power law (Bagley and Torvik, J. Rheology 27, 1983),
 
     K(s) = K (s/ω₀)^β / cos(βπ/2),   β = (2/π) arctan η,
 

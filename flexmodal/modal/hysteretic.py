@@ -1,8 +1,8 @@
 """Modes of a system with hysteretic springs: (λ²M + λC + K(λ)) u = 0.
 
 K(λ) is held while a quadratic pencil is solved, and taken again at the pole found, until that stays. Shapes
-are scaled to uᵀ(2λM + C + ∂K/∂λ)u = 1, so that the product of what two rows see of u is the residue at the pole.
-Poles are not all there is to the receptance of such a system, but near a light resonance they are.
+are scaled to uᵀ(2λM + C + ∂K/∂λ)u = 1, so that the product of what two rows see of u is the residue at the
+pole. Poles are not all there is to the receptance of such a system; near a light resonance they are.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""A small campaign with a bending link hidden in it, and what a diagnosis of it finds, put together by hand."""
+"""A small campaign with a bending link hidden in it, and a diagnosis of it, put together by hand."""
 
 from dataclasses import replace
 
