@@ -1,7 +1,7 @@
 """The part of a structure that a fit changes only by factors: the robot's own bodies, springs and dampers.
 
-Every such term is proportional to parameters on a logarithmic scale, so that a frame is built once for a posture
-and a geometry (where a hinge sits), and afterwards only scaled.
+Every such term is proportional to parameters on a logarithmic scale, so that a frame is built once for a
+posture and a geometry (where a hinge sits), and afterwards only scaled.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 
 from flexmodal.identification.assembly import Assembly
-from flexmodal.identification.structure import Change
+from flexmodal.identification.structure import Change, changed
 
 KINDS = ("mass", "damping", "stiffness", "loss")
 
@@ -73,4 +73,4 @@ class Frame:
             along = ((terms.share * grown) @ flat).reshape(-1, n, n)
             for k in np.flatnonzero(terms.share.any(axis=1)).tolist():
                 slopes.setdefault(self.names[k], {})[kind] = along[k]
-        return total, {name: Change(**slot) for name, slot in slopes.items()}
+        return total, {name: changed(slot) for name, slot in slopes.items()}

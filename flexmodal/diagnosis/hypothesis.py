@@ -15,7 +15,7 @@ from flexmodal.identification import Observations, ParameterSpace
 from flexmodal.identification.arm import Body
 from flexmodal.identification.assembly import Assembly, put_together
 from flexmodal.identification.model import Group, places
-from flexmodal.identification.structure import Axis, Change, Structure
+from flexmodal.identification.structure import Axis, Change, Structure, changed
 
 STEP = 1e-6
 """Of the forward differences along an effect's own parameters."""
@@ -184,14 +184,25 @@ class Hypothesis:
         for kind, matrix, names in added.terms:
             total[kind] = total[kind] + matrix
             for name in names:
-                changes[name] = changes.get(name, Change()) + Change(**{kind: matrix})
+                changes[name] = changes.get(name, Change()) + changed({kind: matrix})
         rows = self._rows(observations, frame, one, values)
         bare = _summed(added)
+        loss = added.loss_factor
         for shift in shifts:
-            change = self._change(observations, frame, one, values, shift, bare, rows)
+            change = self._change(observations, frame, one, values, shift, bare, loss, rows)
             if change is not None:
                 changes[shift.name] = change
-        return Structure(tuple(frame.assembly.coordinates), *(total[kind] for kind in KINDS), *rows, changes)
+        return Structure(
+            coordinates=tuple(frame.assembly.coordinates),
+            mass=total["mass"],
+            damping=total["damping"],
+            stiffness=total["stiffness"],
+            loss=total["loss"],
+            response=rows[0],
+            reference=rows[1],
+            changes=changes,
+            loss_factor=loss,
+        )
 
     def _change(
         self,
@@ -201,14 +212,18 @@ class Hypothesis:
         values: Mapping[str, float],
         shift: _Shift,
         bare: Mapping[str, np.ndarray],
+        bare_loss: float,
         rows: tuple[np.ndarray, np.ndarray],
     ) -> Change | None:
         """Derivative along one of an effect's own parameters, by differences of what depends on it."""
         effect = next(placed.effect for placed in self.placed if placed.label == shift.label)
         slots: dict[str, np.ndarray] = {}
+        loss = 0.0
         moved = self._frame(one.posture, shift.values)
         if effect.act is not None or moved is not frame:
-            other = _summed(self._act(moved, one, shift.values))
+            acted = self._act(moved, one, shift.values)
+            other = _summed(acted)
+            loss = (acted.loss_factor - bare_loss) / shift.step
             for kind in KINDS:
                 slots[kind] = other[kind] - bare[kind]
         if moved is not frame:
@@ -220,12 +235,10 @@ class Hypothesis:
             others = self._rows(observations, moved, one, shift.values)
             slots["response"], slots["reference"] = others[0] - rows[0], others[1] - rows[1]
         kept = {name: slot / shift.step for name, slot in slots.items() if slot.any()}
-        return Change(**kept) if kept else None
+        return changed(kept, loss or None) if kept or loss else None
 
     def _frame(self, posture: int, values: Mapping[str, float]) -> Frame:
-        geometry = tuple(
-            values[f"{one.label}.{name}"] for one in self.placed for name in one.effect.geometry
-        )
+        geometry = tuple(values[f"{one.label}.{name}"] for one in self.placed for name in one.effect.geometry)
         key = (posture, geometry)
         if key not in self._frames:
             if len(self._frames) >= _FRAMES:
@@ -297,9 +310,7 @@ class Hypothesis:
             response = _kept(frame, observations, one.where)
         return response, _kept(frame, observations, one.struck)
 
-    def _reader(
-        self, one: _Slice, values: Mapping[str, float], shifts: Sequence[_Shift]
-    ) -> Reader | None:
+    def _reader(self, one: _Slice, values: Mapping[str, float], shifts: Sequence[_Shift]) -> Reader | None:
         labels = {placed.label for placed in self.placed if placed.effect.read is not None}
         if not labels:
             return None

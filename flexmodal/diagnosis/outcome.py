@@ -75,7 +75,7 @@ class Step:
     confidence: float
     gaps: Gaps
     alternatives: tuple[Weighed, ...]
-    """What was weighed against it, the best first; the robot re-tuned and a mode with no structure included."""
+    """What was weighed against it, the best first; the robot re-tuned among them."""
     ties: tuple[tuple[str, str], ...] = ()
     """Explanations that these data cannot tell from it."""
 

@@ -1,7 +1,7 @@
-"""From many hypotheses to a few that are fitted well: coarse looks at all, closer looks at those that do best.
+"""From many hypotheses to a few fitted well: coarse looks at all, closer looks at those that do best.
 
-Every hypothesis starts at the card, not at the re-tuned robot: re-tuning without the effect runs away from the
-truth. Rounds of more steps with fewer candidates follow one another (successive halving).
+Every hypothesis starts at the card, not at the re-tuned robot: re-tuning without the effect runs away from
+the truth. Rounds of more steps with fewer candidates follow one another (successive halving).
 """
 
 from __future__ import annotations
@@ -103,5 +103,10 @@ def polished(
 ) -> FrfFit:
     """A candidate fitted closely."""
     return fit(
-        one.hypothesis, observations, one.x, floors=floors, steps=steps, stride=stride_for(observations, CLOSE)
+        one.hypothesis,
+        observations,
+        one.x,
+        floors=floors,
+        steps=steps,
+        stride=stride_for(observations, CLOSE),
     )

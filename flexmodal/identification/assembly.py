@@ -14,7 +14,7 @@ import numpy as np
 from jaxtyping import Float
 
 from flexmodal.identification.arm import Arm, Body, beyond, carried, plane_normal
-from flexmodal.identification.structure import Change, Structure
+from flexmodal.identification.structure import Structure, changed
 
 _KINDS = ("mass", "damping", "stiffness", "loss")
 
@@ -30,6 +30,8 @@ class Assembly:
         self.coordinates: list[str] = list(arm.robot.joints)
         self.stretch: dict[str, np.ndarray] = {}
         """Rows of what stretches a joint's spring where that is not the joint's own coordinate."""
+        self.loss_factor: float = 0.0
+        """η of the hysteretic springs."""
         self._maps = dict(arm.maps)
         self._outer: dict[str, list[tuple[np.ndarray, np.ndarray, dict[str, np.ndarray]]]] = {}
         self._terms: list[tuple[str, np.ndarray, tuple[str, ...]]] = []
@@ -38,12 +40,13 @@ class Assembly:
         """Another with the same coordinates and motions and nothing on them yet."""
         other = copy.copy(self)
         other._terms = []
+        other.stretch = dict(self.stretch)
         other.coordinates = list(self.coordinates)
         return other
 
     @property
     def terms(self) -> tuple[tuple[str, np.ndarray, tuple[str, ...]], ...]:
-        """Every mass, spring and damper so far: kind of matrix, matrix, the parameters it is proportional to."""
+        """Every mass, spring and damper so far: kind, matrix, the parameters it is proportional to."""
         return tuple(self._terms)
 
     # motions
@@ -156,9 +159,9 @@ class Assembly:
         """A damper along `row` [N·s/m, N·m·s/rad]."""
         self._add("damping", damping * np.outer(row, row), names)
 
-    def add_loss(self, row: np.ndarray, loss: float, *names: str) -> None:
-        """A hysteretic spring along `row`: loss factor times stiffness [N/m, N·m/rad]."""
-        self._add("loss", loss * np.outer(row, row), names)
+    def add_loss(self, row: np.ndarray, stiffness: float, *names: str) -> None:
+        """Make a spring along `row`, put in already, hysteretic [N/m, N·m/rad]; see `loss_factor`."""
+        self._add("loss", stiffness * np.outer(row, row), names)
 
     def add_coupling(self, one: np.ndarray, other: np.ndarray, stiffness: float, *names: str) -> None:
         """An off-diagonal stiffness between two rows [N·m/rad]."""
@@ -192,7 +195,8 @@ class Assembly:
             total["loss"],
             self._padded(response),
             self._padded(reference),
-            {name: Change(**slot) for name, slot in slopes.items()},
+            {name: changed(slot) for name, slot in slopes.items()},
+            self.loss_factor,
         )
 
     def rows(self, places: Sequence[tuple[str, np.ndarray, np.ndarray]]) -> Float[np.ndarray, "place dof"]:

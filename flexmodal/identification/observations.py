@@ -21,7 +21,6 @@ from flexmodal.campaign.noise import COHERENT
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.identification.structure import Axis
 
-
 HEARD = 0.15
 """Part of the lines that have to be coherent for a record to count as a measurement."""
 

@@ -48,7 +48,7 @@ def _physical(scene: Scene, where: str, values: Mapping[str, float]) -> dict[str
 EFFECT = Effect(
     name="added_mass",
     says="the link carries a mass that the card lacks",
-    looks_like="lower frequencies, more so in postures where the link's end moves most, and a lower mass line",
+    looks_like="lower frequencies, most in postures where the link's end moves most, and a lower mass line",
     places=lambda scene: scene.links,
     parameters=_parameters,
     starts=lambda scene, where: [
@@ -56,4 +56,5 @@ EFFECT = Effect(
     ],
     act=_act,
     physical=_physical,
+    units={"x": "m", "y": "m", "z": "m"},
 )

@@ -133,17 +133,15 @@ class Effect:
     """What the structure depends on besides the posture: "blow" (level and hammer point) or "response"."""
     untestable: Callable[[Scene], str | None] = lambda scene: None
     """Why these data cannot tell of it, if they cannot."""
-    physical: Callable[[Scene, str, Mapping[str, float]], dict[str, float]] = lambda scene, where, values: dict(
-        values
+    physical: Callable[[Scene, str, Mapping[str, float]], dict[str, float]] = lambda scene, where, values: (
+        dict(values)
     )
     """What a report gives as its parameters, from the parameters of the fit."""
-    crude: float = 0.0
-    """How far its model is known to be from the truth, as a part of what it explains."""
+    units: Mapping[str, str] = field(default_factory=dict)
+    """Units of what `physical` gives beyond the parameters of the fit."""
 
 
-def positive(
-    name: str, unit: str, centre: float, deviation: float, lower: float, upper: float
-) -> Parameter:
+def positive(name: str, unit: str, centre: float, deviation: float, lower: float, upper: float) -> Parameter:
     """A parameter on a logarithmic scale with a wide prior around `centre`."""
     return Parameter(name, unit, centre, deviation, lower, upper)
 

@@ -43,4 +43,5 @@ EFFECT = Effect(
     starts=lambda scene, where: [{"coupling": 0.15}, {"coupling": -0.15}],
     act=_act,
     physical=_physical,
+    units={"stiffness": "N·m/rad"},
 )

@@ -1,9 +1,9 @@
 """Joints whose stiffness or loss depends on how far they swing, by describing functions.
 
 At an amplitude A a non-linear torque acts, in the first harmonic, as a spring and a damper (Gelb and Vander
-Velde, Multiple-Input Describing Functions, 1968). A is taken for each posture, hammer point and level of force
-from the believed robot's own swing; one factor on all of them is fitted along, since a swing that dies away has
-no single amplitude.
+Velde, Multiple-Input Describing Functions, 1968). A is taken for each posture, hammer point and level of
+force from the believed robot's own swing; one factor on all of them is fitted along, since a swing that dies
+away has no single amplitude.
 """
 
 from __future__ import annotations
@@ -99,10 +99,7 @@ FRICTION = Effect(
     act=_rub,
     variants=("blow",),
     untestable=_one_level,
-    physical=lambda scene, where, values: {
-        name: values[name] for name in ("torque", "presliding_stiffness")
-    },
-    crude=0.1,
+    physical=lambda scene, where, values: {name: values[name] for name in ("torque", "presliding_stiffness")},
 )
 
 
@@ -145,5 +142,5 @@ NONLINEAR = Effect(
     variants=("blow",),
     untestable=_one_level,
     physical=_hardening_physical,
-    crude=0.1,
+    units={"cubic_stiffness": "N·m/rad³"},
 )

@@ -1,8 +1,8 @@
 """A link bends: a hinge with spring and damper somewhere along it, one in each plane it can bend in.
 
 The pseudo-joint of Hearne, section 2.3. The link's mass is taken as spread evenly along it, cut at the hinge;
-what its inertia has beyond that of two thin rods is shared out in the same proportion, so that mass, mass centre
-and inertia of the whole link stay what they were.
+what its inertia has beyond that of two thin rods is shared out in the same proportion, so that mass, mass
+centre and inertia of the whole link stay what they were.
 """
 
 from __future__ import annotations

@@ -81,4 +81,5 @@ EFFECT = Effect(
     shape=_shape,
     act=_act,
     physical=_physical,
+    units={"stiffness": "N/m", "x": "m", "y": "m", "z": "m"},
 )

@@ -1,6 +1,7 @@
-"""The motor is not locked: its rotor moves on the stiffness and damping of the position loop [Hearne 2.1, 2.2].
+"""The motor is not locked: its rotor moves on the stiffness and damping of the position loop.
 
-One more coordinate: the rotor, reflected to the joint. The joint's own spring goes from it to the link.
+One more coordinate: the rotor, reflected to the joint. The joint's own spring goes from
+it to the link [Hearne 2.1, 2.2].
 """
 
 from __future__ import annotations
@@ -69,4 +70,5 @@ EFFECT = Effect(
     shape=_shape,
     act=_act,
     physical=_physical,
+    units={"proportional_gain": "N·m/rad", "derivative_gain": "N·m·s/rad", "rotor_inertia": "kg·m²"},
 )

@@ -10,10 +10,10 @@ from flexmodal.identification.assembly import Assembly
 
 
 def _act(assembly: Assembly, site: Site) -> None:
-    for name, stiffness in site.values.items():
-        if name.startswith("stiffness."):
-            joint = name.removeprefix("stiffness.")
-            assembly.add_loss(assembly.stretch_of(joint), site["loss_factor"] * stiffness, name)
+    assembly.loss_factor = site["loss_factor"]
+    for joint, card in site.scene.robot.joints.items():
+        name = f"stiffness.{joint}"
+        assembly.add_loss(assembly.stretch_of(joint), site.values.get(name, float(card.stiffness)), name)
 
 
 EFFECT = Effect(
@@ -21,7 +21,7 @@ EFFECT = Effect(
     says="the joints lose energy by hysteresis",
     looks_like="damping that does not grow with frequency as viscous damping does",
     places=lambda scene: ("joints",),
-    parameters=lambda scene, where: (positive("loss_factor", "", 0.05, 1.0, 1e-5, 1.0),),
+    parameters=lambda scene, where: (positive("loss_factor", "", 0.05, 1.0, 1e-5, 2.0),),
     starts=lambda scene, where: [{"loss_factor": 0.01}, {"loss_factor": 0.06}],
     act=_act,
 )
