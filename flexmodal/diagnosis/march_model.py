@@ -66,7 +66,9 @@ class MarchedModel:
         _, high = self.space.bounds
         sizes = np.where(x + STEP <= high, STEP, -STEP) if slopes else np.zeros(0)
         tried = [self._look(x, observations, lines)]
-        tried += [self._look(x + size * unit, observations, lines) for size, unit in zip(sizes, np.eye(len(x)))]
+        tried += [
+            self._look(x + size * unit, observations, lines) for size, unit in zip(sizes, np.eye(len(x)))
+        ]
         steps = self._steps(observations)
         marched = iter(march([look.struck for one in tried for look in one], steps, compiled=self.compiled))
         form = _form(observations)
@@ -78,11 +80,11 @@ class MarchedModel:
 
     def _steps(self, observations: Observations) -> Steps:
         known = [observations.campaign.trial(level[0]).record_length for level in observations.levels]
-        return Steps.behind(observations.axis.frequency, max((one for one in known if one), default=None), self.fineness)
+        return Steps.behind(
+            observations.axis.frequency, max((one for one in known if one), default=None), self.fineness
+        )
 
-    def _look(
-        self, x: np.ndarray, observations: Observations, lines: slice | np.ndarray
-    ) -> list[_Look]:
+    def _look(self, x: np.ndarray, observations: Observations, lines: slice | np.ndarray) -> list[_Look]:
         values = self.space.values(x)
         found = []
         laws: dict[int, tuple[Law, ...]] = {}

@@ -36,7 +36,9 @@ def spectrum(
     number = np.round(whole).astype(int)
     if count > _SHORT and np.all(np.abs(whole - number) < WHOLE) and number[-1] <= count // 2:
         fade = np.exp(-axis.decay * step * np.arange(count))
-        inner = np.fft.rfft(samples[..., :-1] * fade if axis.decay else samples[..., :-1], axis=-1)[..., number]
+        inner = np.fft.rfft(samples[..., :-1] * fade if axis.decay else samples[..., :-1], axis=-1)[
+            ..., number
+        ]
     else:
         inner = _direct(samples[..., :-1], z)
     half = step * (np.exp(z) - 1 - z) / z**2 * np.exp(-count * z)

@@ -47,4 +47,3 @@ def swings(scene: Scene, posture: int, reference: tuple[int, int], pulse: Pulse)
         name: Swing(float(np.sqrt(4 / 3 * fourth[k] / square[k])), float(np.sqrt(fast[k] / square[k])))
         for k, name in enumerate(arm.robot.joints)
     }
-

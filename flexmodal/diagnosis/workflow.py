@@ -12,6 +12,7 @@ from flexmodal.campaign import Campaign
 from flexmodal.diagnosis.compare import disagreement, excess
 from flexmodal.diagnosis.effects import Effect, Scene, catalogue
 from flexmodal.diagnosis.hypothesis import Hypothesis
+from flexmodal.diagnosis.march_model import has_law
 from flexmodal.diagnosis.next_measurement import next_measurement
 from flexmodal.diagnosis.outcome import (
     UNKNOWN,
@@ -23,6 +24,7 @@ from flexmodal.diagnosis.outcome import (
     Weighed,
 )
 from flexmodal.diagnosis.provenance import provenance
+from flexmodal.diagnosis.refine import refined
 from flexmodal.diagnosis.search import (
     COARSE,
     candidates,
@@ -54,6 +56,8 @@ MOST_STEPS = 2
 """Effects added at most: more of them explain anything."""
 FINALISTS = 5
 """Candidates that are fitted closely and weighed."""
+MARCHED = 2
+"""Of them, how many of the best have their non-linear torques marched in time."""
 SIGNIFICANT = 8.0
 """Score that an effect has to gain, in 19 of 20 draws of the bootstrap [nat]."""
 WORTH = 0.03
@@ -173,10 +177,13 @@ class _Course:
         starts = at_card if not number else before.fitted.x
         found = candidates(before.hypothesis, starts, bench.effects, bench.fitted)
         finalists = narrowed(found, bench.fitted, lambda part: bench.advance(doing, 0.7 * part))[:FINALISTS]
+        fits = [(one.hypothesis, polished(one, bench.fitted)) for one in finalists]
+        fits.sort(key=lambda one: one[1].normal.cost)
         looked = [before]
-        for place, one in enumerate(finalists):
-            looked.append(self._look(one.hypothesis, polished(one, bench.fitted)))
-            bench.advance(doing, 0.7 + 0.3 * (place + 1) / len(finalists))
+        for place, (hypothesis, fitted) in enumerate(fits):
+            marched = place < MARCHED and has_law(hypothesis)
+            looked.append(self._look(hypothesis, fitted, marched=marched))
+            bench.advance(doing, 0.7 + 0.3 * (place + 1) / len(fits))
         scales = weigh(looked, bench.observations, bench.seed)
         best = int(np.argmax(scales.scores))
         worth = 1 - looked[best].costs.sum() / max(before.costs.sum(), 1e-300)
@@ -251,8 +258,20 @@ class _Course:
     def _fit(self, hypothesis: Hypothesis, start: np.ndarray, observations: Observations) -> FrfFit:
         return fit(hypothesis, observations, start, stride=stride_for(observations, 240), steps=25)
 
-    def _look(self, hypothesis: Hypothesis, fitted: FrfFit) -> Weighable:
-        return weighable(hypothesis, fitted, self.bench.observations)
+    def _look(
+        self,
+        hypothesis: Hypothesis,
+        fitted: FrfFit,
+        *,
+        marched: bool = False,
+        fitted_to: Observations | None = None,
+    ) -> Weighable:
+        """A fit seen from all postures; its non-linear torques marched in time where that is asked for."""
+        observations = self.bench.observations
+        if not marched:
+            return weighable(hypothesis, fitted, observations)
+        close = refined(hypothesis, fitted, self.bench.fitted if fitted_to is None else fitted_to)
+        return weighable(hypothesis, close.fitted, observations, predict(close.model, close.x, observations))
 
     def _still_needed(self) -> None:
         """Leave out every effect but the last in turn; those that nobody misses go."""
@@ -264,7 +283,8 @@ class _Course:
                 for name, v in zip(self.current.hypothesis.space.names, self.current.fitted.x, strict=True)
                 if not name.startswith(f"{step.effect}@{step.where}.")
             ]
-            less = self._look(without, self._fit(without, np.array(kept), self.bench.fitted))
+            fitted = self._fit(without, np.array(kept), self.bench.fitted)
+            less = self._look(without, fitted, marched=has_law(without))
             scales = weigh([less, self.current], self.bench.observations, self.bench.seed)
             if scales.gain < SIGNIFICANT:
                 self.current = less
@@ -320,8 +340,11 @@ class _Course:
         held_pair = self._gaps(self.before, self.current)
         final = self.current
         if bench.held.any():
-            refit = self._fit(final.hypothesis, final.fitted.x, bench.observations)
-            final = self._look(final.hypothesis, refit)
+            marched = has_law(final.hypothesis)
+            refit = (
+                final.fitted if marched else self._fit(final.hypothesis, final.fitted.x, bench.observations)
+            )
+            final = self._look(final.hypothesis, refit, marched=marched, fitted_to=bench.observations)
             tuned = self._fit(self.root, self.before.fitted.x, bench.observations)
             before = self._look(self.root, tuned)
         else:
