@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Bool
+from threadpoolctl import threadpool_limits
 
 from flexmodal.campaign import Campaign
 from flexmodal.diagnosis.compare import disagreement, excess
@@ -121,6 +122,19 @@ def diagnose(
     Raises:
         InvalidRequest: no data, unknown effects or postures, a campaign that does not belong to the robot.
     """
+    with threadpool_limits(1):  # matrices this small only wait for the threads of a BLAS
+        return _diagnose(campaign, robot, hold_out, effects, trust, seed, advance)
+
+
+def _diagnose(
+    campaign: Campaign,
+    robot: Robot,
+    hold_out: Sequence[int | str] | None,
+    effects: Sequence[str] | None,
+    trust: Mapping[str, float] | None,
+    seed: int,
+    advance: Advance,
+) -> Diagnosis:
     observations = observe(campaign)
     _belong(observations, robot)
     observations = _whole(observations, robot)
