@@ -27,11 +27,13 @@ from flexmodal.diagnosis.outcome import (
 from flexmodal.diagnosis.provenance import provenance
 from flexmodal.diagnosis.refine import refined
 from flexmodal.diagnosis.search import (
+    CLOSE,
     COARSE,
     candidates,
+    look_at,
     narrowed,
     polished,
-    stride_for,
+    some_lines,
     unlimited,
 )
 from flexmodal.diagnosis.weigh import Scales, Weighable, weigh, weighable
@@ -55,7 +57,7 @@ TRUST = {"stiffness": 0.08, "damping": 0.08, "mass": 0.08, "inertia": 0.08}
 """Standard deviation of ln(true / card) in re-tuning, unless the card or the user says other."""
 MOST_STEPS = 2
 """Effects added at most: more of them explain anything."""
-FINALISTS = 5
+FINALISTS = 4
 """Candidates that are fitted closely and weighed."""
 MARCHED = 2
 """Of them, how many of the best have their non-linear torques marched in time."""
@@ -189,8 +191,9 @@ class _Course:
         bench.advance(doing, 0.0)
         at_card = np.zeros(len(bench.base))
         starts = at_card if not number else before.fitted.x
-        found = candidates(before.hypothesis, starts, bench.effects, bench.fitted)
-        finalists = narrowed(found, bench.fitted, lambda part: bench.advance(doing, 0.7 * part))[:FINALISTS]
+        look = look_at(bench.fitted)
+        found = candidates(before.hypothesis, starts, bench.effects, look)
+        finalists = narrowed(found, look, lambda part: bench.advance(doing, 0.7 * part))[:FINALISTS]
         fits = [(one.hypothesis, polished(one, bench.fitted)) for one in finalists]
         fits.sort(key=lambda one: one[1].normal.cost)
         looked = [before]
@@ -270,7 +273,7 @@ class _Course:
     # fits
 
     def _fit(self, hypothesis: Hypothesis, start: np.ndarray, observations: Observations) -> FrfFit:
-        return fit(hypothesis, observations, start, stride=stride_for(observations, 240), steps=25)
+        return fit(hypothesis, observations, start, lines=some_lines(observations, CLOSE), steps=25)
 
     def _look(
         self,
@@ -499,8 +502,8 @@ def _middling(scene: Scene, base: ParameterSpace) -> Bool[np.ndarray, " observat
     if count < _FEWEST:
         return np.zeros(len(observations), dtype=bool)
     root = Hypothesis(scene, base)
-    stride = stride_for(observations, COARSE)
-    tuned = fit(root, observations, floors=(0.2, 0.05), steps=10, stride=stride, apart=False)
+    lines = some_lines(observations, COARSE)
+    tuned = fit(root, observations, floors=(0.2, 0.05), steps=10, lines=lines, apart=False)
     value = predict(root, tuned.x, observations)
     far = [gap(observations, value, observations.posture == k).value for k in range(count)]
     order = np.argsort(np.nan_to_num(far), kind="stable")

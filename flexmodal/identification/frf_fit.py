@@ -14,7 +14,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Complex, Float
+from jaxtyping import Complex, Float, Int
 
 from flexmodal.errors import Fault, InvalidRequest, SingularResponse
 from flexmodal.identification.descent import Normal, descend, prior_cost, robust, robust_weight
@@ -134,6 +134,7 @@ def fit(
     *,
     floors: Sequence[float] = FLOORS,
     stride: int = 1,
+    lines: Int[np.ndarray, " line"] | None = None,
     share: Float[np.ndarray, " observation"] | None = None,
     steps: int = STEPS,
     apart: bool = True,
@@ -148,6 +149,7 @@ def fit(
         start: coordinates; the card by default.
         floors: relative model errors, lowered one after the other.
         stride: look at every so many lines.
+        lines: numbers of the lines to look at, instead.
         share: multiple of each observation's weight, 0 or more.
         steps: most at each floor.
         apart: end with what each observation adds to the curvature, as `uncertainty` needs it.
@@ -155,7 +157,8 @@ def fit(
         advance: called after each step with its number and the cost.
     """
     x = np.zeros(len(model.space)) if start is None else np.array(start, dtype=float)
-    lines = np.arange(stride // 2, len(observations.axis), stride)
+    if lines is None:
+        lines = np.arange(stride // 2, len(observations.axis), stride)
     if not floors:
         raise InvalidRequest(Fault("call", "floors", "none", "at least one"))
     total = 0
