@@ -69,7 +69,7 @@ ANOTHER = 0.35
 """The same for every further effect: what a good but not perfect model leaves is not another effect."""
 WORST = 0.05
 """Part of the observations, the worst, that do not count in it."""
-FLOOR_REACHED = 1.15
+FLOOR_REACHED = 1.2
 """Gap over noise floor that needs no explanation."""
 EXPLAINED = 1.6
 """Gap over noise floor that a perfect model may show."""
@@ -175,7 +175,7 @@ class _Course:
     def run(self) -> Diagnosis:
         """Add effects until nothing significant is left."""
         for number in range(MOST_STEPS):
-            if number and self._over(self.current) <= FLOOR_REACHED and self._quiet(self.current):
+            if number and self._over(self.current) <= FLOOR_REACHED:
                 break
             step = self._step(number)
             if step is None:
@@ -336,11 +336,6 @@ class _Course:
         ratio = each.sum(axis=1) / np.maximum((observations.variance * observations.used).sum(axis=1), 1e-300)
         keep = ratio <= np.quantile(ratio, 1 - WORST)
         return gap(observations, one.predicted, keep).over_floor
-
-    def _quiet(self, one: Weighable) -> bool:
-        """Whether hardly a line stands out of the noise."""
-        above = excess(self.bench.observations, one.predicted)
-        return bool(np.mean(above[self.bench.observations.used] > 0) < 0.01)
 
     def _left(self, one: Weighable) -> float:
         """Part of the disagreement above the noise, before, that is left."""
