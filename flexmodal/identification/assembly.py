@@ -1,0 +1,242 @@
+"""Putting a structure together, term by term, each with the parameters it is proportional to.
+
+Motions first (`add_coordinates`, `move_root`, `hinge`), then bodies and springs. A term named after
+parameters on a logarithmic scale is its own derivative along them; whatever else a term depends on is
+differentiated by rebuilding.
+"""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from jaxtyping import Float
+
+from flexmodal.identification.arm import Arm, Body, beyond, carried, plane_normal
+from flexmodal.identification.structure import Structure, changed
+
+_KINDS = ("mass", "damping", "stiffness", "loss")
+
+
+class Assembly:
+    """A structure in the making."""
+
+    def __init__(self, arm: Arm) -> None:
+        self.arm = arm
+        self.robot = arm.robot
+        self.placed = arm.placed
+        self.normal = plane_normal(arm.robot)
+        self.coordinates: list[str] = list(arm.robot.joints)
+        self.stretch: dict[str, np.ndarray] = {}
+        """Rows of what stretches a joint's spring where that is not the joint's own coordinate."""
+        self.loss_factor: float = 0.0
+        """η of the hysteretic springs."""
+        self._maps = dict(arm.maps)
+        self._outer: dict[str, list[tuple[np.ndarray, np.ndarray, dict[str, np.ndarray]]]] = {}
+        self._terms: list[tuple[str, np.ndarray, tuple[str, ...]]] = []
+
+    def alike(self) -> Assembly:
+        """Another with the same coordinates and motions and nothing on them yet."""
+        other = copy.copy(self)
+        other._terms = []
+        other.stretch = dict(self.stretch)
+        other.coordinates = list(self.coordinates)
+        return other
+
+    @property
+    def terms(self) -> tuple[tuple[str, np.ndarray, tuple[str, ...]], ...]:
+        """Every mass, spring and damper so far: kind, matrix, the parameters it is proportional to."""
+        return tuple(self._terms)
+
+    # motions
+
+    def add_coordinates(self, names: Sequence[str]) -> slice:
+        """New coordinates at the end; returns their place."""
+        start = len(self.coordinates)
+        self.coordinates += names
+        return slice(start, len(self.coordinates))
+
+    def row(self, coordinate: str) -> Float[np.ndarray, " dof"]:
+        """The row that picks one coordinate."""
+        picked = np.zeros(len(self.coordinates))
+        picked[self.coordinates.index(coordinate)] = 1.0
+        return picked
+
+    def stretch_of(self, joint: str) -> Float[np.ndarray, " dof"]:
+        """The row of what stretches a joint's spring."""
+        return self._padded(self.stretch[joint]) if joint in self.stretch else self.row(joint)
+
+    def origin(self, link: str) -> Float[np.ndarray, "3"]:
+        """Where the frame of a link stands in the world [m]."""
+        return self.placed[link][:3, 3]
+
+    def axes(self, link: str) -> Float[np.ndarray, "3 3"]:
+        """Axes of a link in the world."""
+        return self.placed[link][:3, :3]
+
+    def motion(
+        self, link: str, place: Float[np.ndarray, "3"], section: Float[np.ndarray, "3"] | None = None
+    ) -> Float[np.ndarray, "6 dof"]:
+        """Motion of a point of a link, with the hinges in that link that lie before it.
+
+        Args:
+            link: which.
+            place: in its frame [m].
+            section: the place along the link that the point belongs to, if not its own.
+        """
+        lever = self.axes(link) @ place
+        where = place if section is None else section
+        moved = carried(self._padded(self._maps[link]), lever)
+        for cut, way, maps in self._outer.get(link, []):
+            if (where - cut) @ way > 0:
+                moved = moved + carried(self._padded(maps[link]), lever)
+        return moved
+
+    def move_root(self, columns: slice, motion: Float[np.ndarray, "6 added"]) -> None:
+        """Let the root link move, and everything with it, by coordinates already added."""
+        start = self.origin(self.robot.urdf.root)
+        for link in self._maps:
+            wide = self._padded(self._maps[link]).copy()
+            wide[:, columns] += carried(motion, self.origin(link) - start)
+            self._maps[link] = wide
+
+    def hinge(
+        self,
+        link: str,
+        cut: Float[np.ndarray, "3"],
+        way: Float[np.ndarray, "3"],
+        column: int,
+        axis: np.ndarray,
+    ) -> None:
+        """A hinge inside a link: what lies beyond it turns about `axis` by a coordinate already added.
+
+        Args:
+            link: which.
+            cut: where, in its frame [m].
+            way: unit vector towards its far end; points of the link beyond `cut` along it turn.
+            column: the coordinate.
+            axis: unit vector in the world.
+        """
+        pivot = self.origin(link) + self.axes(link) @ cut
+        turned: dict[str, np.ndarray] = {}
+        for member in beyond(self.robot.urdf, link):
+            extra = np.zeros((6, len(self.coordinates)))
+            extra[:3, column] = np.cross(axis, self.origin(member) - pivot)
+            extra[3:, column] = axis
+            if member == link:
+                turned[link] = extra
+            else:
+                self._maps[member] = self._padded(self._maps[member]) + extra
+        self._outer.setdefault(link, []).append((np.asarray(cut), np.asarray(way), turned))
+
+    # masses and springs
+
+    def add_body(
+        self, link: str, body: Body, *, mass: str = "", inertia: str = "", section: np.ndarray | None = None
+    ) -> None:
+        """A body fixed to a link.
+
+        Args:
+            link: which.
+            body: in the frame of that link.
+            mass: parameter that its mass, and its inertia with it, is proportional to.
+            inertia: parameter that its inertia about the mass centre is proportional to besides.
+            section: see `motion`.
+        """
+        motion = self.motion(link, body.centre, section)
+        axes = self.axes(link)
+        tags = (mass,) if mass else ()
+        self._add("mass", body.mass * (motion[:3].T @ motion[:3]), tags)
+        if body.inertia.any():
+            turned = motion[3:].T @ (axes @ body.inertia @ axes.T) @ motion[3:]
+            self._add("mass", turned, (*tags, inertia) if inertia else tags)
+
+    def add_inertia(self, row: np.ndarray, inertia: float, *names: str) -> None:
+        """An inertia that moves along `row` [kg, kg·m²]."""
+        self._add("mass", inertia * np.outer(row, row), names)
+
+    def add_spring(self, row: np.ndarray, stiffness: float, *names: str) -> None:
+        """A spring along `row` [N/m, N·m/rad]."""
+        self._add("stiffness", stiffness * np.outer(row, row), names)
+
+    def add_damper(self, row: np.ndarray, damping: float, *names: str) -> None:
+        """A damper along `row` [N·s/m, N·m·s/rad]."""
+        self._add("damping", damping * np.outer(row, row), names)
+
+    def add_loss(self, row: np.ndarray, stiffness: float, *names: str) -> None:
+        """Make a spring along `row`, put in already, hysteretic [N/m, N·m/rad]; see `loss_factor`."""
+        self._add("loss", stiffness * np.outer(row, row), names)
+
+    def add_coupling(self, one: np.ndarray, other: np.ndarray, stiffness: float, *names: str) -> None:
+        """An off-diagonal stiffness between two rows [N·m/rad]."""
+        self._add("stiffness", stiffness * (np.outer(one, other) + np.outer(other, one)), names)
+
+    def _add(self, kind: str, matrix: np.ndarray, names: tuple[str, ...]) -> None:
+        self._terms.append((kind, matrix, names))
+
+    # closing
+
+    def close(
+        self, response: Float[np.ndarray, "response dof"], reference: Float[np.ndarray, "reference dof"]
+    ) -> Structure:
+        """The structure, once everything is added, with the rows that are measured and struck."""
+        n = len(self.coordinates)
+        total = {kind: np.zeros((n, n)) for kind in _KINDS}
+        slopes: dict[str, dict[str, np.ndarray]] = {}
+        for kind, matrix, names in self._terms:
+            size = len(matrix)
+            total[kind][:size, :size] += matrix
+            for name in names:
+                slot = slopes.setdefault(name, {})
+                if kind not in slot:
+                    slot[kind] = np.zeros((n, n))
+                slot[kind][:size, :size] += matrix
+        return Structure(
+            tuple(self.coordinates),
+            total["mass"],
+            total["damping"],
+            total["stiffness"],
+            total["loss"],
+            self._padded(response),
+            self._padded(reference),
+            {name: changed(slot) for name, slot in slopes.items()},
+            self.loss_factor,
+        )
+
+    def rows(self, places: Sequence[tuple[str, np.ndarray, np.ndarray]]) -> Float[np.ndarray, "place dof"]:
+        """Rows of points: link, place in its frame [m], direction in the world."""
+        found = [way @ self.motion(link, place)[:3] for link, place, way in places]
+        return np.array(found).reshape(len(found), len(self.coordinates))
+
+    def _padded(self, rows: np.ndarray) -> np.ndarray:
+        missing = len(self.coordinates) - rows.shape[-1]
+        if not missing:
+            return rows
+        return np.concatenate([rows, np.zeros((*rows.shape[:-1], missing))], axis=-1)
+
+
+def put_together(assembly: Assembly, values: Mapping[str, float], bodies: Mapping[str, Body]) -> None:
+    """Every body, spring, damper and rotor of the robot, at these parameter values.
+
+    Args:
+        assembly: with all motions added.
+        values: `stiffness.JOINT`, `damping.JOINT`, `mass.LINK`, `inertia.LINK` (moments about the mass
+            centre over those the card's shape would have at that mass); what is missing is as the card says.
+        bodies: as the card says; links that are left out are put in by somebody else.
+    """
+    for link, body in bodies.items():
+        assembly.add_body(link, scaled(body, link, values), mass=f"mass.{link}", inertia=f"inertia.{link}")
+    for name, joint in assembly.robot.joints.items():
+        row = assembly.stretch_of(name)
+        assembly.add_spring(row, values.get(f"stiffness.{name}", joint.stiffness), f"stiffness.{name}")
+        assembly.add_damper(row, values.get(f"damping.{name}", joint.damping), f"damping.{name}")
+        if joint.rotor_inertia:
+            assembly.add_inertia(assembly.row(name), joint.rotor_inertia)
+
+
+def scaled(body: Body, link: str, values: Mapping[str, float]) -> Body:
+    """A body at the parameters' mass and inertia."""
+    mass = values.get(f"mass.{link}", body.mass)
+    grown = mass / body.mass * values.get(f"inertia.{link}", 1.0)
+    return Body(mass, body.centre, body.inertia * grown)

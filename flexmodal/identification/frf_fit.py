@@ -1,0 +1,180 @@
+"""Parameters from FRFs: Gauss and Newton's method on the complex logarithm of model over measurement.
+
+    r = ln(α_model / α_measured),   phase wrapped to (−π, π],   ∂r = ∂α / α,
+
+each line weighted by 1/(σ² + ε²): σ² its relative variance of measurement, ε a floor for what the model
+leaves out. The floor is lowered in steps, which leads past local minima at resonances and antiresonances.
+Large residuals count linearly (Huber, Ann. Math. Statist. 35, 1964). Priors enter as in any maximum a
+posteriori estimate; steps are damped after Levenberg and Marquardt.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Complex, Float, Int
+
+from flexmodal.errors import Fault, InvalidRequest, SingularResponse
+from flexmodal.identification.descent import Normal, descend, prior_cost, robust, robust_weight
+from flexmodal.identification.model import Model, evaluated
+from flexmodal.identification.observations import Observations
+
+FLOORS = (0.2, 0.05, 0.01)
+"""Relative model error ε, in the order in which it is lowered."""
+STEPS = 30
+"""At most, at each floor."""
+SETTLED = 1e-3
+"""A step that changes the cost relatively by less ends a round; the last one goes on to `FINE`, unless told other."""
+FINE = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class Weighing:
+    """How residuals count."""
+
+    floor: float
+    lines: np.ndarray
+    """Numbers of the lines that are looked at."""
+    share: Float[np.ndarray, " observation"] | None = None
+    """Multiple of each observation's weight; 1 if None."""
+
+    def weight(self, observations: Observations) -> Float[np.ndarray, "observation line"]:
+        """1/(σ² + ε²) where a line is used, else 0."""
+        kept = observations.used[:, self.lines]
+        variance = np.where(kept, observations.variance[:, self.lines], 1.0)
+        weight = kept / (variance + self.floor**2)
+        return weight if self.share is None else weight * self.share[:, None]
+
+
+@dataclass(frozen=True, eq=False)
+class FrfFit:
+    """Where a fit ended."""
+
+    x: Float[np.ndarray, " parameter"]
+    normal: Normal
+    weighing: Weighing
+    converged: bool
+    steps: int
+
+
+def residual(
+    predicted: Complex[np.ndarray, "*shape"], measured: Complex[np.ndarray, "*shape"]
+) -> Complex[np.ndarray, "*shape"]:
+    """ln(predicted / measured), phase wrapped; 10 where one of them is exactly zero."""
+    zero = (predicted == 0) | (measured == 0)
+    ratio = np.where(zero, 1.0, predicted) / np.where(zero, 1.0, measured)
+    return np.where(zero, 10.0, np.log(ratio))
+
+
+def cost_of(
+    model: Model, x: Float[np.ndarray, " parameter"], observations: Observations, weighing: Weighing
+) -> float:
+    """Cost alone: the robust sum of squares plus the prior's; infinite where there is no model."""
+    weight = weighing.weight(observations)
+    total = 0.0
+    try:
+        for rows, value, _ in evaluated(model, x, observations, weighing.lines, slopes=False):
+            r = residual(value, observations.value[rows][:, weighing.lines])
+            total += float(np.sum(robust(weight[rows] * np.abs(r) ** 2)))
+    except (np.linalg.LinAlgError, SingularResponse):
+        return float("inf")
+    return total + prior_cost(model.space, x)
+
+
+def normal_equations(
+    model: Model,
+    x: Float[np.ndarray, " parameter"],
+    observations: Observations,
+    weighing: Weighing,
+    *,
+    apart: bool = False,
+) -> Normal:
+    """Cost, gradient and curvature at x; `apart`: with what each observation adds to the curvature."""
+    weight = weighing.weight(observations)
+    names = model.space.names
+    size = len(names)
+    curvature = np.zeros((size, size))
+    blocks = np.zeros((len(observations), size, size)) if apart else None
+    scores, squared = np.zeros((len(observations), size)), np.zeros(len(observations))
+    data_cost = 0.0
+    for rows, value, slopes in evaluated(model, x, observations, weighing.lines, slopes=True):
+        r = residual(value, observations.value[rows][:, weighing.lines])
+        scaled = weight[rows] * np.abs(r) ** 2
+        data_cost += float(np.sum(robust(scaled)))
+        squared[rows] = scaled.sum(axis=1)
+        root = np.sqrt(weight[rows] * robust_weight(scaled))
+        slopes *= root / np.where(value == 0, np.inf, value)
+        real = np.ascontiguousarray(slopes).view(float)  # real and imaginary parts in turn
+        scores[rows] = np.matmul(real.transpose(1, 0, 2), (r * root).view(float)[:, :, None])[:, :, 0]
+        if blocks is None:
+            flat = real.reshape(size, -1)
+            curvature += flat @ flat.T
+        else:
+            each = real.transpose(1, 0, 2)
+            blocks[rows] = each @ np.swapaxes(each, 1, 2)
+    precision = model.space.precision
+    gradient = scores.sum(axis=0) + precision * x
+    return Normal(
+        data_cost + prior_cost(model.space, x),
+        data_cost,
+        gradient,
+        curvature if blocks is None else blocks.sum(axis=0),
+        scores,
+        squared,
+        blocks,
+    )
+
+
+def fit(
+    model: Model,
+    observations: Observations,
+    start: Float[np.ndarray, " parameter"] | None = None,
+    *,
+    floors: Sequence[float] = FLOORS,
+    stride: int = 1,
+    lines: Int[np.ndarray, " line"] | None = None,
+    share: Float[np.ndarray, " observation"] | None = None,
+    steps: int = STEPS,
+    apart: bool = True,
+    settled: float = FINE,
+    advance: Callable[[int, float], None] = lambda step, cost: None,
+) -> FrfFit:
+    """Fit a model to observations.
+
+    Args:
+        model: with its parameter space.
+        observations: measured receptances.
+        start: coordinates; the card by default.
+        floors: relative model errors, lowered one after the other.
+        stride: look at every so many lines.
+        lines: numbers of the lines to look at, instead.
+        share: multiple of each observation's weight, 0 or more.
+        steps: most at each floor.
+        apart: end with what each observation adds to the curvature, as `uncertainty` needs it.
+        settled: a step that changes the cost relatively by less ends the last round.
+        advance: called after each step with its number and the cost.
+    """
+    x = np.zeros(len(model.space)) if start is None else np.array(start, dtype=float)
+    if lines is None:
+        lines = np.arange(stride // 2, len(observations.axis), stride)
+    if not floors:
+        raise InvalidRequest(Fault("call", "floors", "none", "at least one"))
+    total = 0
+    for number, floor in enumerate(floors):
+        weighing = Weighing(floor, lines, share)
+        found = descend(
+            model.space,
+            lambda x, w=weighing: normal_equations(model, x, observations, w),  # type: ignore[misc]
+            lambda x, w=weighing: cost_of(model, x, observations, w),  # type: ignore[misc]
+            x,
+            most=steps,
+            settled=settled if number == len(floors) - 1 else SETTLED,
+            advance=lambda step, cost, before=total: advance(before + step, cost),  # type: ignore[misc]
+        )
+        x, total = found.x, total + found.steps
+    normal = found.normal
+    if apart:
+        normal = normal_equations(model, x, observations, weighing, apart=True)
+    return FrfFit(x, normal, weighing, found.converged, total)

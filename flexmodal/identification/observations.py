@@ -1,0 +1,248 @@
+"""A campaign's FRFs as a fit sees them: receptances averaged over repeats, with the variance of each line."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from jaxtyping import Bool, Complex, Float, Int
+
+from flexmodal.campaign import (
+    Blow,
+    Campaign,
+    CampaignPosture,
+    FrfRecords,
+    added_decay,
+    estimate_frfs,
+    record_variance,
+    repeat_groups,
+)
+from flexmodal.campaign.noise import COHERENT
+from flexmodal.errors import Fault, InvalidRequest
+from flexmodal.identification.structure import Axis
+
+HEARD = 0.15
+"""Part of the lines that have to be coherent for a record to count as a measurement."""
+NOISIEST = 0.1
+"""Relative variance beyond which the logarithm of a line is biased by its own noise."""
+PRETRIGGER = 0.02
+"""Part of a record before the blow, where there are no blows to look at."""
+
+
+@dataclass(frozen=True, eq=False)
+class Observations:
+    """What was measured; observation n is the receptance `value[n]` of one posture, pair and force level."""
+
+    campaign: Campaign
+    records: FrfRecords
+    """The records, receptances with directions along positive axes, inside the band."""
+    postures: tuple[CampaignPosture, ...]
+    """Those with records."""
+    posture: Int[np.ndarray, " observation"]
+    """Number in `postures`."""
+    response: Int[np.ndarray, "observation 2"]
+    reference: Int[np.ndarray, "observation 2"]
+    """Point id and direction 1, 2, 3."""
+    level: Int[np.ndarray, " observation"]
+    """Number in `levels`."""
+    levels: tuple[tuple[int, ...], ...]
+    """Trials that repeat each other: one kind of blow."""
+    decays: tuple[float, ...]
+    """Of the exponential window of each level [1/s]."""
+    lengths: tuple[float, ...]
+    """Of the records of each level, from the blow to their end [s]; 0 where that is not known."""
+    value: Complex[np.ndarray, "observation line"]
+    """Mean over the repeats [m/N]."""
+    variance: Float[np.ndarray, "observation line"]
+    """Relative variance of that mean."""
+    used: Bool[np.ndarray, "observation line"]
+    """Coherent enough, less noisy than `NOISIEST`, and not zero."""
+    of_record: Int[np.ndarray, " record"]
+    """The observation that each record belongs to."""
+    silent: tuple[str, ...] = ()
+    """Records that were left out because hardly a line of theirs is coherent."""
+    power: int = 2
+    """What was recorded: acceleration 2, velocity 1, displacement 0."""
+    cut_slopes: bool = True
+    """See `Axis`."""
+
+    @cached_property
+    def axis(self) -> Axis:
+        """The lines, as if without a window."""
+        frequency = self.records.frequency
+        return Axis(frequency, float(np.sqrt(frequency[0] * frequency[-1])))
+
+    def axis_of(self, level: int) -> Axis:
+        """The lines for one kind of blow."""
+        return replace(
+            self.axis,
+            decay=self.decays[level],
+            length=self.lengths[level],
+            power=self.power,
+            cut_slopes=self.cut_slopes,
+        )
+
+    def peak(self, level: int) -> float:
+        """Typical force peak of a kind of blow [N]."""
+        return float(np.mean([self.campaign.trial(trial).force_peak for trial in self.levels[level]]))
+
+    def keeping(self, keep: Bool[np.ndarray, " observation"]) -> Observations:
+        """Some of the observations; postures keep their numbers."""
+        number = np.cumsum(keep) - 1
+        rows = np.flatnonzero(keep[self.of_record])
+        return replace(
+            self,
+            records=self.records.take(rows),
+            posture=self.posture[keep],
+            response=self.response[keep],
+            reference=self.reference[keep],
+            level=self.level[keep],
+            value=self.value[keep],
+            variance=self.variance[keep],
+            used=self.used[keep],
+            of_record=number[self.of_record[rows]],
+        )
+
+    def __len__(self) -> int:
+        """How many there are."""
+        return len(self.value)
+
+
+def observe(campaign: Campaign) -> Observations:
+    """Take a campaign's FRFs, or those its blows give, for a fit.
+
+    Raises:
+        InvalidRequest: no FRFs and no blows, no line in the band, or nothing that says how noisy they are.
+    """
+    frfs = campaign.frfs
+    if frfs is None:
+        if not campaign.blows:
+            allowed = "frf.uff or time.uff; with modes.csv alone, identify from modes"
+            raise InvalidRequest(Fault(str(campaign.path or "campaign"), "", "no FRFs and no blows", allowed))
+        frfs = estimate_frfs(campaign)
+    records = _inside(frfs, campaign.band).positive()
+    if not records.frequency.size:
+        low, high = campaign.band
+        allowed = "a band with lines in it"
+        raise InvalidRequest(
+            Fault(str(campaign.path or "campaign"), "band", f"no line from {low:g} to {high:g} Hz", allowed)
+        )
+    records, silent = _heard(records, campaign)
+    relative = record_variance(records, relative=True)
+    power = {"receptance": 0, "mobility": 1, "inertance": 2}[records.form]
+    groups = repeat_groups(records.trials or campaign.trials)
+    records = _receptances(records, campaign)
+    level_of = {trial: number for number, group in enumerate(groups) for trial in group}
+    postures = tuple(p for p in campaign.postures if np.any(records.posture == p.id))
+    posture_of = {p.id: number for number, p in enumerate(postures)}
+    keys: dict[tuple[int, ...], int] = {}
+    of_record = np.array(
+        [
+            keys.setdefault(
+                (
+                    posture_of[int(records.posture[row])],
+                    *records.response[row].tolist(),
+                    *records.reference[row].tolist(),
+                    level_of[int(records.trial[row])],
+                ),
+                len(keys),
+            )
+            for row in range(len(records))
+        ]
+    )
+    table = np.array(list(keys))
+    count = np.bincount(of_record)[:, None]
+    value, variance = (
+        np.zeros((len(keys), records.frequency.size), complex),
+        np.zeros((len(keys), records.frequency.size)),
+    )
+    weight = np.zeros(value.shape)
+    coherence = np.ones(records.value.shape) if records.coherence is None else records.coherence
+    np.add.at(value, of_record, records.value)
+    np.add.at(variance, of_record, relative)
+    np.add.at(weight, of_record, coherence)
+    value /= count
+    return Observations(
+        campaign=campaign,
+        records=records,
+        postures=postures,
+        posture=table[:, 0],
+        response=table[:, 1:3],
+        reference=table[:, 3:5],
+        level=table[:, 5],
+        levels=groups,
+        decays=tuple(_decay(campaign, group) for group in groups),
+        lengths=tuple(_length(campaign, group) for group in groups),
+        value=value,
+        variance=variance / count**2,
+        used=(weight / count >= COHERENT) & (value != 0) & (variance / count**2 <= NOISIEST),
+        of_record=of_record,
+        silent=silent,
+        power=power,
+    )
+
+
+def _heard(frfs: FrfRecords, campaign: Campaign) -> tuple[FrfRecords, tuple[str, ...]]:
+    """Records with a signal in them, and the names of the others.
+
+    A sensor that sits where nothing moves along its axis records noise. With few averages some lines of noise
+    are coherent by chance: one in 25 above 0.8 with three averages.
+    """
+    if frfs.coherence is None:
+        return frfs, ()
+    heard = np.mean(frfs.coherence >= COHERENT, axis=1) >= HEARD
+    if not heard.any():
+        found = f"coherence below {COHERENT:g} on nearly every line of every record"
+        allowed = "records with a signal in them"
+        raise InvalidRequest(Fault(str(campaign.path or "campaign"), "frfs", found, allowed))
+    names = [
+        f"posture {int(frfs.posture[row])}, response {frfs.response[row].tolist()}, "
+        f"reference {frfs.reference[row].tolist()}, trial {int(frfs.trial[row])}"
+        for row in np.flatnonzero(~heard)
+    ]
+    return frfs.take(np.flatnonzero(heard)), tuple(names)
+
+
+def _inside(frfs: FrfRecords, band: tuple[float, float]) -> FrfRecords:
+    keep = (
+        (frfs.frequency >= band[0] * (1 - 1e-6))
+        & (frfs.frequency <= band[1] * (1 + 1e-6))
+        & (frfs.frequency > 0)
+    )
+    return replace(
+        frfs,
+        frequency=frfs.frequency[keep],
+        value=frfs.value[:, keep],
+        coherence=None if frfs.coherence is None else frfs.coherence[:, keep],
+    )
+
+
+def _receptances(records: FrfRecords, campaign: Campaign) -> FrfRecords:
+    """Receptances; under an exponential window exp(−σt) a derivative is a factor iω + σ, not iω."""
+    power = {"receptance": 0, "mobility": 1, "inertance": 2}[records.form]
+    found = records.to("receptance")
+    decay = np.array([added_decay(campaign.trial(int(trial))) for trial in found.trial])
+    if not power or not decay.any():
+        return found
+    s = 2j * np.pi * found.frequency
+    return replace(found, value=found.value * (s / (s + decay[:, None])) ** power)
+
+
+def _decay(campaign: Campaign, group: tuple[int, ...]) -> float:
+    return float(np.mean([added_decay(campaign.trial(trial)) for trial in group]))
+
+
+def _length(campaign: Campaign, group: tuple[int, ...]) -> float:
+    """Time from the blow to the end of the record: of the blows, else as stated less a usual pre-trigger."""
+    found = [_after(blow) for blow in campaign.blows if blow.trial in group]
+    if not found:
+        stated = [campaign.trial(trial).record_length for trial in group]
+        found = [(1 - PRETRIGGER) * length for length in stated if length is not None]
+    return float(np.median(found)) if found else 0.0
+
+
+def _after(blow: Blow) -> float:
+    power = blow.force**2
+    middle = float(np.sum(blow.time * power) / np.sum(power))
+    return float(blow.time[0]) + len(blow.time) * blow.step - middle

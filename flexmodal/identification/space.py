@@ -1,0 +1,88 @@
+"""The parameters of a robot, with bounds and priors from its card."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from flexmodal.errors import Fault, InvalidRequest
+from flexmodal.identification.arm import moved_bodies
+from flexmodal.identification.parameter import Parameter, ParameterSpace
+from flexmodal.model import Robot
+
+KINDS = ("stiffness", "damping", "mass", "inertia")
+"""What a fit changes unless told otherwise."""
+TRUST = {"stiffness": 0.3, "damping": 0.5, "mass": 0.08, "inertia": 0.08}
+"""Standard deviation of ln(true / card) where the card gives no `scale`: masses come from drawings."""
+WIDEST = {"stiffness": 30.0, "damping": 100.0, "mass": 3.0, "inertia": 3.0}
+"""Factor by which a parameter may differ from the card where that gives no bounds."""
+_UNITS = {
+    ("stiffness", False): "N·m/rad",
+    ("stiffness", True): "N/m",
+    ("damping", False): "N·m·s/rad",
+    ("damping", True): "N·s/m",
+}
+
+
+def robot_space(
+    robot: Robot, kinds: Sequence[str] = KINDS, *, trust: Mapping[str, float] | None = None
+) -> ParameterSpace:
+    """Stiffness and damping of each flexible joint, mass and relative inertia of each link it moves.
+
+    Args:
+        robot: from its card come the values, bounds (`lower`, `upper`) and trust (`scale`) of each joint.
+        kinds: some of `KINDS`. `mass.LINK` [kg] takes the link's inertia with it; `inertia.LINK` is the
+            factor on the moments about the mass centre besides, so that any value above 0 is a body there can
+            be.
+        trust: standard deviation of ln(true / card) by kind or by name, over those of the card.
+
+    Raises:
+        InvalidRequest: an unknown kind or name, or a deviation that is not above 0.
+    """
+    given = dict(trust or {})
+    unknown = [kind for kind in kinds if kind not in KINDS]
+    if unknown or not kinds:
+        found = ", ".join(map(repr, unknown)) or "nothing"
+        raise InvalidRequest(Fault("call", "kinds", found, f"some of {', '.join(KINDS)}"))
+    parameters: list[Parameter] = []
+    for kind in kinds:
+        parameters += _of_joints(robot, kind) if kind in ("stiffness", "damping") else _of_links(robot, kind)
+    space = ParameterSpace(tuple(parameters))
+    odd = [key for key in given if key not in space.index and key not in KINDS]
+    if odd:
+        allowed = f"a kind ({', '.join(KINDS)}) or a parameter: {', '.join(space.names)}"
+        raise InvalidRequest([Fault("call", "trust", repr(key), allowed) for key in odd])
+    return space.trusting(given)
+
+
+def _of_joints(robot: Robot, kind: str) -> list[Parameter]:
+    found = []
+    for name, joint in robot.joints.items():
+        card = float(getattr(joint, kind))
+        if card <= 0:  # an undamped joint: no logarithm, no scale to go by; its damping stays 0
+            continue
+        wide = WIDEST[kind]
+        found.append(
+            Parameter(
+                name=f"{kind}.{name}",
+                unit=_UNITS[kind, robot.urdf.joint_by_name[name].type == "prismatic"],
+                card=card,
+                deviation=TRUST[kind] if joint.scale is None else joint.scale,
+                lower=card * (1 / wide if joint.lower is None else max(joint.lower, 1e-6)),
+                upper=card * (wide if joint.upper is None else joint.upper),
+            )
+        )
+    return found
+
+
+def _of_links(robot: Robot, kind: str) -> list[Parameter]:
+    found = []
+    for name in moved_bodies(robot):
+        link = robot.urdf.link_by_name[name]
+        if kind == "inertia" and (link.inertia is None or not np.any(link.inertia)):
+            continue
+        card, wide = (float(link.mass or 0.0), WIDEST[kind]) if kind == "mass" else (1.0, WIDEST[kind])
+        unit = "kg" if kind == "mass" else ""
+        found.append(Parameter(f"{kind}.{name}", unit, card, TRUST[kind], card / wide, card * wide))
+    return found

@@ -1,0 +1,75 @@
+"""Mass matrix, receptance and derivatives of the identification, against Pinocchio and finite differences."""
+
+import numpy as np
+import pytest
+
+import flexmodal
+from flexmodal.identification.arm import Arm
+from flexmodal.identification.assembly import Assembly, put_together
+from flexmodal.identification.space import robot_space
+from flexmodal.identification.structure import Axis, receptance
+
+PLACES = [("link_3", np.array([0.2, 0.0, 0.01]), np.array([0.0, 0.0, 1.0])),
+          ("link_1", np.array([0.5, 0.0, 0.0]), np.array([1.0, 0.0, 0.0]))]  # fmt: skip
+AXIS = Axis(np.array([2.0, 7.7, 38.0, 51.3, 120.0]), 30.0, 0.4)
+PAIRS = np.array([[0, 0], [0, 1], [1, 1]])
+
+
+def structure_at(robot, q, values=None, loss=0.0):
+    assembly = Assembly(Arm(robot, q))
+    put_together(assembly, values or {}, assembly.arm.bodies)
+    for joint in robot.joints:
+        if loss:
+            assembly.loss_factor = loss
+            k = values[f"stiffness.{joint}"]
+            assembly.add_loss(assembly.row(joint), k, f"stiffness.{joint}")
+    rows = assembly.rows(PLACES)
+    return assembly.close(rows, rows)
+
+
+@pytest.mark.parametrize("name", ["fanuc_s360", "six_link", "panda"])
+def test_mass_matrix_is_pinocchios(name):
+    robot = flexmodal.load(name, stiffness=1e4, damping=10.0) if name == "panda" else flexmodal.load(name)
+    random = np.random.default_rng(4)
+    q = {joint: float(random.uniform(-1, 1)) for joint in robot.commanded}
+    if name == "panda":
+        q = {j: float(np.clip(v, robot.commanded[j].lower, robot.commanded[j].upper)) for j, v in q.items()}
+    assembly = Assembly(Arm(robot, q))
+    put_together(assembly, {}, assembly.arm.bodies)
+    made = assembly.close(np.zeros((1, len(robot.joints))), np.zeros((1, len(robot.joints))))
+    posed = robot.at(q)
+    np.testing.assert_allclose(made.mass, posed.system.mass, rtol=1e-12, atol=1e-12 * posed.system.mass.max())
+    np.testing.assert_array_equal(made.stiffness, robot.stiffness)
+    np.testing.assert_array_equal(made.damping, robot.damping)
+
+
+def test_receptance_is_the_robots():
+    robot = flexmodal.load("fanuc_s360")
+    q = dict(robot.postures["configuration_2"])
+    frequency = np.array([1.0, 7.7, 52.0, 150.0])
+    assembly = Assembly(Arm(robot, q))
+    put_together(assembly, {}, assembly.arm.bodies)
+    point = robot.points["location_1"]
+    rows = assembly.rows([(point.link, np.array(point.xyz), np.array([0.0, 0, 1]))])
+    value, _ = receptance(assembly.close(rows, rows), Axis(frequency, 10.0), np.array([[0, 0]]))
+    other = robot.frf(q, frequency, response="location_1:+z").value[:, 0, 0]
+    np.testing.assert_allclose(value[0], other, rtol=1e-11)
+
+
+def test_derivatives_are_those_of_central_differences():
+    robot = flexmodal.load("fanuc_s360")
+    space = robot_space(robot)
+    q = dict(robot.postures["configuration_2"])
+    x = np.random.default_rng(1).normal(0, 0.1, len(space))
+
+    def at(x):
+        return receptance(structure_at(robot, q, space.values(x), loss=0.05), AXIS, PAIRS, space.names)
+
+    _, slopes = at(x)
+    step = 1e-5
+    for k, name in enumerate(space.names):
+        shift = step * np.eye(len(space))[k]
+        numeric = (at(x + shift)[0] - at(x - shift)[0]) / (2 * step)
+        # second order in the step: 1e-10 relative, rounding 1e-16/1e-5 beside it
+        scale = np.abs(at(x)[0])
+        np.testing.assert_allclose(slopes[k] / scale, numeric / scale, atol=2e-8, err_msg=name)
