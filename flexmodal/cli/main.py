@@ -24,6 +24,7 @@ _COMMANDS = {
     "path": "A posture for each point of a toolpath.",
     "studies": "Published optimisations run again beside their printed numbers.",
     "fit": "Modal parameters of measured FRFs, with uncertainty.",
+    "identify": "Stiffness, damping and inertia from a campaign, with uncertainty.",
     "rig": "A simulated hammer test, with effects hidden in it.",
     "show": "The robot, its modes or its deflection in the browser.",
     "demo": "A tour: two robots, their FRFs, a better posture, a page.",

@@ -15,7 +15,7 @@ whose real part is K at ω₀, here the middle of the band on a logarithmic scal
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -37,6 +37,12 @@ class Axis:
     """Where hysteretic stiffness has its nominal real part [Hz]."""
     decay: float = 0.0
     """Of an exponential window on the records [1/s]."""
+    length: float = 0.0
+    """Of the records, from the blow to their end [s]; 0 where it is not known or does not matter."""
+    power: int = 2
+    """What was recorded: acceleration 2, velocity 1, displacement 0."""
+    cut_slopes: bool = True
+    """Whether derivatives look at what the end of a record cuts off; values always do."""
 
     def __len__(self) -> int:
         """How many lines."""
@@ -59,7 +65,7 @@ class Axis:
 
     def take(self, lines: slice | np.ndarray) -> Axis:
         """Some of the lines."""
-        return Axis(self.frequency[lines], self.middle, self.decay)
+        return replace(self, frequency=self.frequency[lines])
 
 
 @dataclass(frozen=True, eq=False)

@@ -37,6 +37,10 @@ def compiled_gradient() -> Any:
         gradient.sweep_momenta,
         gradient.mass_slope,
         gradient.row_slopes,
+        gradient.pose_rows,
+        gradient.solve_rows,
+        gradient.sweep_rows,
+        gradient.gradients,
         last=gradient.gradient_batch,
     )
 

@@ -53,9 +53,8 @@ class PosedRobot:
         pick = self.robot.flexible_index
         names = tuple(self.robot.joints)
         try:
-            return SecondOrderSystem(
-                self._mass[np.ix_(pick, pick)], self.robot.damping, self.robot.stiffness, names
-            )
+            mass, robot = self._mass[np.ix_(pick, pick)], self.robot
+            return SecondOrderSystem(mass, robot.damping, robot.stiffness, names, robot.hysteresis)
         except InvalidSystem as error:
             raise self._blame(error) from None
 

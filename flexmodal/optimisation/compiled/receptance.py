@@ -19,10 +19,9 @@ import numpy as np
 
 from flexmodal.frf.kernels.pivoted import eliminate
 from flexmodal.model.batch_gradient import (
-    factor_symmetric,
     place_arm,
     row_slopes,
-    solve_factored,
+    solve_rows,
     sweep_momenta,
 )
 from flexmodal.model.batch_kinematics import mass_matrix, place_bodies
@@ -37,8 +36,10 @@ def receptance_cost(chain, judge, places, room):
     place_bodies(chain, places.frames, places.origins, room.centres, room.inertias)
     mass_matrix(chain, places.origins, places.axes, room.centres, room.inertias, room.mass)
     pick, omega, rows, y, alpha, norms = judge.pick, judge.omega, room.rows, room.y, room.alpha, room.norms
+    work = room.matrix, room.size, room.work
     for f in range(len(omega)):
-        if not solve_rows(judge, omega[f], room, y[f]):
+        trusted = solve_rows(pick, judge.matrices, omega[f], room.mass, rows, work, y[f])
+        if not trusted and not solve_pivoting(judge, omega[f], room, y[f]):
             return math.inf
         for u in range(len(rows)):
             for v in range(u, len(rows)):
@@ -66,21 +67,14 @@ def power_sum(power, norms):
     return most, total
 
 
-def solve_rows(judge, w, room, y):
-    """Z y = jᵀ for every row at an angular frequency; whether Z is regular."""
-    pick, matrices, mass, matrix, size = judge.pick, judge.matrices, room.mass, room.matrix, room.size
-    rows, work, n = room.rows, room.work, len(judge.pick)
-    for i in range(n):
-        for j in range(i, n):
-            matrix[i, j] = complex(
-                matrices[0, i, j] - w * w * mass[pick[i], pick[j]], w * matrices[1, i, j] + matrices[2, i, j]
-            )
-        size[i] = matrices[0, i, i] + w * w * mass[pick[i], pick[i]] + matrix[i, i].imag
-    if factor_symmetric(matrix, size):
-        for r in range(len(rows)):
-            solve_factored(matrix, rows[r], pick, work, y[r])
-        return True
-    wide = room.wide  # with pivoting, Z scaled to a unit diagonal of its terms' magnitudes
+def solve_pivoting(judge, w, room, y):
+    """Z y = jᵀ for every row with pivoting, Z scaled to a unit diagonal of its terms' magnitudes.
+
+    Returns:
+        Whether Z is regular.
+    """
+    pick, matrices, mass, size = judge.pick, judge.matrices, room.mass, room.size
+    rows, wide, n = room.rows, room.wide, len(judge.pick)
     for i in range(n):
         size[i] = 1.0 / math.sqrt(size[i]) if size[i] > 0.0 else 1.0
     for i in range(n):
