@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexmodal.diagnosis.effects.effect import Scene
-from flexmodal.diagnosis.pulse import Pulse, haversine
+from flexmodal.diagnosis.march.pulse import Pulse, haversine
 from flexmodal.identification.assembly import Assembly, put_together
 from flexmodal.identification.model import AXES
 from flexmodal.identification.structure import Axis
@@ -47,4 +47,3 @@ def swings(scene: Scene, posture: int, reference: tuple[int, int], pulse: Pulse)
         name: Swing(float(np.sqrt(4 / 3 * fourth[k] / square[k])), float(np.sqrt(fast[k] / square[k])))
         for k, name in enumerate(arm.robot.joints)
     }
-

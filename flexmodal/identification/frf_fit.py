@@ -27,7 +27,7 @@ HUBER = 3.0
 STEPS = 30
 """At most, at each floor."""
 SETTLED = 1e-3
-"""A step that changes the cost relatively by less ends a round; the last one goes on to `FINE`, unless told other."""
+"""A step that changes the cost relatively by less ends a round; the last one goes on to `FINE`."""
 FINE = 1e-6
 
 
@@ -111,8 +111,8 @@ def normal_equations(
         data_cost += float(np.sum(_robust(scaled)))
         squared[rows] = scaled.sum(axis=1)
         root = np.sqrt(weight[rows] * np.minimum(1.0, HUBER / np.sqrt(np.maximum(scaled, 1e-300))))
-        slopes *= root / np.where(value == 0, np.inf, value)
-        real = np.ascontiguousarray(slopes).view(float)  # real and imaginary parts in turn
+        relative = slopes * (root / np.where(value == 0, np.inf, value))
+        real = relative.view(float)  # real and imaginary parts in turn
         scores[rows] = np.matmul(real.transpose(1, 0, 2), (r * root).view(float)[:, :, None])[:, :, 0]
         flat = real.reshape(size, -1)
         curvature += flat @ flat.T
