@@ -1,8 +1,8 @@
 """A hypothesis fitted again with its non-linear torques marched in time.
 
 A hammer response that dies away has no single amplitude, so that a describing function names an effect but
-leaves some of it. Its fit is where this one starts: Gauss and Newton's method on what a march gives, coarse in
-time at first.
+leaves some of it. Its fit is where this one starts: Gauss and Newton's method on what a march gives, with
+coarse steps of time at first.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import numpy as np
 from jaxtyping import Complex, Float
 
 from flexmodal.diagnosis.hypothesis import Hypothesis
-from flexmodal.diagnosis.march_model import MarchedModel
+from flexmodal.diagnosis.march.model import MarchedModel
 from flexmodal.diagnosis.search import CLOSE, COARSE, some_lines
 from flexmodal.identification import FrfFit, Observations, fit, predict
 from flexmodal.identification.frf_fit import Weighing, cost_of
@@ -79,9 +79,7 @@ def refined(hypothesis: Hypothesis, fitted: FrfFit, observations: Observations) 
 def _start(
     model: MarchedModel, x: Float[np.ndarray, " parameter"], observations: Observations
 ) -> Float[np.ndarray, " parameter"]:
-    """Where the describing functions ended, or the same with a law as a search would start it, if that is
-    nearer.
-    """
+    """Where the describing functions ended, or that with its laws started afresh, if that is nearer."""
     hypothesis, space = model.hypothesis, model.space
     weighing = Weighing(SEARCH, some_lines(observations, COARSE))
     tried = [x]

@@ -13,7 +13,7 @@ from flexmodal.campaign import Campaign
 from flexmodal.diagnosis.compare import disagreement, excess
 from flexmodal.diagnosis.effects import Effect, Scene, catalogue
 from flexmodal.diagnosis.hypothesis import Hypothesis
-from flexmodal.diagnosis.march_model import has_law
+from flexmodal.diagnosis.march.model import has_law
 from flexmodal.diagnosis.next_measurement import next_measurement
 from flexmodal.diagnosis.outcome import (
     UNKNOWN,

@@ -26,7 +26,7 @@ FLOORS = (0.2, 0.05, 0.01)
 STEPS = 30
 """At most, at each floor."""
 SETTLED = 1e-3
-"""A step that changes the cost relatively by less ends a round; the last one goes on to `FINE`, unless told other."""
+"""A step that changes the cost relatively by less ends a round; the last one goes on to `FINE`."""
 FINE = 1e-6
 
 
@@ -105,8 +105,8 @@ def normal_equations(
         data_cost += float(np.sum(robust(scaled)))
         squared[rows] = scaled.sum(axis=1)
         root = np.sqrt(weight[rows] * robust_weight(scaled))
-        slopes *= root / np.where(value == 0, np.inf, value)
-        real = np.ascontiguousarray(slopes).view(float)  # real and imaginary parts in turn
+        relative = slopes * (root / np.where(value == 0, np.inf, value))
+        real = np.ascontiguousarray(relative).view(float)  # real and imaginary parts in turn
         scores[rows] = np.matmul(real.transpose(1, 0, 2), (r * root).view(float)[:, :, None])[:, :, 0]
         if blocks is None:
             flat = real.reshape(size, -1)
