@@ -75,12 +75,14 @@ class Assembly:
         """Axes of a link in the world."""
         return self.placed[link][:3, :3]
 
-    def motion(self, link: str, place: Float[np.ndarray, "3"]) -> Float[np.ndarray, "6 dof"]:
-        """Motion of a point of a link; beyond a hinge in that link, with the hinge."""
+    def motion(
+        self, link: str, place: Float[np.ndarray, "3"], *, outer: bool = False
+    ) -> Float[np.ndarray, "6 dof"]:
+        """Motion of a point of a link; with the hinge if it lies beyond one in that link, or is `outer`."""
         lever = self.axes(link) @ place
         moved = carried(self._padded(self._maps[link]), lever)
         for cut, way, maps in self._outer.get(link, []):
-            if (place - cut) @ way > 0:
+            if outer or (place - cut) @ way > 0:
                 moved = moved + carried(self._padded(maps[link]), lever)
         return moved
 
@@ -128,7 +130,7 @@ class Assembly:
     # masses and springs
 
     def add_body(
-        self, link: str, body: Body, *, mass: str = "", inertia: str = "", inner: bool = False
+        self, link: str, body: Body, *, mass: str = "", inertia: str = "", inner: bool | None = None
     ) -> None:
         """A body fixed to a link.
 
@@ -137,9 +139,12 @@ class Assembly:
             body: in the frame of that link.
             mass: parameter that its mass, and its inertia with it, is proportional to.
             inertia: parameter that its inertia about the mass centre is proportional to besides.
-            inner: on the near side of a hinge, wherever its mass centre is.
+            inner: on the near (True) or far side (False) of a hinge, wherever its mass centre is.
         """
-        motion = (self.inner_motion if inner else self.motion)(link, body.centre)
+        if inner:
+            motion = self.inner_motion(link, body.centre)
+        else:
+            motion = self.motion(link, body.centre, outer=inner is False)
         axes = self.axes(link)
         tags = (mass,) if mass else ()
         self._add("mass", body.mass * (motion[:3].T @ motion[:3]), tags)
@@ -211,7 +216,7 @@ class Assembly:
 
 
 def put_together(assembly: Assembly, values: Mapping[str, float], bodies: Mapping[str, Body]) -> None:
-    """Every body, spring, damper and rotor of the robot, at these parameter values.
+    """Every body, spring, damper, rotor and coupling of the robot, at these parameter values.
 
     Args:
         assembly: with all motions added.
@@ -227,6 +232,9 @@ def put_together(assembly: Assembly, values: Mapping[str, float], bodies: Mappin
         assembly.add_damper(row, values.get(f"damping.{name}", joint.damping), f"damping.{name}")
         if joint.rotor_inertia:
             assembly.add_inertia(assembly.row(name), joint.rotor_inertia)
+    for coupling in assembly.robot.couplings.values():
+        one, other = (assembly.stretch_of(name) for name in coupling.joints)
+        assembly.add_coupling(one, other, coupling.stiffness)
 
 
 def scaled(body: Body, link: str, values: Mapping[str, float]) -> Body:

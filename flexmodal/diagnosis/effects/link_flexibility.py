@@ -11,10 +11,11 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from flexmodal.diagnosis.draft import Draft
 from flexmodal.diagnosis.effects.effect import Bodies, Effect, Scene, Site, along, positive, sides, signed
 from flexmodal.identification import Parameter
-from flexmodal.identification.arm import Body, beyond
-from flexmodal.identification.assembly import Assembly
+from flexmodal.identification.arm import Body, beyond, bodies_of
+from flexmodal.identification.assembly import Assembly, scaled
 
 SHORTEST = 0.05
 """Links shorter than this do not bend [m]."""
@@ -64,23 +65,28 @@ def _shape(assembly: Assembly, site: Site) -> None:
 def _bodies(assembly: Assembly, site: Site, bodies: Bodies, link: str) -> bool:
     if link != site.where:
         return False
-    length, axis = along(site.scene, link)
-    body, cut = bodies[link], site["position"]
-    thin = np.eye(3) - np.outer(axis, axis)
-    shift = body.centre - length / 2 * axis
-    tags = {"mass": f"mass.{link}"}
-    rods = np.zeros((3, 3))
-    for part, middle, inner in ((cut, cut / 2, True), (1 - cut, (1 + cut) / 2, False)):
-        centre = shift + middle * length * axis
-        lever = centre - body.centre
-        own = part * body.mass * (part * length) ** 2 / 12 * thin
-        rods += own + part * body.mass * (lever @ lever * np.eye(3) - np.outer(lever, lever))
-        assembly.add_body(link, Body(part * body.mass, centre, own), inner=inner, **tags)
-    for part, inner in ((cut, True), (1 - cut, False)):
-        turning = Body(0.0, shift + (cut if inner else 1.0) * length * axis, part * body.inertia)
+    body, tags = bodies[link], {"mass": f"mass.{link}"}
+    halves, rods = _rods(site, body)
+    for inner, rod in halves.items():
+        part = rod.mass / body.mass
+        turning = Body(0.0, rod.centre, part * body.inertia)
+        assembly.add_body(link, rod, inner=inner, **tags)
         assembly.add_body(link, turning, inner=inner, inertia=f"inertia.{link}", **tags)
-        assembly.add_body(link, Body(0.0, turning.centre, -part * rods), inner=inner, **tags)
+        assembly.add_body(link, Body(0.0, rod.centre, -part * rods), inner=inner, **tags)
     return True
+
+
+def _rods(site: Site, body: Body) -> tuple[dict[bool, Body], np.ndarray]:
+    """Near (True) and far half (False) of a link as thin rods, and the inertia of both about its centre."""
+    length, axis = along(site.scene, site.where)
+    cut, thin = site["position"], np.eye(3) - np.outer(axis, axis)
+    halves, both = {}, np.zeros((3, 3))
+    for part, middle, inner in ((cut, cut / 2, True), (1 - cut, (1 + cut) / 2, False)):
+        lever = (middle - 0.5) * length * axis
+        own = part * body.mass * (part * length) ** 2 / 12 * thin
+        both += own + part * body.mass * (lever @ lever * np.eye(3) - np.outer(lever, lever))
+        halves[inner] = Body(part * body.mass, body.centre + lever, own)
+    return halves, both
 
 
 def _act(assembly: Assembly, site: Site) -> None:
@@ -88,6 +94,25 @@ def _act(assembly: Assembly, site: Site) -> None:
         if name.startswith(f"{site.where} bend "):
             assembly.add_spring(assembly.row(name), site["stiffness"])
             assembly.add_damper(assembly.row(name), site["damping"])
+
+
+def _extend(draft: Draft, site: Site) -> None:
+    length, axis = along(site.scene, site.where)
+    axes = site.scene.arm(0).placed[site.where][:3, :3]
+    across = sides(site.scene, site.where, axis, axes)
+    ends = [f"_{k + 1}" for k in range(len(across))] if len(across) > 1 else [""]
+    names = [draft.fresh(f"{site.where}_bend{end}") for end in ends]
+    turns = {name: np.cross(axis, side) for name, side in zip(names, across, strict=True)}
+    outer = draft.hinge(site.where, site["position"] * length * axis, axis, turns)
+    for name in names:
+        draft.flexible(name, site["stiffness"], site["damping"])
+    card = bodies_of(site.scene.robot.urdf)[site.where]
+    whole = scaled(card, site.where, site.values)
+    halves, rods = _rods(site, Body(whole.mass, card.centre, card.inertia))
+    for inner, rod in halves.items():
+        inertia = rod.inertia + rod.mass / whole.mass * (whole.inertia - rods)
+        shift = np.zeros(3) if inner else site["position"] * length * axis
+        draft.set_body(site.where if inner else outer, Body(rod.mass, rod.centre - shift, inertia))
 
 
 EFFECT = Effect(
@@ -101,4 +126,5 @@ EFFECT = Effect(
     geometry=("position",),
     bodies=_bodies,
     act=_act,
+    extend=_extend,
 )
