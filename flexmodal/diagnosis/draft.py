@@ -74,7 +74,7 @@ class Draft:
         """Sentences about what the files cannot hold, or hold differently."""
         self.arm_mass = float(sum(robot.urdf.link_by_name[n].mass or 0.0 for n in moved_bodies(robot)))
         self._still = link_placements(robot, {})
-        self._cuts: dict[str, Cut] = {}
+        self._cuts: dict[str, list[Cut]] = {}
         self._hung: list[Hung] = []
         self._names = {*self._all("link"), *self._all("joint"), *robot.points, "universe"}
         for link, body in bodies_of(robot.urdf).items():
@@ -107,16 +107,17 @@ class Draft:
         self.joints[joint] = table | ({"rotor_inertia": float(rotor_inertia)} if rotor_inertia else {})
 
     def hinge(self, link: str, place: Vector, way: Vector, axes: Mapping[str, Vector]) -> str:
-        """Cut a link and join the halves by hinges, one behind the other; returns the link beyond.
+        """Cut a link and join the parts by hinges, one behind the other; returns the part beyond.
 
         Args:
-            link: which; its frame and name stay with the near half.
-            place: of the cut, in its frame [m].
+            link: which; its frame and name stay with the part nearest to the base.
+            place: of the cut, in its frame [m]; beyond those made before.
             way: unit vector towards its far end.
             axes: names of new joints and their axes in the frame of the link.
         """
         outer = self.fresh(f"{link}_beyond")
-        parent, xyz = link, place
+        parent, xyz = self.place_of(link, place)
+        near, offset = parent, place - xyz
         for number, (name, axis) in enumerate(axes.items(), start=1):
             last = number == len(axes)
             child = outer if last else self._dust(f"{name}_part")
@@ -124,9 +125,9 @@ class Draft:
                 add_link(self.tree, outer)
             add_joint(self.tree, name, "revolute", parent, child, xyz=xyz, axis=axis)
             parent, xyz = child, np.zeros(3)
-        self._cuts[link] = Cut(place, way, outer)
-        self._move_children(link, outer, place, {*axes})
-        self._move_shapes(link, outer, place, way)
+        self._cuts.setdefault(link, []).append(Cut(place, way, outer))
+        self._move_children(near, outer, place - offset, {*axes})
+        self._move_shapes(near, outer, place - offset, way)
         return outer
 
     def attach(
@@ -180,10 +181,10 @@ class Draft:
 
     def place_of(self, link: str, place: Vector) -> tuple[str, Vector]:
         """Link and place of a point of the robot as it was, once links are cut."""
-        cut = self._cuts.get(link)
-        if cut is None or (place - cut.place) @ cut.way <= 0:
-            return link, place
-        return cut.outer, place - cut.place
+        for cut in reversed(self._cuts.get(link, [])):
+            if (place - cut.place) @ cut.way > 0:
+                return cut.outer, place - cut.place
+        return link, place
 
     def finish(self) -> etree._Element:
         """The URDF, with everything hung where it belongs."""
@@ -200,9 +201,8 @@ class Draft:
         """Normal of a planar chain's plane in the frame of a link; frames turn about it only."""
         if not self.robot.is_planar:
             return None
-        source = (
-            link if link in self._still else next(c for c, cut in self._cuts.items() if cut.outer == link)
-        )
+        parts = {cut.outer: whole for whole, cuts in self._cuts.items() for cut in cuts}
+        source = parts.get(link, link)
         return self._still[source][:3, :3].T @ self.robot.task[2, 3:]
 
     def _dust(self, name: str) -> str:

@@ -11,6 +11,7 @@ from jaxtyping import Float
 
 from flexmodal.diagnosis.effects.effect import Effect, Scene, Site
 from flexmodal.diagnosis.frame import KINDS, Frame
+from flexmodal.diagnosis.law import Law
 from flexmodal.identification import Observations, ParameterSpace
 from flexmodal.identification.arm import Body
 from flexmodal.identification.assembly import Assembly, put_together
@@ -137,6 +138,15 @@ class Hypothesis:
             )
             for one in self._sliced(observations)
         ]
+
+    def laws(self, posture: int, values: Mapping[str, float]) -> tuple[Law, ...]:
+        """Torques of the effects that have a law, in a posture (by number) at these parameter values."""
+        frame = self._frame(posture, values)
+        return tuple(
+            one.effect.law(frame.assembly, Site(self.scene, one.where, self.values_of(one, values), posture))
+            for one in self.placed
+            if one.effect.law is not None
+        )
 
     def _shifts(self, x: np.ndarray) -> list[_Shift]:
         _, high = self.space.bounds

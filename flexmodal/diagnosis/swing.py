@@ -7,26 +7,25 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexmodal.diagnosis.effects.effect import Scene
+from flexmodal.diagnosis.pulse import Pulse, haversine
 from flexmodal.identification.assembly import Assembly, put_together
 from flexmodal.identification.model import AXES
 from flexmodal.identification.structure import Axis
 
-PULSES = {"soft": 5e-3, "medium": 2.5e-3, "hard": 1e-3}
-"""Usual length of a hammer's pulse by its tip [s]; another tip counts as medium."""
 _LINES = 1024
 
 
 @dataclass(frozen=True)
 class Swing:
-    """Deflection of a joint after a blow of 1 N."""
+    """Deflection of a joint after a blow."""
 
     amplitude: float
-    """Of the steady vibration that a cubic spring would find as stiff: A² = 4/3 ∫q⁴/∫q² [rad/N]."""
+    """Of the steady vibration that a cubic spring would find as stiff: A² = 4/3 ∫q⁴/∫q² [rad]."""
     omega: float
     """Root of ∫q̇²/∫q² [rad/s]."""
 
 
-def swings(scene: Scene, posture: int, reference: tuple[int, int], tip: str) -> dict[str, Swing]:
+def swings(scene: Scene, posture: int, reference: tuple[int, int], pulse: Pulse) -> dict[str, Swing]:
     """Swing of every joint in a posture for a hammer point and direction."""
     arm = scene.arm(posture)
     assembly = Assembly(arm)
@@ -37,8 +36,7 @@ def swings(scene: Scene, posture: int, reference: tuple[int, int], tip: str) -> 
     high = 2 * scene.band[1]
     frequency = np.arange(1, _LINES) * high / _LINES
     y = structure.solve(Axis(frequency, 1.0))[1][:, :, 0]
-    width = PULSES.get(tip, PULSES["medium"])
-    spectrum = _haversine(frequency, width)
+    spectrum = pulse.peak * haversine(frequency, pulse.length)
     q = np.fft.irfft(np.vstack([np.zeros((1, y.shape[1])), y * spectrum[:, None]]), axis=0)
     speed = np.fft.irfft(
         np.vstack([np.zeros((1, y.shape[1])), y * (2j * np.pi * frequency * spectrum)[:, None]]), axis=0
@@ -49,12 +47,3 @@ def swings(scene: Scene, posture: int, reference: tuple[int, int], tip: str) -> 
         name: Swing(float(np.sqrt(4 / 3 * fourth[k] / square[k])), float(np.sqrt(fast[k] / square[k])))
         for k, name in enumerate(arm.robot.joints)
     }
-
-
-def _haversine(frequency: np.ndarray, width: float) -> np.ndarray:
-    """Spectrum of a pulse (1 − cos 2πt/T)/2 of unit peak [s]."""
-    x = frequency * width
-    with np.errstate(divide="ignore", invalid="ignore"):
-        size = width / 2 * np.sinc(x) / (1 - x**2)
-    size = np.where(np.abs(x - 1) < 1e-6, width / 4, size)
-    return size * np.exp(-1j * np.pi * x)

@@ -93,7 +93,8 @@ def receptance_batch(
     if lag is not None:
         addition = lag if addition is None else addition + lag
     pays = way == "auto" and len(values) >= (_FEW if "numba" in sys.modules else _MANY)
-    poser = _Poser(robot, values, rows, compiled=has_numba() and (pays or way.startswith("compiled")))
+    asked = way.startswith("compiled") or way == "planar recursion"
+    poser = _Poser(robot, values, rows, compiled=has_numba() and (pays or asked))
     task = Task(
         count=len(values),
         block=poser,

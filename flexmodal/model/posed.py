@@ -78,6 +78,14 @@ class PosedRobot:
         """
         return self._data[0].oMf[self.robot.frame_of(point)].translation.copy()
 
+    def rotation(self, point: str) -> Float[np.ndarray, "3 3"]:
+        """Orientation of a point's frame: its axes in world coordinates, column by column.
+
+        Raises:
+            InvalidPoint: no such point.
+        """
+        return self._data[0].oMf[self.robot.frame_of(point)].rotation.copy()
+
     def full_jacobian(self, point: str) -> Float[np.ndarray, "6 moving"]:
         """Jacobian of a point over every moving joint, rows x, y, z, rx, ry, rz in the world frame."""
         pin = pinocchio()

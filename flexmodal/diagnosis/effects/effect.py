@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from jaxtyping import Float
 
+from flexmodal.diagnosis.law import Law
+from flexmodal.diagnosis.pulse import Pulse, pulses
 from flexmodal.identification import Observations, Parameter
 from flexmodal.identification.arm import Arm, Body, far_end, moved_bodies, plane_normal
 from flexmodal.identification.assembly import Assembly
@@ -64,6 +66,11 @@ class Scene:
         """First and last line [Hz]."""
         frequency = self.observations.axis.frequency
         return float(frequency[0]), float(frequency[-1])
+
+    @cached_property
+    def pulses(self) -> tuple[Pulse, ...]:
+        """The hammer's pulse in each kind of blow."""
+        return pulses(self.observations)
 
     @property
     def level_count(self) -> int:
@@ -128,6 +135,9 @@ class Effect:
     """Takes over a link's body, whose name is last; says whether it did."""
     act: Callable[[Assembly, Site], None] | None = None
     """Masses, springs, dampers."""
+    law: Callable[[Assembly, Site], Law] | None = None
+    """The torque itself where it depends on the swing; `act` is then its stand-in at one amplitude, for the
+    search, and the law takes its place where blows are marched in time (`march`)."""
     turn: Callable[[Scene, Site, int, str, np.ndarray], np.ndarray] | None = None
     """World direction that a sensor truly measures: posture, name of its point, the recorded direction."""
     read: Callable[[Site, Axis], complex | np.ndarray] | None = None

@@ -13,6 +13,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from flexmodal.diagnosis.effects.effect import Effect, Scene, Site, positive, signed
+from flexmodal.diagnosis.law import friction, hardening
 from flexmodal.diagnosis.swing import Swing, swings
 from flexmodal.identification import Parameter
 from flexmodal.identification.assembly import Assembly
@@ -22,15 +23,12 @@ _PHASE = (np.arange(32) + 0.5) * np.pi / 32
 
 def _swing(site: Site) -> Swing:
     """Of the joint at this site under this blow."""
-    observations = site.scene.observations
-    trial = observations.campaign.trial(observations.levels[site.level][0])
-    key = (site.posture, site.reference, trial.tip)
-    table = site.scene.memory.setdefault("swings", {})
+    scene, key = site.scene, (site.posture, site.reference, site.level)
+    table = scene.memory.setdefault("swings", {})
     if key not in table:
-        table[key] = swings(site.scene, *key)
+        table[key] = swings(scene, site.posture, site.reference, scene.pulses[site.level])
     one = table[key][site.where]
-    reach = site.values.get("reach", 1.0)
-    return Swing(one.amplitude * observations.peak(site.level) * reach, one.omega)
+    return Swing(one.amplitude * site.values.get("reach", 1.0), one.omega)
 
 
 def _typical(scene: Scene, where: str) -> float:
@@ -62,7 +60,7 @@ def dahl(amplitude: float, torque: float, presliding: float) -> tuple[float, flo
     return stiffness, loss
 
 
-def hardening(amplitude: float) -> float:
+def hardened(amplitude: float) -> float:
     """Part of the change of stiffness that an amplitude sees, 0 to 1: for u³/(1 + u²), amplitude over q_r."""
     a = max(amplitude, 1e-4)
     return float(1 - 2 / a**2 * (1 - 1 / np.sqrt(1 + a**2)))
@@ -97,17 +95,24 @@ FRICTION = Effect(
         for share in (0.02, 0.1, 0.4)
     ],
     act=_rub,
+    law=lambda assembly, site: friction(
+        assembly.stretch_of(site.where), site["torque"], site["presliding_stiffness"]
+    ),
     variants=("blow",),
     untestable=_one_level,
     physical=lambda scene, where, values: {name: values[name] for name in ("torque", "presliding_stiffness")},
 )
 
 
+def _stiffness(site: Site) -> float:
+    """Of the joint at small swings [N·m/rad]."""
+    return site.values.get(f"stiffness.{site.where}", float(site.scene.robot.joints[site.where].stiffness))
+
+
 def _stiffen(assembly: Assembly, site: Site) -> None:
     swing = _swing(site)
-    k = site.values.get(f"stiffness.{site.where}", float(site.scene.robot.joints[site.where].stiffness))
-    part = hardening(swing.amplitude / site["deflection"])
-    assembly.add_spring(assembly.stretch_of(site.where), site["change"] * part * k)
+    part = hardened(swing.amplitude / site["deflection"])
+    assembly.add_spring(assembly.stretch_of(site.where), site["change"] * part * _stiffness(site))
 
 
 def _hardening_parameters(scene: Scene, where: str) -> tuple[Parameter, ...]:
@@ -139,6 +144,9 @@ NONLINEAR = Effect(
         for share in (0.6, 2.0)
     ],
     act=_stiffen,
+    law=lambda assembly, site: hardening(
+        assembly.stretch_of(site.where), site["change"] * _stiffness(site), site["deflection"]
+    ),
     variants=("blow",),
     untestable=_one_level,
     physical=_hardening_physical,

@@ -1,8 +1,12 @@
-"""A link bends: a hinge with spring and damper somewhere along it, one in each plane it can bend in.
+"""A link bends: two hinges with springs and dampers along it, in each plane it can bend in.
 
-The pseudo-joint of Hearne, section 2.3. The link's mass is taken as spread evenly along it, cut at the hinge;
-what its inertia has beyond that of two thin rods is shared out in the same proportion, so that mass, mass
-centre and inertia of the whole link stay what they were.
+For a load at its far end the bending moment in a beam is linear along it, so that its strain energy is that
+of springs at the two points of Gauss's quadrature, (1 ± 1/√3)/2 of its length: a uniform beam is exact with
+2EI/L each, and shares between the two stand for beams that are stiffer at one end. One hinge, the
+pseudo-joint of Hearne, section 2.3, is what both together are worth: the stiffness of the two in series, at
+their weighted place. The link's mass is taken as spread evenly along it; what its inertia has beyond that of
+thin rods is shared out in the same way, so that mass, mass centre and inertia of the whole link stay what
+they were.
 """
 
 from __future__ import annotations
@@ -19,6 +23,8 @@ from flexmodal.identification.assembly import Assembly, scaled
 
 SHORTEST = 0.05
 """Links shorter than this do not bend [m]."""
+HINGES = ((1 - 3**-0.5) / 2, (1 + 3**-0.5) / 2)
+"""Where the hinges sit, as parts of the length."""
 
 
 def _places(scene: Scene) -> tuple[str, ...]:
@@ -40,79 +46,95 @@ def _parameters(scene: Scene, where: str) -> tuple[Parameter, ...]:
     return (
         positive("stiffness", "N·m/rad", k, 1.5, k / 300, k * 300),
         positive("damping", "N·m·s/rad", k * 3e-4, 1.5, k * 1e-7, k * 0.03),
-        signed("position", "", 0.15, 0.02, 0.98, centre=0.4),
+        signed("position", "", 0.1, HINGES[0] + 0.02, HINGES[1] - 0.02, centre=0.5),
     )
 
 
 def _starts(scene: Scene, where: str) -> list[Mapping[str, float]]:
     k = _stiffest(scene, where)
-    return [
-        {"stiffness": factor * k, "position": place} for factor in (0.4, 1.2, 4.0) for place in (0.25, 0.55)
-    ]
+    return [{"stiffness": factor * k} for factor in (0.2, 0.8, 3.0, 12.0, 40.0)]
+
+
+def _names(scene: Scene, where: str) -> list[str]:
+    planes = 1 if scene.normal is not None else 2
+    return [f"{where} bend {hinge + 1}.{plane + 1}" for hinge in range(2) for plane in range(planes)]
 
 
 def _shape(assembly: Assembly, site: Site) -> None:
     length, axis = along(site.scene, site.where)
     axes = assembly.axes(site.where)
     across = sides(site.scene, site.where, axis, axes)
-    names = [f"{site.where} bend {k + 1}" for k in range(len(across))]
-    columns = assembly.add_coordinates(names)
-    for k, side in enumerate(across):
-        turned = axes @ np.cross(axis, side)
-        assembly.hinge(site.where, site["position"] * length * axis, axis, columns.start + k, turned)
+    columns = assembly.add_coordinates(_names(site.scene, site.where))
+    for number in range(2 * len(across)):
+        hinge, plane = divmod(number, len(across))
+        turned = axes @ np.cross(axis, across[plane])
+        assembly.hinge(site.where, HINGES[hinge] * length * axis, axis, columns.start + number, turned)
 
 
 def _bodies(assembly: Assembly, site: Site, bodies: Bodies, link: str) -> bool:
     if link != site.where:
         return False
     body, tags = bodies[link], {"mass": f"mass.{link}"}
-    halves, rods = _rods(site, body)
-    for inner, rod in halves.items():
-        part = rod.mass / body.mass
-        turning = Body(0.0, rod.centre, part * body.inertia)
-        assembly.add_body(link, rod, inner=inner, **tags)
-        assembly.add_body(link, turning, inner=inner, inertia=f"inertia.{link}", **tags)
-        assembly.add_body(link, Body(0.0, rod.centre, -part * rods), inner=inner, **tags)
+    parts, whole = _rods(site, body)
+    for section, rod in parts:
+        share = rod.mass / body.mass
+        turning = Body(0.0, section, share * body.inertia)
+        assembly.add_body(link, rod, section=section, **tags)
+        assembly.add_body(link, turning, section=section, inertia=f"inertia.{link}", **tags)
+        assembly.add_body(link, Body(0.0, section, -share * whole), section=section, **tags)
     return True
 
 
-def _rods(site: Site, body: Body) -> tuple[dict[bool, Body], np.ndarray]:
-    """Near (True) and far half (False) of a link as thin rods, and the inertia of both about its centre."""
+def _rods(site: Site, body: Body) -> tuple[list[tuple[np.ndarray, Body]], np.ndarray]:
+    """Parts of a link as thin rods, each with its place along it, and the inertia of all about its centre."""
     length, axis = along(site.scene, site.where)
-    cut, thin = site["position"], np.eye(3) - np.outer(axis, axis)
-    halves, both = {}, np.zeros((3, 3))
-    for part, middle, inner in ((cut, cut / 2, True), (1 - cut, (1 + cut) / 2, False)):
+    thin = np.eye(3) - np.outer(axis, axis)
+    shares = (HINGES[0], HINGES[1] - HINGES[0], 1 - HINGES[1])
+    middles = (HINGES[0] / 2, 0.5, 1 - HINGES[0] / 2)
+    parts, whole = [], np.zeros((3, 3))
+    for share, middle in zip(shares, middles, strict=True):
         lever = (middle - 0.5) * length * axis
-        own = part * body.mass * (part * length) ** 2 / 12 * thin
-        both += own + part * body.mass * (lever @ lever * np.eye(3) - np.outer(lever, lever))
-        halves[inner] = Body(part * body.mass, body.centre + lever, own)
-    return halves, both
+        own = share * body.mass * (share * length) ** 2 / 12 * thin
+        whole += own + share * body.mass * (lever @ lever * np.eye(3) - np.outer(lever, lever))
+        parts.append((middle * length * axis, Body(share * body.mass, body.centre + lever, own)))
+    return parts, whole
+
+
+def shares(stiffness: float, position: float) -> tuple[float, float]:
+    """Stiffnesses of the two hinges that are worth one of `stiffness` at `position` [N·m/rad]."""
+    width = HINGES[1] - HINGES[0]
+    return stiffness * width / (HINGES[1] - position), stiffness * width / (position - HINGES[0])
 
 
 def _act(assembly: Assembly, site: Site) -> None:
-    for name in assembly.coordinates:
-        if name.startswith(f"{site.where} bend "):
-            assembly.add_spring(assembly.row(name), site["stiffness"])
-            assembly.add_damper(assembly.row(name), site["damping"])
+    springs = shares(site["stiffness"], site["position"])
+    for name in _names(site.scene, site.where):
+        spring = springs[int(name.rsplit(" ", 1)[1][0]) - 1]
+        row = assembly.row(name)
+        assembly.add_spring(row, spring)
+        assembly.add_damper(row, site["damping"] / site["stiffness"] * spring)
 
 
 def _extend(draft: Draft, site: Site) -> None:
-    length, axis = along(site.scene, site.where)
-    axes = site.scene.arm(0).placed[site.where][:3, :3]
-    across = sides(site.scene, site.where, axis, axes)
-    ends = [f"_{k + 1}" for k in range(len(across))] if len(across) > 1 else [""]
-    names = [draft.fresh(f"{site.where}_bend{end}") for end in ends]
-    turns = {name: np.cross(axis, side) for name, side in zip(names, across, strict=True)}
-    outer = draft.hinge(site.where, site["position"] * length * axis, axis, turns)
-    for name in names:
-        draft.flexible(name, site["stiffness"], site["damping"])
-    card = bodies_of(site.scene.robot.urdf)[site.where]
-    whole = scaled(card, site.where, site.values)
-    halves, rods = _rods(site, Body(whole.mass, card.centre, card.inertia))
-    for inner, rod in halves.items():
+    link = site.where
+    length, axis = along(site.scene, link)
+    across = sides(site.scene, link, axis, site.scene.arm(0).placed[link][:3, :3])
+    springs, names = shares(site["stiffness"], site["position"]), [link]
+    for hinge, spring in enumerate(springs):
+        turns = {}
+        for plane, side in enumerate(across):
+            end = f"_{plane + 1}" if len(across) > 1 else ""
+            turns[draft.fresh(f"{link}_bend_{hinge + 1}{end}")] = np.cross(axis, side)
+        names.append(draft.hinge(link, HINGES[hinge] * length * axis, axis, turns))
+        for joint in turns:
+            draft.flexible(joint, spring, site["damping"] / site["stiffness"] * spring)
+    card = bodies_of(site.scene.robot.urdf)[link]
+    whole = scaled(card, link, site.values)
+    parts, rods = _rods(site, Body(whole.mass, card.centre, card.inertia))
+    for number, (_, rod) in enumerate(parts):
         inertia = rod.inertia + rod.mass / whole.mass * (whole.inertia - rods)
-        shift = np.zeros(3) if inner else site["position"] * length * axis
-        draft.set_body(site.where if inner else outer, Body(rod.mass, rod.centre - shift, inertia))
+        shift = HINGES[number - 1] * length * axis if number else np.zeros(3)
+        draft.set_body(names[number], Body(rod.mass, rod.centre - shift, inertia))
 
 
 EFFECT = Effect(
@@ -123,7 +145,6 @@ EFFECT = Effect(
     parameters=_parameters,
     starts=_starts,
     shape=_shape,
-    geometry=("position",),
     bodies=_bodies,
     act=_act,
     extend=_extend,

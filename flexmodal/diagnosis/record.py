@@ -1,0 +1,56 @@
+"""The FRF that a record of a marched blow gives: the response's spectrum over the force's, as receptance.
+
+Over a record of length T, under the window e^{−σt} and at s = iω + σ, coordinates that start at rest have
+
+    Z(s) X = jᵀ F − Σ wᵀ T(s) − e^{−sT} [M ẋ(T) + (C + s M) x(T)],
+
+X, F and T the spectra over the record. The bracket is what the record cuts off. It enters a displacement
+sensor's spectrum as it is; those of velocity and acceleration have s X + e^{−sT} x(T) and
+s² X + e^{−sT} [s x(T) + ẋ(T)], and a receptance is made of them by dividing by s and s².
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from jaxtyping import Complex, Int
+
+from flexmodal.diagnosis.march import March, Steps, Struck
+
+FORMS = {"receptance": 0, "mobility": 1, "inertance": 2}
+"""Derivatives of displacement that a sensor measures."""
+
+
+def record_receptance(
+    struck: Struck,
+    marched: March,
+    steps: Steps,
+    form: str,
+    wanted: Int[np.ndarray, "wanted 2"],
+) -> Complex[np.ndarray, "wanted line"]:
+    """Receptances [m/N] as a record would give them.
+
+    Args:
+        struck: what was marched.
+        marched: by it.
+        steps: of the march.
+        form: what the sensor measures per force: a name of `FORMS`.
+        wanted: numbers of a row of `structure.response` and of a blow.
+    """
+    structure, axis = struck.structure, struck.axis
+    s, n = axis.s, structure.dof
+    x, v = marched.last[:, :n], marched.last[:, n:]
+    cut = np.exp(-s * steps.length) / marched.force  # blow, line
+    rows = structure.reference[[row for row, _ in struck.blows]]
+    laws = np.array([law.row for law in struck.laws]).reshape(-1, n)
+    load = rows[:, None, :] - np.einsum("bkl,kd->bld", marched.torque / marched.force[:, None], laws)
+    still = (v @ structure.mass + x @ structure.damping)[:, None] + s[:, None] * (x @ structure.mass)[:, None]
+    load = load - cut[:, :, None] * still
+    back, _ = structure.solve(axis)  # line, dof, response
+    u, b = wanted[:, 0], wanted[:, 1]
+    value = np.einsum("lpd,pld->pl", np.swapaxes(back, 1, 2)[:, u], load[b])
+    derivatives = FORMS[form]
+    if derivatives:
+        value += np.einsum("pd,pd->p", structure.response[u], x[b])[:, None] * cut[b] / s
+    if derivatives == 2:
+        value += np.einsum("pd,pd->p", structure.response[u], v[b])[:, None] * cut[b] / s**2
+    return value
