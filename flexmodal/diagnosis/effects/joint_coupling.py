@@ -7,6 +7,7 @@ from itertools import combinations
 
 import numpy as np
 
+from flexmodal.diagnosis.draft import Draft
 from flexmodal.diagnosis.effects.effect import Effect, Scene, Site, signed
 from flexmodal.identification.assembly import Assembly
 
@@ -34,6 +35,11 @@ def _physical(scene: Scene, where: str, values: Mapping[str, float]) -> dict[str
     return {"stiffness": float(values["coupling"] * size), "coupling": values["coupling"]}
 
 
+def _extend(draft: Draft, site: Site) -> None:
+    one, other = site.where.split("+")
+    draft.couple(one, other, _physical(site.scene, site.where, site.values)["stiffness"])
+
+
 EFFECT = Effect(
     name="joint_coupling",
     says="a mechanism couples two joints",
@@ -43,5 +49,6 @@ EFFECT = Effect(
     starts=lambda scene, where: [{"coupling": 0.15}, {"coupling": -0.15}],
     act=_act,
     physical=_physical,
+    extend=_extend,
     units={"stiffness": "N·m/rad"},
 )

@@ -15,10 +15,11 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from flexmodal.diagnosis.draft import Draft
 from flexmodal.diagnosis.effects.effect import Bodies, Effect, Scene, Site, along, positive, sides, signed
 from flexmodal.identification import Parameter
-from flexmodal.identification.arm import Body, beyond
-from flexmodal.identification.assembly import Assembly
+from flexmodal.identification.arm import Body, beyond, bodies_of
+from flexmodal.identification.assembly import Assembly, scaled
 
 SHORTEST = 0.05
 """Links shorter than this do not bend [m]."""
@@ -73,29 +74,30 @@ def _shape(assembly: Assembly, site: Site) -> None:
 def _bodies(assembly: Assembly, site: Site, bodies: Bodies, link: str) -> bool:
     if link != site.where:
         return False
-    length, axis = along(site.scene, link)
-    body = bodies[link]
-    thin = np.eye(3) - np.outer(axis, axis)
-    shift = body.centre - length / 2 * axis
-    tags = {"mass": f"mass.{link}"}
-    parts, middles = (
-        (HINGES[0], HINGES[1] - HINGES[0], 1 - HINGES[1]),
-        (HINGES[0] / 2, 0.5, 1 - HINGES[0] / 2),
-    )
-    rods = np.zeros((3, 3))
-    for part, middle in zip(parts, middles, strict=True):
-        centre = shift + middle * length * axis
-        lever = centre - body.centre
-        own = part * body.mass * (part * length) ** 2 / 12 * thin
-        rods += own + part * body.mass * (lever @ lever * np.eye(3) - np.outer(lever, lever))
-        section = middle * length * axis
-        assembly.add_body(link, Body(part * body.mass, centre, own), section=section, **tags)
-    for part, middle in zip(parts, middles, strict=True):
-        section = middle * length * axis
-        turning = Body(0.0, section, part * body.inertia)
+    body, tags = bodies[link], {"mass": f"mass.{link}"}
+    parts, whole = _rods(site, body)
+    for section, rod in parts:
+        share = rod.mass / body.mass
+        turning = Body(0.0, section, share * body.inertia)
+        assembly.add_body(link, rod, section=section, **tags)
         assembly.add_body(link, turning, section=section, inertia=f"inertia.{link}", **tags)
-        assembly.add_body(link, Body(0.0, section, -part * rods), section=section, **tags)
+        assembly.add_body(link, Body(0.0, section, -share * whole), section=section, **tags)
     return True
+
+
+def _rods(site: Site, body: Body) -> tuple[list[tuple[np.ndarray, Body]], np.ndarray]:
+    """Parts of a link as thin rods, each with its place along it, and the inertia of all about its centre."""
+    length, axis = along(site.scene, site.where)
+    thin = np.eye(3) - np.outer(axis, axis)
+    shares = (HINGES[0], HINGES[1] - HINGES[0], 1 - HINGES[1])
+    middles = (HINGES[0] / 2, 0.5, 1 - HINGES[0] / 2)
+    parts, whole = [], np.zeros((3, 3))
+    for share, middle in zip(shares, middles, strict=True):
+        lever = (middle - 0.5) * length * axis
+        own = share * body.mass * (share * length) ** 2 / 12 * thin
+        whole += own + share * body.mass * (lever @ lever * np.eye(3) - np.outer(lever, lever))
+        parts.append((middle * length * axis, Body(share * body.mass, body.centre + lever, own)))
+    return parts, whole
 
 
 def shares(stiffness: float, position: float) -> tuple[float, float]:
@@ -113,6 +115,28 @@ def _act(assembly: Assembly, site: Site) -> None:
         assembly.add_damper(row, site["damping"] / site["stiffness"] * spring)
 
 
+def _extend(draft: Draft, site: Site) -> None:
+    link = site.where
+    length, axis = along(site.scene, link)
+    across = sides(site.scene, link, axis, site.scene.arm(0).placed[link][:3, :3])
+    springs, names = shares(site["stiffness"], site["position"]), [link]
+    for hinge, spring in enumerate(springs):
+        turns = {}
+        for plane, side in enumerate(across):
+            end = f"_{plane + 1}" if len(across) > 1 else ""
+            turns[draft.fresh(f"{link}_bend_{hinge + 1}{end}")] = np.cross(axis, side)
+        names.append(draft.hinge(link, HINGES[hinge] * length * axis, axis, turns))
+        for joint in turns:
+            draft.flexible(joint, spring, site["damping"] / site["stiffness"] * spring)
+    card = bodies_of(site.scene.robot.urdf)[link]
+    whole = scaled(card, link, site.values)
+    parts, rods = _rods(site, Body(whole.mass, card.centre, card.inertia))
+    for number, (_, rod) in enumerate(parts):
+        inertia = rod.inertia + rod.mass / whole.mass * (whole.inertia - rods)
+        shift = HINGES[number - 1] * length * axis if number else np.zeros(3)
+        draft.set_body(names[number], Body(rod.mass, rod.centre - shift, inertia))
+
+
 EFFECT = Effect(
     name="link_flexibility",
     says="the link bends",
@@ -123,4 +147,5 @@ EFFECT = Effect(
     shape=_shape,
     bodies=_bodies,
     act=_act,
+    extend=_extend,
 )
