@@ -21,7 +21,7 @@ from flexmodal.identification.structure import Axis, receptance
 
 @dataclass(frozen=True, eq=False)
 class RecordedModel:
-    """A model of observations (`identification.FrfModel`), exact but for the derivatives of what is cut off."""
+    """A model of observations (`identification.FrfModel`), exact but for derivatives of what is cut off."""
 
     hypothesis: Hypothesis
 
