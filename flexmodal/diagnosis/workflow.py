@@ -10,7 +10,7 @@ from jaxtyping import Bool
 from threadpoolctl import threadpool_limits
 
 from flexmodal.campaign import Campaign
-from flexmodal.diagnosis.compare import disagreement, excess
+from flexmodal.diagnosis.compare import disagreement, excess, force_dependence
 from flexmodal.diagnosis.effects import Effect, Scene, catalogue
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.march.model import has_law
@@ -29,6 +29,7 @@ from flexmodal.diagnosis.refine import refined
 from flexmodal.diagnosis.search import (
     CLOSE,
     COARSE,
+    Candidate,
     candidates,
     look_at,
     narrowed,
@@ -59,8 +60,10 @@ MOST_STEPS = 2
 """Effects added at most: more of them explain anything."""
 FINALISTS = 4
 """Candidates that are fitted closely and weighed."""
-MARCHED = 2
-"""Of them, how many of the best have their non-linear torques marched in time."""
+MARCHED = 3
+"""The same for effects that depend on force, whose torques are marched in time."""
+FORCE = 1.5
+"""Change of FRFs with the force of the blow, over their noise, from which a structure is not linear."""
 SIGNIFICANT = 8.0
 """Score that an effect has to gain, in 19 of 20 draws of the bootstrap [nat]."""
 WORTH = 0.03
@@ -171,6 +174,7 @@ class _Course:
         self.before = self.current
         self.steps: list[Step] = []
         self.runner_up: Weighable | None = None
+        self.force_matters = force_dependence(bench.observations) > FORCE
 
     def run(self) -> Diagnosis:
         """Add effects until nothing significant is left."""
@@ -192,14 +196,18 @@ class _Course:
         at_card = np.zeros(len(bench.base))
         starts = at_card if not number else before.fitted.x
         look = look_at(bench.fitted)
-        found = candidates(before.hypothesis, starts, bench.effects, look)
-        finalists = narrowed(found, look, lambda part: bench.advance(doing, 0.7 * part))[:FINALISTS]
+        loud = [effect for effect in bench.effects if "blow" in effect.variants]
+        quiet = [effect for effect in bench.effects if "blow" not in effect.variants]
+        finalists: list[Candidate] = []
+        for some, most in ((quiet, FINALISTS), (loud if self.force_matters else [], MARCHED)):
+            found = candidates(before.hypothesis, starts, some, look)
+            best_of = narrowed(found, look, lambda part: bench.advance(doing, 0.7 * part))
+            finalists += best_of[:most]
         fits = [(one.hypothesis, polished(one, bench.fitted)) for one in finalists]
         fits.sort(key=lambda one: one[1].normal.cost)
         looked = [before]
         for place, (hypothesis, fitted) in enumerate(fits):
-            marched = place < MARCHED and has_law(hypothesis)
-            looked.append(self._look(hypothesis, fitted, marched=marched))
+            looked.append(self._look(hypothesis, fitted, marched=has_law(hypothesis)))
             bench.advance(doing, 0.7 + 0.3 * (place + 1) / len(fits))
         scales = weigh(looked, bench.observations, bench.seed)
         best = int(np.argmax(scales.scores))
@@ -363,6 +371,8 @@ class _Course:
             before = self.before
         over = self._over(final)
         explained = over <= FLOOR_REACHED or (over <= EXPLAINED and self._left(final) <= LEFT)
+        if self.force_matters and not has_blow(final.hypothesis):
+            explained = False  # nothing linear changes with the force
         everything = gap(bench.observations, self.believed)
         gaps = replace(
             self._gaps(before, final, everything.value),
@@ -439,6 +449,11 @@ class _Course:
         points = np.unique(observations.response[:, 0])
         share = [above[observations.response[:, 0] == p].sum() for p in points]
         return observations.campaign.point(int(points[int(np.argmax(share))])).name
+
+
+def has_blow(hypothesis: Hypothesis) -> bool:
+    """Whether one of its effects depends on the blow."""
+    return any("blow" in placed.effect.variants for placed in hypothesis.placed)
 
 
 def _trust_of(robot: Robot) -> dict[str, float]:
