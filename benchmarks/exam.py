@@ -21,7 +21,7 @@ from pathlib import Path
 from exam_plan import Question, plan
 from exam_report import report
 
-PUBLISHED = 20261122
+PUBLISHED = 20261123
 
 
 def ask(question: Question, folder: Path) -> dict[str, object]:

@@ -97,7 +97,7 @@ def _turn(scene: Scene, site: Site, posture: int, point: str, way: np.ndarray) -
 def _tilt_starts(scene: Scene, where: str) -> list[Mapping[str, float]]:
     if scene.normal is not None:
         return [{"angle": 0.1}, {"angle": -0.1}]
-    return [{"angle_x": 0.03, "angle_y": 0.03, "angle_z": 0.03}]
+    return [{f"angle_{axis}": sign * 0.2} for axis in "xyz" for sign in (1, -1)]
 
 
 SENSOR_MISALIGNMENT = Effect(
