@@ -53,6 +53,7 @@ tables: .venv/tested
 	$(BIN)/python benchmarks/six_link_postures.py
 	$(BIN)/python benchmarks/ema_methods.py
 	$(BIN)/python benchmarks/ema_real.py
+	$(BIN)/python benchmarks/ema_selection.py
 
 studies: .venv/tested
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/studies.py
