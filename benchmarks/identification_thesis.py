@@ -130,13 +130,13 @@ def main() -> None:
         "At location 1 alone, where the card's lengths were fitted, Table 2.9 deviates by "
         f"{one_place[0]:.2f} %, the identified parameters by {one_place[1]:.2f} %.\n\n"
         f"Said before the fit: {problem.identifiability.verdict}.\n\n"
-        f"The thesis's own way ({len(stages[-1].x)} absolute unknowns, bounds and initial values of Table D.1, "
+        f"The thesis's own way ({len(stages[-1].x)} absolute unknowns, bounds and initial values of D.1, "
         f"eigenvalues alone) leaves {by_method[0]:.2f} % after configurations 1 and 7, {by_method[1]:.2f} % "
         f"after 1, 2, 6 and 7, with {len(stages[-1].at_bound)} unknowns at a bound: {bound}. It is not "
         "unique: Table 2.9 is another point within the same bounds.\n\n"
         "Configuration 4, not measured, first link along the measured axis, predicted: "
-        f"{predicted} Hz (Table 2.9: {old} Hz). Shapes were not fitted: those of one mode do not agree between "
-        "configurations."
+        f"{predicted} Hz (Table 2.9: {old} Hz). Shapes were not fitted: those of one mode do not agree "
+        "between configurations."
     )
     title = "The thesis's hammer test: Table 2.9, identified, predicted, and the mean of the others"
     write("identification_thesis", title, lead, header, rows, end)

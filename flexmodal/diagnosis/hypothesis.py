@@ -11,7 +11,7 @@ from jaxtyping import Float
 
 from flexmodal.diagnosis.effects.effect import Effect, Scene, Site
 from flexmodal.diagnosis.frame import KINDS, Frame
-from flexmodal.diagnosis.law import Law
+from flexmodal.diagnosis.march.law import Law
 from flexmodal.identification import Observations, ParameterSpace
 from flexmodal.identification.arm import Body
 from flexmodal.identification.assembly import Assembly, put_together

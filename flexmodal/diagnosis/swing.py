@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexmodal.diagnosis.effects.effect import Scene
-from flexmodal.diagnosis.pulse import Pulse, haversine
+from flexmodal.diagnosis.march.pulse import Pulse, haversine
 from flexmodal.identification.assembly import Assembly, put_together
 from flexmodal.identification.model import AXES
 from flexmodal.identification.structure import Axis

@@ -14,7 +14,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Complex, Float
+from jaxtyping import Complex, Float, Int
 
 from flexmodal.errors import Fault, InvalidRequest, SingularResponse
 from flexmodal.identification.descent import Normal, descend, prior_cost, robust, robust_weight
@@ -26,7 +26,7 @@ FLOORS = (0.2, 0.05, 0.01)
 STEPS = 30
 """At most, at each floor."""
 SETTLED = 1e-3
-"""A step that changes the cost relatively by less ends a round; the last one goes on to `FINE`, unless told other."""
+"""A step that changes the cost relatively by less ends a round; the last one goes on to `FINE`."""
 FINE = 1e-6
 
 
@@ -105,8 +105,8 @@ def normal_equations(
         data_cost += float(np.sum(robust(scaled)))
         squared[rows] = scaled.sum(axis=1)
         root = np.sqrt(weight[rows] * robust_weight(scaled))
-        slopes *= root / np.where(value == 0, np.inf, value)
-        real = np.ascontiguousarray(slopes).view(float)  # real and imaginary parts in turn
+        relative = slopes * (root / np.where(value == 0, np.inf, value))
+        real = np.ascontiguousarray(relative).view(float)  # real and imaginary parts in turn
         scores[rows] = np.matmul(real.transpose(1, 0, 2), (r * root).view(float)[:, :, None])[:, :, 0]
         if blocks is None:
             flat = real.reshape(size, -1)
@@ -134,6 +134,7 @@ def fit(
     *,
     floors: Sequence[float] = FLOORS,
     stride: int = 1,
+    lines: Int[np.ndarray, " line"] | None = None,
     share: Float[np.ndarray, " observation"] | None = None,
     steps: int = STEPS,
     apart: bool = True,
@@ -148,6 +149,7 @@ def fit(
         start: coordinates; the card by default.
         floors: relative model errors, lowered one after the other.
         stride: look at every so many lines.
+        lines: numbers of the lines to look at, instead.
         share: multiple of each observation's weight, 0 or more.
         steps: most at each floor.
         apart: end with what each observation adds to the curvature, as `uncertainty` needs it.
@@ -155,7 +157,8 @@ def fit(
         advance: called after each step with its number and the cost.
     """
     x = np.zeros(len(model.space)) if start is None else np.array(start, dtype=float)
-    lines = np.arange(stride // 2, len(observations.axis), stride)
+    if lines is None:
+        lines = np.arange(stride // 2, len(observations.axis), stride)
     if not floors:
         raise InvalidRequest(Fault("call", "floors", "none", "at least one"))
     total = 0

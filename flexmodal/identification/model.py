@@ -69,7 +69,7 @@ class ReceptanceModel(Protocol):
         *,
         slopes: bool,
     ) -> tuple[Complex[np.ndarray, "observation line"], Complex[np.ndarray, "parameter observation line"]]:
-        """Receptances of every observation on some lines, and, if asked, their derivatives (else of length 0)."""
+        """Receptances of every observation on some lines, and their derivatives; none unless asked."""
         ...
 
 

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from jaxtyping import Float
 
-from flexmodal.diagnosis.law import Law
-from flexmodal.diagnosis.pulse import Pulse, pulses
+from flexmodal.diagnosis.march.law import Law
+from flexmodal.diagnosis.march.pulse import Pulse, pulses
 from flexmodal.identification import Observations, Parameter
 from flexmodal.identification.arm import Arm, Body, far_end, moved_bodies, plane_normal
 from flexmodal.identification.assembly import Assembly

@@ -13,7 +13,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from flexmodal.diagnosis.effects.effect import Effect, Scene, Site, positive, signed
-from flexmodal.diagnosis.law import friction, hardening
+from flexmodal.diagnosis.march.law import friction, hardening
 from flexmodal.diagnosis.swing import Swing, swings
 from flexmodal.identification import Parameter
 from flexmodal.identification.assembly import Assembly

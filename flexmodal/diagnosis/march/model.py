@@ -6,7 +6,7 @@ and are marched under every blow. Derivatives are forward differences.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -14,9 +14,9 @@ import numpy as np
 from jaxtyping import Complex, Float, Int
 
 from flexmodal.diagnosis.hypothesis import Hypothesis, Placed
-from flexmodal.diagnosis.law import Law
-from flexmodal.diagnosis.march import FINENESS, March, Steps, Struck, march
-from flexmodal.diagnosis.record import record_receptance
+from flexmodal.diagnosis.march.integrate import FINENESS, March, Steps, Struck, march
+from flexmodal.diagnosis.march.law import Law
+from flexmodal.diagnosis.march.record import measured_form, record_receptance, steps_behind, struck_by
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.identification import Observations, ParameterSpace
 from flexmodal.identification.model import Group
@@ -50,7 +50,8 @@ class MarchedModel:
         return self.hypothesis.space
 
     @cached_property
-    def _linear(self) -> Hypothesis:
+    def linear(self) -> Hypothesis:
+        """Without the stand-ins."""
         placed = tuple(_without_stand_in(one) for one in self.hypothesis.placed)
         return Hypothesis(self.hypothesis.scene, self.hypothesis.base, placed)
 
@@ -62,37 +63,30 @@ class MarchedModel:
         *,
         slopes: bool,
     ) -> tuple[Complex[np.ndarray, "observation line"], Complex[np.ndarray, "parameter observation line"]]:
-        """See `identification.ReceptanceModel`."""
+        """See `identification.ReceptanceModel`; all that has to be marched is marched at once."""
         _, high = self.space.bounds
         sizes = np.where(x + STEP <= high, STEP, -STEP) if slopes else np.zeros(0)
-        tried = [self._look(x, observations, lines)]
-        tried += [
-            self._look(x + size * unit, observations, lines) for size, unit in zip(sizes, np.eye(len(x)))
-        ]
-        steps = self._steps(observations)
-        marched = iter(march([look.struck for one in tried for look in one], steps, compiled=self.compiled))
-        form = _form(observations)
-        value, *moved = (
-            _gathered(len(observations), ((look, look.read(next(marched), steps, form)) for look in one))
-            for one in tried
-        )
-        return value, np.array([(one - value) / size for one, size in zip(moved, sizes, strict=True)])
+        tried = [x, *(x + np.where(np.arange(len(x)) == k, size, 0.0) for k, size in enumerate(sizes))]
+        looks = [self._look(one, observations, lines) for one in tried]
+        steps = steps_behind(observations, self.hypothesis.scene.pulses, self.fineness)
+        marched = march([one.struck for look in looks for one in look], steps, compiled=self.compiled)
+        found = np.zeros((len(tried), len(observations), len(observations.axis.take(lines))), dtype=complex)
+        form, number = measured_form(observations), 0
+        for value, look in zip(found, looks, strict=True):
+            for one in look:
+                value[one.group.observations] = one.read(marched[number], steps, form)
+                number += 1
+        return found[0], (found[1:] - found[0]) / sizes[:, None, None]
 
-    def _steps(self, observations: Observations) -> Steps:
-        known = [observations.campaign.trial(level[0]).record_length for level in observations.levels]
-        return Steps.behind(
-            observations.axis.frequency, max((one for one in known if one), default=None), self.fineness
-        )
-
-    def _look(self, x: np.ndarray, observations: Observations, lines: slice | np.ndarray) -> list[_Look]:
-        values = self.space.values(x)
-        found = []
+    def _look(self, x: np.ndarray, observations: Observations, lines: slice | np.ndarray) -> Sequence[_Look]:
+        values, pulses = self.space.values(x), self.hypothesis.scene.pulses
         laws: dict[int, tuple[Law, ...]] = {}
-        for group in self._linear.groups(x, observations, slopes=False):
+        found = []
+        for group in self.linear.groups(x, observations, slopes=False):
             posture = int(observations.posture[group.observations[0]])
             if posture not in laws:
-                laws[posture] = self._linear.laws(posture, values)
-            found.append(_look(self._linear, group, laws[posture], observations, lines))
+                laws[posture] = self.linear.laws(posture, values)
+            found.append(_Look(group, *struck_by(group, observations, pulses, lines, laws[posture])))
         return found
 
 
@@ -102,10 +96,9 @@ class _Look:
 
     group: Group
     struck: Struck
-    wanted: np.ndarray
-    """[observation, 2]: row of the response and number of the blow."""
+    wanted: Int[np.ndarray, "observation 2"]
 
-    def read(self, marched: March, steps: Steps, form: str) -> np.ndarray:
+    def read(self, marched: March, steps: Steps, form: str) -> Complex[np.ndarray, "observation line"]:
         """What the sensors make of it."""
         value = record_receptance(self.struck, marched, steps, form, self.wanted)
         if self.group.reading is not None:
@@ -122,35 +115,3 @@ def _without_stand_in(placed: Placed) -> Placed:
     if placed.effect.law is None:
         return placed
     return Placed(replace(placed.effect, act=None, variants=()), placed.where)
-
-
-def _look(
-    linear: Hypothesis, group: Group, laws: tuple[Law, ...], observations: Observations,
-    lines: slice | np.ndarray,
-) -> _Look:  # fmt: skip
-    level = observations.level[group.observations]
-    table = np.stack([group.pairs[:, 1], level], axis=1)
-    blows, number = np.unique(table, axis=0, return_inverse=True)
-    struck = Struck(
-        group.structure,
-        laws,
-        observations.axis_of(group.level).take(lines),
-        tuple((int(row), linear.scene.pulses[int(kind)]) for row, kind in blows),
-    )
-    return _Look(group, struck, np.stack([group.pairs[:, 0], number.ravel()], axis=1))
-
-
-def _gathered(count: int, parts: Iterable[tuple[_Look, np.ndarray]]) -> np.ndarray:
-    done = [(look.group.observations, value) for look, value in parts]
-    total = np.zeros((count, done[0][1].shape[1]), dtype=complex)
-    for rows, value in done:
-        total[rows] = value
-    return total
-
-
-def _form(observations: Observations) -> str:
-    """What the sensors measured: the form of the campaign's FRFs."""
-    campaign = observations.campaign
-    if campaign.frfs is not None:
-        return campaign.frfs.form
-    return {"displacement": "receptance", "velocity": "mobility"}.get(campaign.blows[0].quantity, "inertance")

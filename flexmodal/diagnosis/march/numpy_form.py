@@ -1,12 +1,12 @@
-"""The loop of `march_kernel` in numpy, a step at a time for all blows at once, where numba is not installed."""
+"""The loop of `kernel` in numpy, a step at a time for all blows at once: where numba is not installed."""
 
 from __future__ import annotations
 
 import numpy as np
 from jaxtyping import Float, Int
 
-from flexmodal.diagnosis.law import HARDENING
-from flexmodal.diagnosis.march_kernel import CLOSE, ROUNDS, STUBBORN
+from flexmodal.diagnosis.march.kernel import CLOSE, ROUNDS, STUBBORN
+from flexmodal.diagnosis.march.law import HARDENING
 
 
 def march(
@@ -21,7 +21,7 @@ def march(
     torque: Float[np.ndarray, "group lane law time"],
     last: Float[np.ndarray, "group lane state"],
 ) -> None:
-    """See `march_kernel.march`."""
+    """See `kernel.march`."""
     owner = np.repeat(system, push.shape[3])
     phi, early, late, rows, parameters = (a[owner] for a in (phi, early, late, rows, parameters))
     gain = np.einsum("bli,bmi->blm", rows, late)

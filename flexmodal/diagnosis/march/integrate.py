@@ -17,11 +17,11 @@ from typing import Any
 import numpy as np
 from jaxtyping import Complex, Float
 
-from flexmodal.diagnosis import march_kernel, march_numpy
-from flexmodal.diagnosis.law import Law
-from flexmodal.diagnosis.march_kernel import LANES
-from flexmodal.diagnosis.pulse import Pulse
-from flexmodal.diagnosis.spectrum import WHOLE, spectrum
+from flexmodal.diagnosis.march import kernel, numpy_form
+from flexmodal.diagnosis.march.kernel import LANES
+from flexmodal.diagnosis.march.law import Law
+from flexmodal.diagnosis.march.pulse import Pulse
+from flexmodal.diagnosis.march.spectrum import WHOLE, spectrum
 from flexmodal.identification.structure import Axis, Structure
 
 Blow = tuple[int, Pulse]
@@ -37,24 +37,29 @@ _TOGETHER = 4_000_000
 class Steps:
     """How long is marched, and in what steps."""
 
-    length: float
-    """Of the record [s]."""
+    step: float
+    """[s]"""
     count: int
+    """From the blow to the end of the record."""
+    whole: int
+    """Of the whole record."""
 
     @property
-    def step(self) -> float:
-        """[s]"""
-        return self.length / self.count
+    def length(self) -> float:
+        """From the blow to the end of the record [s]."""
+        return self.count * self.step
 
     @classmethod
     def behind(
-        cls, frequency: Float[np.ndarray, " line"], length: float | None = None, fineness: float = FINENESS
-    ) -> Steps:
+        cls, frequency: Float[np.ndarray, " line"], *, length: float | None = None, start: float = 0.0,
+        fineness: float = FINENESS,
+    ) -> Steps:  # fmt: skip
         """The record behind some lines: 1/Δf long.
 
         Args:
             frequency: of the lines [Hz].
             length: of the record, where it is known to be longer [s].
+            start: when the blow begins in it [s].
             fineness: steps in a period of the highest line.
         """
         from scipy.fft import next_fast_len
@@ -63,7 +68,8 @@ class Steps:
         long = max(1 / spacing, length or 0.0)
         if abs(long * spacing - 1) < WHOLE:
             long = 1 / spacing
-        return cls(long, int(next_fast_len(int(np.ceil(fineness * frequency[-1] * long)), real=True)))
+        whole = int(next_fast_len(int(np.ceil(fineness * frequency[-1] * long)), real=True))
+        return cls(long / whole, max(1, round(whole * (1 - start / long))), whole)
 
 
 @dataclass(frozen=True, eq=False)
@@ -228,7 +234,7 @@ def _marched(struck: Sequence[Struck], steps: Steps, loop: Callable[..., None]) 
     return [
         March(
             spectrum(force[own], one.axis, steps.step),
-            spectrum(torque[own], one.axis, steps.step),
+            spectrum(torque[own], one.axis, steps.step, steps.whole),
             last[own],
         )
         for one, own in zip(struck, map(slice, ends - [len(one.blows) for one in struck], ends), strict=True)
@@ -251,11 +257,11 @@ def _loop(compiled: bool | None = None) -> Callable[..., None]:
 
     if compiled is None:
         compiled = has_numba()
-    return _compiled() if compiled else march_numpy.march
+    return _compiled() if compiled else numpy_form.march
 
 
 @cache
 def _compiled() -> Any:
     from flexmodal.frf.kernels.compiled import compile_together
 
-    return compile_together(march_kernel.law, last=march_kernel.march)
+    return compile_together(kernel.law, last=kernel.march)

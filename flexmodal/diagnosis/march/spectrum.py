@@ -1,6 +1,6 @@
-"""Spectra of signals that are straight lines between samples, zero before the first and cut off after the last.
+"""Spectra of signals that are straight lines between samples, zero before the first, cut off after the last.
 
-    X(s) = h Σ_j x_j e^{−s j h} (sinh(z/2)/(z/2))² + the last sample's half,    z = s h,
+    X(s) = h Σ_j x_j e^{−s j h} (sinh(z/2)/(z/2))² + half a hat for the last,    z = s h,
 
 exact for such signals (the transform of a hat of width 2h), so that force and torques of a march enter its
 response without any further approximation.
@@ -20,7 +20,7 @@ _TOGETHER = 1 << 20
 
 
 def spectrum(
-    samples: Float[np.ndarray, "*many time"], axis: Axis, step: float
+    samples: Float[np.ndarray, "*many time"], axis: Axis, step: float, whole: int | None = None
 ) -> Complex[np.ndarray, "*many line"]:
     """Spectrum on some lines.
 
@@ -28,17 +28,21 @@ def spectrum(
         samples: the first at time 0.
         axis: lines, and the window that the signal is under.
         step: between samples [s].
+        whole: steps whose length the lines are multiples of the inverse of; those of the signal by default.
     """
     z = axis.s * step
     hat = step * (np.sinh(z / 2) / (z / 2)) ** 2
     count = samples.shape[-1] - 1
-    whole = axis.frequency * count * step
-    number = np.round(whole).astype(int)
-    if count > _SHORT and np.all(np.abs(whole - number) < WHOLE) and number[-1] <= count // 2:
-        fade = np.exp(-axis.decay * step * np.arange(count))
-        inner = np.fft.rfft(samples[..., :-1] * fade if axis.decay else samples[..., :-1], axis=-1)[
-            ..., number
-        ]
+    long = whole or count
+    periods = axis.frequency * long * step
+    number = np.round(periods).astype(int)
+    if count > _SHORT and np.all(np.abs(periods - number) < WHOLE) and number[-1] <= long // 2:
+        faded = (
+            samples[..., :-1] * np.exp(-axis.decay * step * np.arange(count))
+            if axis.decay
+            else samples[..., :-1]
+        )
+        inner = np.fft.rfft(faded, long, axis=-1)[..., number]
     else:
         inner = _direct(samples[..., :-1], z)
     half = step * (np.exp(z) - 1 - z) / z**2 * np.exp(-count * z)

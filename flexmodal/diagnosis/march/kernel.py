@@ -1,4 +1,4 @@
-"""The loop of a march in time: plain functions of numbers and arrays, compiled by `march`.
+"""The loop of a march in time: plain functions of numbers and arrays, compiled by `integrate`.
 
 `LANES` blows on one system march side by side, so that the products with its matrices fill a vector register.
 Codes of the laws are those of `law`: 0 hardening, 1 friction.
@@ -17,7 +17,7 @@ ROUNDS = 40
 STUBBORN = 8
 """After so many they are halved."""
 CLOSE = 1e-6
-"""Newton's last correction of an elongation over the largest elongation so far; what it leaves is its square."""
+"""Newton's last correction of an elongation, over the largest so far; what it leaves is its square."""
 
 
 @no_type_check  # a checker's wrapper cannot be compiled

@@ -31,7 +31,13 @@ class Law:
 
 
 def friction(row: Float[np.ndarray, " dof"], torque: float, presliding_stiffness: float) -> Law:
-    """Dry friction: it slips at `torque` [N·m] and is as stiff as `presliding_stiffness` [N·m/rad] at rest."""
+    """Dry friction.
+
+    Args:
+        row: elongation by the coordinates.
+        torque: at which it slips [N·m].
+        presliding_stiffness: before it does [N·m/rad].
+    """
     return Law(row, FRICTION, (torque, presliding_stiffness))
 
 
