@@ -13,6 +13,9 @@ import click
 from flexmodal.errors import FlexmodalError
 
 
+_STAGE = "{desc}{percentage:3.0f} % {bar} {elapsed}, {remaining} left"
+
+
 def print_json(result: dict[str, Any]) -> None:
     """One JSON object in ASCII, refusing NaN and infinity rather than writing what no reader accepts."""
     try:
@@ -55,6 +58,24 @@ def noted_progress(
     hidden = quiet or not sys.stderr.isatty()
     with tqdm(total=total, desc=label, file=sys.stderr, disable=hidden, leave=False) as bar:
         yield lambda: bar.update(1) and None, bar.set_postfix_str
+
+
+@contextmanager
+def stages(*, quiet: bool) -> Iterator[Callable[[str, float], None]]:
+    """A bar for work in stages that are told of by name, with the time left of each; nothing off a terminal."""
+    from tqdm import tqdm
+
+    hidden = quiet or not sys.stderr.isatty()
+    with tqdm(total=1.0, file=sys.stderr, disable=hidden, leave=False, bar_format=_STAGE) as bar:
+
+        def advance(doing: str, part: float) -> None:
+            if bar.desc != f"{doing}: ":
+                bar.reset(1.0)
+                bar.set_description(doing)
+            bar.n = min(part, 1.0)
+            bar.refresh()
+
+        yield advance
 
 
 def degrees(value: float, *, prismatic: bool = False) -> str:

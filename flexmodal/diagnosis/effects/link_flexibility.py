@@ -4,9 +4,9 @@ For a load at its far end the bending moment in a beam is linear along it, so th
 of springs at the two points of Gauss's quadrature, (1 ± 1/√3)/2 of its length: a uniform beam is exact with
 2EI/L each, and shares between the two stand for beams that are stiffer at one end. One hinge, the
 pseudo-joint of Hearne, section 2.3, is what both together are worth: the stiffness of the two in series, at
-their weighted place. The link's mass is taken as spread evenly along it; what its inertia has beyond that of
-thin rods is shared out in the same way, so that mass, mass centre and inertia of the whole link stay what
-they were.
+their weighted place. The link's mass is taken as spread evenly along it, or as far as its inertia allows;
+what that has beyond the inertia of thin rods is shared out in the same way, so that mass, mass centre and
+inertia of the whole link stay what they were.
 """
 
 from __future__ import annotations
@@ -87,8 +87,9 @@ def _bodies(assembly: Assembly, site: Site, bodies: Bodies, link: str) -> bool:
 
 def _rods(site: Site, body: Body) -> tuple[list[tuple[np.ndarray, Body]], np.ndarray]:
     """Parts of a link as thin rods, each with its place along it, and the inertia of all about its centre."""
-    length, axis = along(site.scene, site.where)
+    end, axis = along(site.scene, site.where)
     thin = np.eye(3) - np.outer(axis, axis)
+    length = min(end, _spread(site, body, axis))
     shares = (HINGES[0], HINGES[1] - HINGES[0], 1 - HINGES[1])
     middles = (HINGES[0] / 2, 0.5, 1 - HINGES[0] / 2)
     parts, whole = [], np.zeros((3, 3))
@@ -96,8 +97,17 @@ def _rods(site: Site, body: Body) -> tuple[list[tuple[np.ndarray, Body]], np.nda
         lever = (middle - 0.5) * length * axis
         own = share * body.mass * (share * length) ** 2 / 12 * thin
         whole += own + share * body.mass * (lever @ lever * np.eye(3) - np.outer(lever, lever))
-        parts.append((middle * length * axis, Body(share * body.mass, body.centre + lever, own)))
+        parts.append((middle * end * axis, Body(share * body.mass, body.centre + lever, own)))
     return parts, whole
+
+
+def _spread(site: Site, body: Body, axis: np.ndarray) -> float:
+    """Length of the longest thin rod in the body, beside a disc with its moment about the axis [m]."""
+    across = sides(site.scene, site.where, axis, site.scene.arm(0).placed[site.where][:3, :3])
+    turns = np.array([np.cross(axis, side) for side in across])
+    least = float(np.linalg.eigvalsh(turns @ body.inertia @ turns.T)[0])
+    disc = 0.0 if site.scene.normal is not None else float(axis @ body.inertia @ axis) / 2
+    return float(np.sqrt(12 * max(least - disc, 0.0) / body.mass))
 
 
 def shares(stiffness: float, position: float) -> tuple[float, float]:
@@ -130,11 +140,12 @@ def _extend(draft: Draft, site: Site) -> None:
             draft.flexible(joint, spring, site["damping"] / site["stiffness"] * spring)
     card = bodies_of(site.scene.robot.urdf)[link]
     whole = scaled(card, link, site.values)
-    parts, rods = _rods(site, Body(whole.mass, card.centre, card.inertia))
+    grown = whole.mass / card.mass
+    parts, rods = _rods(site, card)
     for number, (_, rod) in enumerate(parts):
-        inertia = rod.inertia + rod.mass / whole.mass * (whole.inertia - rods)
+        inertia = grown * rod.inertia + rod.mass / card.mass * (whole.inertia - grown * rods)
         shift = HINGES[number - 1] * length * axis if number else np.zeros(3)
-        draft.set_body(names[number], Body(rod.mass, rod.centre - shift, inertia))
+        draft.set_body(names[number], Body(grown * rod.mass, rod.centre - shift, inertia))
 
 
 EFFECT = Effect(
