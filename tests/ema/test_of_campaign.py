@@ -50,7 +50,7 @@ def campaign(trials: int, blows: int, noise: float, decay: float = 0.0, jump: fl
 
 
 def test_the_damping_of_the_window_is_taken_out_and_the_picture_stays_that_of_the_measurement() -> None:
-    """14 Hz damped by 1 % decays to a sixth in 2 s: without window it leaks, with one its damping is off."""
+    """14 Hz damped by 1 % has decayed to a sixth after 2 s: it leaks, or its damping is the window's."""
     (found,) = fit_campaign(campaign(2, 3, 1e-3, decay=5.0), per="posture", choices=CHOICES)
     for mode, frequency, damping in zip(found.modes, FREQUENCY, DAMPING, strict=True):
         assert mode.frequency == pytest.approx(frequency, rel=1e-3)
@@ -89,8 +89,7 @@ def test_trials_that_scatter_more_than_their_noise_raise_it() -> None:
     spreads = []
     for one in (steady, loose):
         records = records_of(one)
-        # no repeats
-        kinds = tuple(replace(trial, force_peak=100.0 + trial.id) for trial in one.trials)
+        kinds = tuple(replace(trial, force_peak=100.0 + trial.id) for trial in one.trials)  # no repeats
         records = replace(records, trials=kinds)
         ((_, _, measured),) = by_posture(records, "average", known_variance(records))
         spreads.append(measured.within(10.0, 20.0).variance.mean())
