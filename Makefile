@@ -2,6 +2,7 @@
 # make test    set up and run the tests
 # make check   ruff, mypy, import-linter, and what is in the wheel
 # make tables  remake the tables in docs/
+# make studies run the thesis's optimisations again, beside its printed numbers; some minutes
 # make bench   measure the engine against its goals and its peers; some minutes
 # make fuzz    read 100000 mutated campaigns; no crash, no hang, no flood of memory
 # make clean   remove what these made
@@ -9,7 +10,7 @@
 PYTHON ?= python3.11
 BIN := .venv/bin
 .DEFAULT_GOAL := help
-.PHONY: help demo test check tables bench fuzz browser clean
+.PHONY: help demo test check tables studies bench fuzz browser clean
 
 help:
 	@grep '^# make' Makefile | cut -c3-
@@ -51,6 +52,9 @@ tables: .venv/tested
 	$(BIN)/python benchmarks/six_link_postures.py
 	$(BIN)/python benchmarks/ema_methods.py
 	$(BIN)/python benchmarks/ema_real.py
+
+studies: .venv/tested
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/studies.py
 
 clean:
 	rm -rf .venv dist build demo .pytest_cache .mypy_cache .ruff_cache

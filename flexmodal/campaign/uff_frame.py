@@ -3,8 +3,8 @@
 pyuff packs every number of a binary dataset by a call of its own, reads the whole file again after each
 dataset it adds, declares half the bytes of complex values, and leaves broken files when it overwrites binary
 ones. So each dataset is written alone to a fresh file, a binary one with its first two values only; then the
-counts of points and bytes in its header are put right and all values take the place of the two. A dataset whose
-frame is not laid out as known here is left to pyuff from end to end.
+counts of points and bytes in its header are put right and all values take the place of the two. A dataset
+whose frame is not laid out as known here is left to pyuff from end to end.
 """
 
 from __future__ import annotations

@@ -14,7 +14,7 @@ from flexmodal.errors import Fault, InvalidRequest
 
 if TYPE_CHECKING:
     from flexmodal.campaign import Campaign
-    from flexmodal.ema import Choices, Fit
+    from flexmodal.ema import Choices, Fit, Tolerances
 
 _ENDINGS = (".csv", ".json", ".html", ".png", ".svg")
 
@@ -47,6 +47,28 @@ _ENDINGS = (".csv", ".json", ".html", ".png", ".svg")
     show_default=True,
     help="Of the lines in least squares.",
 )
+@click.option(
+    "--residuals",
+    type=click.Choice(["none", "real", "complex"]),
+    default="complex",
+    show_default=True,
+    help="Terms for what lies outside the band.",
+)
+@click.option("--order", type=click.IntRange(2, 300), default=40, show_default=True, help="Highest of LSCF.")
+@click.option(
+    "--tolerances",
+    metavar="FREQUENCY,DAMPING",
+    help="Largest relative change of a stable pole from order to order; 0.01,0.05 if none.",
+)
+@click.option(
+    "--refine/--no-refine", default=True, show_default=True, help="Least squares from the poles of LSCF."
+)
+@click.option(
+    "--vary/--no-vary",
+    default=True,
+    show_default=True,
+    help="Repeat the fit under other choices, and state how far they move it.",
+)
 @click.option("--estimator", type=click.Choice(["H1", "H2", "Hv"]), default="H1", help="Of FRFs from blows.")
 @click.option(
     "--out", type=click.Path(path_type=Path), help="A .csv (as modes.csv), .json, .html, .png or .svg file."
@@ -58,16 +80,11 @@ def fit(
     method: str,
     per: str,
     trials: str,
-    band: str | None,
-    at: str | None,
-    forbid: tuple[str, ...],
-    damping: tuple[str, ...],
-    hold_frequency: str | None,
-    weighting: str,
     estimator: str,
     out: Path | None,
     force: bool,
     as_json: bool,
+    **wanted: Any,
 ) -> None:
     """Modal parameters of measured FRFs, each with its uncertainty; exit 1 if no mode is found."""
     from flexmodal.campaign import read_campaign
@@ -78,9 +95,7 @@ def fit(
     measured = read_campaign(campaign)
     for warning in measured.warnings:
         click.echo(f"warning: {warning}", err=True)
-    choices = _choices(
-        None if band is None else band_of(band), at, forbid, damping, hold_frequency, weighting
-    )
+    choices = _choices(**wanted)
     fits = fit_campaign(measured, method, per=per, trials=trials, estimator=estimator, choices=choices)
     found = as_object(fits)
     if out is not None:
@@ -94,12 +109,15 @@ def fit(
 
 
 def _choices(
-    band: tuple[float, float] | None,
+    *,
+    band: str | None,
     at: str | None,
     forbid: tuple[str, ...],
     damping: tuple[str, ...],
     hold_frequency: str | None,
-    weighting: str,
+    order: int,
+    tolerances: str | None,
+    **others: Any,
 ) -> Choices:
     from flexmodal.ema import Choices
 
@@ -110,13 +128,28 @@ def _choices(
             raise InvalidRequest(Fault(SOURCE, "--damping", repr(text), "HZ=RATIO, such as 38=0.13"))
         forced[number(peak, "--damping", "a frequency in Hz")] = number(ratio, "--damping", "a ratio")
     return Choices(
-        band=band,
+        band=None if band is None else band_of(band),
         at=None if at is None else _hertz(at, "--at"),
         forbid=[band_of(text) for text in forbid],
         hold_frequency=[] if hold_frequency is None else _hertz(hold_frequency, "--hold-frequency"),
         damping=forced,
-        weighting=weighting,
+        highest_order=order,
+        tolerances=_tolerances(tolerances),
+        **others,
     )
+
+
+def _tolerances(text: str | None) -> Tolerances:
+    from flexmodal.ema import Tolerances
+
+    if text is None:
+        return Tolerances()
+    parts = [number(part, "--tolerances", "relative changes") for part in text.split(",")]
+    if len(parts) != 2:
+        raise InvalidRequest(
+            Fault(SOURCE, "--tolerances", repr(text), "FREQUENCY,DAMPING, such as 0.01,0.05")
+        )
+    return Tolerances(frequency=parts[0], damping=parts[1])
 
 
 def _hertz(text: str, option: str) -> list[float]:
@@ -155,10 +188,11 @@ def _write(
 
 
 def _print(fits: tuple[Fit, ...], found: dict[str, Any], measured: Campaign, method: str) -> None:
-    from flexmodal.ema.page import HEADER, mode_cells
+    from flexmodal.ema.table import HEADER, LEGEND, mode_cells
 
     rows = [cells for one in fits for cells in mode_cells(one)]
-    print_table(f"{measured.title}: modes by {method}, 95 % intervals", HEADER, rows)
+    print_table(f"{measured.title}: modes by {method}", HEADER, rows)
+    click.echo(LEGEND)
     for peak in found["refused"]:
         click.echo(
             f"refused: posture {peak['posture']}, {peak['frf']}, {peak['frequency']:.2f} Hz: {peak['why']}"

@@ -41,11 +41,20 @@ def print_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]
 @contextmanager
 def progress(total: int, label: str, *, quiet: bool) -> Iterator[Callable[[], None]]:
     """A bar with the time left on a terminal; nothing elsewhere."""
+    with noted_progress(total, label, quiet=quiet) as (advance, _):
+        yield advance
+
+
+@contextmanager
+def noted_progress(
+    total: int, label: str, *, quiet: bool
+) -> Iterator[tuple[Callable[[], None], Callable[[str], None]]]:
+    """The same, with a second function that puts a note beside the bar."""
     from tqdm import tqdm
 
     hidden = quiet or not sys.stderr.isatty()
     with tqdm(total=total, desc=label, file=sys.stderr, disable=hidden, leave=False) as bar:
-        yield lambda: bar.update(1) and None
+        yield lambda: bar.update(1) and None, bar.set_postfix_str
 
 
 def degrees(value: float, *, prismatic: bool = False) -> str:

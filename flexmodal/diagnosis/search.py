@@ -7,7 +7,7 @@ the truth. Rounds of more steps with fewer candidates follow one another (succes
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float
@@ -47,11 +47,17 @@ def stride_for(observations: Observations, lines: int) -> int:
     return max(1, len(observations.axis) // lines)
 
 
+def unlimited(observations: Observations) -> Observations:
+    """As if every record lasted until all is still: what is cut off is a matter for the close look."""
+    return replace(observations, lengths=tuple(0.0 for _ in observations.lengths))
+
+
 def candidates(
     root: Hypothesis, starts_from: Float[np.ndarray, " before"], effects: Sequence[Effect],
     observations: Observations,
 ) -> list[Candidate]:  # fmt: skip
     """Every effect in every place beside what the root holds already, at its best starts."""
+    observations = unlimited(observations)
     stride = stride_for(observations, COARSE)
     weighing = Weighing(ROUNDS[0][0], np.arange(stride // 2, len(observations.axis), stride))
     found = []
@@ -78,12 +84,15 @@ def narrowed(
     advance: Callable[[float], None] = lambda part: None,
 ) -> list[Candidate]:
     """The candidates that do best, one for each effect and place, the best first."""
+    observations = unlimited(observations)
     stride = stride_for(observations, COARSE)
     todo = list(found)
     for floor, steps, keep in ROUNDS:
         done = []
         for number, one in enumerate(todo):
-            made = fit(one.hypothesis, observations, one.x, floors=(floor,), steps=steps, stride=stride)
+            made = fit(
+                one.hypothesis, observations, one.x, floors=(floor,), steps=steps, stride=stride, apart=False
+            )
             done.append(Candidate(one.hypothesis, made.x, made.normal.cost))
             advance((number + 1) / len(todo) / len(ROUNDS))
         todo = distinct(done)[:keep]

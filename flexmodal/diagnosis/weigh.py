@@ -23,7 +23,8 @@ from jaxtyping import Complex, Float
 
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.identification import Observations, predict
-from flexmodal.identification.frf_fit import HUBER, FrfFit, Weighing, residual
+from flexmodal.identification.descent import robust
+from flexmodal.identification.frf_fit import FrfFit, Weighing, residual
 from flexmodal.identification.uncertainty import clusters
 
 DRAWS = 400
@@ -84,15 +85,15 @@ def weighable(
     value = predict(hypothesis, fitted.x, observations) if predicted is None else predicted
     every = Weighing(fitted.weighing.floor, np.arange(len(observations.axis)))
     squared = every.weight(observations) * np.abs(residual(value, observations.value)) ** 2
-    robust = np.where(squared <= HUBER**2, squared, 2 * HUBER * np.sqrt(squared) - HUBER**2)
+    size = robust(squared)
     cluster = clusters(observations)
-    costs = np.bincount(cluster, weights=robust.sum(axis=1))
+    costs = np.bincount(cluster, weights=size.sum(axis=1))
     precision = np.maximum(hypothesis.space.precision, 1e-12)
     root = np.sqrt(precision)
     share = len(observations.axis) / max(len(fitted.weighing.lines), 1)
     curvature = fitted.normal.curvature * share / np.outer(root, root)
-    sign, size = np.linalg.slogdet(np.eye(len(root)) + curvature)
-    return Weighable(hypothesis, fitted, costs, 0.5 * float(size) if sign > 0 else np.inf, value)
+    sign, log = np.linalg.slogdet(np.eye(len(root)) + curvature)
+    return Weighable(hypothesis, fitted, costs, 0.5 * float(log) if sign > 0 else np.inf, value)
 
 
 def independence(

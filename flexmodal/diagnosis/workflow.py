@@ -7,11 +7,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Bool
+from threadpoolctl import threadpool_limits
 
 from flexmodal.campaign import Campaign
 from flexmodal.diagnosis.compare import disagreement, excess
 from flexmodal.diagnosis.effects import Effect, Scene, catalogue
 from flexmodal.diagnosis.hypothesis import Hypothesis
+from flexmodal.diagnosis.march.model import has_law
 from flexmodal.diagnosis.next_measurement import next_measurement
 from flexmodal.diagnosis.outcome import (
     UNKNOWN,
@@ -23,11 +25,14 @@ from flexmodal.diagnosis.outcome import (
     Weighed,
 )
 from flexmodal.diagnosis.provenance import provenance
+from flexmodal.diagnosis.refine import refined
 from flexmodal.diagnosis.search import (
+    COARSE,
     candidates,
     narrowed,
     polished,
     stride_for,
+    unlimited,
 )
 from flexmodal.diagnosis.weigh import Scales, Weighable, weigh, weighable
 from flexmodal.errors import Fault, InvalidRequest
@@ -42,26 +47,37 @@ from flexmodal.identification import (
     robot_space,
     uncertainty,
 )
+from flexmodal.identification.frf_fit import residual
+from flexmodal.identification.truncation import missing
 from flexmodal.model import Robot
 
 TRUST = {"stiffness": 0.08, "damping": 0.08, "mass": 0.08, "inertia": 0.08}
 """Standard deviation of ln(true / card) in re-tuning, unless the card or the user says other."""
-MOST_STEPS = 3
-"""Effects added at most."""
+MOST_STEPS = 2
+"""Effects added at most: more of them explain anything."""
 FINALISTS = 5
 """Candidates that are fitted closely and weighed."""
+MARCHED = 2
+"""Of them, how many of the best have their non-linear torques marched in time."""
 SIGNIFICANT = 8.0
 """Score that an effect has to gain, in 19 of 20 draws of the bootstrap [nat]."""
 WORTH = 0.03
-"""Part of the remaining sum of squares that it has to take away besides."""
+"""Part of the sum of squares that it has to take away besides."""
+ANOTHER = 0.35
+"""The same for every further effect: what a good but not perfect model leaves is not another effect."""
+WORST = 0.05
+"""Part of the observations, the worst, that do not count in it."""
 FLOOR_REACHED = 1.15
 """Gap over noise floor that needs no explanation."""
 EXPLAINED = 1.6
 """Gap over noise floor that a perfect model may show."""
-LEFT = 0.06
+LEFT = 0.12
 """Part of the disagreement above the noise that may be left between the two."""
 TIE = 0.05
 """Probability from which another explanation counts as tied with the best."""
+
+_FEWEST = 3
+"""Postures from which on some are held out."""
 
 Advance = Callable[[str, float], None]
 
@@ -96,8 +112,8 @@ def diagnose(
     Args:
         campaign: with FRFs, or blows to estimate them from.
         robot: as it is believed to be.
-        hold_out: postures (ids or names) that no weighed fit sees; every fourth, at least one, by default.
-            With fewer than three postures none is held out.
+        hold_out: postures (ids or names) that no weighed fit sees. By default one in four, at least one,
+            those on which the re-tuned robot is neither best nor worst; with fewer than three postures none.
         effects: names from the catalogue; all by default.
         trust: standard deviation of ln(true / card) by kind or parameter name.
         seed: of the bootstrap.
@@ -106,14 +122,29 @@ def diagnose(
     Raises:
         InvalidRequest: no data, unknown effects or postures, a campaign that does not belong to the robot.
     """
+    with threadpool_limits(1):  # matrices this small only wait for the threads of a BLAS
+        return _diagnose(campaign, robot, hold_out, effects, trust, seed, advance)
+
+
+def _diagnose(
+    campaign: Campaign,
+    robot: Robot,
+    hold_out: Sequence[int | str] | None,
+    effects: Sequence[str] | None,
+    trust: Mapping[str, float] | None,
+    seed: int,
+    advance: Advance,
+) -> Diagnosis:
     observations = observe(campaign)
     _belong(observations, robot)
+    observations = _whole(observations, robot)
     scene = Scene(robot, observations)
     known = catalogue(effects)
-    held = _held(observations, hold_out)
+    base = robot_space(robot, trust={**_trust_of(robot), **(trust or {})})
+    held = _held(observations, hold_out) if hold_out is not None else _middling(scene, base)
     bench = _Bench(
         scene,
-        robot_space(robot, trust={**_trust_of(robot), **(trust or {})}),
+        base,
         observations,
         observations.keeping(~held),
         held,
@@ -160,14 +191,17 @@ class _Course:
         starts = at_card if not number else before.fitted.x
         found = candidates(before.hypothesis, starts, bench.effects, bench.fitted)
         finalists = narrowed(found, bench.fitted, lambda part: bench.advance(doing, 0.7 * part))[:FINALISTS]
+        fits = [(one.hypothesis, polished(one, bench.fitted)) for one in finalists]
+        fits.sort(key=lambda one: one[1].normal.cost)
         looked = [before]
-        for place, one in enumerate(finalists):
-            looked.append(self._look(one.hypothesis, polished(one, bench.fitted)))
-            bench.advance(doing, 0.7 + 0.3 * (place + 1) / len(finalists))
+        for place, (hypothesis, fitted) in enumerate(fits):
+            marched = place < MARCHED and has_law(hypothesis)
+            looked.append(self._look(hypothesis, fitted, marched=marched))
+            bench.advance(doing, 0.7 + 0.3 * (place + 1) / len(fits))
         scales = weigh(looked, bench.observations, bench.seed)
         best = int(np.argmax(scales.scores))
         worth = 1 - looked[best].costs.sum() / max(before.costs.sum(), 1e-300)
-        if best == 0 or scales.gain < SIGNIFICANT or worth < WORTH:
+        if best == 0 or scales.gain < SIGNIFICANT or worth < (ANOTHER if number else WORTH):
             return None
         self.current = looked[best]
         step = self._describe(looked, scales, best, before)
@@ -238,8 +272,20 @@ class _Course:
     def _fit(self, hypothesis: Hypothesis, start: np.ndarray, observations: Observations) -> FrfFit:
         return fit(hypothesis, observations, start, stride=stride_for(observations, 240), steps=25)
 
-    def _look(self, hypothesis: Hypothesis, fitted: FrfFit) -> Weighable:
-        return weighable(hypothesis, fitted, self.bench.observations)
+    def _look(
+        self,
+        hypothesis: Hypothesis,
+        fitted: FrfFit,
+        *,
+        marched: bool = False,
+        fitted_to: Observations | None = None,
+    ) -> Weighable:
+        """A fit seen from all postures; its non-linear torques marched in time where that is asked for."""
+        observations = self.bench.observations
+        if not marched:
+            return weighable(hypothesis, fitted, observations)
+        close = refined(hypothesis, fitted, self.bench.fitted if fitted_to is None else fitted_to)
+        return weighable(hypothesis, close.fitted, observations, predict(close.model, close.x, observations))
 
     def _still_needed(self) -> None:
         """Leave out every effect but the last in turn; those that nobody misses go."""
@@ -251,7 +297,8 @@ class _Course:
                 for name, v in zip(self.current.hypothesis.space.names, self.current.fitted.x, strict=True)
                 if not name.startswith(f"{step.effect}@{step.where}.")
             ]
-            less = self._look(without, self._fit(without, np.array(kept), self.bench.fitted))
+            fitted = self._fit(without, np.array(kept), self.bench.fitted)
+            less = self._look(without, fitted, marched=has_law(without))
             scales = weigh([less, self.current], self.bench.observations, self.bench.seed)
             if scales.gain < SIGNIFICANT:
                 self.current = less
@@ -276,7 +323,16 @@ class _Course:
         )
 
     def _over(self, one: Weighable) -> float:
-        return gap(self.bench.observations, one.predicted).over_floor
+        """Gap over noise floor, without the few observations that are worst.
+
+        Where a point hardly moves along its axis, a hammer's tilt of a fraction of a degree counts for more
+        than noise.
+        """
+        observations = self.bench.observations
+        each = np.where(observations.used, np.abs(residual(one.predicted, observations.value)) ** 2, 0.0)
+        ratio = each.sum(axis=1) / np.maximum((observations.variance * observations.used).sum(axis=1), 1e-300)
+        keep = ratio <= np.quantile(ratio, 1 - WORST)
+        return gap(observations, one.predicted, keep).over_floor
 
     def _quiet(self, one: Weighable) -> bool:
         """Whether hardly a line stands out of the noise."""
@@ -298,8 +354,11 @@ class _Course:
         held_pair = self._gaps(self.before, self.current)
         final = self.current
         if bench.held.any():
-            refit = self._fit(final.hypothesis, final.fitted.x, bench.observations)
-            final = self._look(final.hypothesis, refit)
+            marched = has_law(final.hypothesis)
+            refit = (
+                final.fitted if marched else self._fit(final.hypothesis, final.fitted.x, bench.observations)
+            )
+            final = self._look(final.hypothesis, refit, marched=marched, fitted_to=bench.observations)
             tuned = self._fit(self.root, self.before.fitted.x, bench.observations)
             before = self._look(self.root, tuned)
         else:
@@ -420,24 +479,51 @@ def _belong(observations: Observations, robot: Robot) -> None:
         raise InvalidRequest(faults)
 
 
-def _held(observations: Observations, wanted: Sequence[int | str] | None) -> Bool[np.ndarray, " observation"]:
+def _whole(observations: Observations, robot: Robot) -> Observations:
+    """The observations, without the length of their records where the robot comes to rest within it."""
+    root = Hypothesis(Scene(robot, observations), robot_space(robot))
+    for group in root.groups(np.zeros(len(root.space)), observations, slopes=False):
+        axis = observations.axis_of(group.level)
+        if axis.length > 0 and missing(group.structure, axis, group.pairs[:1]) is not None:
+            return replace(observations, cut_slopes=False)  # steps need not be exact, and are much faster so
+    return unlimited(observations)
+
+
+def _middling(scene: Scene, base: ParameterSpace) -> Bool[np.ndarray, " observation"]:
+    """Observations of the postures in the middle, by how far the re-tuned robot is from each.
+
+    A posture that alone shows the effect must not be held out, nor one that does not show it at all.
+    """
+    observations = scene.observations
+    count = len(observations.postures)
+    if count < _FEWEST:
+        return np.zeros(len(observations), dtype=bool)
+    root = Hypothesis(scene, base)
+    stride = stride_for(observations, COARSE)
+    tuned = fit(root, observations, floors=(0.2, 0.05), steps=10, stride=stride, apart=False)
+    value = predict(root, tuned.x, observations)
+    far = [gap(observations, value, observations.posture == k).value for k in range(count)]
+    order = np.argsort(np.nan_to_num(far), kind="stable")
+    number = max(1, count // 4)
+    first = (count - number) // 2
+    return np.isin(observations.posture, order[first : first + number])
+
+
+def _held(observations: Observations, wanted: Sequence[int | str]) -> Bool[np.ndarray, " observation"]:
     """Observations of the postures that are held out."""
     names = {p.name: k for k, p in enumerate(observations.postures)}
     ids = {p.id: k for k, p in enumerate(observations.postures)}
     count = len(observations.postures)
-    if wanted is None:
-        numbers = list(range(2, count, 4)) or [count - 1] if count >= 3 else []
-    else:
-        faults, numbers = [], []
-        for one in wanted:
-            k = names.get(str(one), ids.get(int(one)) if str(one).isdigit() else None)
-            if k is None:
-                allowed = ", ".join(p.name for p in observations.postures)
-                faults.append(Fault("call", "hold_out", repr(one), f"a posture with FRFs: {allowed}"))
-            else:
-                numbers.append(k)
-        if len(set(numbers)) >= count and not faults:
-            faults.append(Fault("call", "hold_out", "every posture", "one left to fit at least"))
-        if faults:
-            raise InvalidRequest(faults)
+    faults, numbers = [], []
+    for one in wanted:
+        k = names.get(str(one), ids.get(int(one)) if str(one).isdigit() else None)
+        if k is None:
+            allowed = ", ".join(p.name for p in observations.postures)
+            faults.append(Fault("call", "hold_out", repr(one), f"a posture with FRFs: {allowed}"))
+        else:
+            numbers.append(k)
+    if len(set(numbers)) >= count and not faults:
+        faults.append(Fault("call", "hold_out", "every posture", "one left to fit at least"))
+    if faults:
+        raise InvalidRequest(faults)
     return np.isin(observations.posture, numbers)

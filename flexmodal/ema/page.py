@@ -23,6 +23,7 @@ from flexmodal.ema.plot import (
 from flexmodal.ema.records import grouped
 from flexmodal.ema.shapes import fitted_shapes
 from flexmodal.ema.stabilisation import stabilise
+from flexmodal.ema.table import HEADER, LEGEND, mode_cells
 from flexmodal.files import whole_file
 from flexmodal.frf.plot import svg_text
 from flexmodal.modal import mac
@@ -45,7 +46,7 @@ figure { margin: 1rem 0; break-inside: avoid }
 @media print { body { margin: 0; max-width: none } }
 </style></head><body>
 <h1>{{ title }}</h1>
-<p>Modes by {{ method }}; ± is half of the 95 % interval. Residues are those of the receptance.</p>
+<p>Modes by {{ method }}. {{ legend }} Residues are those of the receptance.</p>
 <div class="wide"><table>
 <tr>{% for cell in header %}<th>{{ cell }}</th>{% endfor %}</tr>
 {% for row in rows %}<tr>{% for cell in row %}<td>{{ cell }}</td>{% endfor %}</tr>
@@ -56,8 +57,6 @@ figure { margin: 1rem 0; break-inside: avoid }
 {% endfor %}{% endfor %}
 </body></html>
 """
-
-HEADER = ("posture: FRF", "mode", "frequency [Hz]", "ζ [%]", "|residue| [m/(s·N)]", "quality", "remarks")
 
 
 def write_fit_page(
@@ -90,31 +89,13 @@ def write_fit_page(
             title=campaign.title,
             method=fits[0].modes.method if fits else "",
             header=HEADER,
+            legend=LEGEND,
             rows=[cells for one in fits for cells in mode_cells(one)],
             sections=sections,
         )
     )
     with whole_file(path, overwrite=overwrite) as scratch:
         scratch.write_text(text, encoding="utf-8")
-
-
-def mode_cells(one: Fit) -> Iterator[tuple[str, ...]]:
-    """One row of text for each mode and FRF, under `HEADER`."""
-    places = [str(place) for place in one.places]
-    for number, row in enumerate(one.rows()):
-        (low, high), (least, most) = (
-            row["uncertainty"]["frequency_95"],
-            row["uncertainty"]["damping_ratio_95"],
-        )
-        yield (
-            f"{row['posture']}: {places[number % len(places)]}",
-            str(row["mode"]),
-            f"{row['frequency']:.3f} ± {(high - low) / 2:.3f}",
-            f"{100 * row['damping_ratio']:.3f} ± {50 * (most - least):.3f}",
-            f"{abs(complex(*row['residue'])):.4g}",
-            f"{row['quality']:.3f}",
-            "; ".join(row["remarks"]),
-        )
 
 
 def _more(pictures: Sequence[Any]) -> str:
@@ -137,7 +118,7 @@ def _sections(
     yield "Shapes along the arm", [draw_shapes(one, names) for one in shapes[:_MOST]]
     tables = []
     for first, second in zip(shapes, (*shapes[1:], *shapes[:1]), strict=True):
-        if first.responses == second.responses:
+        if (first.places, first.side) == (second.places, second.side):
             title = f"MAC: posture {first.posture} against posture {second.posture}"
             rows, columns = ([f"{f:.4g} Hz" for f in one.frequency] for one in (first, second))
             tables.append(draw_mac(mac(first.shape, second.shape), rows, columns, title=title))

@@ -139,7 +139,7 @@ def draw_stabilisation(
     behind = axes.twinx()
     indicator = mode_indicator(diagram.measured)
     behind.semilogy(diagram.measured.frequency, indicator, color="0.72", linewidth=1.1, zorder=0)
-    behind.set_ylabel("Mode indicator Σ|Y|² [–]", color="0.45")
+    behind.set_ylabel("Mode indicator Σ|Y|²/noise [–]", color="0.45")
     behind.tick_params(colors="0.45")
     axes.set_zorder(behind.get_zorder() + 1)
     axes.patch.set_visible(False)
@@ -200,7 +200,7 @@ def draw_shapes(shapes: FittedShapes, names: Mapping[int, str]) -> Any:
     """What each point does in each mode, in the campaign's order: filled in phase, open a quarter off."""
     figure = _figure(7.5, 4.2)
     axes = figure.subplots()
-    points = range(len(shapes.responses))
+    points = range(len(shapes.places))
     for mode, frequency in enumerate(shapes.frequency):
         look = {"color": PALETTE[mode % len(PALETTE)], "marker": "osD^v"[mode % 5]}
         values = shapes.shape[:, mode]
@@ -209,7 +209,7 @@ def draw_shapes(shapes: FittedShapes, names: Mapping[int, str]) -> Any:
     axes.axhline(0, color=MARK, linewidth=0.9)
     labels = [
         f"{names.get(point, point)}\n{'+' if way > 0 else '-'}{'xyz'[abs(way) - 1]}"
-        for point, way in shapes.responses
+        for point, way in shapes.places
     ]
     axes.set_xticks(points)
     for tick, label in zip(axes.set_xticklabels(labels, fontsize=8), labels, strict=True):

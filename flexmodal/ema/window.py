@@ -44,6 +44,7 @@ def _corrected(mode: ModeEstimate, decay: float) -> ModeEstimate:
         frequency=frequency,
         damping_ratio=damping,
         covariance=turn @ mode.covariance @ turn.T,
+        choices=turn @ mode.choices @ turn.T,
         remarks=remarks,
     )
 

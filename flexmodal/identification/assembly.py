@@ -75,18 +75,23 @@ class Assembly:
         """Axes of a link in the world."""
         return self.placed[link][:3, :3]
 
-    def motion(self, link: str, place: Float[np.ndarray, "3"]) -> Float[np.ndarray, "6 dof"]:
-        """Motion of a point of a link; beyond a hinge in that link, with the hinge."""
+    def motion(
+        self, link: str, place: Float[np.ndarray, "3"], section: Float[np.ndarray, "3"] | None = None
+    ) -> Float[np.ndarray, "6 dof"]:
+        """Motion of a point of a link, with the hinges in that link that lie before it.
+
+        Args:
+            link: which.
+            place: in its frame [m].
+            section: the place along the link that the point belongs to, if not its own.
+        """
         lever = self.axes(link) @ place
+        where = place if section is None else section
         moved = carried(self._padded(self._maps[link]), lever)
         for cut, way, maps in self._outer.get(link, []):
-            if (place - cut) @ way > 0:
+            if (where - cut) @ way > 0:
                 moved = moved + carried(self._padded(maps[link]), lever)
         return moved
-
-    def inner_motion(self, link: str, place: Float[np.ndarray, "3"]) -> Float[np.ndarray, "6 dof"]:
-        """Motion of a point on the near side of a hinge."""
-        return carried(self._padded(self._maps[link]), self.axes(link) @ place)
 
     def move_root(self, columns: slice, motion: Float[np.ndarray, "6 added"]) -> None:
         """Let the root link move, and everything with it, by coordinates already added."""
@@ -128,7 +133,7 @@ class Assembly:
     # masses and springs
 
     def add_body(
-        self, link: str, body: Body, *, mass: str = "", inertia: str = "", inner: bool = False
+        self, link: str, body: Body, *, mass: str = "", inertia: str = "", section: np.ndarray | None = None
     ) -> None:
         """A body fixed to a link.
 
@@ -137,9 +142,9 @@ class Assembly:
             body: in the frame of that link.
             mass: parameter that its mass, and its inertia with it, is proportional to.
             inertia: parameter that its inertia about the mass centre is proportional to besides.
-            inner: on the near side of a hinge, wherever its mass centre is.
+            section: see `motion`.
         """
-        motion = (self.inner_motion if inner else self.motion)(link, body.centre)
+        motion = self.motion(link, body.centre, section)
         axes = self.axes(link)
         tags = (mass,) if mass else ()
         self._add("mass", body.mass * (motion[:3].T @ motion[:3]), tags)
@@ -201,7 +206,8 @@ class Assembly:
 
     def rows(self, places: Sequence[tuple[str, np.ndarray, np.ndarray]]) -> Float[np.ndarray, "place dof"]:
         """Rows of points: link, place in its frame [m], direction in the world."""
-        return np.array([way @ self.motion(link, place)[:3] for link, place, way in places])
+        found = [way @ self.motion(link, place)[:3] for link, place, way in places]
+        return np.array(found).reshape(len(found), len(self.coordinates))
 
     def _padded(self, rows: np.ndarray) -> np.ndarray:
         missing = len(self.coordinates) - rows.shape[-1]

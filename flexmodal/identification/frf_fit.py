@@ -16,14 +16,13 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Complex, Float
 
-from flexmodal.errors import Fault, InvalidRequest
+from flexmodal.errors import Fault, InvalidRequest, SingularResponse
+from flexmodal.identification.descent import Normal, descend, prior_cost, robust, robust_weight
 from flexmodal.identification.model import Model, evaluated
 from flexmodal.identification.observations import Observations
 
 FLOORS = (0.2, 0.05, 0.01)
 """Relative model error ε, in the order in which it is lowered."""
-HUBER = 3.0
-"""Residuals beyond this many standard deviations count linearly."""
 STEPS = 30
 """At most, at each floor."""
 SETTLED = 1e-3
@@ -38,26 +37,15 @@ class Weighing:
     floor: float
     lines: np.ndarray
     """Numbers of the lines that are looked at."""
+    share: Float[np.ndarray, " observation"] | None = None
+    """Multiple of each observation's weight; 1 if None."""
 
     def weight(self, observations: Observations) -> Float[np.ndarray, "observation line"]:
         """1/(σ² + ε²) where a line is used, else 0."""
         kept = observations.used[:, self.lines]
         variance = np.where(kept, observations.variance[:, self.lines], 1.0)
-        return kept / (variance + self.floor**2)
-
-
-@dataclass(frozen=True, eq=False)
-class Normal:
-    """Cost and normal equations at one point, and each observation's share of the gradient."""
-
-    cost: float
-    data_cost: float
-    gradient: Float[np.ndarray, " parameter"]
-    curvature: Float[np.ndarray, "parameter parameter"]
-    """Gauss–Newton Hessian of half the cost, without the prior."""
-    scores: Float[np.ndarray, "observation parameter"]
-    squared: Float[np.ndarray, " observation"]
-    """Σ w |r|² of each observation."""
+        weight = kept / (variance + self.floor**2)
+        return weight if self.share is None else weight * self.share[:, None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,42 +71,60 @@ def residual(
 def cost_of(
     model: Model, x: Float[np.ndarray, " parameter"], observations: Observations, weighing: Weighing
 ) -> float:
-    """Cost alone: the robust sum of squares plus the prior's."""
+    """Cost alone: the robust sum of squares plus the prior's; infinite where there is no model."""
     weight = weighing.weight(observations)
     total = 0.0
     try:
         for rows, value, _ in evaluated(model, x, observations, weighing.lines, slopes=False):
             r = residual(value, observations.value[rows][:, weighing.lines])
-            total += float(np.sum(_robust(weight[rows] * np.abs(r) ** 2)))
-    except np.linalg.LinAlgError:
+            total += float(np.sum(robust(weight[rows] * np.abs(r) ** 2)))
+    except (np.linalg.LinAlgError, SingularResponse):
         return float("inf")
-    return total + _prior(model, x)
+    return total + prior_cost(model.space, x)
 
 
 def normal_equations(
-    model: Model, x: Float[np.ndarray, " parameter"], observations: Observations, weighing: Weighing
+    model: Model,
+    x: Float[np.ndarray, " parameter"],
+    observations: Observations,
+    weighing: Weighing,
+    *,
+    apart: bool = False,
 ) -> Normal:
-    """Cost, gradient and curvature at x."""
+    """Cost, gradient and curvature at x; `apart`: with what each observation adds to the curvature."""
     weight = weighing.weight(observations)
     names = model.space.names
     size = len(names)
     curvature = np.zeros((size, size))
+    blocks = np.zeros((len(observations), size, size)) if apart else None
     scores, squared = np.zeros((len(observations), size)), np.zeros(len(observations))
     data_cost = 0.0
     for rows, value, slopes in evaluated(model, x, observations, weighing.lines, slopes=True):
         r = residual(value, observations.value[rows][:, weighing.lines])
         scaled = weight[rows] * np.abs(r) ** 2
-        data_cost += float(np.sum(_robust(scaled)))
+        data_cost += float(np.sum(robust(scaled)))
         squared[rows] = scaled.sum(axis=1)
-        root = np.sqrt(weight[rows] * np.minimum(1.0, HUBER / np.sqrt(np.maximum(scaled, 1e-300))))
+        root = np.sqrt(weight[rows] * robust_weight(scaled))
         relative = slopes * (root / np.where(value == 0, np.inf, value))
-        real = relative.view(float)  # real and imaginary parts in turn
+        real = np.ascontiguousarray(relative).view(float)  # real and imaginary parts in turn
         scores[rows] = np.matmul(real.transpose(1, 0, 2), (r * root).view(float)[:, :, None])[:, :, 0]
-        flat = real.reshape(size, -1)
-        curvature += flat @ flat.T
+        if blocks is None:
+            flat = real.reshape(size, -1)
+            curvature += flat @ flat.T
+        else:
+            each = real.transpose(1, 0, 2)
+            blocks[rows] = each @ np.swapaxes(each, 1, 2)
     precision = model.space.precision
     gradient = scores.sum(axis=0) + precision * x
-    return Normal(data_cost + _prior(model, x), data_cost, gradient, curvature, scores, squared)
+    return Normal(
+        data_cost + prior_cost(model.space, x),
+        data_cost,
+        gradient,
+        curvature if blocks is None else blocks.sum(axis=0),
+        scores,
+        squared,
+        blocks,
+    )
 
 
 def fit(
@@ -128,7 +134,9 @@ def fit(
     *,
     floors: Sequence[float] = FLOORS,
     stride: int = 1,
+    share: Float[np.ndarray, " observation"] | None = None,
     steps: int = STEPS,
+    apart: bool = True,
     settled: float = FINE,
     advance: Callable[[int, float], None] = lambda step, cost: None,
 ) -> FrfFit:
@@ -140,67 +148,30 @@ def fit(
         start: coordinates; the card by default.
         floors: relative model errors, lowered one after the other.
         stride: look at every so many lines.
+        share: multiple of each observation's weight, 0 or more.
         steps: most at each floor.
+        apart: end with what each observation adds to the curvature, as `uncertainty` needs it.
         settled: a step that changes the cost relatively by less ends the last round.
         advance: called after each step with its number and the cost.
     """
     x = np.zeros(len(model.space)) if start is None else np.array(start, dtype=float)
     lines = np.arange(stride // 2, len(observations.axis), stride)
-    total, converged = 0, False
     if not floors:
         raise InvalidRequest(Fault("call", "floors", "none", "at least one"))
+    total = 0
     for number, floor in enumerate(floors):
-        weighing = Weighing(floor, lines)
-        last = number == len(floors) - 1
-        x, normal, taken, converged = _descend(
-            model, x, observations, weighing, steps, settled if last else SETTLED, advance, total
+        weighing = Weighing(floor, lines, share)
+        found = descend(
+            model.space,
+            lambda x, w=weighing: normal_equations(model, x, observations, w),  # type: ignore[misc]
+            lambda x, w=weighing: cost_of(model, x, observations, w),  # type: ignore[misc]
+            x,
+            most=steps,
+            settled=settled if number == len(floors) - 1 else SETTLED,
+            advance=lambda step, cost, before=total: advance(before + step, cost),  # type: ignore[misc]
         )
-        total += taken
-    return FrfFit(x, normal, weighing, converged, total)
-
-
-def _descend(
-    model: Model, x: np.ndarray, observations: Observations, weighing: Weighing, most: int, settled: float,
-    advance: Callable[[int, float], None], before: int,
-) -> tuple[np.ndarray, Normal, int, bool]:  # fmt: skip
-    """Levenberg and Marquardt within the bounds: coordinates that push against one are held."""
-    low, high = model.space.bounds
-    precision = model.space.precision
-    normal = normal_equations(model, x, observations, weighing)
-    damping, taken = 1e-3, 0
-    for taken in range(1, most + 1):
-        free = ~(((x <= low) & (normal.gradient > 0)) | ((x >= high) & (normal.gradient < 0)))
-        if not free.any():
-            return x, normal, taken, True
-        hessian = normal.curvature + np.diag(precision)
-        scale = np.diag(hessian)
-        better = False
-        while damping < 1e8:
-            step = np.zeros(len(x))
-            damped = hessian + np.diag(damping * scale + 1e-300)
-            step[free] = -np.linalg.solve(damped[np.ix_(free, free)], normal.gradient[free])
-            step *= min(1.0, 1.0 / max(np.max(np.abs(step)), 1e-300))  # at most a factor e, or one unit
-            trial = np.clip(x + step, low, high)
-            cost = cost_of(model, trial, observations, weighing)
-            if np.isfinite(cost) and cost < normal.cost:
-                better = True
-                break
-            damping = max(damping, 1e-6) * 8
-        if not better:
-            return x, normal, taken, True
-        gained = (normal.cost - cost) / max(normal.cost, 1e-300)
-        x, damping = trial, damping / 5
-        normal = normal_equations(model, x, observations, weighing)
-        advance(before + taken, normal.cost)
-        if gained < settled:
-            return x, normal, taken, True
-    return x, normal, taken, False
-
-
-def _robust(scaled: Float[np.ndarray, "*shape"]) -> Float[np.ndarray, "*shape"]:
-    """Huber's function of a squared standardised residual."""
-    return np.where(scaled <= HUBER**2, scaled, 2 * HUBER * np.sqrt(scaled) - HUBER**2)
-
-
-def _prior(model: Model, x: np.ndarray) -> float:
-    return float(np.sum(model.space.precision * x**2))
+        x, total = found.x, total + found.steps
+    normal = found.normal
+    if apart:
+        normal = normal_equations(model, x, observations, weighing, apart=True)
+    return FrfFit(x, normal, weighing, found.converged, total)

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Complex, Float
 
-from flexmodal.campaign.noise import COHERENT, expected_log_square
+from flexmodal.campaign.noise import COHERENT, ZERO, expected_log_square
 from flexmodal.identification.frf_fit import residual
 from flexmodal.identification.observations import Observations
 
@@ -52,7 +52,8 @@ def gap(
     total = float(weight.sum())
     if not total > 0:
         return Gap(float("nan"), float("nan"))
-    squared = np.abs(residual(predicted[owner], records.value[rows])) ** 2
+    # What is zero but for rounding counts as zero.
+    squared = np.minimum(np.abs(residual(predicted[owner], records.value[rows])), ZERO) ** 2
     count = np.bincount(observations.of_record, minlength=len(observations))[owner][:, None]
     floor = expected_log_square(observations.variance[owner] * count)
     return Gap(
@@ -66,3 +67,15 @@ def share(
     """|ln(model / measured)|² of the averaged receptances; 0 on lines that are not used."""
     found = np.abs(residual(predicted, observations.value)) ** 2
     return np.where(observations.used, found, 0.0)
+
+
+def over_noise(observations: Observations, predicted: Complex[np.ndarray, "observation line"]) -> float:
+    """Root mean square of |ln(model / measured)| over that of the noise, on the lines that a fit uses.
+
+    Other than the gap it leaves out what is noise: a point that stands still in the model, at which the
+    sensor hears little but its own amplifier. 1 for a perfect model; NaN where no line is used.
+    """
+    used = observations.used
+    away = float(share(observations, predicted)[used].sum())
+    noise = float(expected_log_square(observations.variance[used]).sum())
+    return float(np.sqrt(away / noise)) if noise > 0 else float("nan")

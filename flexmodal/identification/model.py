@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Complex, Float, Int
 
-from flexmodal.campaign import CampaignPoint
+from flexmodal.campaign import Campaign, CampaignPoint
 from flexmodal.identification.arm import Arm
 from flexmodal.identification.assembly import Assembly, put_together
 from flexmodal.identification.observations import Observations
 from flexmodal.identification.parameter import ParameterSpace
 from flexmodal.identification.structure import Axis, Structure, receptance
+from flexmodal.identification.truncation import missing
 from flexmodal.model import Robot
 
 AXES = np.eye(3)
@@ -105,6 +106,18 @@ class RobotModel:
             made += close(assembly, observations, rows)
         return made
 
+    def structure_at(
+        self,
+        x: Float[np.ndarray, " parameter"],
+        q: Mapping[str, float],
+        responses: Sequence[tuple[str, np.ndarray, np.ndarray]],
+        references: Sequence[tuple[str, np.ndarray, np.ndarray]],
+    ) -> Structure:
+        """The robot in one posture, seen at any places: link, place in its frame [m], world direction."""
+        assembly = Assembly(self.arm(q))
+        put_together(assembly, self.space.values(x), assembly.arm.bodies)
+        return assembly.close(assembly.rows(responses), assembly.rows(references))
+
 
 def close(
     assembly: Assembly, observations: Observations, rows: Int[np.ndarray, " observation"]
@@ -124,15 +137,22 @@ def close(
     ]
 
 
+def places_of(
+    campaign: Campaign, given: Iterable[tuple[int, int]]
+) -> list[tuple[str, np.ndarray, np.ndarray]]:
+    """Link, place and world direction of point ids and directions."""
+    found = []
+    for number, direction in given:
+        point: CampaignPoint = campaign.point(int(number))
+        found.append((point.link, np.array(point.xyz), AXES[abs(direction) - 1] * np.sign(direction)))
+    return found
+
+
 def places(
     observations: Observations, given: Int[np.ndarray, "place 2"]
 ) -> list[tuple[str, np.ndarray, np.ndarray]]:
     """Link, place and world direction of point ids and directions."""
-    found = []
-    for number, direction in given.tolist():
-        point: CampaignPoint = observations.campaign.point(int(number))
-        found.append((point.link, np.array(point.xyz), AXES[abs(direction) - 1] * np.sign(direction)))
-    return found
+    return places_of(observations.campaign, [(int(n), int(d)) for n, d in given])
 
 
 def predict(
@@ -170,6 +190,10 @@ def group_receptance(
     """
     distinct, back = np.unique(group.pairs, axis=0, return_inverse=True)
     value, slopes = receptance(group.structure, axis, distinct, names)
+    looked = names if axis.cut_slopes else ()
+    if axis.length > 0 and (cut := missing(group.structure, axis, distinct, looked)) is not None:
+        value = value + cut[0]
+        slopes = slopes + cut[1] if looked else slopes
     value, slopes = value[back.ravel()], slopes[:, back.ravel()]
     if group.reading is not None:
         log, changes = group.reading(axis)

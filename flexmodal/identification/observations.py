@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import Bool, Complex, Float, Int
 
 from flexmodal.campaign import (
+    Blow,
     Campaign,
     CampaignPosture,
     FrfRecords,
@@ -23,6 +24,10 @@ from flexmodal.identification.structure import Axis
 
 HEARD = 0.15
 """Part of the lines that have to be coherent for a record to count as a measurement."""
+NOISIEST = 0.1
+"""Relative variance beyond which the logarithm of a line is biased by its own noise."""
+PRETRIGGER = 0.02
+"""Part of a record before the blow, where there are no blows to look at."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,16 +50,22 @@ class Observations:
     """Trials that repeat each other: one kind of blow."""
     decays: tuple[float, ...]
     """Of the exponential window of each level [1/s]."""
+    lengths: tuple[float, ...]
+    """Of the records of each level, from the blow to their end [s]; 0 where that is not known."""
     value: Complex[np.ndarray, "observation line"]
     """Mean over the repeats [m/N]."""
     variance: Float[np.ndarray, "observation line"]
     """Relative variance of that mean."""
     used: Bool[np.ndarray, "observation line"]
-    """Coherent enough, and not zero."""
+    """Coherent enough, less noisy than `NOISIEST`, and not zero."""
     of_record: Int[np.ndarray, " record"]
     """The observation that each record belongs to."""
     silent: tuple[str, ...] = ()
     """Records that were left out because hardly a line of theirs is coherent."""
+    power: int = 2
+    """What was recorded: acceleration 2, velocity 1, displacement 0."""
+    cut_slopes: bool = True
+    """See `Axis`."""
 
     @cached_property
     def axis(self) -> Axis:
@@ -64,7 +75,13 @@ class Observations:
 
     def axis_of(self, level: int) -> Axis:
         """The lines for one kind of blow."""
-        return replace(self.axis, decay=self.decays[level])
+        return replace(
+            self.axis,
+            decay=self.decays[level],
+            length=self.lengths[level],
+            power=self.power,
+            cut_slopes=self.cut_slopes,
+        )
 
     def peak(self, level: int) -> float:
         """Typical force peak of a kind of blow [N]."""
@@ -113,6 +130,7 @@ def observe(campaign: Campaign) -> Observations:
         )
     records, silent = _heard(records, campaign)
     relative = record_variance(records, relative=True)
+    power = {"receptance": 0, "mobility": 1, "inertance": 2}[records.form]
     groups = repeat_groups(records.trials or campaign.trials)
     records = _receptances(records, campaign)
     level_of = {trial: number for number, group in enumerate(groups) for trial in group}
@@ -155,11 +173,13 @@ def observe(campaign: Campaign) -> Observations:
         level=table[:, 5],
         levels=groups,
         decays=tuple(_decay(campaign, group) for group in groups),
+        lengths=tuple(_length(campaign, group) for group in groups),
         value=value,
         variance=variance / count**2,
-        used=(weight / count >= COHERENT) & (value != 0) & np.isfinite(variance),
+        used=(weight / count >= COHERENT) & (value != 0) & (variance / count**2 <= NOISIEST),
         of_record=of_record,
         silent=silent,
+        power=power,
     )
 
 
@@ -211,3 +231,18 @@ def _receptances(records: FrfRecords, campaign: Campaign) -> FrfRecords:
 
 def _decay(campaign: Campaign, group: tuple[int, ...]) -> float:
     return float(np.mean([added_decay(campaign.trial(trial)) for trial in group]))
+
+
+def _length(campaign: Campaign, group: tuple[int, ...]) -> float:
+    """Time from the blow to the end of the record: of the blows, else as stated less a usual pre-trigger."""
+    found = [_after(blow) for blow in campaign.blows if blow.trial in group]
+    if not found:
+        stated = [campaign.trial(trial).record_length for trial in group]
+        found = [(1 - PRETRIGGER) * length for length in stated if length is not None]
+    return float(np.median(found)) if found else 0.0
+
+
+def _after(blow: Blow) -> float:
+    power = blow.force**2
+    middle = float(np.sum(blow.time * power) / np.sum(power))
+    return float(blow.time[0]) + len(blow.time) * blow.step - middle

@@ -15,13 +15,16 @@ whose real part is K at ω₀, here the middle of the band on a logarithmic scal
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
 from jaxtyping import Complex, Float
 
 from flexmodal.errors import SingularResponse
+
+ROUNDING = 1e-12
+"""Part of the sum of its terms' sizes from which on a receptance is not zero."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,6 +37,12 @@ class Axis:
     """Where hysteretic stiffness has its nominal real part [Hz]."""
     decay: float = 0.0
     """Of an exponential window on the records [1/s]."""
+    length: float = 0.0
+    """Of the records, from the blow to their end [s]; 0 where it is not known or does not matter."""
+    power: int = 2
+    """What was recorded: acceleration 2, velocity 1, displacement 0."""
+    cut_slopes: bool = True
+    """Whether derivatives look at what the end of a record cuts off; values always do."""
 
     def __len__(self) -> int:
         """How many lines."""
@@ -56,7 +65,7 @@ class Axis:
 
     def take(self, lines: slice | np.ndarray) -> Axis:
         """Some of the lines."""
-        return Axis(self.frequency[lines], self.middle, self.decay)
+        return replace(self, frequency=self.frequency[lines])
 
 
 @dataclass(frozen=True, eq=False)
@@ -147,6 +156,8 @@ def receptance(
 ) -> tuple[Complex[np.ndarray, "pair line"], Complex[np.ndarray, "name pair line"]]:
     """Receptances of some pairs of rows, and their derivatives along some parameters.
 
+    What is nothing but rounding, where a point does not move along its axis at all, is exactly zero.
+
     Args:
         structure: in one posture.
         axis: where.
@@ -160,6 +171,8 @@ def receptance(
     u, v = pairs[:, 0], pairs[:, 1]
     left, right = np.moveaxis(yu, 2, 0)[u], np.moveaxis(yv, 2, 0)[v]  # [pair, line, dof]
     value = np.einsum("pd,pld->pl", structure.response[u], right)
+    size = np.einsum("pd,pld->pl", np.abs(structure.response[u]), np.abs(right))
+    value[np.abs(value) <= ROUNDING * size] = 0.0
     slopes = np.zeros((len(names), *value.shape), dtype=complex)
     if not names:
         return value, slopes

@@ -1,7 +1,9 @@
 """The inner loop of a non-linear plant, compiled. Import it only where it runs: numba is slow to load.
 
-Codes of the laws are those of `plant`: 0 hardening, 1 friction, 2 backlash. All blows go side by side, in loops
-that the compiler works on several at a time; so nothing in them may branch, divide by zero or call a library.
+Codes of the laws are those of `plant`: 0 hardening, 1 friction, 2 backlash. All blows go side by side, in
+loops that the compiler works on several at a time; so nothing in them may branch or call a library, and
+divisions follow numpy, which does not look for zeros. `no_type_check` keeps a checker's wrapper off, which
+could not be compiled.
 """
 
 from __future__ import annotations
@@ -11,13 +13,11 @@ from typing import no_type_check
 import numba
 import numpy as np
 
-# The checker's wrapper that no_type_check keeps off could not be compiled. Divisions follow numpy, without a branch.
-
 
 @numba.njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
 def add(total, weights, values):
-    """total += weights @ values, [row, blow] += [row, column] @ [column, blow]."""
+    """Total += weights @ values, [row, blow] += [row, column] @ [column, blow]."""
     for j in range(weights.shape[1]):
         for i in range(weights.shape[0]):
             weight = weights[i, j]

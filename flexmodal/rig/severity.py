@@ -20,8 +20,8 @@ from flexmodal.rig.bench import (
     reference_rows,
     response_rows,
     strike_posture,
-    strike_together,
 )
+from flexmodal.rig.clean import strike_together
 from flexmodal.rig.effects import EFFECTS, Site, Stand
 from flexmodal.rig.structure import Hidden, build, sensors
 
@@ -88,7 +88,7 @@ def severity_for(stand: Stand, name: str, site: Site, target: float, floor: Floo
     Where the effect cannot stand that high, the highest severity that makes sense, and its height.
     """
     effect = EFFECTS[name]
-    most = effect.most(site.parameters)
+    most = effect.most(site.parameters) * (1 - 1e-9)  # rounding must not carry a parameter over its limit
     found: dict[float, float] = {}
 
     def off(severity: float) -> float:

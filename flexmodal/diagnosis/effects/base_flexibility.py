@@ -26,42 +26,43 @@ def motions(normal: np.ndarray | None) -> tuple[list[str], np.ndarray]:
 
 
 def _sizes(scene: Scene) -> tuple[float, float]:
-    """Mass of everything, and its inertia about the base with the arm as in the first posture."""
-    arm = scene.arm(0)
-    mass = sum(body.mass for body in arm.bodies.values())
-    about = sum(
-        body.mass * float(np.sum((arm.placed[link][:3, :3] @ body.centre + arm.placed[link][:3, 3]) ** 2))
-        + float(np.trace(body.inertia)) / 2
-        for link, body in arm.bodies.items()
-    )
-    return float(mass), float(about)
+    """A tilt and a translational stiffness that the stiffest joint and the length of the arm suggest."""
+    tilt = 10 * max(float(joint.stiffness) for joint in scene.robot.joints.values())
+    length = sum(float(np.linalg.norm(scene.reach(link))) for link in scene.links)
+    return tilt, 3 * tilt / max(length, 1e-3) ** 2
 
 
 def _parameters(scene: Scene, where: str) -> tuple[Parameter, ...]:
-    mass, about = _sizes(scene)
-    shift, tilt = mass * (2 * np.pi * 30) ** 2, about * (2 * np.pi * 15) ** 2
+    tilt, shift = _sizes(scene)
     found = [
-        positive("horizontal_stiffness", "N/m", shift, 1.5, shift / 1e3, shift * 1e4),
-        positive("vertical_stiffness", "N/m", shift * 1.5, 1.5, shift / 1e3, shift * 1e4),
-        positive("tilt_stiffness", "N·m/rad", tilt, 1.5, tilt / 1e3, tilt * 1e4),
-        positive("translation_damping", "N·s/m", shift * 5e-4, 1.5, shift * 1e-7, shift),
-        positive("tilt_damping", "N·m·s/rad", tilt * 8e-4, 1.5, tilt * 1e-7, tilt),
+        positive("horizontal_stiffness", "N/m", shift, 2.0, shift / 1e3, shift * 1e4),
+        positive("vertical_stiffness", "N/m", shift * 1.5, 2.0, shift / 1e3, shift * 1e4),
+        positive("tilt_stiffness", "N·m/rad", tilt, 2.0, tilt / 1e3, tilt * 1e4),
+        positive("translation_damping", "N·s/m", shift * 3e-4, 2.0, shift * 1e-8, shift),
+        positive("tilt_damping", "N·m·s/rad", tilt * 3e-4, 2.0, tilt * 1e-8, tilt),
     ]
     if scene.normal is None:
-        found.append(positive("twist_stiffness", "N·m/rad", 2 * tilt, 1.5, tilt / 1e3, tilt * 1e4))
+        found.append(positive("twist_stiffness", "N·m/rad", 2 * tilt, 2.0, tilt / 1e3, tilt * 1e4))
     return tuple(found)
 
 
 def _starts(scene: Scene, where: str) -> list[Mapping[str, float]]:
-    mass, about = _sizes(scene)
+    tilt, shift = _sizes(scene)
+    grid = [
+        (tilting * tilt, tilting * shifting * shift)
+        for tilting in (0.03, 0.2, 1.0, 5.0)
+        for shifting in (0.3, 2.0)
+    ]
     return [
         {
-            "horizontal_stiffness": mass * (2 * np.pi * shift) ** 2,
-            "vertical_stiffness": 1.5 * mass * (2 * np.pi * shift) ** 2,
-            "tilt_stiffness": about * (2 * np.pi * tilt) ** 2,
+            "horizontal_stiffness": across,
+            "vertical_stiffness": 1.5 * across,
+            "tilt_stiffness": turn,
+            "twist_stiffness": 2 * turn,
+            "translation_damping": 3e-4 * across,
+            "tilt_damping": 3e-4 * turn,
         }
-        for shift in (25.0, 80.0)
-        for tilt in (12.0, 40.0)
+        for turn, across in grid
     ]
 
 

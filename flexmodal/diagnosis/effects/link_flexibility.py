@@ -1,8 +1,12 @@
-"""A link bends: a hinge with spring and damper somewhere along it, one in each plane it can bend in.
+"""A link bends: two hinges with springs and dampers along it, in each plane it can bend in.
 
-The pseudo-joint of Hearne, section 2.3. The link's mass is taken as spread evenly along it, cut at the hinge;
-what its inertia has beyond that of two thin rods is shared out in the same proportion, so that mass, mass
-centre and inertia of the whole link stay what they were.
+For a load at its far end the bending moment in a beam is linear along it, so that its strain energy is that
+of springs at the two points of Gauss's quadrature, (1 ± 1/√3)/2 of its length: a uniform beam is exact with
+2EI/L each, and shares between the two stand for beams that are stiffer at one end. One hinge, the
+pseudo-joint of Hearne, section 2.3, is what both together are worth: the stiffness of the two in series, at
+their weighted place. The link's mass is taken as spread evenly along it; what its inertia has beyond that of
+thin rods is shared out in the same way, so that mass, mass centre and inertia of the whole link stay what
+they were.
 """
 
 from __future__ import annotations
@@ -18,6 +22,8 @@ from flexmodal.identification.assembly import Assembly
 
 SHORTEST = 0.05
 """Links shorter than this do not bend [m]."""
+HINGES = ((1 - 3**-0.5) / 2, (1 + 3**-0.5) / 2)
+"""Where the hinges sit, as parts of the length."""
 
 
 def _places(scene: Scene) -> tuple[str, ...]:
@@ -39,55 +45,72 @@ def _parameters(scene: Scene, where: str) -> tuple[Parameter, ...]:
     return (
         positive("stiffness", "N·m/rad", k, 1.5, k / 300, k * 300),
         positive("damping", "N·m·s/rad", k * 3e-4, 1.5, k * 1e-7, k * 0.03),
-        signed("position", "", 0.15, 0.02, 0.98, centre=0.4),
+        signed("position", "", 0.1, HINGES[0] + 0.02, HINGES[1] - 0.02, centre=0.5),
     )
 
 
 def _starts(scene: Scene, where: str) -> list[Mapping[str, float]]:
     k = _stiffest(scene, where)
-    return [
-        {"stiffness": factor * k, "position": place} for factor in (0.4, 1.2, 4.0) for place in (0.25, 0.55)
-    ]
+    return [{"stiffness": factor * k} for factor in (0.2, 0.8, 3.0, 12.0, 40.0)]
+
+
+def _names(scene: Scene, where: str) -> list[str]:
+    planes = 1 if scene.normal is not None else 2
+    return [f"{where} bend {hinge + 1}.{plane + 1}" for hinge in range(2) for plane in range(planes)]
 
 
 def _shape(assembly: Assembly, site: Site) -> None:
     length, axis = along(site.scene, site.where)
     axes = assembly.axes(site.where)
     across = sides(site.scene, site.where, axis, axes)
-    names = [f"{site.where} bend {k + 1}" for k in range(len(across))]
-    columns = assembly.add_coordinates(names)
-    for k, side in enumerate(across):
-        turned = axes @ np.cross(axis, side)
-        assembly.hinge(site.where, site["position"] * length * axis, axis, columns.start + k, turned)
+    columns = assembly.add_coordinates(_names(site.scene, site.where))
+    for number in range(2 * len(across)):
+        hinge, plane = divmod(number, len(across))
+        turned = axes @ np.cross(axis, across[plane])
+        assembly.hinge(site.where, HINGES[hinge] * length * axis, axis, columns.start + number, turned)
 
 
 def _bodies(assembly: Assembly, site: Site, bodies: Bodies, link: str) -> bool:
     if link != site.where:
         return False
     length, axis = along(site.scene, link)
-    body, cut = bodies[link], site["position"]
+    body = bodies[link]
     thin = np.eye(3) - np.outer(axis, axis)
     shift = body.centre - length / 2 * axis
     tags = {"mass": f"mass.{link}"}
+    parts, middles = (
+        (HINGES[0], HINGES[1] - HINGES[0], 1 - HINGES[1]),
+        (HINGES[0] / 2, 0.5, 1 - HINGES[0] / 2),
+    )
     rods = np.zeros((3, 3))
-    for part, middle, inner in ((cut, cut / 2, True), (1 - cut, (1 + cut) / 2, False)):
+    for part, middle in zip(parts, middles, strict=True):
         centre = shift + middle * length * axis
         lever = centre - body.centre
         own = part * body.mass * (part * length) ** 2 / 12 * thin
         rods += own + part * body.mass * (lever @ lever * np.eye(3) - np.outer(lever, lever))
-        assembly.add_body(link, Body(part * body.mass, centre, own), inner=inner, **tags)
-    for part, inner in ((cut, True), (1 - cut, False)):
-        turning = Body(0.0, shift + (cut if inner else 1.0) * length * axis, part * body.inertia)
-        assembly.add_body(link, turning, inner=inner, inertia=f"inertia.{link}", **tags)
-        assembly.add_body(link, Body(0.0, turning.centre, -part * rods), inner=inner, **tags)
+        section = middle * length * axis
+        assembly.add_body(link, Body(part * body.mass, centre, own), section=section, **tags)
+    for part, middle in zip(parts, middles, strict=True):
+        section = middle * length * axis
+        turning = Body(0.0, section, part * body.inertia)
+        assembly.add_body(link, turning, section=section, inertia=f"inertia.{link}", **tags)
+        assembly.add_body(link, Body(0.0, section, -part * rods), section=section, **tags)
     return True
 
 
+def shares(stiffness: float, position: float) -> tuple[float, float]:
+    """Stiffnesses of the two hinges that are worth one of `stiffness` at `position` [N·m/rad]."""
+    width = HINGES[1] - HINGES[0]
+    return stiffness * width / (HINGES[1] - position), stiffness * width / (position - HINGES[0])
+
+
 def _act(assembly: Assembly, site: Site) -> None:
-    for name in assembly.coordinates:
-        if name.startswith(f"{site.where} bend "):
-            assembly.add_spring(assembly.row(name), site["stiffness"])
-            assembly.add_damper(assembly.row(name), site["damping"])
+    springs = shares(site["stiffness"], site["position"])
+    for name in _names(site.scene, site.where):
+        spring = springs[int(name.rsplit(" ", 1)[1][0]) - 1]
+        row = assembly.row(name)
+        assembly.add_spring(row, spring)
+        assembly.add_damper(row, site["damping"] / site["stiffness"] * spring)
 
 
 EFFECT = Effect(
@@ -98,7 +121,6 @@ EFFECT = Effect(
     parameters=_parameters,
     starts=_starts,
     shape=_shape,
-    geometry=("position",),
     bodies=_bodies,
     act=_act,
 )

@@ -1,0 +1,189 @@
+"""`flexmodal identify`."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from flexmodal.cli.options import SOURCE, force_option, json_option, quiet_option
+from flexmodal.cli.printing import print_json, print_table, progress
+from flexmodal.errors import Fault, OutputExists
+
+if TYPE_CHECKING:
+    from flexmodal.campaign import Campaign
+    from flexmodal.identification import Outcome
+    from flexmodal.model import Robot
+
+STAGES = 4
+FILES = ("identification.json", "report.html", "fit.png", "fit.svg", "robot")
+
+
+@click.command()
+@click.argument("campaign", type=click.Path(path_type=Path))
+@click.option(
+    "--from", "source", type=click.Choice(["modes", "frf"]), help="What to fit; FRFs where there are any."
+)
+@click.option(
+    "--hold-out",
+    multiple=True,
+    metavar="POSTURE",
+    help="A posture or a point that the fit is not to see; may be repeated. Each in turn if none is named.",
+)
+@click.option("--use", metavar="WHAT,…", help="Of modes: frequency, damping, shape, residue, antiresonance.")
+@click.option("--robot", metavar="ROBOT", help="Instead of the robot that the campaign names.")
+@click.option(
+    "--kinds", default="stiffness,damping,mass,inertia", show_default=True, help="Kinds of parameters."
+)
+@click.option(
+    "--trust",
+    multiple=True,
+    metavar="NAME=X",
+    help="Relative standard deviation of a kind or parameter of the card.",
+)
+@click.option(
+    "--starts", type=int, default=1, show_default=True, help="Starting points: the card, then random."
+)
+@click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Of those.")
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path),
+    help="A folder for the improved card, a page, pictures and JSON.",
+)
+@force_option
+@quiet_option
+@json_option
+def identify(
+    campaign: Path,
+    source: str | None,
+    hold_out: tuple[str, ...],
+    use: str | None,
+    robot: str | None,
+    kinds: str,
+    trust: tuple[str, ...],
+    starts: int,
+    seed: int,
+    out: Path | None,
+    force: bool,
+    quiet: bool,
+    as_json: bool,
+) -> None:
+    """Stiffness, damping and inertia from a campaign, with uncertainty; exit 1 if the fit does not settle."""
+    from flexmodal.campaign import read_campaign
+    from flexmodal.identification import build_identification, robot_space, solve_identification
+    from flexmodal.identification.as_json import as_json as as_object
+
+    _refuse_out(out, force)
+    measured = read_campaign(campaign)
+    for warning in measured.warnings:
+        click.echo(f"warning: {warning}", err=True)
+    arm = _robot_of(measured, robot)
+    wanted = [kind.strip() for kind in kinds.split(",") if kind.strip()]
+    with progress(STAGES, "identifying", quiet=quiet) as advance:
+        problem = build_identification(
+            measured,
+            arm,
+            source=source,  # type: ignore[arg-type]  # click has seen to it
+            space=robot_space(arm, wanted, trust=_trust(trust)),
+            hold_out=hold_out,
+            use=None if use is None else [part.strip() for part in use.split(",")],
+        )
+        advance()
+        if not as_json:
+            click.echo(f"before the fit: {problem.identifiability.verdict}", err=True)
+        outcome = solve_identification(problem, starts=starts, seed=seed, advance=lambda _: advance())
+    found = as_object(outcome)
+    if out is not None:
+        _write(outcome, found, out, force)
+        click.echo(f"wrote {out}: improved card {out / 'robot' / 'robot.toml'}", err=True)
+    if as_json:
+        print_json(found)
+    else:
+        _print(outcome)
+    sys.exit(0 if outcome.fitted.converged else 1)
+
+
+def _robot_of(campaign: Campaign, given: str | None) -> Robot:
+    """The robot asked for, or the one the campaign names: a card, or a path relative to it."""
+    from flexmodal.model import load
+
+    if given is not None:
+        return load(given)
+    beside = None if campaign.path is None else campaign.path / campaign.robot
+    return load(beside if beside is not None and beside.is_file() else campaign.robot)
+
+
+def _trust(texts: tuple[str, ...]) -> dict[str, float]:
+    from flexmodal.cli.options import per_joint
+
+    found: dict[str, float] = {}
+    for text in texts:
+        given = per_joint(text if "=" in text else f"={text}", "--trust")
+        if isinstance(given, dict):
+            found |= given
+    return found
+
+
+def _refuse_out(out: Path | None, force: bool) -> None:
+    """Complain about the folder before the work starts."""
+    if out is None:
+        return
+    faults = []
+    if out.exists() and not out.is_dir():
+        faults.append(Fault(f"{SOURCE} --out", str(out), "a file", "the name of a folder"))
+    elif not out.parent.is_dir():
+        faults.append(Fault(str(out.parent), "", "no such folder", "an existing folder to put it in"))
+    elif not force:
+        faults = [
+            Fault(str(out / name), "", "something that exists", "a new folder, or --force")
+            for name in FILES
+            if (out / name).exists()
+        ]
+    if faults:
+        raise OutputExists(faults)
+
+
+def _write(outcome: Outcome, found: dict[str, Any], out: Path, force: bool) -> None:
+    import json
+
+    from flexmodal.files import whole_file
+    from flexmodal.frf.plot import write_plot
+    from flexmodal.identification.improved import write_improved
+    from flexmodal.identification.page import write_identification_page
+    from flexmodal.identification.plot import draw_identification
+
+    out.mkdir(exist_ok=True)
+    campaign, robot = outcome.problem.campaign, outcome.problem.robot
+    source = f"the card {robot.name}, identified from the campaign: {campaign.title}. {outcome.verdict}"
+    write_improved(robot, outcome.values, out / "robot", source=source, overwrite=force)
+    with whole_file(out / "identification.json", overwrite=force) as scratch:
+        scratch.write_text(json.dumps(found, allow_nan=False, indent=1) + "\n", encoding="utf-8")
+    write_identification_page(outcome, out / "report.html", overwrite=force)
+    figure = draw_identification(outcome)
+    for name in ("fit.png", "fit.svg"):
+        write_plot(figure, out / name, overwrite=force)
+
+
+def _print(outcome: Outcome) -> None:
+    from flexmodal.identification.page import HEADER, estimate_cells
+
+    problem = outcome.problem
+    rows = [estimate_cells(one) for one in outcome.estimates]
+    print_table(f"{problem.campaign.title}: {problem.robot.name} from {problem.what}", HEADER, rows)
+    gap = outcome.gap
+    cells = [("fitted", gap.before, gap.after, gap.noise_floor)]
+    if gap.held_out_before is not None and gap.held_out_after is not None:
+        floor = gap.held_out_noise_floor or gap.noise_floor
+        cells.append(("held out", gap.held_out_before, gap.held_out_after, floor))
+    cells += [
+        (f"  {one.kind} {one.name}", one.before, one.after, one.noise_floor) for one in outcome.held_out
+    ]
+    table = [[name, *(f"{value:.4g}" for value in values)] for name, *values in cells]
+    print_table("gap", ["", "card", "fit", "noise floor"], table)
+    for a, b, r in outcome.correlated:
+        click.echo(f"correlated: {a} and {b}, {r:+.3f}")
+    for one in outcome.not_identified:
+        click.echo(f"not identified: {one.says}")
+    click.echo(outcome.verdict)

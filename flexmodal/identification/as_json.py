@@ -1,0 +1,47 @@
+"""An outcome as the object that `flexmodal identify --json` prints."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+
+from flexmodal.identification.outcome import Outcome
+
+
+def as_json(outcome: Outcome) -> dict[str, Any]:
+    """Parameters, correlated pairs and gaps as documented; held-out gaps, verdict and origin besides."""
+    parameters = {
+        one.name: {
+            "value": one.value,
+            "unit": one.unit,
+            "standard_error": one.standard_error,
+            "card": one.card,
+            "at_bound": one.at_bound,
+            "interval": list(one.interval),
+            "identified": one.identified,
+        }
+        for one in outcome.estimates
+    }
+    return {
+        "parameters": parameters,
+        "correlated": [list(pair) for pair in outcome.correlated],
+        "gap": {name: _finite(value) for name, value in asdict(outcome.gap).items()},
+        "held_out": [{key: _finite(value) for key, value in asdict(one).items()} for one in outcome.held_out],
+        "before_fit": outcome.before_fit.verdict,
+        "not_identified": [
+            {"parts": dict(one.parts), "left": one.left, "exact": one.exact, "says": one.says}
+            for one in outcome.not_identified
+        ],
+        "optima": [{"cost": one.cost, "hits": one.hits} for one in outcome.optima],
+        "over_noise": _finite(outcome.over_noise),
+        "converged": outcome.fitted.converged,
+        "verdict": outcome.verdict,
+        "provenance": dict(outcome.provenance),
+    }
+
+
+def _finite(value: Any) -> Any:
+    """None for what is no number."""
+    return None if isinstance(value, float) and not np.isfinite(value) else value

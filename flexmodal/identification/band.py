@@ -1,0 +1,49 @@
+"""What the uncertainty of the parameters makes of a predicted FRF: its error band."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Complex, Float
+
+from flexmodal.identification.model import FrfModel, group_receptance
+from flexmodal.identification.observations import Observations
+from flexmodal.identification.uncertainty import Uncertainty
+
+
+@dataclass(frozen=True, eq=False)
+class Banded:
+    """Predicted receptances with the standard error of ln |α|."""
+
+    value: Complex[np.ndarray, "observation line"]
+    """[m/N]"""
+    error: Float[np.ndarray, "observation line"]
+
+    def reach(self, level: float = 0.95) -> tuple[np.ndarray, np.ndarray]:
+        """Lower and upper end of |α| [m/N]."""
+        from scipy.special import ndtri
+
+        factor = np.exp(float(ndtri((1 + level) / 2)) * self.error)
+        return np.abs(self.value) / factor, np.abs(self.value) * factor
+
+
+def banded(
+    model: FrfModel,
+    x: Float[np.ndarray, " parameter"],
+    observations: Observations,
+    sure: Uncertainty,
+    keep: Bool[np.ndarray, " observation"],
+) -> Banded:
+    """Predict some observations with their error, to first order: √(∂ ln|α| cov ∂ ln|α|ᵀ)."""
+    some = observations.keeping(keep)
+    names = model.space.names
+    value = np.zeros(some.value.shape, dtype=complex)
+    error = np.zeros(some.value.shape)
+    for group in model.groups(x, some, slopes=True):
+        found, slopes = group_receptance(group, some.axis_of(group.level), names)
+        relative = (slopes / np.where(found == 0, np.inf, found)).real
+        value[group.observations] = found
+        spread = np.einsum("pnl,pq,qnl->nl", relative, sure.covariance, relative)
+        error[group.observations] = np.sqrt(np.maximum(spread, 0.0))
+    return Banded(value, error)

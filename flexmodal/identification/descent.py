@@ -1,0 +1,111 @@
+"""Levenberg and Marquardt's descent on robust least squares with priors, inside bounds."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from flexmodal.identification.parameter import ParameterSpace
+
+HUBER = 3.0
+"""Residuals beyond this many standard deviations count linearly (Huber, Ann. Math. Statist. 35, 1964)."""
+LONGEST = 1.0
+"""Longest step along a coordinate: a factor e, or one unit."""
+FIRST, LAST = 1e-3, 1e8
+"""Damping of the first step, and where a search gives up."""
+
+
+@dataclass(frozen=True, eq=False)
+class Normal:
+    """Cost and normal equations at one point, and each observation's share in them."""
+
+    cost: float
+    data_cost: float
+    gradient: Float[np.ndarray, " parameter"]
+    curvature: Float[np.ndarray, "parameter parameter"]
+    """Gauss–Newton Hessian of half the cost, without the prior."""
+    scores: Float[np.ndarray, "observation parameter"]
+    squared: Float[np.ndarray, " observation"]
+    """Σ w |r|² of each observation."""
+    blocks: Float[np.ndarray, "observation parameter parameter"] | None
+    """What each observation adds to the curvature; None where nobody asked."""
+
+
+@dataclass(frozen=True, eq=False)
+class Descent:
+    """Where a descent ended."""
+
+    x: Float[np.ndarray, " parameter"]
+    normal: Normal
+    steps: int
+    converged: bool
+
+
+def descend(
+    space: ParameterSpace,
+    equations: Callable[[Float[np.ndarray, " parameter"]], Normal],
+    cost: Callable[[Float[np.ndarray, " parameter"]], float],
+    x: Float[np.ndarray, " parameter"],
+    *,
+    most: int,
+    settled: float,
+    advance: Callable[[int, float], None] = lambda step, cost: None,
+) -> Descent:
+    """Go down from x; coordinates that push against a bound are held.
+
+    Args:
+        space: with bounds and priors.
+        equations: cost, gradient and curvature.
+        cost: the cost alone, infinite where the model does not exist.
+        x: where to begin.
+        most: steps.
+        settled: a step that changes the cost relatively by less is the last.
+        advance: called after each step with its number and the cost.
+    """
+    low, high = space.bounds
+    prior = np.diag(space.precision)
+    normal, damping = equations(x), FIRST
+    for taken in range(1, most + 1):
+        free = ~(((x <= low) & (normal.gradient > 0)) | ((x >= high) & (normal.gradient < 0)))
+        if not free.any():
+            return Descent(x, normal, taken, True)
+        hessian = normal.curvature + prior
+        found = None
+        while found is None and damping < LAST:
+            step = np.zeros(len(x))
+            damped = hessian + np.diag(damping * np.diag(hessian) + 1e-300)
+            step[free] = -np.linalg.solve(damped[np.ix_(free, free)], normal.gradient[free])
+            step *= min(1.0, LONGEST / max(float(np.max(np.abs(step))), 1e-300))
+            trial = np.clip(x + step, low, high)
+            value = cost(trial)
+            if np.isfinite(value) and value < normal.cost:
+                found = trial
+            else:
+                damping = max(damping, 1e-6) * 8
+        if found is None:
+            return Descent(x, normal, taken, True)
+        gained = (normal.cost - value) / max(normal.cost, 1e-300)
+        x, damping = found, damping / 5
+        normal = equations(x)
+        advance(taken, normal.cost)
+        if gained < settled:
+            return Descent(x, normal, taken, True)
+    return Descent(x, normal, most, False)
+
+
+def robust(scaled: Float[np.ndarray, "*shape"]) -> Float[np.ndarray, "*shape"]:
+    """Huber's function of a squared standardised residual."""
+    return np.where(scaled <= HUBER**2, scaled, 2 * HUBER * np.sqrt(scaled) - HUBER**2)
+
+
+def robust_weight(scaled: Float[np.ndarray, "*shape"]) -> Float[np.ndarray, "*shape"]:
+    """Its weight: 1 inside, falling as one over the residual outside."""
+    return np.minimum(1.0, HUBER / np.sqrt(np.maximum(scaled, 1e-300)))
+
+
+def prior_cost(space: ParameterSpace, x: Float[np.ndarray, " parameter"]) -> float:
+    """What the prior adds to the cost."""
+    return float(np.sum(space.precision * x**2))

@@ -1,0 +1,129 @@
+"""`identify`: from a campaign and a card to better parameters, their errors, and how well they carry over."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from flexmodal.campaign import Campaign
+from flexmodal.identification.held_out import predicted_apart
+from flexmodal.identification.optima import search
+from flexmodal.identification.outcome import Gaps, Outcome
+from flexmodal.identification.parameter import ParameterSpace
+from flexmodal.identification.problem import IdentificationProblem, Source, build_identification
+from flexmodal.identification.routes import MODEL_ERROR
+from flexmodal.model import Robot
+
+
+def identify(
+    campaign: Campaign,
+    robot: Robot,
+    *,
+    source: Source | None = None,
+    space: ParameterSpace | None = None,
+    trust: Mapping[str, float] | None = None,
+    hold_out: Sequence[str | int] = (),
+    use: Sequence[str] | None = None,
+    model_error: float = MODEL_ERROR,
+    starts: int = 1,
+    seed: int = 0,
+    advance: Callable[[str], None] = lambda stage: None,
+) -> Outcome:
+    """Identify a robot's parameters.
+
+    What is named in `hold_out` is never fitted, and the model is judged on it. Where nothing is named, every
+    posture is left out in turn, refitted without, and predicted; so is every point; the parameters given
+    are those of the fit to everything.
+
+    Args:
+        campaign: what was measured.
+        robot: as its card says.
+        source: "frf" or "modes"; FRFs where there are any.
+        space: parameters; stiffness, damping, mass and inertia of the robot if None.
+        trust: standard deviations of ln(true / card) by kind or name, over the card's.
+        hold_out: names or ids of postures, or names of points, that the fit is not to see.
+        use: what of the modes.
+        model_error: relative error of natural frequencies that the model is granted.
+        starts: how many starting points: the card, then others drawn from the prior.
+        seed: of those.
+        advance: called with the name of each stage as it begins.
+
+    Raises:
+        InvalidRequest: see `build_identification`.
+    """
+    advance("reading")
+    problem = build_identification(
+        campaign,
+        robot,
+        source=source,
+        space=space,
+        trust=trust,
+        hold_out=hold_out,
+        use=use,
+        model_error=model_error,
+    )
+    return solve_identification(problem, starts=starts, seed=seed, advance=advance)
+
+
+def solve_identification(
+    problem: IdentificationProblem,
+    *,
+    starts: int = 1,
+    seed: int = 0,
+    advance: Callable[[str], None] = lambda stage: None,
+) -> Outcome:
+    """Solve a problem that `build_identification` made; see `identify`.
+
+    Raises:
+        InvalidRequest: fewer than one start.
+    """
+    advance("what the data can tell")
+    before = problem.identifiability
+    advance("fitting")
+    fitted, optima = search(problem.route, starts=starts, seed=seed)
+    sure = problem.route.uncertainty(fitted)
+    card = np.zeros(len(problem.space))
+    shown = problem.route.predicted(fitted.x)
+    fit_gap, card_gap = problem.route.gap(shown), problem.route.gap(problem.route.predicted(card))
+    advance("holding out")
+    parts = predicted_apart(problem, fitted)
+    gaps = Gaps(
+        before=card_gap.value,
+        after=fit_gap.value,
+        held_out_before=None if parts is None else parts.before.value,
+        held_out_after=None if parts is None else parts.after.value,
+        noise_floor=fit_gap.noise_floor,
+        held_out_noise_floor=None if parts is None else parts.after.noise_floor,
+    )
+    return Outcome(
+        problem,
+        fitted,
+        sure,
+        before,
+        gaps,
+        () if parts is None else parts.each,
+        optima,
+        _provenance(problem, starts, seed),
+        problem.route.over_noise(shown),
+    )
+
+
+def _provenance(problem: IdentificationProblem, starts: int, seed: int) -> dict[str, Any]:
+    from importlib.metadata import version
+
+    campaign = problem.campaign
+    return {
+        "campaign": campaign.title,
+        "folder": None if campaign.path is None else str(campaign.path),
+        "robot": problem.robot.name,
+        "source": problem.source,
+        "fitted_to": problem.what,
+        "band": [float(campaign.band[0]), float(min(campaign.band[1], 1e9))],
+        "held_out": [name for _, name in problem.held_out] or "each posture and each point in turn",
+        "numbers": problem.route.count,
+        "starts": starts,
+        "seed": seed,
+        "flexmodal": version("flexmodal"),
+    }

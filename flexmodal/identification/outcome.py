@@ -1,0 +1,191 @@
+"""What an identification found, and how far it can be trusted."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from jaxtyping import Float
+
+from flexmodal.identification.identifiability import Combination, Identifiability
+from flexmodal.identification.parameter import Parameter
+from flexmodal.identification.routes import Fitted
+from flexmodal.identification.uncertainty import Uncertainty
+
+if TYPE_CHECKING:
+    from flexmodal.identification.problem import IdentificationProblem
+
+EXPLAINED = 1.6
+"""Multiple of the noise floor up to which a model explains the data: repeats share leakage and bias."""
+WORSE = 1.5
+"""Held-out gap over fitted gap from which a fit does not carry over."""
+TOUCHING = 1e-9
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """One parameter."""
+
+    name: str
+    unit: str
+    value: float
+    standard_error: float
+    """In the unit of the value; the linear one of a logarithm times the value."""
+    interval: tuple[float, float]
+    """95 %; of a logarithm not symmetric."""
+    card: float
+    at_bound: bool
+    identified: bool
+    """Whether the data, not the prior, decide."""
+
+
+@dataclass(frozen=True)
+class Gaps:
+    """Distances of card and fit from the data, as the file formats define them."""
+
+    before: float
+    """Of the card."""
+    after: float
+    """Of the fit, on what it was fitted to."""
+    held_out_before: float | None
+    """Of the card, on what was held out; None where nothing could be."""
+    held_out_after: float | None
+    """Of fits that had not seen what they are judged on."""
+    noise_floor: float
+    held_out_noise_floor: float | None = None
+
+
+@dataclass(frozen=True)
+class HeldOut:
+    """One posture or point, predicted by a fit that had not seen it."""
+
+    kind: str
+    name: str
+    before: float
+    after: float
+    noise_floor: float
+
+
+@dataclass(frozen=True)
+class Optimum:
+    """One distinct optimum."""
+
+    x: tuple[float, ...]
+    cost: float
+    hits: int
+    """Starts that ended there."""
+
+
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """Result of an identification."""
+
+    problem: IdentificationProblem
+    fitted: Fitted
+    uncertainty: Uncertainty
+    before_fit: Identifiability
+    """What the data could tell, reckoned at the card."""
+    gap: Gaps
+    held_out: tuple[HeldOut, ...]
+    optima: tuple[Optimum, ...]
+    """Distinct ones, best first."""
+    provenance: Mapping[str, Any]
+    over_noise: float
+    """Misfit of the fit over the noise, on data that are more than noise; 1 for a perfect model."""
+
+    @property
+    def at(self) -> Float[np.ndarray, " parameter"]:
+        """Coordinates of the answer."""
+        return self.fitted.x
+
+    @property
+    def values(self) -> dict[str, float]:
+        """Values by name."""
+        return self.problem.space.values(self.at)
+
+    @cached_property
+    def estimates(self) -> tuple[Estimate, ...]:
+        """Every parameter."""
+        low, high = self.uncertainty.interval(self.at)
+        least, most = self.problem.space.bounds
+        known = set(self.uncertainty.identified)
+        return tuple(
+            _estimate(
+                p,
+                self.at[k],
+                self.uncertainty.deviation[k],
+                (low[k], high[k]),
+                (least[k], most[k]),
+                p.name in known,
+            )
+            for k, p in enumerate(self.problem.space)
+        )
+
+    @property
+    def correlated(self) -> tuple[tuple[str, str, float], ...]:
+        """Pairs that the data tell together only."""
+        return self.uncertainty.correlated
+
+    @cached_property
+    def not_identified(self) -> tuple[Combination, ...]:
+        """Combinations that the data left open, at the fit."""
+        found = Identifiability(self.problem.space, self.uncertainty.information, self.problem.what)
+        return found.combinations
+
+    @property
+    def at_bound(self) -> tuple[str, ...]:
+        """Parameters that stand at a bound."""
+        return tuple(one.name for one in self.estimates if one.at_bound)
+
+    @property
+    def explained(self) -> bool:
+        """Whether what is left is about the noise."""
+        return self.over_noise <= EXPLAINED
+
+    @property
+    def verdict(self) -> str:
+        """What to think of it, and what to do next."""
+        gap, says = self.gap, []
+        if not self.fitted.converged:
+            says.append("the fit did not settle: give more steps or better starting values")
+        if self.explained:
+            says.append(f"the model meets the data to {self.over_noise:.2g} times the noise")
+        else:
+            says.append(
+                f"the fit leaves {self.over_noise:.2g} times the noise: something is missing from the model; "
+                "`flexmodal diagnose` looks for it"
+            )
+        if gap.held_out_after is not None and gap.held_out_after > WORSE * max(gap.after, gap.noise_floor):
+            says.append(f"it does not carry over: {gap.held_out_after:.3g} on what was held out")
+        count = len(self.problem.space)
+        known = len(self.uncertainty.identified)
+        says.append(
+            f"all {count} parameters are identified"
+            if known == count
+            else f"{known} of {count} parameters are identified"
+        )
+        if self.at_bound:
+            says.append(f"at a bound: {', '.join(self.at_bound)}: look at the bounds before using them")
+        if len(self.optima) > 1:
+            says.append(f"{len(self.optima)} distinct optima; the best one is given")
+        return "; ".join(says)
+
+
+def _estimate(
+    parameter: Parameter, x: float, deviation: float, reach: tuple[float, float], bounds: tuple[float, float],
+    identified: bool,
+) -> Estimate:  # fmt: skip
+    touching = TOUCHING * max(1.0, abs(float(x)))
+    return Estimate(
+        parameter.name,
+        parameter.unit,
+        parameter.value(float(x)),
+        abs(parameter.slope(float(x))) * float(deviation),
+        (parameter.value(float(reach[0])), parameter.value(float(reach[1]))),
+        parameter.card,
+        bool(x <= bounds[0] + touching or x >= bounds[1] - touching),
+        identified,
+    )

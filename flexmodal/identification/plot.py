@@ -1,0 +1,147 @@
+"""Pictures of an identification: measured against model with the error band, modes, held-out gaps."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from flexmodal.frf.plot import PALETTE
+from flexmodal.identification.band import banded
+from flexmodal.identification.outcome import Outcome
+from flexmodal.identification.routes import FrfRoute, ModeRoute
+
+MEASURED, FITTED, CARD = PALETTE[0], PALETTE[1], "0.45"
+MOST = 6
+"""FRFs in one picture."""
+
+
+def draw_identification(outcome: Outcome) -> Any:
+    """Measured against model: FRFs with their band, or errors of modes.
+
+    Returns:
+        A matplotlib figure.
+    """
+    if isinstance(outcome.problem.route, FrfRoute):
+        return _draw_frfs(outcome, outcome.problem.route)
+    assert isinstance(outcome.problem.route, ModeRoute)
+    return _draw_modes(outcome, outcome.problem.route)
+
+
+def draw_held_out(outcome: Outcome) -> Any:
+    """Gap of card and fit on each posture and point that the fit had not seen, and the noise."""
+    from matplotlib.figure import Figure
+
+    held = outcome.held_out
+    figure = Figure(figsize=(7.5, 1.2 + 0.32 * len(held)), layout="constrained")
+    axes = figure.subplots()
+    rows = np.arange(len(held))
+    for values, marker, colour, label in (
+        ([one.before for one in held], "s", CARD, "card"),
+        ([one.after for one in held], "o", FITTED, "fit that had not seen it"),
+        ([one.noise_floor for one in held], "|", MEASURED, "noise floor"),
+    ):
+        axes.plot(values, rows, marker, color=colour, label=label, markersize=7, markeredgewidth=1.8)
+    axes.set_yticks(rows, [f"{one.kind} {one.name}" for one in held], fontsize=9)
+    axes.invert_yaxis()
+    axes.set(xscale="log", xlabel="Gap, root mean square of |ln(model / measured)| [–]")
+    axes.xaxis.set_major_formatter("{x:g}")
+    axes.grid(True, axis="x", which="both", color="0.9", linewidth=0.6)
+    axes.legend(fontsize=9)
+    axes.set_title("Held out", loc="left", fontsize=11)
+    return figure
+
+
+def _draw_frfs(outcome: Outcome, route: FrfRoute) -> Any:
+    from matplotlib.figure import Figure
+
+    seen = route.observations
+    chosen = _chosen(seen)
+    keep = np.isin(np.arange(len(seen)), chosen)
+    fitted = banded(route.model, outcome.at, seen, outcome.uncertainty, keep)
+    card = route.predicted(np.zeros(len(route.space)))[keep]
+    low, high = fitted.reach()
+    columns = 2 if len(chosen) > 1 else 1
+    count = -(-len(chosen) // columns)
+    figure = Figure(figsize=(5.2 * columns, 2.6 * count + 0.7), layout="constrained")
+    panes = np.atleast_1d(figure.subplots(count, columns, sharex=True, squeeze=False)).ravel()
+    frequency = seen.axis.frequency
+    for place, (pane, row) in enumerate(zip(panes, np.flatnonzero(keep).tolist(), strict=False)):
+        used = np.where(seen.used[row], np.abs(seen.value[row]), np.nan)
+        pane.semilogy(frequency, used, color=MEASURED, linewidth=2.4, alpha=0.55, label="measured")
+        pane.semilogy(frequency, np.abs(card[place]), color=CARD, linestyle=":", linewidth=1.3, label="card")
+        pane.semilogy(frequency, np.abs(fitted.value[place]), color=FITTED, linewidth=1.1, label="identified")
+        pane.fill_between(
+            frequency, low[place], high[place], color=FITTED, alpha=0.25, linewidth=0, label="95 % band"
+        )
+        pane.set_title(_title(outcome, row), loc="left", fontsize=9)
+        pane.grid(True, color="0.9", linewidth=0.6)
+        pane.set_xlim(frequency[0], frequency[-1])
+    for pane in panes[len(chosen) :]:
+        pane.remove()
+    for pane in panes[::columns][:count]:
+        pane.set_ylabel("|receptance| [m/N]")
+    for pane in panes[max(len(chosen) - columns, 0) : len(chosen)]:
+        pane.set_xlabel("Frequency [Hz]")
+        pane.tick_params(labelbottom=True)
+    panes[0].legend(fontsize=8)
+    return figure
+
+
+def _chosen(seen: Any) -> list[int]:
+    """One FRF for each posture, at the drive point where there is one."""
+    found = []
+    for number in range(len(seen.postures)):
+        rows = np.flatnonzero(seen.posture == number)
+        if rows.size:
+            drive = [r for r in rows.tolist() if np.array_equal(seen.response[r], seen.reference[r])]
+            found.append((drive or rows.tolist())[0])
+    return found[:MOST]
+
+
+def _title(outcome: Outcome, row: int) -> str:
+    assert isinstance(outcome.problem.route, FrfRoute)
+    seen = outcome.problem.route.observations
+
+    def name(place: np.ndarray) -> str:
+        return f"{seen.campaign.point(int(place[0])).name}:+{'xyz'[abs(int(place[1])) - 1]}"
+
+    posture = seen.postures[int(seen.posture[row])].name
+    return f"{posture}: {name(seen.response[row])} per {name(seen.reference[row])}"
+
+
+def _draw_modes(outcome: Outcome, route: ModeRoute) -> Any:
+    from matplotlib.figure import Figure
+
+    observed = route.observations
+    before, after = route.predicted(np.zeros(len(route.space))), route.predicted(outcome.at)
+    labels = [f"{observed.postures[m.posture].name}, {m.frequency:.1f} Hz" for m in observed.modes]
+    rows = np.arange(len(labels))
+    figure = Figure(figsize=(9.0, 1.4 + 0.24 * len(labels)), layout="constrained")
+    left, right = figure.subplots(1, 2, sharey=True)
+    errors = (
+        (
+            left,
+            0,
+            100.0,
+            [m.frequency_error for m in observed.modes],
+            "Natural frequency: model − measured [%]",
+        ),
+        (right, 1, 1000.0, [m.damping_error for m in observed.modes], "Damping ratio: model − measured [%]"),
+    )
+    for axes, column, scale, error, label in errors:
+        axes.errorbar(0 * rows, rows, xerr=196 * np.array(error), fmt="none", ecolor=MEASURED, elinewidth=5,
+                      alpha=0.4, label="measured ± 1.96 standard errors")  # fmt: skip
+        axes.plot(
+            scale * before[: len(rows), column], rows, "s", color=CARD, markerfacecolor="none", label="card"
+        )
+        axes.plot(
+            scale * after[: len(rows), column], rows, "o", color=FITTED, markersize=4, label="identified"
+        )
+        axes.axvline(0, color="0.5", linewidth=0.8)
+        axes.set_xlabel(label)
+        axes.grid(True, axis="x", color="0.9", linewidth=0.6)
+    left.set_yticks(rows, labels, fontsize=8)
+    left.invert_yaxis()
+    figure.legend(*left.get_legend_handles_labels(), loc="outside upper right", ncols=3, fontsize=8)
+    return figure

@@ -1,0 +1,155 @@
+"""The problem of an identification: campaign, robot, parameters, and the data they are to meet."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+
+from flexmodal.campaign import Campaign
+from flexmodal.errors import Fault, InvalidRequest
+from flexmodal.identification.belong import check_belonging
+from flexmodal.identification.identifiability import Identifiability
+from flexmodal.identification.mode_data import modes_of_frfs, modes_of_table
+from flexmodal.identification.mode_fit import USES
+from flexmodal.identification.model import RobotModel
+from flexmodal.identification.observations import observe
+from flexmodal.identification.parameter import ParameterSpace
+from flexmodal.identification.routes import MODEL_ERROR, FrfRoute, ModeRoute, Route
+from flexmodal.identification.space import robot_space
+from flexmodal.model import Robot
+from flexmodal.text.words import listing, nearest
+
+Source = Literal["frf", "modes"]
+OSCILLATING = 0.5
+"""Damping ratio up to which a mode makes a peak."""
+
+
+@dataclass(frozen=True, eq=False)
+class IdentificationProblem:
+    """What is to be found, and from what."""
+
+    campaign: Campaign
+    robot: Robot
+    space: ParameterSpace
+    source: Source
+    route: Route
+    """The data that are fitted."""
+    whole: Route
+    """The same with what is held out."""
+    held_out: tuple[tuple[str, str], ...] = ()
+    """Kind and name of what the fit never sees."""
+
+    @property
+    def what(self) -> str:
+        """The data in a word."""
+        if isinstance(self.route, ModeRoute):
+            parts = {"frequency": "natural frequencies", "damping": "damping ratios", "shape": "mode shapes",
+                     "residue": "residues", "antiresonance": "antiresonances"}  # fmt: skip
+            return "the " + ", ".join(parts[name] for name in self.route.use)
+        return "the FRFs"
+
+    @cached_property
+    def identifiability(self) -> Identifiability:
+        """What these data can tell, reckoned at the card."""
+        return Identifiability(self.space, self.route.information(), self.what)
+
+
+def build_identification(
+    campaign: Campaign,
+    robot: Robot,
+    *,
+    source: Source | None = None,
+    space: ParameterSpace | None = None,
+    trust: Mapping[str, float] | None = None,
+    hold_out: Sequence[str | int] = (),
+    use: Sequence[str] | None = None,
+    model_error: float = MODEL_ERROR,
+) -> IdentificationProblem:
+    """Set up an identification.
+
+    Args:
+        campaign: what was measured.
+        robot: as its card says.
+        source: "frf" or "modes"; FRFs where there are any. Modes come from `modes.csv`, else from fits of
+            the FRFs.
+        space: parameters; stiffness, damping, mass and inertia of the robot if None.
+        trust: standard deviations of ln(true / card) by kind or name, over the card's.
+        hold_out: names or ids of postures, or names of points, that the fit is not to see.
+        use: what of the modes: frequency, damping, shape, residue, antiresonance; if None frequency and
+            damping, with residues where FRFs are fitted. Shapes of a table are as good as whoever made it.
+        model_error: relative error of natural frequencies that the model is granted, tenfold of all else of
+            modes; without it a few frequencies that are known very well would decide everything.
+
+    Raises:
+        InvalidRequest: campaign and robot do not belong together, the data are too few or nothing but noise,
+            or an argument is out of its range.
+    """
+    check_belonging(campaign, robot)
+    if not 0 <= model_error < 1:
+        raise InvalidRequest(Fault("call", "model_error", f"{model_error:g}", "0 to 1"))
+    chosen = robot_space(robot, trust=trust) if space is None else space.trusting(dict(trust or {}))
+    road = source or ("modes" if campaign.frfs is None and not campaign.blows else "frf")
+    model = RobotModel(robot, chosen)
+    whole: Route
+    whole = (
+        FrfRoute(model, observe(campaign)) if road == "frf" else _of_modes(campaign, model, use, model_error)
+    )
+    held = _held_out(campaign, whole, hold_out)
+    route = whole
+    if held:
+        folds = whole.folds()
+        route = whole.keeping(~np.any([folds[key] for key in held], axis=0))
+    faults = route.faults()
+    if faults:
+        raise InvalidRequest(faults)
+    return IdentificationProblem(campaign, robot, chosen, road, route, whole, held)
+
+
+def _of_modes(
+    campaign: Campaign, model: RobotModel, use: Sequence[str] | None, model_error: float
+) -> ModeRoute:
+    """Modes of the table, or of fits that begin at the card's own frequencies."""
+    tabled = campaign.modes is not None and "antiresonance" not in (use or ())
+    chosen = _uses(use or ("frequency", "damping", *(() if tabled else ("residue",))))
+    if tabled:
+        return ModeRoute(model, modes_of_table(campaign), chosen, model_error)
+    near = {}
+    for posture in campaign.postures:
+        modes = model.robot.at(dict(posture.q)).modes()
+        near[posture.id] = modes.frequency[modes.damping_ratio < OSCILLATING].tolist()
+    found = modes_of_frfs(campaign, near, antiresonances="antiresonance" in chosen)
+    return ModeRoute(model, found, chosen, model_error)
+
+
+def _uses(use: Sequence[str]) -> tuple[str, ...]:
+    unknown = [name for name in use if name not in USES]
+    if unknown or not use:
+        found = ", ".join(map(repr, unknown)) or "nothing"
+        raise InvalidRequest(Fault("call", "use", found, f"some of {', '.join(USES)}"))
+    return tuple(use)
+
+
+def _held_out(campaign: Campaign, whole: Route, wanted: Sequence[str | int]) -> tuple[tuple[str, str], ...]:
+    folds = whole.folds()
+    ids = {str(posture.id): posture.name for posture in campaign.postures}
+    found: list[tuple[str, str]] = []
+    faults = []
+    for item in wanted:
+        name = ids.get(str(item), str(item))
+        key = next((k for k in (("posture", name), ("point", name)) if k in folds), None)
+        if key is None:
+            names = [n for _, n in folds]
+            allowed = f"{nearest(str(item), names)}a posture or point with data: {listing(names)}"
+            faults.append(Fault("call", "hold_out", repr(item), allowed))
+        elif key not in found:
+            found.append(key)
+    postures = {name for kind, name in folds if kind == "posture"}
+    if postures and postures <= {name for kind, name in found if kind == "posture"}:
+        faults.append(Fault("call", "hold_out", "every posture", "at least one posture to fit"))
+    if faults:
+        raise InvalidRequest(faults)
+    return tuple(found)

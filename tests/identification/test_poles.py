@@ -1,0 +1,82 @@
+"""Poles and shapes against the modal room, their derivatives against central differences."""
+
+import numpy as np
+import pytest
+
+import flexmodal
+from flexmodal.identification.arm import Arm
+from flexmodal.identification.assembly import Assembly, put_together
+from flexmodal.identification.poles import poles
+from flexmodal.identification.space import robot_space
+
+STEP = 1e-5
+
+
+def structure(robot, q, values):
+    assembly = Assembly(Arm(robot, q))
+    put_together(assembly, values, assembly.arm.bodies)
+    rows = assembly.rows([(robot.tool, np.zeros(3), way) for way in (np.eye(3)[2], np.eye(3)[0])])
+    return assembly.close(rows, rows)
+
+
+@pytest.fixture(params=["fanuc_s360", "six_link", "six_axis"])
+def case(request):
+    """A robot off its card; the six-link arm has real poles too."""
+    robot = flexmodal.load(request.param)
+    space = robot_space(robot)
+    q = (
+        dict(next(iter(robot.postures.values())))
+        if robot.postures
+        else {name: 0.3 for name in robot.commanded}
+    )
+    return robot, space, q, np.random.default_rng(3).normal(0, 0.05, len(space))
+
+
+def test_frequencies_are_the_robots(case):
+    robot, _, q, _ = case
+    found = poles(structure(robot, q, {}))
+    modes = robot.at(q).modes()
+    np.testing.assert_allclose(found.frequency, modes.frequency, rtol=1e-9)
+    np.testing.assert_allclose(found.damping_ratio, modes.damping_ratio, atol=1e-9)
+    assert found.count == len(modes.pole)
+    assert len(found.pole) == 2 * len(robot.joints)
+
+
+def test_derivatives_are_those_of_central_differences(case):
+    robot, space, q, x = case
+    names = space.names
+
+    def at(x):
+        found = poles(structure(robot, q, space.values(x)), names)
+        order = np.lexsort((found.pole.imag, found.pole.real))
+        rows = structure(robot, q, space.values(x)).response
+        return found, found.pole[order], ((rows[0] @ found.shape) * (rows[1] @ found.shape))[order], order
+
+    middle, pole, residue, order = at(x)
+    rows = structure(robot, q, space.values(x)).response
+    u, v = rows[0] @ middle.shape, rows[1] @ middle.shape
+    for k in range(len(space)):
+        shift = STEP * np.eye(len(space))[k]
+        up, down = at(x + shift), at(x - shift)
+        numeric = (up[1] - down[1]) / (2 * STEP)
+        np.testing.assert_allclose(middle.pole_slope[k][order], numeric, atol=2e-7 * np.abs(pole).max())
+        du, dv = rows[0] @ middle.shape_slope[k], rows[1] @ middle.shape_slope[k]
+        numeric = (up[2] - down[2]) / (2 * STEP)
+        # residues do not depend on the sign of the shape; second order in the step
+        np.testing.assert_allclose((du * v + u * dv)[order], numeric, atol=1e-6 * np.abs(residue).max())
+
+
+def test_slopes_of_frequency_and_damping(case):
+    robot, space, q, x = case
+
+    def at(x):
+        return poles(structure(robot, q, space.values(x)), space.names)
+
+    middle = at(x)
+    for k in range(0, len(space), 3):
+        shift = STEP * np.eye(len(space))[k]
+        up, down = at(x + shift), at(x - shift)
+        numeric = np.log(up.frequency / down.frequency) / (2 * STEP)
+        np.testing.assert_allclose(middle.log_frequency_slope[k], numeric, atol=1e-7)
+        numeric = (up.damping_ratio - down.damping_ratio) / (2 * STEP)
+        np.testing.assert_allclose(middle.damping_slope[k], numeric, atol=1e-7)
