@@ -75,8 +75,8 @@ def main() -> None:
     write(
         "identification_speed",
         "Identification of 16 parameters, beside scipy",
-        f"Made by `make recovery`: {len(seen.postures)} postures × {len(seen) // len(seen.postures)} points "
-        f"× {len(seen.axis)} lines, all in one run, one core of a shared machine. scipy gets the same "
+        f"By `make recovery`: {len(seen.postures)} postures × {len(seen) // len(seen.postures)} points × "
+        f"{len(seen.axis)} lines, all three in one run on one core of a shared machine. scipy gets the same "
         "residuals, weights, priors, bounds, Huber's loss and start as the second row.",
         ["", "time [s]", "work", "times as fast as scipy"],
         rows,

@@ -54,6 +54,10 @@ class InvalidCampaign(InvalidInput):
     """A campaign breaks its format, contradicts itself, or holds data that no measurement gives."""
 
 
+class InvalidCut(InvalidInput):
+    """A cut breaks its format, or describes a cutter, an engagement or a frame that cannot be."""
+
+
 class InvalidUrdf(InvalidInput):
     """A URDF is not a sound description of a robot."""
 

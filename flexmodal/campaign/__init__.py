@@ -14,6 +14,7 @@ from flexmodal.campaign.noise import record_variance as record_variance
 from flexmodal.campaign.quality import QualityFlag as QualityFlag
 from flexmodal.campaign.quality import QualityLimits as QualityLimits
 from flexmodal.campaign.quality import check_blows as check_blows
+from flexmodal.campaign.quality import check_campaign_quality as check_campaign_quality
 from flexmodal.campaign.read_campaign import CampaignReport as CampaignReport
 from flexmodal.campaign.read_campaign import check_campaign as check_campaign
 from flexmodal.campaign.read_campaign import is_campaign as is_campaign

@@ -204,7 +204,7 @@ def _one_form(records: list[_Record]) -> list[_Record]:
 
 
 def _flag(record: _Record, band: tuple[float, float], limits: QualityLimits) -> QualityFlag | None:
-    labels = (record.posture, record.trial, record.response)
+    labels = (record.posture, record.trial, record.response, record.reference)
     return coherence_flag(record.coherence, record.frequency, band, labels, limits)
 
 

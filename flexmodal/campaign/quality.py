@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from jaxtyping import Float
 
 from flexmodal.campaign.blow import Blow
+
+if TYPE_CHECKING:
+    from flexmodal.campaign.campaign import Campaign
+    from flexmodal.campaign.records import FrfRecords
 
 FlagKind = Literal["double hit", "overload", "low energy in band", "low coherence"]
 
@@ -44,6 +48,9 @@ class QualityLimits:
 
     second_hit: float = 0.15
     """A second pulse that stands out by this part of the first; less is the ringing of filters."""
+    lasting: float = 0.1
+    """A force that is larger than `second_hit` of its peak for this part of the record is a sweep or a random
+    force and no blow, of which nobody expects a single pulse."""
     flat_top: int = 3
     """As many samples at the extreme value, one after the other, are an overload."""
     energy: float = 20.0
@@ -60,24 +67,50 @@ def check_blows(
     return tuple(flag for blow in blows for flag in _blow_flags(blow, band, limits))
 
 
+def check_campaign_quality(
+    campaign: Campaign, records: FrfRecords, limits: QualityLimits | None = None
+) -> tuple[QualityFlag, ...]:
+    """What is odd about the blows of a campaign and about the FRFs that are used of it.
+
+    Args:
+        campaign: its blows, where it has any, its band and trials.
+        records: its FRFs, or those estimated from its blows. The coherence of a single blow is 1 and says
+            nothing.
+        limits: what counts as odd.
+    """
+    limits = limits or QualityLimits()
+    flags = list(check_blows(campaign.blows, campaign.band, limits))
+    if records.coherence is not None:
+        for row, coherence in enumerate(records.coherence):
+            response, reference = (
+                (int(place[row, 0]), int(place[row, 1])) for place in (records.response, records.reference)
+            )
+            labels = (int(records.posture[row]), int(records.trial[row]), response, reference)
+            flag = coherence_flag(coherence, records.frequency, campaign.band, labels, limits)
+            flags += [flag] if flag is not None else []
+    return tuple(flags)
+
+
 def coherence_flag(
     coherence: Float[np.ndarray, " line"],
     frequency: Float[np.ndarray, " line"],
     band: tuple[float, float],
-    labels: tuple[int, int, tuple[int, int]],
+    labels: tuple[int, int, tuple[int, int], tuple[int, int]],
     limits: QualityLimits,
 ) -> QualityFlag | None:
-    """A flag where the median coherence over the band is low; labels are posture, trial and response."""
+    """A flag where the median coherence over the band is low; labels: posture, trial, response, reference."""
     inside = (frequency >= band[0]) & (frequency <= band[1])
     if not inside.any() or np.median(coherence[inside]) >= limits.coherence:
         return None
+    point, direction = labels[3]
     says = f"median {np.median(coherence[inside]):.2f} from {band[0]:g} to {band[1]:g} Hz"
+    says += f", force at point {point} direction {direction:+d}"
     return QualityFlag("low coherence", labels[0], labels[1], None, labels[2], says)
 
 
 def _blow_flags(blow: Blow, band: tuple[float, float], limits: QualityLimits) -> list[QualityFlag]:
     found: list[tuple[FlagKind, tuple[int, int], str]] = []
-    hits = _hits(blow, limits.second_hit)
+    hits = [] if _lasts(blow, limits) else _hits(blow, limits.second_hit)
     if len(hits) > 1:
         times = ", ".join(f"{1e3 * time:.1f}" for time in hits[:5])
         found.append(("double hit", blow.reference, f"{len(hits)} pulses, at {times} ms"))
@@ -93,6 +126,12 @@ def _blow_flags(blow: Blow, band: tuple[float, float], limits: QualityLimits) ->
     return [
         QualityFlag(kind, blow.posture, blow.trial, blow.sequence, point, says) for kind, point, says in found
     ]
+
+
+def _lasts(blow: Blow, limits: QualityLimits) -> bool:
+    """Whether the force goes on as no blow does; an offset of the cell is no force."""
+    size = np.abs(blow.force - np.median(blow.force))
+    return bool(np.mean(size > limits.second_hit * size.max()) > limits.lasting)
 
 
 def _hits(blow: Blow, part: float) -> list[float]:

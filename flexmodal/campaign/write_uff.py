@@ -1,14 +1,8 @@
-"""Datasets 58 and 58b through pyuff, one file a dataset, joined afterwards.
-
-pyuff reads the whole file again after each dataset it adds, leaves broken files when it overwrites binary
-ones, and declares half the bytes of complex values. So each dataset is written alone to a fresh file, its
-byte count put right, and the pieces are joined.
-"""
+"""FRFs and blows as datasets 58 and 58b, one after the other in a file."""
 
 from __future__ import annotations
 
 import tempfile
-import warnings
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
@@ -18,6 +12,7 @@ import numpy as np
 from flexmodal.campaign.blow import Blow
 from flexmodal.campaign.campaign import Campaign, CampaignPoint
 from flexmodal.campaign.records import FrfRecords
+from flexmodal.campaign.uff_frame import framed
 from flexmodal.campaign.uff_records import ACCELERATION, DISPLACEMENT, FORCE, VELOCITY
 
 _CODE = {"receptance": DISPLACEMENT, "mobility": VELOCITY, "inertance": ACCELERATION}
@@ -31,17 +26,11 @@ DIGITS = 1e-9
 
 
 def write_uff(datasets: Iterable[dict[str, Any]], path: Path) -> None:
-    """Write datasets to a new file."""
-    import pyuff
-
+    """Write datasets to a new file. A `Campaign` has refused what dataset 58 cannot hold."""
     with tempfile.TemporaryDirectory(prefix="flexmodal-") as folder, path.open("wb") as file:
         piece = Path(folder) / "piece.uff"
         for dataset in datasets:
-            piece.unlink(missing_ok=True)
-            with warnings.catch_warnings():  # after binary data pyuff leaves closing to the garbage collector
-                warnings.simplefilter("ignore", ResourceWarning)
-                pyuff.UFF(str(piece)).write_sets([dataset], mode="add")
-            file.write(_with_size(piece.read_bytes(), dataset))
+            file.write(framed(dataset, piece))
 
 
 def frf_datasets(frfs: FrfRecords, points: Iterable[CampaignPoint], binary: bool) -> Iterator[dict[str, Any]]:
@@ -122,16 +111,6 @@ def _ordinate(numerator: int, denominator: int) -> dict[str, Any]:
             f"{key}_force_unit_exp": force,
         }
     return fields
-
-
-def _with_size(piece: bytes, dataset: dict[str, Any]) -> bytes:
-    """The dataset with the true number of bytes in its first line; pyuff counts eight a value."""
-    if not dataset["binary"]:
-        return piece
-    numbers = 1 + int(np.iscomplexobj(dataset["data"])) + int(not dataset["abscissa_spacing"])
-    size = b"%12d" % (8 * numbers * len(dataset["data"]))
-    start = piece.index(b"58b") + 3 + 24
-    return piece[:start] + size + piece[start + 12 :]
 
 
 def has_data(campaign: Campaign) -> bool:

@@ -1,5 +1,6 @@
 """Robot cards and URDFs as text, frozen dataclasses, and where to find them."""
 
+from flexmodal.cards.card import CouplingCard as CouplingCard
 from flexmodal.cards.card import FamilyCard as FamilyCard
 from flexmodal.cards.card import JointCard as JointCard
 from flexmodal.cards.card import PointCard as PointCard
@@ -8,6 +9,7 @@ from flexmodal.cards.catalogue import example_arms as example_arms
 from flexmodal.cards.catalogue import find as find
 from flexmodal.cards.catalogue import gripper_joints as gripper_joints
 from flexmodal.cards.catalogue import shipped_cards as shipped_cards
+from flexmodal.cards.coupling import stiffness_matrix as stiffness_matrix
 from flexmodal.cards.mass import check_masses as check_masses
 from flexmodal.cards.mass import massless_joints as massless_joints
 from flexmodal.cards.meshes import mesh_path as mesh_path

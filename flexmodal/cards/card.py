@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
+
+from flexmodal.text.frozen import FrozenDict
 
 
 @dataclass(frozen=True)
 class JointCard:
     """A flexible joint.
 
-    `rotor_inertia`, `lower`, `upper` and `scale` are optional. The last three belong to the
+    `rotor_inertia`, `loss_factor`, `lower`, `upper` and `scale` are optional. The last three belong to the
     identification: they are relative to the values of this card, so that one set serves stiffness and
     damping alike.
     """
@@ -30,6 +32,17 @@ class JointCard:
     """The identification keeps a parameter below `upper` times its value here; above 1."""
     scale: float | None = None
     """Relative standard deviation of the values here, the trust put in them; above 0."""
+    loss_factor: float = 0.0
+    """η of a spring that loses energy by hysteresis, beside the damping; see `RobotCard.loss_frequency`."""
+
+
+@dataclass(frozen=True)
+class CouplingCard:
+    """A mechanism that ties two flexible joints."""
+
+    joints: tuple[str, str]
+    stiffness: float
+    """Off-diagonal entry of the stiffness matrix [N·m/rad], of either sign."""
 
 
 @dataclass(frozen=True)
@@ -76,6 +89,11 @@ class RobotCard:
     families: Mapping[str, FamilyCard]
     path: Path
     """The card itself, absolute."""
+    couplings: Mapping[str, CouplingCard] = field(default_factory=FrozenDict)
+    """By the names of the joints, `jointA+jointB`."""
+    loss_frequency: float | None = None
+    """Where the stiffness of joints with a loss factor is what the card says [Hz]: such a spring is stiffer
+    at higher frequencies, as causality asks. None for K (1 + iη) whatever the frequency."""
 
     @property
     def pseudo_joints(self) -> tuple[str, ...]:

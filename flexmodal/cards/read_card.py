@@ -7,8 +7,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from flexmodal.cards.card import FamilyCard, JointCard, PointCard, RobotCard
+from flexmodal.cards.card import CouplingCard, FamilyCard, JointCard, PointCard, RobotCard
 from flexmodal.cards.card_faults import ALLOWED, add_faults
+from flexmodal.cards.coupling import couplings_of
 from flexmodal.cards.packages import PREFIX, resolve_package
 from flexmodal.errors import Fault, InvalidCard
 from flexmodal.text.frozen import FrozenDict
@@ -36,9 +37,12 @@ def read_card(path: str | os.PathLike[str]) -> RobotCard:
     faults = FaultList(file)
     table = _validate(content, faults)
     urdf = _find_urdf(content.get("urdf"), faults)
+    joints = {} if table is None else {n: JointCard(**joint.model_dump()) for n, joint in table.joint.items()}
+    stiffness = {} if table is None else {name: one.stiffness for name, one in table.coupling.items()}
+    couplings = couplings_of(stiffness, joints, faults)
     if faults.faults or table is None or urdf is None:
         raise InvalidCard(_in_order(faults.faults))
-    return _card(table, urdf, file)
+    return _card(table, urdf, file, joints, couplings)
 
 
 def _parse(file: Path) -> dict[str, Any]:
@@ -93,8 +97,13 @@ def _in_order(faults: Sequence[Fault]) -> list[Fault]:
     return sorted(faults, key=place)
 
 
-def _card(table: CardTable, urdf: Path, file: Path) -> RobotCard:
-    joints = {name: JointCard(**joint.model_dump()) for name, joint in table.joint.items()}
+def _card(
+    table: CardTable,
+    urdf: Path,
+    file: Path,
+    joints: dict[str, JointCard],
+    couplings: dict[str, CouplingCard],
+) -> RobotCard:
     points = {
         name: PointCard(point.link, (point.xyz[0], point.xyz[1], point.xyz[2]))
         for name, point in table.point.items()
@@ -114,4 +123,6 @@ def _card(table: CardTable, urdf: Path, file: Path) -> RobotCard:
         postures=FrozenDict({name: FrozenDict(posture) for name, posture in table.posture.items()}),
         families=FrozenDict(families),
         path=file,
+        couplings=FrozenDict(couplings),
+        loss_frequency=table.loss_frequency,
     )

@@ -13,6 +13,8 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0, le=1e18)]
 NotNegative = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0, le=1e18)]
+LossFactor = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0, le=10)]
+Signed = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-1e18, le=1e18)]
 Above1 = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=1)]
 Below1 = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0, lt=1)]
 Text = Annotated[str, Field(strict=True, min_length=1)]
@@ -30,9 +32,16 @@ class JointTable(_Table):
     damping: NotNegative
     pseudo: bool = False
     rotor_inertia: NotNegative = 0.0
+    loss_factor: LossFactor = 0.0
     lower: Below1 | None = None
     upper: Above1 | None = None
     scale: Positive | None = None
+
+
+class CouplingTable(_Table):
+    """`[coupling."jointA+jointB"]`."""
+
+    stiffness: Signed
 
 
 class PointTable(_Table):
@@ -68,7 +77,9 @@ class CardTable(_Table):
     urdf: Text
     tool: Text
     source: Text
+    loss_frequency: Positive | None = None
     joint: Annotated[dict[Text, JointTable], Field(min_length=1)]
+    coupling: dict[Text, CouplingTable] = {}
     point: dict[Name, PointTable] = {}
     posture: dict[Name, dict[Text, Number]] = {}
     family: dict[Name, FamilyTable] = {}

@@ -12,6 +12,8 @@ import click
 
 from flexmodal.errors import FlexmodalError
 
+_STAGE = "{desc}{percentage:3.0f} % {bar} {elapsed}, {remaining} left"
+
 
 def print_json(result: dict[str, Any]) -> None:
     """One JSON object in ASCII, refusing NaN and infinity rather than writing what no reader accepts."""
@@ -41,11 +43,43 @@ def print_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]
 @contextmanager
 def progress(total: int, label: str, *, quiet: bool) -> Iterator[Callable[[], None]]:
     """A bar with the time left on a terminal; nothing elsewhere."""
+    with noted_progress(total, label, quiet=quiet) as (advance, _):
+        yield advance
+
+
+@contextmanager
+def noted_progress(
+    total: int, label: str, *, quiet: bool
+) -> Iterator[tuple[Callable[[], None], Callable[[str], None]]]:
+    """The same, with a second function that puts a note beside the bar."""
     from tqdm import tqdm
 
     hidden = quiet or not sys.stderr.isatty()
     with tqdm(total=total, desc=label, file=sys.stderr, disable=hidden, leave=False) as bar:
-        yield lambda: bar.update(1) and None
+        yield lambda: bar.update(1) and None, bar.set_postfix_str
+
+
+@contextmanager
+def stages(*, quiet: bool) -> Iterator[Callable[[str, float], None]]:
+    """A bar for work in stages told of by name, with the time left of each; nothing off a terminal."""
+    from tqdm import tqdm
+
+    if quiet or not sys.stderr.isatty():
+        yield lambda doing, part: None
+        return
+    now = ""
+    with tqdm(total=1.0, file=sys.stderr, leave=False, bar_format=_STAGE) as bar:
+
+        def advance(doing: str, part: float) -> None:
+            nonlocal now
+            if doing != now:
+                now = doing
+                bar.reset(1.0)
+                bar.set_description(doing)
+            bar.n = min(part, 1.0)
+            bar.refresh()
+
+        yield advance
 
 
 def degrees(value: float, *, prismatic: bool = False) -> str:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,11 +20,13 @@ from flexmodal.cli.options import (
     robot_options,
 )
 from flexmodal.cli.printing import print_json, print_table, progress
-from flexmodal.errors import Fault, InvalidRequest
+from flexmodal.errors import Fault, InvalidInput, InvalidRequest
 
 if TYPE_CHECKING:
     from flexmodal.model import Robot
     from flexmodal.rig import Hide, RigResult
+    from flexmodal.rig.plan import Plan
+    from flexmodal.text.gather import Gathering
 
 
 @click.command()
@@ -33,7 +38,7 @@ if TYPE_CHECKING:
     metavar="EFFECT[@WHERE][,NAME=VALUE…]",
     help="An effect to hide; may be repeated. Where and how strong is drawn unless said.",
 )
-@click.option("--height", type=float, metavar="X", help="Each hidden effect X times the noise floor.")
+@click.option("--height", metavar="X", help="Each hidden effect X times the noise floor; LOW:HIGH draws it.")
 @click.option("--postures", type=int, default=7, show_default=True, help="The card's own, then random.")
 @click.option("--points", type=int, help="Points with a sensor; all of the card's if not said.")
 @click.option(
@@ -56,6 +61,8 @@ if TYPE_CHECKING:
     help="Card off the robot, relative.",
 )
 @click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Of everything drawn.")
+@click.option("--no-time", is_flag=True, help="FRFs alone, no time records.")
+@click.option("--workers", type=int, default=1, show_default=True, help="Postures struck side by side.")
 @click.option("--ascii", "as_text", is_flag=True, help="Universal files in ASCII instead of binary.")
 @quiet_option
 @json_option
@@ -66,33 +73,30 @@ def rig(
     tool: str | None,
     fix: str | None,
     out: Path,
-    hide: tuple[str, ...],
-    height: float | None,
-    references: str,
-    peaks: str,
-    band: str,
+    no_time: bool,
     as_text: bool,
     quiet: bool,
     as_json: bool,
-    **numbers: Any,
+    **asked: Any,
 ) -> None:
     """A simulated hammer test; the truth goes to OUT.truth.toml, beside the folder, not in it."""
     from flexmodal.rig import simulate
-    from flexmodal.rig.simulate import refuse_existing
+    from flexmodal.rig.request import prepare
+    from flexmodal.rig.result import refuse_existing
+    from flexmodal.text.gather import Gathering
 
-    refuse_existing(out)
-    arm = load_robot(robot, stiffness, damping, tool, fix)
-    total = numbers["postures"] * (numbers["points"] or len(arm.points) or len(arm.joints))
-    with progress(max(total, 1), "striking", quiet=quiet) as advance:
-        result = simulate(
-            arm,
-            hide=_hidden(hide, height),
-            references=_references(references),
-            peaks=tuple(number(part, "--peaks", "forces in N") for part in peaks.split(",")),
-            band=band_of(band),
-            advance=advance,
-            **numbers,
-        )
+    gathering = Gathering()
+    with gathering.step():
+        refuse_existing(out)
+    request = _read(gathering, **asked)
+    with gathering.step():
+        arm = load_robot(robot, stiffness, damping, tool, fix)
+        with _as_options():
+            prepare(arm, **request)
+    gathering.done()
+    total = request["postures"] * (request["points"] or len(arm.points) or len(arm.joints))
+    with progress(max(total, 1), "striking", quiet=quiet) as advance, _as_options():
+        result = simulate(arm, time=not no_time, advance=advance, **request)
     truth = result.write(out, binary=not as_text)
     if as_json:
         print_json(_json(result, out, truth))
@@ -100,12 +104,62 @@ def rig(
         _print(arm, result, out, truth)
 
 
-def _hidden(texts: tuple[str, ...], height: float | None) -> list[Hide]:
-    from dataclasses import replace
+def _read(
+    gathering: Gathering,
+    hide: tuple[str, ...],
+    height: str | None,
+    references: str,
+    peaks: str,
+    band: str,
+    **numbers: Any,
+) -> dict[str, Any]:
+    """What `simulate` takes, from the options that are texts; one that cannot be read is left out."""
+    request = dict(numbers)
+    with gathering.step():
+        request["references"] = _references(references)
+    with gathering.step():
+        request["peaks"] = [number(part, "--peaks", "forces in N") for part in peaks.split(",")]
+    with gathering.step():
+        request["band"] = band_of(band)
+    high = None
+    with gathering.step():
+        high = _height(height)
+    request["hide"] = []
+    for text in hide:
+        with gathering.step():
+            request["hide"].append(_hidden(text, high))
+    return request
 
+
+@contextmanager
+def _as_options() -> Iterator[None]:
+    """Faults of arguments become faults of the options that gave them."""
+    try:
+        yield
+    except InvalidInput as error:
+        raise type(error)(_as_option(fault) for fault in error.faults) from None
+
+
+def _as_option(fault: Fault) -> Fault:
+    if fault.file != "call":
+        return fault
+    name, *rest = fault.key.split(" ")
+    return replace(fault, file=SOURCE, key=" ".join([f"--{name.replace('_', '-')}", *rest]))
+
+
+def _hidden(text: str, height: float | tuple[float, float] | None) -> Hide:
     from flexmodal.rig import Hide
 
-    return [replace(Hide.parse(text, source=f"{SOURCE} --hide"), height=height) for text in texts]
+    return replace(Hide.parse(text, source=f"{SOURCE} --hide"), height=height)
+
+
+def _height(text: str | None) -> float | tuple[float, float] | None:
+    if text is None:
+        return None
+    parts = [number(part, "--height", "X or LOW:HIGH, times the noise floor") for part in text.split(":")]
+    if len(parts) > 2:
+        raise InvalidRequest(Fault(SOURCE, "--height", repr(text), "X or LOW:HIGH, times the noise floor"))
+    return parts[0] if len(parts) == 1 else (parts[0], parts[1])
 
 
 def _references(text: str) -> int | list[str]:
@@ -128,11 +182,16 @@ def _json(result: RigResult, out: Path, truth: Path) -> dict[str, Any]:
         "points": [point.name for point in plan.points],
         "references": [list(reference) for reference in plan.references],
         "trials": len(plan.trials),
-        "blows": len(campaign.blows),
+        "blows": _blows(plan),
         "frfs": 0 if campaign.frfs is None else len(campaign.frfs),
         "band": list(plan.band),
         "seed": result.truth.seed,
     }
+
+
+def _blows(plan: Plan) -> int:
+    averages = sum(trial.averages for trial in plan.trials)
+    return len(plan.postures) * len(plan.points) * len(plan.references) * averages
 
 
 def _print(arm: Robot, result: RigResult, out: Path, truth: Path) -> None:
@@ -148,7 +207,7 @@ def _print(arm: Robot, result: RigResult, out: Path, truth: Path) -> None:
             ["points", ", ".join(names.values())],
             ["hammer at", hammer],
             ["trials", ", ".join(f"{trial.force_peak:g} N" for trial in plan.trials)],
-            ["blows", str(len(campaign.blows))],
+            ["blows", str(_blows(plan))],
             ["FRFs", str(count)],
             ["hidden effects", str(len(result.truth.effects))],
         ],

@@ -9,6 +9,9 @@ from jaxtyping import Float
 
 from flexmodal.ema.separable import Elimination, Separable, columns_at, solve_scaled, weighted_gram
 
+_NEAR = 9
+"""The deviations of so many lines to either side say how noisy a line is."""
+
 
 @dataclass(frozen=True, eq=False)
 class Covariances:
@@ -56,26 +59,51 @@ def _inverse_of_free(information: np.ndarray, free: np.ndarray) -> np.ndarray:
 
 
 def noise_of(
-    problem: Separable, state: Elimination, variance: Float[np.ndarray, "group line frf"] | None
+    problem: Separable,
+    state: Elimination,
+    variance: Float[np.ndarray, "group line frf"] | None,
+    *,
+    by_weight: bool = True,
 ) -> tuple[Float[np.ndarray, "group line frf"], Float[np.ndarray, " group"]]:
     """Variance of each value as the deviations confirm it, and the degrees of freedom behind it.
 
-    A known variance is taken at its word unless the deviations are larger; an unknown one is s²/weight
-    with s² from the deviations of each FRF. Deviations that neighbouring lines share (leakage, a mode
-    that the model lacks) count for fewer lines, as their autocorrelation says.
+    A known variance is taken at its word unless the deviations near a line are larger, as they are round a
+    resonance that the model misses by more than its valleys; an unknown one is s²/weight with s² from the
+    deviations of each FRF, with the same exception. Deviations that
+    neighbouring lines share (leakage, a mode that the model lacks) count for fewer lines, as their
+    autocorrelation says.
+
+    Args:
+        problem: what was solved.
+        state: where.
+        variance: of the values, where it is known.
+        by_weight: whether the weights say how the noise goes from line to line. Otherwise an unknown
+            variance is that of the deviations near each line and nothing else.
     """
     _, lines, frfs = problem.value.shape
     poles = np.count_nonzero(problem.free)
     freedom = 2 * lines - state.linear.shape[-1] - poles / frfs
     weight = np.broadcast_to(problem.weight, problem.value.shape)
-    size = np.sum(weight * np.abs(state.deviation) ** 2, axis=1, keepdims=True)
+    square = np.abs(state.deviation) ** 2
     colour = _colour(np.sqrt(weight) * state.deviation)[:, None, None]
-    if variance is None:
-        each = 2 * size / max(freedom, 1) / weight
+    spent = 2 * lines / max(freedom, 1)
+    if variance is not None:
+        each = variance * np.maximum(_nearby(square / variance) * spent, 1.0)
+    elif by_weight:
+        each = np.mean(weight * square, axis=1, keepdims=True) * spent / weight
+        each = each * np.maximum(_nearby(square / each), 1.0)
     else:
-        chi = np.sum(np.abs(state.deviation) ** 2 / variance, axis=1, keepdims=True) * 2 / max(freedom, 1)
-        each = variance * np.maximum(chi, 1.0)
+        each = _nearby(square) * spent
     return each * colour, np.full(len(problem.value), max(freedom, 1) * frfs)
+
+
+def _nearby(values: Float[np.ndarray, "group line frf"]) -> Float[np.ndarray, "group line frf"]:
+    """Mean over `_NEAR` lines to either side, over fewer at the ends."""
+    lines = values.shape[1]
+    total = np.concatenate([np.zeros_like(values[:, :1]), np.cumsum(values, axis=1)], axis=1)
+    first = np.maximum(np.arange(lines) - _NEAR, 0)
+    last = np.minimum(np.arange(lines) + _NEAR + 1, lines)
+    return (total[:, last] - total[:, first]) / (last - first)[:, None]
 
 
 def _colour(deviation: np.ndarray) -> np.ndarray:

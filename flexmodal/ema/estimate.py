@@ -25,6 +25,8 @@ from flexmodal.ema.picking import pick_peak
 from flexmodal.ema.pooling import pooled
 from flexmodal.ema.select import choose_peaks
 from flexmodal.ema.stabilisation import Stabilisation, Tolerances, stabilise
+from flexmodal.ema.strays import with_strays
+from flexmodal.ema.vary import moved
 from flexmodal.errors import Fault, InvalidRequest
 
 
@@ -54,6 +56,8 @@ class Choices:
     """Of the stabilisation diagram."""
     refine: bool = True
     """Whether a least squares fit from LSCF's poles takes their bias out and gives intervals."""
+    vary: bool = True
+    """Whether fits are repeated under other choices than these, to state how far those move each number."""
 
 
 def estimate(
@@ -79,7 +83,9 @@ def estimate(
     if not peaks:
         return nothing(part, name)
     if name == "least-squares":
-        return solve_least_squares(_problem(part, peaks, wanted))
+        problem = _problem(part, peaks, wanted)
+        found = solve_least_squares(problem)
+        return found if wanted.at is not None else with_strays(problem, found)
     return by_reading(part, peaks, name, wanted)
 
 
@@ -99,6 +105,8 @@ def peaks_of(measured: Measured, choices: Choices) -> tuple[Peak, ...]:
         hold_frequency=choices.hold_frequency,
         damping=choices.damping,
         prominence=choices.prominence,
+        highest_order=choices.highest_order,
+        tolerances=choices.tolerances,
     )
 
 
@@ -118,16 +126,20 @@ def each_by_least_squares(
 
 
 def _problem(measured: Measured, peaks: Sequence[Peak], choices: Choices) -> LeastSquaresProblem:
-    return build_least_squares(measured, peaks, residuals=choices.residuals, weighting=choices.weighting)
+    return build_least_squares(
+        measured, peaks, residuals=choices.residuals, weighting=choices.weighting, vary=choices.vary
+    )
 
 
 def by_reading(measured: Measured, peaks: Sequence[Peak], method: Method, choices: Choices) -> EstimatedModes:
     """Peak picking or circle fit of every peak in every FRF, pooled over the FRFs."""
     noisy = with_variance(measured)
+    parts = [noisy.only(frf) for frf in range(measured.value.shape[1])]
+    beside = _beside(parts, peaks) if choices.vary else [()] * len(parts)
     modes: list[ModeEstimate] = []
     refused: list[tuple[float, str]] = []
     for peak in peaks:
-        answers = [_read(noisy.only(frf), peak, method) for frf in range(measured.value.shape[1])]
+        answers = [_read(part, peak, method, other) for part, other in zip(parts, beside, strict=True)]
         found = [answer if isinstance(answer, ModeEstimate) else None for answer in answers]
         if all(one is None for one in found):
             refused.append((peak.frequency, str(answers[0])))
@@ -139,11 +151,26 @@ def by_reading(measured: Measured, peaks: Sequence[Peak], method: Method, choice
     return judged(with_residual_terms(plain, check_residuals(choices.residuals))) if modes else plain
 
 
-def _read(measured: Measured, peak: Peak, method: Method) -> ModeEstimate | str:
-    if method == "peaks":
-        return pick_peak(measured, peak)
-    answer = fit_circle(measured, peak)
-    return answer.mode if isinstance(answer, CircleFit) else answer
+def _beside(parts: Sequence[Measured], peaks: Sequence[Peak]) -> list[Sequence[ModeEstimate]]:
+    """What least squares finds in each FRF with all peaks at once: a reading knows of no neighbours."""
+    if 2 * len(parts[0].frequency) <= 4 * len(peaks) + 4:
+        return [()] * len(parts)
+    fits = solve_many([build_least_squares(part, peaks, vary=False) for part in parts])
+    return [one.modes if one.converged else () for one in fits]
+
+
+def _read(
+    measured: Measured, peak: Peak, method: Method, beside: Sequence[ModeEstimate]
+) -> ModeEstimate | str:
+    """Read one peak; how far least squares parts from it is what neighbours do to the reading."""
+    answer = pick_peak(measured, peak) if method == "peaks" else fit_circle(measured, peak)
+    found = answer.mode if isinstance(answer, CircleFit) else answer
+    if isinstance(found, str):
+        return found
+    near = min(beside, key=lambda mode: abs(mode.frequency - found.frequency), default=None)
+    if near is None or abs(near.frequency - found.frequency) > max(peak.width, measured.spacing):
+        return found
+    return moved(found, near)
 
 
 def _fill_residues(
@@ -164,7 +191,7 @@ def _fill_residues(
     residue, covariance = mode.residue.copy(), mode.residue_covariance.copy()
     near = measured.within(held.low, held.high)
     for frf in empty:
-        linear = solve_least_squares(build_least_squares(near.only(frf), [held], residuals="complex"))
+        linear = solve_least_squares(build_least_squares(near.only(frf), [held], vary=False))
         residue[frf] = linear.modes[0].residue[0]
         covariance[frf] = linear.modes[0].residue_covariance[0]
     names = ", ".join(measured.labels[frf] for frf in empty)
@@ -194,7 +221,10 @@ def modes_of(diagram: Stabilisation, choices: Choices) -> EstimatedModes:
     start = [peak if choices.refine else replace(peak, holds_frequency=True) for peak in peaks]
     start = [replace(p, damping=None) if choices.refine else p for p in start]
     start = _forced(start, choices)
-    found = solve_least_squares(_problem(measured, start, choices))
+    problem = _problem(measured, start, choices)
+    found = solve_least_squares(problem)
+    if choices.at is None and choices.refine:
+        found = with_strays(problem, found)
     modes = [replace(mode, method="lscf") for mode in found.modes]
     if not choices.refine:
         modes = [_with_scatter(mode, diagram) for mode in modes]
@@ -226,7 +256,7 @@ def _forced(peaks: list[Peak], choices: Choices) -> list[Peak]:
 
 
 def _with_scatter(mode: ModeEstimate, diagram: Stabilisation) -> ModeEstimate:
-    """Take the scatter over the orders for the uncertainty, and say that it is no confidence interval."""
+    """Take the scatter over the orders, which are a choice, and say that it is no confidence interval."""
     near = [
         c for c in diagram.columns() if np.any(np.isclose(diagram.frequency[c], mode.frequency, rtol=1e-9))
     ]
@@ -237,7 +267,7 @@ def _with_scatter(mode: ModeEstimate, diagram: Stabilisation) -> ModeEstimate:
     remark = "the uncertainty is the scatter over the orders, not a confidence interval"
     return replace(
         mode,
-        covariance=np.cov(table),
-        freedom=float(max(len(column) - 1, 1)),
+        covariance=np.zeros((2, 2)),
+        choices=np.cov(table),
         remarks=(*mode.remarks, remark),
     )

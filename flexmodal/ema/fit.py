@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
@@ -9,6 +10,7 @@ from typing import Any, Literal
 import numpy as np
 from jaxtyping import Float
 
+from flexmodal.campaign import QualityFlag
 from flexmodal.ema.estimate import (
     Choices,
     by_reading,
@@ -19,9 +21,12 @@ from flexmodal.ema.estimate import (
     peaks_of,
 )
 from flexmodal.ema.measured import Measured
-from flexmodal.ema.mode import EstimatedModes, Method
+from flexmodal.ema.mode import EstimatedModes, Method, ModeEstimate
 from flexmodal.ema.records import Place, Records, Trials, by_posture
 from flexmodal.errors import Fault, InvalidRequest
+
+_ALIKE = 0.05
+"""Relative distance of two frequencies at which they are hardly those of one mode."""
 
 Per = Literal["frf", "posture"]
 """Poles of each FRF's own, or common to the FRFs of a posture."""
@@ -34,10 +39,16 @@ class Fit:
     posture: int
     places: tuple[Place, ...]
     modes: EstimatedModes
+    numbers: tuple[int, ...] = ()
+    """What each mode is called, the same in all FRFs of a posture; from 1 on where this is empty."""
+
+    def numbered(self) -> Iterator[tuple[int, ModeEstimate]]:
+        """The modes with their numbers, in the order of frequency."""
+        yield from zip(self.numbers or range(1, len(self.modes) + 1), self.modes, strict=True)
 
     def rows(self) -> Iterator[dict[str, Any]]:
         """One mapping for each mode and FRF, as `flexmodal fit --json` prints them."""
-        for number, mode in enumerate(self.modes, start=1):
+        for number, mode in self.numbered():
             low, high = mode.residue_interval()
             multiplier = mode.amplitude_multiplier
             for frf, place in enumerate(self.places):
@@ -52,18 +63,27 @@ class Fit:
                     "residue": [float(residue.real), float(residue.imag)],
                     "amplitude": [float(multiplier[frf].real), float(multiplier[frf].imag)],
                     "uncertainty": {
-                        "frequency": mode.frequency_error,
-                        "damping_ratio": mode.damping_error,
-                        "residue": float(mode.residue_error[frf]),
+                        **_errors(np.hypot(mode.by_noise, mode.by_choices), frf),
                         "frequency_95": list(mode.frequency_interval()),
                         "damping_ratio_95": list(mode.damping_interval()),
                         "residue_95": [float(low[frf]), float(high[frf])],
+                        "noise": _errors(mode.by_noise, frf),
+                        "choices": _errors(mode.by_choices, frf),
                     },
                     "quality": mode.quality,
                     "method": mode.method,
                     "remarks": list(mode.remarks),
                 }
                 yield row
+
+
+def _errors(errors: Float[np.ndarray, " number"], frf: int) -> dict[str, float]:
+    """Standard errors by name; those of frequency and damping come first, then one for each FRF."""
+    return {
+        "frequency": float(errors[0]),
+        "damping_ratio": float(errors[1]),
+        "residue": float(errors[2 + frf]),
+    }
 
 
 def fit(
@@ -112,8 +132,22 @@ def fit(
             fits.append(Fit(posture, tuple(places), estimate(measured, name, wanted)))
             continue
         found = _one_by_one([measured.only(frf) for frf in range(len(places))], measured, name, wanted)
-        fits += [Fit(posture, (place,), modes) for place, modes in zip(places, found, strict=True)]
+        numbers = _numbers(found)
+        fits += [Fit(posture, (p,), m, n) for p, m, n in zip(places, found, numbers, strict=True)]
     return tuple(fits)
+
+
+def _numbers(found: Sequence[EstimatedModes]) -> list[tuple[int, ...]]:
+    """The same number for a mode in all FRFs, whichever of them do not show it."""
+    from flexmodal.modal import track
+
+    most = max(found, key=len)
+    answer = []
+    for one in found:
+        partner = track(one.frequency, None, most.frequency, None, frequency_scale=_ALIKE)
+        fresh = itertools.count(len(most) + 1)
+        answer.append(tuple(int(place) + 1 if place >= 0 else next(fresh) for place in partner))
+    return answer
 
 
 def _trials(text: str) -> Trials:
@@ -134,12 +168,18 @@ def _one_by_one(
     return [by_reading(part, peaks, method, choices) for part in parts]
 
 
-def as_json(fits: Sequence[Fit]) -> dict[str, Any]:
-    """The object that `flexmodal fit --json` prints: `modes`, and `refused` peaks that gave none."""
+def as_json(fits: Sequence[Fit], flags: Sequence[QualityFlag] = ()) -> dict[str, Any]:
+    """The object that `flexmodal fit --json` prints: `modes`, `refused` peaks that gave none, and `flags`.
+
+    Args:
+        fits: what was found.
+        flags: what is odd about the data.
+    """
     refused = [
         {"posture": one.posture, "frf": str(place), "frequency": frequency, "why": why}
         for one in fits
         for place in (one.places if len(one.places) == 1 else ("all",))
         for frequency, why in one.modes.refused
     ]
-    return {"modes": [row for one in fits for row in one.rows()], "refused": refused}
+    odd = [{**vars(flag), "point": list(flag.point)} for flag in flags]
+    return {"modes": [row for one in fits for row in one.rows()], "refused": refused, "flags": odd}

@@ -46,7 +46,7 @@ def _remarks(mode: ModeEstimate, found: EstimatedModes, quality: float) -> list[
     remarks = []
     if mode.damping_ratio <= 0:
         remarks.append("the damping ratio is not positive: no passive structure has it")
-    elif mode.coverage_factor() * mode.damping_error > mode.damping_ratio:
+    elif mode.damping_interval()[0] < 0:
         remarks.append("the interval of the damping ratio reaches 0")
     width = 2 * abs(mode.damping_ratio) * mode.frequency / measured.spacing
     if width < _FEW_LINES:

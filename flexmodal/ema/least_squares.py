@@ -8,23 +8,25 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Literal, get_args
+from typing import get_args
 
 import numpy as np
 from jaxtyping import Bool, Complex, Float
 
 from flexmodal.ema.basis import Residuals, check_residuals
-from flexmodal.ema.covariance import Covariances, noise_of, propagate
+from flexmodal.ema.covariance import noise_of, propagate
 from flexmodal.ema.judge import judged
 from flexmodal.ema.measured import POWER, Measured
 from flexmodal.ema.mode import EstimatedModes, ModeEstimate, fold_terms
-from flexmodal.ema.noise import scatter
 from flexmodal.ema.peak import Peak
-from flexmodal.ema.separable import Elimination, Separable, minimise
+from flexmodal.ema.separable import Separable, minimise
+from flexmodal.ema.vary import Solved, moves_of
+from flexmodal.ema.weights import Weighting, by_deviation, weights_of
 from flexmodal.errors import Fault, InvalidRequest
 
-Weighting = Literal["variance", "uniform", "logarithmic"]
-"""By 1/variance; every line alike; or by relative deviation, which is ln(model/measured) to first order."""
+DRIVEN = "the fit drives"
+"""How a reason begins why a mode was left out that a fit of the whole band drives away."""
+HIDDEN = "its residue cannot be told from 0"
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,6 +40,8 @@ class LeastSquaresProblem:
     """Which of them are sought; the others stay."""
     residuals: Residuals = "complex"
     weighting: Weighting = "variance"
+    vary: bool = True
+    """Whether it is solved again under other residual terms, weights and band, for the uncertainty."""
 
 
 def build_least_squares(
@@ -47,6 +51,7 @@ def build_least_squares(
     band: tuple[float, float] | None = None,
     residuals: str = "complex",
     weighting: str = "variance",
+    vary: bool = True,
 ) -> LeastSquaresProblem:
     """Set a fit up.
 
@@ -57,6 +62,8 @@ def build_least_squares(
         residuals: none, real or complex terms for what lies outside the band.
         weighting: variance, uniform or logarithmic. Without a known variance the first weighs each FRF
             by what its own deviations show.
+        vary: solve again under other residual terms, weights and band, and state how far that moves each
+            number.
 
     Raises:
         InvalidRequest: no peaks, more unknowns than lines, or a choice that does not exist.
@@ -80,6 +87,7 @@ def build_least_squares(
         free=np.array([[not peak.holds_frequency, not peak.holds_damping] for peak in ordered]),
         residuals=residuals,  # type: ignore[arg-type]
         weighting=weighting,  # type: ignore[arg-type]
+        vary=vary,
     )
 
 
@@ -101,7 +109,7 @@ def solve_many(problems: Sequence[LeastSquaresProblem]) -> list[EstimatedModes]:
     separable = Separable(
         omega=first.measured.omega / unit,
         value=value,
-        weight=_weights(first.weighting, value, variance),
+        weight=weights_of(first.weighting, value, variance),
         power=power,
         residuals=first.residuals,
         free=first.free,
@@ -109,13 +117,16 @@ def solve_many(problems: Sequence[LeastSquaresProblem]) -> list[EstimatedModes]:
     start = np.stack([problem.start for problem in problems])
     omega, damping, state, settled = minimise(separable, 2 * np.pi * start[..., 0] / unit, start[..., 1])
     if variance is None and first.weighting == "variance" and value.shape[2] > 1:
-        separable = replace(separable, weight=_by_deviation(state))
+        separable = replace(separable, weight=by_deviation(state.deviation))
         omega, damping, state, settled = minimise(separable, omega, damping)
-    noise, freedom = noise_of(separable, state, variance)
+    noise, freedom = noise_of(separable, state, variance, by_weight=first.weighting != "logarithmic")
     covariances = propagate(separable, omega, damping, state, noise)
+    solved = Solved(separable, omega, damping, state, noise, covariances)
+    moves = moves_of(solved, first.weighting, variance) if first.vary else np.zeros((1, 1, 1))
+    moves = np.broadcast_to(moves, (*omega.shape, 2 + value.shape[2]))
     size = scale / unit**power
     found = [
-        _collect(problem, group, unit, size[group, 0], omega, damping, state, covariances, freedom, settled)
+        _collect(problem, group, unit, size[group, 0], solved, moves[group], freedom, settled)
         for group, problem in enumerate(problems)
     ]
     return [_without_runaways(problem, *one) for problem, one in zip(problems, found, strict=True)]
@@ -140,33 +151,25 @@ def _without_runaways(
 def _runaway(mode: ModeEstimate, measured: Measured) -> str | None:
     """Why an estimate is no mode of these FRFs; None if it may be one."""
     if not measured.frequency[0] <= mode.frequency <= measured.frequency[-1]:
-        return "the fit drives this peak out of the band"
+        return f"{DRIVEN} it out of the band"
     if not -0.4 < mode.damping_ratio < 0.95:
-        return f"the fit drives its damping ratio to {mode.damping_ratio:.2g}"
-    if np.all(np.abs(mode.residue) <= 2 * mode.residue_error):
-        return "its residue cannot be told from 0"
+        return f"{DRIVEN} its damping ratio to {mode.damping_ratio:.2g}"
+    if not _shown(mode):
+        return HIDDEN
     return None
 
 
-def _weights(weighting: Weighting, value: np.ndarray, variance: np.ndarray | None) -> np.ndarray:
-    """[group line frf], or one column for all FRFs where they weigh alike."""
-    if weighting == "variance" and variance is not None:
-        if np.all(variance == variance[..., :1]):
-            return 1 / variance[..., :1]
-        return 1 / variance
-    if weighting == "logarithmic":
-        # Lines near the noise would weigh by their noise; ten times its power bounds the weight.
-        floor = np.stack([scatter(part) for part in value]) if variance is None else variance
-        return 1 / np.maximum(np.abs(value) ** 2, np.maximum(10 * floor, 1e-8))
-    return np.ones((*value.shape[:2], 1))
+def _shown(mode: ModeEstimate) -> bool:
+    """Whether the residues differ from 0 at the level of 1 %: AᵀC⁻¹A against χ², of all FRFs or of one."""
+    from scipy.special import chdtri
 
-
-def _by_deviation(state: Elimination) -> np.ndarray:
-    """1/s² of each FRF, none counted as more than 10⁵ times better than the worst."""
-    power = np.mean(np.abs(state.deviation) ** 2, axis=1, keepdims=True)
-    worst = np.max(power, axis=2, keepdims=True)
-    weight = 1 / np.maximum(power, np.where(worst > 0, 1e-10 * worst, 1.0))
-    return np.broadcast_to(weight, state.deviation.shape).copy()
+    parts = np.stack([mode.residue.real, mode.residue.imag], axis=1)
+    scale = np.sqrt(np.maximum(np.diagonal(mode.residue_covariance, axis1=1, axis2=2), 1e-300))
+    correlation = mode.residue_covariance / (scale[:, :, None] * scale[:, None, :]) + 1e-9 * np.eye(2)
+    scaled = parts / scale
+    sizes = np.sum(scaled * np.linalg.solve(correlation, scaled[..., None])[..., 0], axis=1)
+    count = len(sizes)
+    return bool(sizes.sum() > chdtri(2 * count, 0.01) or sizes.max() > chdtri(2, 0.01 / count))
 
 
 def _collect(
@@ -174,10 +177,8 @@ def _collect(
     group: int,
     unit: float,
     size: Float[np.ndarray, " frf"],
-    omega: np.ndarray,
-    damping: np.ndarray,
-    state: Elimination,
-    covariances: Covariances,
+    solved: Solved,
+    moves: Float[np.ndarray, "mode number"],
     freedom: np.ndarray,
     settled: np.ndarray,
 ) -> tuple[list[ModeEstimate], EstimatedModes]:
@@ -185,9 +186,11 @@ def _collect(
 
     The kernel's unit of residue is `size` × `unit`.
     """
+    omega, damping, covariances = solved.omega, solved.damping, solved.covariances
     count = omega.shape[1]
-    linear = state.linear[group]
-    spread = np.diag(np.tile([unit / (2 * np.pi), 1.0], count))
+    linear = solved.state.linear[group]
+    units = np.array([unit / (2 * np.pi), 1.0])
+    spread = np.diag(np.tile(units, count))
     pole = spread @ covariances.pole[group] @ spread
     modes = []
     for mode in range(count):
@@ -206,6 +209,8 @@ def _collect(
                 freedom=float(freedom[group]),
                 quality=0.0,
                 method="least-squares",
+                choices=np.diag(moves[mode, :2] * units**2),
+                residue_choices=moves[mode, 2:] * (size * unit) ** 2,
             )
         )
     upper, lower = fold_terms(linear[:, 2 * count :].T * size)

@@ -6,7 +6,8 @@ order. Minimising Σ|A(z)H_j − B_j(z)|² is linear; eliminating the B_j leaves
 needed for the highest order holds that of every lower one (Guillaume, Verboven, Vanlanduit and others,
 1998–2003). The
 highest coefficient of A is held at 1, which pushes the poles that only follow the noise to negative
-damping, where they are recognised.
+damping, where they are recognised. Each FRF counts by its noise: one that shows little else, as that of a
+point which a posture keeps from moving, says little.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ import numpy as np
 from jaxtyping import Complex, Float
 
 from flexmodal.ema.measured import Measured
+from flexmodal.ema.noise import noise_levels
 
 _GAP = 0.05
 """Part of the circle left free between the last line and the first, which are no neighbours."""
@@ -54,8 +56,8 @@ def form_lscf(measured: Measured, highest: int) -> Lscf:
     """Gather the normal equations of every order up to `highest`."""
     omega = measured.omega
     delay = 2 * np.pi * (1 - _GAP) / (omega[-1] - omega[0])
-    scale = np.sqrt(np.mean(np.abs(measured.value) ** 2, axis=0))
-    value = measured.value / scale
+    value = measured.value / noise_levels(measured)
+    value = value / np.sqrt(np.mean(np.abs(value) ** 2))
     # Every block is Toeplitz: its entries are the sums Σ x z^(m−k), so one sum for each difference serves.
     lags = np.arange(-highest, highest + 1)
     powers = np.exp(-1j * delay * np.outer(lags, omega - omega[0]))

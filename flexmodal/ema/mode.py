@@ -10,7 +10,7 @@ one they differ away from the resonance, where A′ breaks conjugate symmetry an
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
@@ -33,9 +33,9 @@ class ModeEstimate:
     residue: Complex[np.ndarray, " frf"]
     """A of the receptance's modal sum [m/(s·N)], one for each FRF."""
     covariance: Float[np.ndarray, "2 2"]
-    """Of natural frequency [Hz] and damping ratio; zero where a number was forced."""
+    """What noise and misfit make of natural frequency [Hz] and damping ratio; zero where one was forced."""
     residue_covariance: Float[np.ndarray, "frf 2 2"]
-    """Of the real and imaginary part of each residue."""
+    """The same of the real and imaginary part of each residue."""
     freedom: float
     """Degrees of freedom behind the covariance; few make the intervals wider (Student's t)."""
     quality: float
@@ -43,6 +43,11 @@ class ModeEstimate:
     method: Method
     remarks: tuple[str, ...] = ()
     """What a reader should know before trusting the numbers."""
+    choices: Float[np.ndarray, "2 2"] = field(default_factory=lambda: np.zeros((2, 2)))
+    """What choices of the analyst make of natural frequency [Hz] and damping ratio, as a covariance: how far
+    other choices, which another would have made as well, move them beyond what noise does."""
+    residue_choices: Float[np.ndarray, " frf"] | None = None
+    """The same of each residue's magnitude, as variances; None for zero."""
 
     @property
     def pole(self) -> complex:
@@ -57,42 +62,61 @@ class ModeEstimate:
 
     @property
     def frequency_error(self) -> float:
-        """Standard error of the natural frequency [Hz]."""
-        return float(np.sqrt(max(self.covariance[0, 0], 0.0)))
+        """Standard error of the natural frequency, noise and choices together [Hz]."""
+        return float(np.hypot(self.by_noise[0], self.by_choices[0]))
 
     @property
     def damping_error(self) -> float:
-        """Standard error of the damping ratio."""
-        return float(np.sqrt(max(self.covariance[1, 1], 0.0)))
+        """Standard error of the damping ratio, noise and choices together."""
+        return float(np.hypot(self.by_noise[1], self.by_choices[1]))
 
     @property
     def residue_error(self) -> Float[np.ndarray, " frf"]:
-        """Standard error of each residue's magnitude [m/(s·N)]."""
+        """Standard error of each residue's magnitude, noise and choices together [m/(s·N)]."""
+        return np.hypot(self.by_noise[2:], self.by_choices[2:])
+
+    @property
+    def by_noise(self) -> Float[np.ndarray, " number"]:
+        """Standard errors by noise and misfit: of frequency [Hz], damping ratio and each |A| [m/(s·N)]."""
         size = np.abs(self.residue)
         towards = (
             np.stack([self.residue.real, self.residue.imag], axis=1) / np.where(size > 0, size, 1)[:, None]
         )
-        return np.sqrt(np.maximum(np.einsum("fi,fij,fj->f", towards, self.residue_covariance, towards), 0))
+        along = np.einsum("fi,fij,fj->f", towards, self.residue_covariance, towards)
+        return np.sqrt(np.maximum(np.concatenate([np.diag(self.covariance), along]), 0.0))
 
-    def coverage_factor(self, level: float = 0.95) -> float:
-        """How many standard errors reach from the estimate to the end of an interval of that level."""
+    @property
+    def by_choices(self) -> Float[np.ndarray, " number"]:
+        """Standard errors that stand for the choices, in the order of `by_noise`."""
+        residues = np.zeros(len(self.residue)) if self.residue_choices is None else self.residue_choices
+        return np.sqrt(np.maximum(np.concatenate([np.diag(self.choices), residues]), 0.0))
+
+    def reach(self, level: float = 0.95) -> Float[np.ndarray, " number"]:
+        """Half the interval of that level, in the order of `by_noise`.
+
+        Noise by Student's t for the degrees of freedom behind it, choices as a normal variable, the two
+        added in quadrature.
+        """
         from scipy.special import stdtrit
 
-        return float(stdtrit(min(self.freedom, 1e9), (1 + level) / 2))
+        noise, choice = (
+            float(stdtrit(freedom, (1 + level) / 2)) for freedom in (min(self.freedom, 1e9), 1e9)
+        )
+        return np.hypot(noise * self.by_noise, choice * self.by_choices)
 
     def frequency_interval(self, level: float = 0.95) -> tuple[float, float]:
         """Where the natural frequency lies with that probability [Hz]."""
-        reach = self.coverage_factor(level) * self.frequency_error
+        reach = float(self.reach(level)[0])
         return self.frequency - reach, self.frequency + reach
 
     def damping_interval(self, level: float = 0.95) -> tuple[float, float]:
         """Where the damping ratio lies with that probability."""
-        reach = self.coverage_factor(level) * self.damping_error
+        reach = float(self.reach(level)[1])
         return self.damping_ratio - reach, self.damping_ratio + reach
 
     def residue_interval(self, level: float = 0.95) -> tuple[np.ndarray, np.ndarray]:
         """Where each residue's magnitude lies with that probability [m/(s·N)]."""
-        reach = self.coverage_factor(level) * self.residue_error
+        reach = self.reach(level)[2:]
         return np.abs(self.residue) - reach, np.abs(self.residue) + reach
 
 
@@ -111,6 +135,8 @@ class EstimatedModes:
     refused: tuple[tuple[float, str], ...] = ()
     """Peaks that gave no mode: frequency [Hz] and why."""
     converged: bool = True
+    decay: float = 0.0
+    """Of an exponential window whose damping was taken out of the modes; the FRFs still have it [1/s]."""
 
     def __iter__(self) -> Iterator[ModeEstimate]:
         """The modes in the order of frequency."""
@@ -140,7 +166,7 @@ class EstimatedModes:
     def synthesise(
         self, frequency: Float[np.ndarray, " line"] | None = None, form: str | None = None
     ) -> Complex[np.ndarray, "line frf"]:
-        """The FRFs that these modes and the residual terms amount to.
+        """The FRFs that these modes and the residual terms amount to, as measured: through a window, if any.
 
         Args:
             frequency: above 0 [Hz]; the measured lines if None.
@@ -150,7 +176,7 @@ class EstimatedModes:
         omega = self.measured.omega if frequency is None else 2 * np.pi * frequency
         total = residual_columns(omega, POWER[target], "real") @ np.stack([self.upper, self.lower])
         for mode in self.modes:
-            columns = mode_columns(omega, np.array([mode.pole]), POWER[target])
+            columns = mode_columns(omega, np.array([mode.pole - self.decay]), POWER[target])
             total = total + columns @ np.stack([mode.residue.real, mode.residue.imag])
         return total
 

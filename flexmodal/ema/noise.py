@@ -12,6 +12,9 @@ from flexmodal.ema.measured import Measured
 _AROUND = 20
 """Lines to either side over which the noise is taken to be alike."""
 
+_QUIETEST = 1e-8
+"""Noise over signal, in power, below which all FRFs count as equally clean."""
+
 
 def with_variance(measured: Measured) -> Measured:
     """The same FRFs with a variance, estimated line by line where none was given."""
@@ -19,6 +22,13 @@ def with_variance(measured: Measured) -> Measured:
         return measured
     floor = (1e-12 * np.max(np.abs(measured.value), axis=0)) ** 2
     return replace(measured, variance=np.maximum(scatter(measured.value), floor))
+
+
+def noise_levels(measured: Measured) -> Float[np.ndarray, " frf"]:
+    """Root mean square noise of each FRF, none taken for less than 80 dB below its signal."""
+    power = np.mean(np.abs(measured.value) ** 2, axis=0)
+    noise = np.mean(np.asarray(with_variance(measured).variance), axis=0)
+    return np.sqrt(np.maximum(noise, _QUIETEST * power))
 
 
 def scatter(value: Complex[np.ndarray, "line frf"]) -> Float[np.ndarray, "line frf"]:

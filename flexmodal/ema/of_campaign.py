@@ -6,8 +6,16 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from jaxtyping import Float
 
-from flexmodal.campaign import Campaign, FrfRecords, ModeTable, added_decay, estimate_frfs
+from flexmodal.campaign import (
+    Campaign,
+    FrfRecords,
+    ModeTable,
+    added_decay,
+    estimate_frfs,
+    record_variance,
+)
 from flexmodal.ema.estimate import Choices
 from flexmodal.ema.fit import Fit, fit
 from flexmodal.ema.window import without_window
@@ -29,6 +37,16 @@ def records_of(campaign: Campaign, estimator: str = "H1") -> FrfRecords:
     return estimate_frfs(campaign, estimator=estimator)
 
 
+def known_variance(records: FrfRecords) -> Float[np.ndarray, "record line"] | None:
+    """E|noise|² of each line of each record, from repeats or coherence; None where a record has neither."""
+    try:
+        variance = record_variance(records)
+    except InvalidRequest:
+        return None
+    floor = 1e-24 * np.max(np.abs(records.value) ** 2, axis=1, keepdims=True)
+    return np.maximum(variance, np.maximum(floor, np.finfo(float).tiny))
+
+
 def fit_campaign(
     campaign: Campaign,
     method: str = "least-squares",
@@ -39,6 +57,8 @@ def fit_campaign(
     choices: Choices | None = None,
 ) -> tuple[Fit, ...]:
     """Find the modes of a campaign; damping that exponential windows added is taken out again.
+
+    How noisy the FRFs are is taken from repeats or coherence, where every record has one of them.
 
     Args:
         campaign: what was measured; its band is used unless `choices` has one.
@@ -54,7 +74,8 @@ def fit_campaign(
     wanted = choices or Choices()
     if wanted.band is None and campaign.band is not None:
         wanted = replace(wanted, band=campaign.band)
-    fits = fit(records_of(campaign, estimator), method, per=per, trials=trials, choices=wanted)
+    records = records_of(campaign, estimator)
+    fits = fit(records, method, per=per, trials=trials, variance=known_variance(records), choices=wanted)
     decays = {trial.id: added_decay(trial) for trial in campaign.trials}
     if not any(decays.values()):
         return fits

@@ -14,7 +14,8 @@ def pooled(estimates: Sequence[ModeEstimate | None]) -> ModeEstimate:
     """Average frequency and damping by their variances; keep each FRF's residue.
 
     Where the FRFs disagree by more than their errors allow, the error of the average grows to match
-    (Birge's ratio). An FRF without an estimate has the residue 0 until `fill_residues` finds it.
+    (Birge's ratio); what choices make of the numbers does not average out. An FRF without an estimate has
+    the residue 0 until a linear fit finds it.
 
     Args:
         estimates: of one FRF each, in their order; at least one that is not None.
@@ -33,8 +34,11 @@ def pooled(estimates: Sequence[ModeEstimate | None]) -> ModeEstimate:
         np.finfo(float).tiny,
     )
     mixed = float(np.clip(together, -1, 1)) * np.sqrt(frequency_variance * damping_variance)
-    empty = (np.zeros(1, dtype=complex), np.zeros((1, 2, 2)))
-    parts = [empty if one is None else (one.residue, one.residue_covariance) for one in estimates]
+    empty = (np.zeros(1, dtype=complex), np.zeros((1, 2, 2)), np.zeros(1))
+    parts = [
+        empty if one is None else (one.residue, one.residue_covariance, one.by_choices[2:] ** 2)
+        for one in estimates
+    ]
     return replace(
         found[0],
         frequency=frequency,
@@ -42,6 +46,8 @@ def pooled(estimates: Sequence[ModeEstimate | None]) -> ModeEstimate:
         covariance=np.array([[frequency_variance, mixed], [mixed, damping_variance]]),
         residue=np.concatenate([part[0] for part in parts]),
         residue_covariance=np.concatenate([part[1] for part in parts]),
+        choices=np.mean([one.choices for one in found], axis=0),
+        residue_choices=np.concatenate([part[2] for part in parts]),
         freedom=float(sum(one.freedom for one in found)) if len(found) == 1 else float(len(found) - 1),
         remarks=tuple(dict.fromkeys(remark for one in found for remark in one.remarks)),
     )

@@ -90,16 +90,19 @@ def averaged(
 ) -> tuple[Complex[np.ndarray, "line frf"], Float[np.ndarray, "line frf"] | None]:
     """Each FRF as the mean of its trials, with the variance of that mean.
 
-    The variance comes from those given for the records; else, where every FRF has at least two trials, from
-    their scatter about the mean, smoothed over neighbouring lines; else it is not known.
+    The variance comes from those given for the records, raised where the trials scatter by more than these
+    allow (Birge's ratio, smoothed over neighbouring lines); else, where every FRF has at least two trials,
+    from their scatter about the mean, smoothed likewise; else it is not known.
     """
     values, spreads = [], []
     for rows in groups.values():
         stack = np.asarray(records.value)[rows]
         if variance is not None:
             weight = 1 / np.asarray(variance)[rows]
-            values.append(np.sum(weight * stack, axis=0) / np.sum(weight, axis=0))
-            spreads.append(1 / np.sum(weight, axis=0))
+            mean = np.sum(weight * stack, axis=0) / np.sum(weight, axis=0)
+            birge = np.sum(weight * np.abs(stack - mean) ** 2, axis=0) / max(len(rows) - 1, 1)
+            values.append(mean)
+            spreads.append(np.maximum(_smoothed(birge), 1.0) / np.sum(weight, axis=0))
             continue
         mean = np.mean(stack, axis=0)
         values.append(mean)

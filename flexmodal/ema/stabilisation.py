@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from jaxtyping import Bool, Complex, Float, Int
@@ -20,9 +21,9 @@ class Tolerances:
     """Largest relative change of the natural frequency."""
     damping: float = 0.05
     """Largest relative change of the damping ratio."""
-    most_damping: float = 0.3
+    most_damping: float = 0.5
     """Poles damped more are taken for fits of the background."""
-    orders: float = 0.4
+    orders: float = 0.3
     """Share of the orders in which a pole must be stable to be chosen as a mode."""
 
     def __post_init__(self) -> None:
@@ -51,12 +52,12 @@ class Stabilisation:
     stable: Bool[np.ndarray, " pole"]
     """Frequency and damping both."""
 
-    @property
+    @cached_property
     def frequency(self) -> Float[np.ndarray, " pole"]:
         """Natural frequency of each pole [Hz]."""
         return np.abs(self.pole) / (2 * np.pi)
 
-    @property
+    @cached_property
     def damping_ratio(self) -> Float[np.ndarray, " pole"]:
         """Damping ratio of each pole."""
         return -self.pole.real / np.abs(self.pole)

@@ -10,7 +10,7 @@ from jaxtyping import Complex, Float
 from flexmodal.errors import DefectiveModes
 from flexmodal.frf.kernels.route import FEW, choose, run
 from flexmodal.frf.kernels.task import SINGULAR, Task, is_damped, refuse_singular, singular
-from flexmodal.modal import Modes, SecondOrderSystem
+from flexmodal.modal import Hysteresis, Modes, SecondOrderSystem
 
 _MOST_PAIRS = 36
 """Most receptances that elimination with the rows pays for; beyond, one factorisation serves them all."""
@@ -25,9 +25,13 @@ _BLOCK = 4096
 def dynamic_stiffness(
     system: SecondOrderSystem, frequency: Float[np.ndarray, " line"]
 ) -> Complex[np.ndarray, "line dof dof"]:
-    """Z(ω) = K − ω²M + iωC, complex symmetric [N·m/rad, N/m]."""
+    """Z(ω) = K − ω²M + iωC, and what hysteretic springs add; complex symmetric [N·m/rad, N/m]."""
     omega = 2 * np.pi * frequency[:, None, None]
-    return system.stiffness - omega**2 * system.mass + 1j * omega * system.damping
+    z = system.stiffness - omega**2 * system.mass + 1j * omega * system.damping
+    if system.hysteresis is not None:
+        places = np.arange(system.dof)
+        z[:, places, places] += system.hysteresis.added(2j * np.pi * frequency)
+    return z
 
 
 def receptance(
@@ -70,6 +74,7 @@ def receptance(
         hysteresis=np.zeros_like(system.mass),
         pairs=pairs,
         omega=2 * np.pi * frequency,
+        addition=hysteretic_addition(system.hysteresis, frequency),
     )
     values = run(task, choose(task, None))[0]
     result = np.empty((len(frequency), len(response), len(reference)), dtype=complex)
@@ -79,6 +84,19 @@ def receptance(
         if same:
             result[:, column, i] = values[:, place]
     return result
+
+
+def hysteretic_addition(
+    hysteresis: Hysteresis | None, frequency: Float[np.ndarray, " line"]
+) -> Complex[np.ndarray, "line dof dof"] | None:
+    """What hysteretic springs add to Z [N·m/rad, N/m]; None without any."""
+    if hysteresis is None:
+        return None
+    added = hysteresis.added(2j * np.pi * frequency)
+    places = np.arange(added.shape[1])
+    full = np.zeros((*added.shape, added.shape[1]), dtype=complex)
+    full[:, places, places] = added
+    return full
 
 
 def _by_factorisation(

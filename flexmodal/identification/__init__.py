@@ -10,6 +10,7 @@ from flexmodal.identification.identify import identify as identify
 from flexmodal.identification.identify import solve_identification as solve_identification
 from flexmodal.identification.mode_data import ModeObservations as ModeObservations
 from flexmodal.identification.model import FrfModel as FrfModel
+from flexmodal.identification.model import ReceptanceModel as ReceptanceModel
 from flexmodal.identification.model import RobotModel as RobotModel
 from flexmodal.identification.model import predict as predict
 from flexmodal.identification.observations import Observations as Observations

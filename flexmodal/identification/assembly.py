@@ -7,13 +7,14 @@ differentiated by rebuilding.
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Mapping, Sequence
 
 import numpy as np
 from jaxtyping import Float
 
 from flexmodal.identification.arm import Arm, Body, beyond, carried, plane_normal
-from flexmodal.identification.structure import Change, Structure
+from flexmodal.identification.structure import Structure, changed
 
 _KINDS = ("mass", "damping", "stiffness", "loss")
 
@@ -29,9 +30,24 @@ class Assembly:
         self.coordinates: list[str] = list(arm.robot.joints)
         self.stretch: dict[str, np.ndarray] = {}
         """Rows of what stretches a joint's spring where that is not the joint's own coordinate."""
+        self.loss_factor: float = 0.0
+        """η of the hysteretic springs."""
         self._maps = dict(arm.maps)
         self._outer: dict[str, list[tuple[np.ndarray, np.ndarray, dict[str, np.ndarray]]]] = {}
         self._terms: list[tuple[str, np.ndarray, tuple[str, ...]]] = []
+
+    def alike(self) -> Assembly:
+        """Another with the same coordinates and motions and nothing on them yet."""
+        other = copy.copy(self)
+        other._terms = []
+        other.stretch = dict(self.stretch)
+        other.coordinates = list(self.coordinates)
+        return other
+
+    @property
+    def terms(self) -> tuple[tuple[str, np.ndarray, tuple[str, ...]], ...]:
+        """Every mass, spring and damper so far: kind, matrix, the parameters it is proportional to."""
+        return tuple(self._terms)
 
     # motions
 
@@ -59,18 +75,23 @@ class Assembly:
         """Axes of a link in the world."""
         return self.placed[link][:3, :3]
 
-    def motion(self, link: str, place: Float[np.ndarray, "3"]) -> Float[np.ndarray, "6 dof"]:
-        """Motion of a point of a link; beyond a hinge in that link, with the hinge."""
+    def motion(
+        self, link: str, place: Float[np.ndarray, "3"], section: Float[np.ndarray, "3"] | None = None
+    ) -> Float[np.ndarray, "6 dof"]:
+        """Motion of a point of a link, with the hinges in that link that lie before it.
+
+        Args:
+            link: which.
+            place: in its frame [m].
+            section: the place along the link that the point belongs to, if not its own.
+        """
         lever = self.axes(link) @ place
+        where = place if section is None else section
         moved = carried(self._padded(self._maps[link]), lever)
         for cut, way, maps in self._outer.get(link, []):
-            if (place - cut) @ way > 0:
+            if (where - cut) @ way > 0:
                 moved = moved + carried(self._padded(maps[link]), lever)
         return moved
-
-    def inner_motion(self, link: str, place: Float[np.ndarray, "3"]) -> Float[np.ndarray, "6 dof"]:
-        """Motion of a point on the near side of a hinge."""
-        return carried(self._padded(self._maps[link]), self.axes(link) @ place)
 
     def move_root(self, columns: slice, motion: Float[np.ndarray, "6 added"]) -> None:
         """Let the root link move, and everything with it, by coordinates already added."""
@@ -112,7 +133,7 @@ class Assembly:
     # masses and springs
 
     def add_body(
-        self, link: str, body: Body, *, mass: str = "", inertia: str = "", inner: bool = False
+        self, link: str, body: Body, *, mass: str = "", inertia: str = "", section: np.ndarray | None = None
     ) -> None:
         """A body fixed to a link.
 
@@ -121,9 +142,9 @@ class Assembly:
             body: in the frame of that link.
             mass: parameter that its mass, and its inertia with it, is proportional to.
             inertia: parameter that its inertia about the mass centre is proportional to besides.
-            inner: on the near side of a hinge, wherever its mass centre is.
+            section: see `motion`.
         """
-        motion = (self.inner_motion if inner else self.motion)(link, body.centre)
+        motion = self.motion(link, body.centre, section)
         axes = self.axes(link)
         tags = (mass,) if mass else ()
         self._add("mass", body.mass * (motion[:3].T @ motion[:3]), tags)
@@ -143,9 +164,9 @@ class Assembly:
         """A damper along `row` [N·s/m, N·m·s/rad]."""
         self._add("damping", damping * np.outer(row, row), names)
 
-    def add_loss(self, row: np.ndarray, loss: float, *names: str) -> None:
-        """A hysteretic spring along `row`: loss factor times stiffness [N/m, N·m/rad]."""
-        self._add("loss", loss * np.outer(row, row), names)
+    def add_loss(self, row: np.ndarray, stiffness: float, *names: str) -> None:
+        """Make a spring along `row`, put in already, hysteretic [N/m, N·m/rad]; see `loss_factor`."""
+        self._add("loss", stiffness * np.outer(row, row), names)
 
     def add_coupling(self, one: np.ndarray, other: np.ndarray, stiffness: float, *names: str) -> None:
         """An off-diagonal stiffness between two rows [N·m/rad]."""
@@ -179,7 +200,8 @@ class Assembly:
             total["loss"],
             self._padded(response),
             self._padded(reference),
-            {name: Change(**slot) for name, slot in slopes.items()},
+            {name: changed(slot) for name, slot in slopes.items()},
+            self.loss_factor,
         )
 
     def rows(self, places: Sequence[tuple[str, np.ndarray, np.ndarray]]) -> Float[np.ndarray, "place dof"]:
@@ -195,7 +217,7 @@ class Assembly:
 
 
 def put_together(assembly: Assembly, values: Mapping[str, float], bodies: Mapping[str, Body]) -> None:
-    """Every body, spring, damper and rotor of the robot, at these parameter values.
+    """Every body, spring, damper, rotor and coupling of the robot, at these parameter values.
 
     Args:
         assembly: with all motions added.
@@ -211,6 +233,9 @@ def put_together(assembly: Assembly, values: Mapping[str, float], bodies: Mappin
         assembly.add_damper(row, values.get(f"damping.{name}", joint.damping), f"damping.{name}")
         if joint.rotor_inertia:
             assembly.add_inertia(assembly.row(name), joint.rotor_inertia)
+    for coupling in assembly.robot.couplings.values():
+        one, other = (assembly.stretch_of(name) for name in coupling.joints)
+        assembly.add_coupling(one, other, coupling.stiffness)
 
 
 def scaled(body: Body, link: str, values: Mapping[str, float]) -> Body:

@@ -30,8 +30,8 @@ class Normal:
     scores: Float[np.ndarray, "observation parameter"]
     squared: Float[np.ndarray, " observation"]
     """Σ w |r|² of each observation."""
-    blocks: Float[np.ndarray, "observation parameter parameter"]
-    """What each observation adds to the curvature."""
+    blocks: Float[np.ndarray, "observation parameter parameter"] | None
+    """What each observation adds to the curvature; None where nobody asked."""
 
 
 @dataclass(frozen=True, eq=False)

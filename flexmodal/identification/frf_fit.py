@@ -14,11 +14,11 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Complex, Float
+from jaxtyping import Complex, Float, Int
 
 from flexmodal.errors import Fault, InvalidRequest, SingularResponse
 from flexmodal.identification.descent import Normal, descend, prior_cost, robust, robust_weight
-from flexmodal.identification.model import FrfModel, group_receptance
+from flexmodal.identification.model import Model, evaluated
 from flexmodal.identification.observations import Observations
 
 FLOORS = (0.2, 0.05, 0.01)
@@ -69,16 +69,13 @@ def residual(
 
 
 def cost_of(
-    model: FrfModel, x: Float[np.ndarray, " parameter"], observations: Observations, weighing: Weighing
+    model: Model, x: Float[np.ndarray, " parameter"], observations: Observations, weighing: Weighing
 ) -> float:
     """Cost alone: the robust sum of squares plus the prior's; infinite where there is no model."""
     weight = weighing.weight(observations)
     total = 0.0
     try:
-        for group in model.groups(x, observations, slopes=False):
-            axis = observations.axis_of(group.level).take(weighing.lines)
-            value, _ = group_receptance(group, axis, ())
-            rows = group.observations
+        for rows, value, _ in evaluated(model, x, observations, weighing.lines, slopes=False):
             r = residual(value, observations.value[rows][:, weighing.lines])
             total += float(np.sum(robust(weight[rows] * np.abs(r) ** 2)))
     except (np.linalg.LinAlgError, SingularResponse):
@@ -87,38 +84,43 @@ def cost_of(
 
 
 def normal_equations(
-    model: FrfModel, x: Float[np.ndarray, " parameter"], observations: Observations, weighing: Weighing
+    model: Model,
+    x: Float[np.ndarray, " parameter"],
+    observations: Observations,
+    weighing: Weighing,
+    *,
+    apart: bool = False,
 ) -> Normal:
-    """Cost, gradient and curvature at x."""
+    """Cost, gradient and curvature at x; `apart`: with what each observation adds to the curvature."""
     weight = weighing.weight(observations)
     names = model.space.names
     size = len(names)
-    blocks = np.zeros((len(observations), size, size))
+    curvature = np.zeros((size, size))
+    blocks = np.zeros((len(observations), size, size)) if apart else None
     scores, squared = np.zeros((len(observations), size)), np.zeros(len(observations))
     data_cost = 0.0
-    for group in model.groups(x, observations, slopes=True):
-        axis = observations.axis_of(group.level).take(weighing.lines)
-        value, slopes = group_receptance(group, axis, names)
-        rows = group.observations
+    for rows, value, slopes in evaluated(model, x, observations, weighing.lines, slopes=True):
         r = residual(value, observations.value[rows][:, weighing.lines])
         scaled = weight[rows] * np.abs(r) ** 2
         data_cost += float(np.sum(robust(scaled)))
         squared[rows] = scaled.sum(axis=1)
         root = np.sqrt(weight[rows] * robust_weight(scaled))
-        jacobian = slopes / np.where(value == 0, np.inf, value) * root
-        r = r * root
-        scores[rows] = np.einsum("pnl,nl->np", jacobian.real, r.real) + np.einsum(
-            "pnl,nl->np", jacobian.imag, r.imag
-        )
-        each = np.moveaxis(jacobian, 0, 1)  # [observation, parameter, line]
-        blocks[rows] = each.real @ np.swapaxes(each.real, 1, 2) + each.imag @ np.swapaxes(each.imag, 1, 2)
+        relative = slopes * (root / np.where(value == 0, np.inf, value))
+        real = np.ascontiguousarray(relative).view(float)  # real and imaginary parts in turn
+        scores[rows] = np.matmul(real.transpose(1, 0, 2), (r * root).view(float)[:, :, None])[:, :, 0]
+        if blocks is None:
+            flat = real.reshape(size, -1)
+            curvature += flat @ flat.T
+        else:
+            each = real.transpose(1, 0, 2)
+            blocks[rows] = each @ np.swapaxes(each, 1, 2)
     precision = model.space.precision
     gradient = scores.sum(axis=0) + precision * x
     return Normal(
         data_cost + prior_cost(model.space, x),
         data_cost,
         gradient,
-        blocks.sum(axis=0),
+        curvature if blocks is None else blocks.sum(axis=0),
         scores,
         squared,
         blocks,
@@ -126,14 +128,17 @@ def normal_equations(
 
 
 def fit(
-    model: FrfModel,
+    model: Model,
     observations: Observations,
     start: Float[np.ndarray, " parameter"] | None = None,
     *,
     floors: Sequence[float] = FLOORS,
     stride: int = 1,
+    lines: Int[np.ndarray, " line"] | None = None,
     share: Float[np.ndarray, " observation"] | None = None,
     steps: int = STEPS,
+    apart: bool = True,
+    settled: float = FINE,
     hold: Mapping[str, float] | None = None,
     advance: Callable[[int, float], None] = lambda step, cost: None,
 ) -> FrfFit:
@@ -145,13 +150,17 @@ def fit(
         start: coordinates; the card by default.
         floors: relative model errors, lowered one after the other.
         stride: look at every so many lines.
+        lines: numbers of the lines to look at, instead.
         share: multiple of each observation's weight, 0 or more.
         steps: most at each floor.
+        apart: end with what each observation adds to the curvature, as `uncertainty` needs it.
+        settled: a step that changes the cost relatively by less ends the last round.
         hold: coordinates that stay where they are put, by name.
         advance: called after each step with its number and the cost.
     """
     x = np.zeros(len(model.space)) if start is None else np.array(start, dtype=float)
-    lines = np.arange(stride // 2, len(observations.axis), stride)
+    if lines is None:
+        lines = np.arange(stride // 2, len(observations.axis), stride)
     if not floors:
         raise InvalidRequest(Fault("call", "floors", "none", "at least one"))
     total = 0
@@ -163,9 +172,12 @@ def fit(
             lambda x, w=weighing: cost_of(model, x, observations, w),  # type: ignore[misc]
             x,
             most=steps,
-            settled=FINE if number == len(floors) - 1 else SETTLED,
+            settled=settled if number == len(floors) - 1 else SETTLED,
             hold=hold,
             advance=lambda step, cost, before=total: advance(before + step, cost),  # type: ignore[misc]
         )
         x, total = found.x, total + found.steps
-    return FrfFit(x, found.normal, weighing, found.converged, total)
+    normal = found.normal
+    if apart:
+        normal = normal_equations(model, x, observations, weighing, apart=True)
+    return FrfFit(x, normal, weighing, found.converged, total)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Protocol, runtime_checkable
 
@@ -50,6 +50,30 @@ class FrfModel(Protocol):
     ) -> Sequence[Group]:
         """Structures at coordinates x, for every observation one; with derivatives if asked."""
         ...
+
+
+@runtime_checkable
+class ReceptanceModel(Protocol):
+    """Anything that predicts the FRFs of a campaign without a structure to show for them."""
+
+    @property
+    def space(self) -> ParameterSpace:
+        """What it depends on."""
+        ...
+
+    def receptances(
+        self,
+        x: Float[np.ndarray, " parameter"],
+        observations: Observations,
+        lines: slice | Int[np.ndarray, " line"],
+        *,
+        slopes: bool,
+    ) -> tuple[Complex[np.ndarray, "observation line"], Complex[np.ndarray, "parameter observation line"]]:
+        """Receptances of every observation on some lines, and their derivatives; none unless asked."""
+        ...
+
+
+Model = FrfModel | ReceptanceModel
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,16 +156,29 @@ def places(
 
 
 def predict(
-    model: FrfModel, x: Float[np.ndarray, " parameter"], observations: Observations,
+    model: Model, x: Float[np.ndarray, " parameter"], observations: Observations,
     lines: slice | np.ndarray = slice(None),
 ) -> Complex[np.ndarray, "observation line"]:  # fmt: skip
     """Receptances that the model gives for every observation [m/N]."""
     count = len(observations.axis.take(lines))
     value = np.zeros((len(observations), count), dtype=complex)
-    for group in model.groups(x, observations, slopes=False):
-        found, _ = group_receptance(group, observations.axis_of(group.level).take(lines), ())
-        value[group.observations] = found
+    for rows, found, _ in evaluated(model, x, observations, lines, slopes=False):
+        value[rows] = found
     return value
+
+
+def evaluated(
+    model: Model, x: Float[np.ndarray, " parameter"], observations: Observations, lines: slice | np.ndarray,
+    *, slopes: bool,
+) -> Iterator[tuple[Int[np.ndarray, " some"], np.ndarray, np.ndarray]]:  # fmt: skip
+    """Numbers of some observations, their receptances [some line] and derivatives [parameter some line]."""
+    if isinstance(model, ReceptanceModel):
+        yield np.arange(len(observations)), *model.receptances(x, observations, lines, slopes=slopes)
+        return
+    names = model.space.names if slopes else ()
+    for group in model.groups(x, observations, slopes=slopes):
+        axis = observations.axis_of(group.level).take(lines)
+        yield group.observations, *group_receptance(group, axis, names)
 
 
 def group_receptance(
@@ -153,8 +190,10 @@ def group_receptance(
     """
     distinct, back = np.unique(group.pairs, axis=0, return_inverse=True)
     value, slopes = receptance(group.structure, axis, distinct, names)
-    if axis.length > 0 and (cut := missing(group.structure, axis, distinct, names)) is not None:
-        value, slopes = value + cut[0], slopes + cut[1]
+    looked = names if axis.cut_slopes else ()
+    if axis.length > 0 and (cut := missing(group.structure, axis, distinct, looked)) is not None:
+        value = value + cut[0]
+        slopes = slopes + cut[1] if looked else slopes
     value, slopes = value[back.ravel()], slopes[:, back.ravel()]
     if group.reading is not None:
         log, changes = group.reading(axis)

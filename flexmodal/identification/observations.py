@@ -22,6 +22,8 @@ from flexmodal.campaign.noise import COHERENT
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.identification.structure import Axis
 
+HEARD = 0.15
+"""Part of the lines that have to be coherent for a record to count as a measurement."""
 NOISIEST = 0.1
 """Relative variance beyond which the logarithm of a line is biased by its own noise."""
 PRETRIGGER = 0.02
@@ -58,8 +60,12 @@ class Observations:
     """Coherent enough, less noisy than `NOISIEST`, and not zero."""
     of_record: Int[np.ndarray, " record"]
     """The observation that each record belongs to."""
+    silent: tuple[str, ...] = ()
+    """Records that were left out because hardly a line of theirs is coherent."""
     power: int = 2
     """What was recorded: acceleration 2, velocity 1, displacement 0."""
+    cut_slopes: bool = True
+    """See `Axis`."""
 
     @cached_property
     def axis(self) -> Axis:
@@ -69,7 +75,13 @@ class Observations:
 
     def axis_of(self, level: int) -> Axis:
         """The lines for one kind of blow."""
-        return replace(self.axis, decay=self.decays[level], length=self.lengths[level], power=self.power)
+        return replace(
+            self.axis,
+            decay=self.decays[level],
+            length=self.lengths[level],
+            power=self.power,
+            cut_slopes=self.cut_slopes,
+        )
 
     def peak(self, level: int) -> float:
         """Typical force peak of a kind of blow [N]."""
@@ -116,6 +128,7 @@ def observe(campaign: Campaign) -> Observations:
         raise InvalidRequest(
             Fault(str(campaign.path or "campaign"), "band", f"no line from {low:g} to {high:g} Hz", allowed)
         )
+    records, silent = _heard(records, campaign)
     relative = record_variance(records, relative=True)
     power = {"receptance": 0, "mobility": 1, "inertance": 2}[records.form]
     groups = repeat_groups(records.trials or campaign.trials)
@@ -165,8 +178,30 @@ def observe(campaign: Campaign) -> Observations:
         variance=variance / count**2,
         used=(weight / count >= COHERENT) & (value != 0) & (variance / count**2 <= NOISIEST),
         of_record=of_record,
+        silent=silent,
         power=power,
     )
+
+
+def _heard(frfs: FrfRecords, campaign: Campaign) -> tuple[FrfRecords, tuple[str, ...]]:
+    """Records with a signal in them, and the names of the others.
+
+    A sensor that sits where nothing moves along its axis records noise. With few averages some lines of noise
+    are coherent by chance: one in 25 above 0.8 with three averages.
+    """
+    if frfs.coherence is None:
+        return frfs, ()
+    heard = np.mean(frfs.coherence >= COHERENT, axis=1) >= HEARD
+    if not heard.any():
+        found = f"coherence below {COHERENT:g} on nearly every line of every record"
+        allowed = "records with a signal in them"
+        raise InvalidRequest(Fault(str(campaign.path or "campaign"), "frfs", found, allowed))
+    names = [
+        f"posture {int(frfs.posture[row])}, response {frfs.response[row].tolist()}, "
+        f"reference {frfs.reference[row].tolist()}, trial {int(frfs.trial[row])}"
+        for row in np.flatnonzero(~heard)
+    ]
+    return frfs.take(np.flatnonzero(heard)), tuple(names)
 
 
 def _inside(frfs: FrfRecords, band: tuple[float, float]) -> FrfRecords:

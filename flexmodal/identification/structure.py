@@ -1,12 +1,15 @@
 """A vibrating structure with its derivatives, and its receptance: what every fit evaluates.
 
-    Z(s) = K + h H + s C + s² M,    α_uv = u Z⁻¹ vᵀ,    ∂α_uv = ∂u y_v + y_uᵀ ∂vᵀ − y_uᵀ ∂Z y_v,
+    Z(s) = K + h(s) H + s C + s² M,    α_uv = u Z⁻¹ vᵀ,    ∂α_uv = ∂u y_v + y_uᵀ ∂vᵀ − y_uᵀ ∂Z y_v,
 
 with y = Z⁻¹ jᵀ solved once for each row [m/N for translations], at s = iω, or s = iω + σ where an exponential
-window exp(−σt) was put on the records. H is hysteretic stiffness. A constant loss factor is not causal by
-itself; what goes with it is a stiffness that grows with ln ω (Kramers and Kronig; see Nashif, Jones and
-Henderson, Vibration Damping, 1985), so h(ω) = i + (2/π) ln(ω/ω₀) with ω₀ the middle of the band on a
-logarithmic scale.
+window exp(−σt) was put on the records. H is the stiffness of hysteretic springs. K (1 + iη) with the
+same η at every frequency is not causal unless the real part grows with frequency (Kramers and Kronig). The
+causal spring of constant loss factor is a power law (Bagley and Torvik, J. Rheology 27, 1983),
+
+    K(s) = K (s/ω₀)^β / cos(βπ/2),   β = (2/π) arctan η,   h = K(s)/K − 1,
+
+whose real part is K at ω₀, here the middle of the band on a logarithmic scale.
 """
 
 from __future__ import annotations
@@ -19,6 +22,9 @@ import numpy as np
 from jaxtyping import Complex, Float
 
 from flexmodal.errors import SingularResponse
+
+ROUNDING = 1e-12
+"""Part of the sum of its terms' sizes from which on a receptance is not zero."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,6 +41,8 @@ class Axis:
     """Of the records, from the blow to their end [s]; 0 where it is not known or does not matter."""
     power: int = 2
     """What was recorded: acceleration 2, velocity 1, displacement 0."""
+    cut_slopes: bool = True
+    """Whether derivatives look at what the end of a record cuts off; values always do."""
 
     def __len__(self) -> int:
         """How many lines."""
@@ -45,10 +53,15 @@ class Axis:
         """Complex frequency [rad/s]."""
         return 2j * np.pi * self.frequency + self.decay
 
-    @cached_property
-    def hysteresis(self) -> Complex[np.ndarray, " line"]:
-        """h, the factor of H."""
-        return 1j + 2 / np.pi * np.log(np.maximum(self.frequency, 1e-12) / self.middle)
+    def hysteresis(
+        self, loss_factor: float
+    ) -> tuple[Complex[np.ndarray, " line"], Complex[np.ndarray, " line"]]:
+        """h, the factor of H, and its derivative along the loss factor."""
+        exponent = 2 / np.pi * np.arctan(loss_factor)
+        log = np.log(self.s / (2 * np.pi * self.middle))
+        size = np.exp(exponent * log) / np.cos(exponent * np.pi / 2)
+        slope = size * (log + np.pi / 2 * loss_factor) * (2 / np.pi) / (1 + loss_factor**2)
+        return size - 1, slope
 
     def take(self, lines: slice | np.ndarray) -> Axis:
         """Some of the lines."""
@@ -65,14 +78,28 @@ class Change:
     loss: np.ndarray | None = None
     response: np.ndarray | None = None
     reference: np.ndarray | None = None
+    loss_factor: float | None = None
 
     def __add__(self, other: Change) -> Change:
         """Both."""
         pairs = (
             (getattr(self, name), getattr(other, name))
-            for name in ("mass", "damping", "stiffness", "loss", "response", "reference")
+            for name in ("mass", "damping", "stiffness", "loss", "response", "reference", "loss_factor")
         )
         return Change(*(b if a is None else a if b is None else a + b for a, b in pairs))
+
+
+def changed(slots: Mapping[str, np.ndarray], loss_factor: float | None = None) -> Change:
+    """A change from matrices and rows by name."""
+    return Change(
+        slots.get("mass"),
+        slots.get("damping"),
+        slots.get("stiffness"),
+        slots.get("loss"),
+        slots.get("response"),
+        slots.get("reference"),
+        loss_factor,
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,11 +111,13 @@ class Structure:
     damping: Float[np.ndarray, "dof dof"]
     stiffness: Float[np.ndarray, "dof dof"]
     loss: Float[np.ndarray, "dof dof"]
-    """H [N·m/rad]: loss factor times stiffness."""
+    """H [N·m/rad]: stiffness of the hysteretic springs, which is in `stiffness` too."""
     response: Float[np.ndarray, "response dof"]
     reference: Float[np.ndarray, "reference dof"]
     changes: Mapping[str, Change] = field(default_factory=dict)
     """Derivatives along the coordinates of parameters, by name."""
+    loss_factor: float = 0.0
+    """η of the hysteretic springs."""
 
     @property
     def dof(self) -> int:
@@ -99,8 +128,8 @@ class Structure:
         """Z on a frequency axis."""
         s = axis.s[:, None, None]
         z = self.stiffness + s * (self.damping + s * self.mass)
-        if self.loss.any():
-            z += axis.hysteresis[:, None, None] * self.loss
+        if self.loss_factor:
+            z += axis.hysteresis(self.loss_factor)[0][:, None, None] * self.loss
         return z
 
     def solve(
@@ -127,6 +156,8 @@ def receptance(
 ) -> tuple[Complex[np.ndarray, "pair line"], Complex[np.ndarray, "name pair line"]]:
     """Receptances of some pairs of rows, and their derivatives along some parameters.
 
+    What is nothing but rounding, where a point does not move along its axis at all, is exactly zero.
+
     Args:
         structure: in one posture.
         axis: where.
@@ -140,6 +171,8 @@ def receptance(
     u, v = pairs[:, 0], pairs[:, 1]
     left, right = np.moveaxis(yu, 2, 0)[u], np.moveaxis(yv, 2, 0)[v]  # [pair, line, dof]
     value = np.einsum("pd,pld->pl", structure.response[u], right)
+    size = np.einsum("pd,pld->pl", np.abs(structure.response[u]), np.abs(right))
+    value[np.abs(value) <= ROUNDING * size] = 0.0
     slopes = np.zeros((len(names), *value.shape), dtype=complex)
     if not names:
         return value, slopes
@@ -150,11 +183,12 @@ def receptance(
     off = upper[0] != upper[1]
     outer[..., off] += left[..., upper[1][off]] * right[..., upper[0][off]]
     flat = outer.reshape(-1, len(upper[0]))
+    grown, growth = axis.hysteresis(structure.loss_factor)
     factors = {
         "mass": -(axis.s**2),
         "damping": -axis.s,
         "stiffness": np.full(len(axis), -1.0 + 0j),
-        "loss": -axis.hysteresis,
+        "loss": -grown,
     }
     for kind, factor in factors.items():
         some = [(k, matrix) for k, change in moving if (matrix := getattr(change, kind)) is not None]
@@ -162,7 +196,10 @@ def receptance(
             stacked = np.array([matrix[upper] for _, matrix in some]).T  # symmetric: the upper half is all
             found = (flat @ stacked.astype(complex)).reshape(*value.shape, -1)
             slopes[[k for k, _ in some]] += np.moveaxis(found, 2, 0) * factor
+    weights = (structure.loss[upper]).astype(complex)
     for k, change in moving:
+        if change.loss_factor is not None:
+            slopes[k] -= change.loss_factor * (flat @ weights).reshape(value.shape) * growth
         if change.response is not None:
             slopes[k] += np.einsum("pd,pld->pl", change.response[u], right)
         if change.reference is not None:

@@ -36,8 +36,9 @@ def missing(
         pairs: [pair, 2], numbers of a response and a reference row.
         names: parameters.
     """
-    if structure.loss.any():
-        structure = replace(structure, damping=structure.damping + structure.loss / (2 * np.pi * axis.middle))
+    if structure.loss_factor:
+        lost = structure.loss_factor * structure.loss / (2 * np.pi * axis.middle)
+        structure = replace(structure, damping=structure.damping + lost)
     try:
         slow = poles(structure)
         if np.max((slow.pole.real - axis.decay) * axis.length) < np.log(NOTHING):

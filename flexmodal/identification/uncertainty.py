@@ -25,6 +25,7 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Float, Int
 
+from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.identification.descent import Normal
 from flexmodal.identification.observations import Observations
 from flexmodal.identification.parameter import ParameterSpace
@@ -94,7 +95,14 @@ def clusters(observations: Observations) -> Int[np.ndarray, " observation"]:
 
 
 def uncertainty(space: ParameterSpace, normal: Normal, observations: Observations) -> Uncertainty:
-    """Covariance at the end of a fit."""
+    """Covariance at the end of a fit.
+
+    Raises:
+        InvalidRequest: normal equations that do not say what each observation adds.
+    """
+    if normal.blocks is None:
+        allowed = "normal equations with the observations apart"
+        raise InvalidRequest(Fault("call", "normal", "a sum over observations", allowed))
     cluster = clusters(observations)
     count, size = int(cluster.max()) + 1, len(space)
     score, block = np.zeros((count, size)), np.zeros((count, size, size))

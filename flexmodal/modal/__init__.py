@@ -1,5 +1,6 @@
 """Matrices in, modes out. Knows no robot and no frequency axis."""
 
+from flexmodal.modal.hysteresis import Hysteresis as Hysteresis
 from flexmodal.modal.mac import auto_mac as auto_mac
 from flexmodal.modal.mac import comac as comac
 from flexmodal.modal.mac import mac as mac

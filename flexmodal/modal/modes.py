@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Complex, Float
 
+from flexmodal.modal.hysteretic import with_hysteresis
 from flexmodal.modal.system import SecondOrderSystem
 
 DEFECTIVE = 1e4
@@ -70,10 +71,10 @@ def solve_modes(system: SecondOrderSystem) -> Modes:
 
     Undamped and proportionally damped systems (those whose `M⁻¹C` and `M⁻¹K` commute) are solved by a
     real symmetric eigenproblem, exact for repeated frequencies; all others by the companion form in
-    coordinates that make the mass matrix the identity.
+    coordinates that make the mass matrix the identity. Hysteretic loss comes on top, pole by pole.
 
     Args:
-        system: mass, damping and stiffness.
+        system: mass, damping and stiffness, and hysteresis if it has any.
 
     Returns:
         The modes, ordered by |pole|.
@@ -97,12 +98,13 @@ def solve_modes(system: SecondOrderSystem) -> Modes:
         shapes = _straighten(poles, shapes, damping, np.isfinite(condition))
     keep = poles.imag >= 0
     order = np.lexsort((poles[keep].real, np.abs(poles[keep])))
-    return Modes(
+    plain = Modes(
         pole=poles[keep][order] * unit,
         shape=(root.T @ vectors @ turn @ shapes)[:, keep][:, order] / np.sqrt(unit),
         condition=condition[keep][order],
         coordinates=system.coordinates,
     )
+    return with_hysteresis(system, plain)
 
 
 def _diagonalise_within_clusters(square: np.ndarray, damping: np.ndarray) -> np.ndarray:

@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Float
 
 from flexmodal.errors import Fault, InvalidSystem
+from flexmodal.modal.hysteresis import Hysteresis
 
 _SYMMETRY = 1e-9
 """Largest asymmetry, relative to the largest entry, that counts as rounding."""
@@ -34,6 +35,8 @@ class SecondOrderSystem:
     """K [N·m/rad, N/m]."""
     coordinates: tuple[str, ...]
     """What each row and column is called."""
+    hysteresis: Hysteresis | None = None
+    """Loss of the springs on single coordinates, if any."""
 
     def __post_init__(self) -> None:
         count = len(self.coordinates)
@@ -48,6 +51,9 @@ class SecondOrderSystem:
                 fault = _sign_fault(name, matrix, self.coordinates, strict=name == "mass")
             if fault is not None:
                 faults.append(fault)
+        loss = self.hysteresis
+        if loss is not None and (len(loss.stiffness), len(loss.loss_factor)) != (count, count):
+            faults.append(Fault("system", "hysteresis", f"{len(loss.stiffness)} springs", f"{count} springs"))
         if faults:
             raise InvalidSystem(faults)
 

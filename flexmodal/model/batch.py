@@ -18,6 +18,7 @@ from flexmodal.frf import PointDirection, frequency_axis
 from flexmodal.frf.kernels.factor import LANES, Pairs
 from flexmodal.frf.kernels.route import Route, available_cores, choose, has_numba, run
 from flexmodal.frf.kernels.task import Task
+from flexmodal.frf.receptance import hysteretic_addition
 from flexmodal.model.batch_chain import chain_of, places_of
 from flexmodal.model.batch_planar import empty_plane
 from flexmodal.model.build import pinocchio
@@ -71,7 +72,7 @@ def receptance_batch(
         postures: names, mappings, checked postures, or an array with a column for each commanded joint.
         pairs: what to compute: (response, reference), or one direction for a drive point.
         frequencies: ascending [Hz].
-        loss_factor: structural damping η, K becomes K(1 + iη).
+        loss_factor: structural damping η beside that of the card, K becomes K(1 + iη).
         addition: symmetric matrices added to Z, one for each frequency.
         threads: most threads to use; all cores of the process if none.
         way: "auto", or one of `flexmodal.frf.kernels.route.WAYS`; all give the same numbers but for rounding.
@@ -88,8 +89,12 @@ def receptance_batch(
     read, rows, numbers = read_pairs(robot, pairs)
     _check_loss(loss_factor)
     _check_addition(addition, len(axis), len(robot.joints))
+    lag = hysteretic_addition(robot.hysteresis, axis)
+    if lag is not None:
+        addition = lag if addition is None else addition + lag
     pays = way == "auto" and len(values) >= (_FEW if "numba" in sys.modules else _MANY)
-    poser = _Poser(robot, values, rows, compiled=has_numba() and (pays or way.startswith("compiled")))
+    asked = way.startswith("compiled") or way == "planar recursion"
+    poser = _Poser(robot, values, rows, compiled=has_numba() and (pays or asked))
     task = Task(
         count=len(values),
         block=poser,
@@ -141,15 +146,17 @@ def gradient_batch(
     slopes = np.empty((*result.shape, len(robot.moving)), dtype=complex)
     chain = chain_of(robot)
     few = _FEW if "numba" in sys.modules else _MANY
-    pays = len(values) * len(axis) >= few and has_numba() and chain is not None
+    plain = chain is not None and robot.hysteresis is None
+    pays = len(values) * len(axis) >= few and has_numba() and plain
     if way == "numpy" or (way == "auto" and not pays):
         for place in range(len(values)):
             _gradient_of_one(robot, values[place], rows, axis, numbers, result[place], slopes[place])
         return ReceptanceBatch(axis, read, result, Route("numpy", 1, "few points, or as asked"), slopes)
     if not has_numba():
         raise MissingExtra("the compiled gradient needs numba: pip install flexmodal[fast]")
-    if chain is None:
-        raise InvalidRequest(Fault("call", "way", "compiled for a robot that branches", "auto or numpy"))
+    if chain is None or not plain:
+        why = "that branches" if chain is None else "with loss factors"
+        raise InvalidRequest(Fault("call", "way", f"compiled for a robot {why}", "auto or numpy"))
     from flexmodal.model.batch_compiled import compiled_gradient
 
     places = places_of(robot, tuple((d.point, d.selector) for d in rows))
@@ -294,7 +301,8 @@ def _planar(
     addition: np.ndarray | None,
 ) -> Callable[[slice, slice, np.ndarray], int] | None:
     """The recursion along a planar chain; none where the robot is no such chain or numba is missing."""
-    chain = chain_of(robot) if robot.is_planar and addition is None and has_numba() else None
+    plain = robot.is_planar and addition is None and not robot.couplings
+    chain = chain_of(robot) if plain and has_numba() else None
     if chain is None:
         return None
     across = robot.task[:2, :3]

@@ -101,3 +101,8 @@ def places_of(robot: Robot, directions: tuple[tuple[str, np.ndarray], ...]) -> P
         offset=np.array([frame.placement.translation for frame in frames]),
         selector=np.array([selector for _, selector in directions], dtype=float),
     )
+
+
+def turn_of(robot: Robot, point: str) -> Float[np.ndarray, "3 3"]:
+    """Axes of a point's frame in the frame of the joint that carries it, column by column."""
+    return np.array(robot.pinocchio.frames[robot.frame_of(point)].placement.rotation)

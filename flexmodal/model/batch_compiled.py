@@ -33,9 +33,14 @@ def compiled_gradient() -> Any:
         *_KINEMATICS,
         gradient.factor_symmetric,
         gradient.solve_factored,
+        gradient.place_arm,
         gradient.sweep_momenta,
         gradient.mass_slope,
         gradient.row_slopes,
+        gradient.pose_rows,
+        gradient.solve_rows,
+        gradient.sweep_rows,
+        gradient.gradients,
         last=gradient.gradient_batch,
     )
 

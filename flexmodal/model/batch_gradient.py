@@ -23,7 +23,6 @@ import numpy as np
 
 from flexmodal.frf.kernels.factor import GROWTH, SMALLEST_PIVOT
 from flexmodal.model.batch_kinematics import (
-    cross,
     mass_matrix,
     place_bodies,
     place_joints,
@@ -64,6 +63,17 @@ def solve_factored(matrix, row, pick, work, out):
             value -= matrix[i, k] * work[i]
         work[k] = value
         out[0, pick[k]], out[1, pick[k]] = value.real, value.imag
+
+
+def place_arm(turns, origin, first, axis, out):
+    """Linear part of a joint's twist at unit rate about the first joint's origin."""
+    if turns:
+        x, y, z = origin[0] - first[0], origin[1] - first[1], origin[2] - first[2]
+        out[0] = y * axis[2] - z * axis[1]
+        out[1] = z * axis[0] - x * axis[2]
+        out[2] = x * axis[1] - y * axis[0]
+    else:
+        out[0], out[1], out[2] = axis[0], axis[1], axis[2]
 
 
 def sweep_momenta(chain, arms, axes, centres, inertias, y, twists, momenta):
@@ -167,68 +177,98 @@ def gradient_batch(chain, joints, offsets, selectors, pick, matrices, postures, 
         How many points are not trusted; they are NaN.
     """
     count, n, many = postures.shape[1], len(pick), len(joints)
-    turns = chain[0]
-    frames, origins, axes = np.empty((count, 3, 3)), np.empty((count, 3)), np.empty((count, 3))
-    centres, inertias = np.empty((count, 3)), np.empty((count, 3, 3))
-    arms = np.empty((count, 3))
-    full, position = np.empty((count, count)), np.empty(3)
-    jacobians, rows = np.empty((many, 6, count)), np.empty((many, count))
-    matrix, size = np.empty((n, n), dtype=np.complex128), np.empty(n)
-    work = np.empty(n, dtype=np.complex128)
-    y = np.zeros((many, 2, count))
-    twists, momenta = np.empty((many, 2, count, 6)), np.empty((many, 2, count, 6))
-    turned, scratch = np.empty((2, count)), np.empty(9)
+    bodies = (
+        np.empty((count, 3, 3)), np.empty((count, 3)), np.empty((count, 3)), np.empty((count, 3)),
+        np.empty((count, 3, 3)), np.empty((count, 3)), np.empty((count, count)),
+    )  # fmt: skip
+    row_room = np.empty((many, 6, count)), np.empty((many, count)), np.empty(3)
+    matrix_room = np.empty((n, n), dtype=np.complex128), np.empty(n), np.empty(n, dtype=np.complex128)
+    sweep_room = (
+        np.zeros((many, 2, count)), np.empty((many, 2, count, 6)), np.empty((many, 2, count, 6)),
+        np.empty((2, count)), np.empty(9),
+    )  # fmt: skip
     doubtful = 0
     for s in range(len(postures)):
-        place_joints(chain, postures[s], frames, origins, axes)
-        place_bodies(chain, frames, origins, centres, inertias)
-        mass_matrix(chain, origins, axes, centres, inertias, full)
-        for r in range(many):
-            point_jacobian(chain, frames, origins, axes, joints[r], offsets[r], position, jacobians[r])
-            for i in range(count):
-                rows[r, i] = 0.0
-                for a in range(6):
-                    rows[r, i] += selectors[r, a] * jacobians[r, a, i]
-        for i in range(count):
-            for a in range(3):
-                arms[i, a] = origins[i, a] - origins[0, a] if turns[i] else axes[i, a]
-                centres[i, a] -= origins[0, a]
-            if turns[i]:
-                cross(arms[i].copy(), axes[i], arms[i])
+        pose_rows(chain, joints, offsets, selectors, postures[s], bodies, row_room)
         for f in range(len(omega)):
             w = omega[f]
-            for i in range(n):
-                for j in range(i, n):
-                    mass = full[pick[i], pick[j]]
-                    matrix[i, j] = complex(
-                        matrices[0, i, j] - w * w * mass, w * matrices[1, i, j] + matrices[2, i, j]
-                    )
-                size[i] = matrices[0, i, i] + w * w * full[pick[i], pick[i]] + matrix[i, i].imag
-            trusted = factor_symmetric(matrix, size)
+            trusted = solve_rows(pick, matrices, w, bodies[6], row_room[1], matrix_room, sweep_room[0])
             doubtful += not trusted
-            for r in range(many):
-                solve_factored(matrix, rows[r], pick, work, y[r])
-                for part in range(2):
-                    sweep_momenta(
-                        chain, arms, axes, centres, inertias, y[r, part], twists[r, part], momenta[r, part]
-                    )
-            for place in range(len(pairs)):
-                u, v = pairs[place, 0], pairs[place, 1]
-                re, im = 0.0, 0.0
-                for i in range(count):
-                    re += rows[u, i] * y[v, 0, i]
-                    im += rows[u, i] * y[v, 1, i]
-                values[s, f, place] = complex(re, im) if trusted else complex(np.nan, np.nan)
-                # A drive point is the same from both sides: take one and double it.
-                sides = 1 if u == v else 2
-                slopes[s, f, place] = 0.0
-                for side in range(sides):
-                    left, right = (u, v) if side == 0 else (v, u)
-                    for part in range(2):
-                        row_slopes(jacobians[left], selectors[left], y[right, part], scratch, turned[part])
-                    for k in range(count):
-                        change = mass_slope(turns[k], arms[k], axes[k], twists[left], momenta[right], k)
-                        re = turned[0, k] - w * w * change.real
-                        im = turned[1, k] - w * w * change.imag
-                        slopes[s, f, place, k] += (3 - sides) * complex(re, im)
+            sweep_rows(chain, bodies, sweep_room)
+            gradients(
+                chain, selectors, pairs, w, trusted, bodies, row_room, sweep_room, values[s, f], slopes[s, f]
+            )
     return doubtful
+
+
+def pose_rows(chain, joints, offsets, selectors, posture, bodies, row_room):
+    """Place joints and bodies; mass matrix, Jacobians and rows. Centres are then about the first origin."""
+    frames, origins, axes, centres, inertias, arms, full = bodies
+    jacobians, rows, position = row_room
+    place_joints(chain, posture, frames, origins, axes)
+    place_bodies(chain, frames, origins, centres, inertias)
+    mass_matrix(chain, origins, axes, centres, inertias, full)
+    for r in range(len(joints)):
+        point_jacobian(chain, frames, origins, axes, joints[r], offsets[r], position, jacobians[r])
+        for i in range(len(posture)):
+            value = 0.0
+            for a in range(6):
+                value += selectors[r, a] * jacobians[r, a, i]
+            rows[r, i] = value
+    turns = chain[0]
+    for i in range(len(posture)):
+        for a in range(3):
+            centres[i, a] -= origins[0, a]
+        place_arm(turns[i], origins[i], origins[0], axes[i], arms[i])
+
+
+def solve_rows(pick, matrices, w, full, rows, matrix_room, y):
+    """Z y = jᵀ for every row at an angular frequency; whether the pivots are trusted."""
+    matrix, size, work = matrix_room
+    for i in range(len(pick)):
+        for j in range(i, len(pick)):
+            mass = full[pick[i], pick[j]]
+            matrix[i, j] = complex(
+                matrices[0, i, j] - w * w * mass, w * matrices[1, i, j] + matrices[2, i, j]
+            )
+        size[i] = matrices[0, i, i] + w * w * full[pick[i], pick[i]] + matrix[i, i].imag
+    trusted = factor_symmetric(matrix, size)
+    for r in range(len(rows)):
+        solve_factored(matrix, rows[r], pick, work, y[r])
+    return trusted
+
+
+def sweep_rows(chain, bodies, sweep_room):
+    """Twists and momenta of every row's rates, real and imaginary parts one by one."""
+    axes, centres, inertias, arms = bodies[2], bodies[3], bodies[4], bodies[5]
+    y, twists, momenta = sweep_room[0], sweep_room[1], sweep_room[2]
+    for r in range(len(y)):
+        for part in range(2):
+            sweep_momenta(chain, arms, axes, centres, inertias, y[r, part], twists[r, part], momenta[r, part])
+
+
+def gradients(chain, selectors, pairs, w, trusted, bodies, row_room, sweep_room, values, slopes):
+    """Receptances and their derivatives of all pairs at one posture and frequency."""
+    turns, axes, arms = chain[0], bodies[2], bodies[5]
+    jacobians, rows = row_room[0], row_room[1]
+    y, twists, momenta, turned, scratch = sweep_room
+    for place in range(len(pairs)):
+        u, v = pairs[place, 0], pairs[place, 1]
+        re, im = 0.0, 0.0
+        for i in range(len(turns)):
+            re += rows[u, i] * y[v, 0, i]
+            im += rows[u, i] * y[v, 1, i]
+        values[place] = complex(re, im) if trusted else complex(np.nan, np.nan)
+        # A drive point is the same from both sides: take one and double it.
+        sides = 1 if u == v else 2
+        for k in range(len(turns)):
+            slopes[place, k] = 0.0
+        for side in range(sides):
+            left, right = (u, v) if side == 0 else (v, u)
+            for part in range(2):
+                row_slopes(jacobians[left], selectors[left], y[right, part], scratch, turned[part])
+            for k in range(len(turns)):
+                change = mass_slope(turns[k], arms[k], axes[k], twists[left], momenta[right], k)
+                re = turned[0, k] - w * w * change.real
+                im = turned[1, k] - w * w * change.imag
+                slopes[place, k] += (3 - sides) * complex(re, im)

@@ -17,6 +17,7 @@ from jaxtyping import Complex, Float
 
 from flexmodal.errors import SingularResponse
 from flexmodal.frf import PointDirection
+from flexmodal.frf.kernels.task import is_damped, refuse_singular
 from flexmodal.frf.receptance import dynamic_stiffness
 from flexmodal.model.posed import PosedRobot
 
@@ -69,10 +70,14 @@ def receptance_and_gradient(
     slopes = {point: jacobian_derivative(jacobian) for point, jacobian in full.items()}
     rows = np.array([d.selector @ full[d.point] for d in directions])[:, pick]
     row_slopes = np.array([np.tensordot(d.selector, slopes[d.point], 1)[pick] for d in directions])
+    stack = dynamic_stiffness(posed.system, frequency)
+    if not is_damped(posed.system.damping):
+        omega = 2 * np.pi * frequency
+        terms = (np.diag(posed.system.stiffness), np.diag(posed.system.mass), np.diag(posed.system.damping))
+        size = sum(term * omega[:, None] ** power for term, power in zip(terms, (0, 2, 1), strict=True))
+        refuse_singular(stack, np.asarray(size), omega)
     try:
-        solved = np.linalg.solve(
-            dynamic_stiffness(posed.system, frequency), rows.T.astype(complex)[None]
-        )  # [line, joint, direction]
+        solved = np.linalg.solve(stack, rows.T.astype(complex)[None])  # [line, joint, direction]
     except np.linalg.LinAlgError:
         raise SingularResponse(
             "the receptance is infinite here: an undamped mode is driven at its natural frequency; give the "
@@ -80,7 +85,7 @@ def receptance_and_gradient(
         ) from None
     value = rows @ solved
     left = np.einsum("uik,liv->luvk", row_slopes, solved)
-    omega = 2 * np.pi * frequency[:, None, None, None]
+    square = (2 * np.pi * frequency[:, None, None, None]) ** 2
     pulled = np.tensordot(solved, posed.mass_derivative(), axes=(1, 0))  # [line, u, joint, moving]
-    mass = omega**2 * np.einsum("luik,liv->luvk", pulled, solved)
+    mass = square * np.einsum("luik,liv->luvk", pulled, solved)
     return value, left + np.swapaxes(left, 1, 2) + mass

@@ -172,4 +172,6 @@ def _assemble(card: RobotCard, urdf: Urdf, tool: str | None) -> Robot:
         families=card.families,
         moving=FrozenDict(moving),
         pinocchio=model,
+        couplings=card.couplings,
+        loss_frequency=card.loss_frequency,
     )

@@ -53,9 +53,8 @@ class PosedRobot:
         pick = self.robot.flexible_index
         names = tuple(self.robot.joints)
         try:
-            return SecondOrderSystem(
-                self._mass[np.ix_(pick, pick)], self.robot.damping, self.robot.stiffness, names
-            )
+            mass, robot = self._mass[np.ix_(pick, pick)], self.robot
+            return SecondOrderSystem(mass, robot.damping, robot.stiffness, names, robot.hysteresis)
         except InvalidSystem as error:
             raise self._blame(error) from None
 
@@ -78,6 +77,14 @@ class PosedRobot:
             InvalidPoint: no such point.
         """
         return self._data[0].oMf[self.robot.frame_of(point)].translation.copy()
+
+    def rotation(self, point: str) -> Float[np.ndarray, "3 3"]:
+        """Orientation of a point's frame: its axes in world coordinates, column by column.
+
+        Raises:
+            InvalidPoint: no such point.
+        """
+        return self._data[0].oMf[self.robot.frame_of(point)].rotation.copy()
 
     def full_jacobian(self, point: str) -> Float[np.ndarray, "6 moving"]:
         """Jacobian of a point over every moving joint, rows x, y, z, rx, ry, rz in the world frame."""

@@ -11,10 +11,19 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from flexmodal.cards import FamilyCard, FrozenDict, JointCard, PointCard, Urdf, UrdfJoint
+from flexmodal.cards import (
+    CouplingCard,
+    FamilyCard,
+    FrozenDict,
+    JointCard,
+    PointCard,
+    Urdf,
+    UrdfJoint,
+    stiffness_matrix,
+)
 from flexmodal.errors import Fault, InvalidPoint, InvalidPosture, InvalidRequest
 from flexmodal.frf import Frf, PointDirection
-from flexmodal.modal import Modes
+from flexmodal.modal import Hysteresis, Modes
 from flexmodal.model.build import point_frame
 from flexmodal.model.measures import Measures, measure
 from flexmodal.model.planar import task_rows
@@ -46,6 +55,10 @@ class Robot:
     """Every joint that moves, flexible or rigid, in the order of Pinocchio's velocity vector."""
     pinocchio: Any = field(repr=False)
     """The Pinocchio model; private to this room."""
+    couplings: Mapping[str, CouplingCard] = field(default_factory=FrozenDict)
+    """Off-diagonal stiffness, by `jointA+jointB`."""
+    loss_frequency: float | None = None
+    """Where joints with a loss factor have their stiffness [Hz]; None for K (1 + iη) at every frequency."""
 
     @property
     def pseudo_joints(self) -> tuple[str, ...]:
@@ -66,13 +79,22 @@ class Robot:
 
     @cached_property
     def stiffness(self) -> Float[np.ndarray, "joint joint"]:
-        """K over the flexible joints [N·m/rad, N/m]."""
-        return _fixed(np.diag([float(joint.stiffness) for joint in self.joints.values()]))
+        """K over the flexible joints, couplings off the diagonal [N·m/rad, N/m]."""
+        return _fixed(stiffness_matrix(self.joints, self.couplings))
 
     @cached_property
     def damping(self) -> Float[np.ndarray, "joint joint"]:
         """B over the flexible joints [N·m·s/rad, N·s/m]."""
         return _fixed(np.diag([float(joint.damping) for joint in self.joints.values()]))
+
+    @cached_property
+    def hysteresis(self) -> Hysteresis | None:
+        """The loss of the joints' springs; None where no joint has a loss factor."""
+        loss = np.array([float(joint.loss_factor) for joint in self.joints.values()])
+        if not loss.any():
+            return None
+        stiffness = np.array([float(joint.stiffness) for joint in self.joints.values()])
+        return Hysteresis(stiffness, loss, self.loss_frequency)
 
     @cached_property
     def task(self) -> Float[np.ndarray, "task 6"]:

@@ -68,6 +68,8 @@ def sensitivity(
     yu, yv = y[:, :, 0], y[:, :, 1]
     outer = yu[:, :, None] * yv[:, None, :]
     both = np.einsum("lij,ij->l", outer, system.mass), np.einsum("lij,ij->l", outer, system.damping)
+    lag = system.hysteresis
+    loss = 0.0 if lag is None else np.einsum("li,li->l", yu * yv, lag.slope(1j * omega))
     columns = np.array(data.J)[:, pick]  # about the world's origin
     momenta, masses = _momenta(posed, columns, y)
     turning = columns[3:]
@@ -84,7 +86,7 @@ def sensitivity(
     ]
     return Sensitivity(
         value=np.einsum("i,li->l", rows[0], yv),
-        frequency=2 * np.pi * (2 * omega * both[0] - 1j * both[1]),
+        frequency=2 * np.pi * (2 * omega * both[0] - 1j * both[1] - 1j * loss),
         stiffness=-outer,
         damping=-1j * omega[:, None, None] * outer,
         mass=omega[:, None] ** 2 * masses,

@@ -8,6 +8,7 @@ Hessian of the Lagrangian.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,6 +23,9 @@ GRADIENT = 1e-7
 
 _ROUNDING = 1e-4
 """Projected gradient below which a line search that finds nothing better has met rounding."""
+
+_SWAMPING = 1e6
+"""Gradient beside which limits of a few radians are lost in rounding [1/rad]."""
 
 _LONGEST = 0.5
 """Longest step of one joint [rad, m]."""
@@ -38,13 +42,24 @@ class Descent:
     limit: Limit = Limit.NONE
 
 
-def descend(problem: PostureProblem, start: np.ndarray, *, iterations: int = 200) -> Descent | None:
+Watch = Callable[[np.ndarray, float], None]
+"""Told the vector and the cost of every iterate."""
+
+
+def descend(
+    problem: PostureProblem,
+    start: np.ndarray,
+    *,
+    iterations: int = 200,
+    watch: Watch = lambda values, cost: None,
+) -> Descent | None:
     """Go down from a start; None if no posture on the hold can be reached from it.
 
     Args:
         problem: what to minimise.
         start: vector of the commanded joints; brought onto the hold first.
         iterations: give up after this many.
+        watch: told every iterate.
     """
     values = problem.retract(start)
     if values is None:
@@ -52,9 +67,10 @@ def descend(problem: PostureProblem, start: np.ndarray, *, iterations: int = 200
     cost, gradient = problem.cost_and_gradient(values)
     model, fresh = _first_model(gradient), True
     for count in range(iterations):
+        watch(values, cost)
         _, constraint = problem.held(values)
         room = (problem.lower - values, problem.upper - values)
-        steepness = float(np.linalg.norm(quadratic_step(np.eye(len(values)), gradient, constraint, *room)))
+        steepness = _steepness(gradient, constraint, *room)
         limit = problem.objective.limit(cost, problem.robot)
         if limit is not Limit.NONE or steepness <= GRADIENT:
             return Descent(values, cost, limit is not Limit.UNBOUNDED, count, limit)
@@ -71,6 +87,13 @@ def descend(problem: PostureProblem, start: np.ndarray, *, iterations: int = 200
         model = _update(model, next_values - values, change, first=fresh)
         values, cost, gradient, fresh = next_values, next_cost, next_gradient, False
     return Descent(values, cost, False, iterations)
+
+
+def _steepness(gradient: np.ndarray, constraint: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> float:
+    """Length of the steepest-descent step that hold and limits leave; beside a zero it is scaled down."""
+    scale = max(1.0, float(np.linalg.norm(gradient)) / _SWAMPING)
+    step = quadratic_step(np.eye(len(gradient)), gradient / scale, constraint, lower, upper)
+    return float(np.linalg.norm(step))
 
 
 def _first_model(gradient: np.ndarray) -> np.ndarray:

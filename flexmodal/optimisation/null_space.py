@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from flexmodal.optimisation.descent import GRADIENT, Descent
+from flexmodal.optimisation.descent import GRADIENT, Descent, Watch
 from flexmodal.optimisation.problem import PostureProblem
 
 
@@ -21,6 +21,7 @@ def null_space_descent(
     iterations: int = 1000,
     gain: float = 0.02,
     position_gain: float = 0.1,
+    watch: Watch = lambda values, cost: None,
 ) -> Descent:
     """Follow the projected gradient for a fixed number of steps from a start, on the hold or not.
 
@@ -30,10 +31,12 @@ def null_space_descent(
         iterations: number of steps.
         gain: k_o, step per unit gradient [rad²].
         position_gain: k_p, share of the position error removed in a step.
+        watch: told every iterate.
     """
     values = np.clip(start, problem.lower, problem.upper)
     for count in range(iterations):
-        _, gradient = problem.cost_and_gradient(values)
+        cost, gradient = problem.cost_and_gradient(values)
+        watch(values, cost)
         error, jacobian = problem.held(values)
         inverse = np.linalg.pinv(jacobian)
         pull = min(1.0, position_gain * (10 if count >= 0.9 * iterations else 1))

@@ -8,25 +8,24 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
-from typing import Protocol, runtime_checkable
+from typing import ClassVar, Protocol, runtime_checkable
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Complex, Float
 
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.frf import PointDirection
+from flexmodal.frf.axis import MOST_HERTZ
 from flexmodal.model import PosedRobot, Robot
-from flexmodal.model.gradient import jacobian_derivative, receptance_and_gradient
-from flexmodal.model.measures import reduced_task
+from flexmodal.model.gradient import receptance_and_gradient
 
 BLIND = 1e-15
 """A receptance below this [m/N] counts as none: the force does not shake the robot at all."""
 
-_LEVER = 1e-3
-"""A lever arm below this [m] counts as none."""
-
-_SHARPNESS = 40
+SHARPNESS = 40
 """Power of the smooth maximum over a band and over singular values: within `n ** (1/40)` of the true one."""
+
+COMBINE, OVER = ("weighted", "force", "worst"), ("mean", "largest")
 
 
 class Limit(Enum):
@@ -40,6 +39,11 @@ class Limit(Enum):
 @runtime_checkable
 class Objective(Protocol):
     """A judge of postures."""
+
+    @property
+    def larger_is_better(self) -> bool:
+        """Whether `value` is to be large; its cost is then the negative logarithm."""
+        ...
 
     @property
     def unit(self) -> str:
@@ -63,25 +67,52 @@ class Objective(Protocol):
 class ReceptanceObjective:
     """|receptance| over some directions and frequencies.
 
-    One direction gives |α| itself. Of several, `combine` "worst" takes the largest singular value of
-    their receptance matrix (the worst force direction among them), and "weighted" the response along the
-    weights to a force along the weights, coupling terms included [Hearne 4.6–4.8]. Over several
-    frequencies "worst" takes the largest, the others the mean.
+    One direction gives |α| itself. Of several, with the coupling terms of their receptance matrix α
+    [Hearne 4.6–4.8] and unit vectors of weights w and t,
+
+    - "weighted" takes |tᵀ α w|, the motion along t under a force along w; without t, along w itself,
+    - "force" takes ‖α w‖, the whole motion under a cutting force along w,
+    - "worst" takes the largest singular value, the motion under the worst force direction among them.
     """
 
     directions: tuple[PointDirection, ...]
     frequency: Float[np.ndarray, " line"]
     combine: str = "weighted"
     weights: tuple[float, ...] = ()
+    """Components of the force along the directions; scaled to a unit vector."""
+    toward: tuple[float, ...] = ()
+    """Components of the direction in which motion counts, such as the normal of the surface cut."""
+    over: str = ""
+    """"mean" or "largest" over the frequencies; if empty, "largest" for "worst" and "mean" for the others."""
+    line_weights: tuple[float, ...] = ()
+    """Share of the force at each frequency, such as at harmonics of the tooth passing; 1 each if empty."""
+    larger_is_better: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
-        if self.combine not in ("worst", "weighted"):
-            raise InvalidRequest(Fault("call", "combine", repr(self.combine), "worst or weighted"))
-        weights = np.array(self.weights or [1.0] * len(self.directions), dtype=float)
-        if len(weights) != len(self.directions) or not np.all(np.isfinite(weights)) or not np.any(weights):
-            allowed = f"{len(self.directions)} finite weights, not all 0"
-            raise InvalidRequest(Fault("call", "weights", str(self.weights), allowed))
-        object.__setattr__(self, "weights", tuple(weights / np.linalg.norm(weights)))
+        faults = []
+        if self.combine not in COMBINE:
+            faults.append(Fault("call", "combine", repr(self.combine), ", ".join(COMBINE)))
+        if self.over not in ("", *OVER):
+            faults.append(Fault("call", "over", repr(self.over), " or ".join(OVER)))
+        if self.toward and self.combine != "weighted":
+            faults.append(Fault("call", "toward", "given", f"nothing with combine {self.combine!r}"))
+        weights = self.weights or (1.0,) * len(self.directions)
+        toward = self.toward or weights
+        shares = np.array(self.line_weights or (1.0,) * len(self.frequency), dtype=float)
+        for key, given in (("weights", weights), ("toward", toward)):
+            values = np.array(given, dtype=float)
+            if len(values) != len(self.directions) or not np.all(np.isfinite(values)) or not np.any(values):
+                allowed = f"{len(self.directions)} finite weights, not all 0"
+                faults.append(Fault("call", key, str(given), allowed))
+        if len(shares) != len(self.frequency) or not np.all(np.isfinite(shares) & (shares > 0)):
+            found, allowed = str(self.line_weights), f"{len(self.frequency)} finite numbers above 0"
+            faults.append(Fault("call", "line_weights", found, allowed))
+        if faults:
+            raise InvalidRequest(dict.fromkeys(faults))
+        object.__setattr__(self, "weights", _unit(weights))
+        object.__setattr__(self, "toward", _unit(toward))
+        object.__setattr__(self, "over", self.over or ("largest" if self.combine == "worst" else "mean"))
+        object.__setattr__(self, "line_weights", tuple(shares.tolist()))
 
     @property
     def unit(self) -> str:
@@ -91,19 +122,27 @@ class ReceptanceObjective:
     def value(self, posed: PosedRobot) -> float:
         """The receptance [m/N]."""
         matrices = posed.frf(self.frequency, response=self.directions).value
-        sizes = np.array([self._parts(matrix)[0][0] for matrix in matrices])
-        return float(np.max(sizes) if self.combine == "worst" else np.mean(sizes))
+        sizes = np.array([self._parts(matrix)[0][0] for matrix in matrices]) * self.line_weights
+        return float(np.max(sizes) if self.over == "largest" else np.mean(sizes))
 
     def cost_and_gradient(self, posed: PosedRobot) -> tuple[float, Float[np.ndarray, " moving"]]:
         """Logarithm of the (smooth maximum or mean of the) receptance, and its gradient."""
         matrices, slopes = receptance_and_gradient(posed, self.directions, self.frequency)
+        return self.of_receptances(matrices, slopes)
+
+    def of_receptances(
+        self,
+        matrices: Complex[np.ndarray, "line dir dir"],
+        slopes: Complex[np.ndarray, "line dir dir moving"],
+    ) -> tuple[float, Float[np.ndarray, " moving"]]:
+        """Cost and gradient from receptance matrices and their derivatives along the joints."""
         parts = [
-            (size, np.einsum("u,uvk,v->k", left, slope, right).real)
-            for matrix, slope in zip(matrices, slopes, strict=True)
+            (share * size, share * np.einsum("u,uvk,v->k", left, slope, right).real)
+            for matrix, slope, share in zip(matrices, slopes, self.line_weights, strict=True)
             for size, left, right in self._parts(matrix)
         ]
         size, rate = np.array([part[0] for part in parts]), np.array([part[1] for part in parts])
-        power = _SHARPNESS if self.combine == "worst" and len(size) > 1 else 1
+        power = SHARPNESS if self.over == "largest" and len(size) > 1 else 1
         smooth = np.sqrt(size**2 + (BLIND * 1e-3) ** 2)
         ratio = smooth / smooth.max()
         total = np.sum(ratio**power)
@@ -118,85 +157,42 @@ class ReceptanceObjective:
         """Sizes of a receptance matrix, largest first, and left and right vectors that give their change.
 
         The change is the real part of left · dα · right. Of the worst direction all singular values are
-        kept: where the two largest meet, the largest alone has a kink.
+        kept where the largest line counts: where the two largest meet, the largest alone has a kink.
         """
+        weights, toward = np.array(self.weights), np.array(self.toward)
         if self.combine == "worst" and len(self.directions) > 1:
             left, values, right = np.linalg.svd(matrix)
-            return [(float(v), left[:, i].conj(), right[i].conj()) for i, v in enumerate(values)]
-        weights = np.array(self.weights)
-        number = weights @ matrix @ weights
+            kept = len(values) if self.over == "largest" else 1
+            return [(float(values[i]), left[:, i].conj(), right[i].conj()) for i in range(kept)]
+        if self.combine == "force":
+            motion = matrix @ weights
+            size = float(np.linalg.norm(motion))
+            return [(size, motion.conj() / max(size, np.finfo(float).tiny), weights.astype(complex))]
+        number = toward @ matrix @ weights
         size = abs(number)
         phase = np.conj(number) / size if size > 0 else 1.0
-        return [(float(size), weights * phase, weights.astype(complex))]
+        return [(float(size), toward * phase, weights.astype(complex))]
 
 
-@dataclass(frozen=True, eq=False)
-class StiffnessObjective:
-    """The stiffness measure ξ_K = uᵀ J⁺ᵀ K J⁺ u [Hearne 3.17], to be large."""
+def tooth_passing(spindle: float, teeth: int, harmonics: int = 1) -> Float[np.ndarray, " line"]:
+    """Tooth-passing frequency of a cutter and its harmonics, k · teeth · spindle / 60 [Hz].
 
-    direction: PointDirection
-    task: str = "full"
-    unit: str = "N/m"
+    Args:
+        spindle: speed [1/min].
+        teeth: number of teeth.
+        harmonics: how many lines, the fundamental included.
 
-    def value(self, posed: PosedRobot) -> float:
-        """ξ_K [N/m]."""
-        return posed.robot.measures(posed.posture, direction=self.direction, task=self.task).stiffness
-
-    def cost_and_gradient(self, posed: PosedRobot) -> tuple[float, Float[np.ndarray, " moving"]]:
-        """−ln ξ_K, and its gradient by the derivative of the Moore–Penrose inverse at constant rank.
-
-        dJ⁺ = −J⁺ dJ J⁺ + J⁺J⁺ᵀ dJᵀ (1 − JJ⁺) + (1 − J⁺J) dJᵀ J⁺ᵀJ⁺ (Golub and Pereyra 1973).
-        """
-        rows = reduced_task(posed, self.task)
-        pick = posed.robot.flexible_index
-        full = posed.full_jacobian(self.direction.point)
-        jacobian = rows @ full[:, pick]
-        slope = np.einsum("tr,rik->tik", rows, jacobian_derivative(full)[:, pick, :])
-        along = rows @ self.direction.selector
-        if not np.any(along):
-            found = f"{self.direction}, along which nothing moves under task {self.task!r}"
-            raise InvalidRequest(Fault("call", "direction", found, "a direction the chain can move along"))
-        inverse = np.linalg.pinv(jacobian)
-        deflection = inverse @ along
-        missed = along - jacobian @ deflection
-        pulled = inverse.T @ deflection
-        change = (
-            -inverse @ np.einsum("tik,i->tk", slope, deflection)
-            + inverse @ (inverse.T @ np.einsum("tik,t->ik", slope, missed))
-            + (np.eye(len(pick)) - inverse @ jacobian) @ np.einsum("tik,t->ik", slope, pulled)
+    Raises:
+        InvalidRequest: not positive.
+    """
+    if not (0 < spindle <= MOST_HERTZ and teeth >= 1 and harmonics >= 1):
+        found = f"{spindle:g} /min, {teeth} teeth, {harmonics} harmonics"
+        raise InvalidRequest(
+            Fault("call", "spindle", found, "a speed above 0, at least 1 tooth and 1 harmonic")
         )
-        moment = posed.robot.stiffness @ deflection
-        value = float(deflection @ moment)
-        return -float(np.log(value)), -2 * (moment @ change) / value
-
-    def limit(self, cost: float, robot: Robot) -> Limit:
-        """Where J is singular ξ_K is infinite: constraint, not springs, resists the motion.
-
-        Taken as reached when the stiffest joint would resist with a lever arm below a millimetre.
-        """
-        return Limit.UNBOUNDED if -cost > np.log(np.max(robot.stiffness) / _LEVER**2) else Limit.NONE
+    return spindle / 60 * teeth * np.arange(1, harmonics + 1)
 
 
-@dataclass(frozen=True, eq=False)
-class MobilityObjective:
-    """The mobility measure ξ_M = uᵀ J Jᵀ u [Hearne 3.18], to be small."""
-
-    direction: PointDirection
-    unit: str = "m²/rad²"
-
-    def value(self, posed: PosedRobot) -> float:
-        """ξ_M [m²/rad²]."""
-        return posed.robot.measures(posed.posture, direction=self.direction).mobility
-
-    def cost_and_gradient(self, posed: PosedRobot) -> tuple[float, Float[np.ndarray, " moving"]]:
-        """Ln ξ_M and its gradient."""
-        pick = posed.robot.flexible_index
-        full = posed.full_jacobian(self.direction.point)
-        row = (self.direction.selector @ full)[pick]
-        slope = np.tensordot(self.direction.selector, jacobian_derivative(full), 1)[pick]
-        value = float(row @ row) + np.finfo(float).tiny
-        return float(np.log(value)), 2 * (row @ slope) / value
-
-    def limit(self, cost: float, robot: Robot) -> Limit:
-        """No joint moves the point along the direction."""
-        return Limit.PERFECT if cost < 2 * np.log(_LEVER**2) else Limit.NONE
+def _unit(values: tuple[float, ...]) -> tuple[float, ...]:
+    size = float(np.linalg.norm(values))
+    return tuple(float(value) / size for value in values)

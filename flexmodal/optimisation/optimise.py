@@ -2,24 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
-import numpy as np
-
 from flexmodal.cards import FamilyCard
-from flexmodal.errors import Fault, InvalidRequest, Unreachable
+from flexmodal.errors import Fault, InvalidRequest, SingularResponse
+from flexmodal.model import Posture
 from flexmodal.model.robot import Pose
-from flexmodal.optimisation.descent import Descent, descend
+from flexmodal.optimisation.descent import Descent
 from flexmodal.optimisation.family import search_family
 from flexmodal.optimisation.null_space import null_space_descent
-from flexmodal.optimisation.objective import Limit
-from flexmodal.optimisation.outcome import Optimum, Outcome, distinct
+from flexmodal.optimisation.outcome import Optimum, Outcome
 from flexmodal.optimisation.problem import PostureProblem
+from flexmodal.optimisation.searches import (
+    Advance,
+    Found,
+    Improved,
+    all_at_once,
+    gathered,
+    is_compiled,
+    one_by_one,
+)
 
-METHODS = ("newton", "null-space")
-DEFAULT_STARTS = 64
-
-Advance = Callable[[], None]
+METHODS, WAYS = ("newton", "null-space"), ("auto", "compiled", "plain")
+_MANY = 16
+"""Starts from which the compiled search pays, whose start-up takes as long as a dozen descents in Python."""
 
 
 def optimise(
@@ -27,10 +31,12 @@ def optimise(
     *,
     family: FamilyCard | None = None,
     start: Pose | None = None,
-    starts: int = DEFAULT_STARTS,
+    starts: int | None = None,
     seed: int = 0,
     method: str = "newton",
+    way: str = "auto",
     advance: Advance = lambda: None,
+    improved: Improved = lambda value: None,
 ) -> Outcome:
     """Search for the best posture.
 
@@ -38,51 +44,68 @@ def optimise(
         problem: robot, objective and hold.
         family: search only along this family; excludes a hold.
         start: a posture to compare with and to start from as well.
-        starts: how many starts in all, the given one included; the rest are random.
+        starts: how many starts in all, the given one included; the rest are random. If none, 64; where the
+            compiled search applies, 256 at a time until five ended in the best, 4096 at most.
         seed: of the random starts; the same seed gives the same answer.
         method: "newton" (feasible quasi-Newton, many starts) or "null-space" (the thesis's descent, from
             the given start only).
+        way: "compiled" searches from all starts at once (a serial chain judged by receptance, stiffness or
+            mobility, with numba installed), "plain" one by one in Python; "auto" takes the former where it
+            applies and pays, from 16 starts. They find the same optima but for rounding on the way.
         advance: called once a start, for a progress bar.
+        improved: called with the objective of the best so far, whenever it is better than before.
 
     Returns:
-        All distinct optima found, best first.
+        All distinct optima found, best first. Interrupted by Ctrl-C, what was found until then.
 
     Raises:
         InvalidRequest: options that contradict one another or are out of range.
         InvalidPosture: a bad start.
         Unreachable: no start could be brought to the target.
+        SingularResponse: at every start an undamped mode is driven at its natural frequency.
     """
-    _check(problem, family, start, starts, method)
+    _check(problem, family, start, starts, method, way)
     posture = None if start is None else problem.robot.posture(start)
-    before = None if posture is None else problem.objective.value(problem.robot.at(posture))
+    before = None if posture is None else _value(problem, posture)
     given = None if posture is None else problem.vector(posture)
     if family is not None:
         found = [Descent(values, cost, True, 0) for cost, values in search_family(problem, family, advance)]
-        return _outcome(problem, found, before, "family")
+        return _outcome(problem, gathered(problem, found, len(found)), before, "family")
     if method == "null-space":
         assert given is not None
-        return _outcome(problem, [null_space_descent(problem, given)], before, method)
-    generator = np.random.default_rng(seed)
-    found = []
-    for count in range(starts):
-        vector = given if count == 0 and given is not None else problem.random_vector(generator)
-        result = descend(problem, vector)
-        if result is not None:
-            found.append(result)
-        advance()
-    if not found:
-        raise _unreachable(problem, starts)
-    return _outcome(problem, found, before, method)
+        return _outcome(problem, gathered(problem, [null_space_descent(problem, given)], 1), before, method)
+    pays = starts is None or starts >= _MANY
+    compiled = way == "compiled" or (way == "auto" and pays and is_compiled(problem))
+    search = all_at_once if compiled else one_by_one
+    return _outcome(problem, search(problem, given, starts, seed, advance, improved), before, method)
+
+
+def _value(problem: PostureProblem, posture: Posture) -> float:
+    """The objective at a start; infinite where it drives an undamped mode at its natural frequency."""
+    try:
+        return problem.objective.value(problem.robot.at(posture))
+    except SingularResponse:
+        return float("inf")
 
 
 def _check(
-    problem: PostureProblem, family: FamilyCard | None, start: Pose | None, starts: int, method: str
+    problem: PostureProblem,
+    family: FamilyCard | None,
+    start: Pose | None,
+    starts: int | None,
+    method: str,
+    way: str,
 ) -> None:
     faults = []
-    if starts < 1:
+    if starts is not None and starts < 1:
         faults.append(Fault("call", "starts", str(starts), "at least 1"))
     if method not in METHODS:
         faults.append(Fault("call", "method", repr(method), " or ".join(METHODS)))
+    if way not in WAYS:
+        faults.append(Fault("call", "way", repr(way), ", ".join(WAYS)))
+    if way == "compiled" and not is_compiled(problem):
+        allowed = "a serial chain judged by receptance, stiffness or mobility, and numba installed"
+        faults.append(Fault("call", "way", "compiled, which does not apply here", allowed))
     if method == "null-space" and start is None:
         faults.append(Fault("call", "start", "none", "a posture: the null-space method needs one"))
     if family is not None and problem.hold is not None:
@@ -93,32 +116,10 @@ def _check(
         raise InvalidRequest(faults)
 
 
-def _outcome(problem: PostureProblem, found: list[Descent], before: float | None, method: str) -> Outcome:
-    bounded = [result for result in found if result.limit is not Limit.UNBOUNDED]
-    unbounded = len(found) - len(bounded)
-    # A descent that did not meet the tolerance still counts where it is the best there is.
-    best = min(bounded or found, key=lambda result: result.cost)
-    kept = [result for result in bounded if result.converged or result is best] or [best]
+def _outcome(problem: PostureProblem, found: Found, before: float | None, method: str) -> Outcome:
     optima = tuple(
         Optimum(problem.posture(values), problem.objective.value(problem.posed(values)), hits)
-        for _, values, hits in distinct(problem, [(result.cost, result.values) for result in kept])
+        for _, values, hits in found.optima
     )
-    return Outcome(problem, optima, before, best.converged, len(found), unbounded, method)
-
-
-def _unreachable(problem: PostureProblem, starts: int) -> Unreachable:
-    assert problem.hold is not None
-    generator = np.random.default_rng(0)
-    nearest = np.inf
-    for _ in range(50):
-        values = problem.random_vector(generator)
-        for _ in range(50):
-            error, jacobian = problem.held(values)
-            nearest = min(nearest, float(np.linalg.norm(error)))
-            step = -jacobian.T @ np.linalg.solve(jacobian @ jacobian.T + 1e-3 * np.eye(len(error)), error)
-            values = np.clip(values + step, problem.lower, problem.upper)
-    place = ", ".join(f"{value:g}" for value in problem.hold.target)
-    return Unreachable(
-        f"no posture within the joint limits puts {problem.hold.point} at ({place}) m: none of {starts} "
-        f"starts got there, the nearest was {nearest:.3g} m away"
-    )
+    counts = (found.reached, found.unbounded, method, found.tried)
+    return Outcome(problem, optima, before, found.converged, *counts, found.interrupted)

@@ -31,7 +31,7 @@ class Outcome:
     optima: tuple[Optimum, ...]
     """Distinct optima, best first."""
     start: float | None
-    """Objective at the posture the user started from."""
+    """Objective at the posture the user started from; infinite at an undamped resonance."""
     converged: bool
     """Whether the best one met the tolerance."""
     starts: int
@@ -39,6 +39,10 @@ class Outcome:
     unbounded: int
     """Starts that ran into singular postures, where the measure grows without bound; not among `optima`."""
     method: str
+    tried: int = 0
+    """Starts in all, those included that did not reach the target."""
+    interrupted: bool = False
+    """Whether Ctrl-C ended the search; the optima are those found until then."""
 
     @property
     def best(self) -> Optimum:
@@ -55,6 +59,8 @@ class Outcome:
     @property
     def verdict(self) -> str:
         """What to think of it, and what to do next."""
+        if self.interrupted:
+            return f"interrupted after {self.tried} starts; the best so far is kept"
         if self.unbounded == self.starts:
             return (
                 "not converged: every start ran into a singular posture, where the measure grows without "

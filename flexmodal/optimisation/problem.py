@@ -27,6 +27,8 @@ class PostureProblem:
     robot: Robot
     objective: Objective
     hold: Hold | None = None
+    limits: tuple[np.ndarray, np.ndarray] | None = None
+    """Lower and upper limits that stand in for those of the joints, such as narrower ones [rad, m]."""
 
     @cached_property
     def names(self) -> tuple[str, ...]:
@@ -42,11 +44,15 @@ class PostureProblem:
     @cached_property
     def lower(self) -> Float[np.ndarray, " commanded"]:
         """Lower limits; −∞ for continuous joints."""
+        if self.limits is not None:
+            return self.limits[0]
         return np.array([joint.lower for joint in self.robot.commanded.values()])
 
     @cached_property
     def upper(self) -> Float[np.ndarray, " commanded"]:
         """Upper limits; ∞ for continuous joints."""
+        if self.limits is not None:
+            return self.limits[1]
         return np.array([joint.upper for joint in self.robot.commanded.values()])
 
     def posture(self, values: Float[np.ndarray, " commanded"]) -> Posture:

@@ -26,7 +26,7 @@ def quadratic_step(
         upper: 0 or more.
 
     Raises:
-        LinAlgError: the model is not positive definite.
+        LinAlgError: the model is not positive definite, or the step so long that the limits drown in it.
     """
     basis = null_space(constraint)
     if basis.shape[1] == 0:
@@ -66,4 +66,6 @@ def _least_distance(
     target[-1] = 1.0
     dual, _ = nnls(stacked.T, target)
     residual = stacked.T @ dual - target
+    if residual[-1] >= 0:
+        raise np.linalg.LinAlgError("the limits are lost in rounding beside so large a step")
     return -residual[:-1] / residual[-1]

@@ -2,8 +2,11 @@
 
 from flexmodal.rig.believed import ParameterError as ParameterError
 from flexmodal.rig.effects import EFFECTS as EFFECTS
-from flexmodal.rig.simulate import Hide as Hide
-from flexmodal.rig.simulate import RigResult as RigResult
+from flexmodal.rig.hide import Hide as Hide
+from flexmodal.rig.hide import hide_places as hide_places
+from flexmodal.rig.result import RigResult as RigResult
+from flexmodal.rig.secret import Secret as Secret
+from flexmodal.rig.secret import draw_secret as draw_secret
 from flexmodal.rig.simulate import simulate as simulate
 from flexmodal.rig.truth import HiddenEffect as HiddenEffect
 from flexmodal.rig.truth import Truth as Truth

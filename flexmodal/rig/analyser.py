@@ -13,6 +13,7 @@ from functools import cached_property
 
 import numpy as np
 from jaxtyping import Float
+from numpy.lib.stride_tricks import as_strided
 
 OVERSAMPLING = 32
 """Grid of the simulation over the analyser's sampling rate, at least."""
@@ -85,14 +86,26 @@ class Analyser:
         first: int,
         count: int,
     ) -> Float[np.ndarray, "*many count"]:
-        """Filter and pick samples `first` to `first + count − 1` from the grid, zero before it begins."""
-        taps = len(weights)
-        last = (first + count - 1) * self.oversampling + self.reach
-        start = first * self.oversampling + self.reach - taps + 1
-        pad = [(0, 0)] * (fine.ndim - 1)
-        lead, tail = max(0, -start), max(0, last + 1 - fine.shape[-1])
-        padded = np.pad(fine, [*pad, (lead, tail)])[..., start + lead : last + lead + 1]
-        windows = np.lib.stride_tricks.sliding_window_view(padded, taps, axis=-1)[
-            ..., :: self.oversampling, :
-        ]
-        return windows @ weights[::-1]
+        """Filter and pick samples `first` to `first + count − 1` from the grid, zero before it begins.
+
+        The grid is cut into blocks of one sample each and the filter into as many pieces: sample n is the sum
+        over pieces k of piece k on block n + k. Each channel is worked out alone, so that it does not matter
+        to a bit which others are with it.
+        """
+        fold = self.oversampling
+        pieces = np.pad(weights[::-1], (0, -len(weights) % fold)).reshape(-1, fold)
+        blocks = count + len(pieces) - 1
+        start = first * fold + self.reach - len(weights) + 1
+        lead = max(0, -start)
+        span = slice(start + lead, min(start + blocks * fold, fine.shape[-1]))
+        out = np.empty((*fine.shape[:-1], count))
+        padded = np.zeros(blocks * fold)
+        for channel in np.ndindex(*fine.shape[:-1]):
+            known = fine[channel][span]
+            padded[lead : lead + len(known)] = known
+            product = padded.reshape(blocks, fold) @ pieces.T
+            diagonals = as_strided(
+                product, (count, len(pieces)), (product.strides[0], sum(product.strides)), writeable=False
+            )
+            out[channel] = diagonals.sum(axis=1)
+        return out

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from threading import Lock
 
 import numpy as np
-from jaxtyping import Complex, Float
+from jaxtyping import Float
 
 from flexmodal.campaign import CampaignPoint, CampaignPosture, Trial
 from flexmodal.rig.analyser import Analyser
@@ -212,66 +214,31 @@ def h1(struck: Struck) -> tuple[np.ndarray, np.ndarray]:
     return cross / power, np.nan_to_num(coherence)
 
 
-def peaks(stand: Stand, posture: CampaignPosture) -> tuple[dict[str, float], dict[str, float]]:
-    """Peak deflection of each joint [rad] and acceleration at each point [m/s²] for a blow of 1 N."""
-    plan = stand.plan
-    plant = build(stand, posture, [])
-    trial = replace(plan.trials[0], force_peak=1.0)
-    strikes = [
-        (strike(1.0, trial.tip, plan.analyser.trigger, 0.0, 0.0, np.random.default_rng(0)), reference)
-        for reference in plan.references
-    ]
-    pushed = reference_rows(stand, plant, strikes)
-    joints = np.eye(plant.dof, len(plant.state_matrix))
-    felt = [axis for point in plan.points for axis in response_rows(stand, plant, point, Sensor())]
-    by_state = np.vstack([joints, plant.output_row(np.array(felt))])
-    direct = np.linalg.solve(plant.mass, pushed.T).T @ np.array(felt).T
-    by_force = np.hstack([np.zeros((len(strikes), plant.dof)), direct])
-    outputs = Outputs(np.repeat(by_state[None], len(strikes), axis=0), by_force, np.zeros(len(strikes)))
-    y = records(
-        plant.state_matrix, plant.input_column(pushed), outputs, [s for s, _ in strikes], plan.analyser
-    )
-    size = np.max(np.abs(y), axis=(0, 2))
-    deflection = dict(zip(plant.coordinates, size[: plant.dof].tolist(), strict=True))
-    by_point = size[plant.dof :].reshape(len(plan.points), -1).max(axis=1)
-    return deflection, dict(zip([p.name for p in plan.points], by_point.tolist(), strict=True))
-
-
-def strike_together(
-    stand: Stand, posture: CampaignPosture, hidden: Sequence[Hidden], trials: Sequence[Trial]
-) -> Complex[np.ndarray, "trial reference point axis line"]:
-    """FRFs from one clean blow a trial and reference, measured at every point at once."""
-    plan = stand.plan
-    linear = all(EFFECTS[name].linear for name, _ in hidden)
-    mounted = sensors(stand, hidden)
-    plant = build(stand, posture, hidden)
-    flat = [
-        (strike(t.force_peak, t.tip, plan.analyser.trigger, 0.0, 0.0, np.random.default_rng(0)), reference)
-        for t in trials
-        for reference in plan.references
-    ]
-    blows = [blow for blow, _ in flat]
-    pushed = reference_rows(stand, plant, flat)
-    rows = np.concatenate([response_rows(stand, plant, p, mounted[p.name]) for p in plan.points])
-    direct = np.linalg.solve(plant.mass, pushed.T).T @ rows.T
-    column = plant.input_column(pushed)
-    by_state = np.repeat(plant.output_row(rows)[None], len(blows), axis=0)
-    outputs = Outputs(by_state, direct, np.zeros(len(blows)))
-    if linear:
-        y = records(plant.state_matrix, column, outputs, blows, plan.analyser)
-    else:
-        fine = fine_records(plant, column, outputs, rows, blows, plan.analyser)
-        ranges = np.repeat([mounted[p.name].range for p in plan.points], len(plan.axes))[:, None]
-        np.clip(fine, -ranges, ranges, out=fine)
-        y = plan.analyser.sampled(fine, plan.analyser.weights(), 0, plan.analyser.samples)
-    force = np.fft.rfft(force_records(blows, plan.analyser), axis=-1)
-    value = np.fft.rfft(y, axis=-1) / force[:, None, :]
-    return value.reshape(len(trials), len(plan.references), len(plan.points), len(plan.axes), -1)
-
-
 def each_posture(
-    stand: Stand, hidden: Sequence[Hidden], conduct: Conduct, advance: Callable[[], None] = lambda: None
+    stand: Stand,
+    hidden: Sequence[Hidden],
+    conduct: Conduct,
+    workers: int = 1,
+    advance: Callable[[], None] = lambda: None,
 ) -> Iterator[tuple[CampaignPosture, Struck]]:
-    """Strike the postures of the plan one after the other."""
-    for posture in stand.plan.postures:
-        yield posture, strike_posture(stand, posture, hidden, conduct, advance=advance)
+    """Strike the postures of the plan, in their order; as many side by side as there are workers.
+
+    Whatever is drawn is drawn from a stream of its own for each posture, so that it does not matter who
+    strikes it when. Threads do: the long loops leave the interpreter alone.
+    """
+    postures = stand.plan.postures
+    if workers == 1:
+        for posture in postures:
+            yield posture, strike_posture(stand, posture, hidden, conduct, advance=advance)
+        return
+    lock = Lock()
+
+    def tell() -> None:
+        with lock:
+            advance()
+
+    def strike_one(posture: CampaignPosture) -> Struck:
+        return strike_posture(stand, posture, hidden, conduct, advance=tell)
+
+    with ThreadPoolExecutor(min(workers, len(postures))) as pool:
+        yield from zip(postures, pool.map(strike_one, postures), strict=True)

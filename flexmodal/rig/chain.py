@@ -35,6 +35,11 @@ def rigid_with(urdf: Urdf, link: str, flexible: Collection[str]) -> tuple[str, .
     return tuple(found)
 
 
+def commanded_joints(robot: Robot) -> tuple[str, ...]:
+    """Flexible joints that are no pseudo-joints."""
+    return tuple(name for name, joint in robot.joints.items() if not joint.pseudo)
+
+
 def moved_links(robot: Robot) -> tuple[str, ...]:
     """Links with mass that at least one flexible joint moves, in the order of the URDF."""
     moved: set[str] = set()

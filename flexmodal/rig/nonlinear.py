@@ -49,7 +49,7 @@ def fine_records(
     seen = np.zeros((len(plant.elements), len(a)))
     seen[:, : plant.dof] = plant.element_rows
     by_element = rows @ columns[plant.dof : 2 * plant.dof]
-    fine = np.zeros((grid, len(rows), len(strikes)))
+    fine = np.zeros((len(strikes), len(rows), grid))
     kinds = np.array([element.kind for element in plant.elements], dtype=np.int64)
     parameters = np.array([element.parameters for element in plant.elements], dtype=float).reshape(-1, 3)
     march = _march()
@@ -57,12 +57,11 @@ def fine_records(
         phi, early, late, pulse, origin, kinds, parameters, seen, np.ascontiguousarray(outputs.by_state[0]),
         np.ascontiguousarray(by_element), fine,
     )  # fmt: skip
-    out = np.ascontiguousarray(np.transpose(fine, (2, 1, 0)))
     struck = slice(origin, min(origin + states.shape[1], grid))
     times = np.arange(struck.start, struck.stop) * step
     force = np.array([s.force(times) for s in strikes])
-    out[:, :, struck] += force[:, None, :] * outputs.by_force[:, :, None]
-    return out
+    fine[:, :, struck] += force[:, None, :] * outputs.by_force[:, :, None]
+    return fine
 
 
 def held(
@@ -103,7 +102,7 @@ def march_numpy(
     now = np.zeros((len(phi), blows))
     force, memory, stretch = np.zeros((3, count, blows))
     gain = rows @ late
-    for grid in range(origin, len(fine) - 1):
+    for grid in range(origin, fine.shape[2] - 1):
         base = phi @ now + early @ force
         if grid - origin < len(pulse):
             base += pulse[grid - origin]
@@ -115,7 +114,7 @@ def march_numpy(
         fresh = -guess
         stretch, memory, force = free + gain @ guess, fresh, guess
         now = base + late @ force
-        fine[grid + 1] = c @ now + d @ force
+        fine[:, :, grid + 1] = (c @ now + d @ force).T
 
 
 def _law(kind: int, p: np.ndarray, old: np.ndarray, new: np.ndarray, memory: np.ndarray) -> np.ndarray:

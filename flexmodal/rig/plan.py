@@ -8,14 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexmodal.campaign import CampaignPoint, CampaignPosture, Trial
-from flexmodal.errors import Fault, InvalidInput, InvalidPosture, InvalidRequest
-from flexmodal.frf import PointDirection
+from flexmodal.errors import Fault, InvalidPosture, InvalidRequest
 from flexmodal.model import Robot
 from flexmodal.rig.analyser import RATIO, Analyser
 from flexmodal.rig.blow import TIPS
-from flexmodal.rig.chain import moved_links, plane_normal, reach
+from flexmodal.rig.chain import plane_normal
+from flexmodal.rig.positions import AXES, choose_points, choose_references
+from flexmodal.text.gather import Gathering
 
-AXES = "xyz"
 MOST = 1000
 """The most postures, points, references or trials: beyond, it is a slip of the keyboard."""
 MOST_SAMPLES = 2**20
@@ -64,20 +64,28 @@ def make_plan(
     Raises:
         InvalidRequest, InvalidPosture, InvalidPoint: every argument out of its range at once.
     """
-    faults = _faults(trials, averages, peaks, tip, band, record_length, axes)
-    for name, value in (("postures", postures), ("points", points), ("references", references)):
-        count = value if isinstance(value, int) or value is None else len(value)
-        if count is not None and not 1 <= count <= MOST:
-            faults.append(Fault("call", name, str(count), f"1 to {MOST}"))
-    if faults:
-        raise InvalidRequest(faults)
-    chosen = _points(robot, points)
-    measured = tuple(AXES.index(axis) + 1 for axis in (axes or default_axes(robot)))
+    gathering = Gathering()
+    measured: tuple[int, ...] = ()
+    chosen: tuple[CampaignPoint, ...] = ()
+    with gathering.step():
+        _check(trials, averages, peaks, tip, band, record_length)
+    with gathering.step():
+        measured = _axes(robot, axes)
+    with gathering.step():
+        _check_count("postures", postures)
+        stood = _postures(robot, postures, random)
+    with gathering.step():
+        chosen = choose_points(robot, points)
+    with gathering.step():
+        _check_count("references", references)
+        if chosen and (measured or not isinstance(references, int)):
+            struck = choose_references(robot, chosen, references, measured)
+    gathering.done()
     rate = RATIO * band[1]
     return Plan(
-        postures=_postures(robot, postures, random),
+        postures=stood,
         points=chosen,
-        references=_references(robot, chosen, references, measured),
+        references=struck,
         axes=measured,
         trials=_trials(trials, averages, peaks, tip, record_length),
         band=band,
@@ -85,10 +93,10 @@ def make_plan(
     )
 
 
-def _faults(
+def _check(
     trials: int, averages: int, peaks: Sequence[float], tip: str, band: tuple[float, float],
-    record_length: float, axes: str | None,
-) -> list[Fault]:  # fmt: skip
+    record_length: float,
+) -> None:  # fmt: skip
     faults = []
 
     def need(ok: bool, key: str, found: object, allowed: str) -> None:
@@ -107,9 +115,21 @@ def _faults(
         samples = record_length * RATIO * band[1]
         allowed = f"64 to {MOST_SAMPLES}: a longer or shorter record, or another band"
         need(64 <= samples <= MOST_SAMPLES, "record_length", f"{samples:.0f} samples", allowed)
-    fine = axes is None or (axes != "" and set(axes) <= set(AXES) and len(set(axes)) == len(axes))
-    need(fine, "axes", repr(axes), "some of x, y, z, such as xz")
-    return faults
+    if faults:
+        raise InvalidRequest(faults)
+
+
+def _check_count(name: str, wanted: int | Sequence[object]) -> None:
+    count = wanted if isinstance(wanted, int) else len(wanted)
+    if not 1 <= count <= MOST:
+        raise InvalidRequest(Fault("call", name, str(count), f"1 to {MOST}"))
+
+
+def _axes(robot: Robot, wanted: str | None) -> tuple[int, ...]:
+    axes = default_axes(robot) if wanted is None else wanted
+    if not axes or not set(axes) <= set(AXES) or len(set(axes)) < len(axes):
+        raise InvalidRequest(Fault("call", "axes", repr(wanted), "some of x, y, z, such as xz"))
+    return tuple(AXES.index(axis) + 1 for axis in axes)
 
 
 def default_axes(robot: Robot) -> str:
@@ -162,89 +182,6 @@ def _random_posture(robot: Robot, random: np.random.Generator) -> dict[str, floa
         middle, half = (lower + upper) / 2, 0.9 * (upper - lower) / 2
         values[name] = float(random.uniform(middle - half, middle + half))
     return values
-
-
-def _points(robot: Robot, count: int | None) -> tuple[CampaignPoint, ...]:
-    """The card's points on moving links, or the far ends of the links; evenly chosen, the outermost kept."""
-    moved = moved_links(robot)
-    found = [(name, point.link, point.xyz) for name, point in robot.points.items()]
-    if not found:
-        for link in moved:
-            end = reach(robot, link)
-            if np.linalg.norm(end) > 1e-3:
-                found.append((f"{link}_end", link, (float(end[0]), float(end[1]), float(end[2]))))
-    if not found:
-        allowed = "a card with points, or links of some length"
-        raise InvalidRequest(Fault(robot.name, "points", "no point to measure at", allowed))
-    total = len(found)
-    if count is None:
-        count = total
-    if count > total:
-        names = ", ".join(name for name, *_ in found)
-        raise InvalidRequest(Fault("call", "points", str(count), f"1 to {total}: {names}"))
-    outer = _outermost(robot, [(link, xyz) for _, link, xyz in found])
-    order = [outer, *(k for k in range(total) if k != outer)]
-    picked = sorted({order[k] for k in np.linspace(0, total - 1, count).round().astype(int)})
-    return tuple(CampaignPoint(n, *found[k]) for n, k in enumerate(picked, start=1))
-
-
-def _depth(robot: Robot, link: str) -> int:
-    parent = {joint.child: joint for joint in robot.urdf.joints}
-    depth = 0
-    while link in parent:
-        depth += parent[link].name in robot.joints
-        link = parent[link].parent
-    return depth
-
-
-def _outermost(robot: Robot, places: Sequence[tuple[str, tuple[float, float, float]]]) -> int:
-    """The place that most joints move, the farthest out on its link."""
-    return max(
-        range(len(places)), key=lambda k: (_depth(robot, places[k][0]), float(np.linalg.norm(places[k][1])))
-    )
-
-
-def _references(
-    robot: Robot, points: tuple[CampaignPoint, ...], wanted: int | Sequence[str], axes: tuple[int, ...]
-) -> tuple[tuple[int, int], ...]:
-    if not isinstance(wanted, int):
-        return _named_references(points, wanted)
-    outer = _outermost(robot, [(point.link, point.xyz) for point in points])
-    inner = sorted(range(len(points)), key=lambda k: _depth(robot, points[k].link), reverse=True)
-    halfway = [inner[len(inner) // 2], *(k for k in inner if k != inner[len(inner) // 2])]
-    order = [outer, *(k for k in halfway if k != outer)]
-    upright = sorted(axes, reverse=True)
-    pairs = [(points[order[(k + turn) % len(order)]].id, upright[(k + turn) % len(upright)])
-             for turn in range(len(upright)) for k in range(len(order))]  # fmt: skip
-    everything = list(dict.fromkeys([*pairs, *((p.id, axis) for p in points for axis in upright)]))
-    if wanted > len(everything):
-        allowed = f"1 to {len(everything)} with these points and axes"
-        raise InvalidRequest(Fault("call", "references", str(wanted), allowed))
-    return tuple(everything[:wanted])
-
-
-def _named_references(
-    points: tuple[CampaignPoint, ...], wanted: Sequence[str]
-) -> tuple[tuple[int, int], ...]:
-    ids = {point.name: point.id for point in points}
-    faults: list[Fault] = []
-    found = []
-    for text in wanted:
-        try:
-            direction = PointDirection.parse(text)
-        except InvalidInput as error:
-            faults += error.faults
-            continue
-        if direction.point not in ids or direction.is_rotation:
-            allowed = f"NAME:±x, ±y or ±z with one of {', '.join(ids)}"
-            faults.append(Fault("call", "references", repr(text), allowed))
-            continue
-        found.append((ids[direction.point], direction.sign * (AXES.index(direction.axis) + 1)))
-    if len(set(found)) < len(found):
-        faults.append(Fault("call", "references", "one of them twice", "different ones"))
-    if faults:
-        raise InvalidRequest(faults)
-    return tuple(found)
 
 
 def _trials(

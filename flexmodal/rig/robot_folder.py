@@ -11,7 +11,7 @@ from lxml import etree
 from flexmodal.campaign import CampaignPoint, CampaignPosture
 from flexmodal.model import Robot
 from flexmodal.rig.believed import base_body
-from flexmodal.rig.truth import _toml
+from flexmodal.text.write_toml import toml_text
 
 CARD = "robot/robot.toml"
 
@@ -23,7 +23,7 @@ def write_robot(
     place = folder / "robot"
     place.mkdir()
     (place / f"{_safe(robot.name)}.urdf").write_text(_urdf(robot), encoding="utf-8")
-    (place / "robot.toml").write_text(_toml(_card(robot, postures, points)), encoding="utf-8")
+    (place / "robot.toml").write_text(toml_text(_card(robot, postures, points)), encoding="utf-8")
 
 
 def _safe(name: str) -> str:

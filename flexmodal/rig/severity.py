@@ -20,8 +20,8 @@ from flexmodal.rig.bench import (
     reference_rows,
     response_rows,
     strike_posture,
-    strike_together,
 )
+from flexmodal.rig.clean import strike_together
 from flexmodal.rig.effects import EFFECTS, Site, Stand
 from flexmodal.rig.structure import Hidden, build, sensors
 
@@ -30,7 +30,7 @@ MOST_POSTURES = 3
 MOST_LINES = 250
 """Lines that it is judged at, evenly spaced in the band."""
 CLOSE = 0.08
-"""Relative error of the height at which the search ends."""
+"""Logarithm of height over target at which the search ends."""
 COHERENT = 0.8
 _ROUNDS = 9
 _LEAST = 1e-5
@@ -82,37 +82,45 @@ def height(stand: Stand, hidden: Sequence[Hidden], floor: Floor) -> float:
 def severity_for(stand: Stand, name: str, site: Site, target: float, floor: Floor) -> tuple[float, float]:
     """Severity at which an effect stands `target` times the noise floor, and how high it then stands.
 
+    The logarithm of the height is taken as a straight line in that of the severity, first of slope 1, then
+    through the two severities that hold the target between them, or the last two.
+
     Where the effect cannot stand that high, the highest severity that makes sense, and its height.
     """
     effect = EFFECTS[name]
-    most = effect.most(site.parameters)
+    most = effect.most(site.parameters) * (1 - 1e-9)  # rounding must not carry a parameter over its limit
+    found: dict[float, float] = {}
 
-    def at(severity: float) -> float:
+    def off(severity: float) -> float:
+        """Logarithm of height over target."""
         scaled = effect.scaled(site.parameters, severity)
-        return height(stand, [(name, replace(site, parameters=scaled))], floor) / floor.height
+        reached = height(stand, [(name, replace(site, parameters=scaled))], floor) / floor.height
+        found[severity] = max(reached, 1e-9)
+        return float(np.log(found[severity] / target))
 
-    low, high = _LEAST, most
     severity = min(1.0, most)
-    best, reached = severity, at(severity)
-    for _ in range(_ROUNDS):
-        if abs(reached / target - 1) < CLOSE:
+    while abs(off(severity)) > CLOSE and len(found) < _ROUNDS:
+        following = _next_severity(found, target, most)
+        if following in found:
             break
-        if reached < target:
-            low = severity
-        else:
-            high = severity
-        if low >= most * (1 - 1e-9):
-            break
-        guess = severity * target / max(reached, 1e-6 * target)  # the height is about proportional
-        inside = low * (high / low) ** 0.02 < guess < high / (high / low) ** 0.02
-        severity = guess if inside else min(float(np.sqrt(low * high)), most)
-        if high >= most and guess >= most:
-            severity = most
-        now = at(severity)
-        if abs(np.log(max(now, 1e-9) / target)) < abs(np.log(max(reached, 1e-9) / target)):
-            best = severity
-        reached = now
-    return best, at(best)
+        severity = following
+    best = min(found, key=lambda tried: abs(np.log(found[tried] / target)))
+    return best, found[best]
+
+
+def _next_severity(found: dict[float, float], target: float, most: float) -> float:
+    """Where to look next, from the heights found so far, the last one last."""
+    off = {severity: float(np.log(reached / target)) for severity, reached in found.items()}
+    below = max((s for s, high in off.items() if high < 0), default=None)
+    above = min((s for s, high in off.items() if high >= 0 and (below is None or s > below)), default=None)
+    if below is not None and above is not None:
+        part = -off[below] / (off[above] - off[below])
+        return float(below * (above / below) ** np.clip(part, 0.1, 0.9))
+    last, *rest = reversed(off)
+    slope = 1.0
+    if rest and off[last] != off[rest[0]]:
+        slope = float(np.clip((off[last] - off[rest[0]]) / np.log(last / rest[0]), 0.25, 4.0))
+    return float(np.clip(last * np.exp(-off[last] / slope), _LEAST, most))
 
 
 def _log_ratio(one: np.ndarray, other: np.ndarray) -> np.ndarray:

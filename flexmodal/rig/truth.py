@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from flexmodal.files import whole_file
+from flexmodal.text.write_toml import toml_text
 
 
 @dataclass(frozen=True)
@@ -69,38 +69,9 @@ class Truth:
             OutputExists: there is a file already.
         """
         with whole_file(path) as scratch:
-            scratch.write_text(_toml(self.table()), encoding="utf-8")
+            scratch.write_text(toml_text(self.table()), encoding="utf-8")
 
 
 def truth_path(folder: Path) -> Path:
     """`DIR.truth.toml` beside `DIR`."""
     return folder.parent / f"{folder.name}.truth.toml"
-
-
-def _toml(table: Mapping[str, Any], path: str = "") -> str:
-    lines, later = [], []
-    for key, value in table.items():
-        name = f"{path}.{_key(key)}" if path else _key(key)
-        if isinstance(value, Mapping):
-            later.append(f"\n[{name}]\n{_toml(value, name)}")
-        elif isinstance(value, list | tuple) and value and isinstance(value[0], Mapping):
-            later += [f"\n[[{name}]]\n{_toml(entry, name)}" for entry in value]
-        elif isinstance(value, list | tuple) and not value:
-            lines.append(f"{_key(key)} = []")
-        else:
-            lines.append(f"{_key(key)} = {_value(value)}")
-    return "".join(line + "\n" for line in lines) + "".join(later)
-
-
-def _key(key: str) -> str:
-    return key if key.replace("_", "").isalnum() and key.isascii() else json.dumps(key, ensure_ascii=False)
-
-
-def _value(value: object) -> str:
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, int | float):
-        return repr(float(value)) if isinstance(value, float) else str(value)
-    if isinstance(value, list | tuple):
-        return "[" + ", ".join(_value(entry) for entry in value) + "]"
-    return json.dumps(str(value), ensure_ascii=False)

@@ -156,6 +156,19 @@ def test_faults_are_named() -> None:
     )
 
 
+def test_a_force_that_goes_on_is_no_double_hit_and_a_hammer_that_bounces_often_is() -> None:
+    sweep = 100.0 * np.sin(2 * np.pi * (5 + 40 * TIME) * TIME)
+    bounces = sum(part * pulse(start=0.02 + 0.03 * k) for k, part in enumerate((1.0, 0.7, 0.5, 0.3, 0.2)))
+    offset = pulse() + 0.6 * pulse(start=0.05) + 40.0  # a charge amplifier that was not zeroed
+    found = {}
+    for number, force in enumerate((sweep, bounces, offset), start=1):
+        flags = estimate_frfs([blow(force, response_of(force))], band=(5.0, 150.0)).flags
+        found[number] = [flag.says for flag in flags if flag.kind == "double hit"]
+    assert found[1] == []
+    assert "5 pulses" in found[2][0]
+    assert "2 pulses" in found[3][0]
+
+
 def test_low_coherence_is_named_with_its_point() -> None:
     frfs = estimate_frfs(noisy_blows(6, 0.0, 1.0), band=(5.0, 150.0))
     assert [(flag.kind, flag.point, flag.blow) for flag in frfs.flags if flag.kind == "low coherence"] == [

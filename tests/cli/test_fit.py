@@ -1,7 +1,8 @@
 """`flexmodal fit`: real measurements through the command line, files it writes, requests it refuses."""
 
-import csv
+import importlib.util
 import json
+import sys
 from pathlib import Path
 
 import pytest
@@ -13,41 +14,44 @@ REAL = DATA / "real"
 BEAM, PLATE = REAL / "free_free_beam", REAL / "mssp_plate_sweep"
 
 
-def reference(dataset, peer):
-    with (REAL / "reference_results.csv").open(newline="") as file:
-        rows = [
-            row for row in csv.DictReader(file) if row["dataset"] == dataset and row["peer"].startswith(peer)
-        ]
-    return [(float(row["natural_frequency_hz"]), float(row["damping_ratio"])) for row in rows]
+PATH = Path(__file__).parents[2] / "benchmarks" / "ema_real.py"
 
 
-def test_the_beam_as_other_programs_find_it(cli):
-    modes = cli("fit", BEAM, "--per", "posture", "--json").json()["modes"]
-    first = [mode for mode in modes if mode["response"] == [1, 1] and mode["reference"] == [1, 1]]
-    peers = reference("pyuff_accelerance_points", "own single-mode LS")
-    assert len(first) == len(peers) == 6
-    for mode, (frequency, damping) in zip(first, peers, strict=True):
-        assert mode["frequency"] == pytest.approx(frequency, rel=0.005)  # half a per cent
-        low, high = mode["uncertainty"]["damping_ratio_95"]
-        # The peers scatter among themselves by a sixth; our interval reaches one of them or lies that near.
-        assert low * 0.8 <= damping <= high * 1.2
+def bench():
+    """The calls of docs/tables/ema_real.md."""
+    spec = importlib.util.spec_from_file_location("ema_real", PATH)
+    module = importlib.util.module_from_spec(spec)
+    sys.modules["ema_real"] = module
+    spec.loader.exec_module(module)
+    return module
 
 
-# The plate's peaks by hand, one at a time: the sweep is jagged round them, see docs/tables/ema_real.md.
-@pytest.mark.parametrize(("band", "number"), [("62:95", 0), ("110:145", 1), ("190:240", 2), ("245:285", 3)])
-def test_the_plate_from_its_time_histories(cli, band, number):
-    low, high = map(float, band.split(":"))
-    options = ("--band", band, "--at", f"{(low + high) / 2}", "--weighting", "logarithmic", "--json")
-    (mode,) = cli("fit", PLATE, *options).json()["modes"]
-    frequency, _ = reference("mssp_plate_sweep", "sdypy-EMA")[number]
-    assert mode["frequency"] == pytest.approx(frequency, rel=0.005)
+REFINED = [case for case in bench().CASES if case.refined]
+
+
+@pytest.mark.parametrize("case", REFINED, ids=lambda case: " ".join([case.folder, *case.options[:2]]))
+def test_real_measurements_as_other_programs_find_them(cli, case):
+    """Frequencies within half a per cent of the references, their dampings within the stated interval.
+
+    The references disagree among themselves (docs/tables/ema_real.md); the interval has to meet their range.
+    """
+    found = list(bench().compared(case, cli(*case.arguments(), "--json").json()))
+    assert len(found) == (6 if case.folder == "free_free_beam" else 1)
+    for one in found:
+        given = [peer.frequency for peer in one.references if not peer.peer.endswith("averaged")]
+        assert all(abs(one.row["frequency"] / frequency - 1) < 0.005 for frequency in given)
+        assert one.meets, one
+    # It holds one of them at least, but for the plate's last mode, where they lie at 0.6, 1.1, 1.4, 2.8, 2.9,
+    # 3.2 and 4.1 % and the interval in a gap between.
+    if "400:490" not in case.options:
+        assert all(one.held > 0 for one in found)
 
 
 def test_methods_and_json(cli):
     for method in ("peaks", "circle", "least-squares", "lscf"):
         options = ("--method", method, "--band", "110:145", "--at", "126", "--json")
         found = cli("fit", PLATE, *options).json()
-        assert set(found) == {"modes", "refused"}
+        assert set(found) == {"modes", "refused", "flags"}
         for mode in found["modes"]:
             keys = {
                 "posture",
@@ -86,7 +90,68 @@ def test_picture_of_one_frf(cli, tmp_path):
     ran = cli("fit", PLATE, "--band", "110:145", "--at", "126", "--out", tmp_path / "fit.png")
     assert ran.status == 0
     assert (tmp_path / "fit.png").stat().st_size > 20_000
-    cli("fit", BEAM, "--out", tmp_path / "beam.png").refused("one picture")
+    cli("fit", BEAM, "--out", tmp_path / "beam.png").refused("one picture", "--pictures")
+
+
+def test_every_picture_into_a_folder(cli, tmp_path):
+    folder = tmp_path / "pictures"
+    options = ("--per", "posture", "--band", "400:990", "--no-vary", "--pictures", folder, "--svg")
+    ran = cli("fit", BEAM, *options)
+    assert (ran.status, ran.out) == (0, "")
+    names = {path.name for path in folder.iterdir()}
+    places = ("1+x_per_1+x", "1+x_per_2+x", "1+x_per_3+x")
+    assert names == {
+        *(f"{kind}_1_{place}.svg" for kind in ("frf", "nyquist") for place in places),
+        "stabilisation_1.svg",
+        "shapes_1_sensor_1+x.svg",  # the hammer went from point to point
+        "mac_1_sensor_1+x.svg",
+    }
+    for path in folder.iterdir():
+        text = path.read_text(encoding="utf-8")
+        assert text.rstrip().endswith("</svg>")
+        assert "nan" not in text
+    cli("fit", BEAM, *options).refused("something in it", "--force")
+    assert cli("fit", BEAM, *options, "--force").status == 0
+    (tmp_path / "file").write_text("")
+    cli("fit", BEAM, "--pictures", tmp_path / "file").refused("a file", "a folder for pictures")
+    cli("fit", BEAM, "--pictures", tmp_path / "no" / "where").refused("no such folder")
+
+
+def test_circles_are_among_the_pictures(cli, tmp_path):
+    options = ("--band", "110:145", "--at", "126", "--method", "circle", "--pictures", tmp_path / "p")
+    assert cli("fit", PLATE, *options).status == 0
+    names = {path.name for path in (tmp_path / "p").iterdir()}
+    assert {"circle_1_2+z_per_1+z_1.png", "coherence_1.png", "stabilisation_1.png"} <= names
+
+
+def test_what_is_odd_about_the_data_is_said(cli):
+    """The sweep of the plate: its force dips at the resonances; it is no series of double hits."""
+    options = ("--band", "110:145", "--at", "126", "--no-vary")
+    flags = cli("fit", PLATE, *options, "--json").json()["flags"]
+    assert {flag["kind"] for flag in flags} == {"low energy in band"}
+    assert len(flags) == 5  # one a run
+    assert set(flags[0]) == {"kind", "posture", "trial", "blow", "point", "says"}
+    assert flags[0]["point"] == [1, 3]
+    said = [line for line in cli("fit", PLATE, *options).out.splitlines() if line.startswith("flag:")]
+    assert len(said) == 1  # the five runs in one line
+    assert "low energy in band" in said[0]
+    assert "5 blows in all" in said[0]
+
+
+def test_choices_of_the_analyst_can_be_made_by_hand(cli):
+    options = ("--band", "110:145", "--at", "126", "--json")
+    (varied,) = cli("fit", PLATE, *options).json()["modes"]
+    (fixed,) = cli("fit", PLATE, *options, "--no-vary").json()["modes"]
+    assert fixed["uncertainty"]["choices"] == {"frequency": 0.0, "damping_ratio": 0.0, "residue": 0.0}
+    assert fixed["uncertainty"]["noise"] == varied["uncertainty"]["noise"]
+    (real,) = cli("fit", PLATE, *options, "--residuals", "real").json()["modes"]
+    assert real["damping_ratio"] != varied["damping_ratio"]
+    lscf = ("--band", "60:500", "--method", "lscf", "--no-refine", "--json")
+    wide = cli("fit", PLATE, *lscf).json()["modes"]
+    tight = cli("fit", PLATE, *lscf, "--order", "20", "--tolerances", "0.001,0.001").json()["modes"]
+    assert len(tight) < len(wide)
+    cli("fit", PLATE, "--tolerances", "0.01").refused("--tolerances", "FREQUENCY,DAMPING")
+    cli("fit", PLATE, "--tolerances", "0,0.5").refused("above 0")
 
 
 def test_refused(cli, tmp_path):
@@ -115,21 +180,8 @@ def test_one_page_with_every_picture(cli, tmp_path, options, headings):
     page = tmp_path / "fit.html"
     assert cli("fit", *options, "--out", page).status == 0
     text = page.read_text(encoding="utf-8")
-    for heading in headings:
+    for heading in [*headings, "Quality of the data", "Nyquist plots"]:
         assert f"<h2>{heading}</h2>" in text
     assert text.count("<svg") >= len(headings)
     assert 'src="http' not in text
     assert 'href="http' not in text
-
-
-def test_the_laboratory_hammer_test_as_other_programs_find_it(cli):
-    (mode,) = cli("fit", REAL / "laboratory_hammer", "--json").json()["modes"]
-    peers = [
-        peer
-        for name in ("own single-mode LS", "sdypy-EMA", "vibrationtesting")
-        for peer in reference("vibrationtesting_lab_frf/case1", name)
-    ]
-    assert len(peers) == 3
-    low, high = mode["uncertainty"]["damping_ratio_95"]
-    assert all(mode["frequency"] == pytest.approx(frequency, rel=0.005) for frequency, _ in peers)
-    assert any(low <= damping <= high for _, damping in peers)  # they scatter among themselves by 9 %

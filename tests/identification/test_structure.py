@@ -20,7 +20,9 @@ def structure_at(robot, q, values=None, loss=0.0):
     put_together(assembly, values or {}, assembly.arm.bodies)
     for joint in robot.joints:
         if loss:
-            assembly.add_loss(assembly.row(joint), loss * robot.joints[joint].stiffness)
+            assembly.loss_factor = loss
+            k = values[f"stiffness.{joint}"]
+            assembly.add_loss(assembly.row(joint), k, f"stiffness.{joint}")
     rows = assembly.rows(PLACES)
     return assembly.close(rows, rows)
 

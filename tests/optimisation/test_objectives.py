@@ -148,7 +148,7 @@ def test_the_largest_singular_value_meets_the_second(arm):
 
 
 def test_bad_objectives(arm):
-    with pytest.raises(InvalidRequest, match="worst or weighted"):
+    with pytest.raises(InvalidRequest, match="weighted, force, worst"):
         ReceptanceObjective(Z, np.array([1.0]), "best")
     for weights in ((1.0,), (0.0, 0.0), (np.nan, 1.0), (1.0, np.inf)):
         with pytest.raises(InvalidRequest, match="2 finite weights, not all 0"):

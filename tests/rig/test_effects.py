@@ -7,8 +7,9 @@ import pytest
 import scipy.linalg
 
 import flexmodal
-from flexmodal.rig.bench import Conduct, h1, strike_posture, strike_together
+from flexmodal.rig.bench import Conduct, h1, strike_posture
 from flexmodal.rig.blow import Strike
+from flexmodal.rig.clean import strike_together
 from flexmodal.rig.effects.structural_damping import maxwell
 from flexmodal.rig.linear import Outputs
 from flexmodal.rig.nonlinear import fine_records

@@ -12,7 +12,7 @@ import flexmodal
 from flexmodal.campaign import read_campaign
 from flexmodal.cli.rig import rig
 from flexmodal.errors import InvalidPosture, InvalidRequest, OutputExists
-from flexmodal.rig import EFFECTS, Hide, simulate
+from flexmodal.rig import EFFECTS, Hide, hide_places, simulate
 from flexmodal.rig.severity import height, noise_floor, severity_for
 
 SMALL = {"postures": 2, "points": 2, "references": 1, "trials": 2, "averages": 2, "record_length": 1.0}
@@ -49,7 +49,7 @@ def test_every_effect_on_a_planar_and_a_spatial_arm(effect, which, request):
     assert not np.allclose(one.value[:, inside], other.value[:, inside], rtol=1e-3, atol=0)
     np.testing.assert_array_equal(one.response, other.response)
     assert spoilt.truth.effects[0].effect == effect
-    assert spoilt.truth.effects[0].where in EFFECTS[effect].places(spoilt.stand)
+    assert spoilt.truth.effects[0].where in hide_places(robot, points=2)[effect]
 
 
 def test_the_same_seed_gives_the_same_campaign(fanuc):

@@ -38,7 +38,12 @@ def compiled_sweep(shape: Shape) -> Any:
     """The compiled loops over points, with the kernel of this shape inside."""
     source, _ = write_kernel(shape)
     kernel, digest = compile_source(source, "kernel")
-    own = {**vars(sweep), "kernel": kernel, "spread": compiled_spread()}
+    own = {
+        **vars(sweep),
+        "kernel": kernel,
+        "spread": compiled_spread(),
+        "room": compile_function(any_size.room),
+    }
     return compile_function(renamed(sweep.sweep, f"sweep_{shape.n}_{digest}", own))
 
 
@@ -70,7 +75,13 @@ def compile_source(source: str, name: str) -> tuple[Any, str]:
 @cache
 def compiled_sweep_any() -> Any:
     """The compiled loops over points with the kernel for any number of coordinates."""
-    own = {**vars(sweep), "kernel": compile_function(any_size.kernel), "spread": compiled_spread()}
+    kernel = compile_together(any_size.fill, last=any_size.kernel, allocates=False)
+    own = {
+        **vars(sweep),
+        "kernel": kernel,
+        "spread": compiled_spread(),
+        "room": compile_function(any_size.room),
+    }
     return compile_function(renamed(sweep.sweep, "sweep_any", own))
 
 
@@ -95,10 +106,33 @@ def renamed(function: Any, name: str, scope: dict[str, Any]) -> FunctionType:
     return copy
 
 
-def compile_together(*functions: Callable[..., Any], last: Callable[..., Any]) -> Any:
-    """Compile a function with those of its module that it calls, lowest first; plain functions stay plain."""
+def compile_together(*functions: Callable[..., Any], last: Callable[..., Any], allocates: bool = True) -> Any:
+    """Compile a function with those that it calls, lowest first; plain functions stay plain.
+
+    Functions that allocate nothing do without counting references, which takes most of the time of a call
+    with many arrays. Those before the last have to be of that kind.
+    """
     scope: dict[str, Any] = {}
     for function in functions:
         own = {**unwrap(function).__globals__, **scope}
-        scope[function.__name__] = compile_function(renamed(function, function.__name__, own))
-    return compile_function(renamed(last, last.__name__, {**unwrap(last).__globals__, **scope}))
+        inner = compile_function(renamed(function, function.__name__, own), **_uncounted(), **_inside())
+        scope[function.__name__] = inner
+    own = {**unwrap(last).__globals__, **scope}
+    return compile_function(renamed(last, last.__name__, own), **({} if allocates else _uncounted()))
+
+
+@cache
+def _inside() -> dict[str, Any]:
+    """Options of functions that only compiled ones call: a door to Python takes time to compile."""
+    from numba.core.options import DefaultOptions
+
+    doors = ("no_cpython_wrapper", "no_cfunc_wrapper")
+    return {door: True for door in doors if hasattr(DefaultOptions, door)}
+
+
+@cache
+def _uncounted() -> dict[str, Any]:
+    """The option that turns reference counting off, where this numba has it."""
+    from numba.core.options import DefaultOptions
+
+    return {"_nrt": False} if hasattr(DefaultOptions, "_nrt") else {}

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from flexmodal.frf.kernels.any_size import room
 from flexmodal.frf.kernels.factor import LANES
 
 kernel: Any = None
@@ -45,7 +46,7 @@ def sweep(parts, shared, rows, omega, extra, pairs, along, out):
     for e in range(len(shared)):
         for lane in range(LANES):
             tile[(1 + own + e) * LANES + lane] = shared[e]
-    work = np.empty(2 * n * (n + rows.shape[1] // n) * LANES)
+    work = np.empty(room(n, rows.shape[1] // n))
     doubtful = 0
     for first in range(0, systems, LANES if along else 1):
         for lane in range(LANES):
@@ -69,6 +70,16 @@ def spread(result, first, start, along, out):
     """Put a tile's results where they belong, NaN where they are not trusted; returns how many are not."""
     systems, lines, pairs = out.shape
     count = min(LANES, systems - first if along else lines - start)
+    doubtful = 0
+    for lane in range(LANES):
+        doubtful += not result[2 * pairs * LANES + lane] >= 0.0
+    if doubtful == 0 and count == LANES and not along:  # nearly always: one block, nothing to decide
+        block = out[first, start : start + LANES]
+        for place in range(pairs):
+            offset = 2 * place * LANES
+            for lane in range(LANES):
+                block[lane, place] = complex(result[offset + lane], result[offset + LANES + lane])
+        return 0
     doubtful = 0
     for lane in range(count):
         s, f = (first + lane, start) if along else (first, start + lane)

@@ -89,12 +89,13 @@ class Task:
         extra = np.zeros((0, here + padding))
         if self.addition is not None:
             packed = self.addition[lines][:, upper[0], upper[1]].T
-            extra = np.pad(np.concatenate([packed.real, packed.imag]), ((0, 0), (0, padding)), mode="edge")
+            extra = np.concatenate([packed.real, packed.imag])
+            extra = np.pad(extra, ((0, 0), (0, padding)), mode="edge") if padding else extra
         given = (
             masses[:, upper[0], upper[1]],
             self.shared,
             np.ascontiguousarray(rows).reshape(own, -1),
-            np.pad(omega, (0, padding), mode="edge"),
+            np.pad(omega, (0, padding), mode="edge") if padding else omega,
             extra,
             np.array(self.pairs),
         )
@@ -152,13 +153,17 @@ class Task:
             w, f = which[start : start + _POINTS], line[start : start + _POINTS]
             place = f + (lines.start or 0)
             omega = self.omega[place]
-            inertia = omega[:, None, None] ** 2 * masses[w]
-            matrix = self.stiffness - inertia + 1j * (omega[:, None, None] * self.damping + self.hysteresis)
+            matrix = np.empty(masses[w].shape, dtype=complex)
+            np.multiply(masses[w], -(omega[:, None, None] ** 2), out=matrix.real)
+            np.multiply(self.damping, omega[:, None, None], out=matrix.imag)
+            matrix.real += self.stiffness
+            matrix.imag += self.hysteresis
             if self.addition is not None:
                 matrix += self.addition[place]
             exposed = np.flatnonzero(omega == 0) if damped else np.arange(len(omega))
             loss = omega[:, None] * np.diag(self.damping) + np.diag(self.hysteresis)
-            size = np.abs(np.diag(self.stiffness)) + np.diagonal(inertia, axis1=1, axis2=2) + loss
+            inertia = omega[:, None] ** 2 * np.diagonal(masses, axis1=1, axis2=2)[w]
+            size = np.abs(np.diag(self.stiffness)) + inertia + loss
             refuse_singular(matrix[exposed], size[exposed], omega[exposed])
             try:
                 solved = np.linalg.solve(matrix, np.swapaxes(rows[w], 1, 2).astype(complex))

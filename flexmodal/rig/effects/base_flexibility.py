@@ -79,7 +79,7 @@ EFFECT = Effect(
         "damping_ratio": "",
         "vertical_over_horizontal": "",
     },
-    places=lambda stand: ("base",),
+    places=lambda robot, points: ("base",),
     place_is="the base",
     draw=_draw,
     scaled=_scaled,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from flexmodal.rig.assembly import Assembly
+from flexmodal.rig.chain import commanded_joints
 from flexmodal.rig.effects.effect import Effect, Site, Stand, multiplied, positive
 from flexmodal.rig.plant import FRICTION, NonlinearElement
 
@@ -27,7 +28,7 @@ EFFECT = Effect(
     name="coulomb_friction",
     says="dry friction in a joint",
     units={"torque": "N·m", "presliding_stiffness": "N·m/rad"},
-    places=lambda stand: stand.commanded_joints,
+    places=lambda robot, points: commanded_joints(robot),
     place_is="a flexible joint",
     draw=_draw,
     scaled=multiplied("torque"),

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from flexmodal.campaign import CampaignPoint
 from flexmodal.model import Robot
 from flexmodal.rig.assembly import Assembly
 from flexmodal.rig.believed import TrueRobot
@@ -33,11 +34,6 @@ class Stand:
     def normal(self) -> np.ndarray | None:
         """Normal of a planar chain's plane."""
         return plane_normal(self.robot)
-
-    @property
-    def commanded_joints(self) -> tuple[str, ...]:
-        """Flexible joints that are no pseudo-joints."""
-        return tuple(name for name, joint in self.robot.joints.items() if not joint.pseudo)
 
 
 @dataclass(frozen=True)
@@ -66,8 +62,8 @@ class Effect:
     """What it is, for people."""
     units: Mapping[str, str]
     """Its parameters and their units."""
-    places: Callable[[Stand], tuple[str, ...]]
-    """Where it can sit."""
+    places: Callable[[Robot, Sequence[CampaignPoint]], tuple[str, ...]]
+    """Where it can sit, on a robot with sensors on these points."""
     place_is: str
     """What kind of place that is, for people."""
     draw: Callable[[Stand, str, np.random.Generator], dict[str, float]]

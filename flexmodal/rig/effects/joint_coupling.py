@@ -6,12 +6,14 @@ from itertools import combinations
 
 import numpy as np
 
+from flexmodal.model import Robot
 from flexmodal.rig.assembly import Assembly
+from flexmodal.rig.chain import commanded_joints
 from flexmodal.rig.effects.effect import Effect, Parameters, Site, Stand, multiplied
 
 
-def _places(stand: Stand) -> tuple[str, ...]:
-    return tuple(f"{one}+{other}" for one, other in combinations(stand.commanded_joints, 2))
+def _places(robot: Robot) -> tuple[str, ...]:
+    return tuple(f"{one}+{other}" for one, other in combinations(commanded_joints(robot), 2))
 
 
 def _draw(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
@@ -34,7 +36,7 @@ EFFECT = Effect(
     name="joint_coupling",
     says="a mechanism couples two joints",
     units={"coupling": "off-diagonal stiffness over √(k₁ k₂)"},
-    places=_places,
+    places=lambda robot, points: _places(robot),
     place_is="a pair of flexible joints, jointA+jointB",
     draw=_draw,
     scaled=multiplied("coupling"),

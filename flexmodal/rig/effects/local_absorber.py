@@ -67,7 +67,7 @@ EFFECT = Effect(
         "mass": "kg", "frequency": "Hz, on a link held still", "damping_ratio": "",
         "x": "m", "y": "m", "z": "m", "dx": "", "dy": "", "dz": "",
     },
-    places=lambda stand: moved_links(stand.robot),
+    places=lambda robot, points: moved_links(robot),
     place_is="a link that moves",
     draw=_draw,
     scaled=multiplied("mass"),

@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from flexmodal.rig.assembly import Assembly
+from flexmodal.rig.chain import commanded_joints
 from flexmodal.rig.effects.effect import Effect, Parameters, Site, Stand, multiplied
 from flexmodal.rig.plant import HARDENING, NonlinearElement
 
@@ -41,7 +42,7 @@ EFFECT = Effect(
         "change": "of the stiffness at large deflection, relative",
         "deflection": "rad, where half is reached",
     },
-    places=lambda stand: stand.commanded_joints,
+    places=lambda robot, points: commanded_joints(robot),
     place_is="a flexible joint",
     draw=_draw,
     scaled=multiplied("change"),

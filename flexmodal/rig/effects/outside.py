@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from flexmodal.model import Robot
 from flexmodal.rig.assembly import Assembly
-from flexmodal.rig.chain import descendants, moved_links, reach
+from flexmodal.rig.chain import commanded_joints, descendants, moved_links, reach
 from flexmodal.rig.effects.base_flexibility import base_directions
 from flexmodal.rig.effects.effect import Effect, Parameters, Site, Stand, divided, multiplied, positive
-from flexmodal.rig.effects.sensors import _points
+from flexmodal.rig.effects.sensors import points_that_move
 from flexmodal.rig.plant import BACKLASH, NonlinearElement
 from flexmodal.rig.sensing import Sensor
 
@@ -32,7 +33,7 @@ CLEARANCE = Effect(
     name="clearance",
     says="play in a joint: no torque inside the gap",
     units={"gap": "rad", "preload": "rad, deflection under gravity that keeps the contact shut"},
-    places=lambda stand: stand.commanded_joints,
+    places=lambda robot, points: commanded_joints(robot),
     place_is="a flexible joint",
     draw=_draw_clearance,
     scaled=multiplied("gap"),
@@ -43,16 +44,13 @@ CLEARANCE = Effect(
 )
 
 
-def _hose_links(stand: Stand) -> tuple[str, ...]:
+def _hose_links(robot: Robot) -> tuple[str, ...]:
     """Links that at least two joints move."""
     counts = {
-        link: sum(
-            link in descendants(stand.robot.urdf, stand.robot.urdf.joint_by_name[j].child)
-            for j in stand.robot.joints
-        )
-        for link in moved_links(stand.robot)
+        link: sum(link in descendants(robot.urdf, robot.urdf.joint_by_name[j].child) for j in robot.joints)
+        for link in moved_links(robot)
     }
-    return tuple(link for link, count in counts.items() if count >= 2) or moved_links(stand.robot)
+    return tuple(link for link, count in counts.items() if count >= 2) or moved_links(robot)
 
 
 def _draw_hose(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
@@ -91,7 +89,7 @@ HOSE = Effect(
         "y": "m",
         "z": "m, hook in the world",
     },
-    places=_hose_links,
+    places=lambda robot, points: _hose_links(robot),
     place_is="a link that moves",
     draw=_draw_hose,
     scaled=multiplied("stiffness", "damping"),
@@ -109,7 +107,7 @@ SATURATION = Effect(
     name="saturation",
     says="a sensor that clips what exceeds its range",
     units={"range": "m/s²"},
-    places=_points,
+    places=points_that_move,
     place_is="a point with a sensor",
     draw=lambda stand, where, random: {"range": float(random.uniform(0.3, 0.7) * stand.acceleration[where])},
     scaled=divided("range"),
@@ -150,7 +148,7 @@ def _neighbour(assembly: Assembly, site: Site) -> None:
 
 
 def _scale_neighbour(parameters: Parameters, s: float) -> dict[str, float]:
-    return divided("floor_stiffness")(parameters, s)
+    return divided("floor_stiffness", "floor_mass")(parameters, s)
 
 
 NEIGHBOUR = Effect(
@@ -163,10 +161,11 @@ NEIGHBOUR = Effect(
         "frequency": "Hz",
         "damping_ratio": "",
     },
-    places=lambda stand: ("base",),
+    places=lambda robot, points: ("base",),
     place_is="the base",
     draw=_draw_neighbour,
     scaled=_scale_neighbour,
+    most=lambda parameters: 100.0,
     check=positive("floor_stiffness", "floor_mass", "mass", "frequency"),
     shape=_shape_neighbour,
     act=_neighbour,

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
+from flexmodal.campaign import CampaignPoint
+from flexmodal.model import Robot
 from flexmodal.rig.chain import moved_links
 from flexmodal.rig.effects.added_mass import _normal_in_link, arm_mass
 from flexmodal.rig.effects.effect import Effect, Parameters, Site, Stand, multiplied, positive
@@ -11,9 +15,10 @@ from flexmodal.rig.geometry import turn
 from flexmodal.rig.sensing import Sensor
 
 
-def _points(stand: Stand) -> tuple[str, ...]:
-    moved = moved_links(stand.robot)
-    return tuple(point.name for point in stand.plan.points if point.link in moved)
+def points_that_move(robot: Robot, points: Sequence[CampaignPoint]) -> tuple[str, ...]:
+    """Points with a sensor on links that move."""
+    moved = moved_links(robot)
+    return tuple(point.name for point in points if point.link in moved)
 
 
 def _signed(random: np.random.Generator, low: float, high: float) -> float:
@@ -71,7 +76,7 @@ SENSOR_MASS = Effect(
     name="sensor_mass",
     says="the accelerometer's mass, which moves with it from point to point",
     units={"mass": "kg"},
-    places=lambda stand: ("sensor",),
+    places=lambda robot, points: ("sensor",),
     place_is="the sensor",
     draw=lambda stand, where, random: {"mass": float(random.uniform(0.01, 0.05) * arm_mass(stand))},
     scaled=multiplied("mass"),
@@ -82,7 +87,7 @@ SENSOR_GAIN = Effect(
     name="sensor_gain",
     says="a sensor calibrated wrongly",
     units={"error": "relative: 0.1 reads 10 % too much"},
-    places=_points,
+    places=points_that_move,
     place_is="a point with a sensor",
     draw=lambda stand, where, random: {"error": _signed(random, 0.1, 0.35)},
     scaled=multiplied("error"),
@@ -94,7 +99,7 @@ TIME_DELAY = Effect(
     name="time_delay",
     says="a sensor that lags",
     units={"delay": "s"},
-    places=_points,
+    places=points_that_move,
     place_is="a point with a sensor",
     draw=lambda stand, where, random: {"delay": float(random.uniform(0.02, 0.12) / stand.plan.band[1])},
     scaled=multiplied("delay"),
@@ -106,7 +111,7 @@ SENSOR_MISALIGNMENT = Effect(
     name="sensor_misalignment",
     says="a sensor, fixed to its link, that points elsewhere than recorded",
     units={"angle": "rad", "ax": "", "ay": "", "az": "axis of the turn, in the frame of the link"},
-    places=_points,
+    places=points_that_move,
     place_is="a point with a sensor",
     draw=_draw_turn,
     scaled=multiplied("angle"),

@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from flexmodal.rig.assembly import Assembly
+from flexmodal.rig.chain import commanded_joints
 from flexmodal.rig.effects.effect import Effect, Parameters, Site, Stand, positive
 
 
@@ -49,7 +50,7 @@ EFFECT = Effect(
     name="servo_compliance",
     says="the motor side moves against its control loop",
     units={"proportional_gain": "N·m/rad", "derivative_gain": "N·m·s/rad", "rotor_inertia": "kg·m²"},
-    places=lambda stand: stand.commanded_joints,
+    places=lambda robot, points: commanded_joints(robot),
     place_is="a flexible joint",
     draw=_draw,
     scaled=_scaled,

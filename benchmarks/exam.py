@@ -1,0 +1,96 @@
+"""The sealed exam of the diagnosis: campaigns of the virtual rig with effects hidden in them.
+
+    python benchmarks/exam.py [--seed N] [--folder DIR] [--workers N] [--most N]
+
+Goes on where it was stopped. The candidate is a process of its own that is given the campaign's folder; what
+is hidden lies in another. Tuned on other seeds; the published exam is that of `PUBLISHED`.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tomllib
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+from exam_plan import Question, plan
+from exam_report import report
+
+PUBLISHED = 20261123
+
+
+def ask(question: Question, folder: Path) -> dict[str, object]:
+    """Pose one question, have it answered, and put the truth beside the answer."""
+    campaign, truth = folder / "campaigns" / question.name, folder / "truth" / f"{question.name}.toml"
+    answer = folder / "answers" / f"{question.name}.json"
+    if not answer.exists():
+        if not campaign.exists() or not truth.exists():
+            shutil.rmtree(campaign, ignore_errors=True)
+            truth.unlink(missing_ok=True)
+            poser = Path(__file__).parent / "exam_plan.py"
+            seed = folder.name.split("-")[-1]
+            call([sys.executable, str(poser), seed, question.name, str(campaign), str(truth)])
+        candidate = Path(__file__).parent / "exam_candidate.py"
+        call([sys.executable, str(candidate), str(campaign), str(answer)])
+        shutil.rmtree(campaign)
+    found = json.loads(answer.read_text(encoding="utf-8"))
+    hidden = tomllib.loads(truth.read_text(encoding="utf-8"))
+    return {"question": question, "answer": found, "truth": hidden}
+
+
+def call(command: list[str]) -> None:
+    """Run a process on one thread; its complaint is ours."""
+    env = {**os.environ, "OPENBLAS_NUM_THREADS": "1"}
+    done = subprocess.run(command, env=env, capture_output=True, text=True, check=False)
+    if done.returncode:
+        raise RuntimeError(f"{' '.join(command[-3:])}: {done.stderr[-2000:]}")
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--seed", type=int, default=PUBLISHED)
+    parser.add_argument("--folder", type=Path, default=Path("exam"))
+    parser.add_argument("--workers", type=int, default=os.cpu_count() or 1)
+    parser.add_argument("--most", type=int, default=None, help="only so many questions")
+    given = parser.parse_args()
+    folder = given.folder / f"seed-{given.seed}"
+    for name in ("campaigns", "truth", "answers"):
+        (folder / name).mkdir(parents=True, exist_ok=True)
+    questions = plan(given.seed)[: given.most]
+    done = []
+    with ThreadPoolExecutor(given.workers) as pool:
+        for number, result in enumerate(pool.map(lambda q: tried(q, folder), questions), start=1):
+            if result is not None:
+                done.append(result)
+                print(f"{number}/{len(questions)}", line(result), flush=True)
+    report(done, len(plan(given.seed)), given.seed, published=given.seed == PUBLISHED)
+
+
+def tried(question: Question, folder: Path) -> dict[str, object] | None:
+    """An answer, or a word on why there is none."""
+    try:
+        return ask(question, folder)
+    except RuntimeError as error:
+        print(f"question {question.name} failed: {error}", file=sys.stderr, flush=True)
+        return None
+
+
+def line(result: dict[str, object]) -> str:
+    """One question in a line."""
+    question, answer, truth = result["question"], result["answer"], result["truth"]
+    hidden = [(e["effect"], e["where"], round(e.get("times_noise_floor", 0), 1)) for e in truth["effect"]]
+    gap = answer["gap"]
+    return (
+        f"{question.robot} {hidden} -> {answer['effects']} {[round(c, 2) for c in answer['confidence']]} "
+        f"gap {gap['before'] / gap['noise_floor']:.2f} -> {gap['after'] / gap['noise_floor']:.2f} × floor, "
+        f"{answer['processor_seconds']:.0f} s"
+    )
+
+
+if __name__ == "__main__":
+    main()

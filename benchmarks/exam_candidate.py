@@ -1,0 +1,43 @@
+"""The candidate: sees a campaign's folder and nothing else, and says what is hidden in it.
+
+python benchmarks/exam_candidate.py CAMPAIGN ANSWER.json
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+import time
+from pathlib import Path
+
+import flexmodal
+from flexmodal.campaign import read_campaign
+from flexmodal.diagnosis import diagnose
+from flexmodal.files import whole_file
+
+
+def main() -> None:
+    folder, answer = Path(sys.argv[1]), Path(sys.argv[2])
+    wall, cpu = time.perf_counter(), time.process_time()
+    found = diagnose(read_campaign(folder), flexmodal.load(str(folder / "robot" / "robot.toml")))
+    gaps = found.gaps
+    table = {
+        "effects": found.verdict.effects,
+        "explained": found.verdict.explained,
+        "says": found.verdict.says,
+        "confidence": [step.confidence for step in found.steps],
+        "ties": [step.ties for step in found.steps],
+        "parameters": [dict(step.parameters) for step in found.steps],
+        "gap": {
+            "believed": gaps.believed, "before": gaps.before, "after": gaps.after,
+            "held_out_before": gaps.held_out_before, "held_out_after": gaps.held_out_after,
+            "noise_floor": gaps.noise_floor,
+        },
+        "seconds": time.perf_counter() - wall,
+        "processor_seconds": time.process_time() - cpu,
+    }  # fmt: skip
+    with whole_file(answer, overwrite=True) as scratch:
+        scratch.write_text(json.dumps(table, indent=1), encoding="utf-8")
+
+
+main()

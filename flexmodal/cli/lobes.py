@@ -1,0 +1,202 @@
+"""`flexmodal lobes`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from flexmodal.cli.options import (
+    SOURCE,
+    force_option,
+    json_option,
+    load_robot,
+    posture_of,
+    quiet_option,
+    refuse_existing,
+    robot_options,
+)
+from flexmodal.cli.printing import print_json, print_table, progress
+from flexmodal.errors import Fault, InvalidRequest
+
+if TYPE_CHECKING:
+    from flexmodal.machining import Comparison, Cut, MeasuredTip
+    from flexmodal.machining.depth import PostureDepth
+    from flexmodal.model import Robot
+
+_ENDINGS = (".csv", ".json", ".png", ".svg", ".html")
+_METHODS = ("zero-order", "multi-frequency", "semi-discretisation")
+
+
+@click.command()
+@robot_options
+@click.option(
+    "--posture", "postures", multiple=True, metavar="POSTURE",
+    help="A named posture, or q1=50deg,q2=-0.8; several are compared.",
+)  # fmt: skip
+@click.option("--family", metavar="NAME", help="Compare the members of a family of the card.")
+@click.option("--members", type=int, default=21, show_default=True, help="Of the family.")
+@click.option(
+    "--cut", "cut_file", required=True, type=click.Path(path_type=Path), metavar="FILE.toml",
+    help="Cutter, forces, engagement, frame; see docs/machining.md.",
+)  # fmt: skip
+@click.option(
+    "--spindle", type=click.Path(path_type=Path), metavar="FILE.csv",
+    help="Measured receptance of tool and spindle at the tip, added to the arm's.",
+)  # fmt: skip
+@click.option("--method", type=click.Choice(_METHODS), default="zero-order", show_default=True)
+@click.option("--speeds", type=int, help="How many spindle speeds are looked at.")
+@click.option("--out", type=click.Path(path_type=Path), help="A .csv, .json, .png, .svg or .html file.")
+@force_option
+@quiet_option
+@json_option
+def lobes(
+    robot: str,
+    stiffness: str | None,
+    damping: str | None,
+    tool: str | None,
+    fix: str | None,
+    postures: tuple[str, ...],
+    family: str | None,
+    members: int,
+    cut_file: Path,
+    spindle: Path | None,
+    method: str,
+    speeds: int | None,
+    out: Path | None,
+    force: bool,
+    quiet: bool,
+    as_json: bool,
+) -> None:
+    """Stability lobes of a milling cut in a posture, or postures compared by depth of cut."""
+    from flexmodal.machining import read_cut, read_measured_tip
+
+    _one_way(postures, family)
+    refuse_existing(out, force, _ENDINGS)
+    arm = load_robot(robot, stiffness, damping, tool, fix)
+    cut = read_cut(cut_file)
+    added = None if spindle is None else read_measured_tip(spindle)
+    _mention(cut, added)
+    if family is None and len(postures) == 1:
+        one = _single(arm, postures[0], cut, added, method, speeds, quiet)
+        _give_one(arm, one, out, force, as_json)
+    else:
+        if method != "zero-order":
+            raise InvalidRequest(Fault(SOURCE, "--method", f"{method} of several postures", "zero-order"))
+        several = _several(arm, postures, family, members, cut, added, speeds, quiet)
+        _give_several(several, out, force, as_json)
+
+
+def _one_way(postures: tuple[str, ...], family: str | None) -> None:
+    if bool(postures) == (family is not None):
+        found = "both" if postures else "neither"
+        raise InvalidRequest(Fault(SOURCE, "--posture or --family", found, "one of the two"))
+
+
+def _mention(cut: Cut, added: MeasuredTip | None) -> None:
+    """What is assumed of a measured receptance, and what is counted twice."""
+    if added is not None and added.lines[0] > 0:
+        first, last = added.lines[0], added.lines[-1]
+        click.echo(
+            f"note: chatter is sought between {first:g} and {last:g} Hz, the lines of --spindle; below them "
+            "its real part is held",
+            err=True,
+        )
+    if added is not None and cut.modes:
+        click.echo("note: the modes of the cut and --spindle are both added to the arm", err=True)
+
+
+def _single(
+    arm: Robot,
+    posture: str,
+    cut: Cut,
+    added: MeasuredTip | None,
+    method: str,
+    speeds: int | None,
+    quiet: bool,
+) -> PostureDepth:
+    from flexmodal.machining.depth import posture_depth
+    from flexmodal.machining.solve import SPEEDS
+
+    where = posture_of(arm, posture)
+    hidden = quiet or method == "zero-order"
+    with progress(speeds or SPEEDS[method], "speeds", quiet=hidden) as advance:
+        return posture_depth(arm, where, cut, method=method, speeds=speeds, added=added, advance=advance)
+
+
+def _several(
+    arm: Robot,
+    postures: tuple[str, ...],
+    family: str | None,
+    members: int,
+    cut: Cut,
+    added: MeasuredTip | None,
+    speeds: int | None,
+    quiet: bool,
+) -> Comparison:
+    from flexmodal.machining import compare_family, compare_postures
+    from flexmodal.machining.depth import SPEEDS
+
+    count = SPEEDS if speeds is None else speeds
+
+    if family is not None:
+        arm.family(family, source=f"{SOURCE} --family")
+        with progress(members, "postures", quiet=quiet) as advance:
+            return compare_family(
+                arm, family, cut, members=members, speeds=count, added=added, advance=advance
+            )
+    poses = [posture_of(arm, posture) for posture in postures]
+    with progress(len(poses), "postures", quiet=quiet) as advance:
+        return compare_postures(arm, poses, cut, speeds=count, added=added, advance=advance)
+
+
+def _give_one(arm: Robot, one: PostureDepth, out: Path | None, force: bool, as_json: bool) -> None:
+    from flexmodal.frf.plot import write_plot
+    from flexmodal.machining import report
+
+    found = report.lobes_object(arm.name, one)
+    if out is not None:
+        ending = out.suffix.lower()
+        if ending == ".csv":
+            report.write_lobes_csv(one, out, overwrite=force)
+        elif ending == ".json":
+            report.write_json(found, out, overwrite=force)
+        elif ending == ".html":
+            report.write_lobes_page(arm.name, one, out, overwrite=force)
+        else:
+            write_plot(report.lobes_picture(arm.name, one), out, overwrite=force)
+        click.echo(f"wrote {out}", err=True)
+    if as_json:
+        print_json(found)
+    elif out is None:
+        title = f"{arm.name} at {one.posture}: {one.lobes.cut.title} ({one.lobes.method})"
+        print_table(title, report.NUMBERS, report.numbers(one))
+        print_table("The deepest speeds of the range", report.BEST, report.best_rows(one))
+
+
+def _give_several(several: Comparison, out: Path | None, force: bool, as_json: bool) -> None:
+    from flexmodal.frf.plot import write_plot
+    from flexmodal.machining import report
+    from flexmodal.machining.plot import draw_comparison
+
+    found = report.comparison_object(several)
+    if out is not None:
+        ending = out.suffix.lower()
+        if ending == ".csv":
+            report.write_comparison_csv(several, out, overwrite=force)
+        elif ending == ".json":
+            report.write_json(found, out, overwrite=force)
+        elif ending == ".html":
+            report.write_comparison_page(several, out, overwrite=force)
+        else:
+            write_plot(draw_comparison(several), out, overwrite=force)
+        click.echo(f"wrote {out}", err=True)
+    if as_json:
+        print_json(found)
+    elif out is None:
+        print_table(
+            f"{several.robot.name}: {several.cut.title}", report.POSTURES, report.posture_rows(several)
+        )
+        best = report.posture_rows(several)[several.best][0]
+        click.echo(f"best by critical depth: {best}, {several.gain:.3g} times the worst")

@@ -1,0 +1,113 @@
+"""A diagnosis as the object of `diagnosis.json` (file formats, section 3)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from flexmodal.diagnosis.outcome import Diagnosis, Gaps, NextMeasurement, Region, Step
+from flexmodal.errors import FlexmodalError
+
+FORMAT = 1
+
+
+def as_json(diagnosis: Diagnosis) -> dict[str, Any]:
+    """The object that `diagnose --json` prints: plain numbers, none of them NaN or infinite.
+
+    A held-out gap that there is not is None; a standard error that is not finite is left out.
+
+    Raises:
+        FlexmodalError: a number that has to be there is not finite.
+    """
+    return {
+        "format": FORMAT,
+        "campaign": diagnosis.campaign,
+        "robot": diagnosis.robot,
+        "gap": {"believed": _known(diagnosis.gaps.believed), **_gap(diagnosis.gaps)},
+        "disagreement": [_region(rank, one) for rank, one in enumerate(diagnosis.disagreement, start=1)],
+        "steps": [_step(step) for step in diagnosis.steps],
+        "verdict": {
+            "effects": [list(key) for key in diagnosis.verdict.effects],
+            "explained": bool(diagnosis.verdict.explained),
+            "says": diagnosis.verdict.says,
+        },
+        "next_measurement": _next(diagnosis.next_measurement),
+    }
+
+
+def _gap(gaps: Gaps) -> dict[str, float | None]:
+    return {
+        "before": _number("gap before", gaps.before),
+        "after": _number("gap after", gaps.after),
+        "held_out_before": _known(gaps.held_out_before),
+        "held_out_after": _known(gaps.held_out_after),
+        "noise_floor": _number("noise floor", gaps.noise_floor),
+    }
+
+
+def _region(rank: int, region: Region) -> dict[str, Any]:
+    low, high = region.band
+    return {
+        "rank": rank,
+        "posture": int(region.posture),
+        "response": [int(number) for number in region.response],
+        "reference": [int(number) for number in region.reference],
+        "trial": int(region.trial),
+        "band": [_number("band", low), _number("band", high)],
+        "share": _number("share", region.share),
+        "kind": region.kind,
+        "says": region.says,
+    }
+
+
+def _step(step: Step) -> dict[str, Any]:
+    return {
+        "effect": step.effect,
+        "where": step.where,
+        "parameters": _numbers(step.parameters),
+        "uncertainty": {
+            name: float(value) for name, value in step.uncertainty.items() if math.isfinite(value)
+        },
+        "confidence": _number("confidence", step.confidence),
+        "alternatives": [
+            {
+                "effect": one.effect,
+                "where": one.where,
+                "confidence": _number("confidence", one.confidence),
+            }
+            for one in step.alternatives
+        ],
+        "gap": _gap(step.gaps),
+    }
+
+
+def _next(measurement: NextMeasurement | None) -> dict[str, Any] | None:
+    if measurement is None:
+        return None
+    return {
+        "posture": _numbers(measurement.posture),
+        "response": [int(number) for number in measurement.response],
+        "reference": [int(number) for number in measurement.reference],
+        "separates": separated(measurement),
+    }
+
+
+def separated(measurement: NextMeasurement) -> list[str]:
+    """Names of the two effects; with their places where it is one effect in two places."""
+    names = [explanation.partition("@")[0] for explanation in measurement.separates]
+    return names if len(set(names)) == len(names) else list(measurement.separates)
+
+
+def _numbers(values: Mapping[str, float]) -> dict[str, float]:
+    return {name: _number(name, value) for name, value in values.items()}
+
+
+def _known(value: float | None) -> float | None:
+    return float(value) if value is not None and math.isfinite(value) else None
+
+
+def _number(name: str, value: float) -> float:
+    if not math.isfinite(value):
+        raise FlexmodalError(f"the diagnosis is not finite: its {name} is {value}")
+    return float(value)

@@ -1,0 +1,100 @@
+"""Something resilient attached to a link: a mass on a spring and damper, free along one direction."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from flexmodal.diagnosis.draft import Draft
+from flexmodal.diagnosis.effects.added_mass import place_on
+from flexmodal.diagnosis.effects.effect import Effect, Scene, Site, along, positive, sides, signed
+from flexmodal.identification import Parameter
+from flexmodal.identification.assembly import Assembly
+
+
+def _parameters(scene: Scene, where: str) -> tuple[Parameter, ...]:
+    mass = scene.arm_mass
+    low, high = scene.band
+    found = [
+        positive("mass", "kg", 0.06 * mass, 1.0, 1e-4 * mass, 3 * mass),
+        positive("frequency", "Hz", float(np.sqrt(low * high)), 1.2, 0.7 * low, 1.5 * high),
+        positive("damping_ratio", "", 0.03, 0.9, 1e-4, 1.0),
+        signed("along", "", 0.35, -0.3, 1.3, centre=0.65),
+        signed("beside", "m", 0.06, -0.5, 0.5),
+        signed("angle", "rad", 0.5, -1.6, 1.6),
+    ]
+    if scene.normal is None:
+        found += [signed("above", "m", 0.06, -0.5, 0.5), signed("turn", "rad", 2.0, -3.2, 3.2)]
+    return tuple(found)
+
+
+def _starts(scene: Scene, where: str) -> list[Mapping[str, float]]:
+    low, high = scene.band
+    grid = np.geomspace(max(3 * low, 0.05 * high), 0.6 * high, 10)
+    turns: list[dict[str, float]] = [{}] if scene.normal is not None else [{"turn": 0.0}, {"turn": 1.57}]
+    return [{"frequency": float(f), "along": 0.75, **turn} for f in grid for turn in turns]
+
+
+def _way(scene: Scene, where: str, values: Mapping[str, float], axes: np.ndarray) -> np.ndarray:
+    """The direction in which it gives, in the frame of the link: across it, turned."""
+    _, axis = along(scene, where)
+    across = sides(scene, where, axis, axes)
+    side = across[0]
+    if len(across) == 2:
+        side = np.cos(values["turn"]) * across[0] + np.sin(values["turn"]) * across[1]
+    return np.cos(values["angle"]) * side + np.sin(values["angle"]) * axis
+
+
+def _spring(values: Mapping[str, float]) -> tuple[float, float]:
+    """Stiffness [N/m] and damping [N·s/m]."""
+    stiffness = values["mass"] * (2 * np.pi * values["frequency"]) ** 2
+    return stiffness, 2 * values["damping_ratio"] * float(np.sqrt(stiffness * values["mass"]))
+
+
+def _shape(assembly: Assembly, site: Site) -> None:
+    assembly.add_coordinates([f"{site.where} absorber"])
+
+
+def _act(assembly: Assembly, site: Site) -> None:
+    axes = assembly.axes(site.where)
+    way = axes @ _way(site.scene, site.where, site.values, axes)
+    own = assembly.row(f"{site.where} absorber")
+    mass = site["mass"]
+    place = place_on(site.scene, site.where, site.values, axes)
+    for row, share in zip(assembly.motion(site.where, place)[:3], way, strict=True):
+        assembly.add_inertia(row + share * own, mass)
+    stiffness, damping = _spring(site.values)
+    assembly.add_spring(own, stiffness)
+    assembly.add_damper(own, damping)
+
+
+def _physical(scene: Scene, where: str, values: Mapping[str, float]) -> dict[str, float]:
+    axes = scene.arm(0).placed[where][:3, :3]
+    x, y, z = place_on(scene, where, values, axes).tolist()
+    dx, dy, dz = _way(scene, where, values, axes).tolist()
+    kept = {name: values[name] for name in ("mass", "frequency", "damping_ratio")}
+    return {**kept, "stiffness": _spring(values)[0], "x": x, "y": y, "z": z, "dx": dx, "dy": dy, "dz": dz}
+
+
+def _extend(draft: Draft, site: Site) -> None:
+    axes = site.scene.arm(0).placed[site.where][:3, :3]
+    place = place_on(site.scene, site.where, site.values, axes)
+    way = _way(site.scene, site.where, site.values, axes)
+    joint = draft.attach(site.where, place, site["mass"], name=f"{site.where}_absorber", slides=way)
+    draft.flexible(joint, *_spring(site.values))
+
+
+EFFECT = Effect(
+    name="local_absorber",
+    says="something resilient is attached to the link",
+    looks_like="a resonance at nearly the same frequency in every posture, strongest near the place",
+    places=lambda scene: scene.links,
+    parameters=_parameters,
+    starts=_starts,
+    shape=_shape,
+    act=_act,
+    physical=_physical,
+    extend=_extend,
+    units={"stiffness": "N/m", "x": "m", "y": "m", "z": "m"},
+)

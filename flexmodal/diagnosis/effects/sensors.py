@@ -1,0 +1,111 @@
+"""What sensors do to a measurement: they weigh, read too much, lag, look askew."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from flexmodal.diagnosis.effects.effect import Effect, Scene, Site, positive, signed
+from flexmodal.identification import Parameter
+from flexmodal.identification.arm import Body
+from flexmodal.identification.assembly import Assembly
+from flexmodal.identification.structure import Axis
+
+
+def _weigh(assembly: Assembly, site: Site) -> None:
+    point = site.scene.observations.campaign.point(site.response[0])
+    assembly.add_body(point.link, Body(site["mass"], np.array(point.xyz), np.zeros((3, 3))))
+
+
+SENSOR_MASS = Effect(
+    name="sensor_mass",
+    says="the accelerometer weighs on the structure and moves with the measurement from point to point",
+    looks_like="resonances that shift from one response point to the next",
+    places=lambda scene: ("sensor",),
+    parameters=lambda scene, where: (
+        positive("mass", "kg", 0.01 * scene.arm_mass, 1.2, 1e-6 * scene.arm_mass, scene.arm_mass),
+    ),
+    starts=lambda scene, where: [{"mass": 0.005 * scene.arm_mass}, {"mass": 0.03 * scene.arm_mass}],
+    act=_weigh,
+    variants=("response",),
+    untestable=lambda scene: (
+        "one response point only: the sensor never moved" if len(scene.sensors) < 2 else None
+    ),
+)
+
+
+def _gain(site: Site, axis: Axis) -> np.ndarray:
+    return np.full(len(axis), np.log(site["gain"]), dtype=complex)
+
+
+SENSOR_GAIN = Effect(
+    name="sensor_gain",
+    says="a sensor reads too much or too little",
+    looks_like="one point's FRFs off by the same factor at every frequency",
+    places=lambda scene: scene.sensors,
+    parameters=lambda scene, where: (positive("gain", "", 1.0, 0.3, 0.05, 20.0),),
+    starts=lambda scene, where: [{"gain": 1.1}],
+    read=_gain,
+)
+
+
+DELAYS = (1e-4, 1e-3, 2e-3, 4e-3, 7e-3, 0.011, 0.016)
+"""Where fits start [s]: phases beyond half a turn are told apart by these only."""
+
+
+def _lag(site: Site, axis: Axis) -> np.ndarray:
+    return -axis.s * site["delay"]
+
+
+SENSOR_DELAY = Effect(
+    name="time_delay",
+    says="a sensor lags",
+    looks_like="a phase that falls in proportion to frequency at one point",
+    places=lambda scene: scene.sensors,
+    parameters=lambda scene, where: (signed("delay", "s", 5e-3, -0.03, 0.03),),
+    starts=lambda scene, where: [{"delay": delay} for delay in DELAYS],
+    read=_lag,
+)
+
+
+def turned(vector: np.ndarray, way: np.ndarray) -> np.ndarray:
+    """A direction turned by a rotation vector [rad], by Rodrigues' formula."""
+    angle = float(np.linalg.norm(vector))
+    if angle < 1e-12:
+        return way + np.cross(vector, way)
+    k = vector / angle
+    return way * np.cos(angle) + np.cross(k, way) * np.sin(angle) + k * (k @ way) * (1 - np.cos(angle))
+
+
+def _tilt(scene: Scene, where: str) -> tuple[Parameter, ...]:
+    if scene.normal is not None:
+        return (signed("angle", "rad", 0.3, -1.4, 1.4),)
+    return tuple(signed(f"angle_{axis}", "rad", 0.2, -1.4, 1.4) for axis in "xyz")
+
+
+def _turn(scene: Scene, site: Site, posture: int, point: str, way: np.ndarray) -> np.ndarray:
+    """Fixed to its link, so that it turns with the posture."""
+    if point != site.where:
+        return way
+    if scene.normal is not None:
+        return turned(site["angle"] * scene.normal, way)
+    axes = scene.arm(posture).placed[scene.observations.campaign.point(point).link][:3, :3]
+    return turned(axes @ np.array([site[f"angle_{axis}"] for axis in "xyz"]), way)
+
+
+def _tilt_starts(scene: Scene, where: str) -> list[Mapping[str, float]]:
+    if scene.normal is not None:
+        return [{"angle": 0.1}, {"angle": -0.1}]
+    return [{f"angle_{axis}": sign * 0.2} for axis in "xyz" for sign in (1, -1)]
+
+
+SENSOR_MISALIGNMENT = Effect(
+    name="sensor_misalignment",
+    says="a sensor points elsewhere than recorded",
+    looks_like="one point's FRFs take in motion of another direction, posture for posture differently",
+    places=lambda scene: scene.sensors,
+    parameters=_tilt,
+    starts=_tilt_starts,
+    turn=_turn,
+)

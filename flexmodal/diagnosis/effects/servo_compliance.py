@@ -1,0 +1,88 @@
+"""The motor is not locked: its rotor moves on the stiffness and damping of the position loop.
+
+One more coordinate: the rotor, reflected to the joint. The joint's own spring goes from
+it to the link [Hearne 2.1, 2.2].
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from flexmodal.diagnosis.draft import Draft
+from flexmodal.diagnosis.effects.effect import Effect, Scene, Site, positive
+from flexmodal.identification import Parameter
+from flexmodal.identification.assembly import Assembly
+
+
+def _parameters(scene: Scene, where: str) -> tuple[Parameter, ...]:
+    k = float(scene.robot.joints[where].stiffness)
+    low, high = scene.band
+    return (
+        positive("gain", "N·m/rad", 3 * k, 1.5, 1e-3 * k, 1e3 * k),
+        positive("frequency", "Hz", float(np.sqrt(low * high)), 1.2, 0.5 * low, 10 * high),
+        positive("damping_ratio", "", 0.3, 0.8, 0.01, 3.0),
+    )
+
+
+def _starts(scene: Scene, where: str) -> list[Mapping[str, float]]:
+    k = float(scene.robot.joints[where].stiffness)
+    low, high = scene.band
+    grid = np.geomspace(max(3 * low, 0.04 * high), 0.6 * high, 4)
+    return [{"gain": gain * k, "frequency": float(f)} for f in grid for gain in (0.03, 0.5, 4.0)]
+
+
+def loop(k: float, gain: float, frequency: float, ratio: float) -> tuple[float, float]:
+    """Rotor inertia [kg·m²] and derivative gain [N·m·s/rad] of a rotor between joint spring and loop."""
+    inertia = (gain + k) / (2 * np.pi * frequency) ** 2
+    return float(inertia), float(2 * ratio * np.sqrt(gain * inertia))
+
+
+def _act(assembly: Assembly, site: Site) -> None:
+    k = float(site.scene.robot.joints[site.where].stiffness)
+    inertia, derivative = loop(k, site["gain"], site["frequency"], site["damping_ratio"])
+    row = assembly.row(f"{site.where} motor")
+    assembly.add_inertia(row, inertia)
+    assembly.add_spring(row, site["gain"])
+    assembly.add_damper(row, derivative)
+
+
+def _shape(assembly: Assembly, site: Site) -> None:
+    link = assembly.row(site.where)
+    assembly.add_coordinates([f"{site.where} motor"])
+    wide = np.append(link, 0.0)
+    assembly.stretch[site.where] = wide - assembly.row(f"{site.where} motor")
+
+
+def _physical(scene: Scene, where: str, values: Mapping[str, float]) -> dict[str, float]:
+    k = float(scene.robot.joints[where].stiffness)
+    inertia, derivative = loop(k, values["gain"], values["frequency"], values["damping_ratio"])
+    return {"proportional_gain": values["gain"], "derivative_gain": derivative, "rotor_inertia": inertia}
+
+
+def _extend(draft: Draft, site: Site) -> None:
+    if draft.robot.joints[site.where].rotor_inertia:
+        draft.notes.append(
+            f"the card's rotor inertia of {site.where} turns with the link but no longer with the motor"
+        )
+    found = _physical(site.scene, site.where, site.values)
+    motor = draft.fresh(f"{site.where}_motor")
+    draft.behind(site.where, motor)
+    inertia = found["rotor_inertia"]
+    draft.flexible(motor, found["proportional_gain"], found["derivative_gain"], rotor_inertia=inertia)
+
+
+EFFECT = Effect(
+    name="servo_compliance",
+    says="the motor moves against its control loop",
+    looks_like="a softer joint at low frequency and one more, well damped resonance of the rotor",
+    places=lambda scene: scene.joints,
+    parameters=_parameters,
+    starts=_starts,
+    shape=_shape,
+    act=_act,
+    physical=_physical,
+    extend=_extend,
+    units={"proportional_gain": "N·m/rad", "derivative_gain": "N·m·s/rad", "rotor_inertia": "kg·m²"},
+)

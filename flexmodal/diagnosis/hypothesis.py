@@ -1,0 +1,389 @@
+"""A hypothesis: the robot with some effects in some places, as a model of the campaign's FRFs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+from jaxtyping import Float
+
+from flexmodal.diagnosis.effects.effect import Effect, Scene, Site
+from flexmodal.diagnosis.frame import KINDS, Frame
+from flexmodal.diagnosis.march.law import Law
+from flexmodal.identification import Observations, ParameterSpace
+from flexmodal.identification.arm import Body
+from flexmodal.identification.assembly import Assembly, put_together
+from flexmodal.identification.model import Group, places
+from flexmodal.identification.structure import Axis, Change, Structure, changed
+
+STEP = 1e-6
+"""Of the forward differences along an effect's own parameters."""
+_FRAMES = 64
+"""Frames kept at most."""
+
+
+@dataclass(frozen=True, eq=False)
+class Placed:
+    """An effect in a place."""
+
+    effect: Effect
+    where: str
+
+    @property
+    def label(self) -> str:
+        """Prefix of its parameters."""
+        return f"{self.effect.name}@{self.where}"
+
+    @property
+    def key(self) -> tuple[str, str]:
+        """Name and place."""
+        return self.effect.name, self.where
+
+
+@dataclass(frozen=True, eq=False)
+class _Slice:
+    """Observations of one posture that share a structure."""
+
+    posture: int
+    rows: np.ndarray
+    where: np.ndarray
+    struck: np.ndarray
+    pairs: np.ndarray
+    points: tuple[str, ...]
+    """Name of the response point of each row of `where`."""
+    read: tuple[str, ...]
+    """The same of each observation."""
+    level: int
+    reference: tuple[int, int]
+    response: tuple[int, int]
+
+
+@dataclass(frozen=True, eq=False)
+class _Shift:
+    """The parameters a step further along one of an effect's own."""
+
+    name: str
+    label: str
+    step: float
+    values: Mapping[str, float]
+
+
+@dataclass(frozen=True, eq=False)
+class Hypothesis:
+    """A model of observations (`identification.FrfModel`)."""
+
+    scene: Scene
+    base: ParameterSpace
+    """Of the robot itself."""
+    placed: tuple[Placed, ...] = ()
+    _slices: dict[int, list[_Slice]] = field(default_factory=dict, repr=False)
+    _frames: dict[tuple[object, ...], Frame] = field(default_factory=dict, repr=False)
+
+    @cached_property
+    def space(self) -> ParameterSpace:
+        """The robot's parameters, then those of each effect, `EFFECT@PLACE.PARAMETER`."""
+        more = [
+            replace(parameter, name=f"{one.label}.{parameter.name}")
+            for one in self.placed
+            for parameter in one.effect.parameters(self.scene, one.where)
+        ]
+        return self.base.and_also(more)
+
+    @property
+    def keys(self) -> tuple[tuple[str, str], ...]:
+        """Name and place of each effect."""
+        return tuple(one.key for one in self.placed)
+
+    def and_also(self, placed: Placed) -> Hypothesis:
+        """With one more effect."""
+        return Hypothesis(self.scene, self.base, (*self.placed, placed))
+
+    def without(self, key: tuple[str, str]) -> Hypothesis:
+        """With one effect less."""
+        return Hypothesis(self.scene, self.base, tuple(one for one in self.placed if one.key != key))
+
+    def values_of(self, placed: Placed, values: Mapping[str, float]) -> dict[str, float]:
+        """An effect's own parameters without prefix, among the robot's."""
+        prefix = f"{placed.label}."
+        own = {k.removeprefix(prefix): v for k, v in values.items() if k.startswith(prefix)}
+        return {**{name: values[name] for name in self.base.names}, **own}
+
+    def start(
+        self, placed: Placed, given: Mapping[str, float], x: Float[np.ndarray, " before"]
+    ) -> Float[np.ndarray, " parameter"]:
+        """Coordinates x of the hypothesis without its last effect, and that effect started somewhere."""
+        prefix = f"{placed.label}."
+        tail = []
+        for parameter in self.space.parameters[len(x) :]:
+            short = parameter.name.removeprefix(prefix)
+            inside = min(max(given.get(short, parameter.card), parameter.lower), parameter.upper)
+            tail.append(parameter.coordinate(inside))
+        return np.concatenate([x, tail])
+
+    def groups(
+        self, x: Float[np.ndarray, " parameter"], observations: Observations, *, slopes: bool
+    ) -> Sequence[Group]:
+        """See `identification.FrfModel`."""
+        values = self.space.values(x)
+        shifts = self._shifts(x) if slopes else []
+        return [
+            Group(
+                self._structure(observations, one, values, shifts),
+                one.rows,
+                one.pairs,
+                one.level,
+                self._reader(one, values, shifts),
+            )
+            for one in self._sliced(observations)
+        ]
+
+    def laws(self, posture: int, values: Mapping[str, float]) -> tuple[Law, ...]:
+        """Torques of the effects that have a law, in a posture (by number) at these parameter values."""
+        frame = self._frame(posture, values)
+        return tuple(
+            one.effect.law(frame.assembly, Site(self.scene, one.where, self.values_of(one, values), posture))
+            for one in self.placed
+            if one.effect.law is not None
+        )
+
+    def _shifts(self, x: np.ndarray) -> list[_Shift]:
+        _, high = self.space.bounds
+        found = []
+        for k, name in enumerate(self.space.names[len(self.base) :], start=len(self.base)):
+            step = STEP if x[k] + STEP <= high[k] else -STEP
+            moved = x.copy()
+            moved[k] += step
+            label = next(one.label for one in self.placed if name.startswith(f"{one.label}."))
+            found.append(_Shift(name, label, step, self.space.values(moved)))
+        return found
+
+    def _sliced(self, observations: Observations) -> list[_Slice]:
+        key = id(observations)
+        if key not in self._slices:
+            self._slices[key] = [
+                _sliced(observations, posture, rows)
+                for posture in range(len(observations.postures))
+                for rows in self._split(observations, np.flatnonzero(observations.posture == posture))
+            ]
+        return self._slices[key]
+
+    def _split(self, observations: Observations, rows: np.ndarray) -> list[np.ndarray]:
+        """Observations of a posture that share a structure and a window."""
+        if not rows.size:
+            return []
+        columns = [np.array(observations.decays)[observations.level[rows]][:, None]]
+        wanted = {variant for one in self.placed for variant in one.effect.variants}
+        if "blow" in wanted:
+            columns += [observations.level[rows][:, None], observations.reference[rows]]
+        if "response" in wanted:
+            columns.append(observations.response[rows][:, :1])
+        table = np.hstack([np.asarray(column, dtype=float) for column in columns])
+        _, label = np.unique(table, axis=0, return_inverse=True)
+        return [rows[label.ravel() == k] for k in range(int(label.max()) + 1)]
+
+    # structures
+
+    def _structure(
+        self, observations: Observations, one: _Slice, values: Mapping[str, float], shifts: Sequence[_Shift]
+    ) -> Structure:
+        frame = self._frame(one.posture, values)
+        total, changes = frame.scaled(values)
+        added = self._act(frame, one, values)
+        for kind, matrix, names in added.terms:
+            total[kind] = total[kind] + matrix
+            for name in names:
+                changes[name] = changes.get(name, Change()) + changed({kind: matrix})
+        rows = self._rows(observations, frame, one, values)
+        bare = _summed(added)
+        loss = added.loss_factor
+        for shift in shifts:
+            change = self._change(observations, frame, one, values, shift, bare, loss, rows)
+            if change is not None:
+                changes[shift.name] = change
+        return Structure(
+            coordinates=tuple(frame.assembly.coordinates),
+            mass=total["mass"],
+            damping=total["damping"],
+            stiffness=total["stiffness"],
+            loss=total["loss"],
+            response=rows[0],
+            reference=rows[1],
+            changes=changes,
+            loss_factor=loss,
+        )
+
+    def _change(
+        self,
+        observations: Observations,
+        frame: Frame,
+        one: _Slice,
+        values: Mapping[str, float],
+        shift: _Shift,
+        bare: Mapping[str, np.ndarray],
+        bare_loss: float,
+        rows: tuple[np.ndarray, np.ndarray],
+    ) -> Change | None:
+        """Derivative along one of an effect's own parameters, by differences of what depends on it."""
+        effect = next(placed.effect for placed in self.placed if placed.label == shift.label)
+        slots: dict[str, np.ndarray] = {}
+        loss = 0.0
+        moved = self._frame(one.posture, shift.values)
+        if effect.act is not None or moved is not frame:
+            acted = self._act(moved, one, shift.values)
+            other = _summed(acted)
+            loss = (acted.loss_factor - bare_loss) / shift.step
+            for kind in KINDS:
+                slots[kind] = other[kind] - bare[kind]
+        if moved is not frame:
+            was, _ = frame.scaled(values)
+            now, _ = moved.scaled(shift.values)
+            for kind in KINDS:
+                slots[kind] = slots[kind] + now[kind] - was[kind]
+        if moved is not frame or effect.turn is not None:
+            others = self._rows(observations, moved, one, shift.values)
+            slots["response"], slots["reference"] = others[0] - rows[0], others[1] - rows[1]
+        kept = {name: slot / shift.step for name, slot in slots.items() if slot.any()}
+        return changed(kept, loss or None) if kept or loss else None
+
+    def _frame(self, posture: int, values: Mapping[str, float]) -> Frame:
+        geometry = tuple(values[f"{one.label}.{name}"] for one in self.placed for name in one.effect.geometry)
+        key = (posture, geometry)
+        if key not in self._frames:
+            if len(self._frames) >= _FRAMES:
+                self._frames.clear()
+            self._frames[key] = self._build(posture, values)
+        return self._frames[key]
+
+    def _build(self, posture: int, values: Mapping[str, float]) -> Frame:
+        """Motions of the effects, and the card's own terms on them."""
+        card = {parameter.name: parameter.card for parameter in self.base}
+        assembly = Assembly(self.scene.arm(posture))
+        sites = [
+            (one.effect, Site(self.scene, one.where, {**self.values_of(one, values), **card}, posture))
+            for one in self.placed
+        ]
+        for effect, site in sites:
+            if effect.shape is not None:
+                effect.shape(assembly, site)
+        bodies = assembly.arm.bodies
+        taken = {
+            link
+            for link in bodies
+            if any(effect.bodies(assembly, site, bodies, link) for effect, site in sites if effect.bodies)
+        }
+        left: dict[str, Body] = {link: body for link, body in bodies.items() if link not in taken}
+        put_together(assembly, card, left)
+        return Frame(assembly, self.base.names, np.array([p.card for p in self.base]), {})
+
+    def _act(self, frame: Frame, one: _Slice, values: Mapping[str, float]) -> Assembly:
+        """What the effects put on the motions, by itself."""
+        assembly = frame.assembly.alike()
+        for effect, site in self._sites(one, values):
+            if effect.act is not None:
+                effect.act(assembly, site)
+        return assembly
+
+    def _sites(self, one: _Slice, values: Mapping[str, float]) -> list[tuple[Effect, Site]]:
+        return [
+            (
+                placed.effect,
+                Site(
+                    self.scene,
+                    placed.where,
+                    self.values_of(placed, values),
+                    one.posture,
+                    one.level,
+                    one.reference,
+                    one.response,
+                ),
+            )
+            for placed in self.placed
+        ]
+
+    def _rows(
+        self, observations: Observations, frame: Frame, one: _Slice, values: Mapping[str, float]
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Rows of responses and references."""
+        turning = [(effect, site) for effect, site in self._sites(one, values) if effect.turn is not None]
+        if turning:
+            measured = places(observations, one.where)
+            for effect, site in turning:
+                assert effect.turn is not None
+                measured = [
+                    (link, place, effect.turn(self.scene, site, one.posture, name, way))
+                    for (link, place, way), name in zip(measured, one.points, strict=True)
+                ]
+            response = frame.assembly.rows(measured)
+        else:
+            response = _kept(frame, observations, one.where)
+        return response, _kept(frame, observations, one.struck)
+
+    def _reader(self, one: _Slice, values: Mapping[str, float], shifts: Sequence[_Shift]) -> Reader | None:
+        labels = {placed.label for placed in self.placed if placed.effect.read is not None}
+        if not labels:
+            return None
+        moved = [
+            (shift.name, shift.step, self._sites(one, shift.values))
+            for shift in shifts
+            if shift.label in labels
+        ]
+        return Reader(one.read, self._sites(one, values), moved)
+
+
+@dataclass(frozen=True, eq=False)
+class Reader:
+    """What sensors make of the motion at their points."""
+
+    points: Sequence[str]
+    """Response point of each observation."""
+    sites: Sequence[tuple[Effect, Site]]
+    moved: Sequence[tuple[str, float, Sequence[tuple[Effect, Site]]]]
+
+    def __call__(self, axis: Axis) -> tuple[np.ndarray, Mapping[str, np.ndarray]]:
+        """ln(reading / motion) [observation line], and its derivatives."""
+        base = self._log(axis, self.sites)
+        return base, {name: (self._log(axis, sites) - base) / step for name, step, sites in self.moved}
+
+    def _log(self, axis: Axis, sites: Sequence[tuple[Effect, Site]]) -> np.ndarray:
+        total = np.zeros((len(self.points), len(axis)), dtype=complex)
+        for effect, site in sites:
+            if effect.read is not None:
+                total[[point == site.where for point in self.points]] += effect.read(site, axis)
+        return total
+
+
+def _sliced(observations: Observations, posture: int, rows: np.ndarray) -> _Slice:
+    where, response = np.unique(observations.response[rows], axis=0, return_inverse=True)
+    struck, reference = np.unique(observations.reference[rows], axis=0, return_inverse=True)
+    names = {p.id: p.name for p in observations.campaign.points}
+    hit, felt = observations.reference[rows[0]].tolist(), observations.response[rows[0]].tolist()
+    return _Slice(
+        posture=posture,
+        rows=rows,
+        where=where,
+        struck=struck,
+        pairs=np.stack([response.ravel(), reference.ravel()], axis=1),
+        points=tuple(names[int(number)] for number, _ in where.tolist()),
+        read=tuple(names[int(number)] for number in observations.response[rows, 0].tolist()),
+        level=int(observations.level[rows[0]]),
+        reference=(hit[0], hit[1]),
+        response=(felt[0], felt[1]),
+    )
+
+
+def _kept(frame: Frame, observations: Observations, wanted: np.ndarray) -> np.ndarray:
+    key = wanted.tobytes()
+    if key not in frame.rows:
+        frame.rows[key] = frame.assembly.rows(places(observations, wanted))
+    return frame.rows[key]
+
+
+def _summed(assembly: Assembly) -> dict[str, np.ndarray]:
+    """Sum of an assembly's terms by kind."""
+    n = len(assembly.coordinates)
+    total = {kind: np.zeros((n, n)) for kind in KINDS}
+    for kind, matrix, _ in assembly.terms:
+        total[kind] += matrix
+    return total

@@ -1,0 +1,123 @@
+"""A hypothesis whose non-linear torques are marched in time, as a model that a fit can take.
+
+Everything but those torques is the hypothesis' own: effects with a `law` lose their stand-in at one amplitude
+and are marched under every blow. Derivatives are forward differences.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from jaxtyping import Complex, Float, Int
+
+from flexmodal.diagnosis.hypothesis import Hypothesis, Placed
+from flexmodal.diagnosis.march.integrate import FINENESS, March, Steps, Struck, march
+from flexmodal.diagnosis.march.law import Law
+from flexmodal.diagnosis.march.record import record_receptance, struck_by
+from flexmodal.errors import Fault, InvalidRequest
+from flexmodal.identification import Observations, ParameterSpace
+from flexmodal.identification.model import Group
+
+STEP = 1e-5
+"""Of the differences."""
+
+
+@dataclass(frozen=True, eq=False)
+class MarchedModel:
+    """A model of observations (`identification.ReceptanceModel`).
+
+    Raises:
+        InvalidRequest: no effect of the hypothesis has a law.
+    """
+
+    hypothesis: Hypothesis
+    fineness: float = FINENESS
+    """Steps in a period of the highest line."""
+    compiled: bool | None = None
+    """Whether by the compiled loop; by default, if numba is installed."""
+
+    def __post_init__(self) -> None:
+        if not has_law(self.hypothesis):
+            found = ", ".join(placed.label for placed in self.hypothesis.placed) or "no effect"
+            raise InvalidRequest(Fault("call", "hypothesis", found, "an effect with a law"))
+
+    @property
+    def space(self) -> ParameterSpace:
+        """Of the hypothesis."""
+        return self.hypothesis.space
+
+    @cached_property
+    def linear(self) -> Hypothesis:
+        """Without the stand-ins."""
+        placed = tuple(_without_stand_in(one) for one in self.hypothesis.placed)
+        return Hypothesis(self.hypothesis.scene, self.hypothesis.base, placed)
+
+    def receptances(
+        self,
+        x: Float[np.ndarray, " parameter"],
+        observations: Observations,
+        lines: slice | Int[np.ndarray, " line"],
+        *,
+        slopes: bool,
+    ) -> tuple[Complex[np.ndarray, "observation line"], Complex[np.ndarray, "parameter observation line"]]:
+        """See `identification.ReceptanceModel`; all that has to be marched is marched at once."""
+        _, high = self.space.bounds
+        sizes = np.where(x + STEP <= high, STEP, -STEP) if slopes else np.zeros(0)
+        tried = [x, *(x + np.where(np.arange(len(x)) == k, size, 0.0) for k, size in enumerate(sizes))]
+        looks = [self._look(one, observations, lines) for one in tried]
+        steps = self._steps(observations)
+        marched = march([one.struck for look in looks for one in look], steps, compiled=self.compiled)
+        found = np.zeros((len(tried), len(observations), len(observations.axis.take(lines))), dtype=complex)
+        number = 0
+        for value, look in zip(found, looks, strict=True):
+            for one in look:
+                value[one.group.observations] = one.read(marched[number], steps)
+                number += 1
+        return found[0], (found[1:] - found[0]) / sizes[:, None, None]
+
+    def _steps(self, observations: Observations) -> Steps:
+        length = max(observations.lengths)
+        if length > 0:  # from the middle of the pulse
+            length += float(np.mean([pulse.length for pulse in self.hypothesis.scene.pulses])) / 2
+        return Steps.behind(observations.axis.frequency, length, self.fineness)
+
+    def _look(self, x: np.ndarray, observations: Observations, lines: slice | np.ndarray) -> Sequence[_Look]:
+        values, pulses = self.space.values(x), self.hypothesis.scene.pulses
+        laws: dict[int, tuple[Law, ...]] = {}
+        found = []
+        for group in self.linear.groups(x, observations, slopes=False):
+            posture = int(observations.posture[group.observations[0]])
+            if posture not in laws:
+                laws[posture] = self.linear.laws(posture, values)
+            found.append(_Look(group, *struck_by(group, observations, pulses, lines, laws[posture])))
+        return found
+
+
+@dataclass(frozen=True, eq=False)
+class _Look:
+    """Observations that share a structure, as blows on it."""
+
+    group: Group
+    struck: Struck
+    wanted: Int[np.ndarray, "observation 2"]
+
+    def read(self, marched: March, steps: Steps) -> Complex[np.ndarray, "observation line"]:
+        """What the sensors make of it."""
+        value = record_receptance(self.struck, marched, steps, self.wanted)
+        if self.group.reading is not None:
+            value = value * np.exp(self.group.reading(self.struck.axis)[0])
+        return value
+
+
+def has_law(hypothesis: Hypothesis) -> bool:
+    """Whether an effect of it has a torque that can be marched."""
+    return any(placed.effect.law is not None for placed in hypothesis.placed)
+
+
+def _without_stand_in(placed: Placed) -> Placed:
+    if placed.effect.law is None:
+        return placed
+    return Placed(replace(placed.effect, act=None, variants=()), placed.where)

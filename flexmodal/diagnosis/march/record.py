@@ -1,0 +1,77 @@
+"""The FRF that a record of a marched blow gives: the response's spectrum over the force's, as receptance.
+
+Over a record of length T, under the window e^{−σt} and at s = iω + σ, coordinates that start at rest have
+
+    Z(s) X = jᵀ F − Σ wᵀ T(s) − e^{−sT} [M ẋ(T) + (C + s M) x(T)],
+
+X, F and T the spectra over the record. The bracket is what the record cuts off. It enters a displacement
+sensor's spectrum as it is; those of velocity and acceleration have s X + e^{−sT} x(T) and
+s² X + e^{−sT} [s x(T) + ẋ(T)], and a receptance is made of them by dividing by s and s².
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from jaxtyping import Complex, Int
+
+from flexmodal.diagnosis.march.integrate import March, Steps, Struck
+from flexmodal.diagnosis.march.law import Law
+from flexmodal.diagnosis.march.pulse import Pulse
+from flexmodal.identification import Observations
+from flexmodal.identification.model import Group
+
+
+def record_receptance(
+    struck: Struck,
+    marched: March,
+    steps: Steps,
+    wanted: Int[np.ndarray, "wanted 2"],
+) -> Complex[np.ndarray, "wanted line"]:
+    """Receptances [m/N] as a record would give them; where `Axis.length` is 0, as if it never ended.
+
+    Args:
+        struck: what was marched.
+        marched: by it.
+        steps: of the march.
+        wanted: numbers of a row of `structure.response` and of a blow.
+    """
+    structure, axis = struck.structure, struck.axis
+    s, n = axis.s, structure.dof
+    end = marched.last if axis.length > 0 else np.zeros_like(marched.last)
+    x, v = end[:, :n], end[:, n:]
+    cut = np.exp(-s * steps.length) / marched.force  # blow, line
+    rows = structure.reference[[row for row, _ in struck.blows]]
+    laws = np.array([law.row for law in struck.laws]).reshape(-1, n)
+    load = rows[:, None, :] - np.einsum("bkl,kd->bld", marched.torque / marched.force[:, None], laws)
+    still = (v @ structure.mass + x @ structure.damping)[:, None] + s[:, None] * (x @ structure.mass)[:, None]
+    load = load - cut[:, :, None] * still
+    back, _ = structure.solve(axis)  # line, dof, response
+    u, b = wanted[:, 0], wanted[:, 1]
+    value = np.einsum("lpd,pld->pl", np.swapaxes(back, 1, 2)[:, u], load[b])
+    if axis.power >= 1:
+        value += np.einsum("pd,pd->p", structure.response[u], x[b])[:, None] * cut[b] / s
+    if axis.power == 2:
+        value += np.einsum("pd,pd->p", structure.response[u], v[b])[:, None] * cut[b] / s**2
+    return value
+
+
+def struck_by(
+    group: Group,
+    observations: Observations,
+    pulses: Sequence[Pulse],
+    lines: slice | Int[np.ndarray, " line"],
+    laws: tuple[Law, ...] = (),
+) -> tuple[Struck, Int[np.ndarray, "observation 2"]]:
+    """A group of observations as blows on its structure, and the row and the blow of each."""
+    level = observations.level[group.observations]
+    table = np.stack([group.pairs[:, 1], level], axis=1)
+    blows, number = np.unique(table, axis=0, return_inverse=True)
+    struck = Struck(
+        group.structure,
+        laws,
+        observations.axis_of(group.level).take(lines),
+        tuple((int(row), pulses[int(kind)]) for row, kind in blows),
+    )
+    return struck, np.stack([group.pairs[:, 0], number.ravel()], axis=1)

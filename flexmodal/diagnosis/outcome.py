@@ -1,0 +1,138 @@
+"""What a diagnosis found: the disagreement, the steps, the verdict."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from jaxtyping import Complex, Float
+
+from flexmodal.diagnosis.hypothesis import Hypothesis
+from flexmodal.identification import Observations
+
+UNKNOWN = "unknown"
+
+
+@dataclass(frozen=True)
+class Gaps:
+    """Gap between model and measurement at the stages of a diagnosis, as the file formats define it."""
+
+    before: float
+    """The robot re-tuned, nothing added; of a step, the model before it."""
+    after: float
+    held_out_before: float | None
+    """On postures that no fit of this pair of figures saw; None where none could be held out."""
+    held_out_after: float | None
+    noise_floor: float
+    believed: float | None = None
+    """The card as it came."""
+
+
+@dataclass(frozen=True)
+class Region:
+    """Where, and how, measurement and re-tuned model disagree."""
+
+    posture: int
+    """Id in the campaign, as are the others."""
+    response: tuple[int, int]
+    reference: tuple[int, int]
+    trial: int
+    band: tuple[float, float]
+    """[Hz]"""
+    share: float
+    """Of the whole disagreement above the noise, 0 to 1."""
+    kind: str
+    says: str
+
+
+@dataclass(frozen=True)
+class Weighed:
+    """One explanation on the scales."""
+
+    effect: str
+    """Name of the effect; "none" for the robot re-tuned, "unstructured_mode" for a mode with no structure."""
+    where: str
+    gap: float
+    held_out_gap: float | None
+    evidence: float
+    """Logarithm of the evidence over that of the best [nat], tempered (see `weigh`)."""
+    confidence: float
+    parameters: int
+    """How many it adds."""
+
+
+@dataclass(frozen=True)
+class Step:
+    """One effect added."""
+
+    effect: str
+    where: str
+    parameters: Mapping[str, float]
+    units: Mapping[str, str]
+    uncertainty: Mapping[str, float]
+    """Standard errors."""
+    confidence: float
+    gaps: Gaps
+    alternatives: tuple[Weighed, ...]
+    """What was weighed against it, the best first; the robot re-tuned among them."""
+    ties: tuple[tuple[str, str], ...] = ()
+    """Explanations that these data cannot tell from it."""
+
+
+@dataclass(frozen=True)
+class NextMeasurement:
+    """What would separate two explanations best."""
+
+    posture: Mapping[str, float]
+    response: tuple[int, int]
+    reference: tuple[int, int]
+    separates: tuple[str, str]
+    """Two explanations, `effect@where`."""
+    expected: float
+    """Root mean square of |ln| between the two, over the noise floor."""
+    force_peak: float
+    """[N]"""
+    point: str | None = None
+    """Where a sensor not in the campaign should sit, by name; None for one of its own points."""
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """The answer."""
+
+    effects: tuple[tuple[str, str], ...]
+    explained: bool
+    says: str
+
+
+@dataclass(frozen=True, eq=False)
+class Diagnosis:
+    """Everything that `diagnose` found out."""
+
+    campaign: str
+    robot: str
+    gaps: Gaps
+    disagreement: tuple[Region, ...]
+    remaining: tuple[Region, ...]
+    """Disagreement that is left at the end."""
+    steps: tuple[Step, ...]
+    verdict: Verdict
+    next_measurement: NextMeasurement | None
+    untestable: Mapping[str, str]
+    """Effects that these data cannot tell of, and why."""
+    left_out: tuple[str, ...]
+    """Records without a signal, and effects that were not asked for."""
+    held_out: tuple[int, ...]
+    """Ids of the postures that were held out."""
+    model: Hypothesis = field(repr=False)
+    """The final model, with all effects that were added."""
+    x: Float[np.ndarray, " parameter"] = field(repr=False)
+    """Coordinates of its parameters."""
+    deviation: Float[np.ndarray, " parameter"] = field(repr=False)
+    """Their standard errors."""
+    observations: Observations = field(repr=False)
+    predicted: Mapping[str, Complex[np.ndarray, "observation line"]] = field(repr=False)
+    """Receptances by stage: "believed", "before", "after"."""
+    provenance: Mapping[str, str] = field(default_factory=dict)
+    """Versions, hashes of the inputs, seed, settings, seconds."""

@@ -1,0 +1,194 @@
+"""From many hypotheses to a few fitted well: coarse looks at all, closer looks at those that do best.
+
+Every hypothesis starts at the card, not at the re-tuned robot: re-tuning without the effect runs away from
+the truth. Rounds of more steps with fewer candidates follow one another (successive halving).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from flexmodal.diagnosis.effects.effect import Effect
+from flexmodal.diagnosis.hypothesis import Hypothesis, Placed
+from flexmodal.identification import Observations
+from flexmodal.identification.descent import robust
+from flexmodal.identification.frf_fit import FrfFit, Weighing, cost_of, fit, residual
+
+COARSE = 48
+"""Lines of the coarse looks, closer together where resonances are narrow."""
+CLOSE = 160
+"""Lines of the closer ones."""
+STARTS = 2
+"""Starts that are kept for each effect and place."""
+ROUNDS = ((0.2, 3, 20), (0.1, 5, 10), (0.03, 8, 5))
+"""Model error, steps, and how many candidates go on."""
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """A hypothesis on its way."""
+
+    hypothesis: Hypothesis
+    x: Float[np.ndarray, " parameter"]
+    cost: float
+    """On coarse lines at the last round's model error."""
+
+    @property
+    def key(self) -> tuple[str, str]:
+        """Name and place of the effect it adds last."""
+        return self.hypothesis.keys[-1]
+
+
+def some_lines(observations: Observations, count: int) -> Int[np.ndarray, " line"]:
+    """Numbers of about so many lines, half of them evenly spaced, half on a logarithmic scale."""
+    every = len(observations.axis)
+    if count >= every:
+        return np.arange(every)
+    even = np.linspace(0, every - 1, count // 2)
+    frequency = observations.axis.frequency
+    spread = np.interp(
+        np.linspace(np.log(frequency[0]), np.log(frequency[-1]), count - count // 2),
+        np.log(frequency),
+        np.arange(every),
+    )
+    return np.unique(np.concatenate([even, spread]).round().astype(int))
+
+
+def unlimited(observations: Observations) -> Observations:
+    """As if every record lasted until all is still: what is cut off is a matter for the close look."""
+    return replace(observations, lengths=tuple(0.0 for _ in observations.lengths))
+
+
+@dataclass(frozen=True, eq=False)
+class Look:
+    """Observations as the coarse looks see them: levels of force apart, and as one.
+
+    A model without force levels is as far from the mean over them as from each, but for a constant.
+    """
+
+    apart: Observations
+    merged: Observations
+    share: Float[np.ndarray, " observation"]
+    """How many levels each merged observation stands for."""
+    lines: Int[np.ndarray, " line"]
+
+    def constant(self, floor: float) -> float:
+        """What the mean hides of the sum of squares."""
+        weight = Weighing(floor, self.lines).weight(self.apart)
+        between = residual(self.merged.value[self.owner][:, self.lines], self.apart.value[:, self.lines])
+        return float(np.sum(robust(weight * np.abs(between) ** 2)))
+
+    @cached_property
+    def owner(self) -> Int[np.ndarray, " observation"]:
+        """The merged observation of each."""
+        return _owner(self.apart)
+
+    def fitted(self, one: Candidate, floor: float, steps: int) -> Candidate:
+        """A candidate some steps further."""
+        loud = any("blow" in placed.effect.variants for placed in one.hypothesis.placed)
+        seen, share = (self.apart, None) if loud else (self.merged, self.share)
+        made = fit(
+            one.hypothesis, seen, one.x, floors=(floor,), steps=steps, lines=self.lines, share=share,
+            apart=False,
+        )  # fmt: skip
+        more = 0.0 if loud else self.constant(floor)
+        return Candidate(one.hypothesis, made.x, made.normal.cost + more)
+
+
+def _owner(observations: Observations) -> Int[np.ndarray, " observation"]:
+    decay = np.array(observations.decays)[observations.level]
+    key = np.column_stack([observations.posture, observations.response, observations.reference, decay])
+    return np.unique(key, axis=0, return_inverse=True)[1].ravel()
+
+
+def look_at(observations: Observations, count: int = COARSE) -> Look:
+    """Prepare the coarse looks."""
+    observations = unlimited(observations)
+    owner = _owner(observations)
+    first = np.unique(owner, return_index=True)[1]
+    share = np.bincount(owner).astype(float)
+    value, variance = np.zeros((2, len(share), observations.value.shape[1]), dtype=complex)
+    used = np.ones(value.shape, dtype=bool)
+    np.add.at(value, owner, observations.value)
+    np.add.at(variance, owner, observations.variance)
+    np.logical_and.at(used, owner, observations.used)
+    keep = np.zeros(len(observations), dtype=bool)
+    keep[first] = True
+    kept = observations.keeping(keep)
+    order = np.argsort(np.argsort(first))
+    back = np.argsort(order)
+    merged = replace(
+        kept,
+        value=(value / share[:, None])[back],
+        variance=(variance.real / share[:, None])[back],
+        used=used[back],
+    )
+    look = Look(observations, merged, share[back], some_lines(observations, count))
+    look.__dict__["owner"] = order[owner]
+    return look
+
+
+def candidates(
+    root: Hypothesis, starts_from: Float[np.ndarray, " before"], effects: Sequence[Effect], look: Look
+) -> list[Candidate]:
+    """Every effect in every place beside what the root holds already, at its best starts."""
+    weighing = Weighing(ROUNDS[0][0], look.lines)
+    found = []
+    for effect in effects:
+        if effect.untestable(root.scene):
+            continue
+        loud = "blow" in effect.variants
+        seen = look.apart if loud else look.merged
+        for where in effect.places(root.scene):
+            if (effect.name, where) in root.keys:
+                continue
+            placed = Placed(effect, where)
+            hypothesis = root.and_also(placed)
+            tried = [
+                hypothesis.start(placed, start, starts_from) for start in effect.starts(root.scene, where)
+            ]
+            costs = [cost_of(hypothesis, x, seen, weighing) for x in tried]
+            order = np.argsort(costs, kind="stable")[:STARTS]
+            found += [Candidate(hypothesis, tried[k], costs[k]) for k in order]
+    return found
+
+
+def narrowed(
+    found: Sequence[Candidate], look: Look, advance: Callable[[float], None] = lambda part: None
+) -> list[Candidate]:
+    """The candidates that do best, one for each effect and place, the best first."""
+    todo = list(found)
+    for round_number, (floor, steps, keep) in enumerate(ROUNDS):
+        done = []
+        for number, one in enumerate(todo):
+            done.append(look.fitted(one, floor, steps))
+            advance((round_number + (number + 1) / len(todo)) / len(ROUNDS))
+        todo = distinct(done)[:keep]
+    return todo
+
+
+def distinct(found: Sequence[Candidate]) -> list[Candidate]:
+    """The best of each effect and place, the best first."""
+    best: dict[tuple[str, str], Candidate] = {}
+    for one in sorted(found, key=lambda one: one.cost):
+        best.setdefault(one.key, one)
+    return list(best.values())
+
+
+def polished(
+    one: Candidate, observations: Observations, *, floors: Sequence[float] = (0.05, 0.01), steps: int = 20
+) -> FrfFit:
+    """A candidate fitted closely."""
+    return fit(
+        one.hypothesis,
+        observations,
+        one.x,
+        floors=floors,
+        steps=steps,
+        lines=some_lines(observations, CLOSE),
+    )

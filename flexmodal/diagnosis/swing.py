@@ -1,0 +1,49 @@
+"""How far a joint swings under a blow, by the believed robot: what a describing function asks for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from flexmodal.diagnosis.effects.effect import Scene
+from flexmodal.diagnosis.march.pulse import Pulse, haversine
+from flexmodal.identification.assembly import Assembly, put_together
+from flexmodal.identification.model import AXES
+from flexmodal.identification.structure import Axis
+
+_LINES = 1024
+
+
+@dataclass(frozen=True)
+class Swing:
+    """Deflection of a joint after a blow."""
+
+    amplitude: float
+    """Of the steady vibration that a cubic spring would find as stiff: A² = 4/3 ∫q⁴/∫q² [rad]."""
+    omega: float
+    """Root of ∫q̇²/∫q² [rad/s]."""
+
+
+def swings(scene: Scene, posture: int, reference: tuple[int, int], pulse: Pulse) -> dict[str, Swing]:
+    """Swing of every joint in a posture for a hammer point and direction."""
+    arm = scene.arm(posture)
+    assembly = Assembly(arm)
+    put_together(assembly, {}, arm.bodies)
+    point = scene.observations.campaign.point(reference[0])
+    rows = assembly.rows([(point.link, np.array(point.xyz), AXES[reference[1] - 1])])
+    structure = assembly.close(np.eye(len(assembly.coordinates)), rows)
+    high = 2 * scene.band[1]
+    frequency = np.arange(1, _LINES) * high / _LINES
+    y = structure.solve(Axis(frequency, 1.0))[1][:, :, 0]
+    spectrum = pulse.peak * haversine(frequency, pulse.length)
+    q = np.fft.irfft(np.vstack([np.zeros((1, y.shape[1])), y * spectrum[:, None]]), axis=0)
+    speed = np.fft.irfft(
+        np.vstack([np.zeros((1, y.shape[1])), y * (2j * np.pi * frequency * spectrum)[:, None]]), axis=0
+    )
+    q, speed = q * 2 * high, speed * 2 * high  # irfft is a sum over lines; the integral has df = 1/(N dt)
+    square, fourth, fast = (q**2).sum(axis=0), (q**4).sum(axis=0), (speed**2).sum(axis=0)
+    return {
+        name: Swing(float(np.sqrt(4 / 3 * fourth[k] / square[k])), float(np.sqrt(fast[k] / square[k])))
+        for k, name in enumerate(arm.robot.joints)
+    }

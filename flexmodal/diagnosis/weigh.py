@@ -1,0 +1,139 @@
+"""Which explanation do the data prefer, and how surely.
+
+The score of a hypothesis is the logarithm of its evidence by Laplace's method on the postures it was fitted
+to, plus the log-likelihood of the postures held out:
+
+    S = −κ/2s² (C_fitted + C_held out) − ½ ln det(I + P⁻¹A κ/s²),
+
+C the robust sums of squares, A the curvature, P the prior's precision. Naive sums would give probabilities of
+0 or 1 even where they are wrong: residuals of neighbouring lines are alike as soon as a model is a little
+off. So κ = 1/(1 + 2Σρ) discounts them by the autocorrelation ρ of the best hypothesis' residuals, and s² ≥ 1
+is its reduced sum of squares. Probabilities come from these scores under the Bayesian bootstrap (Rubin, Ann.
+Statist. 9, 1981) over clusters — everything between one response and one hammer point in one posture —, as
+pseudo-BMA+ does (Yao, Vehtari, Simpson and Gelman, Bayesian Analysis 13, 2018).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Complex, Float
+
+from flexmodal.diagnosis.hypothesis import Hypothesis
+from flexmodal.identification import Observations, predict
+from flexmodal.identification.descent import robust
+from flexmodal.identification.frf_fit import FrfFit, Weighing, residual
+from flexmodal.identification.uncertainty import clusters
+
+DRAWS = 400
+"""Of the bootstrap."""
+_MOST_LAG = 60
+
+
+@dataclass(frozen=True, eq=False)
+class Weighable:
+    """A fitted hypothesis with what it leaves."""
+
+    hypothesis: Hypothesis
+    fitted: FrfFit
+    """On the postures that are not held out."""
+    costs: Float[np.ndarray, " cluster"]
+    """Robust sum of squares of each cluster, fitted and held out."""
+    occam: float
+    """½ ln det(I + P⁻¹A), untempered."""
+    predicted: Complex[np.ndarray, "observation line"]
+    """For every observation, on all lines."""
+
+    @property
+    def key(self) -> tuple[str, str]:
+        """The effect it adds last; ("none", "") for the robot re-tuned."""
+        return self.hypothesis.keys[-1] if self.hypothesis.placed else ("none", "")
+
+
+@dataclass(frozen=True, eq=False)
+class Scales:
+    """Scores and probabilities of several explanations."""
+
+    scores: Float[np.ndarray, " hypothesis"]
+    """ln evidence over that of the best [nat]."""
+    probability: Float[np.ndarray, " hypothesis"]
+    """Under the bootstrap."""
+    gain: float
+    """5 % quantile, under the bootstrap, of the score of the best over that of the first given [nat]."""
+    kept: float
+    """κ: part of the lines that count as independent."""
+    spread: float
+    """s² of the best."""
+
+
+def weighable(
+    hypothesis: Hypothesis,
+    fitted: FrfFit,
+    observations: Observations,
+    predicted: Complex[np.ndarray, "observation line"] | None = None,
+) -> Weighable:
+    """Look at a fit on all observations, the held out ones included.
+
+    Args:
+        hypothesis: with its parameters.
+        fitted: to some of the observations.
+        observations: all of them.
+        predicted: its receptances, if they are known better than the hypothesis gives them.
+    """
+    value = predict(hypothesis, fitted.x, observations) if predicted is None else predicted
+    every = Weighing(fitted.weighing.floor, np.arange(len(observations.axis)))
+    squared = every.weight(observations) * np.abs(residual(value, observations.value)) ** 2
+    size = robust(squared)
+    cluster = clusters(observations)
+    costs = np.bincount(cluster, weights=size.sum(axis=1))
+    precision = np.maximum(hypothesis.space.precision, 1e-12)
+    root = np.sqrt(precision)
+    share = len(observations.axis) / max(len(fitted.weighing.lines), 1)
+    curvature = fitted.normal.curvature * share / np.outer(root, root)
+    sign, log = np.linalg.slogdet(np.eye(len(root)) + curvature)
+    return Weighable(hypothesis, fitted, costs, 0.5 * float(log) if sign > 0 else np.inf, value)
+
+
+def independence(
+    observations: Observations, predicted: Complex[np.ndarray, "observation line"], floor: float
+) -> float:
+    """κ = 1/(1 + 2Σρ): part of the lines that count, by the autocorrelation of the weighted residuals."""
+    weight = np.sqrt(Weighing(floor, np.arange(len(observations.axis))).weight(observations))
+    r = weight * residual(predicted, observations.value)
+    power = float(np.sum(np.abs(r) ** 2))
+    total = 1.0
+    for lag in range(1, min(_MOST_LAG, r.shape[1] - 1)):
+        rho = float(np.sum((r[:, lag:] * np.conj(r[:, :-lag])).real)) / max(power, 1e-300)
+        if rho < 0.02:
+            break
+        total += 2 * rho
+    return 1 / total
+
+
+def weigh(found: Sequence[Weighable], observations: Observations, seed: int = 0) -> Scales:
+    """Weigh fitted hypotheses against each other, the first being the one without the new effect."""
+    floor = found[0].fitted.weighing.floor
+    totals = np.array([one.costs.sum() for one in found])
+    best = int(np.argmin(totals))
+    kept = independence(observations, found[best].predicted, floor)
+    lines = max(int(observations.used.sum()), 1)
+    spread = max(1.0, totals[best] / lines)
+    temper = kept / spread
+    costs = np.array([one.costs for one in found]) * temper / 2
+    occam = np.array([_tempered(one, temper) for one in found])
+    scores = -costs.sum(axis=1) - occam
+    random = np.random.default_rng(seed)
+    draws = random.dirichlet(np.ones(costs.shape[1]), DRAWS) * costs.shape[1]
+    drawn = -draws @ costs.T - occam  # draw, hypothesis
+    weights = np.exp(drawn - drawn.max(axis=1, keepdims=True))
+    weights /= weights.sum(axis=1, keepdims=True)
+    gain = float(np.quantile(drawn.max(axis=1) - drawn[:, 0], 0.05))
+    return Scales(scores - scores.max(), weights.mean(axis=0), gain, kept, spread)
+
+
+def _tempered(one: Weighable, temper: float) -> float:
+    """The Occam factor at the tempered curvature: each well measured parameter loses ½ ln(1/temper)."""
+    strong = int(np.sum(np.diag(one.fitted.normal.curvature) > one.hypothesis.space.precision))
+    return one.occam + 0.5 * strong * np.log(temper)

@@ -1,0 +1,213 @@
+"""Depth of cut as a judge of postures."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from flexmodal.cards import FamilyCard
+from flexmodal.errors import Fault, InvalidRequest
+from flexmodal.machining.cut import Cut
+from flexmodal.machining.forced import ForcedSweep, forced_sweep
+from flexmodal.machining.lobes import Lobes
+from flexmodal.machining.measured_tip import MeasuredTip
+from flexmodal.machining.mode_coupling import ModeCoupling, mode_coupling
+from flexmodal.machining.solve import stability_lobes, unconditional_depth
+from flexmodal.machining.tip import tool_tip
+from flexmodal.model import Posture, Robot
+from flexmodal.model.robot import Pose
+
+SPEEDS = 200
+"""How many spindle speeds postures are compared at if nobody says."""
+
+
+@dataclass(frozen=True, eq=False)
+class PostureDepth:
+    """What a posture allows a cut."""
+
+    posture: Posture
+    lobes: Lobes
+    """The stability limit over the cut's range of speeds."""
+    unconditional: tuple[float, float]
+    """Depth stable at every speed, in range or not [m], and the frequency that limits it [Hz]."""
+    coupling: ModeCoupling
+    """Where the modes feed each other without regeneration."""
+    forced: ForcedSweep | None = None
+    """Forced vibration at the cut's own depth, if it says one."""
+    parameter: float | None = None
+    """Of the family, if there is one [rad, or m]."""
+
+    @property
+    def critical_depth(self) -> float:
+        """Depth stable at every speed of the range [m]."""
+        return self.lobes.critical_depth
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """Postures of one robot, judged by the depth of one cut."""
+
+    robot: Robot
+    cut: Cut
+    postures: tuple[PostureDepth, ...]
+    """In the order given."""
+    family: str | None = None
+
+    @property
+    def best(self) -> int:
+        """Which posture allows the greatest critical depth; of equals the first."""
+        return int(np.argmax([one.critical_depth for one in self.postures]))
+
+    @property
+    def gain(self) -> float:
+        """Greatest critical depth over the least."""
+        depths = [one.critical_depth for one in self.postures]
+        return float(max(depths) / min(depths)) if min(depths) < np.inf else 1.0
+
+
+def critical_depth(
+    robot: Robot,
+    pose: Pose,
+    cut: Cut,
+    *,
+    spindle_speed: float | None = None,
+    added: MeasuredTip | None = None,
+) -> float:
+    """Axial depth of cut below which a cut is stable in a posture, by the zero-order solution [m].
+
+    Args:
+        robot: the robot.
+        pose: its posture.
+        cut: the cut.
+        spindle_speed: the speed meant [rev/min]; every speed of the cut's range if none.
+        added: measured receptance of tool and spindle at the tip, in the frame of the cut.
+
+    Returns:
+        The depth; infinite where nothing limits it.
+
+    Raises:
+        InvalidPosture, InvalidPoint, InvalidRequest: bad arguments.
+        SingularResponse: a mode that the tip sees has no damping.
+    """
+    tip = tool_tip(robot.at(pose), cut, added)
+    speeds = SPEEDS if spindle_speed is None else np.array([float(spindle_speed)])
+    return stability_lobes(tip, cut, speeds=speeds).critical_depth
+
+
+def posture_depth(
+    robot: Robot,
+    pose: Pose,
+    cut: Cut,
+    *,
+    method: str = "zero-order",
+    speeds: int | Float[np.ndarray, " speed"] | None = None,
+    added: MeasuredTip | None = None,
+    parameter: float | None = None,
+    forced: bool = True,
+    advance: Callable[[], None] = lambda: None,
+) -> PostureDepth:
+    """Everything a posture allows a cut.
+
+    Args:
+        robot: the robot.
+        pose: its posture.
+        cut: the cut.
+        method: see `stability_lobes`.
+        speeds: see `stability_lobes`.
+        added: measured receptance of tool and spindle at the tip, in the frame of the cut.
+        parameter: of the family, to be carried along.
+        forced: whether forced vibration is wanted, where the cut says feed and depth.
+        advance: see `stability_lobes`.
+
+    Raises:
+        As `critical_depth` and `stability_lobes`.
+    """
+    posed = robot.at(pose)
+    tip = tool_tip(posed, cut, added)
+    lobes = stability_lobes(tip, cut, method=method, speeds=speeds, advance=advance)
+    return PostureDepth(
+        posture=posed.posture,
+        lobes=lobes,
+        unconditional=unconditional_depth(tip, cut),
+        coupling=mode_coupling(tip, cut),
+        forced=forced_sweep(tip, cut, lobes.speed) if forced and cut.engagement.depth else None,
+        parameter=parameter,
+    )
+
+
+def compare_postures(
+    robot: Robot,
+    poses: Sequence[Pose],
+    cut: Cut,
+    *,
+    speeds: int = SPEEDS,
+    added: MeasuredTip | None = None,
+    advance: Callable[[], None] = lambda: None,
+) -> Comparison:
+    """Judge a list of postures by depth of cut, zero-order solution.
+
+    Args:
+        robot: the robot.
+        poses: the postures.
+        cut: the cut.
+        speeds: how many spindle speeds over the cut's range; more are taken where the limit bends.
+        added: measured receptance of tool and spindle at the tip, in the frame of the cut.
+        advance: called after each posture.
+
+    Raises:
+        InvalidRequest: no posture.
+        As `critical_depth`.
+    """
+    if not poses:
+        raise InvalidRequest(Fault("call", "postures", "none", "at least one"))
+    checked = [robot.posture(pose) for pose in poses]  # all of them, before the work
+    found = []
+    for pose in checked:
+        found.append(posture_depth(robot, pose, cut, speeds=speeds, added=added, forced=False))
+        advance()
+    return Comparison(robot, cut, tuple(found))
+
+
+def compare_family(
+    robot: Robot,
+    family: str,
+    cut: Cut,
+    *,
+    members: int = 21,
+    speeds: int = SPEEDS,
+    added: MeasuredTip | None = None,
+    advance: Callable[[], None] = lambda: None,
+) -> Comparison:
+    """Judge a one-parameter family of the robot's card, evenly from end to end.
+
+    Args:
+        robot: the robot.
+        family: name of the family.
+        cut: the cut.
+        members: how many.
+        speeds: as for `compare_postures`.
+        added: as for `compare_postures`.
+        advance: as for `compare_postures`.
+
+    Raises:
+        InvalidRequest: no such family, or fewer than two members.
+        As `critical_depth`.
+    """
+    card = robot.family(family)
+    if isinstance(members, bool) or not 2 <= members <= 10_000:
+        raise InvalidRequest(Fault("call", "members", repr(members), "a whole number from 2 to 10000"))
+    found = []
+    for parameter in np.linspace(card.start, card.stop, members).tolist():
+        values = family_member(card, parameter)
+        one = posture_depth(robot, values, cut, speeds=speeds, added=added, parameter=parameter, forced=False)
+        found.append(one)
+        advance()
+    return Comparison(robot, cut, tuple(found), family)
+
+
+def family_member(card: FamilyCard, parameter: float) -> dict[str, float]:
+    """Joint values of a member of a family; joints it does not name are 0."""
+    return {card.parameter: parameter} | {joint: factor * parameter for joint, factor in card.follow.items()}

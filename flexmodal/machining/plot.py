@@ -1,0 +1,215 @@
+"""Pictures of stability lobes, and of postures compared by depth of cut."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from flexmodal.frf.plot import PALETTE
+from flexmodal.machining.depth import Comparison, PostureDepth
+from flexmodal.machining.forced import ForcedSweep
+from flexmodal.machining.lobes import LINEAR_RATIO, Lobes
+
+_DEEP = 40
+"""Depths that differ by more than this are drawn on a logarithmic axis."""
+_MOST = 7
+_STYLES = ("-", "--", "-.", ":")
+_HIGHEST = 20.0
+"""Depths beyond this many times the middle one are drawn as if there were no limit: a peak, not a scale."""
+
+
+def draw_lobes(
+    curves: Mapping[str, Lobes],
+    *,
+    title: str = "",
+    coupling: float | None = None,
+    depth: float | None = None,
+    forced: ForcedSweep | None = None,
+) -> Any:
+    """Stable depth of cut over spindle speed, chatter frequency below it, and the error of the wall.
+
+    Args:
+        curves: lobes by what the legend calls them; the stable region of the first is shaded.
+        title: heading of the picture.
+        coupling: depth at which mode coupling begins [m].
+        depth: depth of cut meant to be taken [m].
+        forced: vibration of a stable cut at that depth, for a third panel.
+
+    Returns:
+        A matplotlib figure.
+    """
+    from matplotlib.figure import Figure
+
+    walls = forced is not None and np.any(np.isfinite(forced.surface_error))
+    figure = Figure(figsize=(7.8, 7.4 if walls else 5.8), layout="constrained")
+    heights = [2.2, 1, 1] if walls else [2.2, 1]
+    upper, middle, *rest = figure.subplots(len(heights), 1, sharex=True, height_ratios=heights)
+    shown = list(curves.items())[:_MOST]
+    for place, (name, lobes) in enumerate(shown):
+        _curve(upper, middle, lobes, name, place)
+    _shade(upper, shown[0][1], [level for level in (coupling, depth) if level is not None])
+    _level(upper, coupling, "mode coupling", (0, (5, 2)))
+    _level(upper, depth, "intended depth", (0, (1, 2)))
+    upper.set_ylabel("Axial depth of cut [mm]")
+    upper.set_title(title, loc="left", fontsize=11, parse_math=False)
+    for text in upper.legend(fontsize=9, framealpha=0.9).get_texts():
+        text.set_parse_math(False)
+    middle.set_ylabel("Chatter frequency [Hz]")
+    _frequency_scale(middle, [lobes for _, lobes in shown])
+    if walls and forced is not None:
+        _errors(rest[0], forced, shown[0][1])
+    bottom = rest[0] if walls else middle
+    bottom.set_xlabel("Spindle speed [rev/min]")
+    _speed_scale(bottom, shown[0][1].speed)
+    for axes in (upper, middle, *rest):
+        axes.grid(True, which="major", color="0.82", linewidth=0.6)
+        axes.grid(True, which="minor", color="0.93", linewidth=0.4)
+        axes.set_axisbelow(True)
+    return figure
+
+
+def draw_comparison(found: Comparison) -> Any:
+    """Critical depth of each posture above, and the lobes of the best and the worst below."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(7.8, 7.0), layout="constrained")
+    upper, lower = figure.subplots(2, 1)
+    depth = 1e3 * np.array([one.critical_depth for one in found.postures])
+    coupled = 1e3 * np.array([one.coupling.depth for one in found.postures])
+    family = found.family is not None
+    place = np.array([one.parameter if family else k for k, one in enumerate(found.postures)], dtype=float)
+    style: dict[str, Any] = {"markersize": 5, "linewidth": 1.6 if family else 0}
+    upper.plot(place, _finite(depth), "o-", color=PALETTE[0], label="critical depth", **style)
+    if np.any(np.isfinite(coupled)):
+        upper.plot(place, _finite(coupled), "s--", color=PALETTE[1], label="mode coupling", **style)
+    both = np.concatenate([depth, coupled])
+    both = both[np.isfinite(both) & (both > 0)]
+    if len(both) and both.max() > _DEEP / 4 * both.min():
+        upper.set_yscale("log")
+        upper.yaxis.set_major_formatter("{x:g}")
+    else:
+        upper.set_ylim(bottom=0)
+    upper.set_ylabel("Axial depth of cut [mm]")
+    if family:
+        card = found.robot.families[found.family or ""]
+        prismatic = found.robot.moving[card.parameter].type == "prismatic"
+        upper.set_xlabel(f"{card.parameter} of family {found.family} [{'m' if prismatic else 'rad'}]")
+    else:
+        upper.set_xticks(place, [_short(one) for one in found.postures], rotation=20, ha="right", fontsize=8)
+    upper.set_title(f"{found.robot.name}: {found.cut.title}", loc="left", fontsize=11, parse_math=False)
+    upper.legend(fontsize=9)
+    order = np.argsort(-np.nan_to_num(depth, posinf=np.finfo(float).max), kind="stable")
+    for number, (which, word) in enumerate(((order[0], "best"), (order[-1], "worst"))):
+        one = found.postures[int(which)]
+        name = f"{word}: {_short(one)}"
+        style = {"color": PALETTE[number], "linestyle": _STYLES[number], "linewidth": 1.6}
+        lower.plot(one.lobes.speed, _finite(1e3 * one.lobes.depth), label=name, **style)
+    lower.set_yscale("log")
+    lower.yaxis.set_major_formatter("{x:g}")
+    lower.set_ylabel("Axial depth of cut [mm]")
+    lower.set_xlabel("Spindle speed [rev/min]")
+    _speed_scale(lower, found.postures[0].lobes.speed)
+    for axes in (upper, lower):
+        axes.grid(True, which="major", color="0.82", linewidth=0.6)
+        axes.grid(True, which="minor", color="0.93", linewidth=0.4)
+    for text in lower.legend(fontsize=9, framealpha=0.9).get_texts():
+        text.set_parse_math(False)
+    return figure
+
+
+def _curve(upper: Any, middle: Any, lobes: Lobes, name: str, place: int) -> None:
+    style: dict[str, Any] = {
+        "color": PALETTE[place % len(PALETTE)],
+        "linestyle": _STYLES[place % len(_STYLES)],
+        "linewidth": 1.6,
+    }
+    upper.plot(lobes.speed, _finite(1e3 * lobes.depth), label=name or "stability limit", **style)
+    jump = np.flatnonzero(np.abs(np.diff(lobes.chatter_frequency)) > 0.02 * lobes.chatter_frequency[1:]) + 1
+    speed = np.insert(lobes.speed, jump, lobes.speed[jump])
+    middle.plot(speed, np.insert(lobes.chatter_frequency, jump, np.nan), **style)
+    if np.any(lobes.flip):
+        mark: dict[str, Any] = {
+            "marker": "v",
+            "markersize": 4,
+            "linestyle": "none",
+            "markerfacecolor": "none",
+        }
+        middle.plot(
+            lobes.speed[lobes.flip], lobes.chatter_frequency[lobes.flip], color=style["color"],
+            label="period doubling", **mark,
+        )  # fmt: skip
+        middle.legend(fontsize=9)
+
+
+def _shade(axes: Any, lobes: Lobes, levels: list[float]) -> None:
+    depth = 1e3 * lobes.depth
+    known = depth[np.isfinite(depth)]
+    if not len(known):
+        axes.text(0.5, 0.5, "no limit found", transform=axes.transAxes, ha="center")
+        return
+    low, top = float(known.min()), float(min(known.max(), _HIGHEST * np.median(known)))
+    if known.max() > _DEEP * low:
+        axes.set_yscale("log")
+        axes.yaxis.set_major_formatter("{x:g}")
+        bottom = min([low, *(1e3 * level for level in levels)]) / 2
+        top = float(known.max()) * 1.6
+    else:
+        bottom, top = 0.0, 1.15 * top
+    filled = np.where(np.isfinite(depth), depth, 10 * top)
+    axes.fill_between(lobes.speed, bottom, filled, color="#56B4E9", alpha=0.22, linewidth=0, label="stable")
+    axes.set_ylim(bottom, top)
+
+
+def _level(axes: Any, depth: float | None, name: str, style: Any) -> None:
+    if depth is not None and np.isfinite(depth):
+        axes.axhline(
+            1e3 * depth, color="0.3", linewidth=1.2, linestyle=style, label=f"{name}, {1e3 * depth:.3g} mm"
+        )
+
+
+def _errors(axes: Any, forced: ForcedSweep, lobes: Lobes) -> None:
+    error = 1e6 * forced.dynamic_error
+    unstable = np.interp(forced.speed, lobes.speed, np.nan_to_num(lobes.depth, posinf=1e9)) < forced.depth
+    axes.plot(
+        forced.speed, np.where(unstable, np.nan, error), color=PALETTE[2], linewidth=1.6, label="stable"
+    )
+    if np.any(unstable):
+        shown = np.where(unstable, error, np.nan)
+        axes.plot(forced.speed, shown, color="0.6", linewidth=1, linestyle=":", label="chatter, not valid")
+    axes.axhline(0, color="0.3", linewidth=0.8)
+    axes.set_ylabel("Surface error [µm]")
+    mean = 1e6 * np.median(forced.static[:, 1])
+    heading = f"at {1e3 * forced.depth:.3g} mm, the mean deflection of {abs(mean):.3g} µm left out"
+    axes.legend(fontsize=9, title=heading, title_fontsize=9, ncols=2)
+
+
+def _finite(values: np.ndarray) -> np.ndarray:
+    return np.where(np.isfinite(values), values, np.nan)
+
+
+def _speed_scale(axes: Any, speed: np.ndarray) -> None:
+    if len(speed) > 1:
+        axes.set_xlim(speed[0], speed[-1])
+        if speed[-1] / speed[0] > LINEAR_RATIO:
+            axes.set_xscale("log")
+            axes.xaxis.set_major_formatter("{x:g}")
+            axes.xaxis.set_minor_formatter("")
+
+
+def _frequency_scale(axes: Any, shown: list[Lobes]) -> None:
+    every = np.concatenate([lobes.chatter_frequency for lobes in shown])
+    every = every[np.isfinite(every) & (every > 0)]
+    if len(every) and every.max() > 8 * every.min():
+        axes.set_yscale("log")
+        axes.yaxis.set_major_formatter("{x:g}")
+
+
+def _short(one: PostureDepth) -> str:
+    if one.posture.name:
+        return one.posture.name
+    if one.parameter is not None:
+        return f"{one.parameter:.4g}"
+    text = str(one.posture)
+    return text if len(text) <= 40 else f"{text[:40]}…"

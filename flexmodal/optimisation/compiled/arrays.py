@@ -1,0 +1,227 @@
+"""What the compiled search works on: a problem as plain arrays, and the room it needs to work.
+
+Named tuples, since the compiler knows them.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+POSITION, ORIENTATION, AXIS = 0, 1, 2
+"""What is held: the position alone, with the orientation, or with an axis free to turn about itself."""
+
+RECEPTANCE, STIFFNESS, MOBILITY = 0, 1, 2
+"""What is judged."""
+
+PAIR, FORCE, LARGEST = 0, 1, 2
+"""Of a receptance matrix α, with force and toward unit vectors w and t: |tᵀαw|, ‖αw‖, or the 40-norm of its
+singular values."""
+
+
+class Box(NamedTuple):
+    """The commanded joints."""
+
+    columns: np.ndarray
+    """Where they stand among all joints."""
+    lower: np.ndarray
+    upper: np.ndarray
+
+
+class Held(NamedTuple):
+    """What is held; no rows if nothing is."""
+
+    joint: int
+    """Number of the joint that carries the point."""
+    offset: np.ndarray
+    """Of the point in that joint's frame [m]."""
+    kind: int
+    """POSITION, ORIENTATION or AXIS."""
+    own: np.ndarray
+    """Orientation of the point's frame in the joint's; of an axis, the first column."""
+    rows: np.ndarray
+    """What counts of the error, position [m] before rotation vector [rad]; held × 6."""
+    target: np.ndarray
+    """Position in the world [m]."""
+    orientation: np.ndarray
+    """Target of the frame in the world; of an axis, the first column."""
+
+
+class Judge(NamedTuple):
+    """What a posture is judged by."""
+
+    kind: int
+    """RECEPTANCE, STIFFNESS or MOBILITY."""
+    joint: np.ndarray
+    """Carriers of the points that are judged."""
+    offset: np.ndarray
+    """Of the points in the carriers' frames; point × 3."""
+    selector: np.ndarray
+    """Directions in world axes, translations first, weights included; point × 6."""
+    row: np.ndarray
+    """To which row each point adds."""
+    pick: np.ndarray
+    """Which joints are flexible."""
+    matrices: np.ndarray
+    """K, B and the structural damping over the flexible joints."""
+    omega: np.ndarray
+    """Angular frequencies [rad/s]."""
+    measure: int
+    """PAIR, FORCE or LARGEST."""
+    force: np.ndarray
+    """w over the rows."""
+    toward: np.ndarray
+    """t over the rows."""
+    lines: np.ndarray
+    """Share of each frequency."""
+    power: float
+    """Of the mean over the frequencies: 1, or large for the worst of them."""
+    task: np.ndarray
+    """Rows of the six-row Jacobian that the stiffness measure takes."""
+    along: np.ndarray
+    """The direction among them."""
+    goal: float
+    """Cost below which there is nothing left to gain, or no bound."""
+    bounded: bool
+    """Whether it is the former."""
+
+
+class Places(NamedTuple):
+    """Where the joints are, and the point held."""
+
+    moved: np.ndarray
+    """Angles and lengths of all joints."""
+    frames: np.ndarray
+    origins: np.ndarray
+    axes: np.ndarray
+    position: np.ndarray
+    jacobian: np.ndarray
+    turned: np.ndarray
+    turn: np.ndarray
+
+
+class Scratch(NamedTuple):
+    """Room for a judge to work in; what the cost leaves behind, the gradient uses."""
+
+    jacobians: np.ndarray
+    rows: np.ndarray
+    slope: np.ndarray
+    """Derivative of the cost along all joints."""
+    mass: np.ndarray
+    y: np.ndarray
+    """Z⁻¹jᵀ by frequency, row, part and joint."""
+    alpha: np.ndarray
+    """Receptance matrix by frequency."""
+    norms: np.ndarray
+    """Its norms; of the stiffness measure, the value."""
+    centres: np.ndarray
+    inertias: np.ndarray
+    matrix: np.ndarray
+    size: np.ndarray
+    work: np.ndarray
+    wide: np.ndarray
+    powers: np.ndarray
+    weights: np.ndarray
+    arms: np.ndarray
+    z: np.ndarray
+    twists: np.ndarray
+    momenta: np.ndarray
+    sums: np.ndarray
+    turned: np.ndarray
+    task: np.ndarray
+    """ΣVᵀ of the task Jacobian, U and Σ beside it."""
+    left: np.ndarray
+    sizes: np.ndarray
+    deflection: np.ndarray
+    moment: np.ndarray
+    shares: np.ndarray
+    rates: np.ndarray
+    selector: np.ndarray
+    spread: np.ndarray
+
+
+class Tangent(NamedTuple):
+    """The hold's tangent space, and where an iteration works."""
+
+    constraint: np.ndarray
+    """Derivative of the hold's error; held × commanded."""
+    trial_constraint: np.ndarray
+    error: np.ndarray
+    rows: np.ndarray
+    """ΣVᵀ of the constraint, U and Σ beside it."""
+    left: np.ndarray
+    sizes: np.ndarray
+    basis: np.ndarray
+    """Rows that span what the constraint fixes, then what it leaves free."""
+    factors: np.ndarray
+    model: np.ndarray
+    gradient: np.ndarray
+    trial: np.ndarray
+    trial_gradient: np.ndarray
+    step: np.ndarray
+    below: np.ndarray
+    above: np.ndarray
+    change: np.ndarray
+    image: np.ndarray
+    allowed: np.ndarray
+    """Joints that a retraction may move, and those that a Newton step does."""
+    free: np.ndarray
+    kept: np.ndarray
+    reach: np.ndarray
+    """For the quadratic program, as all below."""
+    root: np.ndarray
+    centre: np.ndarray
+    away: np.ndarray
+    columns: np.ndarray
+    residual: np.ndarray
+    x: np.ndarray
+    triangle: np.ndarray
+    unit: np.ndarray
+    solved: np.ndarray
+    chosen: np.ndarray
+    inside: np.ndarray
+    barred: np.ndarray
+
+
+def room_for(joints: int, held: int, width: int) -> tuple[Places, Tangent]:
+    """Working arrays for a chain of so many joints, so many of them commanded, and so many held rows."""
+    places = Places(
+        moved=np.zeros(joints), frames=np.zeros((joints, 3, 3)), origins=np.zeros((joints, 3)),
+        axes=np.zeros((joints, 3)), position=np.zeros(3), jacobian=np.zeros((6, joints)),
+        turned=np.zeros((3, 3)), turn=np.zeros(3),
+    )  # fmt: skip
+    tangent = Tangent(
+        constraint=np.zeros((held, width)), trial_constraint=np.zeros((held, width)), error=np.zeros(held),
+        rows=np.zeros((held, width)), left=np.zeros((held, held)), sizes=np.zeros(held),
+        basis=np.zeros((width, width)), factors=np.zeros(held), model=np.zeros((width, width)),
+        gradient=np.zeros(width), trial=np.zeros(width), trial_gradient=np.zeros(width),
+        step=np.zeros(width), below=np.zeros(width), above=np.zeros(width), change=np.zeros(width),
+        image=np.zeros(width), allowed=np.zeros(width, dtype=bool), free=np.zeros(width, dtype=bool),
+        kept=np.zeros(width), reach=np.zeros((width, width)), root=np.zeros((width, width)),
+        centre=np.zeros(width), away=np.zeros(width), columns=np.zeros((2 * width, width + 1)),
+        residual=np.zeros(width + 1), x=np.zeros(2 * width), triangle=np.zeros((width + 1, width + 1)),
+        unit=np.zeros((width + 1, width + 1)), solved=np.zeros(width + 1),
+        chosen=np.zeros(width + 1, dtype=np.int64), inside=np.zeros(2 * width, dtype=bool),
+        barred=np.zeros(2 * width, dtype=bool),
+    )  # fmt: skip
+    return places, tangent
+
+
+def scratch_for(joints: int, judge: Judge) -> Scratch:
+    """Working arrays of a judge for a chain of so many joints."""
+    n, lines, task = len(judge.pick), len(judge.omega), len(judge.task)
+    points, rows = len(judge.joint), 1 + int(judge.row.max())
+    return Scratch(
+        jacobians=np.zeros((points, 6, joints)), rows=np.zeros((rows, joints)), slope=np.zeros(joints),
+        mass=np.zeros((joints, joints)), y=np.zeros((lines, rows, 2, joints)),
+        alpha=np.zeros((lines, rows, rows), dtype=complex), norms=np.zeros(max(lines, 1)),
+        centres=np.zeros((joints, 3)), inertias=np.zeros((joints, 3, 3)),
+        matrix=np.zeros((n, n), dtype=complex), size=np.zeros(n), work=np.zeros(n, dtype=complex),
+        wide=np.zeros((n, n + rows), dtype=complex), powers=np.zeros((4, rows, rows), dtype=complex),
+        weights=np.zeros((rows, rows), dtype=complex), arms=np.zeros((joints, 3)),
+        z=np.zeros((2, joints)), twists=np.zeros((2, joints, 6)), momenta=np.zeros((3, joints, 6)),
+        sums=np.zeros(9), turned=np.zeros(joints), task=np.zeros((task, n)), left=np.zeros((task, task)),
+        sizes=np.zeros(task), deflection=np.zeros(n), moment=np.zeros(n), shares=np.zeros(task),
+        rates=np.zeros(n), selector=np.zeros(6), spread=np.zeros(joints),
+    )  # fmt: skip

@@ -1,0 +1,117 @@
+"""A small campaign with a bending link hidden in it, and a diagnosis of it, put together by hand."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import flexmodal
+from flexmodal.diagnosis.effects import Scene, catalogue
+from flexmodal.diagnosis.hypothesis import Hypothesis, Placed
+from flexmodal.diagnosis.outcome import Diagnosis, Gaps, NextMeasurement, Region, Step, Verdict, Weighed
+from flexmodal.identification import fit, gap, observe, predict, robot_space, uncertainty
+from flexmodal.rig import Hide, simulate
+
+KEY = ("link_flexibility", "link_2")
+
+
+@pytest.fixture(scope="session")
+def campaign():
+    hide = replace(Hide.parse("@".join(KEY)), height=10.0)
+    return simulate(
+        flexmodal.load("fanuc_s360_rigid_link"), hide=[hide], postures=2, points=3, references=2, trials=4,
+        seed=1, record_length=2.0, band=(2.0, 150.0),
+    ).campaign  # fmt: skip
+
+
+@pytest.fixture(scope="session")
+def scene(campaign):
+    return Scene(flexmodal.load("fanuc_s360_rigid_link"), observe(campaign))
+
+
+@pytest.fixture(scope="session")
+def hinged(scene):
+    """The robot with the hinge, fitted: hypothesis and fit, and the re-tuned robot before it."""
+    root = Hypothesis(scene, robot_space(scene.robot))
+    before = fit(root, scene.observations, stride=4)
+    placed = Placed(catalogue()[KEY[0]], KEY[1])
+    hypothesis = root.and_also(placed)
+    start = hypothesis.start(placed, {"stiffness": 8e5, "position": 0.55}, np.zeros(len(root.space)))
+    after = fit(hypothesis, scene.observations, start, stride=4, floors=(0.2, 0.05, 0.01))
+    return root, before, hypothesis, after
+
+
+def diagnosis_of(scene, stages, hypothesis, made, *, steps=(), verdict=None, measurement=None, **more):
+    """A diagnosis from models that are fitted already; `stages` are predictions by name."""
+    observations = scene.observations
+    size = {name: gap(observations, value) for name, value in stages.items()}
+    gaps = Gaps(
+        size["before"].value,
+        size["after"].value,
+        None,
+        None,
+        size["after"].noise_floor,
+        size["believed"].value,
+    )
+    region = Region(
+        posture=observations.postures[0].id, response=(1, 3), reference=(1, 3), trial=1, band=(36.0, 52.0),
+        share=0.4, kind="missing resonance", says="Posture 1 resonates at 44 Hz; the model does not.",
+    )  # fmt: skip
+    return Diagnosis(
+        campaign=observations.campaign.title,
+        robot=scene.robot.name,
+        gaps=gaps,
+        disagreement=(region,),
+        remaining=(),
+        steps=tuple(steps),
+        verdict=verdict or Verdict((), True, "Nothing is missing."),
+        next_measurement=measurement,
+        untestable=more.pop("untestable", {}),
+        left_out=more.pop("left_out", ()),
+        held_out=more.pop("held_out", ()),
+        model=hypothesis,
+        x=made.x,
+        deviation=uncertainty(hypothesis.space, made.normal, observations).deviation,
+        observations=observations,
+        predicted=stages,
+        provenance=more.pop("provenance", {"flexmodal": "0.1.0", "seed": "1"}),
+    )
+
+
+@pytest.fixture(scope="session")
+def diagnosed(scene, hinged):
+    """One effect found, one alternative tied with it."""
+    root, before, hypothesis, after = hinged
+    observations = scene.observations
+    stages = {
+        "believed": predict(root, np.zeros(len(root.space)), observations),
+        "before": predict(root, before.x, observations),
+        "after": predict(hypothesis, after.x, observations),
+    }
+    (placed,) = hypothesis.placed
+    values = hypothesis.values_of(placed, hypothesis.space.values(after.x))
+    own = {name: values[name] for name in ("stiffness", "damping", "position")}
+    sizes = {name: gap(observations, value) for name, value in stages.items()}
+    step = Step(
+        *KEY, own, {"stiffness": "N·m/rad", "damping": "N·m·s/rad", "position": ""}, {"stiffness": 2e4},
+        0.93, Gaps(sizes["before"].value, sizes["after"].value, 0.1, 0.05, sizes["after"].noise_floor),
+        (
+            Weighed("local_absorber", "link_2", 0.06, 0.07, -3.1, 0.05, 6),
+            Weighed("unstructured_mode", "everywhere", 0.07, None, -5.0, 0.02, 9),
+            Weighed("none", "", sizes["before"].value, 0.1, -80.0, 0.0, 0),
+        ),
+        ties=(("local_absorber", "link_2"),),
+    )  # fmt: skip
+    measurement = NextMeasurement(
+        {"q1": 1.2, "q2": 0.3, "q3": 0.0},
+        (3, 3),
+        (2, 3),
+        ("@".join(KEY), "local_absorber@link_2"),
+        4.2,
+        240.0,
+    )
+    return diagnosis_of(
+        scene, stages, hypothesis, after, steps=[step], measurement=measurement,
+        verdict=Verdict((KEY,), True, "Link 2 bends."),
+        untestable={"coulomb_friction": "one level of force only"},
+    )  # fmt: skip
