@@ -78,12 +78,12 @@ LONG = ("optimise", "six_link", "--hold=-2,2", "--frequency", "5", "--starts", "
 )
 def test_stopped_in_the_midst_of_a_search(program, number, status, says):
     # The first search on a machine compiles its kernels; only from then on does time go into searching.
-    subprocess.run([program, *LONG[:-1], "32"], capture_output=True, check=True, timeout=300)
+    subprocess.run((program, *LONG[:-1], "32"), capture_output=True, check=True, timeout=300)
     with subprocess.Popen(
         [program, *LONG], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     ) as process:
         try:
-            # It would search for minutes. Some seconds of its own time, however busy the machine, see it start.
+            # It would search for minutes. Some seconds of its own time see it start.
             while processor_time(process) < 6:
                 time.sleep(0.05)
             process.send_signal(number)
