@@ -94,7 +94,7 @@ def multiplier_lines() -> list[str]:
     cut, tip = CASES[0].build()
     lines = [
         "Largest multiplier of the slot in one direction at 5000 rev/min, against the reference values of "
-        "Ding and others (2010), which are of some 200 intervals themselves:",
+        "Ding and others (2010); 200 of our intervals give those, more give 0.1 to 0.2 % more:",
         "",
         "| depth [mm] | printed | 200 intervals | 800 intervals | growth in the simulated cut |",
         "|---|---:|---:|---:|---:|",

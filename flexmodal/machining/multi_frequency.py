@@ -21,10 +21,9 @@ from jaxtyping import Complex, Float
 from flexmodal.errors import Fault, FlexmodalError, InvalidRequest
 from flexmodal.machining.cut import Cut
 from flexmodal.machining.directional import chip_axes, harmonics, helix_lag
-from flexmodal.machining.first_loss import first_loss
+from flexmodal.machining.first_loss import first_loss, searches
 from flexmodal.machining.lobes import Lobes, unfolded
 from flexmodal.machining.tip_receptance import TipReceptance
-from flexmodal.machining.zero_order import zero_order
 
 _FEWEST, _MOST = 6, 60
 _BEYOND = 1.3
@@ -120,20 +119,17 @@ def multi_frequency(
         InvalidRequest: more than sixty harmonics would be needed.
         SingularResponse: a mode that the tip sees has no damping.
     """
-    guess = zero_order(tip, cut, speed)
     depth, chatter = np.full(len(speed), np.inf), np.full(len(speed), np.nan)
     lobe, flip = np.full(len(speed), -1), np.zeros(len(speed), dtype=bool)
-    for place, one in enumerate(speed.tolist()):
-        if not np.isfinite(guess.depth[place]):
-            continue
+    for place, (one, search) in enumerate(zip(speed.tolist(), searches(tip, cut, speed), strict=True)):
         hill = HillDeterminant(tip, cut, one, count)
         depth[place] = first_loss(
             lambda tried, hill=hill: hill.unstable(tried) > 0,  # type: ignore[misc]
-            float(guess.depth[place]),
+            search,
         )
         if np.isfinite(depth[place]):
-            base, near = hill.weakest(float(depth[place])), float(guess.chatter_frequency[place])
-            chatter[place], lobe[place], flip[place] = unfolded(base, hill.period, near)
+            base = hill.weakest(float(depth[place]))
+            chatter[place], lobe[place], flip[place] = unfolded(base, hill.period, search.near)
     return Lobes(cut, "multi-frequency", speed, depth, chatter, lobe, flip)
 
 

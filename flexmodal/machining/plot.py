@@ -54,7 +54,7 @@ def draw_lobes(
     _level(upper, depth, "intended depth", (0, (1, 2)))
     upper.set_ylabel("Axial depth of cut [mm]")
     upper.set_title(title, loc="left", fontsize=11, parse_math=False)
-    for text in upper.legend(fontsize=9, framealpha=0.9).get_texts():
+    for text in upper.legend(fontsize=9, framealpha=0.9, loc="upper left").get_texts():
         text.set_parse_math(False)
     middle.set_ylabel("Chatter frequency [Hz]")
     _frequency_scale(middle, [lobes for _, lobes in shown])
@@ -76,47 +76,60 @@ def draw_comparison(found: Comparison) -> Any:
 
     figure = Figure(figsize=(7.8, 7.0), layout="constrained")
     upper, lower = figure.subplots(2, 1)
+    _depths(upper, found)
+    _extremes(lower, found)
+    upper.set_title(f"{found.robot.name}: {found.cut.title}", loc="left", fontsize=11, parse_math=False)
+    for axes in (upper, lower):
+        axes.set_ylabel("Axial depth of cut [mm]")
+        axes.grid(True, which="major", color="0.82", linewidth=0.6)
+        axes.grid(True, which="minor", color="0.93", linewidth=0.4)
+    return figure
+
+
+def _depths(axes: Any, found: Comparison) -> None:
+    """Critical depth and mode coupling by posture, or by the family's parameter."""
     depth = 1e3 * np.array([one.critical_depth for one in found.postures])
     coupled = 1e3 * np.array([one.coupling.depth for one in found.postures])
     family = found.family is not None
     place = np.array([one.parameter if family else k for k, one in enumerate(found.postures)], dtype=float)
     style: dict[str, Any] = {"markersize": 5, "linewidth": 1.6 if family else 0}
-    upper.plot(place, _finite(depth), "o-", color=PALETTE[0], label="critical depth", **style)
+    axes.plot(place, _finite(depth), "o-", color=PALETTE[0], label="critical depth", **style)
     if np.any(np.isfinite(coupled)):
-        upper.plot(place, _finite(coupled), "s--", color=PALETTE[1], label="mode coupling", **style)
+        axes.plot(place, _finite(coupled), "s--", color=PALETTE[1], label="mode coupling", **style)
     both = np.concatenate([depth, coupled])
     both = both[np.isfinite(both) & (both > 0)]
     if len(both) and both.max() > _DEEP / 4 * both.min():
-        upper.set_yscale("log")
-        upper.yaxis.set_major_formatter("{x:g}")
+        axes.set_yscale("log")
+        axes.yaxis.set_major_formatter("{x:g}")
+        axes.set_ylim(both.min() / 1.5, 4 * both.max())  # room for the legend
     else:
-        upper.set_ylim(bottom=0)
-    upper.set_ylabel("Axial depth of cut [mm]")
+        axes.set_ylim(0, 1.35 * both.max() if len(both) else 1)
     if family:
         card = found.robot.families[found.family or ""]
         prismatic = found.robot.moving[card.parameter].type == "prismatic"
-        upper.set_xlabel(f"{card.parameter} of family {found.family} [{'m' if prismatic else 'rad'}]")
+        label = f"{card.parameter} of family {found.family} [{'m' if prismatic else 'rad'}]"
+        axes.set_xlabel(label, parse_math=False)
     else:
-        upper.set_xticks(place, [_short(one) for one in found.postures], rotation=20, ha="right", fontsize=8)
-    upper.set_title(f"{found.robot.name}: {found.cut.title}", loc="left", fontsize=11, parse_math=False)
-    upper.legend(fontsize=9)
-    order = np.argsort(-np.nan_to_num(depth, posinf=np.finfo(float).max), kind="stable")
+        axes.set_xticks(place, [_short(one) for one in found.postures], rotation=20, ha="right", fontsize=8)
+        for text in axes.get_xticklabels():
+            text.set_parse_math(False)
+    axes.legend(fontsize=9, loc="upper left", ncols=2)
+
+
+def _extremes(axes: Any, found: Comparison) -> None:
+    """Lobes of the posture with the greatest critical depth, and with the least."""
+    order = sorted(range(len(found.postures)), key=lambda k: -found.postures[k].critical_depth)
     for number, (which, word) in enumerate(((order[0], "best"), (order[-1], "worst"))):
-        one = found.postures[int(which)]
-        name = f"{word}: {_short(one)}"
+        one = found.postures[which]
         style = {"color": PALETTE[number], "linestyle": _STYLES[number], "linewidth": 1.6}
-        lower.plot(one.lobes.speed, _finite(1e3 * one.lobes.depth), label=name, **style)
-    lower.set_yscale("log")
-    lower.yaxis.set_major_formatter("{x:g}")
-    lower.set_ylabel("Axial depth of cut [mm]")
-    lower.set_xlabel("Spindle speed [rev/min]")
-    _speed_scale(lower, found.postures[0].lobes.speed)
-    for axes in (upper, lower):
-        axes.grid(True, which="major", color="0.82", linewidth=0.6)
-        axes.grid(True, which="minor", color="0.93", linewidth=0.4)
-    for text in lower.legend(fontsize=9, framealpha=0.9).get_texts():
+        name = f"{word}: {_short(one)}"
+        axes.plot(one.lobes.speed, _finite(1e3 * one.lobes.depth), label=name, **style)
+    axes.set_yscale("log")
+    axes.yaxis.set_major_formatter("{x:g}")
+    axes.set_xlabel("Spindle speed [rev/min]")
+    _speed_scale(axes, found.postures[0].lobes.speed)
+    for text in axes.legend(fontsize=9, framealpha=0.9, loc="upper left").get_texts():
         text.set_parse_math(False)
-    return figure
 
 
 def _curve(upper: Any, middle: Any, lobes: Lobes, name: str, place: int) -> None:
@@ -140,7 +153,7 @@ def _curve(upper: Any, middle: Any, lobes: Lobes, name: str, place: int) -> None
             lobes.speed[lobes.flip], lobes.chatter_frequency[lobes.flip], color=style["color"],
             label="period doubling", **mark,
         )  # fmt: skip
-        middle.legend(fontsize=9)
+        middle.legend(fontsize=9, loc="upper left")
 
 
 def _shade(axes: Any, lobes: Lobes, levels: list[float]) -> None:
@@ -179,10 +192,11 @@ def _errors(axes: Any, forced: ForcedSweep, lobes: Lobes) -> None:
         shown = np.where(unstable, error, np.nan)
         axes.plot(forced.speed, shown, color="0.6", linewidth=1, linestyle=":", label="chatter, not valid")
     axes.axhline(0, color="0.3", linewidth=0.8)
+    axes.margins(y=0.3)  # room for the legend
     axes.set_ylabel("Surface error [µm]")
     mean = 1e6 * np.median(forced.static[:, 1])
     heading = f"at {1e3 * forced.depth:.3g} mm, the mean deflection of {abs(mean):.3g} µm left out"
-    axes.legend(fontsize=9, title=heading, title_fontsize=9, ncols=2)
+    axes.legend(fontsize=9, title=heading, title_fontsize=9, ncols=2, loc="lower right")
 
 
 def _finite(values: np.ndarray) -> np.ndarray:
@@ -201,7 +215,7 @@ def _speed_scale(axes: Any, speed: np.ndarray) -> None:
 def _frequency_scale(axes: Any, shown: list[Lobes]) -> None:
     every = np.concatenate([lobes.chatter_frequency for lobes in shown])
     every = every[np.isfinite(every) & (every > 0)]
-    if len(every) and every.max() > 8 * every.min():
+    if len(every) and every.max() > 30 * every.min():
         axes.set_yscale("log")
         axes.yaxis.set_major_formatter("{x:g}")
 

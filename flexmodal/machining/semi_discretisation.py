@@ -15,10 +15,9 @@ from jaxtyping import Complex, Float
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.machining.cut import Cut
 from flexmodal.machining.directional import at, chip_axes, helix_lag, window_mean
-from flexmodal.machining.first_loss import first_loss
+from flexmodal.machining.first_loss import first_loss, searches
 from flexmodal.machining.lobes import Lobes, unfolded
 from flexmodal.machining.tip import ModelTip
-from flexmodal.machining.zero_order import zero_order
 
 _FEWEST, _MOST = 60, 900
 _PER_CYCLE = 24
@@ -66,22 +65,19 @@ def semi_discretisation(
         InvalidRequest: see `multipliers`.
         SingularResponse: a mode that the tip sees has no damping.
     """
-    guess = zero_order(tip, cut, speed)
     depth, chatter = np.full(len(speed), np.inf), np.full(len(speed), np.nan)
     lobe, flip = np.full(len(speed), -1), np.zeros(len(speed), dtype=bool)
-    for place, one in enumerate(speed.tolist()):
-        if not np.isfinite(guess.depth[place]):
-            continue
+    for place, (one, search) in enumerate(zip(speed.tolist(), searches(tip, cut, speed), strict=True)):
 
         def unstable(tried: float, one: float = one) -> bool:
             return bool(np.abs(multipliers(tip, cut, one, tried, intervals=intervals)[0]) > 1)
 
-        depth[place] = first_loss(unstable, float(guess.depth[place]))
+        depth[place] = first_loss(unstable, search)
         if np.isfinite(depth[place]):
             largest = multipliers(tip, cut, one, float(depth[place]), intervals=intervals)[0]
-            period, near = cut.tooth_period(one), float(guess.chatter_frequency[place])
-            turn = abs(float(np.angle(largest)))
-            chatter[place], lobe[place], flip[place] = unfolded(turn / (2 * np.pi * period), period, near)
+            period, turn = cut.tooth_period(one), abs(float(np.angle(largest)))
+            base = turn / (2 * np.pi * period)
+            chatter[place], lobe[place], flip[place] = unfolded(base, period, search.near)
     return Lobes(cut, "semi-discretisation", speed, depth, chatter, lobe, flip)
 
 

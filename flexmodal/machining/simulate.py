@@ -39,10 +39,18 @@ class CutHistory:
     def growth(self, periods: int = 20) -> float:
         """Factor by which the vibration grows in a tooth period, fitted over the last so many periods.
 
-        Of a simulation without feed this is the size of the largest Floquet multiplier.
+        Of a linear simulation without feed this is the size of the largest Floquet multiplier.
+
+        Raises:
+            InvalidRequest: nothing moves in them, as without kick and feed.
         """
         tail = self.displacement[-periods * self.steps :].reshape(periods, -1)
-        size = np.log(np.linalg.norm(tail, axis=1))
+        length = np.linalg.norm(tail, axis=1)
+        if not np.all(length > 0):
+            raise InvalidRequest(
+                Fault("call", "periods", "periods without motion", "a cut with kick or feed")
+            )
+        size = np.log(length)
         return float(np.exp(np.polyfit(np.arange(periods), size, 1)[0]))
 
 

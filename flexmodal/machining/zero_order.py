@@ -50,8 +50,7 @@ def _crossings(found: Branches, period: float) -> tuple[np.ndarray, np.ndarray, 
     first = np.ceil(low / (2 * np.pi))
     count = np.maximum(np.floor(high / (2 * np.pi)) - first + 1, 0).astype(int)
     count[np.maximum(found.at_low.real, found.at_high.real) <= 0] = 0
-    # A slow spindle passes many multiples in one cell; μ hardly moves there, so the first and the last will
-    # do.
+    # A slow spindle passes many multiples in one cell; μ hardly moves there: the first and the last will do.
     once, again = np.flatnonzero(count > 0), np.flatnonzero(count > 1)
     cell = np.concatenate([once, again])
     lobe = np.concatenate([first[once], first[again] + count[again] - 1])

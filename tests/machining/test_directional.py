@@ -34,12 +34,10 @@ CUTS = {
 }
 
 
-@pytest.mark.parametrize("name", CUTS)
+@pytest.mark.parametrize("name", [name for name in CUTS if name != "face mill"])
 def test_mean_against_the_formulas_of_altintas_and_budak(name):
     """Their coefficients α, printed for an end mill: W₀ = N K_t / (4π) [α]."""
     cut = CUTS[name]
-    if name == "face mill":
-        pytest.skip("printed for the end mill")
     r = cut.force.radial_ratio
 
     def between(f):

@@ -100,7 +100,7 @@ def test_one_direction_without_interruption_against_tlusty(benchmark):
 def test_multipliers_against_print(benchmark, depth, reference):
     """Ding et al. (2010), slot at 5000 rev/min: the reference values of their convergence study.
 
-    They stem from some 200 intervals, so with 200 ours agree to three digits; with 800 they have moved 0.2 %.
+    With 200 intervals ours agree to three digits; with 800 they have moved by 0.2 %.
     """
     cut, tip = benchmark()
     found = abs(multipliers(tip, cut, 5000.0, depth, intervals=200)[0])
