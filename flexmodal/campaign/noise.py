@@ -24,6 +24,8 @@ SMOOTH = 9
 """Lines to either side over which a variance is averaged."""
 COHERENT = 0.8
 """Lines of less coherence do not enter the gap."""
+LARGEST = 1e100
+"""Values beyond are none that can be reckoned with."""
 ZERO = 10.0
 """What |ln| counts as where a line is exactly zero."""
 
@@ -42,8 +44,12 @@ def record_variance(
         In the squared unit of the records, or without unit.
 
     Raises:
-        InvalidRequest: records with neither a repeat nor coherence over two averages or more.
+        InvalidRequest: records with neither a repeat nor coherence over two averages or more, or values too
+            large to be squared.
     """
+    if np.max(np.abs(frfs.value), initial=0.0) > LARGEST:
+        allowed = f"sizes up to {LARGEST:g}, which can be squared"
+        raise InvalidRequest(Fault("frfs", "value", f"a size above {LARGEST:g}", allowed))
     variance = np.full(frfs.value.shape, np.nan)
     repeated, counts = np.zeros(frfs.value.shape), np.zeros(len(frfs))
     for one, other in frfs.repeats():

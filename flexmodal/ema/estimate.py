@@ -191,7 +191,8 @@ def _fill_residues(
     residue, covariance = mode.residue.copy(), mode.residue_covariance.copy()
     near = measured.within(held.low, held.high)
     for frf in empty:
-        linear = solve_least_squares(build_least_squares(near.only(frf), [held], vary=False))
+        problem = replace(build_least_squares(near.only(frf), [held], vary=False), keep=True)
+        linear = solve_least_squares(problem)
         residue[frf] = linear.modes[0].residue[0]
         covariance[frf] = linear.modes[0].residue_covariance[0]
     names = ", ".join(measured.labels[frf] for frf in empty)

@@ -20,7 +20,7 @@ from flexmodal.ema.estimate import (
     nothing,
     peaks_of,
 )
-from flexmodal.ema.measured import Measured
+from flexmodal.ema.measured import LARGEST, Measured
 from flexmodal.ema.mode import EstimatedModes, Method, ModeEstimate
 from flexmodal.ema.records import Place, Records, Trials, by_posture
 from flexmodal.errors import Fault, InvalidRequest
@@ -124,6 +124,9 @@ def fit(
             raise InvalidRequest(Fault("call", key, repr(given), ", ".join(allowed)))
     if len(records.value) == 0:
         raise InvalidRequest(Fault("call", "records", "none", "at least one FRF"))
+    if np.max(np.abs(records.value)) > LARGEST:
+        allowed = "sizes that can be squared"
+        raise InvalidRequest(Fault("call", "records", f"a value above {LARGEST:g}", allowed))
     wanted = choices or Choices()
     fits: list[Fit] = []
     for posture, places, whole in by_posture(records, _trials(trials), variance):

@@ -42,6 +42,8 @@ class LeastSquaresProblem:
     weighting: Weighting = "variance"
     vary: bool = True
     """Whether it is solved again under other residual terms, weights and band, for the uncertainty."""
+    keep: bool = False
+    """Whether modes stay that these FRFs do not show; otherwise the rest is fitted again without them."""
 
 
 def build_least_squares(
@@ -136,7 +138,7 @@ def _without_runaways(
     problem: LeastSquaresProblem, modes: list[ModeEstimate], found: EstimatedModes
 ) -> EstimatedModes:
     """Fit again without the modes that these FRFs do not show, and say which those were."""
-    why = [_runaway(mode, problem.measured) for mode in modes]
+    why = [None if problem.keep else _runaway(mode, problem.measured) for mode in modes]
     if not any(why):
         return judged(found)
     keep = np.array([reason is None for reason in why])

@@ -17,6 +17,9 @@ POWER = {"receptance": 0, "mobility": 1, "inertance": 2}
 FEWEST_LINES = 5
 """A mode has four real numbers in one FRF; fewer lines than this say nothing about it."""
 
+LARGEST = 1e100
+"""Values beyond, or below its inverse, are none that can be reckoned with."""
+
 
 @dataclass(frozen=True, eq=False)
 class Measured:
@@ -116,9 +119,15 @@ def _faults(
         faults.append(
             Fault("call", "value", f"{np.count_nonzero(bad)} not finite, first at {where}", "numbers")
         )
+    elif np.max(np.abs(value[frequency > 0]), initial=0.0) > LARGEST:
+        faults.append(Fault("call", "value", "a size above 1e100", "sizes that can be squared"))
     elif not np.all(np.any(value[frequency > 0] != 0, axis=0)):
         frf = int(np.argmin(np.any(value[frequency > 0] != 0, axis=0)))
         faults.append(Fault("call", "value", f"FRF {frf + 1} zero throughout", "a response"))
+    elif np.min(np.max(np.abs(value[frequency > 0]), axis=0)) < 1 / LARGEST:
+        faults.append(
+            Fault("call", "value", "an FRF that nowhere reaches 1e-100", "sizes that can be squared")
+        )
     if variance is not None:
         if variance.shape != value.shape:
             faults.append(Fault("call", "variance", f"shape {variance.shape}", f"shape {value.shape}"))

@@ -19,7 +19,7 @@ from flexmodal.ema.of_campaign import known_variance
 from flexmodal.ema.plot import draw_coherence, draw_fit, draw_nyquist
 from flexmodal.ema.plot_poles import draw_circle, draw_stabilisation
 from flexmodal.ema.plot_shapes import draw_mac, draw_shapes, fixed_place
-from flexmodal.ema.records import Place, by_posture, grouped
+from flexmodal.ema.records import Place, Trials, by_posture, grouped
 from flexmodal.ema.shapes import FittedShapes, fitted_shapes
 from flexmodal.ema.stabilisation import stabilise
 from flexmodal.errors import Fault, OutputExists
@@ -54,8 +54,8 @@ def pictures(
     """
     return tuple(
         [
-            *_of_frfs(fits, records, campaign),
-            *_coherence(records, campaign),
+            *_of_frfs(fits, records, campaign, choices),
+            *_coherence(records, campaign, choices),
             *_stabilisation(fits, records, campaign, choices),
             *_shapes(fits, campaign),
         ]
@@ -92,7 +92,9 @@ def write_pictures(
     return tuple(paths)
 
 
-def _of_frfs(fits: Sequence[Fit], records: FrfRecords, campaign: Campaign) -> Iterator[Picture]:
+def _of_frfs(
+    fits: Sequence[Fit], records: FrfRecords, campaign: Campaign, choices: Choices
+) -> Iterator[Picture]:
     """Amplitude and phase of each FRF, its Nyquist plot, and its circles where those were fitted."""
     shown = [(one, frf) for one in fits for frf in range(len(one.places))]
     for one, frf in shown:
@@ -104,28 +106,46 @@ def _of_frfs(fits: Sequence[Fit], records: FrfRecords, campaign: Campaign) -> It
         title = _title(one, frf, campaign)
         name = f"nyquist_{_file(one.places[frf])}"
         yield Picture("Nyquist plots", name, partial(draw_nyquist, one.modes, frf, title=title))
+    if fits and fits[0].modes.method == "circle":
+        yield from _circles(shown, records, campaign, choices)
+
+
+def _circles(
+    shown: Sequence[tuple[Fit, int]], records: FrfRecords, campaign: Campaign, choices: Choices
+) -> Iterator[Picture]:
+    """The circles of the fit through the lines as measured, so with the damping of a window."""
+    if not shown:
+        return
+    trials: Trials = "average" if shown[0][0].places[0].trial is None else "separate"
+    axis = shown[0][0].modes.measured.frequency
+    peaks = {
+        posture: peaks_of(whole.within(float(axis[0]), float(axis[-1])), choices)
+        for posture, _, whole in by_posture(records, trials, known_variance(records))
+    }
     for one, frf in shown:
-        if one.modes.method == "circle":
-            for number, circle in enumerate(_circles(one, frf), start=1):
-                name = f"circle_{_file(one.places[frf])}_{number}"
-                draw = partial(draw_circle, circle, title=_title(one, frf, campaign))
-                yield Picture("Circles", name, draw)
+        single, title = one.modes.measured.only(frf), _title(one, frf, campaign)
+        circles = [fit_circle(single, peak) for peak in peaks[one.posture]]
+        good = [circle for circle in circles if isinstance(circle, CircleFit)]
+        for number, circle in enumerate(good, start=1):
+            name = f"circle_{_file(one.places[frf])}_{number}"
+            yield Picture("Circles", name, partial(draw_circle, circle, title=title))
 
 
-def _coherence(records: FrfRecords, campaign: Campaign) -> Iterator[Picture]:
+def _coherence(records: FrfRecords, campaign: Campaign, choices: Choices) -> Iterator[Picture]:
     if records.coherence is None:
         return
+    low, high = choices.band or campaign.band
+    inside = (records.frequency >= low) & (records.frequency <= high)
     groups = grouped(records, "average")
     for posture in dict.fromkeys(place.posture for place in groups):
         rows = {str(place): rows for place, rows in groups.items() if place.posture == posture}
-        mean = np.array([records.coherence[numbers].mean(axis=0) for numbers in rows.values()])
+        mean = np.array([records.coherence[numbers].mean(axis=0)[inside] for numbers in rows.values()])
         for first in range(0, len(mean), _CURVES):
             part = "" if len(mean) <= _CURVES else f"_{first // _CURVES + 1}"
             labels = list(rows)[first : first + _CURVES]
             title = f"{_posture(posture, campaign)}: coherence, mean of the trials"
-            draw = partial(
-                draw_coherence, records.frequency, mean[first : first + _CURVES], labels, title=title
-            )
+            axis = records.frequency[inside]
+            draw = partial(draw_coherence, axis, mean[first : first + _CURVES], labels, title=title)
             yield Picture("Coherence", f"coherence_{posture}{part}", draw)
 
 
@@ -201,15 +221,6 @@ def _fit(one: Fit, frf: int, records: FrfRecords, title: str) -> Any:
         lines = np.isin(records.frequency, one.modes.measured.frequency)
         coherence = records.coherence[rows][:, lines].mean(axis=0)
     return draw_fit(one.modes, frf, coherence=coherence, title=title)
-
-
-def _circles(one: Fit, frf: int) -> list[CircleFit]:
-    """The circles as they run through the FRF, so with the damping of a window."""
-    single = one.modes.measured.only(frf)
-    if not len(one.modes):
-        return []
-    peaks = peaks_of(single, Choices(at=[mode.frequency for mode in one.modes]))
-    return [circle for peak in peaks if isinstance(circle := fit_circle(single, peak), CircleFit)]
 
 
 def _posture(number: int, campaign: Campaign) -> str:

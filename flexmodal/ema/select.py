@@ -22,6 +22,9 @@ _LOWEST_ORDERS = 6
 _BESIDE = 2.0
 """A peak within so many lines of a stable pole, or within its half-power bandwidth, is that pole's."""
 
+_DEEPEST = 1e-20
+"""A valley is taken for no deeper than this part of its peak."""
+
 _SURE = 7.0
 """Standard deviations by which a peak must stand out of the valleys beside it to be none of the noise's."""
 
@@ -129,11 +132,11 @@ def _stand_out(measured: Measured, indicator: np.ndarray, prominence: float, mos
     share = np.asarray(mobility.variance) / power
     # |Y + n|² has the variance 2|Y|²v + v² for circular noise of variance v.
     spread = np.sqrt(np.sum(2 * np.abs(mobility.value) ** 2 / power * share + share**2, axis=1))
-    valley = np.maximum(indicator[lines] - rise, np.finfo(float).tiny)
-    sure = (10 * np.log10(indicator[lines] / valley) >= prominence) & (rise >= _SURE * spread[lines])
-    lines, rise, valley = lines[sure], rise[sure], valley[sure]
-    best = np.argsort(-(indicator[lines] / valley), kind="stable")[:most]
-    return np.sort(lines[best])
+    height = indicator[lines]
+    ratio = height / np.maximum(height - rise, _DEEPEST * height)
+    sure = (10 * np.log10(ratio) >= prominence) & (rise >= _SURE * spread[lines])
+    best = np.argsort(-ratio[sure], kind="stable")[:most]
+    return np.sort(lines[sure][best])
 
 
 def _lowest_since_higher(values: np.ndarray) -> np.ndarray:

@@ -18,6 +18,9 @@ from flexmodal.ema.basis import Residuals, mode_columns, pole_of, pole_slopes, r
 _DAMPING = (-0.5, 0.98)
 """Where a damping ratio may wander; outside, the pair of poles has no such form."""
 
+_LEAST = 1e-12
+"""A damping ratio of 0 on a line would be a pole of the columns."""
+
 
 @dataclass(frozen=True, eq=False)
 class Separable:
@@ -177,6 +180,7 @@ def _step(
     longest = np.max(np.abs(relative), axis=(1, 2))
     cut = np.where(longest > 1, 1 / np.maximum(longest, 1), 1.0)[:, None]
     new_damping = np.clip(damping + cut * step[..., 1], *_DAMPING)
+    new_damping = np.where(np.abs(new_damping) < _LEAST, _LEAST, new_damping)
     promised = np.sum(state.gradient * step.reshape(len(omega), -1), axis=1)
     new_omega = np.clip(omega + cut * step[..., 0], *reach)
     return new_omega, new_damping, relative.reshape(len(omega), -1), promised

@@ -25,6 +25,10 @@ from flexmodal_viewer.units import joint_value, plain
 
 _BALL, _RESPONSE, _HAMMER = 0.012, 0.07, 0.13
 """Sizes of points and arrows, as parts of the arm's reach."""
+_LEGEND = (
+    Swatch("points, and the directions of the sensor", POINT, "arrow"),
+    Swatch("where the hammer hits", FORCE, "arrow"),
+)
 
 
 def campaign_scene(robot: Robot, campaign: Campaign, shapes: Sequence[FittedShapes] = ()) -> Scene:
@@ -56,8 +60,9 @@ def campaign_scene(robot: Robot, campaign: Campaign, shapes: Sequence[FittedShap
         motions += [motion for _, motion in own]
     caption = Caption(
         campaign.title,
-        f"{robot.title or robot.name}: {len(campaign.postures)} postures, {len(campaign.points)} points",
-        _legend(bool(shapes)),
+        f"{robot.title or robot.name}: {_count(campaign.postures, 'posture')}, "
+        f"{_count(campaign.points, 'point')}",
+        _LEGEND,
         (),
         arm.looks.notes,
     )
@@ -112,16 +117,19 @@ class _Tested:
         rows = [
             (name, joint_value(value, robot.moving[name].type)) for name, value in self.values.values.items()
         ]
-        measured = (
-            ("sensor", ", ".join(self._text(way) for way in self.responses) or "nowhere"),
-            ("hammer", ", ".join(self._text(way) for way in self.references) or "nowhere"),
-        )
-        table = Table(f"Posture {self.posture.id}", (), (*rows, *measured))
+        rows += [(self.names[number], self._at_point(number)) for number in self.positions]
+        table = Table(f"Posture {self.posture.id}", (), tuple(rows))
         return Motion(f"{self.posture.id}: {self.posture.name}", {}, 0.0, shows=(self.group,), table=table)
 
-    def _text(self, way: Way) -> str:
-        point, sense = way
-        return f"{self.names[point]} {'+' if sense > 0 else '−'}{'xyz'[abs(sense) - 1]}"
+    def _at_point(self, number: int) -> str:
+        """What was done at a point, such as "sensor +z, hammer −x"."""
+        tools = (("sensor", self.responses), ("hammer", self.references))
+        done = [f"{tool} {_sense(way)}" for tool, ways in tools for point, way in ways if point == number]
+        return ", ".join(done) or "nothing"
+
+    def text(self, way: Way) -> str:
+        """A point's name with a direction."""
+        return f"{self.names[way[0]]} {_sense(way[1])}"
 
 
 def _tested(arm: Arm, campaign: Campaign, posture: CampaignPosture) -> _Tested:
@@ -150,6 +158,14 @@ def _ways(campaign: Campaign, posture: int) -> tuple[tuple[Way, ...], tuple[Way,
             references[blow.reference] = None
             responses |= dict.fromkeys(blow.channels)
     return tuple(responses), tuple(references)
+
+
+def _count(things: Sequence[object], name: str) -> str:
+    return f"{len(things)} {name}{'' if len(things) == 1 else 's'}"
+
+
+def _sense(way: int) -> str:
+    return f"{'+' if way > 0 else '−'}{'xyz'[abs(way) - 1]}"
 
 
 def direction(way: Way) -> Float[np.ndarray, "3"]:
@@ -185,7 +201,7 @@ def _swing(tested: _Tested, shapes: FittedShapes, mode: int) -> tuple[Drawn, Mot
     items.append(Item(f"{group}/ways", Lines(np.array(ends)), EXTREME))
     frequency = plain(shapes.frequency[mode])
     rows = tuple(
-        (tested._text(way), f"{abs(value):.2f} at {np.degrees(np.angle(value)):.0f}°".replace("-", "−"))
+        (tested.text(way), f"{abs(value):.2f} at {np.degrees(np.angle(value)):.0f}°".replace("-", "−"))
         for way, value in zip(shapes.places, shapes.shape[:, mode], strict=True)
     )
     fixed = "hammer" if shapes.side == "reference" else "sensor"
@@ -195,7 +211,7 @@ def _swing(tested: _Tested, shapes: FittedShapes, mode: int) -> tuple[Drawn, Mot
         0.0,
         shows=(tested.group, group),
         legend=(Swatch("as the fitted mode moves the points", EXTREME, "dot"),),
-        table=Table(f"Mode at {frequency} Hz, {fixed} at {tested._text(shapes.fixed)}", (), rows),
+        table=Table(f"Mode at {frequency} Hz, {fixed} at {tested.text(shapes.fixed)}", (), rows),
         notes=("Only what was measured moves; drawn as large as can be seen well.",),
     )
     return Drawn(nodes, items, []), motion
@@ -212,14 +228,6 @@ def _amplitudes(shapes: FittedShapes, mode: int) -> dict[int, Complex[np.ndarray
 def _at(amplitude: np.ndarray, phases: np.ndarray) -> Float[np.ndarray, "frame 3"]:
     moved: Float[np.ndarray, "frame 3"] = (amplitude[None, :] * np.exp(1j * phases)[:, None]).real
     return moved
-
-
-def _legend(fitted: bool) -> tuple[Swatch, ...]:
-    found = [
-        Swatch("points, and the directions of the sensor", POINT, "arrow"),
-        Swatch("where the hammer hits", FORCE, "arrow"),
-    ]
-    return tuple([*found, Swatch("points in a fitted mode", EXTREME, "dot")] if fitted else found)
 
 
 def _refuse_strangers(robot: Robot, campaign: Campaign) -> None:
