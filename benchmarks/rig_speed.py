@@ -94,8 +94,8 @@ def main() -> None:
     write(
         "rig_speed",
         "What a campaign of the rig costs",
-        "5 postures × 5 points × 2 hammer positions × 2 levels × 2 repeats of 3 blows, FRFs alone, written; the "
-        "effect searched for at 3 to 30 times the noise floor. Processor seconds of one core, "
+        "5 postures × 5 points × 2 hammer positions × 2 levels × 2 repeats of 3 blows, FRFs alone, written; "
+        "the effect searched for at 3 to 30 times the noise floor. Processor seconds of one core, "
         "`python benchmarks/rig_speed.py`.",
         ["robot", "hidden", "whole campaign [s]", "of it the search [s]"],
         exam_rows(),
