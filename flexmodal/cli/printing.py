@@ -65,11 +65,16 @@ def stages(*, quiet: bool) -> Iterator[Callable[[str, float], None]]:
     """A bar for work in stages that are told of by name, with the time left of each; nothing off a terminal."""
     from tqdm import tqdm
 
-    hidden = quiet or not sys.stderr.isatty()
-    with tqdm(total=1.0, file=sys.stderr, disable=hidden, leave=False, bar_format=_STAGE) as bar:
+    if quiet or not sys.stderr.isatty():
+        yield lambda doing, part: None
+        return
+    now = ""
+    with tqdm(total=1.0, file=sys.stderr, leave=False, bar_format=_STAGE) as bar:
 
         def advance(doing: str, part: float) -> None:
-            if bar.desc != f"{doing}: ":
+            nonlocal now
+            if doing != now:
+                now = doing
                 bar.reset(1.0)
                 bar.set_description(doing)
             bar.n = min(part, 1.0)
