@@ -1,4 +1,4 @@
-"""The report of a diagnosis in a browser: offline, at desk and telephone width, in print, with hostile names."""
+"""The report of a diagnosis in a browser: offline, at desk and telephone width, in print."""
 
 import re
 
