@@ -68,7 +68,7 @@ def main() -> None:
             if result is not None:
                 done.append(result)
                 print(f"{number}/{len(questions)}", line(result), flush=True)
-    report(done, len(questions), given.seed, published=given.seed == PUBLISHED)
+    report(done, len(plan(given.seed)), given.seed, published=given.seed == PUBLISHED)
 
 
 def tried(question: Question, folder: Path) -> dict[str, object] | None:

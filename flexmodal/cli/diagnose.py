@@ -109,13 +109,13 @@ def _print(diagnosis: Diagnosis) -> None:
         title = f"{step.effect} at {step.where}, confidence {100 * step.confidence:.0f} %"
         print_table(title, ["parameter", "value", "±", "unit"], rows)
     gaps = diagnosis.gaps
-    cells = [
-        ["the card as it came", gaps.believed, None],
-        ["re-tuned, nothing added", gaps.before, gaps.held_out_before],
-        ["the final model", gaps.after, gaps.held_out_after],
-        ["noise of one record", gaps.noise_floor, None],
+    cells: list[tuple[str, float | None, float | None]] = [
+        ("the card as it came", gaps.believed, None),
+        ("re-tuned, nothing added", gaps.before, gaps.held_out_before),
+        ("the final model", gaps.after, gaps.held_out_after),
+        ("noise of one record", gaps.noise_floor, None),
     ]
-    rows = [[str(name), _size(value), _size(held)] for name, value, held in cells]
+    rows = [[name, _size(value), _size(held)] for name, value, held in cells]
     print_table("gap between model and measurement", ["", "all", "held out"], rows)
     for name, why in diagnosis.untestable.items():
         click.echo(f"could not be tested: {name}: {why}")

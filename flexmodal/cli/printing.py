@@ -12,7 +12,6 @@ import click
 
 from flexmodal.errors import FlexmodalError
 
-
 _STAGE = "{desc}{percentage:3.0f} % {bar} {elapsed}, {remaining} left"
 
 
@@ -62,7 +61,7 @@ def noted_progress(
 
 @contextmanager
 def stages(*, quiet: bool) -> Iterator[Callable[[str, float], None]]:
-    """A bar for work in stages that are told of by name, with the time left of each; nothing off a terminal."""
+    """A bar for work in stages told of by name, with the time left of each; nothing off a terminal."""
     from tqdm import tqdm
 
     if quiet or not sys.stderr.isatty():

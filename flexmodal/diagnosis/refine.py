@@ -18,7 +18,7 @@ from flexmodal.diagnosis.search import CLOSE, COARSE, some_lines
 from flexmodal.identification import FrfFit, Observations, fit, predict
 from flexmodal.identification.frf_fit import Weighing, cost_of
 
-ROUGH = 6.0
+ROUGH = 5.0
 """Steps in a period of the highest line, of the first round."""
 SEARCH = 0.1
 """Model error at which starts are compared."""
@@ -26,8 +26,8 @@ FLOORS = (0.05, 0.01)
 """Model errors of the two rounds."""
 STEPS = 14
 """Most in each round."""
-SETTLED = 1e-3
-"""A step that changes the cost relatively by less is the last."""
+ROUGHLY, SETTLED = 1e-2, 1e-3
+"""A step that changes the cost relatively by less is the last of the round."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +65,7 @@ def refined(hypothesis: Hypothesis, fitted: FrfFit, observations: Observations) 
     rough = replace(model, fineness=ROUGH)
     x = _start(rough, fitted.x, observations)
     first = fit(
-        rough, observations, x, floors=FLOORS[:1], steps=STEPS, settled=SETTLED,
+        rough, observations, x, floors=FLOORS[:1], steps=STEPS, settled=ROUGHLY, apart=False,
         lines=some_lines(observations, CLOSE),
     )  # fmt: skip
     last = fit(

@@ -10,7 +10,7 @@ posteriori estimate; steps are damped after Levenberg and Marquardt.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -139,6 +139,7 @@ def fit(
     steps: int = STEPS,
     apart: bool = True,
     settled: float = FINE,
+    hold: Mapping[str, float] | None = None,
     advance: Callable[[int, float], None] = lambda step, cost: None,
 ) -> FrfFit:
     """Fit a model to observations.
@@ -154,6 +155,7 @@ def fit(
         steps: most at each floor.
         apart: end with what each observation adds to the curvature, as `uncertainty` needs it.
         settled: a step that changes the cost relatively by less ends the last round.
+        hold: coordinates that stay where they are put, by name.
         advance: called after each step with its number and the cost.
     """
     x = np.zeros(len(model.space)) if start is None else np.array(start, dtype=float)
@@ -171,6 +173,7 @@ def fit(
             x,
             most=steps,
             settled=settled if number == len(floors) - 1 else SETTLED,
+            hold=hold,
             advance=lambda step, cost, before=total: advance(before + step, cost),  # type: ignore[misc]
         )
         x, total = found.x, total + found.steps

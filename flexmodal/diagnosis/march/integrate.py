@@ -27,7 +27,7 @@ from flexmodal.identification.structure import Axis, Structure
 Blow = tuple[int, Pulse]
 """Row of `Structure.reference` that is struck, and the pulse."""
 
-FINENESS = 12
+FINENESS = 10.0
 """Steps in a period of the highest line, at least."""
 _TOGETHER = 4_000_000
 """Torques kept at once."""
@@ -51,25 +51,21 @@ class Steps:
 
     @classmethod
     def behind(
-        cls, frequency: Float[np.ndarray, " line"], *, length: float | None = None, start: float = 0.0,
-        fineness: float = FINENESS,
-    ) -> Steps:  # fmt: skip
-        """The record behind some lines: 1/Δf long.
+        cls, frequency: Float[np.ndarray, " line"], length: float = 0.0, fineness: float = FINENESS
+    ) -> Steps:
+        """The record behind some lines: 1/Δf long, or as many times as its length asks for.
 
         Args:
             frequency: of the lines [Hz].
-            length: of the record, where it is known to be longer [s].
-            start: when the blow begins in it [s].
+            length: of the record, from the blow to its end; 0 where it is not known [s].
             fineness: steps in a period of the highest line.
         """
         from scipy.fft import next_fast_len
 
-        spacing = float(np.min(np.diff(frequency))) if len(frequency) > 1 else float(frequency[0])
-        long = max(1 / spacing, length or 0.0)
-        if abs(long * spacing - 1) < WHOLE:
-            long = 1 / spacing
-        whole = int(next_fast_len(int(np.ceil(fineness * frequency[-1] * long)), real=True))
-        return cls(long / whole, max(1, round(whole * (1 - start / long))), whole)
+        period = 1 / float(np.min(np.diff(frequency))) if len(frequency) > 1 else 1 / float(frequency[0])
+        whole = period * max(1, int(np.ceil(length / period - WHOLE)))
+        steps = int(next_fast_len(int(np.ceil(fineness * frequency[-1] * whole)), real=True))
+        return cls(whole / steps, min(round(length / whole * steps), steps) or steps, steps)
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,7 +151,7 @@ def torques(
     rows[:, :, : states // 2] = [[law.row for law in one.laws] for one in struck]
     loop(
         np.ascontiguousarray(phi),
-        np.ascontiguousarray(np.swapaxes(early[:, :, :laws], 1, 2)),
+        np.ascontiguousarray(np.swapaxes(early[:, :, :laws] + phi @ late[:, :, :laws], 1, 2)),
         np.ascontiguousarray(np.swapaxes(late[:, :, :laws], 1, 2)),
         rows,
         np.array([law.kind for law in struck[0].laws]),

@@ -44,13 +44,13 @@ def law(kind, first, second, old, new, memory):
 
 
 @no_type_check  # a checker's wrapper cannot be compiled
-def march(phi, early, late, rows, kinds, parameters, system, push, torque, last):
+def march(phi, carried, late, rows, kinds, parameters, system, push, torque, last):
     """March blows, `LANES` of one system together.
 
     Args:
         phi: exp(A h), [system, state, state].
-        early: weight of the torques at the start of a step, [system, law, state].
-        late: at its end.
+        carried: what torques that end a step do to the state one step later, [system, law, state].
+        late: to the state at once.
         rows: elongations by the state, [system, law, state].
         kinds: code of each law.
         parameters: of the laws, [system, law, 2].
@@ -72,8 +72,8 @@ def march(phi, early, late, rows, kinds, parameters, system, push, torque, last)
     held = np.zeros((count, LANES))
     for group in range(len(system)):
         m = system[group]
-        a, before, after, seen = phi[m], early[m], late[m], rows[m]
-        now[:] = 0.0
+        a, before, after, seen = phi[m], carried[m], late[m], rows[m]
+        now[:] = 0.0  # the state without what the torques at the end of the last step do at once
         old[:] = 0.0
         size[:] = 0.0
         held[:] = 0.0
@@ -137,10 +137,6 @@ def march(phi, early, late, rows, kinds, parameters, system, push, torque, last)
                     if settled:
                         break
             for one in range(count):
-                for i in range(states):
-                    p = after[one, i]
-                    for b in range(LANES):
-                        base[i, b] -= p * guess[one, b]
                 for b in range(LANES):
                     old[one, b] = end[one, b]
                     held[one, b] = guess[one, b]
@@ -149,3 +145,5 @@ def march(phi, early, late, rows, kinds, parameters, system, push, torque, last)
         for i in range(states):
             for b in range(LANES):
                 last[group, b, i] = now[i, b]
+                for one in range(count):
+                    last[group, b, i] -= after[one, i] * held[one, b]

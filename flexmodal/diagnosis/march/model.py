@@ -16,7 +16,7 @@ from jaxtyping import Complex, Float, Int
 from flexmodal.diagnosis.hypothesis import Hypothesis, Placed
 from flexmodal.diagnosis.march.integrate import FINENESS, March, Steps, Struck, march
 from flexmodal.diagnosis.march.law import Law
-from flexmodal.diagnosis.march.record import measured_form, record_receptance, steps_behind, struck_by
+from flexmodal.diagnosis.march.record import record_receptance, struck_by
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.identification import Observations, ParameterSpace
 from flexmodal.identification.model import Group
@@ -68,15 +68,21 @@ class MarchedModel:
         sizes = np.where(x + STEP <= high, STEP, -STEP) if slopes else np.zeros(0)
         tried = [x, *(x + np.where(np.arange(len(x)) == k, size, 0.0) for k, size in enumerate(sizes))]
         looks = [self._look(one, observations, lines) for one in tried]
-        steps = steps_behind(observations, self.hypothesis.scene.pulses, self.fineness)
+        steps = self._steps(observations)
         marched = march([one.struck for look in looks for one in look], steps, compiled=self.compiled)
         found = np.zeros((len(tried), len(observations), len(observations.axis.take(lines))), dtype=complex)
-        form, number = measured_form(observations), 0
+        number = 0
         for value, look in zip(found, looks, strict=True):
             for one in look:
-                value[one.group.observations] = one.read(marched[number], steps, form)
+                value[one.group.observations] = one.read(marched[number], steps)
                 number += 1
         return found[0], (found[1:] - found[0]) / sizes[:, None, None]
+
+    def _steps(self, observations: Observations) -> Steps:
+        length = max(observations.lengths)
+        if length > 0:  # from the middle of the pulse
+            length += float(np.mean([pulse.length for pulse in self.hypothesis.scene.pulses])) / 2
+        return Steps.behind(observations.axis.frequency, length, self.fineness)
 
     def _look(self, x: np.ndarray, observations: Observations, lines: slice | np.ndarray) -> Sequence[_Look]:
         values, pulses = self.space.values(x), self.hypothesis.scene.pulses
@@ -98,9 +104,9 @@ class _Look:
     struck: Struck
     wanted: Int[np.ndarray, "observation 2"]
 
-    def read(self, marched: March, steps: Steps, form: str) -> Complex[np.ndarray, "observation line"]:
+    def read(self, marched: March, steps: Steps) -> Complex[np.ndarray, "observation line"]:
         """What the sensors make of it."""
-        value = record_receptance(self.struck, marched, steps, form, self.wanted)
+        value = record_receptance(self.struck, marched, steps, self.wanted)
         if self.group.reading is not None:
             value = value * np.exp(self.group.reading(self.struck.axis)[0])
         return value

@@ -11,7 +11,7 @@ from flexmodal.diagnosis.march.law import HARDENING
 
 def march(
     phi: Float[np.ndarray, "system state state"],
-    early: Float[np.ndarray, "system law state"],
+    carried: Float[np.ndarray, "system law state"],
     late: Float[np.ndarray, "system law state"],
     rows: Float[np.ndarray, "system law state"],
     kinds: Int[np.ndarray, " law"],
@@ -23,22 +23,21 @@ def march(
 ) -> None:
     """See `kernel.march`."""
     owner = np.repeat(system, push.shape[3])
-    phi, early, late, rows, parameters = (a[owner] for a in (phi, early, late, rows, parameters))
+    phi, carried, late, rows, parameters = (a[owner] for a in (phi, carried, late, rows, parameters))
     gain = np.einsum("bli,bmi->blm", rows, late)
     pushed = np.moveaxis(push, 3, 1).reshape(len(owner), push.shape[1], -1)
     found = torque.reshape(len(owner), *torque.shape[2:])
     now = np.zeros((len(owner), phi.shape[1]))
     held, old, size = (np.zeros(gain.shape[:2]) for _ in range(3))
     for k in range(torque.shape[3] - 1):
-        base = np.matmul(phi, now[:, :, None])[:, :, 0] - np.einsum("bl,bli->bi", held, early)
+        base = np.matmul(phi, now[:, :, None])[:, :, 0] - np.einsum("bl,bli->bi", held, carried)
         if k < push.shape[1]:
             base += pushed[:, k]
         free = np.einsum("bli,bi->bl", rows, base)
         end, held = _settle(free, gain, kinds, parameters, old, held, size)
-        now = base - np.einsum("bl,bli->bi", held, late)
-        old = end
+        now, old = base, end
         found[:, :, k + 1] = held
-    last[:] = now.reshape(last.shape)
+    last[:] = (now - np.einsum("bl,bli->bi", held, late)).reshape(last.shape)
 
 
 def _settle(

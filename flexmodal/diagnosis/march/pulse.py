@@ -1,9 +1,9 @@
 """The hammer's pulse in each kind of blow: as recorded, or what is usual for its tip.
 
 The pulse is a haversine, f(t) = P/2 (1 − cos(2πt/T)). Where a campaign has the blows themselves, P and T are
-those whose spectrum comes nearest to the recorded ones' mean size. Otherwise the record begins with the blow,
-and T is what is usual for the tip at 100 N, shorter for harder blows, T ∝ P^(−1/6), as for Hertz's contact of
-a sphere (Johnson, Contact Mechanics, 1985, section 11.4: T ∝ v^(−1/5), P ∝ v^(6/5)).
+those whose spectrum comes nearest to the recorded ones' mean size. Otherwise T is usual for the tip at 100 N,
+shorter for harder blows, T ∝ P^(−1/6), as for Hertz's contact of a sphere (Johnson, Contact Mechanics, 1985,
+section 11.4: T ∝ v^(−1/5), P ∝ v^(6/5)).
 """
 
 from __future__ import annotations
@@ -33,8 +33,6 @@ class Pulse:
     """[N]"""
     length: float
     """[s]"""
-    start: float = 0.0
-    """When it begins in the record [s]."""
 
     def force(self, time: Float[np.ndarray, " time"]) -> Float[np.ndarray, " time"]:
         """At times since the contact [N]."""
@@ -68,15 +66,13 @@ def _pulse(observations: Observations, level: int) -> Pulse:
     step = blows[0].step
     spectrum = np.mean([np.abs(np.fft.rfft(blow.force)) for blow in blows], axis=0) * step
     frequency = np.fft.rfftfreq(len(blows[0].force), step)
-    peak, length = _nearest(frequency, spectrum, campaign.band)
-    top = step * float(np.mean([np.argmax(np.abs(blow.force)) for blow in blows]))
-    return Pulse(peak, length, max(top - length / 2, 0.0))
+    return _nearest(frequency, spectrum, campaign.band)
 
 
 def _nearest(
     frequency: Float[np.ndarray, " line"], size: Float[np.ndarray, " line"], band: tuple[float, float]
-) -> tuple[float, float]:
-    """Peak and length of the haversine nearest to a measured spectrum, on a logarithmic scale, in a band."""
+) -> Pulse:
+    """The haversine nearest to a measured spectrum, on a logarithmic scale, in a band."""
     from scipy.optimize import minimize_scalar
 
     inside = (frequency >= band[0]) & (frequency <= band[1])
@@ -92,4 +88,4 @@ def _nearest(
     best = int(np.argmin([off(one) for one in tried]))
     around = tried[[max(best - 1, 0), min(best + 1, len(tried) - 1)]]
     length = float(np.exp(minimize_scalar(off, bounds=tuple(around), method="bounded").x))
-    return float(np.exp(np.mean(log - np.log(np.abs(haversine(f, length)))))), length
+    return Pulse(float(np.exp(np.mean(log - np.log(np.abs(haversine(f, length)))))), length)
