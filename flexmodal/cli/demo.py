@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 _TARGET = (-2.0, 2.0)
 _FREQUENCY = 5.0
 _FILES = ("frf_before_after.png", "frf_before_after.svg", "six_link.html")
+_FOUND = "diagnosis"
+_HIDDEN = ("link_flexibility", "link_2")
 
 
 @click.command()
@@ -29,19 +31,23 @@ _FILES = ("frf_before_after.png", "frf_before_after.svg", "six_link.html")
 @force_option
 @quiet_option
 def demo(out: Path, force: bool, quiet: bool) -> None:
-    """Load both robots, print modes and receptance, better a posture, draw it, and say where it all is."""
+    """Load both robots, print modes and receptance, better a posture; hide a bending link and find it."""
     from flexmodal.cli.options import refuse_existing
+    from flexmodal.diagnosis.write import JSON
+    from flexmodal.files import refuse_folder
     from flexmodal.model import load
 
     out.mkdir(parents=True, exist_ok=True)
     for name in _FILES:
         refuse_existing(out / name, force, (".png", ".svg", ".html"))
+    refuse_folder(out / _FOUND, known=JSON, overwrite=force)
     fanuc = load("fanuc_s360")
     _modes(fanuc, "configuration_1")
     _receptance(fanuc, "configuration_1", [0.0, 2.0, 7.6, 20.0, 51.0, 94.0])
     arm = load("six_link")
     _modes(arm, "start_2")
     _better_posture(arm, out, force, quiet)
+    _something_missing(out / _FOUND, force, quiet)
 
 
 def _modes(robot: Robot, posture: str) -> None:
@@ -104,3 +110,34 @@ def _better_posture(robot: Robot, out: Path, force: bool, quiet: bool) -> None:
     viewer("show_outcome")(outcome, start=start, out=out / _FILES[2], overwrite=force, **quietly)
     for name in _FILES:
         click.echo(f"wrote {(out / name).resolve()}")
+
+
+def _something_missing(out: Path, force: bool, quiet: bool) -> None:
+    """A hammer test on a robot whose second link bends, and a card that does not know: what is missing?"""
+    from flexmodal.cli.printing import stages
+    from flexmodal.diagnosis import diagnose
+    from flexmodal.diagnosis.write import write_diagnosis
+    from flexmodal.model import load
+    from flexmodal.rig import Hide, simulate
+
+    card = load("fanuc_s360_rigid_link")
+    effect, where = _HIDDEN
+    hide = [Hide(effect, where, height=10.0)]
+    with stages(quiet=quiet) as advance:
+        advance("striking", 0.0)
+        test = simulate(
+            card, hide=hide, postures=4, points=4, references=2, seed=1, record_length=2.0, band=(2.0, 150.0)
+        )
+        found = diagnose(test.campaign, card, advance=advance)
+        write_diagnosis(found, out, overwrite=force)
+    gaps = found.gaps
+    rows = [
+        ["hidden in the robot that was struck", f"{effect} at {where}"],
+        ["found", " and ".join(f"{name} at {place}" for name, place in found.verdict.effects) or "nothing"],
+        ["gap of the card, re-tuned", f"{gaps.before:.4f}"],
+        ["gap with what was found", f"{gaps.after:.4f}"],
+        ["noise floor", f"{gaps.noise_floor:.4f}"],
+    ]
+    print_table(f"{card.title}: a simulated hammer test, diagnosed", ["", ""], rows)
+    click.echo(found.verdict.says)
+    click.echo(f"wrote {(out / 'report.html').resolve()}")

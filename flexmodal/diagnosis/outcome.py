@@ -134,5 +134,7 @@ class Diagnosis:
     observations: Observations = field(repr=False)
     predicted: Mapping[str, Complex[np.ndarray, "observation line"]] = field(repr=False)
     """Receptances by stage: "believed", "before", "after"."""
+    refused: tuple[Weighed, ...] = ()
+    """What was weighed last and not found worth adding, the best first; "none" among them."""
     provenance: Mapping[str, str] = field(default_factory=dict)
     """Versions, hashes of the inputs, seed, settings, seconds."""

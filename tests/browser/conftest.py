@@ -1,6 +1,8 @@
 """A headless browser that takes pictures of pages."""
 
+import importlib.util
 import os
+import re
 import shutil
 import subprocess
 import time
@@ -56,6 +58,20 @@ class Browser:
             shutil.copy(out, Path(keep) / name)
         return np.asarray(Image.open(out).convert("RGB")).astype(int)
 
+    def measured(self, page, width, *, height=2400):
+        """The page's elements after its scripts have run, in a window of that width."""
+        done = self._run(
+            f"--window-size={width},{height}", "--virtual-time-budget=8000", "--dump-dom", Path(page).as_uri()
+        )
+        return done.stdout.decode()
+
+    def printed(self, page):
+        """Number of pages of the page as a PDF, and its size in bytes."""
+        out = self.folder / f"print_{time.monotonic_ns()}.pdf"
+        self._run("--no-pdf-header-footer", f"--print-to-pdf={out}", Path(page).as_uri())
+        content = out.read_bytes()
+        return len(re.findall(rb"/Type\s*/Page\b(?!s)", content)), len(content)
+
     def document(self, page):
         """The page's elements after its scripts have run, and what the browser said."""
         done = self._run(
@@ -66,6 +82,14 @@ class Browser:
             Path(page).as_uri(),
         )
         return done.stdout.decode(), done.stderr.decode()
+
+
+_SPEC = importlib.util.spec_from_file_location(
+    "diagnosed_by_hand", Path(__file__).parents[1] / "diagnosis" / "conftest.py"
+)
+_made = importlib.util.module_from_spec(_SPEC)
+_SPEC.loader.exec_module(_made)
+campaign, scene, hinged, diagnosed = _made.campaign, _made.scene, _made.hinged, _made.diagnosed
 
 
 @pytest.fixture(scope="session")

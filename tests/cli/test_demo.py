@@ -1,5 +1,6 @@
 """The tour, as `make demo` runs it."""
 
+import json
 import re
 import xml.etree.ElementTree as ElementTree
 
@@ -11,7 +12,7 @@ def test_demo(shell, tmp_path):
     ran = shell("demo", "--out", "tour", timeout=300)
     assert (ran.status, ran.err) == (0, "")
     names = ["frf_before_after.png", "frf_before_after.svg", "six_link.html"]
-    assert sorted(path.name for path in (tmp_path / "tour").iterdir()) == names
+    assert sorted(path.name for path in (tmp_path / "tour").iterdir()) == ["diagnosis", *names]
     for name in names:
         assert f"wrote {tmp_path / 'tour' / name}\n" in ran.out
     for word in ("Fanuc S-360", "frequency [Hz]", "damping ratio", "Six-link planar arm", "converged"):
@@ -26,5 +27,9 @@ def test_demo(shell, tmp_path):
     assert ElementTree.parse(tmp_path / "tour" / names[1]).getroot().tag.endswith("svg")
     page = (tmp_path / "tour" / names[2]).read_text(encoding="utf-8")
     assert not re.search(r"(?:src|href)\s*=\s*[\"']?\s*(?:https?:)?//", page)
+    verdict = json.loads((tmp_path / "tour" / "diagnosis" / "diagnosis.json").read_text(encoding="utf-8"))
+    assert verdict["verdict"]["effects"] == [["link_flexibility", "link_2"]]
+    assert re.search(r"found\s+link_flexibility at link_2", ran.out)
+    assert f"wrote {tmp_path / 'tour' / 'diagnosis' / 'report.html'}\n" in ran.out
     again = shell("demo", "--out", "tour")
     again.refused(names[0], "--force")

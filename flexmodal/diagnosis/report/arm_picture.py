@@ -29,7 +29,7 @@ def draw_arm(diagnosis: Diagnosis) -> Any:
     worst = int(np.argmax(by_posture))
     placed = [link_placements(robot, dict(p.q)) for p in observations.postures]
     plane = _plane(robot, placed[worst])
-    figure = new_figure(0.86 * WIDTH)
+    figure = new_figure(_height([plane @ place[:3, 3] for one in placed for place in one.values()]))
     axes = figure.subplots()
     for number, one in enumerate(placed):
         if number != worst:
@@ -41,11 +41,17 @@ def draw_arm(diagnosis: Diagnosis) -> Any:
     for _, where in diagnosis.verdict.effects:
         _mark(axes, diagnosis, placed[worst], plane, where)
     axes.set_aspect("equal", adjustable="datalim")
-    axes.margins(0.12)
+    axes.margins(0.1, 0.2)
     axes.set_axis_off()
     name = observations.postures[worst].name
     axes.set_title(f"In {name[:30]}; other postures grey", loc="left", fontsize=FONT, parse_math=False)
     return figure
+
+
+def _height(spots: list[np.ndarray]) -> float:
+    """Height of the picture that the arm fills [in]."""
+    width, height = np.ptp(np.array(spots), axis=0) + 1e-6
+    return float(np.clip(WIDTH * 1.25 * height / width, 0.4 * WIDTH, WIDTH)) + 0.4
 
 
 def _plane(robot: Robot, placed: Placed) -> Plane:
@@ -95,8 +101,9 @@ def _points(axes: Any, diagnosis: Diagnosis, placed: Placed, plane: Plane) -> No
             x, y = plane @ place[:3]
             axes.plot(x, y, "D", markersize=5, color=POINT, zorder=5)
             axes.annotate(
-                point.name[:24], (x, y), xytext=(6, -11), textcoords="offset points", fontsize=FONT - 2,
-                color="#055a43", parse_math=False,
+                point.name[:24], (x, y), xytext=(5, -13), textcoords="offset points", fontsize=FONT - 2,
+                color="#055a43", parse_math=False, zorder=6,
+                bbox={"facecolor": "white", "alpha": 0.75, "edgecolor": "none", "pad": 0.6},
             )  # fmt: skip
 
 

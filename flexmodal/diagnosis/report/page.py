@@ -14,6 +14,7 @@ from flexmodal.diagnosis.report.tables import (
     base_rows,
     effect_rows,
     next_words,
+    refused_rows,
     region_rows,
     weighing_rows,
 )
@@ -80,6 +81,7 @@ def _content(diagnosis: Diagnosis, notes: Sequence[str]) -> dict[str, Any]:
             }
             for step in diagnosis.steps
         ],
+        "refused": refused_rows(diagnosis),
         "descent": _svg(draw_descent(diagnosis)),
         "base": base_rows(diagnosis),
         "next": None
@@ -122,7 +124,11 @@ def _figures(diagnosis: Diagnosis) -> list[dict[str, str]]:
     if diagnosis.model.placed:
         name = "with what was added" if diagnosis.steps else "with the best that was tried"
         cards.append({"name": name, "value": size(gaps.after), "more": _held(gaps.held_out_after)})
-    floor = {"name": "noise floor", "value": size(gaps.noise_floor), "more": f"the model is at {over:.2f} ×"}
+    floor = {
+        "name": "noise floor",
+        "value": size(gaps.noise_floor),
+        "more": f"the model is at {over:.2f}\u00a0×",
+    }
     return [*cards, floor]
 
 

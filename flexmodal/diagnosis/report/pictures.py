@@ -71,8 +71,7 @@ def draw_map(diagnosis: Diagnosis, stage: str, title: str) -> Any:
 
     observations = diagnosis.observations
     frequency = observations.axis.frequency
-    count = min(_BINS, len(frequency))
-    edges = np.geomspace(frequency[0], frequency[-1], count + 1)
+    edges = _bands(frequency)
     values = over_noise(observations, diagnosis.predicted[stage], edges)
     figure = new_figure(1.5 + 0.27 * len(values))
     axes = figure.subplots()
@@ -86,9 +85,7 @@ def draw_map(diagnosis: Diagnosis, stage: str, title: str) -> Any:
     axes.set_xlabel("Frequency [Hz]", fontsize=FONT)
     axes.set_ylim(len(values), 0)
     names = [_short(p.name) + (" *" if p.id in diagnosis.held_out else "") for p in observations.postures]
-    axes.set_yticks(np.arange(len(values)) + 0.5, [""] * len(names))
-    for label, name in zip(axes.get_yticklabels(), names, strict=True):
-        label.set(text=name, parse_math=False)
+    axes.set_yticks(np.arange(len(values)) + 0.5, [literal(name) for name in names])
     axes.tick_params(labelsize=FONT - 1, axis="both")
     axes.tick_params(length=0, axis="y")
     bar = figure.colorbar(image, ax=axes, pad=0.02, aspect=14)
@@ -97,6 +94,20 @@ def draw_map(diagnosis: Diagnosis, stage: str, title: str) -> Any:
     bar.ax.minorticks_off()
     axes.set_title(title, loc="left", fontsize=FONT + 1)
     return figure
+
+
+def literal(text: str) -> str:
+    """Text for a tick, in which a dollar sign is a dollar sign."""
+    return text.replace("$", r"\$")
+
+
+def _bands(frequency: Float[np.ndarray, " line"]) -> Float[np.ndarray, " edge"]:
+    """Edges of bands of about equal width on a logarithmic scale, each with a line in it at least."""
+    middles = np.sqrt(frequency[1:] * frequency[:-1])
+    wanted = np.geomspace(frequency[0], frequency[-1], _BINS + 1)[1:-1]
+    inner = np.unique(np.searchsorted(middles, wanted)) if len(middles) else np.zeros(0, dtype=int)
+    inner = inner[(inner >= 0) & (inner < len(middles))]
+    return np.concatenate([frequency[:1], middles[inner], frequency[-1:]])
 
 
 def telling_rows(diagnosis: Diagnosis) -> list[int]:
@@ -126,33 +137,31 @@ def draw_pair(diagnosis: Diagnosis, row: int) -> Any:
     """One FRF: measured with its noise, the model before and after; amplitude and phase."""
     observations = diagnosis.observations
     frequency, measured = observations.axis.frequency, observations.value[row]
-    figure = new_figure(4.3)
-    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[2.4, 1])
+    figure = new_figure(5.2)
+    upper, lower, off = figure.subplots(3, 1, sharex=True, height_ratios=[2.4, 0.9, 1.5])
     used = observations.used[row]
     shown = np.where(used, np.abs(measured), np.nan)
     spread = np.exp(2 * np.sqrt(np.where(used, observations.variance[row], 0.0) / 2))
     for region in diagnosis.disagreement:
         if _is_of(observations, row, region.posture, region.response, region.reference):
-            for axes in (upper, lower):
+            for axes in (upper, lower, off):
                 axes.axvspan(*region.band, color=MARK, alpha=0.22, linewidth=0)
-    upper.fill_between(
-        frequency, shown / spread, shown * spread, color=NOISE, linewidth=0, label="noise, ±2σ"
-    )
-    phase = np.where(used, np.degrees(np.angle(measured)), np.nan)
-    upper.plot(frequency, shown, color=MEASURED, linewidth=1.1, label="measured")
-    lower.plot(frequency, _broken(phase), color=MEASURED, linewidth=1.0)
-    curves: list[tuple[str, str, str, Any]] = [("before", "model re-tuned", BEFORE, (0, (4, 2)))]
-    if diagnosis.model.placed:
-        curves.append(("after", "with what was added", AFTER, "-"))
-    for stage, label, colour, style in curves:
+    upper.fill_between(frequency, shown / spread, shown * spread, color=NOISE, linewidth=0)
+    noise = np.sqrt(np.where(used, observations.variance[row], np.nan))
+    off.fill_between(frequency, 0, 2 * noise, color=NOISE, linewidth=0)
+    for stage, colour, style in curves_of(diagnosis):
         value = diagnosis.predicted[stage][row]
-        upper.plot(frequency, np.abs(value), color=colour, linestyle=style, linewidth=1.5, label=label)
+        upper.plot(frequency, np.abs(value), color=colour, linestyle=style, linewidth=1.8)
         lower.plot(
-            frequency, _broken(np.degrees(np.angle(value))), color=colour, linestyle=style, linewidth=1.3
+            frequency, _broken(np.degrees(np.angle(value))), color=colour, linestyle=style, linewidth=1.6
         )
-    _scale(upper, lower, frequency)
+        far = np.where(used, np.abs(residual(value, measured)), np.nan)
+        off.plot(frequency, far, color=colour, linestyle=style, linewidth=1.2)
+    phase = np.where(used, np.degrees(np.angle(measured)), np.nan)
+    upper.plot(frequency, shown, color=MEASURED, linewidth=0.8)
+    lower.plot(frequency, _broken(phase), color=MEASURED, linewidth=0.8)
+    _scale(upper, lower, off, frequency)
     upper.set_ylabel("Receptance [m/N]", fontsize=FONT)
-    upper.legend(fontsize=FONT - 2, frameon=True, framealpha=0.9, borderpad=0.3, loc="best")
     posture = observations.postures[int(observations.posture[row])]
     held = " (held out)" if posture.id in diagnosis.held_out else ""
     title = f"{_short(posture.name, 24)}{held}\n{_short(pair(observations, row), 48)}"
@@ -162,10 +171,10 @@ def draw_pair(diagnosis: Diagnosis, row: int) -> Any:
 
 def draw_descent(diagnosis: Diagnosis) -> Any:
     """The gap step by step, on all postures and on those held out, above the noise floor."""
+    from matplotlib.ticker import LogLocator
+
     gaps = diagnosis.gaps
-    labels = ["card as\nit came"]
-    every: list[float | None] = [gaps.believed]
-    held: list[float | None] = [None]
+    labels, every, held = ["card as\nit came"], [gaps.believed], [None]
     labels, every, held = [*labels, "re-tuned"], [*every, gaps.before], [*held, gaps.held_out_before]
     for step in diagnosis.steps:
         labels.append("+ " + placed(step.effect, step.where).replace(" (", "\n("))
@@ -205,12 +214,11 @@ def draw_descent(diagnosis: Diagnosis) -> Any:
     axes.set_yscale("log")
     finite = np.concatenate([first[np.isfinite(first)], second[np.isfinite(second)], [gaps.noise_floor]])
     axes.set_ylim(0.6 * finite[finite > 0].min(initial=1.0), 1.9 * finite.max())
+    axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     axes.yaxis.set_major_formatter("{x:g}")
     axes.minorticks_off()
     axes.set_xlim(-0.4, len(labels) - 0.35)
-    axes.set_xticks(places, [""] * len(labels))
-    for label, text in zip(axes.get_xticklabels(), labels, strict=True):
-        label.set(text=text, parse_math=False)
+    axes.set_xticks(places, [literal(label) for label in labels])
     axes.text(
         len(labels) - 0.4, gaps.noise_floor * 0.97, f"noise floor {gaps.noise_floor:.3g}", ha="right",
         va="top", fontsize=FONT - 1, color="0.2",
@@ -230,16 +238,25 @@ def _is_of(
     )
 
 
-def _scale(upper: Any, lower: Any, frequency: np.ndarray) -> None:
+def curves_of(diagnosis: Diagnosis) -> list[tuple[str, str, Any]]:
+    """Stages that are drawn, with colour and line style."""
+    before: list[tuple[str, str, Any]] = [("before", BEFORE, (0, (4, 2)))]
+    return [*before, ("after", AFTER, "-")] if diagnosis.model.placed else before
+
+
+def _scale(upper: Any, lower: Any, off: Any, frequency: np.ndarray) -> None:
     upper.set_yscale("log")
     if frequency[-1] / frequency[0] >= 20:
-        lower.set_xscale("log")
-        lower.xaxis.set_major_formatter("{x:g}")
-    lower.set_xlim(frequency[0], frequency[-1])
+        off.set_xscale("log")
+        off.xaxis.set_major_formatter("{x:g}")
+    off.set_xlim(frequency[0], frequency[-1])
     lower.set(ylim=(-190, 190), yticks=[-180, 0, 180])
-    lower.set_xlabel("Frequency [Hz]", fontsize=FONT)
     lower.set_ylabel("Phase [°]", fontsize=FONT)
-    for axes in (upper, lower):
+    off.set_yscale("log")
+    off.set_ylim(bottom=3e-3)
+    off.set_ylabel("|ln(model/\nmeasured)|", fontsize=FONT)
+    off.set_xlabel("Frequency [Hz]", fontsize=FONT)
+    for axes in (upper, lower, off):
         tidy(axes)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from flexmodal.diagnosis.outcome import Diagnosis, NextMeasurement, Region, Step, Weighed
 from flexmodal.diagnosis.report.words import (
@@ -87,6 +87,12 @@ def weighing_rows(diagnosis: Diagnosis, step: Step) -> list[WeighedRow]:
     ]
 
 
+def refused_rows(diagnosis: Diagnosis) -> list[WeighedRow]:
+    """What was weighed last without being added; what stays as it is counts as chosen."""
+    words = effect_words(diagnosis)
+    return [replace(_weighed(one, words, tied=False), chosen=one.effect == NONE) for one in diagnosis.refused]
+
+
 def _weighed(one: Weighed, words: dict[str, str], tied: bool) -> WeighedRow:
     return WeighedRow(
         plain(one.effect), one.where, words.get(one.effect, ""), str(one.parameters), size(one.gap),
@@ -163,9 +169,3 @@ def next_words(diagnosis: Diagnosis, measurement: NextMeasurement) -> dict[str, 
         "hammer": f"{direction(observations, measurement.reference)}, about {measurement.force_peak:.3g} N",
         "expected": f"{measurement.expected:.1f}",
     }
-
-
-def nothing_gained(step: Step) -> str:
-    """How far the robot without the effect was from the data, in words."""
-    without = next((one for one in step.alternatives if one.effect == NONE), None)
-    return "" if without is None else size(without.gap)

@@ -14,14 +14,14 @@ _KINDS = {
     "stiffness": "stiffness of {}",
     "damping": "damping of {}",
     "mass": "mass of {}",
-    "inertia": "inertia of {}, over the card's",
+    "inertia": "inertia of {}, relative",
 }
 _AXES = "xyz"
 
 
 def effect_words(diagnosis: Diagnosis) -> dict[str, str]:
     """Name of an effect to what it is, in words; effects of others included."""
-    found = {NONE: "nothing added: the robot re-tuned", UNKNOWN: "something that the catalogue does not know"}
+    found = {NONE: "the robot re-tuned", UNKNOWN: "something that the catalogue does not know"}
     found[UNSTRUCTURED] = "one more mode, with no structure behind it"
     known = {**catalogue(), **{placed.effect.name: placed.effect for placed in diagnosis.model.placed}}
     return found | {name: effect.says for name, effect in known.items()}
@@ -40,7 +40,7 @@ def placed(effect: str, where: str) -> str:
 def parameter_words(name: str) -> str:
     """`stiffness.q1` as words; `effect@place.parameter` by its last part."""
     kind, _, where = name.partition(".")
-    if "@" not in kind and kind in _KINDS:
+    if where and "@" not in kind and kind in _KINDS:
         return _KINDS[kind].format(where)
     return name.rsplit(".", 1)[-1].replace("_", " ")
 
@@ -100,7 +100,7 @@ def percent(part: float) -> str:
     """A part of one; small ones keep a figure, and nothing is rounded to certainty."""
     if part > 0.995:
         return "> 99 %"
-    if 0 < part < 0.005:
+    if part < 0.005:
         return "< 1 %"
     return f"{100 * part:.0f} %"
 

@@ -1,0 +1,63 @@
+"""The report of a diagnosis in a browser: offline, at desk and telephone width, in print."""
+
+import re
+
+import numpy as np
+import pytest
+
+WIDTHS = (1200, 390)
+
+
+@pytest.fixture(scope="module")
+def report(tmp_path_factory, diagnosed):
+    from flexmodal.diagnosis.report import write_report
+
+    path = tmp_path_factory.mktemp("report") / "report.html"
+    write_report(diagnosed, path, notes=("a note",))
+    return path
+
+
+def test_says_nothing_to_the_console(browser, report):
+    document, said = browser.document(report)
+    assert "Missing: link flexibility (link_2)" in document
+    lines = [line for line in said.splitlines() if "CONSOLE" in line]
+    assert lines == []
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+def test_nothing_is_wider_than_the_window(browser, report, width, tmp_path):
+    """The report lets no script run, so that a copy without that policy is what is measured."""
+    text = report.read_text(encoding="utf-8")
+    copy = tmp_path / f"copy_{width}.html"
+    script = (
+        "<script>addEventListener('load', () => { const page = document.documentElement;"
+        "page.dataset.wide = page.scrollWidth; page.dataset.window = innerWidth;"
+        "const far = [...document.querySelectorAll('body *')].filter(one =>"
+        " !one.closest('.wide') && !one.closest('svg') &&"
+        " one.getBoundingClientRect().right > innerWidth + 1);"
+        "page.dataset.far = far.map(one => one.tagName + '.' + one.className).join(' ') })</script>"
+    )
+    text = re.sub(r"<meta http-equiv=.*?>", "", text, count=1)
+    copy.write_text(text.replace("</head>", f"{script}</head>"), encoding="utf-8")
+    document = browser.measured(copy, width)
+    assert f'data-window="{width}"' in document
+    assert f'data-wide="{width}"' in document
+    assert 'data-far=""' in document
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+def test_looks_as_it_should(browser, report, width):
+    picture = browser.picture(report, width=width, height=2400)
+    dark = np.all(picture < 110, axis=2)
+    assert 0.01 < dark.mean() < 0.4  # words and curves on a light ground
+    edge = np.abs(picture - np.array([0, 114, 178])).max(axis=2) < 6
+    assert edge.sum() > 1000  # the frame of the verdict
+    assert np.all(picture[:, -4:] > 225)  # nothing runs over the edge
+    orange = np.abs(picture - np.array([213, 94, 0])).max(axis=2) < 40
+    assert orange.sum() > 200  # the place that is marked
+
+
+def test_prints(browser, report):
+    pages, size = browser.printed(report)
+    assert 3 <= pages <= 12
+    assert size > 20_000
