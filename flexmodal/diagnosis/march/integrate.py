@@ -27,7 +27,7 @@ from flexmodal.identification.structure import Axis, Structure
 Blow = tuple[int, Pulse]
 """Row of `Structure.reference` that is struck, and the pulse."""
 
-FINENESS = 10
+FINENESS = 10.0
 """Steps in a period of the highest line, at least."""
 _TOGETHER = 4_000_000
 """Torques kept at once."""

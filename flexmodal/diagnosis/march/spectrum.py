@@ -1,4 +1,4 @@
-"""Spectra of signals that are straight lines between samples, zero before the first, cut off after the last.
+"""Spectra of signals that are straight lines between samples, from 0 on, cut off after the last.
 
     X(s) = h Σ_j x_j e^{−s j h} (sinh(z/2)/(z/2))² + half a hat for the last,    z = s h,
 
@@ -25,7 +25,7 @@ def spectrum(
     """Spectrum on some lines.
 
     Args:
-        samples: the first at time 0.
+        samples: the first, which is 0, at time 0.
         axis: lines, and the window that the signal is under.
         step: between samples [s].
         whole: steps whose length the lines are multiples of the inverse of; those of the signal by default.
