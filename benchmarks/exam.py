@@ -2,8 +2,8 @@
 
     python benchmarks/exam.py [--seed N] [--folder DIR] [--workers N] [--most N]
 
-Goes on where it was stopped. The candidate is a process of its own that is given the campaign's folder; what is
-hidden lies in another. Tuned on other seeds; the published exam is that of `PUBLISHED`.
+Goes on where it was stopped. The candidate is a process of its own that is given the campaign's folder; what
+is hidden lies in another. Tuned on other seeds; the published exam is that of `PUBLISHED`.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from pathlib import Path
 from exam_plan import Question, plan
 from exam_report import report
 
-PUBLISHED = 20261121
+PUBLISHED = 20261123
 
 
 def ask(question: Question, folder: Path) -> dict[str, object]:
@@ -32,11 +32,9 @@ def ask(question: Question, folder: Path) -> dict[str, object]:
         if not campaign.exists() or not truth.exists():
             shutil.rmtree(campaign, ignore_errors=True)
             truth.unlink(missing_ok=True)
-            code = "import sys; sys.path.insert(0, sys.argv[1]); import exam_plan as e; from pathlib import Path;"
-            code += f"e.pose(next(q for q in e.plan({folder.name.split('-')[-1]}) if q.name == sys.argv[2]),"
-            code += "Path(sys.argv[3]), Path(sys.argv[4]))"
-            here = str(Path(__file__).parent)
-            call([sys.executable, "-c", code, here, question.name, str(campaign), str(truth)])
+            poser = Path(__file__).parent / "exam_plan.py"
+            seed = folder.name.split("-")[-1]
+            call([sys.executable, str(poser), seed, question.name, str(campaign), str(truth)])
         candidate = Path(__file__).parent / "exam_candidate.py"
         call([sys.executable, str(candidate), str(campaign), str(answer)])
         shutil.rmtree(campaign)
@@ -70,7 +68,7 @@ def main() -> None:
             if result is not None:
                 done.append(result)
                 print(f"{number}/{len(questions)}", line(result), flush=True)
-    report(done, len(questions), given.seed, published=given.seed == PUBLISHED)
+    report(done, len(plan(given.seed)), given.seed, published=given.seed == PUBLISHED)
 
 
 def tried(question: Question, folder: Path) -> dict[str, object] | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -16,7 +17,7 @@ ROBOTS = ("fanuc_s360", "six_link", "six_axis")
 NAMED = tuple(name for name, effect in EFFECTS.items() if effect.catalogued)
 OUTSIDE = tuple(name for name, effect in EFFECTS.items() if not effect.catalogued)
 EACH, NOTHING, PAIRS, UNKNOWN = 2, 4, 5, 5
-"""For each robot: campaigns of every effect, with nothing hidden, with two effects, with one no catalogue has."""
+"""For each robot: campaigns of each effect, with nothing hidden, with two effects, with an unknown one."""
 POSTURES, POINTS = 5, 5
 
 
@@ -68,3 +69,8 @@ def pose(question: Question, folder: Path, truth: Path) -> None:
     result.truth.write(truth)
     write_campaign(result.campaign, folder)
     write_robot(result.robot, folder, result.plan.postures, result.plan.points)
+
+
+if __name__ == "__main__":
+    _seed, _name, _folder, _truth = sys.argv[1:]
+    pose(next(one for one in plan(int(_seed)) if one.name == _name), Path(_folder), Path(_truth))

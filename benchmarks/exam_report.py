@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import datetime
+import itertools
 from collections import Counter, defaultdict
 from pathlib import Path
 
@@ -81,11 +82,11 @@ def _page(rows: list[dict], asked: int, seed: int) -> list[str]:
     lines = [
         "# The sealed exam of the diagnosis",
         "",
-        f"Made by `make exam` on {datetime.date.today()}, seed {seed}: {len(rows)} of {asked} campaigns answered. "
-        f"Campaigns of the virtual rig on {', '.join(ROBOTS)}: 5 postures, up to 5 points, 2 hammer points, two "
-        "levels of force with a repeat each, 1 % noise; parameters of the robot 2 to 8 % off; effects 3 to 30 times "
-        "the noise floor before re-tuning. The code was tuned on other seeds. *Effect* asks for the right set of "
-        "names, *effect and place* for the right places too.",
+        f"Made by `make exam` on {datetime.date.today()}, seed {seed}: {len(rows)} of {asked} campaigns "
+        f"answered. The virtual rig on {', '.join(ROBOTS)}: 5 postures, up to 5 points, 2 hammer "
+        "points, two levels of force with a repeat each, 1 % noise; parameters of the robot 2 to 8 % off; "
+        "effects 3 to 30 times the noise floor before re-tuning. The code was tuned on other seeds. *Effect* "
+        "asks for the right set of names, *effect and place* for the right places too.",
         "",
         "| what | goal | found |",
         "|---|---:|---:|",
@@ -97,7 +98,7 @@ def _page(rows: list[dict], asked: int, seed: int) -> list[str]:
         f"| two effects hidden: both with their places | – | {_share(pairs, 'place')} |",
         f"| explained: gap after ≤ 1.6 × noise floor | 9 in 10 | {len(low)} of {len(explained)} |",
         f"| explained: held-out gap below half of before | ≥ 90 % | {len(good)} of {len(half)} |",
-        f"| seconds a campaign, median | < 30 | {np.median(every):.1f} wall, {np.median(processor):.1f} processor |",
+        f"| seconds a campaign, median | < 30 | {np.median(every):.1f}, {np.median(processor):.1f} CPU |",
         "",
         "## By effect",
         "",
@@ -178,7 +179,7 @@ def _picture(rows: list[dict], path: Path) -> None:
     edges = (0.0, 0.5, 0.9, 0.99, 1.0001)
     right.plot([0, 1], [0, 1], color="0.6", linestyle="--", label="calibrated")
     points = []
-    for first, last in zip(edges[:-1], edges[1:], strict=True):
+    for first, last in itertools.pairwise(edges):
         some = [(c, ok) for c, ok in stated if first <= c < last]
         if some:
             points.append((np.mean([c for c, _ in some]), np.mean([ok for _, ok in some]), len(some)))

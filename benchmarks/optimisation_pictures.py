@@ -1,4 +1,4 @@
-"""Pictures of docs/optimisation.md: receptances, arms, self-motion, workspace, descents, a path; `make pictures`."""
+"""Pictures of docs/optimisation.md: receptances, arms, self-motion, workspace, descents, a path."""
 
 from __future__ import annotations
 
@@ -40,11 +40,9 @@ def main() -> None:
     }
     save(draw_postures(arm, postures, target=hold), "optimisation_postures")
     save(draw_self_motion(problem, found.best.posture, count=81), "optimisation_self_motion")
-    first, second = np.linspace(-6, 6, 49), np.linspace(-6, 6, 49)
-    save(
-        draw_workspace(problem, first, second, workspace_map(problem, first, second)),
-        "optimisation_workspace",
-    )
+    first = second = np.linspace(-6, 6, 25)
+    grid = workspace_map(problem, first, second, starts=32)
+    save(draw_workspace(problem, first, second, grid), "optimisation_workspace")
     save(draw_traces(problem, traces(problem, problem.vector(start))), "optimisation_traces")
     toolpath = line((-4.0, 0.5), (-1.0, 2.5), 16, 0.05)
     path = PathProblem.along(arm, toolpath, 5.0, way="worst")

@@ -1,9 +1,10 @@
 """How much the frequency matters: random tasks, each posture optimised by receptance and by stiffness.
 
-For each task a target, a direction and a frequency are drawn, and a random posture on the target is the start.
-The receptance at that frequency is compared: at the start, after optimising it, after optimising the static
-receptance, and after optimising the stiffness measure. Rows are added to docs/tables/task_statistics.csv as
-they are computed, so that an interrupted run goes on where it stopped; `--tasks N` asks for N tasks an arm.
+For each task a target, a direction and a frequency are drawn, and a random posture on the target is the
+start. The receptance at that frequency is compared: at the start, after optimising it, after optimising the
+static receptance, and after optimising the stiffness measure. Rows are added to
+docs/tables/task_statistics.csv as they are computed, so that an interrupted run goes on where it stopped;
+`--tasks N` asks for N tasks an arm.
 """
 
 from __future__ import annotations
@@ -144,10 +145,10 @@ def summarise(everything: list[dict[str, str]]) -> str:
         + ", ".join(f"{sum(row['arm'] == name for row in everything)} of {name}" for name in ARMS)
         + ". Each draws a posture, whose tool position (and, of the arms in space, tool axis) is held, a "
         "world axis for the force, and a frequency (log-uniform, 0.5 to 30 Hz for the six-link arm, 2 to 100 "
-        f"Hz for the others). {STARTS} starts, the drawn posture among them. Panda and UR10 are URDFs without "
-        "stiffness: 14 and 20 kN·m/rad and 20 N·m·s/rad are taken for every joint, so only ratios mean "
-        "something. A ratio is |receptance| at the operating frequency over that of the drawn posture; below "
-        "1 is better. The last two columns part the tasks by the first natural frequency at the start.",
+        f"Hz for the others). {STARTS} starts, the drawn posture among them. Panda and UR10 are URDFs "
+        "without stiffness: 14 and 20 kN·m/rad and 20 N·m·s/rad are taken for every joint, so only ratios "
+        "mean something. A ratio is |receptance| at the operating frequency over that of the drawn posture; "
+        "below 1 is better. The last two columns part the tasks by the first natural frequency at the start.",
         "",
         "| arm | optimised by | median ratio | 10 % to 90 % | worse than the start | median, below the "
         "first mode | median, above it |",
@@ -182,8 +183,8 @@ def conclusions(everything: list[dict[str, str]]) -> list[str]:
         static = np.array([float(row["static"]) / float(row["receptance"]) for row in rows])
         singular = sum(int(row["singular"]) for row in rows)
         found.append(
-            f"- {arm.title}: after optimising the receptance it is {np.median(gain):.3g} times lower (median) "
-            f"than after optimising ξ_K, {np.median(static):.3g} times lower than after optimising the static "
+            f"- {arm.title}: after optimising the receptance it is {np.median(gain):.3g} times lower "
+            f"(median) than after optimising ξ_K, {np.median(static):.3g} times lower than after the static "
             f"receptance. In {singular} of {len(rows)} tasks every start by ξ_K ran into a singular posture, "
             "which then counts."
         )
@@ -211,7 +212,7 @@ def picture(everything: list[dict[str, str]]):
         axes.set_title(f"{arm.title.replace(', ', chr(10), 1)}\n{len(rows)} tasks", fontsize=10, loc="left")
         axes.set_xlabel("|receptance| over that of the start")
     panels[0].set_ylabel("Tasks at or below [%]")
-    panels[0].legend(title="optimised by", fontsize=9)
+    panels[0].legend(title="optimised by", fontsize=9, loc="lower right")
     return figure
 
 

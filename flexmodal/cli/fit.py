@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,10 +14,12 @@ from flexmodal.cli.printing import print_json, print_table
 from flexmodal.errors import Fault, InvalidRequest
 
 if TYPE_CHECKING:
-    from flexmodal.campaign import Campaign
+    from flexmodal.campaign import Campaign, FrfRecords, QualityFlag
     from flexmodal.ema import Choices, Fit, Tolerances
 
 _ENDINGS = (".csv", ".json", ".html", ".png", ".svg")
+_MOST_LINES = 20
+"""Flags that are printed for people."""
 
 
 @click.command()
@@ -73,6 +76,8 @@ _ENDINGS = (".csv", ".json", ".html", ".png", ".svg")
 @click.option(
     "--out", type=click.Path(path_type=Path), help="A .csv (as modes.csv), .json, .html, .png or .svg file."
 )
+@click.option("--pictures", type=click.Path(path_type=Path), help="A folder to draw every picture into.")
+@click.option("--svg", is_flag=True, help="Pictures as .svg, not .png.")
 @force_option
 @json_option
 def fit(
@@ -82,14 +87,16 @@ def fit(
     trials: str,
     estimator: str,
     out: Path | None,
+    pictures: Path | None,
+    svg: bool,
     force: bool,
     as_json: bool,
     **wanted: Any,
 ) -> None:
     """Modal parameters of measured FRFs, each with its uncertainty; exit 1 if no mode is found."""
-    from flexmodal.campaign import read_campaign
+    from flexmodal.campaign import check_campaign_quality, read_campaign
     from flexmodal.ema import as_json as as_object
-    from flexmodal.ema import fit_campaign
+    from flexmodal.ema import fit_campaign, records_of
 
     refuse_existing(out, force, _ENDINGS)
     measured = read_campaign(campaign)
@@ -97,15 +104,32 @@ def fit(
         click.echo(f"warning: {warning}", err=True)
     choices = _choices(**wanted)
     fits = fit_campaign(measured, method, per=per, trials=trials, estimator=estimator, choices=choices)
-    found = as_object(fits)
+    records = records_of(measured, estimator)
+    flags = check_campaign_quality(measured, records)
+    found = as_object(fits, flags)
+    results = _Results(fits, found, flags, records, measured, choices)
     if out is not None:
-        _write(fits, found, measured, estimator, out, force)
+        _write(results, out, force)
         click.echo(f"wrote {out}", err=True)
+    if pictures is not None:
+        _draw(results, pictures, ".svg" if svg else ".png", force)
     if as_json:
         print_json(found)
-    elif out is None:
-        _print(fits, found, measured, method)
+    elif out is None and pictures is None:
+        _print(results, method)
     sys.exit(0 if found["modes"] else 1)
+
+
+@dataclass(frozen=True, eq=False)
+class _Results:
+    """What there is to print, write and draw."""
+
+    fits: tuple[Fit, ...]
+    found: dict[str, Any]
+    flags: tuple[QualityFlag, ...]
+    records: FrfRecords
+    campaign: Campaign
+    choices: Choices
 
 
 def _choices(
@@ -156,13 +180,12 @@ def _hertz(text: str, option: str) -> list[float]:
     return [number(part, option, "frequencies in Hz, separated by commas") for part in text.split(",")]
 
 
-def _write(
-    fits: tuple[Fit, ...], found: dict[str, Any], measured: Campaign, estimator: str, out: Path, force: bool
-) -> None:
+def _write(results: _Results, out: Path, force: bool) -> None:
     import json
 
     from flexmodal.files import whole_file
 
+    fits = results.fits
     if out.suffix == ".csv":
         from flexmodal.campaign import write_modes
         from flexmodal.ema import mode_table
@@ -171,29 +194,45 @@ def _write(
             write_modes(mode_table(fits), scratch)
     elif out.suffix == ".json":
         with whole_file(out, overwrite=force) as scratch:
-            scratch.write_text(json.dumps(found, allow_nan=False, indent=1) + "\n", encoding="utf-8")
+            text = json.dumps(results.found, allow_nan=False, indent=1)
+            scratch.write_text(text + "\n", encoding="utf-8")
     elif out.suffix == ".html":
-        from flexmodal.ema import records_of
         from flexmodal.ema.page import write_fit_page
+        from flexmodal.ema.pictures import pictures
 
-        write_fit_page(fits, records_of(measured, estimator), measured, out, overwrite=force)
+        drawn = pictures(fits, results.records, results.campaign, results.choices)
+        write_fit_page(fits, drawn, results.flags, results.campaign, out, overwrite=force)
     else:
         from flexmodal.ema.plot import draw_fit
         from flexmodal.frf.plot import write_plot
 
         if len(fits) != 1 or len(fits[0].places) != 1:
-            allowed = "a campaign of one FRF; for several, .html, .csv or .json"
-            raise InvalidRequest(Fault(SOURCE, "--out", f"{len(fits)} fits for one picture", allowed))
-        write_plot(draw_fit(fits[0].modes, title=measured.title), out, overwrite=force)
+            allowed = "a campaign of one FRF; for several, --pictures FOLDER, or .html, .csv, .json"
+            found = f"{sum(len(one.places) for one in fits)} FRFs for one picture"
+            raise InvalidRequest(Fault(SOURCE, "--out", found, allowed))
+        write_plot(draw_fit(fits[0].modes, title=results.campaign.title), out, overwrite=force)
 
 
-def _print(fits: tuple[Fit, ...], found: dict[str, Any], measured: Campaign, method: str) -> None:
-    from flexmodal.ema.table import HEADER, LEGEND, mode_cells
+def _draw(results: _Results, folder: Path, ending: str, force: bool) -> None:
+    from flexmodal.ema.pictures import pictures, write_pictures
 
-    rows = [cells for one in fits for cells in mode_cells(one)]
-    print_table(f"{measured.title}: modes by {method}", HEADER, rows)
+    drawn = pictures(results.fits, results.records, results.campaign, results.choices)
+    written = write_pictures(drawn, folder, ending, overwrite=force)
+    click.echo(f"wrote {len(written)} pictures to {folder}", err=True)
+
+
+def _print(results: _Results, method: str) -> None:
+    from flexmodal.ema.page import refused_lines
+    from flexmodal.ema.table import HEADER, LEGEND, flag_lines, mode_cells
+
+    rows = [cells for one in results.fits for cells in mode_cells(one)]
+    print_table(f"{results.campaign.title}: modes by {method}", HEADER, rows)
     click.echo(LEGEND)
-    for peak in found["refused"]:
-        click.echo(
-            f"refused: posture {peak['posture']}, {peak['frf']}, {peak['frequency']:.2f} Hz: {peak['why']}"
-        )
+    for one in results.fits:
+        for line in refused_lines(one):
+            click.echo(f"refused: {line}")
+    lines = flag_lines(results.flags)
+    for line in lines[:_MOST_LINES]:
+        click.echo(f"flag: {line}")
+    if len(lines) > _MOST_LINES:
+        click.echo(f"and {len(lines) - _MOST_LINES} flags more: see --json or --out PAGE.html")

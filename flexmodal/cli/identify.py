@@ -79,7 +79,7 @@ def identify(
     measured = read_campaign(campaign)
     for warning in measured.warnings:
         click.echo(f"warning: {warning}", err=True)
-    arm = _robot_of(measured, robot)
+    arm = robot_of(measured, robot)
     wanted = [kind.strip() for kind in kinds.split(",") if kind.strip()]
     with progress(STAGES, "identifying", quiet=quiet) as advance:
         problem = build_identification(
@@ -105,7 +105,7 @@ def identify(
     sys.exit(0 if outcome.fitted.converged else 1)
 
 
-def _robot_of(campaign: Campaign, given: str | None) -> Robot:
+def robot_of(campaign: Campaign, given: str | None) -> Robot:
     """The robot asked for, or the one the campaign names: a card, or a path relative to it."""
     from flexmodal.model import load
 

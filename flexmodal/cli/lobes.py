@@ -82,8 +82,9 @@ def lobes(
         one = _single(arm, postures[0], cut, added, method, speeds, quiet)
         _give_one(arm, one, out, force, as_json)
     else:
-        _refuse_for_several(method, speeds)
-        several = _several(arm, postures, family, members, cut, added, quiet)
+        if method != "zero-order":
+            raise InvalidRequest(Fault(SOURCE, "--method", f"{method} of several postures", "zero-order"))
+        several = _several(arm, postures, family, members, cut, added, speeds, quiet)
         _give_several(several, out, force, as_json)
 
 
@@ -104,13 +105,6 @@ def _mention(cut: Cut, added: MeasuredTip | None) -> None:
         )
     if added is not None and cut.modes:
         click.echo("note: the modes of the cut and --spindle are both added to the arm", err=True)
-
-
-def _refuse_for_several(method: str, speeds: int | None) -> None:
-    if method != "zero-order":
-        raise InvalidRequest(Fault(SOURCE, "--method", f"{method} of several postures", "zero-order"))
-    if speeds is not None:
-        raise InvalidRequest(Fault(SOURCE, "--speeds", "given for several postures", "one posture"))
 
 
 def _single(
@@ -138,17 +132,23 @@ def _several(
     members: int,
     cut: Cut,
     added: MeasuredTip | None,
+    speeds: int | None,
     quiet: bool,
 ) -> Comparison:
     from flexmodal.machining import compare_family, compare_postures
+    from flexmodal.machining.depth import SPEEDS
+
+    count = SPEEDS if speeds is None else speeds
 
     if family is not None:
         arm.family(family, source=f"{SOURCE} --family")
         with progress(members, "postures", quiet=quiet) as advance:
-            return compare_family(arm, family, cut, members=members, added=added, advance=advance)
+            return compare_family(
+                arm, family, cut, members=members, speeds=count, added=added, advance=advance
+            )
     poses = [posture_of(arm, posture) for posture in postures]
     with progress(len(poses), "postures", quiet=quiet) as advance:
-        return compare_postures(arm, poses, cut, added=added, advance=advance)
+        return compare_postures(arm, poses, cut, speeds=count, added=added, advance=advance)
 
 
 def _give_one(arm: Robot, one: PostureDepth, out: Path | None, force: bool, as_json: bool) -> None:

@@ -12,6 +12,8 @@ import click
 
 from flexmodal.errors import FlexmodalError
 
+_STAGE = "{desc}{percentage:3.0f} % {bar} {elapsed}, {remaining} left"
+
 
 def print_json(result: dict[str, Any]) -> None:
     """One JSON object in ASCII, refusing NaN and infinity rather than writing what no reader accepts."""
@@ -55,6 +57,29 @@ def noted_progress(
     hidden = quiet or not sys.stderr.isatty()
     with tqdm(total=total, desc=label, file=sys.stderr, disable=hidden, leave=False) as bar:
         yield lambda: bar.update(1) and None, bar.set_postfix_str
+
+
+@contextmanager
+def stages(*, quiet: bool) -> Iterator[Callable[[str, float], None]]:
+    """A bar for work in stages told of by name, with the time left of each; nothing off a terminal."""
+    from tqdm import tqdm
+
+    if quiet or not sys.stderr.isatty():
+        yield lambda doing, part: None
+        return
+    now = ""
+    with tqdm(total=1.0, file=sys.stderr, leave=False, bar_format=_STAGE) as bar:
+
+        def advance(doing: str, part: float) -> None:
+            nonlocal now
+            if doing != now:
+                now = doing
+                bar.reset(1.0)
+                bar.set_description(doing)
+            bar.n = min(part, 1.0)
+            bar.refresh()
+
+        yield advance
 
 
 def degrees(value: float, *, prismatic: bool = False) -> str:

@@ -3,10 +3,24 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from flexmodal.cli.options import force_option, hertz, load_robot, posture_of, refuse_existing, robot_options
+from flexmodal.cli.options import (
+    SOURCE,
+    force_option,
+    hertz,
+    load_robot,
+    posture_of,
+    refuse_existing,
+    robot_options,
+)
+from flexmodal.errors import Fault, InvalidRequest
+
+if TYPE_CHECKING:
+    from flexmodal.campaign import Campaign
+    from flexmodal.ema.shapes import FittedShapes
 
 
 @click.command()
@@ -15,6 +29,12 @@ from flexmodal.cli.options import force_option, hertz, load_robot, posture_of, r
 @click.option("--modes", is_flag=True, help="Animate the mode shapes.")
 @click.option("--response", metavar="POINT:AXIS", help="Point and direction of the force, tool:+z if none.")
 @click.option("--frequency", callback=hertz, metavar="HZ", help="Animate the deflection at this frequency.")
+@click.option(
+    "--campaign",
+    type=click.Path(path_type=Path),
+    metavar="DIR",
+    help="Show how the robot was tested, and the shapes of the modes fitted to that.",
+)
 @click.option("--out", type=click.Path(path_type=Path), help="Write one self-contained page instead.")
 @click.option("--port", type=click.IntRange(0, 65535), help="Port on 127.0.0.1; a free one if none.")
 @force_option
@@ -28,24 +48,80 @@ def show(
     modes: bool,
     response: str | None,
     frequency: float | None,
+    campaign: Path | None,
     out: Path | None,
     port: int | None,
     force: bool,
 ) -> None:
-    """Show the robot, its modes or its deflection in the browser, or write it as a page."""
+    """Show the robot, its modes or its deflection in the browser, or write it as a page.
+
+    ROBOT may also be the folder of a campaign, which says itself what robot it is of.
+    """
+    from flexmodal.campaign import is_campaign
     from flexmodal.cli.viewing import viewer
 
     refuse_existing(out, force, (".html",))
+    deliver: dict[str, Any] = {"out": out, "port": port, "overwrite": force}
+    deliver["announce"] = lambda text: click.echo(text, err=True)
+    if campaign is not None or is_campaign(robot):
+        _refuse_beside(modes=modes, response=response, frequency=frequency)
+        measured = _campaign(Path(robot) if campaign is None else campaign, posture)
+        named = robot if campaign is not None else _robot_of(measured)
+        arm = load_robot(named, stiffness, damping, tool, fix)
+        viewer("show_campaign")(arm, measured, shapes=_shapes(measured), **deliver)
+        return
     arm = load_robot(robot, stiffness, damping, tool, fix)
     where = arm.posture(next(iter(arm.postures), {})) if posture is None else posture_of(arm, posture)
-    viewer("show_robot")(
-        arm,
-        where,
-        modes=modes,
-        response=response,
-        frequency=frequency,
-        out=out,
-        port=port,
-        overwrite=force,
-        announce=lambda text: click.echo(text, err=True),
+    viewer("show_robot")(arm, where, modes=modes, response=response, frequency=frequency, **deliver)
+
+
+def _refuse_beside(**given: object) -> None:
+    faults = [
+        Fault(SOURCE, f"--{name}", "given", "nothing beside a campaign, whose postures and shapes are shown")
+        for name, value in given.items()
+        if value
+    ]
+    if faults:
+        raise InvalidRequest(faults)
+
+
+def _campaign(folder: Path, posture: str | None) -> Campaign:
+    """The campaign, or one posture of it by name or number."""
+    from dataclasses import replace
+
+    from flexmodal.campaign import read_campaign
+
+    measured = read_campaign(folder)
+    for warning in measured.warnings:
+        click.echo(f"warning: {warning}", err=True)
+    if posture is None:
+        return measured
+    chosen = tuple(p for p in measured.postures if posture in (p.name, str(p.id)))
+    if not chosen:
+        names = ", ".join(f"{p.id} or {p.name}" for p in measured.postures)
+        raise InvalidRequest(Fault(SOURCE, "--posture", repr(posture), f"a posture of the campaign: {names}"))
+    ids = [p.id for p in chosen]
+    frfs = None if measured.frfs is None else measured.frfs.select(posture=ids)
+    return replace(
+        measured,
+        postures=chosen,
+        frfs=frfs if frfs is not None and len(frfs) else None,
+        blows=tuple(blow for blow in measured.blows if blow.posture in ids),
+        modes=None,
     )
+
+
+def _robot_of(measured: Campaign) -> str:
+    """The card that a campaign names: beside it, or by name."""
+    beside = None if measured.path is None else measured.path / measured.robot
+    return str(beside) if beside is not None and beside.exists() else measured.robot
+
+
+def _shapes(measured: Campaign) -> tuple[FittedShapes, ...]:
+    """Shapes of the modes that a fit of each posture finds by itself; none without FRFs."""
+    from flexmodal.ema import Choices, fit_campaign
+    from flexmodal.ema.shapes import fitted_shapes
+
+    if measured.frfs is None and not measured.blows:
+        return ()
+    return fitted_shapes(fit_campaign(measured, per="posture", choices=Choices(vary=False)))

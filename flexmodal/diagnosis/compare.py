@@ -6,6 +6,7 @@ noise. Its share is its part of everything that stands out.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
@@ -25,6 +26,9 @@ MOST = 12
 NEAR = 0.06
 """Relative distance up to which two resonances count as one that moved."""
 
+FEWEST = 5
+"""Lines that two levels of force have to share to be compared."""
+
 Signal = Complex[np.ndarray, " line"]
 
 
@@ -38,6 +42,27 @@ def excess(
     smooth = np.apply_along_axis(np.convolve, 1, squared, kernel, mode="same")
     floor = np.apply_along_axis(np.convolve, 1, noise, kernel, mode="same")
     return np.where(smooth > STANDS_OUT * floor + 1e-6, np.maximum(squared - noise, 0.0), 0.0)
+
+
+def force_dependence(observations: Observations) -> float:
+    """How much FRFs change with the force of the blow, over what their noise makes of it.
+
+    The mean squared difference of the logarithm between two levels over the sum of their variances, for each
+    pair; three in four pairs are below what is returned. About 1 for a linear structure; NaN with one level.
+    """
+    decay = np.array(observations.decays)[observations.level]
+    key = np.column_stack([observations.posture, observations.response, observations.reference, decay])
+    owner = np.unique(key, axis=0, return_inverse=True)[1].ravel()
+    found = []
+    for pair in range(int(owner.max()) + 1):
+        rows = np.flatnonzero(owner == pair)
+        for one, other in itertools.pairwise(rows.tolist()):
+            both = observations.used[one] & observations.used[other]
+            noise = float(np.sum((observations.variance[one] + observations.variance[other])[both]))
+            if both.sum() >= FEWEST and noise > 0:
+                change = residual(observations.value[one][both], observations.value[other][both])
+                found.append(float(np.sum(np.abs(change) ** 2)) / noise)
+    return float(np.quantile(found, 0.75)) if found else float("nan")
 
 
 def disagreement(

@@ -14,7 +14,7 @@ from jaxtyping import Complex, Float
 
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.march.model import MarchedModel
-from flexmodal.diagnosis.search import CLOSE, COARSE, stride_for
+from flexmodal.diagnosis.search import CLOSE, COARSE, some_lines
 from flexmodal.identification import FrfFit, Observations, fit, predict
 from flexmodal.identification.frf_fit import Weighing, cost_of
 
@@ -66,11 +66,11 @@ def refined(hypothesis: Hypothesis, fitted: FrfFit, observations: Observations) 
     x = _start(rough, fitted.x, observations)
     first = fit(
         rough, observations, x, floors=FLOORS[:1], steps=STEPS, settled=ROUGHLY, apart=False,
-        stride=stride_for(observations, CLOSE),
+        lines=some_lines(observations, CLOSE),
     )  # fmt: skip
     last = fit(
         model, observations, first.x, floors=FLOORS[1:], steps=STEPS, settled=SETTLED,
-        stride=stride_for(observations, CLOSE),
+        lines=some_lines(observations, CLOSE),
     )  # fmt: skip
     last = replace(last, steps=first.steps + last.steps)
     return Refined(model, last, predict(model, last.x, observations))
@@ -81,8 +81,7 @@ def _start(
 ) -> Float[np.ndarray, " parameter"]:
     """Where the describing functions ended, or that with its laws started afresh, if that is nearer."""
     hypothesis, space = model.hypothesis, model.space
-    stride = stride_for(observations, COARSE)
-    weighing = Weighing(SEARCH, np.arange(stride // 2, len(observations.axis), stride))
+    weighing = Weighing(SEARCH, some_lines(observations, COARSE))
     tried = [x]
     for placed in hypothesis.placed:
         if placed.effect.law is None:

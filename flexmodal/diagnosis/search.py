@@ -8,22 +8,24 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
 from flexmodal.diagnosis.effects.effect import Effect
 from flexmodal.diagnosis.hypothesis import Hypothesis, Placed
 from flexmodal.identification import Observations
-from flexmodal.identification.frf_fit import FrfFit, Weighing, cost_of, fit
+from flexmodal.identification.descent import robust
+from flexmodal.identification.frf_fit import FrfFit, Weighing, cost_of, fit, residual
 
-COARSE = 64
-"""Lines of the coarse looks."""
-CLOSE = 240
+COARSE = 48
+"""Lines of the coarse looks, closer together where resonances are narrow."""
+CLOSE = 160
 """Lines of the closer ones."""
 STARTS = 2
 """Starts that are kept for each effect and place."""
-ROUNDS = ((0.2, 3, 24), (0.1, 5, 12), (0.03, 8, 6))
+ROUNDS = ((0.2, 3, 20), (0.1, 5, 10), (0.03, 8, 5))
 """Model error, steps, and how many candidates go on."""
 
 
@@ -42,9 +44,19 @@ class Candidate:
         return self.hypothesis.keys[-1]
 
 
-def stride_for(observations: Observations, lines: int) -> int:
-    """Every how many lines to look at to look at about so many."""
-    return max(1, len(observations.axis) // lines)
+def some_lines(observations: Observations, count: int) -> Int[np.ndarray, " line"]:
+    """Numbers of about so many lines, half of them evenly spaced, half on a logarithmic scale."""
+    every = len(observations.axis)
+    if count >= every:
+        return np.arange(every)
+    even = np.linspace(0, every - 1, count // 2)
+    frequency = observations.axis.frequency
+    spread = np.interp(
+        np.linspace(np.log(frequency[0]), np.log(frequency[-1]), count - count // 2),
+        np.log(frequency),
+        np.arange(every),
+    )
+    return np.unique(np.concatenate([even, spread]).round().astype(int))
 
 
 def unlimited(observations: Observations) -> Observations:
@@ -52,18 +64,86 @@ def unlimited(observations: Observations) -> Observations:
     return replace(observations, lengths=tuple(0.0 for _ in observations.lengths))
 
 
-def candidates(
-    root: Hypothesis, starts_from: Float[np.ndarray, " before"], effects: Sequence[Effect],
-    observations: Observations,
-) -> list[Candidate]:  # fmt: skip
-    """Every effect in every place beside what the root holds already, at its best starts."""
+@dataclass(frozen=True, eq=False)
+class Look:
+    """Observations as the coarse looks see them: levels of force apart, and as one.
+
+    A model without force levels is as far from the mean over them as from each, but for a constant.
+    """
+
+    apart: Observations
+    merged: Observations
+    share: Float[np.ndarray, " observation"]
+    """How many levels each merged observation stands for."""
+    lines: Int[np.ndarray, " line"]
+
+    def constant(self, floor: float) -> float:
+        """What the mean hides of the sum of squares."""
+        weight = Weighing(floor, self.lines).weight(self.apart)
+        between = residual(self.merged.value[self.owner][:, self.lines], self.apart.value[:, self.lines])
+        return float(np.sum(robust(weight * np.abs(between) ** 2)))
+
+    @cached_property
+    def owner(self) -> Int[np.ndarray, " observation"]:
+        """The merged observation of each."""
+        return _owner(self.apart)
+
+    def fitted(self, one: Candidate, floor: float, steps: int) -> Candidate:
+        """A candidate some steps further."""
+        loud = any("blow" in placed.effect.variants for placed in one.hypothesis.placed)
+        seen, share = (self.apart, None) if loud else (self.merged, self.share)
+        made = fit(
+            one.hypothesis, seen, one.x, floors=(floor,), steps=steps, lines=self.lines, share=share,
+            apart=False,
+        )  # fmt: skip
+        more = 0.0 if loud else self.constant(floor)
+        return Candidate(one.hypothesis, made.x, made.normal.cost + more)
+
+
+def _owner(observations: Observations) -> Int[np.ndarray, " observation"]:
+    decay = np.array(observations.decays)[observations.level]
+    key = np.column_stack([observations.posture, observations.response, observations.reference, decay])
+    return np.unique(key, axis=0, return_inverse=True)[1].ravel()
+
+
+def look_at(observations: Observations, count: int = COARSE) -> Look:
+    """Prepare the coarse looks."""
     observations = unlimited(observations)
-    stride = stride_for(observations, COARSE)
-    weighing = Weighing(ROUNDS[0][0], np.arange(stride // 2, len(observations.axis), stride))
+    owner = _owner(observations)
+    first = np.unique(owner, return_index=True)[1]
+    share = np.bincount(owner).astype(float)
+    value, variance = np.zeros((2, len(share), observations.value.shape[1]), dtype=complex)
+    used = np.ones(value.shape, dtype=bool)
+    np.add.at(value, owner, observations.value)
+    np.add.at(variance, owner, observations.variance)
+    np.logical_and.at(used, owner, observations.used)
+    keep = np.zeros(len(observations), dtype=bool)
+    keep[first] = True
+    kept = observations.keeping(keep)
+    order = np.argsort(np.argsort(first))
+    back = np.argsort(order)
+    merged = replace(
+        kept,
+        value=(value / share[:, None])[back],
+        variance=(variance.real / share[:, None])[back],
+        used=used[back],
+    )
+    look = Look(observations, merged, share[back], some_lines(observations, count))
+    look.__dict__["owner"] = order[owner]
+    return look
+
+
+def candidates(
+    root: Hypothesis, starts_from: Float[np.ndarray, " before"], effects: Sequence[Effect], look: Look
+) -> list[Candidate]:
+    """Every effect in every place beside what the root holds already, at its best starts."""
+    weighing = Weighing(ROUNDS[0][0], look.lines)
     found = []
     for effect in effects:
         if effect.untestable(root.scene):
             continue
+        loud = "blow" in effect.variants
+        seen = look.apart if loud else look.merged
         for where in effect.places(root.scene):
             if (effect.name, where) in root.keys:
                 continue
@@ -72,29 +152,22 @@ def candidates(
             tried = [
                 hypothesis.start(placed, start, starts_from) for start in effect.starts(root.scene, where)
             ]
-            costs = [cost_of(hypothesis, x, observations, weighing) for x in tried]
+            costs = [cost_of(hypothesis, x, seen, weighing) for x in tried]
             order = np.argsort(costs, kind="stable")[:STARTS]
             found += [Candidate(hypothesis, tried[k], costs[k]) for k in order]
     return found
 
 
 def narrowed(
-    found: Sequence[Candidate],
-    observations: Observations,
-    advance: Callable[[float], None] = lambda part: None,
+    found: Sequence[Candidate], look: Look, advance: Callable[[float], None] = lambda part: None
 ) -> list[Candidate]:
     """The candidates that do best, one for each effect and place, the best first."""
-    observations = unlimited(observations)
-    stride = stride_for(observations, COARSE)
     todo = list(found)
-    for floor, steps, keep in ROUNDS:
+    for round_number, (floor, steps, keep) in enumerate(ROUNDS):
         done = []
         for number, one in enumerate(todo):
-            made = fit(
-                one.hypothesis, observations, one.x, floors=(floor,), steps=steps, stride=stride, apart=False
-            )
-            done.append(Candidate(one.hypothesis, made.x, made.normal.cost))
-            advance((number + 1) / len(todo) / len(ROUNDS))
+            done.append(look.fitted(one, floor, steps))
+            advance((round_number + (number + 1) / len(todo)) / len(ROUNDS))
         todo = distinct(done)[:keep]
     return todo
 
@@ -117,5 +190,5 @@ def polished(
         one.x,
         floors=floors,
         steps=steps,
-        stride=stride_for(observations, CLOSE),
+        lines=some_lines(observations, CLOSE),
     )

@@ -10,7 +10,7 @@ from jaxtyping import Bool
 from threadpoolctl import threadpool_limits
 
 from flexmodal.campaign import Campaign
-from flexmodal.diagnosis.compare import disagreement, excess
+from flexmodal.diagnosis.compare import disagreement, excess, force_dependence
 from flexmodal.diagnosis.effects import Effect, Scene, catalogue
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.march.model import has_law
@@ -27,11 +27,14 @@ from flexmodal.diagnosis.outcome import (
 from flexmodal.diagnosis.provenance import provenance
 from flexmodal.diagnosis.refine import refined
 from flexmodal.diagnosis.search import (
+    CLOSE,
     COARSE,
+    Candidate,
     candidates,
+    look_at,
     narrowed,
     polished,
-    stride_for,
+    some_lines,
     unlimited,
 )
 from flexmodal.diagnosis.weigh import Scales, Weighable, weigh, weighable
@@ -55,10 +58,12 @@ TRUST = {"stiffness": 0.08, "damping": 0.08, "mass": 0.08, "inertia": 0.08}
 """Standard deviation of ln(true / card) in re-tuning, unless the card or the user says other."""
 MOST_STEPS = 2
 """Effects added at most: more of them explain anything."""
-FINALISTS = 5
+FINALISTS = 4
 """Candidates that are fitted closely and weighed."""
-MARCHED = 2
-"""Of them, how many of the best have their non-linear torques marched in time."""
+MARCHED = 3
+"""The same for effects that depend on force, whose torques are marched in time."""
+FORCE = 1.5
+"""Change of FRFs with the force of the blow, over their noise, from which a structure is not linear."""
 SIGNIFICANT = 8.0
 """Score that an effect has to gain, in 19 of 20 draws of the bootstrap [nat]."""
 WORTH = 0.03
@@ -67,7 +72,7 @@ ANOTHER = 0.35
 """The same for every further effect: what a good but not perfect model leaves is not another effect."""
 WORST = 0.05
 """Part of the observations, the worst, that do not count in it."""
-FLOOR_REACHED = 1.15
+FLOOR_REACHED = 1.2
 """Gap over noise floor that needs no explanation."""
 EXPLAINED = 1.6
 """Gap over noise floor that a perfect model may show."""
@@ -169,11 +174,12 @@ class _Course:
         self.before = self.current
         self.steps: list[Step] = []
         self.runner_up: Weighable | None = None
+        self.force_matters = force_dependence(bench.observations) > FORCE
 
     def run(self) -> Diagnosis:
         """Add effects until nothing significant is left."""
         for number in range(MOST_STEPS):
-            if number and self._over(self.current) <= FLOOR_REACHED and self._quiet(self.current):
+            if number and self._over(self.current) <= FLOOR_REACHED:
                 break
             step = self._step(number)
             if step is None:
@@ -189,14 +195,19 @@ class _Course:
         bench.advance(doing, 0.0)
         at_card = np.zeros(len(bench.base))
         starts = at_card if not number else before.fitted.x
-        found = candidates(before.hypothesis, starts, bench.effects, bench.fitted)
-        finalists = narrowed(found, bench.fitted, lambda part: bench.advance(doing, 0.7 * part))[:FINALISTS]
+        look = look_at(bench.fitted)
+        loud = [effect for effect in bench.effects if "blow" in effect.variants]
+        quiet = [effect for effect in bench.effects if "blow" not in effect.variants]
+        finalists: list[Candidate] = []
+        for some, most in ((quiet, FINALISTS), (loud if self.force_matters else [], MARCHED)):
+            found = candidates(before.hypothesis, starts, some, look)
+            best_of = narrowed(found, look, lambda part: bench.advance(doing, 0.7 * part))
+            finalists += best_of[:most]
         fits = [(one.hypothesis, polished(one, bench.fitted)) for one in finalists]
         fits.sort(key=lambda one: one[1].normal.cost)
         looked = [before]
         for place, (hypothesis, fitted) in enumerate(fits):
-            marched = place < MARCHED and has_law(hypothesis)
-            looked.append(self._look(hypothesis, fitted, marched=marched))
+            looked.append(self._look(hypothesis, fitted, marched=has_law(hypothesis)))
             bench.advance(doing, 0.7 + 0.3 * (place + 1) / len(fits))
         scales = weigh(looked, bench.observations, bench.seed)
         best = int(np.argmax(scales.scores))
@@ -270,7 +281,7 @@ class _Course:
     # fits
 
     def _fit(self, hypothesis: Hypothesis, start: np.ndarray, observations: Observations) -> FrfFit:
-        return fit(hypothesis, observations, start, stride=stride_for(observations, 240), steps=25)
+        return fit(hypothesis, observations, start, lines=some_lines(observations, CLOSE), steps=25)
 
     def _look(
         self,
@@ -334,11 +345,6 @@ class _Course:
         keep = ratio <= np.quantile(ratio, 1 - WORST)
         return gap(observations, one.predicted, keep).over_floor
 
-    def _quiet(self, one: Weighable) -> bool:
-        """Whether hardly a line stands out of the noise."""
-        above = excess(self.bench.observations, one.predicted)
-        return bool(np.mean(above[self.bench.observations.used] > 0) < 0.01)
-
     def _left(self, one: Weighable) -> float:
         """Part of the disagreement above the noise, before, that is left."""
         every = self.bench.observations
@@ -365,6 +371,8 @@ class _Course:
             before = self.before
         over = self._over(final)
         explained = over <= FLOOR_REACHED or (over <= EXPLAINED and self._left(final) <= LEFT)
+        if self.force_matters and not has_blow(final.hypothesis):
+            explained = False  # nothing linear changes with the force
         everything = gap(bench.observations, self.believed)
         gaps = replace(
             self._gaps(before, final, everything.value),
@@ -443,6 +451,11 @@ class _Course:
         return observations.campaign.point(int(points[int(np.argmax(share))])).name
 
 
+def has_blow(hypothesis: Hypothesis) -> bool:
+    """Whether one of its effects depends on the blow."""
+    return any("blow" in placed.effect.variants for placed in hypothesis.placed)
+
+
 def _trust_of(robot: Robot) -> dict[str, float]:
     """The workflow's own trust where the card gives none."""
     found = dict(TRUST)
@@ -499,8 +512,8 @@ def _middling(scene: Scene, base: ParameterSpace) -> Bool[np.ndarray, " observat
     if count < _FEWEST:
         return np.zeros(len(observations), dtype=bool)
     root = Hypothesis(scene, base)
-    stride = stride_for(observations, COARSE)
-    tuned = fit(root, observations, floors=(0.2, 0.05), steps=10, stride=stride, apart=False)
+    lines = some_lines(observations, COARSE)
+    tuned = fit(root, observations, floors=(0.2, 0.05), steps=10, lines=lines, apart=False)
     value = predict(root, tuned.x, observations)
     far = [gap(observations, value, observations.posture == k).value for k in range(count)]
     order = np.argsort(np.nan_to_num(far), kind="stable")

@@ -10,6 +10,7 @@ from typing import Any, Literal
 import numpy as np
 from jaxtyping import Float
 
+from flexmodal.campaign import QualityFlag
 from flexmodal.ema.estimate import (
     Choices,
     by_reading,
@@ -167,12 +168,18 @@ def _one_by_one(
     return [by_reading(part, peaks, method, choices) for part in parts]
 
 
-def as_json(fits: Sequence[Fit]) -> dict[str, Any]:
-    """The object that `flexmodal fit --json` prints: `modes`, and `refused` peaks that gave none."""
+def as_json(fits: Sequence[Fit], flags: Sequence[QualityFlag] = ()) -> dict[str, Any]:
+    """The object that `flexmodal fit --json` prints: `modes`, `refused` peaks that gave none, and `flags`.
+
+    Args:
+        fits: what was found.
+        flags: what is odd about the data.
+    """
     refused = [
         {"posture": one.posture, "frf": str(place), "frequency": frequency, "why": why}
         for one in fits
         for place in (one.places if len(one.places) == 1 else ("all",))
         for frequency, why in one.modes.refused
     ]
-    return {"modes": [row for one in fits for row in one.rows()], "refused": refused}
+    odd = [{**vars(flag), "point": list(flag.point)} for flag in flags]
+    return {"modes": [row for one in fits for row in one.rows()], "refused": refused, "flags": odd}

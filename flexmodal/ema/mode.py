@@ -135,6 +135,8 @@ class EstimatedModes:
     refused: tuple[tuple[float, str], ...] = ()
     """Peaks that gave no mode: frequency [Hz] and why."""
     converged: bool = True
+    decay: float = 0.0
+    """Of an exponential window whose damping was taken out of the modes; the FRFs still have it [1/s]."""
 
     def __iter__(self) -> Iterator[ModeEstimate]:
         """The modes in the order of frequency."""
@@ -164,7 +166,7 @@ class EstimatedModes:
     def synthesise(
         self, frequency: Float[np.ndarray, " line"] | None = None, form: str | None = None
     ) -> Complex[np.ndarray, "line frf"]:
-        """The FRFs that these modes and the residual terms amount to.
+        """The FRFs that these modes and the residual terms amount to, as measured: through a window, if any.
 
         Args:
             frequency: above 0 [Hz]; the measured lines if None.
@@ -174,7 +176,7 @@ class EstimatedModes:
         omega = self.measured.omega if frequency is None else 2 * np.pi * frequency
         total = residual_columns(omega, POWER[target], "real") @ np.stack([self.upper, self.lower])
         for mode in self.modes:
-            columns = mode_columns(omega, np.array([mode.pole]), POWER[target])
+            columns = mode_columns(omega, np.array([mode.pole - self.decay]), POWER[target])
             total = total + columns @ np.stack([mode.residue.real, mode.residue.imag])
         return total
 

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 from jaxtyping import Float
 
+from flexmodal.campaign import QualityFlag
 from flexmodal.ema.fit import Fit
 from flexmodal.ema.mode import ModeEstimate
 
@@ -23,6 +25,8 @@ HEADER = (
 LEGEND = "± is half of the 95 % interval; in brackets its parts by noise and by choices of the analyst."
 
 _MOST_DIGITS = 9
+_MOST_BLOWS = 6
+"""Blows that are named in a line."""
 
 
 def mode_cells(one: Fit) -> Iterator[tuple[str, ...]]:
@@ -58,3 +62,20 @@ def decimals(reach: float, value: float) -> int:
     if not (math.isfinite(size) and size > 0):
         return 3
     return min(max(1 - math.floor(math.log10(size)), 0), _MOST_DIGITS)
+
+
+def flag_lines(flags: Sequence[QualityFlag]) -> list[str]:
+    """One sentence for each kind of doubt about each channel, however many of its blows raise it."""
+    groups: dict[tuple[object, ...], list[QualityFlag]] = {}
+    for flag in flags:
+        groups.setdefault((flag.kind, flag.posture, flag.trial, flag.point), []).append(flag)
+    lines = []
+    for same in groups.values():
+        blows = [str(flag.blow) for flag in same if flag.blow is not None]
+        if len(same) == 1 or not blows:
+            lines += [str(flag) for flag in same]
+            continue
+        first = same[0]
+        shown = ", ".join(blows[:_MOST_BLOWS]) + (", …" if len(blows) > _MOST_BLOWS else "")
+        lines.append(f"{replace(first, blow=None)} (blow {blows[0]}; {len(blows)} blows in all: {shown})")
+    return lines

@@ -16,7 +16,7 @@ def without_window(found: EstimatedModes, decay: float) -> EstimatedModes:
 
     The window moves every pole by −decay along the real axis: λ = λ′ + decay. The damped frequency and the
     residues stay; natural frequency and damping ratio follow from λ. The FRFs kept in the answer are still
-    the windowed ones, so `synthesise` no longer goes through them: draw before correcting.
+    the windowed ones, and `synthesise` gives those.
 
     Args:
         found: modes of windowed FRFs.
@@ -27,7 +27,8 @@ def without_window(found: EstimatedModes, decay: float) -> EstimatedModes:
     """
     if not (np.isfinite(decay) and decay >= 0):
         raise InvalidRequest(Fault("call", "decay", f"{decay:g} 1/s", "a finite number, 0 or more"))
-    return replace(found, modes=tuple(_corrected(mode, decay) for mode in found.modes))
+    modes = tuple(_corrected(mode, decay) for mode in found.modes)
+    return replace(found, modes=modes, decay=found.decay + decay)
 
 
 def _corrected(mode: ModeEstimate, decay: float) -> ModeEstimate:

@@ -217,7 +217,7 @@ class Assembly:
 
 
 def put_together(assembly: Assembly, values: Mapping[str, float], bodies: Mapping[str, Body]) -> None:
-    """Every body, spring, damper and rotor of the robot, at these parameter values.
+    """Every body, spring, damper, rotor and coupling of the robot, at these parameter values.
 
     Args:
         assembly: with all motions added.
@@ -233,6 +233,9 @@ def put_together(assembly: Assembly, values: Mapping[str, float], bodies: Mappin
         assembly.add_damper(row, values.get(f"damping.{name}", joint.damping), f"damping.{name}")
         if joint.rotor_inertia:
             assembly.add_inertia(assembly.row(name), joint.rotor_inertia)
+    for coupling in assembly.robot.couplings.values():
+        one, other = (assembly.stretch_of(name) for name in coupling.joints)
+        assembly.add_coupling(one, other, coupling.stiffness)
 
 
 def scaled(body: Body, link: str, values: Mapping[str, float]) -> Body:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -52,6 +52,7 @@ def descend(
     *,
     most: int,
     settled: float,
+    hold: Mapping[str, float] | None = None,
     advance: Callable[[int, float], None] = lambda step, cost: None,
 ) -> Descent:
     """Go down from x; coordinates that push against a bound are held.
@@ -63,9 +64,14 @@ def descend(
         x: where to begin.
         most: steps.
         settled: a step that changes the cost relatively by less is the last.
+        hold: coordinates that stay where they are put, by name.
         advance: called after each step with its number and the cost.
     """
-    low, high = space.bounds
+    low, high = (bound.copy() for bound in space.bounds)
+    x = np.array(x, dtype=float)
+    for name, value in (hold or {}).items():
+        k = space.index[name]
+        x[k] = low[k] = high[k] = value
     prior = np.diag(space.precision)
     normal, damping = equations(x), FIRST
     for taken in range(1, most + 1):

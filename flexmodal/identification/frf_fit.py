@@ -10,11 +10,11 @@ posteriori estimate; steps are damped after Levenberg and Marquardt.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Complex, Float
+from jaxtyping import Complex, Float, Int
 
 from flexmodal.errors import Fault, InvalidRequest, SingularResponse
 from flexmodal.identification.descent import Normal, descend, prior_cost, robust, robust_weight
@@ -134,10 +134,12 @@ def fit(
     *,
     floors: Sequence[float] = FLOORS,
     stride: int = 1,
+    lines: Int[np.ndarray, " line"] | None = None,
     share: Float[np.ndarray, " observation"] | None = None,
     steps: int = STEPS,
     apart: bool = True,
     settled: float = FINE,
+    hold: Mapping[str, float] | None = None,
     advance: Callable[[int, float], None] = lambda step, cost: None,
 ) -> FrfFit:
     """Fit a model to observations.
@@ -148,14 +150,17 @@ def fit(
         start: coordinates; the card by default.
         floors: relative model errors, lowered one after the other.
         stride: look at every so many lines.
+        lines: numbers of the lines to look at, instead.
         share: multiple of each observation's weight, 0 or more.
         steps: most at each floor.
         apart: end with what each observation adds to the curvature, as `uncertainty` needs it.
         settled: a step that changes the cost relatively by less ends the last round.
+        hold: coordinates that stay where they are put, by name.
         advance: called after each step with its number and the cost.
     """
     x = np.zeros(len(model.space)) if start is None else np.array(start, dtype=float)
-    lines = np.arange(stride // 2, len(observations.axis), stride)
+    if lines is None:
+        lines = np.arange(stride // 2, len(observations.axis), stride)
     if not floors:
         raise InvalidRequest(Fault("call", "floors", "none", "at least one"))
     total = 0
@@ -168,6 +173,7 @@ def fit(
             x,
             most=steps,
             settled=settled if number == len(floors) - 1 else SETTLED,
+            hold=hold,
             advance=lambda step, cost, before=total: advance(before + step, cost),  # type: ignore[misc]
         )
         x, total = found.x, total + found.steps

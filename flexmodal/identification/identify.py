@@ -72,9 +72,18 @@ def solve_identification(
     *,
     starts: int = 1,
     seed: int = 0,
+    in_turn: bool = True,
     advance: Callable[[str], None] = lambda stage: None,
 ) -> Outcome:
     """Solve a problem that `build_identification` made; see `identify`.
+
+    Args:
+        problem: what is to be found, and from what.
+        starts: how many starting points.
+        seed: of those.
+        in_turn: where nothing was named to be held out, leave out each posture and point in turn; without it
+            there are no held-out gaps then.
+        advance: called with the name of each stage as it begins.
 
     Raises:
         InvalidRequest: fewer than one start.
@@ -88,7 +97,7 @@ def solve_identification(
     shown = problem.route.predicted(fitted.x)
     fit_gap, card_gap = problem.route.gap(shown), problem.route.gap(problem.route.predicted(card))
     advance("holding out")
-    parts = predicted_apart(problem, fitted)
+    parts = predicted_apart(problem, fitted) if in_turn or problem.held_out else None
     gaps = Gaps(
         before=card_gap.value,
         after=fit_gap.value,

@@ -14,7 +14,8 @@ from flexmodal.errors import Fault, OutputExists
 from flexmodal.files import whole_file
 from flexmodal.identification.arm import moved_bodies
 from flexmodal.model import Robot
-from flexmodal.text.toml_out import toml_text
+from flexmodal.text.words import safe_name
+from flexmodal.text.write_toml import toml_text
 
 CARD = "robot.toml"
 
@@ -40,7 +41,7 @@ def write_improved(
     if folder.resolve() == robot.urdf.path.parent.resolve():
         raise OutputExists(Fault(str(folder), "", "the folder of the card's own URDF", "another folder"))
     folder.mkdir(parents=True, exist_ok=True)
-    name = f"{_safe(robot.name)}.urdf"
+    name = f"{safe_name(robot.name)}.urdf"
     card, urdf = folder / CARD, folder / name
     present = [path for path in (card, urdf) if path.exists() and not overwrite]
     if present:
@@ -54,11 +55,6 @@ def write_improved(
     return card
 
 
-def _safe(name: str) -> str:
-    kept = "".join(letter if letter.isalnum() or letter in "_-" else "_" for letter in name)
-    return kept[:60] or "robot"
-
-
 def _card(robot: Robot, values: Mapping[str, float], urdf: str, source: str) -> dict[str, Any]:
     joints = {}
     for name, joint in robot.joints.items():
@@ -69,6 +65,7 @@ def _card(robot: Robot, values: Mapping[str, float], urdf: str, source: str) -> 
             entry["rotor_inertia"] = joint.rotor_inertia
         entry |= {key: v for key in ("lower", "upper", "scale") if (v := getattr(joint, key)) is not None}
         joints[name] = entry
+    couplings = {name: {"stiffness": one.stiffness} for name, one in robot.couplings.items()}
     families = {
         name: {"parameter": one.parameter, "from": one.start, "to": one.stop, "follow": dict(one.follow)}
         for name, one in robot.families.items()
@@ -81,6 +78,7 @@ def _card(robot: Robot, values: Mapping[str, float], urdf: str, source: str) -> 
         "tool": robot.tool,
         "source": source,
         "joint": joints,
+        **({"coupling": couplings} if couplings else {}),
         "point": {name: {"link": one.link, "xyz": list(one.xyz)} for name, one in robot.points.items()},
         "posture": {name: dict(one) for name, one in robot.postures.items()},
         "family": families,

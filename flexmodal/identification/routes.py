@@ -64,11 +64,15 @@ class Route(Protocol):
         ...
 
     def fit(
-        self, start: Float[np.ndarray, " parameter"] | None = None, *, quick: bool = False, warm: bool =
-        False,
+        self,
+        start: Float[np.ndarray, " parameter"] | None = None,
+        *,
+        quick: bool = False,
+        warm: bool = False,
+        hold: Mapping[str, float] | None = None,
         advance: Advance = lambda step, cost: None,
-    ) -> Fitted:  # fmt: skip
-        """Fit; `quick` for a first look, `warm` where `start` is near."""
+    ) -> Fitted:
+        """Fit; `quick` for a first look, `warm` where `start` is near, coordinates in `hold` as put."""
         ...
 
     def information(self) -> Float[np.ndarray, "parameter parameter"]:
@@ -106,6 +110,8 @@ class FrfRoute:
 
     model: FrfModel
     observations: Observations
+    share: Float[np.ndarray, " observation"] | None = None
+    """Multiple of each observation's weight in the fit; 1 if None."""
 
     @property
     def space(self) -> ParameterSpace:
@@ -128,14 +134,27 @@ class FrfRoute:
         return _few(source, self.count, len(self.space), "usable values in FRFs")
 
     def fit(
-        self, start: Float[np.ndarray, " parameter"] | None = None, *, quick: bool = False, warm: bool =
-        False,
+        self,
+        start: Float[np.ndarray, " parameter"] | None = None,
+        *,
+        quick: bool = False,
+        warm: bool = False,
+        hold: Mapping[str, float] | None = None,
         advance: Advance = lambda step, cost: None,
-    ) -> Fitted:  # fmt: skip
+    ) -> Fitted:
         """See `Route`."""
         stride = max(1, len(self.observations.axis) // QUICK_LINES) if quick else 1
         floors = (0.2, 0.05) if quick else (0.01,) if warm else (0.2, 0.05, 0.01)
-        found = fit(self.model, self.observations, start, floors=floors, stride=stride, advance=advance)
+        found = fit(
+            self.model,
+            self.observations,
+            start,
+            floors=floors,
+            stride=stride,
+            share=self.share,
+            hold=hold,
+            advance=advance,
+        )
         return Fitted(found.x, found.normal, found.converged, found.steps)
 
     def information(self) -> Float[np.ndarray, "parameter parameter"]:
@@ -175,7 +194,8 @@ class FrfRoute:
 
     def keeping(self, keep: Bool[np.ndarray, " observation"]) -> FrfRoute:
         """See `Route`."""
-        return replace(self, observations=self.observations.keeping(keep))
+        share = None if self.share is None else self.share[keep]
+        return replace(self, observations=self.observations.keeping(keep), share=share)
 
 
 @dataclass(frozen=True, eq=False)
@@ -225,10 +245,14 @@ class ModeRoute:
         return _few(source, self.count, len(self.space), f"numbers ({', '.join(self.use)}) of modes")
 
     def fit(
-        self, start: Float[np.ndarray, " parameter"] | None = None, *, quick: bool = False, warm: bool =
-        False,
+        self,
+        start: Float[np.ndarray, " parameter"] | None = None,
+        *,
+        quick: bool = False,
+        warm: bool = False,
+        hold: Mapping[str, float] | None = None,
         advance: Advance = lambda step, cost: None,
-    ) -> Fitted:  # fmt: skip
+    ) -> Fitted:
         """See `Route`; modes are paired anew whenever a round has ended."""
         x = np.zeros(len(self.space)) if start is None else np.array(start, dtype=float)
         floors = self.floors[:2] if quick else self.floors[-1:] if warm else self.floors
@@ -244,6 +268,7 @@ class ModeRoute:
                     x,
                     most=60,
                     settled=FINE if last else SETTLED,
+                    hold=hold,
                     advance=lambda step, cost, before=steps: advance(before + step, cost),  # type: ignore[misc]
                 )
                 x, steps, before = found.x, steps + found.steps, partners

@@ -38,9 +38,12 @@ def robot_space(
         trust: standard deviation of ln(true / card) by kind or by name, over those of the card.
 
     Raises:
-        InvalidRequest: an unknown kind or name, or a deviation that is not above 0.
+        InvalidRequest: an unknown kind or name, a deviation that is not above 0, a card with loss factors.
     """
     given = dict(trust or {})
+    if robot.hysteresis is not None:
+        allowed = "joints without; a fit finds hysteresis itself, as structural damping"
+        raise InvalidRequest(Fault(robot.name, "joint: loss_factor", "joints with a loss factor", allowed))
     unknown = [kind for kind in kinds if kind not in KINDS]
     if unknown or not kinds:
         found = ", ".join(map(repr, unknown)) or "nothing"

@@ -20,7 +20,8 @@ from flexmodal.machining.tip import tool_tip
 from flexmodal.model import Posture, Robot
 from flexmodal.model.robot import Pose
 
-_SPEEDS = 200
+SPEEDS = 200
+"""How many spindle speeds postures are compared at if nobody says."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,7 +93,7 @@ def critical_depth(
         SingularResponse: a mode that the tip sees has no damping.
     """
     tip = tool_tip(robot.at(pose), cut, added)
-    speeds = _SPEEDS if spindle_speed is None else np.array([float(spindle_speed)])
+    speeds = SPEEDS if spindle_speed is None else np.array([float(spindle_speed)])
     return stability_lobes(tip, cut, speeds=speeds).critical_depth
 
 
@@ -105,6 +106,7 @@ def posture_depth(
     speeds: int | Float[np.ndarray, " speed"] | None = None,
     added: MeasuredTip | None = None,
     parameter: float | None = None,
+    forced: bool = True,
     advance: Callable[[], None] = lambda: None,
 ) -> PostureDepth:
     """Everything a posture allows a cut.
@@ -117,6 +119,7 @@ def posture_depth(
         speeds: see `stability_lobes`.
         added: measured receptance of tool and spindle at the tip, in the frame of the cut.
         parameter: of the family, to be carried along.
+        forced: whether forced vibration is wanted, where the cut says feed and depth.
         advance: see `stability_lobes`.
 
     Raises:
@@ -130,7 +133,7 @@ def posture_depth(
         lobes=lobes,
         unconditional=unconditional_depth(tip, cut),
         coupling=mode_coupling(tip, cut),
-        forced=None if cut.engagement.depth is None else forced_sweep(tip, cut, lobes.speed),
+        forced=forced_sweep(tip, cut, lobes.speed) if forced and cut.engagement.depth else None,
         parameter=parameter,
     )
 
@@ -140,10 +143,19 @@ def compare_postures(
     poses: Sequence[Pose],
     cut: Cut,
     *,
+    speeds: int = SPEEDS,
     added: MeasuredTip | None = None,
     advance: Callable[[], None] = lambda: None,
 ) -> Comparison:
-    """Judge a list of postures by depth of cut.
+    """Judge a list of postures by depth of cut, zero-order solution.
+
+    Args:
+        robot: the robot.
+        poses: the postures.
+        cut: the cut.
+        speeds: how many spindle speeds over the cut's range; more are taken where the limit bends.
+        added: measured receptance of tool and spindle at the tip, in the frame of the cut.
+        advance: called after each posture.
 
     Raises:
         InvalidRequest: no posture.
@@ -154,7 +166,7 @@ def compare_postures(
     checked = [robot.posture(pose) for pose in poses]  # all of them, before the work
     found = []
     for pose in checked:
-        found.append(posture_depth(robot, pose, cut, speeds=_SPEEDS, added=added))
+        found.append(posture_depth(robot, pose, cut, speeds=speeds, added=added, forced=False))
         advance()
     return Comparison(robot, cut, tuple(found))
 
@@ -165,10 +177,20 @@ def compare_family(
     cut: Cut,
     *,
     members: int = 21,
+    speeds: int = SPEEDS,
     added: MeasuredTip | None = None,
     advance: Callable[[], None] = lambda: None,
 ) -> Comparison:
     """Judge a one-parameter family of the robot's card, evenly from end to end.
+
+    Args:
+        robot: the robot.
+        family: name of the family.
+        cut: the cut.
+        members: how many.
+        speeds: as for `compare_postures`.
+        added: as for `compare_postures`.
+        advance: as for `compare_postures`.
 
     Raises:
         InvalidRequest: no such family, or fewer than two members.
@@ -180,7 +202,8 @@ def compare_family(
     found = []
     for parameter in np.linspace(card.start, card.stop, members).tolist():
         values = family_member(card, parameter)
-        found.append(posture_depth(robot, values, cut, speeds=_SPEEDS, added=added, parameter=parameter))
+        one = posture_depth(robot, values, cut, speeds=speeds, added=added, parameter=parameter, forced=False)
+        found.append(one)
         advance()
     return Comparison(robot, cut, tuple(found), family)
 

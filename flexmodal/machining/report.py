@@ -104,7 +104,7 @@ def numbers(found: PostureDepth) -> list[list[str]]:
     lobes = found.lobes
     rows = [
         ["critical depth over the range of speeds", millimetres(found.critical_depth), "mm"],
-        ["  at", f"{lobes.critical_speed:.0f}", "rev/min"],
+        ["  at", f"{lobes.critical_speed:.0f}" if math.isfinite(found.critical_depth) else "–", "rev/min"],
         ["  chatter frequency", hertz(_chatter(found)), "Hz"],
         ["depth stable at any speed at all", millimetres(found.unconditional[0]), "mm"],
         ["mode coupling begins at", millimetres(found.coupling.depth), "mm"],
@@ -253,9 +253,10 @@ def _chatter(found: PostureDepth) -> float:
 
 def _judged(found: PostureDepth) -> dict[str, Any]:
     best = int(np.argmax(found.lobes.depth))
+    limited = math.isfinite(found.critical_depth)
     return {
         "critical_depth": finite(found.critical_depth),
-        "critical_speed": found.lobes.critical_speed,
+        "critical_speed": found.lobes.critical_speed if limited else None,
         "critical_frequency": finite(_chatter(found)),
         "best_depth": finite(float(found.lobes.depth[best])),
         "best_speed": float(found.lobes.speed[best]),

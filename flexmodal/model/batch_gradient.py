@@ -244,9 +244,7 @@ def sweep_rows(chain, bodies, sweep_room):
     y, twists, momenta = sweep_room[0], sweep_room[1], sweep_room[2]
     for r in range(len(y)):
         for part in range(2):
-            sweep_momenta(
-                chain, arms, axes, centres, inertias, y[r, part], twists[r, part], momenta[r, part]
-            )
+            sweep_momenta(chain, arms, axes, centres, inertias, y[r, part], twists[r, part], momenta[r, part])
 
 
 def gradients(chain, selectors, pairs, w, trusted, bodies, row_room, sweep_room, values, slopes):

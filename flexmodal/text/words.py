@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -48,3 +49,13 @@ def nearest(name: str, names: Iterable[str]) -> str:
 def listing(names: Iterable[str], empty: str = "there is none") -> str:
     """Names joined by commas."""
     return ", ".join(names) or empty
+
+
+def safe_name(name: str) -> str:
+    """A name for a card or a file, from any name."""
+    return re.sub(r"[^A-Za-z0-9_-]", "_", name)[:60] or "robot"
+
+
+def is_card_name(name: str) -> bool:
+    """Whether a card may call a point or a posture so."""
+    return re.fullmatch(r"[A-Za-z0-9_.-]+", name) is not None

@@ -98,7 +98,7 @@ def floor_and_gap(blows: int, trials: int, noise: float) -> tuple[float, float]:
 
 
 # Standard error of the means about 1 % at 106 lines a record; 12 % leaves room for what the neighbours do not
-# say of a line. With 2 averages every seventh line reaches a coherence of 0.8 that its noise does not warrant.
+# say of a line. With 2 averages every seventh line reaches a coherence of 0.8 that its noise does not earn.
 @pytest.mark.parametrize("noise", [0.02, 0.1, 0.2])
 @pytest.mark.parametrize(("blows", "trials"), [(2, 1), (3, 1), (3, 2), (10, 1)])
 def test_noise_floor_is_the_gap_of_a_perfect_model(blows: int, trials: int, noise: float) -> None:

@@ -51,7 +51,7 @@ def test_methods_and_json(cli):
     for method in ("peaks", "circle", "least-squares", "lscf"):
         options = ("--method", method, "--band", "110:145", "--at", "126", "--json")
         found = cli("fit", PLATE, *options).json()
-        assert set(found) == {"modes", "refused"}
+        assert set(found) == {"modes", "refused", "flags"}
         for mode in found["modes"]:
             keys = {
                 "posture",
@@ -90,7 +90,68 @@ def test_picture_of_one_frf(cli, tmp_path):
     ran = cli("fit", PLATE, "--band", "110:145", "--at", "126", "--out", tmp_path / "fit.png")
     assert ran.status == 0
     assert (tmp_path / "fit.png").stat().st_size > 20_000
-    cli("fit", BEAM, "--out", tmp_path / "beam.png").refused("one picture")
+    cli("fit", BEAM, "--out", tmp_path / "beam.png").refused("one picture", "--pictures")
+
+
+def test_every_picture_into_a_folder(cli, tmp_path):
+    folder = tmp_path / "pictures"
+    options = ("--per", "posture", "--band", "400:990", "--no-vary", "--pictures", folder, "--svg")
+    ran = cli("fit", BEAM, *options)
+    assert (ran.status, ran.out) == (0, "")
+    names = {path.name for path in folder.iterdir()}
+    places = ("1+x_per_1+x", "1+x_per_2+x", "1+x_per_3+x")
+    assert names == {
+        *(f"{kind}_1_{place}.svg" for kind in ("frf", "nyquist") for place in places),
+        "stabilisation_1.svg",
+        "shapes_1_sensor_1+x.svg",  # the hammer went from point to point
+        "mac_1_sensor_1+x.svg",
+    }
+    for path in folder.iterdir():
+        text = path.read_text(encoding="utf-8")
+        assert text.rstrip().endswith("</svg>")
+        assert "nan" not in text
+    cli("fit", BEAM, *options).refused("something in it", "--force")
+    assert cli("fit", BEAM, *options, "--force").status == 0
+    (tmp_path / "file").write_text("")
+    cli("fit", BEAM, "--pictures", tmp_path / "file").refused("a file", "a folder for pictures")
+    cli("fit", BEAM, "--pictures", tmp_path / "no" / "where").refused("no such folder")
+
+
+def test_circles_are_among_the_pictures(cli, tmp_path):
+    options = ("--band", "110:145", "--at", "126", "--method", "circle", "--pictures", tmp_path / "p")
+    assert cli("fit", PLATE, *options).status == 0
+    names = {path.name for path in (tmp_path / "p").iterdir()}
+    assert {"circle_1_2+z_per_1+z_1.png", "coherence_1.png", "stabilisation_1.png"} <= names
+
+
+def test_what_is_odd_about_the_data_is_said(cli):
+    """The sweep of the plate: its force dips at the resonances; it is no series of double hits."""
+    options = ("--band", "110:145", "--at", "126", "--no-vary")
+    flags = cli("fit", PLATE, *options, "--json").json()["flags"]
+    assert {flag["kind"] for flag in flags} == {"low energy in band"}
+    assert len(flags) == 5  # one a run
+    assert set(flags[0]) == {"kind", "posture", "trial", "blow", "point", "says"}
+    assert flags[0]["point"] == [1, 3]
+    said = [line for line in cli("fit", PLATE, *options).out.splitlines() if line.startswith("flag:")]
+    assert len(said) == 1  # the five runs in one line
+    assert "low energy in band" in said[0]
+    assert "5 blows in all" in said[0]
+
+
+def test_choices_of_the_analyst_can_be_made_by_hand(cli):
+    options = ("--band", "110:145", "--at", "126", "--json")
+    (varied,) = cli("fit", PLATE, *options).json()["modes"]
+    (fixed,) = cli("fit", PLATE, *options, "--no-vary").json()["modes"]
+    assert fixed["uncertainty"]["choices"] == {"frequency": 0.0, "damping_ratio": 0.0, "residue": 0.0}
+    assert fixed["uncertainty"]["noise"] == varied["uncertainty"]["noise"]
+    (real,) = cli("fit", PLATE, *options, "--residuals", "real").json()["modes"]
+    assert real["damping_ratio"] != varied["damping_ratio"]
+    lscf = ("--band", "60:500", "--method", "lscf", "--no-refine", "--json")
+    wide = cli("fit", PLATE, *lscf).json()["modes"]
+    tight = cli("fit", PLATE, *lscf, "--order", "20", "--tolerances", "0.001,0.001").json()["modes"]
+    assert len(tight) < len(wide)
+    cli("fit", PLATE, "--tolerances", "0.01").refused("--tolerances", "FREQUENCY,DAMPING")
+    cli("fit", PLATE, "--tolerances", "0,0.5").refused("above 0")
 
 
 def test_refused(cli, tmp_path):
@@ -119,7 +180,7 @@ def test_one_page_with_every_picture(cli, tmp_path, options, headings):
     page = tmp_path / "fit.html"
     assert cli("fit", *options, "--out", page).status == 0
     text = page.read_text(encoding="utf-8")
-    for heading in headings:
+    for heading in [*headings, "Quality of the data", "Nyquist plots"]:
         assert f"<h2>{heading}</h2>" in text
     assert text.count("<svg") >= len(headings)
     assert 'src="http' not in text

@@ -91,6 +91,8 @@ def test_the_damping_of_an_exponential_window_comes_out(four_modes: Truth) -> No
     mended = without_window(found, decay)
     np.testing.assert_allclose(mended.frequency, four_modes.frequency, rtol=1e-8)
     np.testing.assert_allclose(mended.damping_ratio, four_modes.damping, rtol=1e-7)
+    np.testing.assert_allclose(mended.synthesise(), found.synthesise(), rtol=1e-9)  # of what was measured
+    assert mended.misfit < 1e-8
     too_much = without_window(found, 1e3)
     assert all("more than all" in mode.remarks[-1] for mode in too_much)
     with pytest.raises(InvalidRequest, match="decay"):

@@ -5,7 +5,7 @@ import pytest
 
 from flexmodal.campaign import FrfRecords
 from flexmodal.ema import Choices, fit
-from flexmodal.ema.plot import draw_shapes
+from flexmodal.ema.plot_shapes import draw_shapes
 from flexmodal.ema.shapes import fitted_shapes
 
 SHAPE = np.array([[1.0, 0.4], [0.6, -1.0], [0.2, -0.5]])  # point by mode, largest 1 in size

@@ -156,7 +156,7 @@ def test_noise_alone_gives_no_number(campaign, fanuc):
     faults = refused(replace(campaign, frfs=replace(campaign.frfs, value=noise, coherence=None)), fanuc)
     assert "of the lines above the noise" in faults[0]
     dull = replace(campaign.frfs, coherence=np.full(shape, 0.3))
-    assert "0.0 % of the lines above the noise" in refused(replace(campaign, frfs=dull), fanuc)[0]
+    assert "coherence below 0.8" in refused(replace(campaign, frfs=dull), fanuc)[0]
 
 
 def test_fewer_data_than_parameters_give_no_number(campaign, fanuc):

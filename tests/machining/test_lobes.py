@@ -1,16 +1,26 @@
 """Lobes by three methods that share little, against closed forms, printed values and each other."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from flexmodal.errors import InvalidRequest, SingularResponse
 from flexmodal.machining import (
     METHODS,
+    Cut,
+    CutFrame,
+    Cutter,
+    CuttingForce,
+    Engagement,
     ModelTip,
+    ToolMode,
     average,
+    modal_tip,
     multipliers,
     single_direction,
     stability_lobes,
+    tool_tip,
     unconditional_depth,
 )
 from flexmodal.modal import SecondOrderSystem
@@ -129,6 +139,28 @@ def test_two_routes_to_the_interrupted_cut(benchmark, name):
     np.testing.assert_allclose(by_harmonics.chatter_frequency, in_time.chatter_frequency, rtol=3e-3)
 
 
+def test_a_face_mill_that_bends_along_its_axis():
+    """Approach 45°: the axial deflection changes the chip, three axes take part; time against harmonics."""
+    modes = (
+        ToolMode("x", 600.0, 0.03, 8e6), ToolMode("y", 660.0, 0.03, 9e6), ToolMode("z", 350.0, 0.04, 1.5e6)
+    )  # fmt: skip
+    cut = Cut(
+        Cutter(5, 0.08, approach=np.pi / 4),
+        CuttingForce(1.5e9, 0.4, 0.1),
+        Engagement(0.6, 2.3, (500.0, 6000.0)),
+        CutFrame("tool", "+z", "+x"),
+        modes,
+    )
+    tip = modal_tip(modes)
+    speeds = rpm(1500, 2600, 4500)
+    found = {method: stability_lobes(tip, cut, method=method, speeds=speeds) for method in METHODS}
+    np.testing.assert_allclose(found["multi-frequency"].depth, found["semi-discretisation"].depth, rtol=5e-3)
+    # 1.35 teeth in the cut on average: hardly interrupted.
+    np.testing.assert_allclose(found["zero-order"].depth, found["multi-frequency"].depth, rtol=0.08)
+    flat = stability_lobes(tip, replace(cut, cutter=Cutter(5, 0.08)), speeds=speeds)
+    assert np.max(np.abs(flat.depth / found["zero-order"].depth - 1)) > 0.2  # the axis does matter
+
+
 def test_period_doubling_that_the_mean_cannot_know(benchmark):
     """Flip lobes of low immersion lie at half the tooth-passing frequency, far below the zero-order limit."""
     cut, tip = benchmark(immersion=0.05, axes="xy")
@@ -142,8 +174,6 @@ def test_period_doubling_that_the_mean_cannot_know(benchmark):
 
 
 def test_the_three_on_a_robot(fanuc, across):
-    from flexmodal.machining import ToolMode, tool_tip
-
     modes = (ToolMode("x", 780.0, 0.03, 9e6), ToolMode("y", 850.0, 0.03, 1e7))
     cut = across(modes=modes)
     tip = tool_tip(fanuc.at("configuration_1"), cut)

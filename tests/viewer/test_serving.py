@@ -129,7 +129,7 @@ def test_nothing_outlives_it(ending):
         assert all(address.startswith("0100007F:") for address in listeners(process.pid))
         assert children(process.pid) == []
         process.send_signal(ending)
-        rest, _ = process.communicate(timeout=20)
+        rest, _ = process.communicate(timeout=60)
     finally:
         process.kill()
         process.wait()

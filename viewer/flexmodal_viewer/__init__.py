@@ -1,8 +1,10 @@
 """Meshcat scenes of flexmodal robots: postures, deflections, modes, and self-contained pages."""
 
+from flexmodal_viewer.campaign_scene import campaign_scene as campaign_scene
 from flexmodal_viewer.outcome_scene import outcome_scene as outcome_scene
 from flexmodal_viewer.page import write_page as write_page
 from flexmodal_viewer.robot_scene import robot_scene as robot_scene
 from flexmodal_viewer.serve import close_all as close_all
+from flexmodal_viewer.show import show_campaign as show_campaign
 from flexmodal_viewer.show import show_outcome as show_outcome
 from flexmodal_viewer.show import show_robot as show_robot

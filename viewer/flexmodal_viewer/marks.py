@@ -10,7 +10,7 @@ from jaxtyping import Float
 
 from flexmodal.frf import PointDirection
 from flexmodal_viewer.arm import Arm, along
-from flexmodal_viewer.palette import AXIS, FORCE, GRID, POINT, TARGET
+from flexmodal_viewer.palette import AXIS, FORCE, GRID, POINT, TARGET, Colour
 from flexmodal_viewer.scene import Item, Label, Matrix
 from flexmodal_viewer.shapes import Box, Cylinder, Lines, Ring, Sphere
 
@@ -60,15 +60,24 @@ def force(direction: PointDirection, position: Float[np.ndarray, "3"], size: flo
     return Drawn(nodes, build(group, size), [Label(text, f"force_{number}_tip", "mark")])
 
 
-def _arrow(group: str, size: float) -> list[Item]:
+def arrow(
+    group: str, axis: Float[np.ndarray, "3"], start: Float[np.ndarray, "3"], size: float, colour: Colour
+) -> Drawn:
+    """An arrow of some length [m] along a unit vector, without a name."""
+    node = along(axis)
+    node[:3, 3] = start
+    return Drawn({group: node}, _arrow(group, size, colour), [])
+
+
+def _arrow(group: str, size: float, colour: Colour = FORCE) -> list[Item]:
     radius, head = size / 28, size / 3
     shaft = Cylinder(radius, size - head)
     return [
-        Item(f"{group}/shaft", shaft, FORCE, at(np.array([0, 0, (size - head) / 2])), on_top=True),
+        Item(f"{group}/shaft", shaft, colour, at(np.array([0, 0, (size - head) / 2])), on_top=True),
         Item(
             f"{group}/head",
             Cylinder(head / 3, head, top=0.0),
-            FORCE,
+            colour,
             at(np.array([0, 0, size - head / 2])),
             on_top=True,
         ),

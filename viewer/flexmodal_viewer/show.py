@@ -1,13 +1,16 @@
-"""The two things people ask for: show me this robot, show me what the search found."""
+"""What people ask for: show me this robot, what the search found, how the robot was tested."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from flexmodal.campaign import Campaign
+from flexmodal.ema.shapes import FittedShapes
 from flexmodal.frf import PointDirection
 from flexmodal.model import Posture, Robot
 from flexmodal.optimisation import Outcome
+from flexmodal_viewer.campaign_scene import campaign_scene
 from flexmodal_viewer.outcome_scene import outcome_scene
 from flexmodal_viewer.page import page_html, write_page
 from flexmodal_viewer.robot_scene import robot_scene
@@ -88,6 +91,42 @@ def show_outcome(
         InvalidRequest, OutputExists: see `show_robot`.
     """
     return _deliver(outcome_scene(outcome, start=start), out, port, overwrite, open_browser, announce, block)
+
+
+def show_campaign(
+    robot: Robot,
+    campaign: Campaign,
+    *,
+    shapes: Sequence[FittedShapes] = (),
+    out: str | Path | None = None,
+    port: int | None = None,
+    overwrite: bool = False,
+    open_browser: bool = True,
+    announce: Announce = print,
+    block: bool = True,
+) -> str:
+    """Show how a robot was tested, posture by posture, or write it as a page.
+
+    Args:
+        robot: what was tested.
+        campaign: postures, points, and where sensor and hammer were.
+        shapes: of fitted modes, animated on the points.
+        out: as in `show_robot`, as are all the others.
+        port: see there.
+        overwrite: see there.
+        open_browser: see there.
+        announce: see there.
+        block: see there.
+
+    Returns:
+        Path of the page, or address it is served at.
+
+    Raises:
+        InvalidCampaign: see `campaign_scene`.
+        InvalidRequest, OutputExists: see `show_robot`.
+    """
+    scene = campaign_scene(robot, campaign, shapes)
+    return _deliver(scene, out, port, overwrite, open_browser, announce, block)
 
 
 def _deliver(

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from flexmodal.diagnosis.draft import Draft
 from flexmodal.diagnosis.effects.effect import Effect, Scene, Site, along, positive, sides, signed
 from flexmodal.identification import Parameter
 from flexmodal.identification.arm import Body
@@ -45,6 +46,11 @@ def _physical(scene: Scene, where: str, values: Mapping[str, float]) -> dict[str
     return {"mass": values["mass"], "x": x, "y": y, "z": z}
 
 
+def _extend(draft: Draft, site: Site) -> None:
+    place = place_on(site.scene, site.where, site.values, site.scene.arm(0).placed[site.where][:3, :3])
+    draft.attach(site.where, place, site["mass"], name=f"{site.where}_payload")
+
+
 EFFECT = Effect(
     name="added_mass",
     says="the link carries a mass that the card lacks",
@@ -56,5 +62,6 @@ EFFECT = Effect(
     ],
     act=_act,
     physical=_physical,
+    extend=_extend,
     units={"x": "m", "y": "m", "z": "m"},
 )

@@ -9,6 +9,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from flexmodal.diagnosis.draft import Draft
 from flexmodal.diagnosis.effects.effect import Effect, Scene, Site, positive
 from flexmodal.identification import Parameter
 from flexmodal.identification.assembly import Assembly
@@ -71,14 +72,33 @@ def _shape(assembly: Assembly, site: Site) -> None:
     assembly.move_root(assembly.add_coordinates(names), motion)
 
 
-def _act(assembly: Assembly, site: Site) -> None:
+def _springs(site: Site) -> list[tuple[str, np.ndarray, float, float]]:
+    """Name and motion of each coordinate, its stiffness and damping."""
     names, motion = motions(site.scene.normal)
+    found = []
     for name, way in zip(names, motion.T, strict=True):
-        row = assembly.row(name)
         kind = "tilt" if way[3:].any() else "vertical" if abs(way[2]) > 0.5 else "horizontal"
         upright = site.scene.normal is None and abs(way[5]) > 0.5
-        assembly.add_spring(row, site["twist_stiffness" if upright else f"{kind}_stiffness"])
-        assembly.add_damper(row, site["tilt_damping" if kind == "tilt" else "translation_damping"])
+        stiffness = site["twist_stiffness" if upright else f"{kind}_stiffness"]
+        found.append(
+            (name, way, stiffness, site["tilt_damping" if kind == "tilt" else "translation_damping"])
+        )
+    return found
+
+
+def _act(assembly: Assembly, site: Site) -> None:
+    for name, _, stiffness, damping in _springs(site):
+        assembly.add_spring(assembly.row(name), stiffness)
+        assembly.add_damper(assembly.row(name), damping)
+
+
+def _extend(draft: Draft, site: Site) -> None:
+    motions = []
+    for name, way, stiffness, damping in _springs(site):
+        joint, turns = draft.fresh(name.replace(" ", "_")), bool(way[3:].any())
+        motions.append((joint, way[3:] if turns else way[:3], turns))
+        draft.flexible(joint, stiffness, damping)
+    draft.under_root(motions)
 
 
 EFFECT = Effect(
@@ -90,4 +110,5 @@ EFFECT = Effect(
     starts=_starts,
     shape=_shape,
     act=_act,
+    extend=_extend,
 )

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from jaxtyping import Float
@@ -20,6 +20,9 @@ from flexmodal.identification.arm import Arm, Body, far_end, moved_bodies, plane
 from flexmodal.identification.assembly import Assembly
 from flexmodal.identification.structure import Axis
 from flexmodal.model import Robot
+
+if TYPE_CHECKING:
+    from flexmodal.diagnosis.draft import Draft
 
 
 @dataclass(frozen=True, eq=False)
@@ -147,6 +150,8 @@ class Effect:
         dict(values)
     )
     """What a report gives as its parameters, from the parameters of the fit."""
+    extend: Callable[[Draft, Site], None] | None = None
+    """What it changes in the robot's URDF and card. Without it, a note says that the files do not hold it."""
     units: Mapping[str, str] = field(default_factory=dict)
     """Units of what `physical` gives beyond the parameters of the fit."""
 

@@ -4,9 +4,9 @@ For a load at its far end the bending moment in a beam is linear along it, so th
 of springs at the two points of Gauss's quadrature, (1 ± 1/√3)/2 of its length: a uniform beam is exact with
 2EI/L each, and shares between the two stand for beams that are stiffer at one end. One hinge, the
 pseudo-joint of Hearne, section 2.3, is what both together are worth: the stiffness of the two in series, at
-their weighted place. The link's mass is taken as spread evenly along it; what its inertia has beyond that of
-thin rods is shared out in the same way, so that mass, mass centre and inertia of the whole link stay what
-they were.
+their weighted place. The link's mass is taken as spread evenly along it, or as far as its inertia allows;
+what that has beyond the inertia of thin rods is shared out in the same way, so that mass, mass centre and
+inertia of the whole link stay what they were.
 """
 
 from __future__ import annotations
@@ -15,10 +15,11 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from flexmodal.diagnosis.draft import Draft
 from flexmodal.diagnosis.effects.effect import Bodies, Effect, Scene, Site, along, positive, sides, signed
 from flexmodal.identification import Parameter
-from flexmodal.identification.arm import Body, beyond
-from flexmodal.identification.assembly import Assembly
+from flexmodal.identification.arm import Body, beyond, bodies_of
+from flexmodal.identification.assembly import Assembly, scaled
 
 SHORTEST = 0.05
 """Links shorter than this do not bend [m]."""
@@ -73,29 +74,40 @@ def _shape(assembly: Assembly, site: Site) -> None:
 def _bodies(assembly: Assembly, site: Site, bodies: Bodies, link: str) -> bool:
     if link != site.where:
         return False
-    length, axis = along(site.scene, link)
-    body = bodies[link]
-    thin = np.eye(3) - np.outer(axis, axis)
-    shift = body.centre - length / 2 * axis
-    tags = {"mass": f"mass.{link}"}
-    parts, middles = (
-        (HINGES[0], HINGES[1] - HINGES[0], 1 - HINGES[1]),
-        (HINGES[0] / 2, 0.5, 1 - HINGES[0] / 2),
-    )
-    rods = np.zeros((3, 3))
-    for part, middle in zip(parts, middles, strict=True):
-        centre = shift + middle * length * axis
-        lever = centre - body.centre
-        own = part * body.mass * (part * length) ** 2 / 12 * thin
-        rods += own + part * body.mass * (lever @ lever * np.eye(3) - np.outer(lever, lever))
-        section = middle * length * axis
-        assembly.add_body(link, Body(part * body.mass, centre, own), section=section, **tags)
-    for part, middle in zip(parts, middles, strict=True):
-        section = middle * length * axis
-        turning = Body(0.0, section, part * body.inertia)
+    body, tags = bodies[link], {"mass": f"mass.{link}"}
+    parts, whole = _rods(site, body)
+    for section, rod in parts:
+        share = rod.mass / body.mass
+        turning = Body(0.0, section, share * body.inertia)
+        assembly.add_body(link, rod, section=section, **tags)
         assembly.add_body(link, turning, section=section, inertia=f"inertia.{link}", **tags)
-        assembly.add_body(link, Body(0.0, section, -part * rods), section=section, **tags)
+        assembly.add_body(link, Body(0.0, section, -share * whole), section=section, **tags)
     return True
+
+
+def _rods(site: Site, body: Body) -> tuple[list[tuple[np.ndarray, Body]], np.ndarray]:
+    """Parts of a link as thin rods, each with its place along it, and the inertia of all about its centre."""
+    end, axis = along(site.scene, site.where)
+    thin = np.eye(3) - np.outer(axis, axis)
+    length = min(end, _spread(site, body, axis))
+    shares = (HINGES[0], HINGES[1] - HINGES[0], 1 - HINGES[1])
+    middles = (HINGES[0] / 2, 0.5, 1 - HINGES[0] / 2)
+    parts, whole = [], np.zeros((3, 3))
+    for share, middle in zip(shares, middles, strict=True):
+        lever = (middle - 0.5) * length * axis
+        own = share * body.mass * (share * length) ** 2 / 12 * thin
+        whole += own + share * body.mass * (lever @ lever * np.eye(3) - np.outer(lever, lever))
+        parts.append((middle * end * axis, Body(share * body.mass, body.centre + lever, own)))
+    return parts, whole
+
+
+def _spread(site: Site, body: Body, axis: np.ndarray) -> float:
+    """Length of the longest thin rod in the body, beside a disc with its moment about the axis [m]."""
+    across = sides(site.scene, site.where, axis, site.scene.arm(0).placed[site.where][:3, :3])
+    turns = np.array([np.cross(axis, side) for side in across])
+    least = float(np.linalg.eigvalsh(turns @ body.inertia @ turns.T)[0])
+    disc = 0.0 if site.scene.normal is not None else float(axis @ body.inertia @ axis) / 2
+    return float(np.sqrt(12 * max(least - disc, 0.0) / body.mass))
 
 
 def shares(stiffness: float, position: float) -> tuple[float, float]:
@@ -113,6 +125,29 @@ def _act(assembly: Assembly, site: Site) -> None:
         assembly.add_damper(row, site["damping"] / site["stiffness"] * spring)
 
 
+def _extend(draft: Draft, site: Site) -> None:
+    link = site.where
+    length, axis = along(site.scene, link)
+    across = sides(site.scene, link, axis, site.scene.arm(0).placed[link][:3, :3])
+    springs, names = shares(site["stiffness"], site["position"]), [link]
+    for hinge, spring in enumerate(springs):
+        turns = {}
+        for plane, side in enumerate(across):
+            end = f"_{plane + 1}" if len(across) > 1 else ""
+            turns[draft.fresh(f"{link}_bend_{hinge + 1}{end}")] = np.cross(axis, side)
+        names.append(draft.hinge(link, HINGES[hinge] * length * axis, axis, turns))
+        for joint in turns:
+            draft.flexible(joint, spring, site["damping"] / site["stiffness"] * spring)
+    card = bodies_of(site.scene.robot.urdf)[link]
+    whole = scaled(card, link, site.values)
+    grown = whole.mass / card.mass
+    parts, rods = _rods(site, card)
+    for number, (_, rod) in enumerate(parts):
+        inertia = grown * rod.inertia + rod.mass / card.mass * (whole.inertia - grown * rods)
+        shift = HINGES[number - 1] * length * axis if number else np.zeros(3)
+        draft.set_body(names[number], Body(grown * rod.mass, rod.centre - shift, inertia))
+
+
 EFFECT = Effect(
     name="link_flexibility",
     says="the link bends",
@@ -123,4 +158,5 @@ EFFECT = Effect(
     shape=_shape,
     bodies=_bodies,
     act=_act,
+    extend=_extend,
 )

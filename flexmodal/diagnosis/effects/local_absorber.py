@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from flexmodal.diagnosis.draft import Draft
 from flexmodal.diagnosis.effects.added_mass import place_on
 from flexmodal.diagnosis.effects.effect import Effect, Scene, Site, along, positive, sides, signed
 from flexmodal.identification import Parameter
@@ -45,6 +46,12 @@ def _way(scene: Scene, where: str, values: Mapping[str, float], axes: np.ndarray
     return np.cos(values["angle"]) * side + np.sin(values["angle"]) * axis
 
 
+def _spring(values: Mapping[str, float]) -> tuple[float, float]:
+    """Stiffness [N/m] and damping [N·s/m]."""
+    stiffness = values["mass"] * (2 * np.pi * values["frequency"]) ** 2
+    return stiffness, 2 * values["damping_ratio"] * float(np.sqrt(stiffness * values["mass"]))
+
+
 def _shape(assembly: Assembly, site: Site) -> None:
     assembly.add_coordinates([f"{site.where} absorber"])
 
@@ -57,9 +64,9 @@ def _act(assembly: Assembly, site: Site) -> None:
     place = place_on(site.scene, site.where, site.values, axes)
     for row, share in zip(assembly.motion(site.where, place)[:3], way, strict=True):
         assembly.add_inertia(row + share * own, mass)
-    stiffness = mass * (2 * np.pi * site["frequency"]) ** 2
+    stiffness, damping = _spring(site.values)
     assembly.add_spring(own, stiffness)
-    assembly.add_damper(own, 2 * site["damping_ratio"] * float(np.sqrt(stiffness * mass)))
+    assembly.add_damper(own, damping)
 
 
 def _physical(scene: Scene, where: str, values: Mapping[str, float]) -> dict[str, float]:
@@ -67,8 +74,15 @@ def _physical(scene: Scene, where: str, values: Mapping[str, float]) -> dict[str
     x, y, z = place_on(scene, where, values, axes).tolist()
     dx, dy, dz = _way(scene, where, values, axes).tolist()
     kept = {name: values[name] for name in ("mass", "frequency", "damping_ratio")}
-    stiffness = kept["mass"] * (2 * np.pi * kept["frequency"]) ** 2
-    return {**kept, "stiffness": stiffness, "x": x, "y": y, "z": z, "dx": dx, "dy": dy, "dz": dz}
+    return {**kept, "stiffness": _spring(values)[0], "x": x, "y": y, "z": z, "dx": dx, "dy": dy, "dz": dz}
+
+
+def _extend(draft: Draft, site: Site) -> None:
+    axes = site.scene.arm(0).placed[site.where][:3, :3]
+    place = place_on(site.scene, site.where, site.values, axes)
+    way = _way(site.scene, site.where, site.values, axes)
+    joint = draft.attach(site.where, place, site["mass"], name=f"{site.where}_absorber", slides=way)
+    draft.flexible(joint, *_spring(site.values))
 
 
 EFFECT = Effect(
@@ -81,5 +95,6 @@ EFFECT = Effect(
     shape=_shape,
     act=_act,
     physical=_physical,
+    extend=_extend,
     units={"stiffness": "N/m", "x": "m", "y": "m", "z": "m"},
 )

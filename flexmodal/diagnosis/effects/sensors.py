@@ -50,6 +50,10 @@ SENSOR_GAIN = Effect(
 )
 
 
+DELAYS = (1e-4, 1e-3, 2e-3, 4e-3, 7e-3, 0.011, 0.016)
+"""Where fits start [s]: phases beyond half a turn are told apart by these only."""
+
+
 def _lag(site: Site, axis: Axis) -> np.ndarray:
     return -axis.s * site["delay"]
 
@@ -59,8 +63,8 @@ SENSOR_DELAY = Effect(
     says="a sensor lags",
     looks_like="a phase that falls in proportion to frequency at one point",
     places=lambda scene: scene.sensors,
-    parameters=lambda scene, where: (signed("delay", "s", 1e-3, -0.02, 0.02),),
-    starts=lambda scene, where: [{"delay": 1e-4}],
+    parameters=lambda scene, where: (signed("delay", "s", 5e-3, -0.03, 0.03),),
+    starts=lambda scene, where: [{"delay": delay} for delay in DELAYS],
     read=_lag,
 )
 
@@ -93,7 +97,7 @@ def _turn(scene: Scene, site: Site, posture: int, point: str, way: np.ndarray) -
 def _tilt_starts(scene: Scene, where: str) -> list[Mapping[str, float]]:
     if scene.normal is not None:
         return [{"angle": 0.1}, {"angle": -0.1}]
-    return [{"angle_x": 0.03, "angle_y": 0.03, "angle_z": 0.03}]
+    return [{f"angle_{axis}": sign * 0.2} for axis in "xyz" for sign in (1, -1)]
 
 
 SENSOR_MISALIGNMENT = Effect(

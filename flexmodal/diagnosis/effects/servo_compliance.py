@@ -10,6 +10,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from flexmodal.diagnosis.draft import Draft
 from flexmodal.diagnosis.effects.effect import Effect, Scene, Site, positive
 from flexmodal.identification import Parameter
 from flexmodal.identification.assembly import Assembly
@@ -60,6 +61,18 @@ def _physical(scene: Scene, where: str, values: Mapping[str, float]) -> dict[str
     return {"proportional_gain": values["gain"], "derivative_gain": derivative, "rotor_inertia": inertia}
 
 
+def _extend(draft: Draft, site: Site) -> None:
+    if draft.robot.joints[site.where].rotor_inertia:
+        draft.notes.append(
+            f"the card's rotor inertia of {site.where} turns with the link but no longer with the motor"
+        )
+    found = _physical(site.scene, site.where, site.values)
+    motor = draft.fresh(f"{site.where}_motor")
+    draft.behind(site.where, motor)
+    inertia = found["rotor_inertia"]
+    draft.flexible(motor, found["proportional_gain"], found["derivative_gain"], rotor_inertia=inertia)
+
+
 EFFECT = Effect(
     name="servo_compliance",
     says="the motor moves against its control loop",
@@ -70,5 +83,6 @@ EFFECT = Effect(
     shape=_shape,
     act=_act,
     physical=_physical,
+    extend=_extend,
     units={"proportional_gain": "N·m/rad", "derivative_gain": "N·m·s/rad", "rotor_inertia": "kg·m²"},
 )

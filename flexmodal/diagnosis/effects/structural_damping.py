@@ -5,6 +5,7 @@ With the stiffening that causality asks for (see `identification.structure`).
 
 from __future__ import annotations
 
+from flexmodal.diagnosis.draft import Draft
 from flexmodal.diagnosis.effects.effect import Effect, Site, positive
 from flexmodal.identification.assembly import Assembly
 
@@ -16,6 +17,12 @@ def _act(assembly: Assembly, site: Site) -> None:
         assembly.add_loss(assembly.stretch_of(joint), site.values.get(name, float(card.stiffness)), name)
 
 
+def _extend(draft: Draft, site: Site) -> None:
+    for joint in site.scene.robot.joints:
+        draft.joints[joint]["loss_factor"] = float(site["loss_factor"])
+    draft.loss_frequency = float(site.scene.observations.axis.middle)
+
+
 EFFECT = Effect(
     name="structural_damping",
     says="the joints lose energy by hysteresis",
@@ -24,4 +31,5 @@ EFFECT = Effect(
     parameters=lambda scene, where: (positive("loss_factor", "", 0.05, 1.0, 1e-5, 2.0),),
     starts=lambda scene, where: [{"loss_factor": 0.01}, {"loss_factor": 0.06}],
     act=_act,
+    extend=_extend,
 )

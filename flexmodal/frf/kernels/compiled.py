@@ -38,7 +38,12 @@ def compiled_sweep(shape: Shape) -> Any:
     """The compiled loops over points, with the kernel of this shape inside."""
     source, _ = write_kernel(shape)
     kernel, digest = compile_source(source, "kernel")
-    own = {**vars(sweep), "kernel": kernel, "spread": compiled_spread(), "room": compile_function(any_size.room)}
+    own = {
+        **vars(sweep),
+        "kernel": kernel,
+        "spread": compiled_spread(),
+        "room": compile_function(any_size.room),
+    }
     return compile_function(renamed(sweep.sweep, f"sweep_{shape.n}_{digest}", own))
 
 
@@ -71,7 +76,12 @@ def compile_source(source: str, name: str) -> tuple[Any, str]:
 def compiled_sweep_any() -> Any:
     """The compiled loops over points with the kernel for any number of coordinates."""
     kernel = compile_together(any_size.fill, last=any_size.kernel, allocates=False)
-    own = {**vars(sweep), "kernel": kernel, "spread": compiled_spread(), "room": compile_function(any_size.room)}
+    own = {
+        **vars(sweep),
+        "kernel": kernel,
+        "spread": compiled_spread(),
+        "room": compile_function(any_size.room),
+    }
     return compile_function(renamed(sweep.sweep, "sweep_any", own))
 
 
@@ -96,9 +106,7 @@ def renamed(function: Any, name: str, scope: dict[str, Any]) -> FunctionType:
     return copy
 
 
-def compile_together(
-    *functions: Callable[..., Any], last: Callable[..., Any], allocates: bool = True
-) -> Any:
+def compile_together(*functions: Callable[..., Any], last: Callable[..., Any], allocates: bool = True) -> Any:
     """Compile a function with those that it calls, lowest first; plain functions stay plain.
 
     Functions that allocate nothing do without counting references, which takes most of the time of a call

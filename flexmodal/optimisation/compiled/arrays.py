@@ -15,6 +15,10 @@ POSITION, ORIENTATION, AXIS = 0, 1, 2
 RECEPTANCE, STIFFNESS, MOBILITY = 0, 1, 2
 """What is judged."""
 
+PAIR, FORCE, LARGEST = 0, 1, 2
+"""Of a receptance matrix α, with force and toward unit vectors w and t: |tᵀαw|, ‖αw‖, or the 40-norm of its
+singular values."""
+
 
 class Box(NamedTuple):
     """The commanded joints."""
@@ -63,6 +67,14 @@ class Judge(NamedTuple):
     """K, B and the structural damping over the flexible joints."""
     omega: np.ndarray
     """Angular frequencies [rad/s]."""
+    measure: int
+    """PAIR, FORCE or LARGEST."""
+    force: np.ndarray
+    """w over the rows."""
+    toward: np.ndarray
+    """t over the rows."""
+    lines: np.ndarray
+    """Share of each frequency."""
     power: float
     """Of the mean over the frequencies: 1, or large for the worst of them."""
     task: np.ndarray

@@ -25,6 +25,9 @@ GRADIENT = 1e-7
 _ROUNDING = 1e-4
 """Projected gradient below which a line search that finds nothing better has met rounding."""
 
+_SWAMPING = 1e6
+"""Gradient beside which limits of a few radians are lost in rounding [1/rad]."""
+
 _LONGEST = 0.5
 """Longest step of one joint [rad, m]."""
 
@@ -71,7 +74,10 @@ def descend_one(chain, hold, box, judge, places, tangent, room, iterations, valu
         free = t.basis[null_space(t.rows, t.sizes, t.basis) :]
         for k in range(width):
             below[k], above[k] = lower[k] - values[k], upper[k] - values[k]
-        quadratic_step(tangent, True, free)
+        size = 0.0
+        for k in range(width):
+            size += gradient[k] * gradient[k]
+        quadratic_step(tangent, max(1.0, math.sqrt(size) / _SWAMPING), free)
         steepness = 0.0
         for k in range(width):
             steepness += step[k] * step[k]
@@ -79,9 +85,9 @@ def descend_one(chain, hold, box, judge, places, tangent, room, iterations, valu
             return cost, PERFECT if judge.bounded else UNBOUNDED, count
         if steepness <= GRADIENT * GRADIENT:
             return cost, SETTLED, count
-        if not quadratic_step(tangent, False, free):
+        if not quadratic_step(tangent, 0.0, free):
             first_model(gradient, model)
-            quadratic_step(tangent, False, free)
+            quadratic_step(tangent, 0.0, free)
         found = line_search(chain, hold, box, judge, places, tangent, room, values, cost)
         if found == math.inf:
             if fresh:

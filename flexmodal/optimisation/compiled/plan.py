@@ -12,8 +12,11 @@ from flexmodal.model import Robot
 from flexmodal.model.batch_chain import Chain, chain_of, places_of, turn_of
 from flexmodal.optimisation.compiled.arrays import (
     AXIS,
+    FORCE,
+    LARGEST,
     MOBILITY,
     ORIENTATION,
+    PAIR,
     POSITION,
     RECEPTANCE,
     STIFFNESS,
@@ -101,23 +104,29 @@ def judge_of(robot: Robot, objective: Objective) -> Judge | None:
 
 
 def _receptance(robot: Robot, objective: ReceptanceObjective) -> Judge | None:
-    """Weights make one row of all directions; the worst direction keeps them apart."""
-    apart = objective.combine == "worst" and len(objective.directions) > 1
-    sharp = objective.over == "largest" and (apart or len(objective.frequency) > 1)
-    other = objective.combine == "force" or objective.toward != objective.weights
-    if other or (apart and not sharp) or any(share != 1.0 for share in objective.line_weights):
+    """Force and motion along the same weights make one row of all directions; else they are kept apart.
+
+    The largest singular value itself, without the smooth maximum, is left to the objective.
+    """
+    worst = objective.combine == "worst" and len(objective.directions) > 1
+    largest = objective.over == "largest"
+    if worst and not largest:
         return None
+    force, toward = np.array(objective.weights), np.array(objective.toward)
     judge = _judge(
         robot,
         RECEPTANCE,
         list(objective.directions),
         goal=float(np.log(BLIND)),
         omega=2 * np.pi * np.asarray(objective.frequency, dtype=float),
-        power=float(SHARPNESS) if sharp else 1.0,
+        power=float(SHARPNESS) if largest and (worst or len(objective.frequency) > 1) else 1.0,
+        lines=np.array(objective.line_weights, dtype=float),
     )
-    if apart:
-        return judge._replace(row=np.arange(len(objective.directions)))
-    return judge._replace(selector=judge.selector * np.array(objective.weights)[:, None])
+    if objective.combine != "force" and not worst and np.array_equal(force, toward):
+        return judge._replace(selector=judge.selector * force[:, None])
+    measure = LARGEST if worst else FORCE if objective.combine == "force" else PAIR
+    rows = np.arange(len(objective.directions))
+    return judge._replace(row=rows, measure=measure, force=force, toward=toward)
 
 
 def _judge(robot: Robot, kind: int, directions: list[Any], **given: Any) -> Judge:
@@ -125,6 +134,7 @@ def _judge(robot: Robot, kind: int, directions: list[Any], **given: Any) -> Judg
     defaults: dict[str, Any] = {
         "omega": np.zeros(0),
         "power": 1.0,
+        "lines": np.zeros(0),
         "task": np.zeros((0, 6)),
         "along": np.zeros(0),
         "bounded": True,
@@ -136,6 +146,9 @@ def _judge(robot: Robot, kind: int, directions: list[Any], **given: Any) -> Judg
         selector=places.selector,
         row=np.zeros(len(directions), dtype=np.int64),
         pick=robot.flexible_index.astype(np.int64),
+        measure=PAIR,
+        force=np.ones(1),
+        toward=np.ones(1),
         matrices=np.array([robot.stiffness, robot.damping, np.zeros_like(robot.damping)]),
         **{**defaults, **given},
     )

@@ -16,16 +16,17 @@ _GAIN = 1e-12
 """A column that would lessen the residual by less than this share stays out."""
 
 
-def quadratic_step(t, identity, free):
+def quadratic_step(t, steepest, free):
     """Minimise ½ sᵀBs + gᵀs over the span of some orthonormal rows with below ≤ s ≤ above.
 
     Args:
         t: a `Tangent`, of which `model`, `gradient`, `below` and `above` are read and `step` receives s.
-        identity: take the identity for B instead.
+        steepest: 0, or what g is divided by, the identity standing in for B.
         free: rows that span what is free.
 
     Returns:
-        Whether B is positive definite there; the step is of no use otherwise.
+        Whether B is positive definite there and the limits do not drown in rounding; the step is of
+        no use otherwise.
     """
     gradient, below, above, step = t.gradient, t.below, t.above, t.step
     count, width = free.shape
@@ -38,8 +39,8 @@ def quadratic_step(t, identity, free):
         for k in range(width):
             reach[i, k] = free[i, k]
             total += free[i, k] * gradient[k]
-        centre[i] = total
-    if not identity and not whiten(t.model, free, t.root, t.image, reach, centre):
+        centre[i] = total / steepest if steepest > 0.0 else total
+    if steepest == 0.0 and not whiten(t.model, free, t.root, t.image, reach, centre):
         return False
     inside = True
     for k in range(width):
@@ -51,7 +52,8 @@ def quadratic_step(t, identity, free):
     if inside:
         return True
     away = t.away
-    least_distance(t, count)
+    if not least_distance(t, count):
+        return False
     for k in range(width):
         total = step[k]
         for i in range(count):
@@ -101,7 +103,7 @@ def least_distance(t, free):
     """Set `t.away` to the shortest u that brings step + reachᵀ u between the limits.
 
     Through its dual, a non-negative least-squares problem (Lawson and Hanson, Solving Least Squares Problems,
-    1974, chapter 23).
+    1974, chapter 23). False where rounding has taken the limits away.
     """
     reach, step, below, above, columns = t.reach, t.step, t.below, t.above, t.columns
     residual, away = t.residual[: free + 1], t.away
@@ -120,8 +122,11 @@ def least_distance(t, free):
                 columns[count, free] = limit / size
                 count += 1
     nonnegative(t, columns[:count, : free + 1], residual)
+    if residual[free] >= 0.0:
+        return False
     for i in range(free):
-        away[i] = -residual[i] / residual[free] if residual[free] != 0.0 else 0.0
+        away[i] = -residual[i] / residual[free]
+    return True
 
 
 def nonnegative(t, columns, residual):

@@ -25,7 +25,7 @@ from flexmodal.model.batch_gradient import (
     sweep_momenta,
 )
 from flexmodal.model.batch_kinematics import mass_matrix, place_bodies
-from flexmodal.optimisation.compiled.matrix_norm import FLOOR, matrix_norm, norm_slope
+from flexmodal.optimisation.compiled.matrix_norm import FLOOR, matrix_size, size_slope
 
 _NEGLIGIBLE = 1e-18
 """Share of a frequency in the mean below which its gradient is left out."""
@@ -36,7 +36,7 @@ def receptance_cost(chain, judge, places, room):
     place_bodies(chain, places.frames, places.origins, room.centres, room.inertias)
     mass_matrix(chain, places.origins, places.axes, room.centres, room.inertias, room.mass)
     pick, omega, rows, y, alpha, norms = judge.pick, judge.omega, room.rows, room.y, room.alpha, room.norms
-    work = room.matrix, room.size, room.work
+    work, lines = (room.matrix, room.size, room.work), judge.lines
     for f in range(len(omega)):
         trusted = solve_rows(pick, judge.matrices, omega[f], room.mass, rows, work, y[f])
         if not trusted and not solve_pivoting(judge, omega[f], room, y[f]):
@@ -49,7 +49,7 @@ def receptance_cost(chain, judge, places, room):
                     im += rows[u, pick[i]] * y[f, v, 1, pick[i]]
                 alpha[f, u, v] = complex(re, im)
                 alpha[f, v, u] = complex(re, im)
-        norms[f] = matrix_norm(alpha[f], room.powers)
+        norms[f] = lines[f] * matrix_size(judge, alpha[f], room.powers)
         if not math.isfinite(norms[f]):
             return math.inf
     most, total = power_sum(judge.power, norms)
@@ -96,7 +96,7 @@ def receptance_slope(chain, judge, columns, places, room):
     """Set `room.slope` to the derivative of the cost along the commanded joints."""
     turns, origins, axes = chain[0], places.origins, places.axes
     arms, centres, omega, norms, slope = room.arms, room.centres, judge.omega, room.norms, room.slope
-    twists, momenta, weights, power = room.twists, room.momenta, room.weights, judge.power
+    twists, momenta, weights, power, lines = room.twists, room.momenta, room.weights, judge.power, judge.lines
     for i in range(len(arms)):
         for a in range(3):
             centres[i, a] -= origins[0, a]
@@ -105,9 +105,9 @@ def receptance_slope(chain, judge, columns, places, room):
     most, total = power_sum(power, norms)
     for f in range(len(omega)):
         share = (math.sqrt(norms[f] * norms[f] + FLOOR) / most) ** power / total
-        if share < _NEGLIGIBLE:
+        if share < _NEGLIGIBLE or not lines[f] > 0.0:
             continue
-        norm_slope(room.alpha[f], norms[f], room.powers, weights)
+        size_slope(judge, room.alpha[f], norms[f] / lines[f], room.powers, weights)
         factor = -2.0 * share * omega[f] * omega[f]
         for u in range(len(room.rows)):
             sweep_pair(chain, judge, axes, room, f, u, share)

@@ -26,11 +26,12 @@ from ..optimality import directions, gain_left
 pytestmark = pytest.mark.usefixtures("types_unchecked")
 
 
-def receptance(robot, frequency, axes="z", combine="weighted"):
+def receptance(robot, frequency, axes="z", combine="weighted", **more):
     return ReceptanceObjective(
         directions(*(f"{robot.tool}:+{axis}" for axis in axes)),
         np.atleast_1d(frequency).astype(float),
         combine,
+        **more,
     )
 
 
@@ -40,6 +41,21 @@ CASES = {
     "band": ("arm", (-2.0, 2.0), lambda r: receptance(r, [4.0, 5.0, 6.0])),
     "worst of a band": ("arm", (0.0, 1.5), lambda r: receptance(r, [4.0, 5.0, 6.0], "xz", "worst")),
     "weighted": ("arm", (0.0, 1.5), lambda r: receptance(r, 3, "xz")),
+    "motion across the force": (
+        "arm",
+        (0.0, 1.5),
+        lambda r: receptance(r, 3, "xz", weights=(1.0, 0.2), toward=(0.1, 1.0)),
+    ),
+    "cutting force": (
+        "arm",
+        (0.0, 1.5),
+        lambda r: receptance(r, [3, 6, 9], "xz", "force", weights=(2.0, 1.0), line_weights=(1.0, 0.5, 0.2)),
+    ),
+    "largest of harmonics": (
+        "arm",
+        (-2.0, 2.0),
+        lambda r: receptance(r, [3, 6, 9], over="largest", line_weights=(1.0, 0.5, 0.2)),
+    ),
     "stiffness": ("arm", (0.0, 1.5), lambda r: StiffnessObjective(*directions("tool:+z"))),
     "mobility": ("arm", (0.0, 1.5), lambda r: MobilityObjective(*directions("tool:+z"))),
     "limits, 5 Hz": ("tight", (2.0, 3.0), lambda r: receptance(r, 5)),

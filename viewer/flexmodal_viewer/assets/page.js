@@ -119,16 +119,23 @@
   const place = new THREE.Vector3();
   const sides = (w) => [[9, -8], [-w / 2, -25], [-w / 2, 10], [-9 - w, -8], [-w / 2, -42], [-w / 2, 27], [9, -25], [9, 10]];
   const apart = (a, b) => a[0] > b[0] + b[2] || b[0] > a[0] + a[2] || a[1] > b[1] + b[3] || b[1] > a[1] + a[3];
+  const seen_with = (object) => object === null || (object.visible && seen_with(object.parent));
   function put_labels() {
     const taken = [];
     const ticks = [];
     for (const item of tags) {
+      item.gone = !seen_with(node(item.path)); // its node belongs to another motion
+      if (item.gone) continue;
       if (!item.width) item.width = item.tag.offsetWidth;
       node(item.path).getWorldPosition(place).project(viewer.camera);
       item.at = [((place.x + 1) / 2) * stage.clientWidth, ((1 - place.y) / 2) * stage.clientHeight, place.z];
       if (item.kind === "point" || item.kind === "mark") taken.push([item.at[0] - 6, item.at[1] - 6, 12, 12]);
     }
     for (const item of tags) {
+      if (item.gone) {
+        item.tag.style.visibility = "hidden";
+        continue;
+      }
       const [x, y, depth] = item.at;
       let left = x + 9, top = y - 8;
       if (item.kind.includes("below")) { left = x - item.width / 2; top = y + 4; }
@@ -170,9 +177,9 @@
     const motion = scene.motions[number];
     shown.forEach((path) => { node(path).visible = motion !== undefined && motion.shows.includes(path); });
     viewer.animator.pause();
-    if (motion === undefined) {
-      viewer.animator.clear();
-    } else {
+    const moves = motion !== undefined && motion.animations.length > 0;
+    if (!moves) viewer.animator.clear();
+    if (moves) {
       motion.poses.forEach(([path, matrix]) => viewer.set_transform(path.split("/").filter((part) => part), matrix));
       viewer.handle_command({
         type: "set_animation",
@@ -182,8 +189,8 @@
     }
     buttons.forEach((button) => button.setAttribute("aria-pressed", String(Number(button.dataset.motion) === number)));
     document.querySelectorAll("[data-of]").forEach((part) => { part.hidden = Number(part.dataset.of) !== number; });
-    if (pause) pause.hidden = motion === undefined;
-    run(true);
+    if (pause) pause.hidden = !moves;
+    run(moves);
     viewer.set_dirty();
   }
   function run(play) {
@@ -194,7 +201,7 @@
   function hold(phase) {
     const motion = scene.motions.find((_, number) => buttons.some((b) => Number(b.dataset.motion) === number && b.getAttribute("aria-pressed") === "true"));
     run(false);
-    if (motion) viewer.animator.seek(phase * motion.duration);
+    if (motion && motion.animations.length) viewer.animator.seek(phase * motion.duration);
   }
   buttons.forEach((button) => button.addEventListener("click", () => choose(Number(button.dataset.motion))));
   if (pause) pause.addEventListener("click", () => run(!viewer.animator.playing));

@@ -1,0 +1,129 @@
+"""`flexmodal diagnose`."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from flexmodal.cli.options import SOURCE, force_option, json_option, number, quiet_option
+from flexmodal.cli.printing import print_json, print_table, stages
+from flexmodal.errors import Fault, InvalidRequest
+
+if TYPE_CHECKING:
+    from flexmodal.diagnosis import Diagnosis
+
+
+@click.command()
+@click.argument("campaign", type=click.Path(path_type=Path))
+@click.option("--out", required=True, type=click.Path(path_type=Path), help="A new folder for what is found.")
+@click.option("--robot", metavar="ROBOT", help="Instead of the robot that the campaign names.")
+@click.option(
+    "--hold-out",
+    multiple=True,
+    metavar="POSTURE",
+    help="A posture, by name or id, that no fit is to see; may be repeated. One in four if none is named.",
+)
+@click.option("--effects", metavar="NAME,…", help="Look for these effects only.")
+@click.option(
+    "--trust", metavar="NAME=X,…", help="Relative standard deviation of a kind or parameter of the card."
+)
+@click.option(
+    "--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Of what is drawn in weighing."
+)
+@force_option
+@quiet_option
+@json_option
+def diagnose(
+    campaign: Path,
+    out: Path,
+    robot: str | None,
+    hold_out: tuple[str, ...],
+    effects: str | None,
+    trust: str | None,
+    seed: int,
+    force: bool,
+    quiet: bool,
+    as_json: bool,
+) -> None:
+    """What is missing in the robot's model, by its measurements; exit 1 if nothing known explains them.
+
+    Writes OUT/diagnosis.json, OUT/report.html and OUT/robot, the improved robot, all of them or none.
+    """
+    from flexmodal.campaign import read_campaign
+    from flexmodal.cli.identify import robot_of
+    from flexmodal.diagnosis import diagnose as find
+    from flexmodal.diagnosis.as_json import as_json as as_object
+    from flexmodal.diagnosis.write import JSON, write_diagnosis
+    from flexmodal.files import refuse_folder
+
+    refuse_folder(out, known=JSON, overwrite=force)
+    wanted, trusted = _names(effects), _trust(trust)
+    measured = read_campaign(campaign)
+    for warning in measured.warnings:
+        click.echo(f"warning: {warning}", err=True)
+    arm = robot_of(measured, robot)
+    with stages(quiet=quiet) as advance:
+        diagnosis = find(
+            measured,
+            arm,
+            hold_out=hold_out or None,
+            effects=wanted,
+            trust=trusted,
+            seed=seed,
+            advance=advance,
+        )
+        advance("writing the report", 0.0)
+        write_diagnosis(diagnosis, out, overwrite=force)
+    click.echo(f"wrote {out}: report {out / 'report.html'}, robot {out / 'robot' / 'robot.toml'}", err=True)
+    if as_json:
+        print_json(as_object(diagnosis))
+    else:
+        _print(diagnosis)
+    sys.exit(0 if diagnosis.verdict.explained else 1)
+
+
+def _names(text: str | None) -> list[str] | None:
+    return None if text is None else [name.strip() for name in text.split(",") if name.strip()]
+
+
+def _trust(text: str | None) -> dict[str, float]:
+    found: dict[str, float] = {}
+    for part in [] if text is None else text.split(","):
+        name, equals, value = part.partition("=")
+        if not equals or not name.strip():
+            raise InvalidRequest(Fault(SOURCE, "--trust", repr(part), "NAME=X, such as mass=0.1"))
+        found[name.strip()] = number(value, f"--trust {name.strip()}", "a relative standard deviation")
+    return found
+
+
+def _print(diagnosis: Diagnosis) -> None:
+    click.echo(diagnosis.verdict.says)
+    for step in diagnosis.steps:
+        rows = [
+            [name, f"{value:.5g}", _error(step.uncertainty.get(name)), step.units.get(name, "")]
+            for name, value in step.parameters.items()
+        ]
+        title = f"{step.effect} at {step.where}, confidence {100 * step.confidence:.0f} %"
+        print_table(title, ["parameter", "value", "±", "unit"], rows)
+    gaps = diagnosis.gaps
+    cells: list[tuple[str, float | None, float | None]] = [
+        ("the card as it came", gaps.believed, None),
+        ("re-tuned, nothing added", gaps.before, gaps.held_out_before),
+        ("the final model", gaps.after, gaps.held_out_after),
+        ("noise of one record", gaps.noise_floor, None),
+    ]
+    rows = [[name, _size(value), _size(held)] for name, value, held in cells]
+    print_table("gap between model and measurement", ["", "all", "held out"], rows)
+    for name, why in diagnosis.untestable.items():
+        click.echo(f"could not be tested: {name}: {why}")
+
+
+def _size(value: object) -> str:
+    return f"{value:.4f}" if isinstance(value, float) else "–"
+
+
+def _error(value: float | None) -> str:
+    return "–" if value is None else f"{value:.2g}"

@@ -1,0 +1,257 @@
+"""A robot's URDF and card being changed: what effects do to it so that it loads like any other.
+
+Everything is put in at rest and in place, so that nothing moves by being added. What is attached to a link is
+hung on at the end, on whichever side of a hinge it sits.
+"""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float
+from lxml import etree
+
+from flexmodal.diagnosis.urdf_text import (
+    add_joint,
+    add_link,
+    nearest_inertia,
+    origin_of,
+    set_inertial,
+    shift_origin,
+)
+from flexmodal.identification.arm import Body, beyond, bodies_of, moved_bodies
+from flexmodal.identification.assembly import scaled
+from flexmodal.model import Robot
+from flexmodal.model.placements import link_placements
+
+DUST = 1e-12
+"""Mass of a link that only stands between two joints, over that of the arm: readers of URDFs want some."""
+FOOT = 1e-8
+"""Mass of a base that moves and has none in the URDF, likewise; and its inertia over that at 1 m."""
+
+Vector = Float[np.ndarray, "3"]
+
+
+@dataclass(frozen=True, eq=False)
+class Cut:
+    """Where a link was cut in two."""
+
+    place: Vector
+    """In the frame of the link [m]."""
+    way: Vector
+    """Unit vector towards what lies beyond."""
+    outer: str
+    """The link beyond; its frame is turned as that of the link and sits in the cut."""
+
+
+@dataclass(frozen=True, eq=False)
+class Hung:
+    """Something attached to a link: rigidly, or free along one direction."""
+
+    link: str
+    place: Vector
+    """In the frame of the link [m]."""
+    body: Body
+    """In a frame at that place, turned as that of the link."""
+    name: str
+    slides: Vector | None = None
+
+
+class Draft:
+    """A robot in the making, from one that is loaded and new values for its parameters."""
+
+    def __init__(self, robot: Robot, values: Mapping[str, float]) -> None:
+        self.robot = robot
+        self.tree = etree.fromstring(robot.urdf.text)
+        self.joints: dict[str, dict[str, Any]] = {n: _joint_table(robot, n, values) for n in robot.joints}
+        self.couplings = {name: float(one.stiffness) for name, one in robot.couplings.items()}
+        self.loss_frequency = robot.loss_frequency
+        self.notes: list[str] = []
+        """Sentences about what the files cannot hold, or hold differently."""
+        self.arm_mass = float(sum(robot.urdf.link_by_name[n].mass or 0.0 for n in moved_bodies(robot)))
+        self._still = link_placements(robot, {})
+        self._cuts: dict[str, list[Cut]] = {}
+        self._hung: list[Hung] = []
+        self._names = {*self._all("link"), *self._all("joint"), *robot.points, "universe"}
+        for link, body in bodies_of(robot.urdf).items():
+            if {f"mass.{link}", f"inertia.{link}"} & set(values):
+                self.set_body(link, scaled(body, link, values))
+
+    # what effects call
+
+    def fresh(self, name: str) -> str:
+        """A name like this one that no link, joint or point has; taken from now on."""
+        free, number = name, 2
+        while free in self._names:
+            free, number = f"{name}_{number}", number + 1
+        self._names.add(free)
+        return free
+
+    def set_body(self, link: str, body: Body) -> None:
+        """Give a link mass, mass centre and inertia.
+
+        An inertia that no body has, which a fit may end at, is replaced by the nearest that one has.
+        """
+        inertia, differs = nearest_inertia(body.inertia, self._normal(link))
+        if differs:
+            self.notes.append(f"the inertia of {link} is the nearest that a body can have")
+        set_inertial(self._link(link), Body(body.mass, body.centre, inertia))
+
+    def flexible(self, joint: str, stiffness: float, damping: float, *, rotor_inertia: float = 0.0) -> None:
+        """Put a spring and a damper on a new pseudo-joint."""
+        table = {"pseudo": True, "stiffness": float(stiffness), "damping": float(damping)}
+        self.joints[joint] = table | ({"rotor_inertia": float(rotor_inertia)} if rotor_inertia else {})
+
+    def hinge(self, link: str, place: Vector, way: Vector, axes: Mapping[str, Vector]) -> str:
+        """Cut a link and join the parts by hinges, one behind the other; returns the part beyond.
+
+        Args:
+            link: which; its frame and name stay with the part nearest to the base.
+            place: of the cut, in its frame [m]; beyond those made before.
+            way: unit vector towards its far end.
+            axes: names of new joints and their axes in the frame of the link.
+        """
+        outer = self.fresh(f"{link}_beyond")
+        parent, xyz = self.place_of(link, place)
+        near, offset = parent, place - xyz
+        for number, (name, axis) in enumerate(axes.items(), start=1):
+            last = number == len(axes)
+            child = outer if last else self._dust(f"{name}_part")
+            if last:
+                add_link(self.tree, outer)
+            add_joint(self.tree, name, "revolute", parent, child, xyz=xyz, axis=axis)
+            parent, xyz = child, np.zeros(3)
+        self._cuts.setdefault(link, []).append(Cut(place, way, outer))
+        self._move_children(near, outer, place - offset, {*axes})
+        self._move_shapes(near, outer, place - offset, way)
+        return outer
+
+    def attach(
+        self, link: str, place: Vector, mass: float, *, name: str, slides: Vector | None = None
+    ) -> str:
+        """Hang a point mass on a link, rigidly or free along a direction; returns the name of the joint."""
+        joint = self.fresh(name)
+        body = Body(float(mass), np.zeros(3), np.zeros((3, 3)))
+        self._hung.append(Hung(link, place, body, joint, slides))
+        return joint
+
+    def under_root(self, motions: Sequence[tuple[str, Vector, bool]]) -> None:
+        """Let the root link move: names of new joints, axes, and whether each turns or slides."""
+        root = self.robot.urdf.root
+        ground = self.fresh(f"world_{root}")
+        add_link(self.tree, ground, first=True)
+        parent = ground
+        for number, (name, axis, turns) in enumerate(motions, start=1):
+            child = root if number == len(motions) else self._dust(f"{name}_part")
+            add_joint(self.tree, name, "revolute" if turns else "prismatic", parent, child, axis=axis)
+            parent = child
+        fixed = _rigid(self.robot, root)
+        if not any(self.robot.urdf.link_by_name[link].mass for link in fixed):
+            size = FOOT * self.arm_mass
+            set_inertial(self._link(root), Body(size, np.zeros(3), size * np.eye(3)))
+            self.notes.append(f"the URDF gives the base no mass, though it moves: {size:.3g} kg stand for it")
+
+    def behind(self, joint: str, name: str) -> None:
+        """Put a new joint, of the same axis and kind, between a joint and the link that carries it."""
+        element = next(one for one in self.tree.findall("joint") if one.get("name") == joint)
+        described = self.robot.urdf.joint_by_name[joint]
+        rotor = self._dust(f"{name}_rotor")
+        parent = element.find("parent")
+        kind = "prismatic" if described.type == "prismatic" else "revolute"
+        assert parent is not None
+        held = str(parent.get("link"))
+        add_joint(
+            self.tree, name, kind, held, rotor, xyz=origin_of(element), rpy=described.rpy,
+            axis=described.axis, before=element,
+        )  # fmt: skip
+        parent.set("link", rotor)
+        for origin in element.findall("origin"):
+            element.remove(origin)
+
+    def couple(self, one: str, other: str, stiffness: float) -> None:
+        """Add an off-diagonal stiffness between two flexible joints."""
+        name = f"{other}+{one}" if f"{other}+{one}" in self.couplings else f"{one}+{other}"
+        self.couplings[name] = self.couplings.get(name, 0.0) + float(stiffness)
+
+    # the end
+
+    def place_of(self, link: str, place: Vector) -> tuple[str, Vector]:
+        """Link and place of a point of the robot as it was, once links are cut."""
+        for cut in reversed(self._cuts.get(link, [])):
+            if (place - cut.place) @ cut.way > 0:
+                return cut.outer, place - cut.place
+        return link, place
+
+    def finish(self) -> etree._Element:
+        """The URDF, with everything hung where it belongs."""
+        for one in self._hung:
+            link, place = self.place_of(one.link, one.place)
+            child = self.fresh(f"{one.name}_mass")
+            set_inertial(add_link(self.tree, child), one.body)
+            kind = "fixed" if one.slides is None else "prismatic"
+            add_joint(self.tree, one.name, kind, link, child, xyz=place, axis=one.slides)
+        self._hung = []
+        return self.tree
+
+    def _normal(self, link: str) -> Vector | None:
+        """Normal of a planar chain's plane in the frame of a link; frames turn about it only."""
+        if not self.robot.is_planar:
+            return None
+        parts = {cut.outer: whole for whole, cuts in self._cuts.items() for cut in cuts}
+        source = parts.get(link, link)
+        return self._still[source][:3, :3].T @ self.robot.task[2, 3:]
+
+    def _dust(self, name: str) -> str:
+        """A link with next to no mass."""
+        free, mass = self.fresh(name), DUST * self.arm_mass
+        set_inertial(add_link(self.tree, free), Body(mass, np.zeros(3), 0.01 * mass * np.eye(3)))
+        return free
+
+    def _all(self, tag: str) -> list[str]:
+        return [str(element.get("name")) for element in self.tree.findall(tag)]
+
+    def _link(self, name: str) -> etree._Element:
+        return next(element for element in self.tree.findall("link") if element.get("name") == name)
+
+    def _move_children(self, link: str, outer: str, place: Vector, new: set[str]) -> None:
+        for element in self.tree.findall("joint"):
+            parent = element.find("parent")
+            if parent is not None and parent.get("link") == link and element.get("name") not in new:
+                parent.set("link", outer)
+                shift_origin(element, -place)
+
+    def _move_shapes(self, link: str, outer: str, place: Vector, way: Vector) -> None:
+        """What is drawn of a link goes with the half that its middle is on."""
+        inner, beyond_it = self._link(link), self._link(outer)
+        for shape in [*inner.findall("visual"), *inner.findall("collision")]:
+            if (origin_of(shape) - place) @ way > 0:
+                moved = copy.deepcopy(shape)
+                inner.remove(shape)
+                shift_origin(moved, -place)
+                beyond_it.append(moved)
+
+
+def _joint_table(robot: Robot, name: str, values: Mapping[str, float]) -> dict[str, Any]:
+    """A joint's table with its new values; bounds of the old ones go, the trust stays."""
+    joint = robot.joints[name]
+    table: dict[str, Any] = {"pseudo": True} if joint.pseudo else {}
+    for kind in ("stiffness", "damping"):
+        table[kind] = float(values.get(f"{kind}.{name}", getattr(joint, kind)))
+    for key in ("rotor_inertia", "loss_factor"):
+        if getattr(joint, key):
+            table[key] = float(getattr(joint, key))
+    if joint.scale is not None:
+        table["scale"] = float(joint.scale)
+    return table
+
+
+def _rigid(robot: Robot, link: str) -> list[str]:
+    """The link and those that no flexible joint parts from it."""
+    moved: set[str] = set()
+    for name in robot.joints:
+        moved.update(beyond(robot.urdf, robot.urdf.joint_by_name[name].child))
+    return [one for one in beyond(robot.urdf, link) if one not in moved]

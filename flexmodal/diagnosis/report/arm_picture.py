@@ -1,0 +1,144 @@
+"""The arm from the side, with the places marked that the verdict names."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float
+
+from flexmodal.diagnosis.compare import excess
+from flexmodal.diagnosis.outcome import Diagnosis
+from flexmodal.diagnosis.report.pictures import FONT, WIDTH, new_figure
+from flexmodal.frf.plot import PALETTE
+from flexmodal.model import Robot
+from flexmodal.model.placements import link_placements
+
+FOUND, POINT, LINK, GHOST = PALETTE[1], PALETTE[2], "#4b5058", "#c9ccd1"
+
+Plane = Float[np.ndarray, "2 3"]
+Placed = Mapping[str, Float[np.ndarray, "4 4"]]
+
+
+def draw_arm(diagnosis: Diagnosis) -> Any:
+    """Draw the posture that disagrees most, the others behind it, with places marked and named."""
+    robot, observations = diagnosis.model.scene.robot, diagnosis.observations
+    above = excess(observations, diagnosis.predicted["before"]).sum(axis=1)
+    by_posture = np.bincount(observations.posture, above, len(observations.postures))
+    worst = int(np.argmax(by_posture))
+    placed = [link_placements(robot, dict(p.q)) for p in observations.postures]
+    plane = _plane(robot, placed[worst])
+    figure = new_figure(0.86 * WIDTH)
+    axes = figure.subplots()
+    for number, one in enumerate(placed):
+        if number != worst:
+            _sticks(axes, robot, one, plane, GHOST, 2.0)
+    _ground(axes, robot, placed[worst], plane)
+    _sticks(axes, robot, placed[worst], plane, LINK, 6.0)
+    _joints(axes, robot, placed[worst], plane)
+    _points(axes, diagnosis, placed[worst], plane)
+    for _, where in diagnosis.verdict.effects:
+        _mark(axes, diagnosis, placed[worst], plane, where)
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.margins(0.12)
+    axes.set_axis_off()
+    name = observations.postures[worst].name
+    axes.set_title(f"In {name[:30]}; other postures grey", loc="left", fontsize=FONT, parse_math=False)
+    return figure
+
+
+def _plane(robot: Robot, placed: Placed) -> Plane:
+    """Axes of the picture: the plane of a planar chain, or the upright one it reaches in."""
+    if robot.is_planar:
+        return robot.task[:2, :3]
+    ends = np.array([place[:3, 3] for place in placed.values()])
+    reach = ends[int(np.argmax(np.linalg.norm(ends[:, :2], axis=1)))][:2]
+    size = float(np.linalg.norm(reach))
+    level = np.array([*(reach / size), 0.0]) if size > 1e-6 else np.array([1.0, 0.0, 0.0])
+    return np.array([level, [0.0, 0.0, 1.0]])
+
+
+def _ends(robot: Robot, placed: Placed, link: str) -> list[np.ndarray]:
+    """World origins of what a link carries."""
+    return [placed[joint.child][:3, 3] for joint in robot.urdf.joints if joint.parent == link]
+
+
+def _sticks(axes: Any, robot: Robot, placed: Placed, plane: Plane, colour: str, width: float) -> None:
+    for link, place in placed.items():
+        for end in _ends(robot, placed, link):
+            line = plane @ np.array([place[:3, 3], end]).T
+            axes.plot(*line, color=colour, linewidth=width, solid_capstyle="round", zorder=2)
+
+
+def _ground(axes: Any, robot: Robot, placed: Placed, plane: Plane) -> None:
+    x, y = plane @ placed[robot.urdf.root][:3, 3]
+    size = 0.12 * _extent(placed)
+    axes.plot([x - size, x + size], [y - 0.25 * size] * 2, color=LINK, linewidth=2, zorder=1)
+    for step in np.linspace(-size, 0.8 * size, 7):
+        axes.plot(
+            [x + step, x + step + 0.2 * size], [y - 0.55 * size, y - 0.25 * size], color=LINK, linewidth=1
+        )
+
+
+def _joints(axes: Any, robot: Robot, placed: Placed, plane: Plane) -> None:
+    for name in robot.joints:
+        x, y = plane @ placed[robot.urdf.joint_by_name[name].child][:3, 3]
+        axes.plot(x, y, "o", markersize=8, markerfacecolor="white", markeredgecolor=LINK, zorder=4)
+
+
+def _points(axes: Any, diagnosis: Diagnosis, placed: Placed, plane: Plane) -> None:
+    used = {int(number) for number in np.unique(diagnosis.observations.response[:, 0])}
+    for point in diagnosis.observations.campaign.points:
+        if point.id in used and point.link in placed:
+            place = placed[point.link] @ np.array([*point.xyz, 1.0])
+            x, y = plane @ place[:3]
+            axes.plot(x, y, "D", markersize=5, color=POINT, zorder=5)
+            axes.annotate(
+                point.name[:24], (x, y), xytext=(6, -11), textcoords="offset points", fontsize=FONT - 2,
+                color="#055a43", parse_math=False,
+            )  # fmt: skip
+
+
+def _mark(axes: Any, diagnosis: Diagnosis, placed: Placed, plane: Plane, where: str) -> None:
+    """A ring, or a thick line along a link, with the name of the place."""
+    robot = diagnosis.model.scene.robot
+    points = {point.name: point for point in diagnosis.observations.campaign.points}
+    spots: list[np.ndarray] = []
+    if where in placed:
+        start = placed[where][:3, 3]
+        ends = _ends(robot, placed, where)
+        end = max(ends, key=lambda one: float(np.linalg.norm(one - start))) if ends else start
+        axes.plot(
+            *(plane @ np.array([start, end]).T), color=FOUND, linewidth=9, alpha=0.9, solid_capstyle="butt",
+            zorder=3,
+        )  # fmt: skip
+        spots.append((start + end) / 2)
+    elif where == "base":
+        spots.append(placed[robot.urdf.root][:3, 3])
+    elif where in points:
+        point = points[where]
+        spots.append((placed[point.link] @ np.array([*point.xyz, 1.0]))[:3])
+    else:
+        for name in robot.joints:
+            if where in ("joints", name) or name in where.split("+"):
+                spots.append(placed[robot.urdf.joint_by_name[name].child][:3, 3])
+    if where == "sensor":
+        spots = [(placed[p.link] @ np.array([*p.xyz, 1.0]))[:3] for p in points.values() if p.link in placed]
+    for number, spot in enumerate(spots):
+        x, y = plane @ spot
+        if where not in placed:
+            axes.plot(
+                x, y, "o", markersize=20, markerfacecolor="none", markeredgecolor=FOUND, markeredgewidth=3
+            )
+        if number == 0:
+            axes.annotate(
+                where[:30], (x, y), xytext=(16, 22), textcoords="offset points", fontsize=FONT + 1,
+                fontweight="bold", color="#8a3b00", parse_math=False,
+                arrowprops={"arrowstyle": "-", "color": "#8a3b00"}, zorder=6,
+            )  # fmt: skip
+
+
+def _extent(placed: Placed) -> float:
+    ends = np.array([place[:3, 3] for place in placed.values()])
+    return max(float(np.ptp(ends, axis=0).max()), 1e-3)

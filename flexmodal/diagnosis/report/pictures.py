@@ -1,0 +1,253 @@
+"""Pictures of the report: disagreement over posture and frequency, FRFs with their noise, the gap's descent.
+
+Drawn narrow, so that they can be read on a telephone; colours are Okabe and Ito's, and every curve has a line
+style of its own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from jaxtyping import Complex, Float
+
+from flexmodal.diagnosis.compare import excess
+from flexmodal.diagnosis.outcome import Diagnosis
+from flexmodal.diagnosis.report.words import pair, placed
+from flexmodal.frf.plot import PALETTE
+from flexmodal.identification import Observations
+from flexmodal.identification.frf_fit import residual
+
+WIDTH = 4.7
+"""Of every picture [in]: 338 points, close to the width of a telephone."""
+BEFORE, AFTER, MEASURED, NOISE, MARK = PALETTE[1], PALETTE[0], "#111111", "#b9bcc2", PALETTE[4]
+FONT = 10
+MOST_PAIRS = 6
+"""FRFs shown at most."""
+_BINS = 56
+_HOTTEST = 30.0
+"""Times the noise at which the colours of the map end."""
+
+Stage = Complex[np.ndarray, "observation line"]
+
+
+def new_figure(height: float, width: float = WIDTH) -> Any:
+    """An empty figure."""
+    from matplotlib.figure import Figure
+
+    return Figure(figsize=(width, height), layout="constrained")
+
+
+def tidy(axes: Any) -> None:
+    """A grid behind, no frame above and right, letters of one size."""
+    axes.grid(True, which="major", color="0.86", linewidth=0.6)
+    axes.set_axisbelow(True)
+    axes.tick_params(labelsize=FONT - 1)
+    for side in ("top", "right"):
+        axes.spines[side].set_visible(False)
+
+
+def over_noise(
+    observations: Observations, predicted: Stage, edges: Float[np.ndarray, " edge"]
+) -> Float[np.ndarray, "posture bin"]:
+    """Root mean square of |ln(model / measured)| over that of the noise; NaN in bands without lines."""
+    squared = np.where(observations.used, np.abs(residual(predicted, observations.value)) ** 2, 0.0)
+    noise = np.where(observations.used, observations.variance, 0.0)
+    which = np.digitize(observations.axis.frequency, edges[1:-1])
+    count = len(edges) - 1
+    total = np.zeros((2, len(observations.postures), count))
+    for number in range(len(observations.postures)):
+        rows = observations.posture == number
+        for place, values in enumerate((squared, noise)):
+            total[place, number] = np.bincount(which, values[rows].sum(axis=0), count)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(total[1] > 0, np.sqrt(total[0] / total[1]), np.nan)
+
+
+def draw_map(diagnosis: Diagnosis, stage: str, title: str) -> Any:
+    """Disagreement of one stage over posture and frequency, as a multiple of the noise."""
+    from matplotlib.colors import LogNorm
+
+    observations = diagnosis.observations
+    frequency = observations.axis.frequency
+    count = min(_BINS, len(frequency))
+    edges = np.geomspace(frequency[0], frequency[-1], count + 1)
+    values = over_noise(observations, diagnosis.predicted[stage], edges)
+    figure = new_figure(1.5 + 0.27 * len(values))
+    axes = figure.subplots()
+    image = axes.pcolormesh(
+        edges, np.arange(len(values) + 1), np.clip(values, 1.0, _HOTTEST), cmap="cividis",
+        norm=LogNorm(1.0, _HOTTEST), edgecolors="face", linewidth=0.3,
+    )  # fmt: skip
+    axes.set_facecolor("0.92")
+    axes.set_xscale("log")
+    axes.xaxis.set_major_formatter("{x:g}")
+    axes.set_xlabel("Frequency [Hz]", fontsize=FONT)
+    axes.set_ylim(len(values), 0)
+    names = [_short(p.name) + (" *" if p.id in diagnosis.held_out else "") for p in observations.postures]
+    axes.set_yticks(np.arange(len(values)) + 0.5, [""] * len(names))
+    for label, name in zip(axes.get_yticklabels(), names, strict=True):
+        label.set(text=name, parse_math=False)
+    axes.tick_params(labelsize=FONT - 1, axis="both")
+    axes.tick_params(length=0, axis="y")
+    bar = figure.colorbar(image, ax=axes, pad=0.02, aspect=14)
+    bar.set_ticks([1, 3, 10, 30], labels=["noise", "3 ×", "10 ×", "≥ 30 ×"])
+    bar.ax.tick_params(labelsize=FONT - 2, which="major")
+    bar.ax.minorticks_off()
+    axes.set_title(title, loc="left", fontsize=FONT + 1)
+    return figure
+
+
+def telling_rows(diagnosis: Diagnosis) -> list[int]:
+    """Observations that show most of the disagreement: one for each pair, then further postures."""
+    observations = diagnosis.observations
+    above = excess(observations, diagnosis.predicted["before"]).sum(axis=1)
+    if not above.any():
+        above = np.mean(np.abs(residual(diagnosis.predicted["before"], observations.value)) ** 2, axis=1)
+    order = np.argsort(-above, kind="stable").tolist()
+    chosen: list[int] = []
+    seen: dict[tuple[int, ...], int] = {}
+    for row in order:
+        key = (*observations.response[row].tolist(), *observations.reference[row].tolist())
+        posture = (-1, int(observations.posture[row]))
+        if seen.get(key, 0) < 1 and seen.get(posture, 0) < 2:
+            chosen.append(row)
+            seen[key], seen[posture] = 1, seen.get(posture, 0) + 1
+    for row in order:
+        if len(chosen) >= min(MOST_PAIRS, len(observations)):
+            break
+        if row not in chosen:
+            chosen.append(row)
+    return chosen[:MOST_PAIRS]
+
+
+def draw_pair(diagnosis: Diagnosis, row: int) -> Any:
+    """One FRF: measured with its noise, the model before and after; amplitude and phase."""
+    observations = diagnosis.observations
+    frequency, measured = observations.axis.frequency, observations.value[row]
+    figure = new_figure(4.3)
+    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[2.4, 1])
+    used = observations.used[row]
+    shown = np.where(used, np.abs(measured), np.nan)
+    spread = np.exp(2 * np.sqrt(np.where(used, observations.variance[row], 0.0) / 2))
+    for region in diagnosis.disagreement:
+        if _is_of(observations, row, region.posture, region.response, region.reference):
+            for axes in (upper, lower):
+                axes.axvspan(*region.band, color=MARK, alpha=0.22, linewidth=0)
+    upper.fill_between(
+        frequency, shown / spread, shown * spread, color=NOISE, linewidth=0, label="noise, ±2σ"
+    )
+    phase = np.where(used, np.degrees(np.angle(measured)), np.nan)
+    upper.plot(frequency, shown, color=MEASURED, linewidth=1.1, label="measured")
+    lower.plot(frequency, _broken(phase), color=MEASURED, linewidth=1.0)
+    curves: list[tuple[str, str, str, Any]] = [("before", "model re-tuned", BEFORE, (0, (4, 2)))]
+    if diagnosis.model.placed:
+        curves.append(("after", "with what was added", AFTER, "-"))
+    for stage, label, colour, style in curves:
+        value = diagnosis.predicted[stage][row]
+        upper.plot(frequency, np.abs(value), color=colour, linestyle=style, linewidth=1.5, label=label)
+        lower.plot(
+            frequency, _broken(np.degrees(np.angle(value))), color=colour, linestyle=style, linewidth=1.3
+        )
+    _scale(upper, lower, frequency)
+    upper.set_ylabel("Receptance [m/N]", fontsize=FONT)
+    upper.legend(fontsize=FONT - 2, frameon=True, framealpha=0.9, borderpad=0.3, loc="best")
+    posture = observations.postures[int(observations.posture[row])]
+    held = " (held out)" if posture.id in diagnosis.held_out else ""
+    title = f"{_short(posture.name, 24)}{held}\n{_short(pair(observations, row), 48)}"
+    upper.set_title(title, loc="left", fontsize=FONT, parse_math=False)
+    return figure
+
+
+def draw_descent(diagnosis: Diagnosis) -> Any:
+    """The gap step by step, on all postures and on those held out, above the noise floor."""
+    gaps = diagnosis.gaps
+    labels = ["card as\nit came"]
+    every: list[float | None] = [gaps.believed]
+    held: list[float | None] = [None]
+    labels, every, held = [*labels, "re-tuned"], [*every, gaps.before], [*held, gaps.held_out_before]
+    for step in diagnosis.steps:
+        labels.append("+ " + placed(step.effect, step.where).replace(" (", "\n("))
+        every.append(step.gaps.after)
+        held.append(step.gaps.held_out_after)
+    if diagnosis.model.placed and not diagnosis.steps:
+        labels, every, held = (
+            [*labels, "best that\nwas tried"],
+            [*every, gaps.after],
+            [*held, gaps.held_out_after],
+        )
+    elif len(diagnosis.steps) > 1:
+        labels, every, held = (
+            [*labels, "all fitted\ntogether"],
+            [*every, gaps.after],
+            [*held, gaps.held_out_after],
+        )
+    places = np.arange(len(labels))
+    figure = new_figure(3.5, max(WIDTH, 1.25 * len(labels) + 0.8))
+    axes = figure.subplots()
+    tidy(axes)
+    axes.axhspan(0, gaps.noise_floor, color=NOISE, alpha=0.6, linewidth=0)
+    axes.axhline(gaps.noise_floor, color="0.35", linewidth=1, linestyle=(0, (2, 2)))
+    first = np.array([np.nan if value is None else value for value in every], dtype=float)
+    second = np.array([np.nan if value is None else value for value in held], dtype=float)
+    axes.plot(places, first, color=AFTER, marker="o", linewidth=1.8, markersize=7, label="all postures")
+    if np.isfinite(second).any():
+        axes.plot(
+            places, second, color=BEFORE, marker="s", linestyle="--", linewidth=1.4, markersize=7,
+            markerfacecolor="white", label="held-out postures",
+        )  # fmt: skip
+    for place, value in zip(places, first, strict=True):
+        if np.isfinite(value):
+            axes.annotate(
+                f"{value:.3g}", (place, value), xytext=(6, 6), textcoords="offset points", fontsize=FONT - 1
+            )
+    axes.set_yscale("log")
+    finite = np.concatenate([first[np.isfinite(first)], second[np.isfinite(second)], [gaps.noise_floor]])
+    axes.set_ylim(0.6 * finite[finite > 0].min(initial=1.0), 1.9 * finite.max())
+    axes.yaxis.set_major_formatter("{x:g}")
+    axes.minorticks_off()
+    axes.set_xlim(-0.4, len(labels) - 0.35)
+    axes.set_xticks(places, [""] * len(labels))
+    for label, text in zip(axes.get_xticklabels(), labels, strict=True):
+        label.set(text=text, parse_math=False)
+    axes.text(
+        len(labels) - 0.4, gaps.noise_floor * 0.97, f"noise floor {gaps.noise_floor:.3g}", ha="right",
+        va="top", fontsize=FONT - 1, color="0.2",
+    )  # fmt: skip
+    axes.set_ylabel("Gap [–]", fontsize=FONT)
+    axes.legend(fontsize=FONT - 1, frameon=True, framealpha=0.9)
+    return figure
+
+
+def _is_of(
+    observations: Observations, row: int, posture: int, response: Sequence[int], reference: Sequence[int]
+) -> bool:
+    return (
+        observations.postures[int(observations.posture[row])].id == posture
+        and observations.response[row].tolist() == list(response)
+        and observations.reference[row].tolist() == list(reference)
+    )
+
+
+def _scale(upper: Any, lower: Any, frequency: np.ndarray) -> None:
+    upper.set_yscale("log")
+    if frequency[-1] / frequency[0] >= 20:
+        lower.set_xscale("log")
+        lower.xaxis.set_major_formatter("{x:g}")
+    lower.set_xlim(frequency[0], frequency[-1])
+    lower.set(ylim=(-190, 190), yticks=[-180, 0, 180])
+    lower.set_xlabel("Frequency [Hz]", fontsize=FONT)
+    lower.set_ylabel("Phase [°]", fontsize=FONT)
+    for axes in (upper, lower):
+        tidy(axes)
+
+
+def _broken(phase: Float[np.ndarray, " line"]) -> Float[np.ndarray, " line"]:
+    """Phases with a gap where they wrap round."""
+    jump = np.abs(np.diff(phase, prepend=phase[:1])) > 180
+    return np.where(jump, np.nan, phase)
+
+
+def _short(text: str, most: int = 18) -> str:
+    return text if len(text) <= most else f"{text[: most - 1]}…"

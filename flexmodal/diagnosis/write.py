@@ -1,0 +1,41 @@
+"""A diagnosis as a folder: `diagnosis.json`, `report.html`, and the improved robot in `robot/`."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from flexmodal.diagnosis.as_json import as_json
+from flexmodal.diagnosis.extend import CARD, extend
+from flexmodal.diagnosis.outcome import Diagnosis
+from flexmodal.diagnosis.report import write_report
+from flexmodal.files import whole_folder
+from flexmodal.model import load
+
+JSON, REPORT, ROBOT = "diagnosis.json", "report.html", "robot"
+
+
+def write_diagnosis(diagnosis: Diagnosis, folder: str | Path, *, overwrite: bool = False) -> None:
+    """Write the folder whole or not at all.
+
+    The robot is loaded once before the folder appears, as any card is.
+
+    Args:
+        diagnosis: what `diagnose` found.
+        folder: a new folder.
+        overwrite: replace a folder that an earlier diagnosis wrote.
+
+    Raises:
+        OutputExists: something stands there already, or its own folder does not exist.
+        InvalidInput: the improved robot is not one that loads.
+    """
+    target = Path(folder)
+    text = json.dumps(as_json(diagnosis), allow_nan=False, indent=1) + "\n"
+    extension = extend(diagnosis)
+    with whole_folder(target, known=JSON, overwrite=overwrite) as scratch:
+        robot = scratch / ROBOT
+        robot.mkdir()
+        extension.write(robot, home=target / ROBOT)
+        load(robot / CARD)
+        (scratch / JSON).write_text(text, encoding="utf-8")
+        write_report(diagnosis, scratch / REPORT, notes=extension.notes)

@@ -1,0 +1,172 @@
+"""Effects of the catalogue against the rig's own physics, and their derivatives against differences."""
+
+import numpy as np
+import pytest
+
+import flexmodal
+from flexmodal.diagnosis.effects import Scene, catalogue
+from flexmodal.diagnosis.effects.servo_compliance import loop
+from flexmodal.diagnosis.hypothesis import Hypothesis, Placed
+from flexmodal.diagnosis.search import unlimited
+from flexmodal.errors import InvalidRequest
+from flexmodal.identification import observe, predict, robot_space
+from flexmodal.identification.model import evaluated
+from flexmodal.rig import ParameterError, simulate
+from flexmodal.rig.effects.effect import Site
+from flexmodal.rig.simulate import make_stand
+from flexmodal.rig.structure import build
+
+
+@pytest.fixture(scope="module")
+def bench():
+    """A short campaign with the card's own parameters, its scene, and the rig's stand."""
+    robot = flexmodal.load("fanuc_s360")
+    result = simulate(
+        robot, postures=["configuration_1", "configuration_6"], points=3, trials=2, averages=2, seed=3,
+        record_length=1.0, band=(2.0, 120.0), parameter_error=0.0,
+    )  # fmt: skip
+    stand = make_stand(result.robot, result.plan, ParameterError.all(0.0), 3)
+    return Scene(robot, unlimited(observe(result.campaign))), stand
+
+
+def ours(scene, effect, where, values):
+    """Receptances of the robot with one effect, for every observation."""
+    placed = Placed(catalogue()[effect], where)
+    hypothesis = Hypothesis(scene, robot_space(scene.robot)).and_also(placed)
+    x = hypothesis.start(placed, values, np.zeros(len(hypothesis.base)))
+    own = {p.name.rpartition(".")[2]: p.value(v) for p, v in zip(hypothesis.space, x, strict=True)}
+    assert all(own[name] == pytest.approx(value, rel=1e-12) for name, value in values.items())
+    return predict(hypothesis, x, scene.observations)
+
+
+def theirs(scene, stand, effect, where, values):
+    """The same from the plant that the rig strikes."""
+    observations = scene.observations
+    value = np.zeros(observations.value.shape, dtype=complex)
+    frequency = observations.axis.frequency
+    for number, posture in enumerate(observations.postures):
+        plant = build(stand, posture, [(effect, Site(stand, where, values))])
+        for row in np.flatnonzero(observations.posture == number):
+            places = []
+            for point, axis in (observations.response[row], observations.reference[row]):
+                found = observations.campaign.point(int(point))
+                places.append(plant.row(found.link, np.array(found.xyz), np.eye(3)[axis - 1])[None])
+            inertance = plant.inertance(*places, frequency)[:, 0, 0]
+            value[row] = -inertance / (2 * np.pi * frequency) ** 2
+    return value
+
+
+K = 4e5
+CASES = {
+    "servo_compliance": (
+        "q2",
+        {"gain": 3e5, "frequency": 30.0, "damping_ratio": 0.4},
+        None,
+    ),
+    "joint_coupling": ("q1+q3", {"coupling": -0.3}, {"coupling": -0.3}),
+    "base_flexibility": (
+        "base",
+        {
+            "horizontal_stiffness": 4e7, "vertical_stiffness": 8e7, "tilt_stiffness": 2e7,
+            "translation_damping": 1e3, "tilt_damping": 1e3,
+        },
+        None,
+    ),
+    "structural_damping": ("joints", {"loss_factor": 0.1}, {"loss_factor": 0.1, "viscous": 1.0}),
+}  # fmt: skip
+
+
+def rig_values(scene, stand, effect, where, values):
+    if effect == "servo_compliance":
+        k = float(scene.robot.joints[where].stiffness)
+        inertia, derivative = loop(k, values["gain"], values["frequency"], values["damping_ratio"])
+        return {"proportional_gain": values["gain"], "derivative_gain": derivative, "rotor_inertia": inertia}
+    return values
+
+
+@pytest.mark.parametrize("effect", ["servo_compliance", "joint_coupling"])
+def test_effect_is_that_of_the_rig(bench, effect):
+    scene, stand = bench
+    where, values, _ = CASES[effect]
+    other = theirs(scene, stand, effect, where, rig_values(scene, stand, effect, where, values))
+    np.testing.assert_allclose(ours(scene, effect, where, values), other, rtol=1e-8)
+
+
+def test_hysteresis_is_near_the_rigs_row_of_maxwell_elements(bench):
+    scene, stand = bench
+    where, values, other = CASES["structural_damping"]
+    ratio = ours(scene, "structural_damping", where, values) / theirs(
+        scene, stand, "structural_damping", where, other
+    )
+    # nine elements hold the loss factor to a few per cent over the band: 5 % of 0.1 of a stiffness
+    assert np.sqrt(np.mean(np.abs(np.log(ratio)) ** 2)) < 0.02
+
+
+def test_added_mass_is_that_of_the_rig(bench):
+    scene, stand = bench
+    values = {"mass": 3.0, "along": 0.6, "beside": 0.05}
+    arm = scene.arm(0)
+    from flexmodal.diagnosis.effects.added_mass import place_on
+
+    place = place_on(scene, "link_3", values, arm.placed["link_3"][:3, :3])
+    other = {"mass": 3.0, "x": place[0], "y": place[1], "z": place[2], "gyration": 0.0}
+    np.testing.assert_allclose(
+        ours(scene, "added_mass", "link_3", values),
+        theirs(scene, stand, "added_mass", "link_3", other),
+        rtol=1e-8,
+    )
+
+
+def test_bending_is_that_of_a_beam_where_it_is_slow(bench):
+    scene, stand = bench
+    length, bending = float(np.linalg.norm(scene.reach("link_1"))), 2e5
+    found = ours(
+        scene, "link_flexibility", "link_1",
+        {"stiffness": bending / length, "damping": 0.1, "position": 0.5},
+    )  # fmt: skip
+    other = theirs(
+        scene, stand, "link_flexibility", "link_1", {"bending_stiffness": bending, "damping_ratio": 1e-6}
+    )
+    low = scene.observations.axis.frequency < 15
+    # statically the two hinges are the beam; the mass between them tells at (15 Hz / 100 Hz)²
+    np.testing.assert_allclose(np.abs(found[:, low] / other[:, low]), 1, atol=0.02)
+    stiff = ours(scene, "link_flexibility", "link_1", {"stiffness": 1e8, "damping": 10.0, "position": 0.5})
+    assert np.max(np.abs(np.log(np.abs(stiff[:, low] / other[:, low])))) > 0.2, "the beam is not seen at all"
+
+
+@pytest.mark.parametrize("effect", sorted(set(catalogue()) - {"coulomb_friction", "nonlinear_stiffness"}))
+def test_derivatives_are_those_of_central_differences(bench, effect):
+    scene, _ = bench
+    known = catalogue()[effect]
+    where = known.places(scene)[-1]
+    placed = Placed(known, where)
+    root = Hypothesis(scene, robot_space(scene.robot))
+    hypothesis = root.and_also(placed)
+    start = known.starts(scene, where)[0]
+    x = hypothesis.start(placed, start, np.full(len(root.space), 0.03))
+    lines = np.array([4, 11, 60])
+
+    def at(x, slopes=False):
+        value = np.zeros((len(scene.observations), len(lines)), dtype=complex)
+        change = np.zeros((len(x), *value.shape), dtype=complex)
+        for rows, found, moved in evaluated(hypothesis, x, scene.observations, lines, slopes=slopes):
+            value[rows] = found
+            if slopes:
+                change[:, rows] = moved
+        return value, change
+
+    value, slopes = at(x, slopes=True)
+    step = 1e-5
+    for k, name in enumerate(hypothesis.space.names):
+        shift = step * np.eye(len(x))[k]
+        numeric = (at(x + shift)[0] - at(x - shift)[0]) / (2 * step)
+        # forward differences of matrices with a step of 1e-6, times the curvature of what they are of
+        np.testing.assert_allclose(slopes[k] / value, numeric / value, atol=2e-3, rtol=1e-3, err_msg=name)
+
+
+def test_unknown_effects_are_named_all_at_once():
+    with pytest.raises(InvalidRequest) as error:
+        catalogue(["added_mass", "ghosts", "goblins"])
+    assert "ghosts" in str(error.value)
+    assert "goblins" in str(error.value)
+    assert "local_absorber" in str(error.value)

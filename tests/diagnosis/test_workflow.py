@@ -1,0 +1,103 @@
+"""The workflow on campaigns of the rig: what is hidden is found, and nothing else."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import flexmodal
+from flexmodal.diagnosis import diagnose
+from flexmodal.diagnosis.compare import disagreement, force_dependence
+from flexmodal.errors import InvalidRequest
+from flexmodal.identification import RobotModel, observe, predict, robot_space
+from flexmodal.rig import Hide, simulate
+
+SMALL = {"postures": 4, "points": 4, "references": 2, "trials": 4, "record_length": 2.0, "band": (2.0, 150.0)}
+
+
+def campaign(*hidden, seed=11, height=12.0, **more):
+    hide = [replace(Hide.parse(one), height=height) for one in hidden]
+    result = simulate(flexmodal.load("fanuc_s360"), hide=hide, seed=seed, **{**SMALL, **more})
+    return result.campaign, result.robot
+
+
+@pytest.fixture(scope="module")
+def clean():
+    return campaign()
+
+
+@pytest.fixture(scope="module")
+def loaded():
+    return campaign("added_mass@link_3")
+
+
+def test_nothing_hidden_is_nothing_missing(clean):
+    found = diagnose(*clean)
+    assert found.verdict.effects == ()
+    assert found.verdict.explained
+    assert "Nothing is missing" in found.verdict.says
+    assert found.gaps.after <= 1.2 * found.gaps.noise_floor
+
+
+def test_a_hidden_mass_is_found_and_weighed(loaded):
+    found = diagnose(*loaded)
+    assert found.verdict.effects == (("added_mass", "link_3"),)
+    step = found.steps[0]
+    assert step.gaps.after < 1.3 * step.gaps.noise_floor
+    assert step.gaps.held_out_after < 0.8 * step.gaps.held_out_before
+    assert any(one.effect == "none" for one in step.alternatives), "the robot re-tuned is always weighed"
+    assert step.confidence > 0.9
+    assert sum(one.confidence for one in step.alternatives) + step.confidence == pytest.approx(1, abs=1e-9)
+    assert step.units["mass"] == "kg"
+    assert 0 < step.uncertainty["mass"] < step.parameters["mass"]
+
+
+def test_a_wrong_effect_is_refused(loaded):
+    found = diagnose(*loaded, effects=["time_delay"])
+    assert found.steps == ()
+    assert all(name != "time_delay" for name, _ in found.verdict.effects)
+
+
+def test_one_level_of_force_leaves_friction_untestable(clean):
+    measured, robot = campaign(peaks=(100.0,), trials=2)
+    found = diagnose(measured, robot, effects=["coulomb_friction", "sensor_gain"])
+    assert "one level" in found.untestable["coulomb_friction"]
+    assert found.verdict.effects == ()
+
+
+def test_one_posture_holds_nothing_out():
+    measured, robot = campaign("sensor_gain@location_1", postures=1)
+    found = diagnose(measured, robot, effects=["sensor_gain", "time_delay"])
+    assert found.held_out == ()
+    assert found.gaps.held_out_before is None
+    assert found.verdict.effects == (("sensor_gain", "location_1"),)
+
+
+def test_friction_shows_in_the_levels_of_force(clean):
+    assert force_dependence(observe(clean[0])) < 1.4
+    rubbing, _ = campaign("coulomb_friction@q2", height=8.0)
+    assert force_dependence(observe(rubbing)) > 3
+
+
+def test_regions_name_what_a_gain_does(clean):
+    measured, robot = clean
+    observations = observe(measured)
+    value = predict(RobotModel(robot, robot_space(robot)), np.zeros(len(robot_space(robot))), observations)
+    loud = replace(observations, value=value.copy(), variance=np.full(value.shape, 1e-6))
+    loud.value[loud.response[:, 0] == loud.response[0, 0]] *= 1.3
+    regions = disagreement(loud, value)
+    assert {region.kind for region in regions} == {"level"}
+    assert {region.response[0] for region in regions} == {int(loud.response[0, 0])}
+    assert sum(region.share for region in regions) == pytest.approx(1, abs=0.01)
+    assert "1.3" in regions[0].says
+
+
+def test_a_campaign_of_another_robot_is_refused(clean):
+    with pytest.raises(InvalidRequest) as error:
+        diagnose(clean[0], flexmodal.load("six_axis"))
+    assert "link" in str(error.value)
+
+
+def test_unknown_postures_are_named(clean):
+    with pytest.raises(InvalidRequest, match="configuration_1"):
+        diagnose(*clean, hold_out=["upside_down"])
