@@ -52,7 +52,10 @@ def by_describing_functions(hypothesis):
     for given in first.effect.starts(hypothesis.scene, first.where):
         part = Hypothesis(hypothesis.scene, hypothesis.base)
         x = np.zeros(len(part.space))
-        for placed, values in [(first, given), *((o, o.effect.starts(part.scene, o.where)[0]) for o in others)]:
+        for placed, values in [
+            (first, given),
+            *((o, o.effect.starts(part.scene, o.where)[0]) for o in others),
+        ]:
             part = part.and_also(placed)
             x = part.start(placed, values, x)
         fits.append(fit(hypothesis, observations, x, stride=4, floors=(0.2, 0.05, 0.01), steps=10))
@@ -149,10 +152,12 @@ def observations_of(model):
 
 
 def at(hypothesis, **values):
-    """The card, with some effects' parameters set; `_` for `@` and `.`."""
+    """The card, with some parameters of effects set."""
     x = np.zeros(len(hypothesis.space))
     for name, value in values.items():
-        k = next(k for k, full in enumerate(hypothesis.space.names) if full.endswith(f".{name}") and "@" in full)
+        k = next(
+            k for k, full in enumerate(hypothesis.space.names) if full.endswith(f".{name}") and "@" in full
+        )
         x[k] = hypothesis.space.parameters[k].coordinate(value)
     return x
 
@@ -162,7 +167,9 @@ def test_without_a_torque_it_is_the_linear_model(plain, other):
     hypothesis = hypothesis_of(plain, "nonlinear_stiffness@q2", *other)
     linear = hypothesis_of(plain, *other)
     lines = np.arange(0, 190, 12)
-    values = {"sensor_mass@sensor": {"mass": 1.5}, "sensor_gain@location_1": {"gain": 1.1}}.get("".join(other), {})
+    values = {"sensor_mass@sensor": {"mass": 1.5}, "sensor_gain@location_1": {"gain": 1.1}}.get(
+        "".join(other), {}
+    )
     found, _ = receptances(MarchedModel(hypothesis), at(hypothesis, change=0.0, **values), lines)
     expected, _ = receptances(linear, at(linear, **values), lines)
     if other:
@@ -178,12 +185,19 @@ def test_derivatives_are_those_of_central_differences(plain):
     x = at(hypothesis, torque=0.5, presliding_stiffness=1e5)
     _, [(_, value, slopes)] = receptances(model, x, lines, slopes=True)
     step = 1e-4
-    for name in ("stiffness.q1", "coulomb_friction@q2.torque", "coulomb_friction@q2.reach", "added_mass@link_3.mass"):
+    for name in (
+        "stiffness.q1",
+        "coulomb_friction@q2.torque",
+        "coulomb_friction@q2.reach",
+        "added_mass@link_3.mass",
+    ):
         k = hypothesis.space.index[name]
         shift = step * np.eye(len(x))[k]
         up, down = (receptances(model, x + way * shift, lines)[0] for way in (1, -1))
         # forward differences of 1e-5, where second derivatives at resonances reach a thousand
-        np.testing.assert_allclose(slopes[k] / value, (up - down) / (2 * step) / value, atol=0.02, err_msg=name)
+        np.testing.assert_allclose(
+            slopes[k] / value, (up - down) / (2 * step) / value, atol=0.02, err_msg=name
+        )
 
 
 def test_effects_of_others_can_have_a_law(plain):
