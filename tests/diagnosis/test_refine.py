@@ -45,7 +45,7 @@ def hypothesis_of(campaign, *keys):
 
 
 def by_describing_functions(hypothesis):
-    """The best fit from the starts of the effect that was added first, the others at their own first start."""
+    """The best fit over the starts of the effect added first; the others start at their own first."""
     observations = hypothesis.scene.observations
     first, *others = hypothesis.placed
     fits = []
