@@ -40,15 +40,16 @@ def random_task(
     )
 
 
-def planar_chain(count: int) -> Robot:
-    """A chain of equal links in a plane, softer towards the tip."""
+def long_chain(count: int, *, spatial: bool = False) -> Robot:
+    """A chain of equal links, softer towards the tip: in a plane, or every other joint across it."""
     text = ['<robot name="chain"><link name="base"/>']
     for i in range(count):
         text.append(
             f'<link name="l{i}"><inertial><origin xyz="0.2 0 0"/><mass value="2"/>'
             '<inertia ixx="0.01" iyy="0.03" izz="0.03" ixy="0" ixz="0" iyz="0"/></inertial></link>'
             f'<joint name="j{i}" type="revolute"><parent link="{f"l{i - 1}" if i else "base"}"/>'
-            f'<child link="l{i}"/><origin xyz="{0.4 if i else 0} 0 0"/><axis xyz="0 0 1"/>'
+            f'<child link="l{i}"/><origin xyz="{0.4 if i else 0} 0 0"/>'
+            f'<axis xyz="{"0 1 0" if spatial and i % 2 else "0 0 1"}"/>'
             '<limit lower="-3" upper="3" effort="1" velocity="1"/></joint>'
         )
     path = Path(tempfile.mkdtemp(prefix="engine_chain_")) / "chain.urdf"

@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Complex, Float
 
 from flexmodal.errors import DefectiveModes
-from flexmodal.frf.kernels.route import FEW, choose, run
+from flexmodal.frf.kernels.route import FEW, WORTH_A_CALL, choose, is_ready, run
 from flexmodal.frf.kernels.task import SINGULAR, Task, is_damped, refuse_singular, singular
 from flexmodal.modal import Hysteresis, Modes, SecondOrderSystem
 
@@ -16,7 +16,7 @@ _MOST_PAIRS = 36
 """Most receptances that elimination with the rows pays for; beyond, one factorisation serves them all."""
 
 _FEW_LINES = 1000
-"""Lines up to which one factorisation of the stack is quicker than choosing and starting anything else."""
+"""Lines up to which one factorisation of the stack is quicker than starting anything else."""
 
 _BLOCK = 4096
 """Frequencies solved at once there: bounds the memory for the stacked matrices."""
@@ -56,8 +56,9 @@ def receptance(
     Raises:
         SingularResponse: an undamped mode is driven at its natural frequency, or a free one at 0 Hz.
     """
-    few = len(frequency) < FEW * system.dof**2 and "numba" not in sys.modules
-    if few or len(frequency) < _FEW_LINES or len(response) * len(reference) > _MOST_PAIRS:
+    lines = len(frequency)
+    few = (lines < FEW * system.dof**2 and "numba" not in sys.modules) or lines < WORTH_A_CALL
+    if few or len(response) * len(reference) > _MOST_PAIRS:
         return _by_factorisation(system, response, reference, frequency)
     same = response.shape == reference.shape and np.array_equal(response, reference)
     rows = response if same else np.concatenate([response, reference])
@@ -76,6 +77,8 @@ def receptance(
         omega=2 * np.pi * frequency,
         addition=hysteretic_addition(system.hysteresis, frequency),
     )
+    if lines < _FEW_LINES and not is_ready(task):
+        return _by_factorisation(system, response, reference, frequency)
     values = run(task, choose(task, None))[0]
     result = np.empty((len(frequency), len(response), len(reference)), dtype=complex)
     for place, (i, j) in enumerate(pairs):

@@ -16,11 +16,15 @@ from numpy.typing import ArrayLike
 from flexmodal.errors import Fault, InvalidPosture, InvalidRequest, MissingExtra
 from flexmodal.frf import PointDirection, frequency_axis
 from flexmodal.frf.kernels.factor import LANES, Pairs
+from flexmodal.frf.kernels.planar import PLANAR
+from flexmodal.frf.kernels.recursion import RIGID, SLIDING, TURNING
 from flexmodal.frf.kernels.route import Route, available_cores, choose, has_numba, run
+from flexmodal.frf.kernels.spatial import SPATIAL
 from flexmodal.frf.kernels.task import Task
 from flexmodal.frf.receptance import hysteretic_addition
 from flexmodal.model.batch_chain import chain_of, places_of
 from flexmodal.model.batch_planar import empty_plane
+from flexmodal.model.batch_spatial import empty_space
 from flexmodal.model.build import pinocchio
 from flexmodal.model.gradient import receptance_and_gradient
 from flexmodal.model.posture import check_posture
@@ -51,6 +55,8 @@ class ReceptanceBatch:
     """How they were computed, and why so."""
     slope: Complex[np.ndarray, "posture line pair moving"] | None = None
     """Derivative along every moving joint [1/rad or 1/m times the unit of `value`], if asked for."""
+    curvature: Complex[np.ndarray, "posture line pair moving moving"] | None = None
+    """Second derivative along every two of them, if asked for."""
 
 
 def receptance_batch(
@@ -93,7 +99,7 @@ def receptance_batch(
     if lag is not None:
         addition = lag if addition is None else addition + lag
     pays = way == "auto" and len(values) >= (_FEW if "numba" in sys.modules else _MANY)
-    asked = way.startswith("compiled") or way == "planar recursion"
+    asked = way.startswith("compiled") or way == "recursion"
     poser = _Poser(robot, values, rows, compiled=has_numba() and (pays or asked))
     task = Task(
         count=len(values),
@@ -104,7 +110,8 @@ def receptance_batch(
         pairs=numbers,
         omega=2 * np.pi * axis,
         addition=addition,
-        recursion=_planar(robot, values, rows, numbers, 2 * np.pi * axis, loss_factor, addition),
+        recursion=_recursion(robot, values, rows, numbers, 2 * np.pi * axis, loss_factor, addition),
+        chain="planar" if robot.is_planar else "spatial",
     )
     route = choose(task, threads, way)
     if explain:
@@ -291,7 +298,7 @@ class _Poser:
                 rows[place, row] = (direction.selector @ full)[pick]
 
 
-def _planar(
+def _recursion(
     robot: Robot,
     values: np.ndarray,
     rows: tuple[PointDirection, ...],
@@ -300,29 +307,39 @@ def _planar(
     loss_factor: float,
     addition: np.ndarray | None,
 ) -> Callable[[slice, slice, np.ndarray], int] | None:
-    """The recursion along a planar chain; none where the robot is no such chain or numba is missing."""
-    plain = robot.is_planar and addition is None and not robot.couplings
+    """The recursion along a chain; none where the robot is no such chain or numba is missing."""
+    plain = addition is None and not robot.couplings
     chain = chain_of(robot) if plain and has_numba() else None
     if chain is None:
         return None
-    across = robot.task[:2, :3]
-    plane = np.array([*across, np.cross(across[0], across[1])])
     places = places_of(robot, tuple((d.point, d.selector) for d in rows))
     springs = np.zeros((len(robot.moving), 4))
     flexible = robot.flexible_index
     springs[flexible, 0], springs[flexible, 1] = np.diag(robot.stiffness), np.diag(robot.damping)
     springs[flexible, 2], springs[flexible, 3] = loss_factor * np.diag(robot.stiffness), 1.0
+    where = (places.joint, places.offset, places.selector)
+    kinds = frozenset(
+        (TURNING if turns else SLIDING) if soft else RIGID
+        for turns, soft in zip(chain.turns, springs[:, 3], strict=True)
+    )
 
     def fill(systems: slice, lines: slice, out: np.ndarray) -> int:
-        from flexmodal.frf.kernels.compiled import compiled_sweep_planar
-        from flexmodal.model.batch_compiled import compiled_planes
+        from flexmodal.frf.kernels.compiled import compiled_sweep_along
+        from flexmodal.model.batch_compiled import compiled_planes, compiled_spaces
 
         moved, here = expand(robot, values[systems]), omega[lines]
-        joints, wrenches = empty_plane(moved.shape[0], moved.shape[1], len(rows))
-        where = (places.joint, places.offset, places.selector)
-        compiled_planes()(chain.arrays, where, plane, springs, moved, joints, wrenches)
+        if robot.is_planar:
+            algebra, across = PLANAR, robot.task[:2, :3]
+            joints, wrenches = empty_plane(moved.shape[0], moved.shape[1], len(rows))
+            plane = np.array([*across, np.cross(across[0], across[1])])
+            compiled_planes()(chain.arrays, where, plane, springs, moved, joints, wrenches)
+        else:
+            algebra = SPATIAL
+            joints, wrenches = empty_space(moved.shape[0], moved.shape[1], len(rows))
+            compiled_spaces()(chain.arrays, where, springs, moved, joints, wrenches)
         padded = np.pad(here, (0, -len(here) % LANES), mode="edge")
-        return int(compiled_sweep_planar(numbers)(joints, wrenches, padded, len(rows), out))
+        sweep = compiled_sweep_along(algebra, numbers, kinds)
+        return int(sweep(joints, wrenches, padded, algebra.before(len(rows)), out))
 
     return fill
 

@@ -5,10 +5,13 @@ from __future__ import annotations
 from functools import cache
 from typing import Any
 
+from flexmodal.frf.kernels import pivoted
 from flexmodal.frf.kernels.compiled import compile_together
 from flexmodal.model import batch_gradient as gradient
 from flexmodal.model import batch_kinematics as kinematics
 from flexmodal.model import batch_planar as planar
+from flexmodal.model import batch_second as second
+from flexmodal.model import batch_spatial as spatial
 
 _KINEMATICS = (
     kinematics.cross,
@@ -49,3 +52,32 @@ def compiled_gradient() -> Any:
 def compiled_planes() -> Any:
     """`flexmodal.model.batch_planar.plane_batch`, compiled."""
     return compile_together(*_KINEMATICS[:4], last=planar.plane_batch)
+
+
+@cache
+def compiled_spaces() -> Any:
+    """`flexmodal.model.batch_spatial.space_batch`, compiled."""
+    inner = (gradient.place_arm, second.apply_inertia, second.gather_inertias)
+    return compile_together(
+        *_KINEMATICS[:4], *inner, spatial.fill_joint, spatial.fill_wrench, last=spatial.space_batch
+    )
+
+
+@cache
+def compiled_second() -> Any:
+    """`flexmodal.model.batch_second.second_batch`, compiled."""
+    return compile_together(
+        *_KINEMATICS,
+        gradient.place_arm,
+        pivoted.eliminate,
+        second.invert,
+        second.apply_inertia,
+        second.gather_inertias,
+        second.dot,
+        second.cross_twist,
+        second.cross_momentum,
+        second.sweep_second,
+        second.row_second,
+        second.row_change,
+        last=second.second_batch,
+    )

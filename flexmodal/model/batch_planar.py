@@ -18,7 +18,7 @@ def plane_batch(chain, places, plane, springs, postures, joints, wrenches):
         plane: its two axes and their cross product, as rows.
         springs: k, b, structural damping and whether it is flexible, of each joint.
         postures: posture × joint.
-        joints: receives posture × joint × `ENTRIES`.
+        joints: receives posture × joint × entry and kind.
         wrenches: receives posture × joint × 3·row.
     """
     turns, mass, rotor = chain[0], chain[4], chain[7]
@@ -78,4 +78,4 @@ def plane_batch(chain, places, plane, springs, postures, joints, wrenches):
 
 def empty_plane(postures: int, joints: int, rows: int) -> tuple[np.ndarray, np.ndarray]:
     """Arrays for `plane_batch` to fill."""
-    return np.empty((postures, joints, ENTRIES)), np.empty((postures, joints, 3 * rows))
+    return np.empty((postures, joints, len(ENTRIES) + 1)), np.empty((postures, joints, 3 * rows))

@@ -1,88 +1,51 @@
 """Kernels made, compiled and kept on disk.
 
-numba keeps a compiled function beside the file it comes from. A generated kernel comes from none, so it is
-given this file's name, and its own name carries a digest of its source: another source is another entry.
-The loops around it are an ordinary function of `flexmodal.frf.kernels.sweep`; a copy of it, under a name
-of its own and with the kernel among its globals, is compiled for each kernel.
+numba keeps a compiled function beside the file it comes from and looks only at that file to tell whether it
+is still good. But a function has those it calls inside it, and a generated one comes from no file. So each
+gets a name with a digest of its own code and of the names of all that is compiled into it: whatever changes
+anywhere makes another entry.
 """
 
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import cache
 from inspect import unwrap
-from types import FunctionType
+from types import CodeType, FunctionType
 from typing import Any
 
-from flexmodal.frf.kernels import any_size, pivoted, planar, sweep
+from flexmodal.frf.kernels import any_size, pivoted, recursion, sweep
 from flexmodal.frf.kernels.factor import Pairs, Shape, write_kernel
+from flexmodal.frf.kernels.recursion import KINDS, Algebra, write_step
 
 OPTIONS: dict[str, Any] = {"nogil": True, "error_model": "numpy", "fastmath": {"contract"}}
 """Multiply-adds may fuse; nothing may be reordered. The interpreter's lock is released."""
 
 
-def compile_function(function: Callable[..., Any], **options: Any) -> Any:
-    """Compile with the disk cache, or without where nothing can be written."""
-    import numba
-
-    function = unwrap(function)  # from the type checks of the tests
-    try:
-        return numba.njit(cache=True, **OPTIONS, **options)(function)
-    except RuntimeError:  # no writable place for the cache
-        return numba.njit(**OPTIONS, **options)(function)
-
-
 @cache
 def compiled_sweep(shape: Shape) -> Any:
     """The compiled loops over points, with the kernel of this shape inside."""
-    source, _ = write_kernel(shape)
-    kernel, digest = compile_source(source, "kernel")
-    own = {
-        **vars(sweep),
-        "kernel": kernel,
-        "spread": compiled_spread(),
-        "room": compile_function(any_size.room),
-    }
-    return compile_function(renamed(sweep.sweep, f"sweep_{shape.n}_{digest}", own))
-
-
-@cache
-def compiled_sweep_planar(pairs: Pairs) -> Any:
-    """The compiled loops over postures of a planar chain, with the elimination of its joints inside."""
-    turning, digest = compile_source(planar.write_step(pairs, turning=True), "step")
-    sliding, _ = compile_source(planar.write_step(pairs, turning=False), "step")
-    own = {
-        **vars(planar),
-        "step_turning": turning,
-        "step_sliding": sliding,
-        "step_rigid": compile_function(planar.step_rigid),
-        "spread": compiled_spread(),
-    }
-    return compile_function(renamed(planar.sweep_planar, f"sweep_planar_{digest}", own))
-
-
-def compile_source(source: str, name: str) -> tuple[Any, str]:
-    """Compile a generated function; returns it and the digest that is part of its own name."""
-    digest = hashlib.sha256(source.encode()).hexdigest()[:16]
-    scope: dict[str, Any] = {}
-    exec(compile(source.replace(f"def {name}", f"def {name}_{digest}"), __file__, "exec"), scope)
-    function = scope[f"{name}_{digest}"]
-    function.__module__ = __name__
-    return compile_function(function), digest
+    kernel = compile_source(write_kernel(shape)[0], "kernel")
+    return compile_with(sweep.sweep, {**_around_tiles(), "kernel": kernel})
 
 
 @cache
 def compiled_sweep_any() -> Any:
     """The compiled loops over points with the kernel for any number of coordinates."""
     kernel = compile_together(any_size.fill, last=any_size.kernel, allocates=False)
-    own = {
-        **vars(sweep),
-        "kernel": kernel,
-        "spread": compiled_spread(),
-        "room": compile_function(any_size.room),
+    return compile_with(sweep.sweep, {**_around_tiles(), "kernel": kernel})
+
+
+@cache
+def compiled_sweep_along(algebra: Algebra, pairs: Pairs, kinds: frozenset[str]) -> Any:
+    """The compiled loops over postures of a chain, with the elimination of its kinds of joints inside."""
+    steps = {
+        kind: compile_source(write_step(algebra, pairs, kind), "step") for kind in KINDS if kind in kinds
     }
-    return compile_function(renamed(sweep.sweep, "sweep_any", own))
+    never = next(iter(steps.values()))
+    scope = {f"step_{kind}": steps.get(kind, never) for kind in KINDS}
+    return compile_with(recursion.sweep_along, {**scope, "spread": _around_tiles()["spread"]})
 
 
 @cache
@@ -92,18 +55,8 @@ def compiled_repair() -> Any:
 
 
 @cache
-def compiled_spread() -> Any:
-    """The compiled `spread`."""
-    return compile_function(sweep.spread)
-
-
-def renamed(function: Any, name: str, scope: dict[str, Any]) -> FunctionType:
-    """A copy of a function under another name and with other globals."""
-    function = unwrap(function)
-    code = function.__code__.replace(co_name=name, co_qualname=name)
-    copy = FunctionType(code, scope, name)
-    copy.__module__ = function.__module__
-    return copy
+def _around_tiles() -> dict[str, Any]:
+    return {"spread": compile_with(sweep.spread), "room": compile_with(any_size.room)}
 
 
 def compile_together(*functions: Callable[..., Any], last: Callable[..., Any], allocates: bool = True) -> Any:
@@ -114,11 +67,51 @@ def compile_together(*functions: Callable[..., Any], last: Callable[..., Any], a
     """
     scope: dict[str, Any] = {}
     for function in functions:
-        own = {**unwrap(function).__globals__, **scope}
-        inner = compile_function(renamed(function, function.__name__, own), **_uncounted(), **_inside())
-        scope[function.__name__] = inner
-    own = {**unwrap(last).__globals__, **scope}
-    return compile_function(renamed(last, last.__name__, own), **({} if allocates else _uncounted()))
+        scope[function.__name__] = compile_with(function, scope, **_uncounted(), **_inside())
+    return compile_with(last, scope, **({} if allocates else _uncounted()))
+
+
+def compile_source(source: str, name: str) -> Any:
+    """Compile a generated function."""
+    scope: dict[str, Any] = {}
+    exec(compile(source, __file__, "exec"), scope)
+    function = scope[name]
+    function.__module__ = __name__
+    return compile_with(function)
+
+
+def compile_with(function: Callable[..., Any], scope: Mapping[str, Any] | None = None, **options: Any) -> Any:
+    """Compile a copy of a function that finds compiled functions among its globals."""
+    function = unwrap(function)  # from the type checks of the tests
+    own = {**function.__globals__, **(scope or {})}
+    name = f"{function.__name__}_{_digest(function.__code__, own, options)}"
+    code = function.__code__.replace(co_name=name, co_qualname=name)
+    copy = FunctionType(code, own, name)
+    copy.__module__ = function.__module__
+    return _compile(copy, options)
+
+
+def _compile(function: FunctionType, options: Mapping[str, Any]) -> Any:
+    """With the disk cache, or without where nothing can be written."""
+    import numba
+
+    try:
+        return numba.njit(cache=True, **OPTIONS, **options)(function)
+    except RuntimeError:  # no writable place for the cache
+        return numba.njit(**OPTIONS, **options)(function)
+
+
+def _digest(code: CodeType, scope: Mapping[str, Any], options: Mapping[str, Any]) -> str:
+    """Of a function's code, of the constants it reads, and of the functions that it calls."""
+    parts: list[str] = [code.co_code.hex(), repr(code.co_consts), repr(code.co_varnames)]
+    parts.append(repr(sorted(options.items())))
+    for name in code.co_names:
+        value = scope.get(name)
+        if isinstance(value, bool | int | float | str | tuple):
+            parts.append(f"{name}={value!r}")
+        elif hasattr(value, "py_func"):
+            parts.append(f"{name}={value.py_func.__name__}")
+    return hashlib.sha256("\n".join(parts).encode()).hexdigest()[:16]
 
 
 @cache

@@ -17,15 +17,15 @@ from flexmodal.errors import Fault, InvalidRequest, MissingExtra
 from flexmodal.frf.kernels.factor import LANES, Shape
 from flexmodal.frf.kernels.task import Task
 
-WAYS = ("auto", "LAPACK", "numpy", "compiled", "compiled any n", "planar recursion")
+WAYS = ("auto", "LAPACK", "numpy", "compiled", "compiled any n", "recursion")
 
 FEW = 40
 """Points, times n², up to which one call of LAPACK is quicker than the calls of the numpy form."""
 
-LONG = 12
-"""Joints from which the recursion along a planar chain beats elimination."""
+LONG = {"planar": 12, "spatial": 12, "": 0}
+"""Joints from which the recursion along a chain beats elimination."""
 
-_WORTH_A_CALL = 500
+WORTH_A_CALL = 200
 """Points from which a compiled kernel that is loaded already is quicker than anything else."""
 
 _LOADED: set[Shape] = set()
@@ -66,12 +66,12 @@ def choose(task: Task, threads: int | None, way: str = "auto") -> Route:
         raise InvalidRequest(Fault("call", "way", repr(way), ", ".join(WAYS)))
     if way in ("LAPACK", "numpy"):
         return Route(way, 1, "asked for")
-    ready = task.shape in _LOADED and task.points >= _WORTH_A_CALL
+    ready = is_ready(task) and task.points >= WORTH_A_CALL
     if way == "auto" and not ready and task.points < FEW * task.dof**2:
         return Route("LAPACK", 1, f"few points ({task.points})")
-    along = way == "planar recursion" or (way == "auto" and task.dof >= LONG)
-    if way == "planar recursion" and task.recursion is None:
-        allowed = "another: this wants a planar chain with diagonal K and B and no addition"
+    along = way == "recursion" or (way == "auto" and task.dof >= LONG[task.chain])
+    if way == "recursion" and task.recursion is None:
+        allowed = "another: this wants a serial chain with diagonal K and B and no addition"
         raise InvalidRequest(Fault("call", "way", repr(way), allowed))
     fixed = "compiled" if task.fits_fixed and way != "compiled any n" else "compiled any n"
     seconds = task.points * (0.3e-6 + 3e-9 * task.dof**3 + 0.05e-6 * len(task.pairs))
@@ -86,10 +86,15 @@ def choose(task: Task, threads: int | None, way: str = "auto") -> Route:
     blocks = sum(1 for _ in blocks_of(task))
     cores = min(threads or available_cores(), blocks)
     if along and task.recursion is not None:
-        return Route("planar recursion", cores, f"a planar chain of {task.dof} joints")
+        return Route("recursion", cores, f"a {task.chain} chain of {task.dof} joints")
     why = f"{task.points} points, n = {task.dof}, {len(task.pairs)} pairs"
     why += ", K and B diagonal" if task.shape.diagonal else ", K and B symmetric"
     return Route(fixed, cores, why)
+
+
+def is_ready(task: Task) -> bool:
+    """Whether this process has used the task's compiled kernel already."""
+    return task.shape in _LOADED
 
 
 @cache
@@ -116,7 +121,7 @@ def run(task: Task, route: Route) -> Complex[np.ndarray, "system line pair"]:
             solve_block(systems, lines, out[systems, lines])
         return out
     recursion = task.recursion
-    if route.way == "planar recursion" and recursion is not None:
+    if route.way == "recursion" and recursion is not None:
 
         def solve(place: tuple[slice, slice]) -> None:
             if recursion(*place, out[place]):

@@ -42,8 +42,10 @@ class Task:
     omega: Float[np.ndarray, " line"]
     addition: Complex[np.ndarray, "line dof dof"] | None = None
     recursion: Callable[[slice, slice, np.ndarray], int] | None = None
-    """Fills some systems and lines along a planar chain and counts the points it does not trust; none where
-    the systems are no such chains."""
+    """Fills some systems and lines along a chain and counts the points it does not trust; none where the
+    systems are no such chains."""
+    chain: str = ""
+    """The kind of chain, "planar" or "spatial", if there is one."""
 
     @property
     def dof(self) -> int:

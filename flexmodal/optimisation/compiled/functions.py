@@ -7,7 +7,7 @@ from inspect import unwrap
 from typing import Any
 
 from flexmodal.frf.kernels import pivoted
-from flexmodal.frf.kernels.compiled import compile_function, compile_together
+from flexmodal.frf.kernels.compiled import compile_together, compile_with
 from flexmodal.model import batch_gradient as gradient
 from flexmodal.model import batch_kinematics as kinematics
 from flexmodal.optimisation.compiled import (
@@ -95,4 +95,4 @@ def descents(compiled: bool) -> Any:
 @cache
 def merging(compiled: bool) -> Any:
     """`flexmodal.optimisation.compiled.merge.merge`."""
-    return compile_function(merge.merge) if compiled else unwrap(merge.merge)
+    return compile_with(merge.merge) if compiled else unwrap(merge.merge)

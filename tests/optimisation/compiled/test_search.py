@@ -119,8 +119,8 @@ def test_every_end_is_a_local_optimum(case):
     for values, cost in zip(found.values[:4], found.cost[:4], strict=True):
         assert np.all((case.lower <= values) & (values <= case.upper))
         assert np.linalg.norm(case.held(values)[0]) <= 1e-9
-        assert case.cost_and_gradient(values)[0] == pytest.approx(cost, abs=1e-11)
-        if case.objective.limit(cost, case.robot) is Limit.NONE:
+        if case.objective.limit(cost, case.robot) is Limit.NONE:  # else a zero, all of it rounding
+            assert case.cost_and_gradient(values)[0] == pytest.approx(cost, abs=1e-11)
             assert gain_left(case, values) <= 2e-5
 
 

@@ -1,0 +1,298 @@
+"""Receptance with its first and second derivatives along the joints: written for the compiler.
+
+Let y_u = Z⁻¹j_uᵀ, and b_u,k = ∂j_uᵀ/∂q_k + ω² (∂D/∂q_k) y_u, so that ∂y_u/∂q_k = Z⁻¹ b_u,k. Then
+
+    ∂²α_uv/∂q_k∂q_l = (∂²j_u) y_v + (∂²j_v) y_u + ω² y_uᵀ (∂²D) y_v + b_u,kᵀ Z⁻¹ b_v,l + b_v,kᵀ Z⁻¹ b_u,l.
+
+With axes S, twists V_k(y) and momenta P_k(y) as in `flexmodal.model.batch_gradient`, I_k the inertia of all
+bodies from k outwards, W_k = S_k × V_k the change of the twist that turning joint k leaves behind, and
+R_k = I_k W_k − S_k ×* P_k that of the momentum, the masses' part needs no tensor: for l ≤ k
+
+    y_uᵀ (∂²D/∂q_k∂q_l) y_v = W_l(y_u) · R_k(y_v) + W_l(y_v) · R_k(y_u),
+    ((∂D/∂q_k) y)_i         = −(I_i S_i) · W_k  for i ≥ k,  −S_i · R_k  for i < k,
+    y_uᵀ (∂D/∂q_k) y_v      = −W_k(y_u) · P_k(y_v) − W_k(y_v) · P_k(y_u).
+
+The rows: with columns (v_i, w_i) of the point's Jacobian, C_k and Ω_k the sums of v_i y_i and w_i y_i from k
+outwards and Ω' that of w_i y_i before k, the derivative along k is F_k = w_k × C_k + Ω'_k × v_k (turning
+part: w_k × Ω_k), and that along l ≤ k of it w_l × F_k − (w_l × Ω'_l) × v_k (w_l × (w_k × Ω_k)).
+"""
+
+# mypy: disable-error-code="no-untyped-def, no-untyped-call"
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from flexmodal.frf.kernels.pivoted import eliminate
+from flexmodal.model.batch_gradient import place_arm
+from flexmodal.model.batch_kinematics import cross, mass_matrix, place_bodies, place_joints, point_jacobian
+
+
+def invert(matrices, w, mass, pick, wide, inverse):
+    """Z⁻¹ with pivoting, Z scaled to a unit diagonal of its terms' magnitudes; whether Z is regular."""
+    n = len(pick)
+    for i in range(n):
+        inertia = w * w * mass[pick[i], pick[i]]
+        size = abs(matrices[0, i, i]) + inertia + abs(w * matrices[1, i, i] + matrices[2, i, i])
+        inverse[i, i] = 1.0 / math.sqrt(size) if size > 0.0 else 1.0
+    for i in range(n):
+        for j in range(n):
+            re = matrices[0, i, j] - w * w * mass[pick[i], pick[j]]
+            scale = inverse[i, i].real * inverse[j, j].real
+            wide[i, j] = complex(re, w * matrices[1, i, j] + matrices[2, i, j]) * scale
+            wide[i, n + j] = inverse[i, i].real if i == j else 0.0
+    if not eliminate(wide, n):
+        return False
+    for i in range(n):
+        scale = inverse[i, i].real
+        for j in range(n):
+            inverse[i, j] = wide[i, n + j] * scale
+    return True
+
+
+def apply_inertia(inertia, twist, out):
+    """Momentum of a twist; `inertia` holds the mass, mass times centre, and xx, xy, xz, yy, yz, zz."""
+    m, x, y, z = inertia[0], inertia[1], inertia[2], inertia[3]
+    a, b, c, d, e, f = twist[0], twist[1], twist[2], twist[3], twist[4], twist[5]
+    out[0], out[1], out[2] = m * a + e * z - f * y, m * b + f * x - d * z, m * c + d * y - e * x
+    out[3] = inertia[4] * d + inertia[5] * e + inertia[6] * f + y * c - z * b
+    out[4] = inertia[5] * d + inertia[7] * e + inertia[8] * f + z * a - x * c
+    out[5] = inertia[6] * d + inertia[8] * e + inertia[9] * f + x * b - y * a
+
+
+def gather_inertias(mass, centres, inertias, out):
+    """Inertia of all bodies from each joint outwards, about the first joint's origin."""
+    out[:] = 0.0
+    for k in range(len(mass) - 1, -1, -1):
+        x, y, z = centres[k, 0], centres[k, 1], centres[k, 2]
+        m = mass[k]
+        out[k, 0], out[k, 1], out[k, 2], out[k, 3] = m, m * x, m * y, m * z
+        out[k, 4] = inertias[k, 0, 0] + m * (y * y + z * z)
+        out[k, 5] = inertias[k, 0, 1] - m * x * y
+        out[k, 6] = inertias[k, 0, 2] - m * x * z
+        out[k, 7] = inertias[k, 1, 1] + m * (x * x + z * z)
+        out[k, 8] = inertias[k, 1, 2] - m * y * z
+        out[k, 9] = inertias[k, 2, 2] + m * (x * x + y * y)
+        if k + 1 < len(mass):
+            for e in range(10):
+                out[k, e] += out[k + 1, e]
+
+
+def dot(a, b):
+    """Σ a_i b_i, without conjugates."""
+    total = 0.0j
+    for i in range(len(a)):
+        total += a[i] * b[i]
+    return total
+
+
+def cross_twist(s, v, out):
+    """S × V of two twists."""
+    cross(s[3:], v[:3], out[:3])
+    out[0] += s[1] * v[5] - s[2] * v[4]
+    out[1] += s[2] * v[3] - s[0] * v[5]
+    out[2] += s[0] * v[4] - s[1] * v[3]
+    cross(s[3:], v[3:], out[3:])
+
+
+def cross_momentum(s, p, out):
+    """S ×* P of a twist and a momentum: (S × V) · P = −V · (S ×* P)."""
+    cross(s[3:], p[:3], out[:3])
+    cross(s[3:], p[3:], out[3:])
+    out[3] += s[1] * p[2] - s[2] * p[1]
+    out[4] += s[2] * p[0] - s[0] * p[2]
+    out[5] += s[0] * p[1] - s[1] * p[0]
+
+
+def sweep_second(twists, inertias, y, momenta, left, gone, work):
+    """P_k, W_k and R_k of all joints when they move at rates y.
+
+    Args:
+        twists: S of all joints.
+        inertias: of all bodies from each joint outwards.
+        y: rates.
+        momenta: receives P.
+        left: receives W.
+        gone: receives R.
+        work: V and two more twists.
+    """
+    speed, some, other = work[0], work[1], work[2]
+    speed[:] = 0.0
+    momenta[:] = 0.0
+    for k in range(len(y)):
+        for a in range(6):
+            some[a] = twists[k, a] * y[k]
+            speed[a] += some[a]
+        cross_twist(twists[k], speed, left[k])
+        for b in range(len(y)):  # of joint k's own part: from b outwards what lies beyond both
+            apply_inertia(inertias[max(b, k)], some, other)
+            for a in range(6):
+                momenta[b, a] += other[a]
+    for k in range(len(y)):
+        apply_inertia(inertias[k], left[k], gone[k])
+        cross_momentum(twists[k], momenta[k], some)
+        for a in range(6):
+            gone[k, a] -= some[a]
+
+
+def row_second(jacobian, selector, y, slope, second, work):
+    """Set (∂j/∂q_k) y and (∂²j/∂q_k∂q_l) y, with j = selector · jacobian."""
+    count = len(y)
+    sums, before, moved, some, other = work[0], work[1, :3], work[2], work[3, :3], work[4, :3]
+    sums[:] = 0.0
+    for i in range(count):
+        for a in range(6):
+            sums[a] += jacobian[a, i] * y[i]
+    before[:] = 0.0
+    for k in range(count):
+        v, w = jacobian[:3, k], jacobian[3:, k]
+        cross(w, sums[:3], moved[:3])
+        cross(before, v, some)
+        for a in range(3):
+            moved[a] += some[a]
+        cross(w, sums[3:], moved[3:])
+        slope[k] = dot(selector, moved)
+        other[:] = 0.0  # Ω' at the joint l
+        for i in range(k + 1):
+            axis = jacobian[3:, i]
+            cross(axis, other, some)
+            turned = some[0] * (v[1] * selector[2] - v[2] * selector[1])
+            turned += some[1] * (v[2] * selector[0] - v[0] * selector[2])
+            turned += some[2] * (v[0] * selector[1] - v[1] * selector[0])
+            cross(axis, moved[:3], some)
+            total = dot(selector[:3], some) - turned
+            cross(axis, moved[3:], some)
+            total += dot(selector[3:], some)
+            second[k, i] = total
+            second[i, k] = total
+            for a in range(3):
+                other[a] += axis[a] * y[i]
+        for a in range(6):
+            sums[a] -= jacobian[a, k] * y[k]
+        for a in range(3):
+            before[a] += w[a] * y[k]
+
+
+def row_change(jacobian, selector, pick, out, some):
+    """Set ∂j_i/∂q_k of the flexible joints i along all joints k."""
+    for place in range(len(pick)):
+        i = pick[place]
+        for k in range(jacobian.shape[1]):
+            if k <= i:
+                cross(jacobian[3:, k], jacobian[:3, i], some)
+                total = dot(selector[:3], some)
+                cross(jacobian[3:, k], jacobian[3:, i], some)
+                total += dot(selector[3:], some)
+            else:
+                cross(jacobian[3:, i], jacobian[:3, k], some)
+                total = dot(selector[:3], some)
+            out[place, k] = total.real
+
+
+def second_batch(
+    chain, joints, offsets, selectors, pick, matrices, postures, omega, pairs, values, slopes, seconds
+):
+    """Receptances, their derivatives and second derivatives along all joints.
+
+    Args:
+        chain: arrays of a `Chain`.
+        joints: carrier of each row's point.
+        offsets: of the points in the carriers' frames.
+        selectors: directions of the rows.
+        pick: which joints are flexible.
+        matrices: K, B and the structural damping.
+        postures: angles and lengths of all joints; posture × joint.
+        omega: angular frequencies [rad/s].
+        pairs: numbers of the rows that make a receptance; pair × 2.
+        values: receives posture × frequency × pair.
+        slopes: receives posture × frequency × pair × joint.
+        seconds: receives posture × frequency × pair × joint × joint.
+
+    Returns:
+        How many points are singular; they are NaN.
+    """
+    count, n, many = postures.shape[1], len(pick), len(joints)
+    frames, origins, axes = np.empty((count, 3, 3)), np.empty((count, 3)), np.empty((count, 3))
+    centres, inertias = np.empty((count, 3)), np.empty((count, 3, 3))
+    twists, gathered, drives = np.zeros((count, 6)), np.empty((count, 10)), np.empty((count, 6))
+    mass, position, some = np.empty((count, count)), np.empty(3), np.empty(3)
+    jacobians = np.empty((many, 6, count))
+    wide, inverse = np.empty((n, 2 * n), dtype=np.complex128), np.empty((n, n), dtype=np.complex128)
+    y = np.zeros((many, count), dtype=np.complex128)
+    momenta = np.empty((many, count, 6), dtype=np.complex128)
+    left, gone = np.empty_like(momenta), np.empty_like(momenta)
+    changes = np.empty((many, n, count))
+    drive, moved = (
+        np.empty((many, n, count), dtype=np.complex128),
+        np.empty((many, n, count), dtype=np.complex128),
+    )
+    slope, second = np.empty(count, dtype=np.complex128), np.empty((count, count), dtype=np.complex128)
+    work = np.empty((5, 6), dtype=np.complex128)
+    singular = 0
+    for s in range(len(postures)):
+        place_joints(chain, postures[s], frames, origins, axes)
+        place_bodies(chain, frames, origins, centres, inertias)
+        mass_matrix(chain, origins, axes, centres, inertias, mass)
+        for i in range(count):
+            for a in range(3):
+                centres[i, a] -= origins[0, a]
+                twists[i, 3 + a] = axes[i, a] if chain[0][i] else 0.0
+            place_arm(chain[0][i], origins[i], origins[0], axes[i], twists[i])
+        gather_inertias(chain[4], centres, inertias, gathered)
+        for i in range(count):
+            apply_inertia(gathered[i], twists[i], drives[i])
+        for r in range(many):
+            point_jacobian(chain, frames, origins, axes, joints[r], offsets[r], position, jacobians[r])
+            row_change(jacobians[r], selectors[r], pick, changes[r], some)
+        for f in range(len(omega)):
+            w = omega[f]
+            if not invert(matrices, w, mass, pick, wide, inverse):
+                singular += 1
+                values[s, f], slopes[s, f], seconds[s, f] = np.nan, np.nan, np.nan
+                continue
+            for r in range(many):
+                for i in range(n):
+                    total = 0.0j
+                    for j in range(n):
+                        for a in range(6):
+                            total += inverse[i, j] * (selectors[r, a] * jacobians[r, a, pick[j]])
+                    y[r, pick[i]] = total
+                sweep_second(twists, gathered, y[r], momenta[r], left[r], gone[r], work)
+                for i in range(n):
+                    for k in range(count):
+                        if k <= pick[i]:
+                            pulled = dot(drives[pick[i]], left[r, k])
+                        else:
+                            pulled = dot(twists[pick[i]], gone[r, k])
+                        drive[r, i, k] = changes[r, i, k] - w * w * pulled
+                for i in range(n):
+                    for k in range(count):
+                        total = 0.0j
+                        for j in range(n):
+                            total += inverse[i, j] * drive[r, j, k]
+                        moved[r, i, k] = total
+            for place in range(len(pairs)):
+                u, v = pairs[place, 0], pairs[place, 1]
+                total = 0.0j
+                for i in range(count):
+                    for a in range(6):
+                        total += selectors[u, a] * jacobians[u, a, i] * y[v, i]
+                values[s, f, place] = total
+                first, curved = slopes[s, f, place], seconds[s, f, place]
+                first[:] = 0.0
+                curved[:] = 0.0
+                for side in range(2):
+                    here, there = (u, v) if side == 0 else (v, u)
+                    row_second(jacobians[here], selectors[here], y[there], slope, second, work)
+                    for k in range(count):
+                        first[k] += slope[k] - w * w * dot(left[here, k], momenta[there, k])
+                        for i in range(k + 1):
+                            total = second[k, i] + w * w * dot(left[here, i], gone[there, k])
+                            for j in range(n):
+                                total += drive[here, j, k] * moved[there, j, i]
+                            curved[k, i] += total
+                for k in range(count):
+                    for i in range(k):
+                        curved[i, k] = curved[k, i]
+    return singular
