@@ -440,8 +440,8 @@ def main() -> None:
         "The engine, measured",
         f"Made by `make bench` on {_processor()}, one thread, {ROUNDS} interleaved rounds: median ratio of "
         "processor times, in brackets the quartiles over the rounds. `× stacked solve` is how many times as "
-        "fast as `np.linalg.solve` on a stack of matrices, a point. Times a point over n, postures and frequencies "
-        "are in [engine.png](engine.png), all numbers in [engine.json](engine.json).",
+        "fast as `np.linalg.solve` on a stack of matrices, a point. Times a point over n, postures and "
+        "frequencies are in [engine.png](engine.png), all numbers in [engine.json](engine.json).",
         ["what", "goal", "found", "reached"],
         report.rows,
     )

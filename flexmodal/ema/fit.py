@@ -125,8 +125,8 @@ def fit(
     if len(records.value) == 0:
         raise InvalidRequest(Fault("call", "records", "none", "at least one FRF"))
     if np.max(np.abs(records.value)) > LARGEST:
-        allowed = "sizes that can be squared"
-        raise InvalidRequest(Fault("call", "records", f"a value above {LARGEST:g}", allowed))
+        largest = f"a value above {LARGEST:g}"
+        raise InvalidRequest(Fault("call", "records", largest, "sizes that can be squared"))
     wanted = choices or Choices()
     fits: list[Fit] = []
     for posture, places, whole in by_posture(records, _trials(trials), variance):

@@ -55,7 +55,8 @@ def test_writes_a_robot_that_carries_the_payload(explained):
     assert payload.parent == "link_3"
     found = json.loads((out / "diagnosis.json").read_text(encoding="utf-8"))
     mass = robot.urdf.link_by_name[payload.child].mass
-    assert mass == pytest.approx(found["steps"][0]["parameters"]["mass"], rel=0.2)  # fitted once more with all
+    before = found["steps"][0]["parameters"]["mass"]
+    assert mass == pytest.approx(before, rel=0.2)  # it is fitted once more with all
 
 
 def test_not_explained(cli, campaign, tmp_path):

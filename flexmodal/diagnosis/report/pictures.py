@@ -174,7 +174,8 @@ def draw_descent(diagnosis: Diagnosis) -> Any:
     from matplotlib.ticker import LogLocator
 
     gaps = diagnosis.gaps
-    labels, every, held = ["card as\nit came"], [gaps.believed], [None]
+    labels, every = ["card as\nit came"], [gaps.believed]
+    held: list[float | None] = [None]
     labels, every, held = [*labels, "re-tuned"], [*every, gaps.before], [*held, gaps.held_out_before]
     for step in diagnosis.steps:
         labels.append("+ " + placed(step.effect, step.where).replace(" (", "\n("))

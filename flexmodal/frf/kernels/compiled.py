@@ -109,7 +109,7 @@ def _digest(code: CodeType, scope: Mapping[str, Any], options: Mapping[str, Any]
         value = scope.get(name)
         if isinstance(value, bool | int | float | str | tuple):
             parts.append(f"{name}={value!r}")
-        elif hasattr(value, "py_func"):
+        elif value is not None and hasattr(value, "py_func"):
             parts.append(f"{name}={value.py_func.__name__}")
     return hashlib.sha256("\n".join(parts).encode()).hexdigest()[:16]
 
