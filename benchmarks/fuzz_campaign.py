@@ -1,7 +1,8 @@
 """Read many mutated campaigns: each is read, or refused with sentences; nothing else may happen.
 
 Run by `make fuzz`. Every file follows from the seed and its number, so a finding repeats:
-`python benchmarks/fuzz_campaign.py --first NUMBER --count 1`.
+`python benchmarks/fuzz_campaign.py --first NUMBER --count 1`. How many are done is printed as it goes; a run that
+was broken off goes on with `--first`.
 """
 
 from __future__ import annotations
@@ -43,6 +44,8 @@ SECONDS = 10
 MEMORY = 600e6
 """What reading may take beyond what the interpreter has at the start [bytes]."""
 CHUNK = 500
+REPORT = 20
+"""Chunks between two lines of progress."""
 MAP = """\
 format = 1
 campaign = "campaign.toml"
@@ -190,10 +193,13 @@ def main() -> int:
     firsts = range(options.first, options.first + options.count, CHUNK)
     counts = [min(CHUNK, options.first + options.count - first) for first in firsts]
     with ProcessPoolExecutor(options.processes) as pool:
-        for found, failed in pool.map(run, firsts, counts):
+        for done, (found, failed) in enumerate(pool.map(run, firsts, counts), start=1):
             grown = max(grown, found.pop("megabytes grown at most"))
             total += found
             failures += failed
+            if done % REPORT == 0:
+                following = options.first + min(done * CHUNK, options.count)
+                print(f"files {options.first} to {following - 1}: {len(failures)} failures", flush=True)
     for name, count in sorted(total.items()):
         print(f"{name}: {count}")
     seconds = time.perf_counter() - started
