@@ -3,7 +3,7 @@
 # make check   ruff, mypy, import-linter, and what is in the wheel
 # make tables  remake the tables in docs/
 # make studies run the thesis's optimisations again, beside its printed numbers; some minutes
-# make bench   measure the engine against its goals and its peers; some minutes
+# make bench   measure engine, reading and fitting against their goals and peers; some minutes
 # make exam    120 campaigns with effects hidden in them, for the diagnosis to name; goes on where it was stopped
 # make recovery  identify 300 simulated campaigns; goes on where it was stopped; an hour
 # make fuzz    read 100000 mutated campaigns; no crash, no hang, no flood of memory
@@ -82,3 +82,6 @@ fuzz: .venv/tested
 bench: .venv/peers
 	OPENBLAS_NUM_THREADS=1 QT_QPA_PLATFORM=offscreen $(BIN)/python benchmarks/engine.py
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/engine_accuracy.py
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/campaign_loading.py
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/ema_speed.py
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/ema_ripple.py
