@@ -95,8 +95,8 @@ def main() -> None:
         "campaign_loading",
         "Reading a full campaign",
         f"Made by `python benchmarks/campaign_loading.py`: {records} FRFs of {LINES} lines, each with its "
-        "coherence. Processor time, best of five readings, in turn with those of pyuff, which checks nothing. "
-        "How long the fit then takes is in [ema_speed](ema_speed.md).",
+        "coherence. Processor time, best of five readings, in turn with those of pyuff, which checks "
+        "nothing. How long the fit then takes is in [ema_speed](ema_speed.md).",
         ["file", "size [MB]", "write [s]", "read and check [s]", "pyuff alone [s]", "ratio"],
         rows,
     )

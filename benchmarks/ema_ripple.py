@@ -1,8 +1,8 @@
-"""What the ripples in the plate's FRF do to dampings that are known, by sdypy-EMA's LSCF and by least squares.
+"""What the ripples in the plate's FRF do to dampings that are known: sdypy-EMA's LSCF, and least squares.
 
-An FRF with chosen poles, made as like the plate's as these poles allow, takes the ripples that the measured one
-has around its average over neighbouring lines, turned by a phase drawn at random. Beside it stands what sdypy-EMA
-makes of the measurement itself: over the orders of its diagram, and run by run.
+An FRF with chosen poles, made as like the plate's as these poles allow, takes the ripples that the measured
+one has around its average over neighbouring lines, turned by a phase drawn at random. Beside it stands what
+sdypy-EMA makes of the measurement itself: over the orders of its diagram, and run by run.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ def ripples() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def known(axis: np.ndarray, like: np.ndarray) -> np.ndarray:
-    """Inertance with the true poles, its residues and residual terms fitted to another one's relative values."""
+    """Inertance with the true poles, the rest fitted to another one, each line by its relative error."""
     omega = 2 * np.pi * axis
     terms = [np.ones_like(axis), -1 / omega**2]
     for frequency, damping in TRUE:

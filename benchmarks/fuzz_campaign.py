@@ -1,8 +1,8 @@
 """Read many mutated campaigns: each is read, or refused with sentences; nothing else may happen.
 
 Run by `make fuzz`. Every file follows from the seed and its number, so a finding repeats:
-`python benchmarks/fuzz_campaign.py --first NUMBER --count 1`. How many are done is printed as it goes; a run that
-was broken off goes on with `--first`.
+`python benchmarks/fuzz_campaign.py --first NUMBER --count 1`. How many are done is printed as it goes; a run
+that was broken off goes on with `--first`.
 """
 
 from __future__ import annotations
