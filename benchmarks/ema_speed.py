@@ -91,8 +91,8 @@ def main() -> None:
         "Time to fit a campaign",
         f"Made by `benchmarks/ema_speed.py`: {POSTURES} postures × {POINTS} points × {REFERENCES} "
         f"references × {TRIALS} trials × {LINES} lines, trials averaged, one thread, processor time, each "
-        "way in turn, best of five. sdypy-EMA is spared the choice of poles and the residues, and gives no uncertainty; all others "
-        "give all three.",
+        "way in turn, best of five. sdypy-EMA is spared the choice of poles and the residues, and gives no "
+        "uncertainty; all others give all three.",
         ["way", "seconds", "× sdypy-EMA's speed"],
         [[name, f"{time_:.2f}", f"{reference / time_:.1f}"] for name, time_ in best.items()],
     )

@@ -66,7 +66,7 @@ def test_real_measurements_as_other_programs_find_them(cli, case):
 
 
 def test_one_mode_for_two_is_too_sure_of_itself(cli):
-    """What the docs warn of: the number of modes is no part of the interval; residual terms hide the other."""
+    """The number of modes is no part of the interval, and complex residual terms hide the second one."""
     sixth = {case.options[:4] == ONE_MODE: case for case in REFINED if "400:490" in case.options}
     (one,), both = (cli(*sixth[alone].arguments(), "--json").json()["modes"] for alone in (True, False))
     assert len(both) == 2
