@@ -43,6 +43,8 @@ SECONDS = 10
 """A file of some kilobytes is read in milliseconds; one that takes as long hangs."""
 MEMORY = 600e6
 """What reading may take beyond what the interpreter has at the start [bytes]."""
+EXPORT = "export.uff"
+"""A universal file without its campaign.toml."""
 CHUNK = 500
 REPORT = 20
 """Chunks between two lines of progress."""
@@ -103,6 +105,8 @@ def sources(folder: Path) -> dict[str, tuple[bytes, str]]:
         made = write_campaign(sound_campaign(), folder / f"sound_{binary}", binary=binary)
         for name in ("frf.uff", "time.uff"):
             found[f"{name} {'binary' if binary else 'ASCII'}"] = ((made / name).read_bytes(), name)
+            if binary is (name == "frf.uff"):
+                found[f"{name} by itself"] = ((made / name).read_bytes(), EXPORT)
     found["campaign.toml"] = ((made / "campaign.toml").read_bytes(), "campaign.toml")
     found["modes.csv"] = ((made / "modes.csv").read_bytes(), "modes.csv")
     table = "f,re,im,g\n" + "".join(f"{0.5 * n},{n},{-n},0.9\n" for n in range(9))
@@ -124,8 +128,9 @@ def read_one(name: str, content: bytes, sound: dict[str, tuple[bytes, str]], fol
     elif file == "campaign.toml":
         (folder / "modes.csv").write_bytes(sound["modes.csv"][0])
     (folder / file).write_bytes(content)
+    path = folder / "map.toml" if reader is import_table else folder
     try:
-        campaign = reader(folder / "map.toml" if reader is import_table else folder)
+        campaign = reader(folder / EXPORT if file == EXPORT else path)
     except InvalidInput as error:
         if not error.faults or not all(fault.found and fault.allowed for fault in error.faults):
             raise AssertionError(f"a refusal without its evidence: {error}") from error
