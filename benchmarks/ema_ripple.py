@@ -132,7 +132,8 @@ Without ripples LSCF finds what is true. With them it finds the fifth mode a six
 third too light, as light as it finds them in the measurement. The first mode hardly stands out, and least
 squares, too, is off there by more than its interval tells in a third of the draws. From run to run LSCF
 scatters by more than the three reference orders tell, which for the fifth mode are one pole of one order,
-picked three times: sdypy-EMA takes the nearest of all orders."""
+picked three times: sdypy-EMA takes the nearest of all orders. Its highest orders rest on rounding: their
+extremes change a little from run to run."""
 
 
 def main() -> None:
