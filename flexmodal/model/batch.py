@@ -183,8 +183,11 @@ def gradient_batch(
 
     edges = np.linspace(0, len(values), cores + 1).astype(int)
     parts = [slice(int(a), int(b)) for a, b in pairwise(edges)]
-    with ThreadPoolExecutor(cores) as pool:
-        list(pool.map(solve, parts))
+    if cores == 1:
+        solve(parts[0])
+    else:
+        with ThreadPoolExecutor(cores) as pool:
+            list(pool.map(solve, parts))
     reason = f"{len(values)} postures at {len(axis)} frequencies"
     return ReceptanceBatch(axis, read, result, Route("compiled", cores, reason), slopes)
 

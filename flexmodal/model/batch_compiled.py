@@ -12,6 +12,7 @@ from flexmodal.model import batch_kinematics as kinematics
 from flexmodal.model import batch_planar as planar
 from flexmodal.model import batch_second as second
 from flexmodal.model import batch_spatial as spatial
+from flexmodal.model import batch_tile as tile
 
 _KINEMATICS = (
     kinematics.cross,
@@ -26,7 +27,7 @@ _KINEMATICS = (
 @cache
 def compiled_poses() -> Any:
     """`flexmodal.model.batch_kinematics.pose_batch`, compiled."""
-    return compile_together(*_KINEMATICS, last=kinematics.pose_batch)
+    return compile_together(*_KINEMATICS, last=kinematics.pose_batch, merged=True)
 
 
 @cache
@@ -34,17 +35,20 @@ def compiled_gradient() -> Any:
     """`flexmodal.model.batch_gradient.gradient_batch`, compiled."""
     return compile_together(
         *_KINEMATICS,
-        gradient.factor_symmetric,
-        gradient.solve_factored,
+        tile.fill_lane,
+        tile.subtract_product,
+        tile.factor_tile,
+        tile.solve_tile,
         gradient.place_arm,
         gradient.sweep_momenta,
         gradient.mass_slope,
         gradient.row_slopes,
         gradient.pose_rows,
-        gradient.solve_rows,
+        gradient.fill_rows,
         gradient.sweep_rows,
         gradient.gradients,
         last=gradient.gradient_batch,
+        merged=True,
     )
 
 

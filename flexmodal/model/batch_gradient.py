@@ -28,6 +28,7 @@ from flexmodal.model.batch_kinematics import (
     place_joints,
     point_jacobian,
 )
+from flexmodal.model.batch_tile import TILE, factor_tile, fill_lane, solve_tile
 
 
 def factor_symmetric(matrix, size):
@@ -178,33 +179,53 @@ def gradient_batch(chain, joints, offsets, selectors, pick, matrices, postures, 
     """
     count, n, many = postures.shape[1], len(pick), len(joints)
     bodies = (
-        np.empty((count, 3, 3)), np.empty((count, 3)), np.empty((count, 3)), np.empty((count, 3)),
-        np.empty((count, 3, 3)), np.empty((count, 3)), np.empty((count, count)),
+        np.empty((TILE, count, 3, 3)), np.empty((TILE, count, 3)), np.empty((TILE, count, 3)),
+        np.empty((TILE, count, 3)), np.empty((TILE, count, 3, 3)), np.empty((TILE, count, 3)),
+        np.empty((TILE, count, count)),
     )  # fmt: skip
-    row_room = np.empty((many, 6, count)), np.empty((many, count)), np.empty(3)
-    matrix_room = np.empty((n, n), dtype=np.complex128), np.empty(n), np.empty(n, dtype=np.complex128)
+    row_room = np.empty((TILE, many, 6, count)), np.empty((TILE, many, count)), np.empty(3)
+    matrix_room = (
+        np.empty((n, n, 2, TILE)), np.empty((n, TILE)), np.empty(TILE), np.empty((many, n, 2, TILE))
+    )  # fmt: skip
     sweep_room = (
         np.zeros((many, 2, count)), np.empty((many, 2, count, 6)), np.empty((many, 2, count, 6)),
         np.empty((2, count)), np.empty(9),
     )  # fmt: skip
-    doubtful = 0
-    for s in range(len(postures)):
-        pose_rows(chain, joints, offsets, selectors, postures[s], bodies, row_room)
-        for f in range(len(omega)):
-            w = omega[f]
-            trusted = solve_rows(pick, matrices, w, bodies[6], row_room[1], matrix_room, sweep_room[0])
+    trust, solved, y = matrix_room[2], matrix_room[3], sweep_room[0]
+    lines = len(omega)
+    points = len(postures) * lines
+    posed, doubtful = -1, 0
+    for start in range(0, points, TILE):
+        for lane in range(TILE):
+            point = min(start + lane, points - 1)
+            s, f = point // lines, point % lines
+            if s > posed:
+                pose_rows(chain, joints, offsets, selectors, postures[s], s % TILE, bodies, row_room)
+                posed = s
+            fill_rows(pick, matrices, omega[f], s % TILE, lane, bodies, row_room, matrix_room)
+        factor_tile(matrix_room[0], matrix_room[1], trust)
+        for r in range(many):
+            solve_tile(matrix_room[0], solved[r])
+        for point in range(start, min(start + TILE, points)):
+            s, f, lane = point // lines, point % lines, point - start
+            for r in range(many):
+                for i in range(n):
+                    y[r, 0, pick[i]], y[r, 1, pick[i]] = solved[r, i, 0, lane], solved[r, i, 1, lane]
+            trusted = trust[lane] >= 0.0
             doubtful += not trusted
-            sweep_rows(chain, bodies, sweep_room)
+            sweep_rows(chain, s % TILE, bodies, sweep_room)
             gradients(
-                chain, selectors, pairs, w, trusted, bodies, row_room, sweep_room, values[s, f], slopes[s, f]
-            )
+                chain, selectors, pairs, omega[f], trusted, s % TILE, bodies, row_room, sweep_room,
+                values[s, f], slopes[s, f],
+            )  # fmt: skip
     return doubtful
 
 
-def pose_rows(chain, joints, offsets, selectors, posture, bodies, row_room):
+def pose_rows(chain, joints, offsets, selectors, posture, slot, bodies, row_room):
     """Place joints and bodies; mass matrix, Jacobians and rows. Centres are then about the first origin."""
-    frames, origins, axes, centres, inertias, arms, full = bodies
-    jacobians, rows, position = row_room
+    frames, origins, axes = bodies[0][slot], bodies[1][slot], bodies[2][slot]
+    centres, inertias, arms, full = bodies[3][slot], bodies[4][slot], bodies[5][slot], bodies[6][slot]
+    jacobians, rows, position = row_room[0][slot], row_room[1][slot], row_room[2]
     place_joints(chain, posture, frames, origins, axes)
     place_bodies(chain, frames, origins, centres, inertias)
     mass_matrix(chain, origins, axes, centres, inertias, full)
@@ -220,6 +241,15 @@ def pose_rows(chain, joints, offsets, selectors, posture, bodies, row_room):
         for a in range(3):
             centres[i, a] -= origins[0, a]
         place_arm(turns[i], origins[i], origins[0], axes[i], arms[i])
+
+
+def fill_rows(pick, matrices, w, slot, lane, bodies, row_room, matrix_room):
+    """Z of one point and all rows into their lane."""
+    rows, solved = row_room[1][slot], matrix_room[3]
+    fill_lane(pick, matrices, w, bodies[6][slot], lane, matrix_room[0], matrix_room[1])
+    for r in range(len(rows)):
+        for i in range(len(pick)):
+            solved[r, i, 0, lane], solved[r, i, 1, lane] = rows[r, pick[i]], 0.0
 
 
 def solve_rows(pick, matrices, w, full, rows, matrix_room, y):
@@ -238,19 +268,19 @@ def solve_rows(pick, matrices, w, full, rows, matrix_room, y):
     return trusted
 
 
-def sweep_rows(chain, bodies, sweep_room):
+def sweep_rows(chain, slot, bodies, sweep_room):
     """Twists and momenta of every row's rates, real and imaginary parts one by one."""
-    axes, centres, inertias, arms = bodies[2], bodies[3], bodies[4], bodies[5]
+    axes, centres, inertias, arms = bodies[2][slot], bodies[3][slot], bodies[4][slot], bodies[5][slot]
     y, twists, momenta = sweep_room[0], sweep_room[1], sweep_room[2]
     for r in range(len(y)):
         for part in range(2):
             sweep_momenta(chain, arms, axes, centres, inertias, y[r, part], twists[r, part], momenta[r, part])
 
 
-def gradients(chain, selectors, pairs, w, trusted, bodies, row_room, sweep_room, values, slopes):
+def gradients(chain, selectors, pairs, w, trusted, slot, bodies, row_room, sweep_room, values, slopes):
     """Receptances and their derivatives of all pairs at one posture and frequency."""
-    turns, axes, arms = chain[0], bodies[2], bodies[5]
-    jacobians, rows = row_room[0], row_room[1]
+    turns, axes, arms = chain[0], bodies[2][slot], bodies[5][slot]
+    jacobians, rows = row_room[0][slot], row_room[1][slot]
     y, twists, momenta, turned, scratch = sweep_room
     for place in range(len(pairs)):
         u, v = pairs[place, 0], pairs[place, 1]

@@ -59,15 +59,19 @@ def _around_tiles() -> dict[str, Any]:
     return {"spread": compile_with(sweep.spread), "room": compile_with(any_size.room)}
 
 
-def compile_together(*functions: Callable[..., Any], last: Callable[..., Any], allocates: bool = True) -> Any:
+def compile_together(
+    *functions: Callable[..., Any], last: Callable[..., Any], allocates: bool = True, merged: bool = False
+) -> Any:
     """Compile a function with those that it calls, lowest first; plain functions stay plain.
 
     Functions that allocate nothing do without counting references, which takes most of the time of a call
-    with many arrays. Those before the last have to be of that kind.
+    with many arrays. Those before the last have to be of that kind. `merged` puts their code in the place of
+    each call: of use where many small ones pass many arrays on, at the price of a longer compilation.
     """
     scope: dict[str, Any] = {}
+    inner = {**_uncounted(), **_inside(), **(_merged() if merged else {})}
     for function in functions:
-        scope[function.__name__] = compile_with(function, scope, **_uncounted(), **_inside())
+        scope[function.__name__] = compile_with(function, scope, **inner)
     return compile_with(last, scope, **({} if allocates else _uncounted()))
 
 
@@ -129,3 +133,11 @@ def _uncounted() -> dict[str, Any]:
     from numba.core.options import DefaultOptions
 
     return {"_nrt": False} if hasattr(DefaultOptions, "_nrt") else {}
+
+
+@cache
+def _merged() -> dict[str, Any]:
+    """The option that puts a function's code in the place of each call, where this numba has it."""
+    from numba.core.options import DefaultOptions
+
+    return {"forceinline": True} if hasattr(DefaultOptions, "forceinline") else {}
