@@ -15,6 +15,7 @@ from jaxtyping import Complex
 
 from flexmodal.errors import Fault, InvalidRequest, MissingExtra
 from flexmodal.frf.kernels.factor import LANES, Shape
+from flexmodal.frf.kernels.reordered import solve_from_base
 from flexmodal.frf.kernels.task import Task
 
 WAYS = ("auto", "LAPACK", "numpy", "compiled", "compiled any n", "recursion")
@@ -121,14 +122,17 @@ def run(task: Task, route: Route) -> Complex[np.ndarray, "system line pair"]:
             solve_block(systems, lines, out[systems, lines])
         return out
     recursion = task.recursion
+    from flexmodal.frf.kernels.compiled import compiled_repair, compiled_sweep, compiled_sweep_any
+
     if route.way == "recursion" and recursion is not None:
+        other = compiled_sweep_any()
 
         def solve(place: tuple[slice, slice]) -> None:
             if recursion(*place, out[place]):
-                task.solve_pivoting(*place, out[place])
+                posed = task.block(place[0])
+                if solve_from_base(task, posed, place[1], other, out[place]):
+                    task.solve_pivoting(*place, out[place], posed)
     else:
-        from flexmodal.frf.kernels.compiled import compiled_repair, compiled_sweep, compiled_sweep_any
-
         sweep = compiled_sweep(task.shape) if route.way == "compiled" else compiled_sweep_any()
         _LOADED.add(task.shape)
 

@@ -142,13 +142,19 @@ class Task:
             size = size + np.abs(added.real[places, places])
         return matrix, size + np.abs(matrix.imag[places, places])
 
-    def solve_pivoting(self, systems: slice, lines: slice, out: np.ndarray) -> None:
-        """Solve the points that stand as NaN with pivoting.
+    def solve_pivoting(
+        self,
+        systems: slice,
+        lines: slice,
+        out: np.ndarray,
+        posed: tuple[np.ndarray, np.ndarray] | None = None,
+    ) -> None:
+        """Solve the points that stand as NaN with pivoting; `posed` if mass matrices and rows are known.
 
         Raises:
             SingularResponse: Z is singular at one of them.
         """
-        masses, rows = self.block(systems)
+        masses, rows = self.block(systems) if posed is None else posed
         which, line = np.nonzero(np.isnan(out[..., 0]))
         damped = is_damped(self.damping + self.hysteresis)
         for start in range(0, len(which), _POINTS):
