@@ -3,14 +3,15 @@
 The score of a hypothesis is the logarithm of its evidence by Laplace's method on the postures it was fitted
 to, plus the log-likelihood of the postures held out:
 
-    S = −κ/2s² (C_fitted + C_held out) − ½ ln det(I + P⁻¹A κ/s²),
+    S = −κ/2s² (C_fitted + C_held out) − ½ xᵀPx − ½ ln det(I + P⁻¹A κ/s²),
 
-C the robust sums of squares, A the curvature, P the prior's precision. Naive sums would give probabilities of
-0 or 1 even where they are wrong: residuals of neighbouring lines are alike as soon as a model is a little
-off. So κ = 1/(1 + 2Σρ) discounts them by the autocorrelation ρ of the best hypothesis' residuals, and s² ≥ 1
-is its reduced sum of squares. Probabilities come from these scores under the Bayesian bootstrap (Rubin, Ann.
-Statist. 9, 1981) over clusters — everything between one response and one hammer point in one posture —, as
-pseudo-BMA+ does (Yao, Vehtari, Simpson and Gelman, Bayesian Analysis 13, 2018).
+C the robust sums of squares, x the parameters from the middle of their prior, P its precision, A the
+curvature. Naive sums would give probabilities of 0 or 1 even where they are wrong: residuals of neighbouring
+lines are alike as soon as a model is a little off. So κ = 1/(1 + 2Σρ) discounts them by the autocorrelation ρ
+of the best hypothesis' residuals, and s² ≥ 1 is its reduced sum of squares. Probabilities come from these
+scores under the Bayesian bootstrap (Rubin, Ann. Statist. 9, 1981) over clusters — everything between one
+response and one hammer point in one posture —, as pseudo-BMA+ does (Yao, Vehtari, Simpson and Gelman,
+Bayesian Analysis 13, 2018).
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ from jaxtyping import Complex, Float
 
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.identification import Observations, predict
-from flexmodal.identification.descent import robust
+from flexmodal.identification.descent import prior_cost, robust
 from flexmodal.identification.frf_fit import FrfFit, Weighing, residual
 from flexmodal.identification.uncertainty import clusters
 
@@ -45,6 +46,13 @@ class Weighable:
     """½ ln det(I + P⁻¹A), untempered."""
     predicted: Complex[np.ndarray, "observation line"]
     """For every observation, on all lines."""
+    prior: float
+    """What the prior adds to the sum of squares."""
+
+    @property
+    def cost(self) -> float:
+        """Sum of squares of the fit, the prior's among them."""
+        return self.fitted.normal.cost
 
     @property
     def key(self) -> tuple[str, str]:
@@ -93,7 +101,8 @@ def weighable(
     share = len(observations.axis) / max(len(fitted.weighing.lines), 1)
     curvature = fitted.normal.curvature * share / np.outer(root, root)
     sign, log = np.linalg.slogdet(np.eye(len(root)) + curvature)
-    return Weighable(hypothesis, fitted, costs, 0.5 * float(log) if sign > 0 else np.inf, value)
+    occam = 0.5 * float(log) if sign > 0 else np.inf
+    return Weighable(hypothesis, fitted, costs, occam, value, prior_cost(hypothesis.space, fitted.x))
 
 
 def independence(
@@ -122,7 +131,7 @@ def weigh(found: Sequence[Weighable], observations: Observations, seed: int = 0)
     spread = max(1.0, totals[best] / lines)
     temper = kept / spread
     costs = np.array([one.costs for one in found]) * temper / 2
-    occam = np.array([_tempered(one, temper) for one in found])
+    occam = np.array([_tempered(one, temper) + one.prior / 2 for one in found])
     scores = -costs.sum(axis=1) - occam
     random = np.random.default_rng(seed)
     draws = random.dirichlet(np.ones(costs.shape[1]), DRAWS) * costs.shape[1]
