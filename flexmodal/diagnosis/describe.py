@@ -28,19 +28,8 @@ def describe(bench: Bench, looked: Sequence[Weighable], scales: Scales, best: in
     """
     chosen = looked[best]
     placed = chosen.hypothesis.placed[-1]
-    alternatives = tuple(
-        Weighed(
-            effect=looked[k].key[0] if k else "none",
-            where=looked[k].key[1] if k else "",
-            gap=gap_of(bench, looked[k], ~bench.held),
-            held_out_gap=gap_of(bench, looked[k], bench.held) if bench.held.any() else None,
-            evidence=float(scales.scores[k]),
-            confidence=float(scales.probability[k]),
-            parameters=len(looked[k].hypothesis.space) - len(before.hypothesis.space),
-        )
-        for k in np.argsort(-scales.scores).tolist()
-        if k != best
-    )
+    order = [int(k) for k in np.argsort(-scales.scores) if k != best]
+    alternatives = tuple(weighed(bench, looked[k], before, scales, k) for k in order)
     ties = tuple((one.effect, one.where) for one in alternatives if one.confidence >= TIE)
     parameters, units, errors = _parameters(bench, chosen, placed.key)
     return Step(
@@ -53,6 +42,19 @@ def describe(bench: Bench, looked: Sequence[Weighable], scales: Scales, best: in
         gaps=gaps_of(bench, before, chosen),
         alternatives=alternatives,
         ties=ties,
+    )
+
+
+def weighed(bench: Bench, one: Weighable, before: Weighable, scales: Scales, number: int) -> Weighed:
+    """An explanation on the scales, in figures."""
+    return Weighed(
+        effect=one.key[0] if one is not before else "none",
+        where=one.key[1] if one is not before else "",
+        gap=gap_of(bench, one, ~bench.held),
+        held_out_gap=gap_of(bench, one, bench.held) if bench.held.any() else None,
+        evidence=float(scales.scores[number]),
+        confidence=float(scales.probability[number]),
+        parameters=one.parameters - before.parameters,
     )
 
 

@@ -1,8 +1,8 @@
 """A hypothesis fitted again with its non-linear torques marched in time.
 
 A hammer response that dies away has no single amplitude, so that a describing function leaves some of what
-friction or a hardening spring does. This is Gauss and Newton's method on what a march gives, with coarse steps
-of time at first.
+friction or a hardening spring does. This is Gauss and Newton's method on what a march gives, with coarse
+steps of time at first.
 """
 
 from __future__ import annotations

@@ -37,6 +37,8 @@ _MOST_LAG = 60
 class Weighable:
     """A fitted hypothesis with what it leaves."""
 
+    key: tuple[str, str]
+    """The effect it adds last; ("none", "") for the robot re-tuned."""
     hypothesis: Hypothesis
     fitted: FrfFit
     """On the postures that are not held out."""
@@ -44,6 +46,10 @@ class Weighable:
     """Robust sum of squares of each cluster, fitted and held out."""
     occam: float
     """½ ln det(I + P⁻¹A), untempered."""
+    strong: int
+    """Parameters that the data know better than the prior."""
+    parameters: int
+    """All of them."""
     predicted: Complex[np.ndarray, "observation line"]
     """For every observation, on all lines."""
     prior: float
@@ -54,11 +60,6 @@ class Weighable:
         """Sum of squares of the fit, the prior's among them."""
         return self.fitted.normal.cost
 
-    @property
-    def key(self) -> tuple[str, str]:
-        """The effect it adds last; ("none", "") for the robot re-tuned."""
-        return self.hypothesis.keys[-1] if self.hypothesis.placed else ("none", "")
-
 
 @dataclass(frozen=True, eq=False)
 class Scales:
@@ -68,8 +69,8 @@ class Scales:
     """ln evidence over that of the best [nat]."""
     probability: Float[np.ndarray, " hypothesis"]
     """Under the bootstrap."""
-    gain: float
-    """5 % quantile, under the bootstrap, of the score of the best over that of the first given [nat]."""
+    gain: Float[np.ndarray, " hypothesis"]
+    """5 % quantile, under the bootstrap, of the score of each over that of the first given [nat]."""
     kept: float
     """κ: part of the lines that count as independent."""
     spread: float
@@ -91,18 +92,33 @@ def weighable(
         predicted: its receptances, if they are known better than the hypothesis gives them.
     """
     value = predict(hypothesis, fitted.x, observations) if predicted is None else predicted
-    every = Weighing(fitted.weighing.floor, np.arange(len(observations.axis)))
-    squared = every.weight(observations) * np.abs(residual(value, observations.value)) ** 2
-    size = robust(squared)
-    cluster = clusters(observations)
-    costs = np.bincount(cluster, weights=size.sum(axis=1))
+    costs = cluster_costs(observations, value, fitted.weighing.floor)
     precision = np.maximum(hypothesis.space.precision, 1e-12)
     root = np.sqrt(precision)
     share = len(observations.axis) / max(len(fitted.weighing.lines), 1)
     curvature = fitted.normal.curvature * share / np.outer(root, root)
     sign, log = np.linalg.slogdet(np.eye(len(root)) + curvature)
     occam = 0.5 * float(log) if sign > 0 else np.inf
-    return Weighable(hypothesis, fitted, costs, occam, value, prior_cost(hypothesis.space, fitted.x))
+    return Weighable(
+        key=hypothesis.keys[-1] if hypothesis.placed else ("none", ""),
+        hypothesis=hypothesis,
+        fitted=fitted,
+        costs=costs,
+        occam=occam,
+        strong=int(np.sum(np.diag(fitted.normal.curvature) > hypothesis.space.precision)),
+        parameters=len(hypothesis.space),
+        predicted=value,
+        prior=prior_cost(hypothesis.space, fitted.x),
+    )
+
+
+def cluster_costs(
+    observations: Observations, predicted: Complex[np.ndarray, "observation line"], floor: float
+) -> Float[np.ndarray, " cluster"]:
+    """Robust sum of squares of each cluster, at a model error."""
+    every = Weighing(floor, np.arange(len(observations.axis)))
+    squared = every.weight(observations) * np.abs(residual(predicted, observations.value)) ** 2
+    return np.bincount(clusters(observations), weights=robust(squared).sum(axis=1))
 
 
 def independence(
@@ -138,11 +154,10 @@ def weigh(found: Sequence[Weighable], observations: Observations, seed: int = 0)
     drawn = -draws @ costs.T - occam  # draw, hypothesis
     weights = np.exp(drawn - drawn.max(axis=1, keepdims=True))
     weights /= weights.sum(axis=1, keepdims=True)
-    gain = float(np.quantile(drawn.max(axis=1) - drawn[:, 0], 0.05))
+    gain = np.quantile(drawn - drawn[:, :1], 0.05, axis=0)
     return Scales(scores - scores.max(), weights.mean(axis=0), gain, kept, spread)
 
 
 def _tempered(one: Weighable, temper: float) -> float:
     """The Occam factor at the tempered curvature: each well measured parameter loses ½ ln(1/temper)."""
-    strong = int(np.sum(np.diag(one.fitted.normal.curvature) > one.hypothesis.space.precision))
-    return one.occam + 0.5 * strong * np.log(temper)
+    return one.occam + 0.5 * one.strong * np.log(temper)

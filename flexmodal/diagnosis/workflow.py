@@ -10,7 +10,7 @@ from threadpoolctl import threadpool_limits
 
 from flexmodal.campaign import Campaign
 from flexmodal.diagnosis.compare import disagreement, force_dependence
-from flexmodal.diagnosis.describe import describe
+from flexmodal.diagnosis.describe import describe, weighed
 from flexmodal.diagnosis.explanations import explanations
 from flexmodal.diagnosis.figures import gaps_of, left, over_floor
 from flexmodal.diagnosis.hypothesis import Hypothesis
@@ -20,10 +20,12 @@ from flexmodal.diagnosis.outcome import (
     Diagnosis,
     NextMeasurement,
     Step,
+    Weighed,
 )
 from flexmodal.diagnosis.preparation import Advance, Bench, prepare
 from flexmodal.diagnosis.provenance import provenance
 from flexmodal.diagnosis.search import by_force
+from flexmodal.diagnosis.unstructured import unstructured_mode
 from flexmodal.diagnosis.verdict import verdict
 from flexmodal.diagnosis.weigh import Weighable, weigh
 from flexmodal.identification import (
@@ -93,6 +95,7 @@ class _Course:
         self.root, self.current = root, looked_at(bench, root, zero)
         self.before = self.current
         self.steps: list[Step] = []
+        self.refused: list[Weighed] = []
         self.runner_up: Weighable | None = None
         self.force_matters = force_dependence(bench.observations) > FORCE
 
@@ -120,16 +123,17 @@ class _Course:
             enough=FLOOR_REACHED,
             advance=lambda part: bench.advance(doing, part),
         )
-        looked = [before, *found]
+        looked = [before, *found, unstructured_mode(bench, before)]
         scales = weigh(looked, bench.observations, bench.seed)
-        best = int(np.argmax(scales.scores))
-        if best == 0 or scales.gain < SIGNIFICANT or not _worth(before, looked[best], number):
+        best = int(np.argmax(scales.scores[:-1]))  # a mode with no structure is no explanation
+        if best == 0 or scales.gain[best] < SIGNIFICANT or not _worth(before, looked[best], number):
+            order = np.argsort(-scales.scores).tolist()
+            self.refused = [weighed(bench, looked[k], before, scales, k) for k in order]
             return None
         self.current = looked[best]
         step = describe(bench, looked, scales, best, before)
         self.steps.append(step)
-        order = np.argsort(-scales.scores)
-        second = [int(k) for k in order if k not in (0, best)]
+        second = [k for k in np.argsort(-scales.scores[:-1]).tolist() if k not in (0, best)]
         self.runner_up = looked[second[0]] if step.ties and second else None
         return step
 
@@ -145,7 +149,7 @@ class _Course:
             ]
             less = looked_at(self.bench, without, np.array(kept))
             scales = weigh([less, self.current], self.bench.observations, self.bench.seed)
-            if scales.gain < SIGNIFICANT:
+            if scales.gain[1] < SIGNIFICANT:
                 self.current = less
                 self.steps.remove(step)
 
@@ -197,6 +201,7 @@ class _Course:
             deviation=sure.deviation,
             observations=bench.observations,
             predicted={"believed": self.believed, "before": before.predicted, "after": final.predicted},
+            refused=tuple(self.refused),
             provenance=provenance(bench.observations.campaign, bench.scene.robot, bench.seed),
         )
 
