@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float
 
 from flexmodal.diagnosis.effects import Effect
-from flexmodal.diagnosis.figures import over_floor
+from flexmodal.diagnosis.figures import over_noise
 from flexmodal.diagnosis.looking import looked_at
 from flexmodal.diagnosis.march.model import has_law
 from flexmodal.diagnosis.preparation import Bench
@@ -26,7 +26,7 @@ AGAIN = 2
 def explanations(
     bench: Bench,
     before: Weighable,
-    start: Float[np.ndarray, " before"],
+    set_out: Sequence[Float[np.ndarray, " before"]],
     *,
     loud: bool,
     enough: float,
@@ -37,24 +37,24 @@ def explanations(
     Args:
         bench: what the diagnosis works with.
         before: the model that something is added to.
-        start: its parameters, from which the search sets out.
+        set_out: its parameters, from which the search sets out.
         loud: whether effects that depend on the force of the blow are among them.
-        enough: gap over noise floor from which no other starts are tried.
+        enough: distance over noise from which no other starts are tried.
         advance: called with the part that is done.
     """
     advance(0.0)
     seen = look_at(bench.fitted)
     finalists: list[Candidate] = []
     for some, most in _kinds(bench.effects, loud=loud):
-        found = candidates(before.hypothesis, start, some, seen)
+        found = candidates(before.hypothesis, set_out, some, seen)
         finalists += narrowed(found, seen, lambda part: advance(0.6 * part))[:most]
     looked = []
     for number, one in enumerate(finalists, start=1):
         looked.append(_close(bench, one))
         advance(0.6 + 0.3 * number / len(finalists))
     looked.sort(key=lambda one: one.cost)
-    if looked and over_floor(bench, looked[0]) > enough:
-        looked = [_elsewhere(bench, seen, one, start) if k < AGAIN else one for k, one in enumerate(looked)]
+    if looked and over_noise(bench, looked[0]) > enough:
+        looked = [_elsewhere(bench, seen, one, set_out) if k < AGAIN else one for k, one in enumerate(looked)]
         looked.sort(key=lambda one: one.cost)
     return looked
 
@@ -70,9 +70,11 @@ def _close(bench: Bench, one: Candidate) -> Weighable:
     return looked_at(bench, one.hypothesis, one.x, near=True)
 
 
-def _elsewhere(bench: Bench, seen: Look, one: Weighable, start: Float[np.ndarray, " before"]) -> Weighable:
+def _elsewhere(
+    bench: Bench, seen: Look, one: Weighable, set_out: Sequence[Float[np.ndarray, " before"]]
+) -> Weighable:
     """The same explanation from all the starts of its effect, if one of them leads further down."""
     if has_law(one.hypothesis):
         return one
-    other = _close(bench, restarted(one.hypothesis, one.fitted.x, start, seen))
+    other = _close(bench, restarted(one.hypothesis, one.fitted.x, set_out, seen))
     return other if other.cost < one.cost else one

@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 from jaxtyping import Bool
 
+from flexmodal.campaign.noise import expected_log_square
 from flexmodal.diagnosis.outcome import Gaps
 from flexmodal.diagnosis.preparation import Bench
 from flexmodal.diagnosis.weigh import Weighable
 from flexmodal.identification import gap
-from flexmodal.identification.frf_fit import residual
+from flexmodal.identification.gap import share
 
 WORST = 0.05
 """Part of the observations, the worst, that do not count in how far a model is from the floor."""
@@ -34,22 +35,22 @@ def gaps_of(bench: Bench, before: Weighable, after: Weighable, believed: float |
     )
 
 
-def over_floor(bench: Bench, one: Weighable) -> float:
-    """Gap over noise floor, without the few observations that are worst.
+def over_noise(bench: Bench, one: Weighable) -> float:
+    """Root mean square of |ln(model / measured)| over that of the noise of the averages; 1 if perfect.
 
-    Where a point hardly moves along its axis, a hammer's tilt of a fraction of a degree counts for more
-    than noise.
+    Other than the gap it does not drown in the noise of single records and of points that hardly move. The
+    few observations that are worst do not count: where a point hardly moves along its axis, a hammer's tilt
+    of a fraction of a degree counts for more than noise.
     """
     observations = bench.observations
-    each = np.where(observations.used, np.abs(residual(one.predicted, observations.value)) ** 2, 0.0)
-    ratio = each.sum(axis=1) / np.maximum((observations.variance * observations.used).sum(axis=1), 1e-300)
+    away = share(observations, one.predicted).sum(axis=1)
+    noise = (expected_log_square(observations.variance) * observations.used).sum(axis=1)
+    ratio = away / np.maximum(noise, 1e-300)
     keep = ratio <= np.quantile(ratio, 1 - WORST)
-    return gap(observations, one.predicted, keep).over_floor
+    return float(np.sqrt(away[keep].sum() / max(float(noise[keep].sum()), 1e-300)))
 
 
 def left(bench: Bench, first: Weighable, last: Weighable) -> float:
     """Part of the first model's disagreement above the noise that the last one leaves."""
-    every = bench.observations
-    floor = gap(every, last.predicted).noise_floor
-    before, after = gap(every, first.predicted).value, gap(every, last.predicted).value
-    return max(after**2 - floor**2, 0.0) / max(before**2 - floor**2, 1e-300)
+    before, after = over_noise(bench, first), over_noise(bench, last)
+    return max(after**2 - 1, 0.0) / max(before**2 - 1, 1e-300)

@@ -156,9 +156,19 @@ def look_at(observations: Observations, count: int = COARSE) -> Look:
 
 
 def candidates(
-    root: Hypothesis, starts_from: Float[np.ndarray, " before"], effects: Sequence[Effect], look: Look
+    root: Hypothesis,
+    set_out: Sequence[Float[np.ndarray, " before"]],
+    effects: Sequence[Effect],
+    look: Look,
 ) -> list[Candidate]:
-    """Every effect in every place beside what the root holds already, at its best starts."""
+    """Every effect in every place beside what the root holds already, at its best starts.
+
+    Args:
+        root: the hypothesis that an effect is added to.
+        set_out: parameters of the root from which the search sets out; the best starts are kept of each.
+        effects: to add.
+        look: the coarse look.
+    """
     weighing = Weighing(ROUNDS[0][0], look.lines)
     found = []
     for effect in effects:
@@ -171,12 +181,12 @@ def candidates(
             hypothesis = root.and_also(placed)
             model, loud = coarse_model(hypothesis), by_force(hypothesis)
             seen = look.apart if loud else look.merged
-            tried = [
-                hypothesis.start(placed, start, starts_from) for start in effect.starts(root.scene, where)
-            ]
-            costs = [cost_of(model, x, seen, weighing) for x in tried]
-            order = np.argsort(costs, kind="stable")[: 1 if has_law(hypothesis) else STARTS]
-            found += [Candidate(hypothesis, tried[k], costs[k]) for k in order]
+            for x in set_out:
+                starts = effect.starts(root.scene, where)
+                tried = [hypothesis.start(placed, start, x) for start in starts]
+                costs = [cost_of(model, one, seen, weighing) for one in tried]
+                order = np.argsort(costs, kind="stable")[: 1 if has_law(hypothesis) else STARTS]
+                found += [Candidate(hypothesis, tried[k], costs[k]) for k in order]
     return found
 
 
@@ -202,22 +212,22 @@ def narrowed(
 def restarted(
     hypothesis: Hypothesis,
     x: Float[np.ndarray, " parameter"],
-    start: Float[np.ndarray, " before"],
+    set_out: Sequence[Float[np.ndarray, " before"]],
     look: Look,
 ) -> Candidate:
-    """The last effect of a hypothesis started from everywhere: at a card's parameters, and at those of a fit.
+    """The last effect of a hypothesis started from everywhere, beside what the search set out from and a fit.
 
     Args:
         hypothesis: with the effect.
         x: where a fit of it ended.
-        start: parameters of the hypothesis without the effect, from which the search sets out.
+        set_out: parameters of the hypothesis without the effect, from which the search sets out.
         look: the coarse look.
     """
     placed = hypothesis.placed[-1]
     todo = [
         Candidate(hypothesis, hypothesis.start(placed, given, tail), np.inf)
         for given in placed.effect.starts(hypothesis.scene, placed.where)
-        for tail in (start, x[: len(start)])
+        for tail in (*set_out, x[: len(set_out[0])])
     ]
     for floor, steps, keep in RESTARTS:
         todo = sorted((look.fitted(one, floor, steps) for one in todo), key=lambda one: one.cost)[:keep]

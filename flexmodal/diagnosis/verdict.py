@@ -7,30 +7,40 @@ from collections.abc import Sequence
 import numpy as np
 
 from flexmodal.diagnosis.compare import excess
-from flexmodal.diagnosis.outcome import UNKNOWN, Step, Verdict
+from flexmodal.diagnosis.outcome import UNKNOWN, Gaps, Step, Verdict
 from flexmodal.diagnosis.preparation import Bench
 from flexmodal.diagnosis.weigh import Weighable
 
 
 def verdict(
-    bench: Bench, steps: Sequence[Step], final: Weighable, over: float, *, explained: bool
+    bench: Bench, steps: Sequence[Step], final: Weighable, gaps: Gaps, over: float, *, explained: bool
 ) -> Verdict:
-    """Nothing is missing, something of the catalogue is, or something else."""
+    """Nothing is missing, something of the catalogue is, or something else.
+
+    Args:
+        bench: what the diagnosis works with.
+        steps: effects that were added.
+        final: the model with them.
+        gaps: before and after.
+        over: how far the model is from the averages, over their noise.
+        explained: whether that is near enough.
+    """
+    floors = gaps.after / gaps.noise_floor
     effects = tuple((step.effect, step.where) for step in steps)
     if explained and not effects:
-        says = f"Nothing is missing: re-tuned, the robot's gap is {over:.2f} × the noise floor."
+        says = f"Nothing is missing: re-tuned, the robot's gap is {floors:.2f} × the noise floor."
         return Verdict((), True, says)
     if explained:
         words = " and ".join(f"{_says(bench, step.effect)} ({step.where})" for step in steps)
         tied = [f"{effect} at {where}" for step in steps for effect, where in step.ties]
         tail = f" These data cannot tell it from {', '.join(tied)}." if tied else ""
-        says = f"Missing: {words}.{tail} The gap falls to {over:.2f} × the noise floor."
+        says = f"Missing: {words}.{tail} The gap falls to {floors:.2f} × the noise floor."
         return Verdict(effects, True, says)
     where = place(bench, final)
     near = f" Nearest comes {effects[-1][0]} at {effects[-1][1]}, which is not enough." if effects else ""
     says = (
-        "Something is missing that nothing in the catalogue explains: the gap stays at "
-        f"{over:.1f} × the noise floor. Look at {where}.{near}"
+        "Something is missing that nothing in the catalogue explains: averaged over repeats, the model stays "
+        f"{over:.1f} times as far from the measurements as noise alone would put it. Look at {where}.{near}"
     )
     return Verdict(((UNKNOWN, where),), False, says)
 

@@ -12,7 +12,7 @@ from flexmodal.campaign import Campaign
 from flexmodal.diagnosis.compare import disagreement, force_dependence
 from flexmodal.diagnosis.describe import describe, weighed
 from flexmodal.diagnosis.explanations import explanations
-from flexmodal.diagnosis.figures import gaps_of, left, over_floor
+from flexmodal.diagnosis.figures import gaps_of, left, over_noise
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.looking import looked_at
 from flexmodal.diagnosis.next_measurement import next_measurement
@@ -45,12 +45,12 @@ WORTH = 0.03
 """Part of the sum of squares that it has to take away besides."""
 ANOTHER = 0.35
 """The same for every further effect: what a good but not perfect model leaves is not another effect."""
-FLOOR_REACHED = 1.2
-"""Gap over noise floor that needs no explanation."""
+FLOOR_REACHED = 1.3
+"""Distance of a model from the measurement, over that of the noise, that needs no explanation."""
 EXPLAINED = 1.6
-"""Gap over noise floor that a perfect model may show."""
+"""The same that the model of a strong effect may show."""
 LEFT = 0.12
-"""Part of the disagreement above the noise that may be left between the two."""
+"""Part of the disagreement above the noise that may be left then."""
 
 
 def diagnose(
@@ -102,7 +102,7 @@ class _Course:
     def run(self) -> Diagnosis:
         """Add effects until nothing significant is left."""
         for number in range(MOST_STEPS):
-            if number and over_floor(self.bench, self.current) <= FLOOR_REACHED:
+            if number and over_noise(self.bench, self.current) <= FLOOR_REACHED:
                 break
             step = self._step(number)
             if step is None:
@@ -118,7 +118,7 @@ class _Course:
         found = explanations(
             bench,
             before,
-            before.fitted.x if number else np.zeros(len(bench.base)),
+            _set_out(before),
             loud=self.force_matters,
             enough=FLOOR_REACHED,
             advance=lambda part: bench.advance(doing, part),
@@ -166,7 +166,7 @@ class _Course:
             before = looked_at(bench, self.root, self.before.fitted.x, fitted_to=every)
         else:
             before = self.before
-        over = over_floor(bench, final)
+        over = over_noise(bench, final)
         explained = over <= FLOOR_REACHED or (over <= EXPLAINED and left(bench, self.before, final) <= LEFT)
         if self.force_matters and not by_force(final.hypothesis):
             explained = False  # nothing linear changes with the force
@@ -176,7 +176,7 @@ class _Course:
             held_out_before=held_pair.held_out_before,
             held_out_after=held_pair.held_out_after,
         )
-        says = verdict(bench, self.steps, final, over, explained=explained)
+        says = verdict(bench, self.steps, final, gaps, over, explained=explained)
         sure = uncertainty(final.hypothesis.space, final.fitted.normal, bench.observations)
         bench.advance("what to measure next", 0.5)
         return Diagnosis(
@@ -213,6 +213,17 @@ class _Course:
             (final.hypothesis, final.fitted.x),
             (self.runner_up.hypothesis, self.runner_up.fitted.x),
         )
+
+
+def _set_out(before: Weighable) -> list[np.ndarray]:
+    """Where a search sets out: at the card, with the effects there are, and where the last fit ended.
+
+    A fit without an effect that is there runs away from the truth.
+    """
+    count = len(before.hypothesis.base)
+    x = before.fitted.x
+    at_card = np.concatenate([np.zeros(count), x[count:]])
+    return [at_card, x] if before.hypothesis.placed else [at_card]
 
 
 def _worth(before: Weighable, after: Weighable, number: int) -> bool:
