@@ -5,15 +5,11 @@ from __future__ import annotations
 import numpy as np
 from jaxtyping import Bool
 
-from flexmodal.campaign.noise import expected_log_square
 from flexmodal.diagnosis.outcome import Gaps
 from flexmodal.diagnosis.preparation import Bench
 from flexmodal.diagnosis.weigh import Weighable
 from flexmodal.identification import gap
-from flexmodal.identification.gap import share
-
-WORST = 0.05
-"""Part of the observations, the worst, that do not count in how far a model is from the floor."""
+from flexmodal.identification.gap import over_noise as averages_over_noise
 
 
 def gap_of(bench: Bench, one: Weighable, keep: Bool[np.ndarray, " observation"]) -> float:
@@ -36,18 +32,11 @@ def gaps_of(bench: Bench, before: Weighable, after: Weighable, believed: float |
 
 
 def over_noise(bench: Bench, one: Weighable) -> float:
-    """Root mean square of |ln(model / measured)| over that of the noise of the averages; 1 if perfect.
+    """Distance from the averages over that of their noise; 1 if perfect.
 
-    Other than the gap it does not drown in the noise of single records and of points that hardly move. The
-    few observations that are worst do not count: where a point hardly moves along its axis, a hammer's tilt
-    of a fraction of a degree counts for more than noise.
+    Other than the gap it does not drown in the noise of single records and of points that hardly move.
     """
-    observations = bench.observations
-    away = share(observations, one.predicted).sum(axis=1)
-    noise = (expected_log_square(observations.variance) * observations.used).sum(axis=1)
-    ratio = away / np.maximum(noise, 1e-300)
-    keep = ratio <= np.quantile(ratio, 1 - WORST)
-    return float(np.sqrt(away[keep].sum() / max(float(noise[keep].sum()), 1e-300)))
+    return averages_over_noise(bench.observations, one.predicted)
 
 
 def left(bench: Bench, first: Weighable, last: Weighable) -> float:

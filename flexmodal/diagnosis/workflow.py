@@ -45,11 +45,11 @@ WORTH = 0.03
 """Part of the sum of squares that it has to take away besides."""
 ANOTHER = 0.35
 """The same for every further effect: what a good but not perfect model leaves is not another effect."""
-FLOOR_REACHED = 1.3
+FLOOR_REACHED = 1.4
 """Distance of a model from the measurement, over that of the noise, that needs no explanation."""
-EXPLAINED = 1.6
+EXPLAINED = 2.0
 """The same that the model of a strong effect may show."""
-LEFT = 0.12
+LEFT = 0.03
 """Part of the disagreement above the noise that may be left then."""
 
 
