@@ -63,6 +63,7 @@ studies: .venv/tested
 # An hour or so; what is answered already is not asked again.
 exam: .venv/tested
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/exam.py
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/exam.py --engine mujoco
 
 recovery: .venv/tested
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/identification_recovery.py
