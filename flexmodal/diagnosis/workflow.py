@@ -14,6 +14,7 @@ from flexmodal.diagnosis.compare import disagreement, excess, force_dependence
 from flexmodal.diagnosis.effects import Effect, Scene, catalogue
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.march.model import has_law
+from flexmodal.diagnosis.modes.workflow import diagnose_modes, is_modal
 from flexmodal.diagnosis.next_measurement import next_measurement
 from flexmodal.diagnosis.outcome import (
     UNKNOWN,
@@ -115,7 +116,7 @@ def diagnose(
     """Find what is missing between a robot and a campaign of hammer tests on it.
 
     Args:
-        campaign: with FRFs, or blows to estimate them from.
+        campaign: with FRFs, or blows to estimate them from; with modes alone they are diagnosed (`modes`).
         robot: as it is believed to be.
         hold_out: postures (ids or names) that no weighed fit sees. By default one in four, at least one,
             those on which the re-tuned robot is neither best nor worst; with fewer than three postures none.
@@ -127,6 +128,10 @@ def diagnose(
     Raises:
         InvalidRequest: no data, unknown effects or postures, a campaign that does not belong to the robot.
     """
+    if is_modal(campaign):
+        return diagnose_modes(
+            campaign, robot, hold_out=hold_out, effects=effects, trust=trust, seed=seed, advance=advance
+        )
     with threadpool_limits(1):  # matrices this small only wait for the threads of a BLAS
         return _diagnose(campaign, robot, hold_out, effects, trust, seed, advance)
 
