@@ -26,6 +26,9 @@ from flexmodal.identification.mode_gap import gap_of_errors
 if TYPE_CHECKING:
     from flexmodal.diagnosis.modes.workflow import Round, _Course
 
+EVERYWHERE = "arm"
+"""Where something sits that cannot be placed."""
+
 
 def conclude(course: _Course, root: ModalFit, rounds: Sequence[Round]) -> Diagnosis:
     """Put everything together."""
@@ -103,21 +106,24 @@ def _two_structured(scales: Scales, chosen: int | None) -> tuple[Candidate, Cand
     if chosen is not None:
         one = scales.candidates[chosen]
         found = [one, *(other for other in found if other is not one)]
-    return (found[0], found[1]) if len(found) > 1 else None
+    if len(found) < 2:
+        return None
+    lacks = [sum(partner < 0 for partner in one.fit.pairs) for one in found]
+    return found[0], next((one for one, n in zip(found[1:], lacks[1:], strict=True) if n == lacks[0]), found[1])
 
 
 def _explained(course: _Course, scales: Scales, rounds: Sequence[Round], found: Findings) -> bool:
-    """Whether nothing is left to be explained: every mode has a partner, and nothing undecided would gain."""
+    """Whether nothing is left to be explained: every mode has a partner, and nothing is tied or would gain."""
     if rounds[0].chosen is not None:
-        return not found.left
+        return not found.left and not found.tied
     return not found.missing and not _significant(scales)
 
 
 def _significant(scales: Scales) -> bool:
-    from flexmodal.diagnosis.modes.workflow import SIGNIFICANT
+    """Whether anything at all gains enough."""
+    from flexmodal.diagnosis.modes.workflow import needed
 
-    gains = np.delete(scales.table, 0, axis=0).max(axis=0, initial=-np.inf) - scales.table[0]
-    return bool(np.min(gains) >= SIGNIFICANT)
+    return any(needed(scales, k) for k in range(1, len(scales.candidates)))
 
 
 # gaps
@@ -222,6 +228,8 @@ def _verdict(course: _Course, rounds: Sequence[Round], found: Findings, explaine
     if added:
         why = "as asked, " if found.told else ""
         says.append(f"Added, {why}{' and '.join(named(key) for key in added)}.")
+        gained = rounds[0].scales.table[rounds[0].chosen] - rounds[0].scales.table[0]
+        says.append(f"It gains {gained[0]:.0f} nats ({gained.min():.0f} to {gained.max():.0f} under other priors).")
         if found.tied:
             says.append(tie_words(found))
         says += [shape_words(found), left_words(found)]
@@ -245,12 +253,9 @@ def _joined(parts: Sequence[str]) -> str:
 
 
 def _place(found: Findings) -> str:
-    """The place that most of what is tied, or the best, points at."""
-    places = [where for effect, where in found.tied if effect not in ("none", FREE)]
-    if places:
-        return max(places, key=places.count)
-    key = found.after.explanation.key
-    return key[1] or found.measured.campaign.points[0].link
+    """The one place that everything tied points at; the arm as a whole where there is none."""
+    places = {where for effect, where in found.tied or (found.after.explanation.key,) if effect != "none"}
+    return places.pop() or EVERYWHERE if len(places) == 1 else EVERYWHERE
 
 
 def _next(

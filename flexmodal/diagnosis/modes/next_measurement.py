@@ -5,7 +5,8 @@ unsure of both models' parameters, to first order,
 
     d² = Δᵀ (J₁C₁J₁ᵀ + J₂C₂J₂ᵀ + σ²)⁻¹ Δ,    Δ = ln(α₁/α₂),
 
-over real and imaginary parts. ½ d² is about what the measurement is worth in nats.
+over real and imaginary parts of all lines. A point that hardly moves has a noisier FRF: σ² grows with the square
+of what points move typically over what it moves.
 """
 
 from __future__ import annotations
@@ -19,16 +20,14 @@ from flexmodal.diagnosis.effects import Scene
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.modes.fit import ModalFit
 from flexmodal.diagnosis.modes.stand_in import stand_in
-from flexmodal.diagnosis.next_measurement import RANDOM, _postures
+from flexmodal.diagnosis.next_measurement import _postures
 from flexmodal.diagnosis.outcome import NextMeasurement
 from flexmodal.identification import Observations
 from flexmodal.identification.frf_fit import residual
 from flexmodal.identification.model import evaluated
 
 NOISE = 0.05
-"""Relative noise that a line of the FRF is taken to have."""
-STRIDE = 2
-"""Of the lines of the stand-in."""
+"""Relative noise of a line of the FRF at a point that moves as points typically do."""
 
 
 def next_frf(one: ModalFit, other: ModalFit, seed: int = 0) -> NextMeasurement:
@@ -56,7 +55,7 @@ def next_frf(one: ModalFit, other: ModalFit, seed: int = 0) -> NextMeasurement:
         response=(int(response[0]), int(response[1])),
         reference=(int(reference[0]), int(reference[1])),
         separates=("@".join(one.explanation.key), "@".join(other.explanation.key)),
-        expected=float(np.sqrt(2 * worth)),
+        expected=float(worth),
         force_peak=float(np.mean([trial.force_peak for trial in campaign.trials])) if campaign.trials else 0.0,
     )
 
@@ -65,7 +64,7 @@ def _predicted(fit: ModalFit, scene: Scene, planned: Observations) -> tuple[np.n
     """Receptances, slopes of their logarithm, covariance of the parameters."""
     old = fit.explanation.hypothesis
     moved = Hypothesis(Scene(scene.robot, planned), old.base, old.placed)
-    size, lines = len(moved.space), slice(0, None, STRIDE)
+    size, lines = len(moved.space), slice(None)
     value = np.zeros((len(planned), len(planned.axis.take(lines))), dtype=complex)
     slopes = np.zeros((size, *value.shape), dtype=complex)
     for rows, found, turned in evaluated(moved, fit.x[:size], planned, lines, slopes=True):
@@ -75,19 +74,19 @@ def _predicted(fit: ModalFit, scene: Scene, planned: Observations) -> tuple[np.n
 
 
 def _worth(values: list[tuple[np.ndarray, np.ndarray, np.ndarray]]) -> np.ndarray:
-    """½ d² of every response and hammer point [nat]."""
+    """d of every response and hammer point, a line: how many times what could hide it."""
     away = residual(values[0][0], values[1][0])
+    size = np.minimum(*(np.abs(value) for value, _, _ in values))
+    typical = np.median(size, axis=0)
     found = np.zeros(len(away))
     for row in range(len(away)):
-        if not np.isfinite(away[row]).all() or min(np.abs(v[row]).min() for v, _, _ in values) == 0:
+        if not np.isfinite(away[row]).all() or size[row].min() == 0:
             continue  # a point that stands still
         delta = np.concatenate([away[row].real, away[row].imag])
-        spread = NOISE**2 / 2 * np.eye(len(delta))
+        noise = NOISE**2 / 2 * (1 + (typical / size[row]) ** 2)
+        spread = np.diag(np.concatenate([noise, noise]))
         for _, slopes, covariance in values:
             j = np.concatenate([slopes[:, row].real, slopes[:, row].imag], axis=1)
             spread += j.T @ covariance @ j
-        found[row] = 0.5 * float(delta @ np.linalg.solve(spread, delta))
+        found[row] = np.sqrt(float(delta @ np.linalg.solve(spread, delta)) / len(delta))
     return found
-
-
-__all__ = ["RANDOM", "next_frf"]

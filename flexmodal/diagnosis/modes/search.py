@@ -26,12 +26,12 @@ QUICK = 12
 """Starts with a way to pair that are looked at from each state of the robot: those of the smallest shifts."""
 CLOSE = 3
 """Quick fits that are followed up."""
-NEAR = 5
+NEAR = 8
 """Starts that are looked at from each state of the robot: those whose modes come nearest to the measured ones."""
-FORCED = 3
+FORCED = 2
 """Of those, how many are tried with every way to pair."""
 SIZES = ("stiffness", "gain", "mass")
-FACTORS = (1.0, 0.3, 0.1, 0.03)
+FACTORS = (1.0, 0.5, 0.25, 0.1, 0.05, 0.02)
 """On the sizes that an effect starts from: a mode that is to be met lies lower than a slight change puts it."""
 PEAKED = 0.5
 """Damping ratio up to which a mode of the model may be one that was measured."""

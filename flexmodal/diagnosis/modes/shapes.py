@@ -1,8 +1,10 @@
 """Why shapes decide between two explanations, or cannot.
 
 Two fitted explanations predict shapes at the measured places. Where these agree, no measurement there tells the
-explanations apart; where they differ by less than the measured shapes scatter, this one does not. A shape with
-the concentration κ of the Watson density is worth κ (1 − MAC) nats, MAC being that of the two predictions.
+explanations apart; where measured shapes scatter more than the predictions differ, these do not. What they say
+for one explanation against the other is the difference of their log-likelihoods; what shapes that follow one of
+them would say, measured with the concentration κ of the Watson density, is κ (1 − MAC) nats, MAC being that of
+the two predictions.
 """
 
 from __future__ import annotations
@@ -13,7 +15,7 @@ from itertools import combinations
 import numpy as np
 
 from flexmodal.diagnosis.modes.fit import MeasuredModes, ModalFit, mac
-from flexmodal.diagnosis.modes.scatter import SHAPE
+from flexmodal.diagnosis.modes.scatter import SHAPE, log_watson_constant
 
 CLEAN = 100.0
 """κ of a carefully measured shape: at six places its MAC with the true one is 0.95."""
@@ -34,10 +36,10 @@ class ModeShapes:
     """Mean MAC of each prediction with the measured shape."""
     alike: float
     """Mean MAC of one prediction with the other."""
-    worth: float
-    """What these shapes are worth between the two, measured as they were [nat]."""
+    says: float
+    """What the measured shapes say for the first and against the second [nat]."""
     clean: float
-    """The same, measured carefully."""
+    """What shapes that follow one of the two would say, measured carefully [nat]."""
 
 
 def compare_shapes(one: ModalFit, other: ModalFit) -> tuple[ModeShapes, ...]:
@@ -55,12 +57,11 @@ def compare_shapes(one: ModalFit, other: ModalFit) -> tuple[ModeShapes, ...]:
             if len(rows) > 1 and not any(np.isnan(s).any() for s in seen):
                 entries.append((mode, dict(zip(rows, zip(shape.residue, *seen, strict=True), strict=True))))
         if entries:
-            kappa = float(np.exp(one.scales[f"{SHAPE}.{number}"]))
-            found.append(_mode_shapes(number, entries, kappa))
+            found.append(_mode_shapes(number, entries, [fit.scales[f"{SHAPE}.{number}"] for fit in (one, other)]))
     return tuple(sorted(found, key=lambda m: m.frequency))
 
 
-def _mode_shapes(number: int, entries: list, kappa: float) -> ModeShapes:  # type: ignore[type-arg]
+def _mode_shapes(number: int, entries: list, log_kappa: list[float]) -> ModeShapes:  # type: ignore[type-arg]
     columns = [np.array(list(rows.values())).T for _, rows in entries]
     alike = [mac(c[1], c[2]) for c in columns]
     return ModeShapes(
@@ -70,9 +71,15 @@ def _mode_shapes(number: int, entries: list, kappa: float) -> ModeShapes:  # typ
         (_between(entries, 1), _between(entries, 2)),
         (float(np.mean([mac(c[0], c[1]) for c in columns])), float(np.mean([mac(c[0], c[2]) for c in columns]))),
         float(np.mean(alike)),
-        float(kappa * np.sum(1 - np.array(alike))),
+        _likely(columns, 1, log_kappa[0]) - _likely(columns, 2, log_kappa[1]),
         float(CLEAN * np.sum(1 - np.array(alike))),
     )
+
+
+def _likely(columns: list[np.ndarray], which: int, log_kappa: float) -> float:
+    """ln likelihood of the measured shapes under one explanation."""
+    kappa = float(np.exp(log_kappa))
+    return sum(kappa * mac(c[0], c[which]) - log_watson_constant(len(c[0]), kappa) for c in columns)
 
 
 def _between(entries: list, column: int) -> float:  # type: ignore[type-arg]
@@ -94,5 +101,3 @@ def shapes_of(measured: MeasuredModes, number: int) -> dict[int, tuple[list[int]
             found[mode.posture] = (measured.rows(shape.places), shape.residue / np.linalg.norm(shape.residue))
     return found
 
-
-__all__ = ["CLEAN", "ModeShapes", "compare_shapes", "shapes_of"]

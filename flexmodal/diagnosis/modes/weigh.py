@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -67,7 +67,7 @@ def under_variants(fits: Sequence[ModalFit], measured: MeasuredModes) -> Candida
     best = fits[0]
     found = [best.evidence]
     for variant in VARIANTS[1:]:
-        near = [replace(one, beliefs=variant.beliefs) for one in fits]
+        near = [replace(one, beliefs=variant.beliefs) for one in fits[:2]]
         again = followed(variant.of(best.explanation), measured, near, variant.beliefs)
         found.append(again[0].evidence if again else -np.inf)
     return Candidate(best, tuple(found))
@@ -106,7 +106,3 @@ class Scales:
         close = (self.table >= -TIED).any(axis=1)
         return [k for k in self.order if close[k]]
 
-
-def by_key(candidates: Sequence[Candidate]) -> Mapping[tuple[str, str], Candidate]:
-    """Candidates by what they add."""
-    return {one.key: one for one in candidates}

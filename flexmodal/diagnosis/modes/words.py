@@ -60,11 +60,12 @@ def shape_words(found: Findings) -> str:
     if not found.shapes or found.compared is None:
         return ""
     poor = poorest(found.shapes)
-    worth, clean = sum(s.worth for s in found.shapes), sum(s.clean for s in found.shapes)
+    says_so, clean = sum(s.says for s in found.shapes), sum(s.clean for s in found.shapes)
     one, other = (named(key) for key in found.compared)
     says = (
-        f"Between {one} and {other} the measured shapes are worth {worth:.0f} nats as they scatter; "
-        f"measured carefully they would be worth up to {clean:.0f}."
+        f"Between {one} and {other} the measured shapes say {abs(says_so):.1f} nats for the "
+        f"{'first' if says_so >= 0 else 'second'}; shapes that follow one of the two, measured carefully at the same "
+        f"places, would say up to {clean:.0f}."
     )
     if poor is not None:
         says += (

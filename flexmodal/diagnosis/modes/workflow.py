@@ -23,7 +23,7 @@ from flexmodal.diagnosis.modes.held_out import HeldOut, in_turn, together
 from flexmodal.diagnosis.modes.scatter import Beliefs
 from flexmodal.diagnosis.modes.search import bare_starts, best_fits, effect_starts, free_starts, unmatched
 from flexmodal.diagnosis.modes.stand_in import placed_on
-from flexmodal.diagnosis.modes.weigh import Candidate, Scales, under_variants
+from flexmodal.diagnosis.modes.weigh import TIED, Candidate, Scales, under_variants
 from flexmodal.diagnosis.outcome import Diagnosis
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.identification import ParameterSpace, robot_space
@@ -34,10 +34,10 @@ from flexmodal.model import Robot
 TRUST = {"stiffness": 0.5, "damping": 1.0, "mass": 0.2, "inertia": 0.2}
 """Standard deviation of ln(true / card) unless the card or the caller says other; weighing halves and doubles it."""
 SIGNIFICANT = 8.0
-"""Evidence that an explanation has to gain under every variant [nat]."""
-FINALISTS = 6
+"""Evidence that an explanation has to gain under the first beliefs; under all others more than a tie [nat]."""
+FINALISTS = 9
 """Effects that are weighed under every variant."""
-WITHIN = 25.0
+WITHIN = 16.0
 """Margin behind the best from which on an effect is not [nat]."""
 MOST_STEPS = 2
 
@@ -75,7 +75,8 @@ def diagnose_modes(
             of that name.
         robot: as it is believed to be.
         hold_out: postures that no fit sees. By default each is left out in turn, with three or more.
-        effects: names, or `NAME@WHERE`; what explains best among them is added if it is needed, tied or not.
+        effects: names; what explains best among them is added if it is needed, tied or not. Or `NAME@WHERE`:
+            that is added if it explains anything at all.
         trust: standard deviation of ln(true / card) by kind or name.
         seed: of the postures tried for the next measurement.
         advance: called with what is being done and the part of it that is done.
@@ -183,14 +184,15 @@ class _Course:
 
     def _choose(self, scales: Scales) -> int | None:
         """The candidate that is added: decided among all, or the best of what was asked for."""
-        order = [k for k in scales.order if k]
+        structured = [k for k in scales.order if k and not scales.candidates[k].fit.explanation.free]
         if self.asked is None:
             tied = scales.tied
-            decided = len(tied) == 1 and tied[0] and scales.gain(tied[0]) >= SIGNIFICANT
-            return tied[0] if decided and not scales.candidates[tied[0]].fit.explanation.free else None
-        for k in order:
-            if not scales.candidates[k].fit.explanation.free:
-                return k if scales.gain(k) >= SIGNIFICANT else None
+            return tied[0] if len(tied) == 1 and tied[0] in structured and needed(scales, tied[0]) else None
+        structured.sort(key=lambda k: -scales.gain(k))
+        for k in structured:
+            name, where = scales.candidates[k].key
+            if needed(scales, k) or (where in self.asked[name] and scales.table[k, 0] > scales.table[0, 0]):
+                return k
         return None
 
     def predict(self, fit: ModalFit) -> HeldOut | None:
@@ -202,6 +204,11 @@ class _Course:
     def everywhere(self, fit: ModalFit) -> ModalFit:
         """A fit looked at with all modes, the held out ones included."""
         return fit if self.held is None else restricted(fit, self.whole)
+
+
+def needed(scales: Scales, number: int) -> bool:
+    """Whether a candidate gains enough under the first beliefs, and more than a tie under all."""
+    return bool(scales.table[number, 0] - scales.table[0, 0] >= SIGNIFICANT and scales.gain(number) >= TIED)
 
 
 def untestable(effect: Effect, scene: Scene) -> str | None:
