@@ -93,7 +93,9 @@ def _findings(
         mean=mean_of_others(course.whole),
         tied=tied if len(tied) > 1 else (),
         missing=tuple(unmatched(root).items()),
-        left=tuple(unmatched(best.fit).items()) if added or best.key[0] != "none" else tuple(unmatched(root).items()),
+        left=tuple(unmatched(best.fit).items())
+        if added or best.key[0] != "none"
+        else tuple(unmatched(root).items()),
         shapes=() if compared is None else compare_shapes(compared[0].fit, compared[1].fit),
         compared=None if compared is None else (compared[0].key, compared[1].key),
         told=course.asked is not None,
@@ -101,7 +103,7 @@ def _findings(
 
 
 def _two_structured(scales: Scales, chosen: int | None) -> tuple[Candidate, Candidate] | None:
-    """What was added, or the best explanation with structure, and the best one of another kind or place tied with it."""
+    """What was added, or the best with structure, and the best of another kind or place tied with it."""
     found = [scales.candidates[k] for k in scales.tied if scales.candidates[k].key[0] not in ("none", FREE)]
     if chosen is not None:
         one = scales.candidates[chosen]
@@ -109,11 +111,13 @@ def _two_structured(scales: Scales, chosen: int | None) -> tuple[Candidate, Cand
     if len(found) < 2:
         return None
     lacks = [sum(partner < 0 for partner in one.fit.pairs) for one in found]
-    return found[0], next((one for one, n in zip(found[1:], lacks[1:], strict=True) if n == lacks[0]), found[1])
+    return found[0], next(
+        (one for one, n in zip(found[1:], lacks[1:], strict=True) if n == lacks[0]), found[1]
+    )
 
 
 def _explained(course: _Course, scales: Scales, rounds: Sequence[Round], found: Findings) -> bool:
-    """Whether nothing is left to be explained: every mode has a partner, and nothing is tied or would gain."""
+    """Whether every mode has a partner, and nothing is tied or would gain."""
     if rounds[0].chosen is not None:
         return not found.left and not found.tied
     return not found.missing and not _significant(scales)
@@ -229,7 +233,9 @@ def _verdict(course: _Course, rounds: Sequence[Round], found: Findings, explaine
         why = "as asked, " if found.told else ""
         says.append(f"Added, {why}{' and '.join(named(key) for key in added)}.")
         gained = rounds[0].scales.table[rounds[0].chosen] - rounds[0].scales.table[0]
-        says.append(f"It gains {gained[0]:.0f} nats ({gained.min():.0f} to {gained.max():.0f} under other priors).")
+        says.append(
+            f"It gains {gained[0]:.0f} nats ({gained.min():.0f} to {gained.max():.0f} under other priors)."
+        )
         if found.tied:
             says.append(tie_words(found))
         says += [shape_words(found), left_words(found)]
@@ -239,11 +245,10 @@ def _verdict(course: _Course, rounds: Sequence[Round], found: Findings, explaine
             says.append(f"Nothing that was tried earns its parameters: look near {hertz(found.missing)}.")
             return Verdict(((UNKNOWN, _place(found)),), False, _joined(says))
         return Verdict((), True, _joined(["Nothing is missing that these modes could show.", *says]))
-    lead = "Something is missing"
-    if found.missing:
-        lead = "A mode is missing" if len(found.missing) == 1 else f"{len(found.missing)} modes are missing"
-    says = [f"{lead}.", *says]
-    says.append(tie_words(found) if found.tied else f"Best is {named(scales.candidates[scales.order[0]].key)}.")
+    says = ["A mode is missing." if found.missing else "Something is missing.", *says]
+    says.append(
+        tie_words(found) if found.tied else f"Best is {named(scales.candidates[scales.order[0]].key)}."
+    )
     says += [shape_words(found), left_words(found)]
     return Verdict(((UNKNOWN, _place(found)),), False, _joined(says))
 

@@ -1,8 +1,8 @@
 """Fit an explanation to the modes of several postures, and reckon its evidence.
 
-Which mode is which, the parameters and the scales of the scatter are improved in turn: pairs by the likelihood
-(`scipy.optimize.linear_sum_assignment`), parameters by Gauss and Newton, scales one by one. The evidence is
-Laplace's, over parameters and scales together.
+Which mode is which, the parameters and the scales of the scatter are improved in turn: pairs by the
+likelihood (`scipy.optimize.linear_sum_assignment`), parameters by Gauss and Newton, scales one by one. The
+evidence is Laplace's, over parameters and scales together.
 """
 
 from __future__ import annotations
@@ -206,9 +206,14 @@ class _Task:
         return tuple(pairs)
 
     def gains(
-        self, k: int, seen: Forecast, scales: Mapping[str, float], grant: float, spread: np.ndarray | None = None
+        self,
+        k: int,
+        seen: Forecast,
+        scales: Mapping[str, float],
+        grant: float,
+        spread: np.ndarray | None = None,
     ) -> Float[np.ndarray, " mode"]:
-        """ln likelihood of a measured mode as each of the model's, over that of a peak from anywhere."""
+        """Ln likelihood of a measured mode as each of the model's, over that of a peak from anywhere."""
         mode = self.measured.observed.modes[k]
         found = np.full(len(seen.log_frequency), NOT)
         for m in range(len(found)):
@@ -227,7 +232,7 @@ class _Task:
         grant: float,
         more: tuple[float, float] = (0.0, 0.0),
     ) -> float:
-        """ln likelihood of a measured mode that is the model's mode m."""
+        """Ln likelihood of a measured mode that is the model's mode m."""
         s, z = np.exp(2 * scales[FREQUENCY]), np.exp(2 * scales[DAMPING])
         variance = mode.frequency_error**2 + s + grant**2 + more[0]
         total = float(np.log(self.beliefs.seen)) + log_normal(
@@ -249,7 +254,7 @@ class _Task:
         return log_anywhere(self.measured.band, self.beliefs, damping)
 
     def overlooked(self, seen: Forecast, m: int) -> float:
-        """ln probability of not having found the model's mode m."""
+        """Ln probability of not having found the model's mode m."""
         low, high = self.measured.band
         inside = np.log(low) <= seen.log_frequency[m] <= np.log(high)
         if not inside or seen.log_damping[m] > np.log(self.beliefs.damped):
@@ -265,7 +270,9 @@ class _Task:
             for k in here:
                 mode = self.measured.observed.modes[k]
                 total += (
-                    self.as_mode(k, mode, seen[number], pairs[k], scales, 0.0) if pairs[k] >= 0 else self.anywhere(mode)
+                    self.as_mode(k, mode, seen[number], pairs[k], scales, 0.0)
+                    if pairs[k] >= 0
+                    else self.anywhere(mode)
                 )
             total += sum(
                 self.overlooked(seen[number], m)
@@ -356,11 +363,11 @@ class _Task:
         def equations(at: np.ndarray) -> Normal:
             found = self.residuals(at, pairs, slopes=True)
             w = self.weights(found, scales, grant)
-            data, none = float(w @ found.away**2), np.zeros(0)
+            data, none = float(w @ found.away**2), np.zeros((0, len(at)))
             gradient = found.slopes @ (w * found.away) + self.space.precision * at
             return Normal(
                 data + prior_cost(self.space, at), data, gradient, (found.slopes * w) @ found.slopes.T,
-                none.reshape(0, 0), none, None,
+                none, none[:, 0], None,
             )  # fmt: skip
 
         return descend(self.space, equations, cost, x, most=most, settled=1e-7).x
@@ -388,7 +395,9 @@ class _Task:
         if name.startswith(SHAPE):
             kappa = float(np.exp(value))
             return total + sum(
-                kappa * alike - log_watson_constant(n, kappa) for which, n, alike in found.dimension if which == name
+                kappa * alike - log_watson_constant(n, kappa)
+                for which, n, alike in found.dimension
+                if which == name
             )
         own = [k for k, kind in enumerate(found.kind) if kind == name]
         variance = found.variance[own] + np.exp(2 * value)
@@ -427,7 +436,7 @@ class _Task:
 
 
 def granted(explanation: Explanation, measured: MeasuredModes, x: Float[np.ndarray, " parameter"]) -> float:
-    """ln likelihood over that of peaks from anywhere, of a model that is granted to be far off.
+    """Ln likelihood over that of peaks from anywhere, of a model that is granted to be far off.
 
     Raises:
         InvalidSystem: no model there.
@@ -444,13 +453,15 @@ def granted(explanation: Explanation, measured: MeasuredModes, x: Float[np.ndarr
 
 
 def predictive(fit: ModalFit) -> float:
-    """ln of the density of the modes of a fit, what is unsure of its parameters included, over peaks from anywhere.
+    """Ln of the density of modes that a fit did not see, over that of peaks from anywhere.
 
-    Of modes that the fit did not see; parameters enter by their covariance, to first order.
+    What is unsure of its parameters is included; they enter by their covariance, to first order.
     """
     task = _Task(fit.explanation, fit.measured, fit.beliefs)
     spread = [
-        np.array([np.einsum("km,kl,lm->m", s, fit.covariance, s) for s in (one.frequency_slope, one.damping_slope)])
+        np.array(
+            [np.einsum("km,kl,lm->m", s, fit.covariance, s) for s in (one.frequency_slope, one.damping_slope)]
+        )
         for one in fit.forecasts
     ]
     total = 0.0
@@ -473,7 +484,7 @@ def mac(one: np.ndarray, other: np.ndarray) -> float:
 
 
 def off_shape(a: np.ndarray, model: np.ndarray, slopes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """a − P a with a of unit length, |·|² = 1 − MAC; derivatives by variable projection (Kaufman, BIT 15, 1975)."""
+    """A − P a with a of unit length, |·|² = 1 − MAC, and its derivatives (Kaufman, BIT 15, 1975)."""
     length = max(float(np.linalg.norm(model)), 1e-300)
     unit = model / length
     factor = unit.conj() @ a
@@ -487,6 +498,4 @@ def restricted(fit: ModalFit, measured: MeasuredModes) -> ModalFit:
     """The same parameters and scales looked at with other modes."""
     task = _Task(fit.explanation, measured, fit.beliefs)
     seen = task.see(fit.x, slopes=True)
-    return replace(
-        fit, measured=measured, pairs=task.pair_seen(seen, fit.scales, 0.0), forecasts=tuple(seen)
-    )
+    return replace(fit, measured=measured, pairs=task.pair_seen(seen, fit.scales, 0.0), forecasts=tuple(seen))

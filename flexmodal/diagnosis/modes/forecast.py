@@ -90,7 +90,9 @@ class Explanation:
         inner = x[: len(self.hypothesis.space)]
         names = self.hypothesis.space.names if slopes else ()
         groups = self.hypothesis.groups(inner, observations, slopes=slopes)
-        made = spectrum([g.structure for g in groups], [_rows(g, observations, places) for g in groups], names)
+        made = spectrum(
+            [g.structure for g in groups], [_rows(g, observations, places) for g in groups], names
+        )
         own, found = len(names), []
         for number, n in enumerate(made.count):
             pole = made.pole[number, :n]

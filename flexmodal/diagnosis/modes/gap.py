@@ -1,8 +1,8 @@
-"""The gap with modes alone, a measured mode that the model lacks included, and the mean of the other postures.
+"""The gap with modes alone, modes that the model lacks included, and the mean of the other postures.
 
 As the file formats have it: the root mean square of relative errors of natural frequency, of damping (by a
-tenth), and of 1 − MAC. A mode that the model lacks is wrong by 1, 0.1 and 1; a mode without structure predicts
-no shape, which counts as 1.
+tenth), and of 1 − MAC. A mode that the model lacks is wrong by 1, 0.1 and 1; a mode without structure
+predicts no shape, which counts as 1.
 """
 
 from __future__ import annotations
@@ -100,7 +100,9 @@ def _shape_of_others(mode: MeasuredMode, others: list[MeasuredMode]) -> float:
     """1 − MAC with the shape that is nearest to those of the others, at the places they share."""
     if not mode.shapes:
         return float("nan")
-    own = {(int(p), int(d)): r for (p, d), r in zip(mode.shapes[0].places, mode.shapes[0].residue, strict=True)}
+    own = {
+        (int(p), int(d)): r for (p, d), r in zip(mode.shapes[0].places, mode.shapes[0].residue, strict=True)
+    }
     rows = []
     for other in others:
         for shape in other.shapes[:1]:

@@ -38,7 +38,9 @@ def in_turn(fit: ModalFit) -> HeldOut | None:
     fits = []
     for fold in folds:
         seen = fit.measured.keeping(~fold)
-        scales = {k: v for k, v in fit.scales.items() if "." not in k or int(k.rpartition(".")[2]) in seen.numbers}
+        scales = {
+            k: v for k, v in fit.scales.items() if "." not in k or int(k.rpartition(".")[2]) in seen.numbers
+        }
         try:
             fits.append(fit_modes(fit.explanation, seen, fit.x, fit.beliefs, scales=scales))
         except (InvalidSystem, np.linalg.LinAlgError):
@@ -47,7 +49,10 @@ def in_turn(fit: ModalFit) -> HeldOut | None:
 
 
 def together(
-    fits: Sequence[ModalFit], whole: MeasuredModes, folds: Sequence[Bool[np.ndarray, " mode"]], usual: ModalFit
+    fits: Sequence[ModalFit],
+    whole: MeasuredModes,
+    folds: Sequence[Bool[np.ndarray, " mode"]],
+    usual: ModalFit,
 ) -> HeldOut:
     """What fits predict for the modes that each did not see.
 

@@ -5,8 +5,8 @@ unsure of both models' parameters, to first order,
 
     d² = Δᵀ (J₁C₁J₁ᵀ + J₂C₂J₂ᵀ + σ²)⁻¹ Δ,    Δ = ln(α₁/α₂),
 
-over real and imaginary parts of all lines. A point that hardly moves has a noisier FRF: σ² grows with the square
-of what points move typically over what it moves.
+over real and imaginary parts of all lines. A point that hardly moves has a noisier FRF: σ² grows with the
+square of what points move typically over what it moves.
 """
 
 from __future__ import annotations
@@ -56,11 +56,15 @@ def next_frf(one: ModalFit, other: ModalFit, seed: int = 0) -> NextMeasurement:
         reference=(int(reference[0]), int(reference[1])),
         separates=("@".join(one.explanation.key), "@".join(other.explanation.key)),
         expected=float(worth),
-        force_peak=float(np.mean([trial.force_peak for trial in campaign.trials])) if campaign.trials else 0.0,
+        force_peak=float(np.mean([trial.force_peak for trial in campaign.trials]))
+        if campaign.trials
+        else 0.0,
     )
 
 
-def _predicted(fit: ModalFit, scene: Scene, planned: Observations) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _predicted(
+    fit: ModalFit, scene: Scene, planned: Observations
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Receptances, slopes of their logarithm, covariance of the parameters."""
     old = fit.explanation.hypothesis
     moved = Hypothesis(Scene(scene.robot, planned), old.base, old.placed)
@@ -74,7 +78,7 @@ def _predicted(fit: ModalFit, scene: Scene, planned: Observations) -> tuple[np.n
 
 
 def _worth(values: list[tuple[np.ndarray, np.ndarray, np.ndarray]]) -> np.ndarray:
-    """d of every response and hammer point, a line: how many times what could hide it."""
+    """D of every response and hammer point, a line: how many times what could hide it."""
     away = residual(values[0][0], values[1][0])
     size = np.minimum(*(np.abs(value) for value, _, _ in values))
     typical = np.median(size, axis=0)

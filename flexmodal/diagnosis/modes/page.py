@@ -44,7 +44,11 @@ def _content(diagnosis: Diagnosis, notes: Sequence[str]) -> dict[str, Any]:
     return {
         "d": diagnosis,
         "found": found,
-        "state": "open" if not diagnosis.verdict.explained else "found" if diagnosis.verdict.effects else "nothing",
+        "state": "open"
+        if not diagnosis.verdict.explained
+        else "found"
+        if diagnosis.verdict.effects
+        else "nothing",
         "headline": headline(diagnosis, found),
         "ties": [short(key) for key in found.tied],
         "summary": summary_rows(found, name),
@@ -62,11 +66,17 @@ def _content(diagnosis: Diagnosis, notes: Sequence[str]) -> dict[str, Any]:
         "modes": mode_rows(found),
         "name": name,
         "steps": [
-            {"name": placed(s.effect, s.where), "parameters": effect_rows(s), "confidence": percent(s.confidence)}
+            {
+                "name": placed(s.effect, s.where),
+                "parameters": effect_rows(s),
+                "confidence": percent(s.confidence),
+            }
             for s in diagnosis.steps
         ],
         "base": base_rows(diagnosis),
-        "next": None if diagnosis.next_measurement is None else next_words(diagnosis, diagnosis.next_measurement),
+        "next": None
+        if diagnosis.next_measurement is None
+        else next_words(diagnosis, diagnosis.next_measurement),
         "notes": notes,
         "size": size,
     }
@@ -81,8 +91,7 @@ def headline(diagnosis: Diagnosis, found: Findings) -> str:
         return "Nothing is missing that these modes could show"
     if not found.missing:
         return "Something is missing; these modes do not say what"
-    number = len(found.missing)
-    return f"{'A mode is' if number == 1 else f'{number} modes are'} missing; these data do not say what makes {'it' if number == 1 else 'them'}"
+    return "A mode is missing; these data do not say what makes it"
 
 
 def after_name(diagnosis: Diagnosis, found: Findings) -> str:
@@ -103,11 +112,25 @@ def compared_fits(found: Findings) -> tuple[ModalFit, ModalFit] | None:
 
 def summary_rows(found: Findings, name: str) -> list[list[str]]:
     """Re-tuned, with what was added, the two baselines: fitted, and each posture held out."""
-    rows = [_figures("re-tuned, nothing added", errors(found.before), None if found.held_before is None else found.held_before.errors)]
+    rows = [
+        _figures(
+            "re-tuned, nothing added",
+            errors(found.before),
+            None if found.held_before is None else found.held_before.errors,
+        )
+    ]
     if found.after.explanation.key[0] not in ("none", FREE):
-        rows.append(_figures(name, errors(found.after), None if found.held_after is None else found.held_after.errors))
+        rows.append(
+            _figures(name, errors(found.after), None if found.held_after is None else found.held_after.errors)
+        )
     if found.free is not None:
-        rows.append(_figures("one more mode with no structure", errors(found.free), None if found.held_free is None else found.held_free.errors))
+        rows.append(
+            _figures(
+                "one more mode with no structure",
+                errors(found.free),
+                None if found.held_free is None else found.held_free.errors,
+            )
+        )
     rows.append(_figures("the mean of the other postures", None, found.mean))
     return rows
 
@@ -163,11 +186,21 @@ def mode_rows(found: Findings) -> list[list[str]]:
     """Every measured mode beside the models."""
     rows = []
     for k, mode in enumerate(found.measured.observed.modes):
-        cells = [found.measured.observed.postures[mode.posture].name, f"{mode.frequency:.2f} ± {mode.frequency * mode.frequency_error:.2f}"]
+        cells = [
+            found.measured.observed.postures[mode.posture].name,
+            f"{mode.frequency:.2f} ± {mode.frequency * mode.frequency_error:.2f}",
+        ]
         cells += [_frequency(found.before, k), _frequency(found.after, k)]
         held = float("nan") if found.held_after is None else found.held_after.frequency[k]
-        cells += [f"{held:.2f}" if np.isfinite(held) else "–", f"{mode.frequency * (1 + found.mean[k, 0]):.2f}" if found.mean[k, 0] != 1 else "–"]
-        cells += [f"{mode.damping_ratio:.3f}" if np.isfinite(mode.damping_ratio) else "–", _damping(found.before, k), _damping(found.after, k)]
+        cells += [
+            f"{held:.2f}" if np.isfinite(held) else "–",
+            f"{mode.frequency * (1 + found.mean[k, 0]):.2f}" if found.mean[k, 0] != 1 else "–",
+        ]
+        cells += [
+            f"{mode.damping_ratio:.3f}" if np.isfinite(mode.damping_ratio) else "–",
+            _damping(found.before, k),
+            _damping(found.after, k),
+        ]
         rows.append(cells)
     return rows
 

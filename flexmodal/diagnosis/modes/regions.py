@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from flexmodal.diagnosis.modes.fit import ModalFit
-from flexmodal.diagnosis.modes.gap import DAMPING_SHARE, errors
+from flexmodal.diagnosis.modes.gap import errors
 from flexmodal.diagnosis.outcome import Region
+from flexmodal.identification.mode_gap import DAMPING_SHARE
 
 MOST = 12
 STANDS_OUT = 3.0
@@ -14,7 +15,7 @@ STANDS_OUT = 3.0
 
 
 def regions(fit: ModalFit) -> tuple[Region, ...]:
-    """Modes that the model lacks, and those that it has elsewhere or damped otherwise, the largest share first."""
+    """Modes that the model lacks, has elsewhere or damps otherwise, the largest share first."""
     table = errors(fit)
     total = float(np.nansum(table**2))
     found = []
@@ -42,16 +43,23 @@ def regions(fit: ModalFit) -> tuple[Region, ...]:
 def _kind(fit: ModalFit, k: int, table: np.ndarray) -> tuple[str, str] | None:
     mode = fit.measured.observed.modes[k]
     if fit.pairs[k] < 0:
-        return "missing resonance", f"a mode at {mode.frequency:.3g} Hz was measured that the model does not have."
+        return (
+            "missing resonance",
+            f"a mode at {mode.frequency:.3g} Hz was measured that the model does not have.",
+        )
     away = abs(np.log1p(table[0])) / np.hypot(mode.frequency_error, np.exp(fit.scales["frequency"]))
     if away > STANDS_OUT:
         there = mode.frequency * (1 + table[0])
-        return "shifted resonance", f"the mode at {mode.frequency:.3g} Hz stands at {there:.3g} Hz in the model."
+        return (
+            "shifted resonance",
+            f"the mode at {mode.frequency:.3g} Hz stands at {there:.3g} Hz in the model.",
+        )
     if not np.isfinite(table[1]):
         return None
     off = np.log(max(1 + table[1] / DAMPING_SHARE, 1e-9))
     if abs(off) / np.hypot(mode.damping_error, np.exp(fit.scales["damping"])) > STANDS_OUT:
         there = mode.damping_ratio * np.exp(off)
-        says = f"at {mode.frequency:.3g} Hz the damping ratio is {mode.damping_ratio:.3f}, the model has {there:.3f}."
+        measured = f"at {mode.frequency:.3g} Hz the damping ratio is {mode.damping_ratio:.3f}"
+        says = f"{measured}, the model has {there:.3f}."
         return ("too much damping" if off > 0 else "too little damping"), says
     return None

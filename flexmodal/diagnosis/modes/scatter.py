@@ -5,11 +5,11 @@ A measured mode k that is the model's mode m has
     ln f_k ~ N(ln f_m, e_k² + s_f²),    ln ζ_k ~ N(ln ζ_m, e_ζk² + s_ζ²),
     p(a_k | u_m) = exp(κ MAC(a_k, u_m)) / ₁F₁(1; n; κ)    [complex Watson, density over the uniform one],
 
-with e the standard errors that the spread over places gives, s what the model itself misses by, and κ how well
-the shapes of one mode are measured, for each mode by itself. A measured mode that is none of the model's comes
-from anywhere in the band, with any damping and any shape; a mode of the model in the band that nobody measured
-was overlooked (peaks in clutter: Reid, IEEE Trans. Automatic Control 24, 1979; the Watson density: Mardia and
-Dryden, Biometrika 86, 1999).
+with e the standard errors that the spread over places gives, s what the model itself misses by, and κ how
+well the shapes of one mode are measured, for each mode by itself. A measured mode that is none of the
+model's comes from anywhere in the band, with any damping and any shape; a mode of the model in the band
+that nobody measured was overlooked (peaks in clutter: Reid, IEEE Trans. Automatic Control 24, 1979; the
+Watson density: Mardia and Dryden, Biometrika 86, 1999).
 """
 
 from __future__ import annotations
@@ -38,7 +38,9 @@ class Beliefs:
     """Damping ratio from which a mode of the model makes no peak that anybody has to have found."""
     scales: Mapping[str, tuple[float, float]] = field(
         default_factory=lambda: {
-            FREQUENCY: (float(np.log(0.01)), 0.8), DAMPING: (float(np.log(0.3)), 0.8), SHAPE: (np.log(10.0), 1.5)
+            FREQUENCY: (float(np.log(0.01)), 0.8),
+            DAMPING: (float(np.log(0.3)), 0.8),
+            SHAPE: (float(np.log(10.0)), 1.5),
         }
     )  # fmt: skip
     """Mean and standard deviation of ln s_f, ln s_ζ and ln κ."""
@@ -52,7 +54,7 @@ def log_normal(away: float, variance: float) -> float:
 
 
 def log_watson_constant(n: int, kappa: float) -> float:
-    """ln ₁F₁(1; n; κ) = κ + ln Γ(n) − (n − 1) ln κ + ln P(n − 1, κ), P the regularised incomplete gamma."""
+    """Ln ₁F₁(1; n; κ) = κ + ln Γ(n) − (n − 1) ln κ + ln P(n − 1, κ), P the regularised incomplete gamma."""
     from scipy.special import gammainc, gammaln
 
     if n < 2:

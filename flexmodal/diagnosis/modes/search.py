@@ -27,12 +27,14 @@ QUICK = 12
 CLOSE = 3
 """Quick fits that are followed up."""
 NEAR = 8
-"""Starts that are looked at from each state of the robot: those whose modes come nearest to the measured ones."""
+"""Starts that are looked at from each state of the robot: those whose modes come nearest to the measured
+ones."""
 FORCED = 2
 """Of those, how many are tried with every way to pair."""
 SIZES = ("stiffness", "gain", "mass")
 FACTORS = (1.0, 0.5, 0.25, 0.1, 0.05, 0.02)
-"""On the sizes that an effect starts from: a mode that is to be met lies lower than a slight change puts it."""
+"""On the sizes that an effect starts from: a mode that is to be met lies lower than a slight change puts
+it."""
 PEAKED = 0.5
 """Damping ratio up to which a mode of the model may be one that was measured."""
 
@@ -101,7 +103,11 @@ def effect_starts(
         given = _at_peaks(own, lacks or _centres(measured)) if own and "frequency" in own[0] else own
         starts = [explanation.hypothesis.start(placed, one, x) for one in given]
         ranked = sorted(
-            ((likely, k) for k, start in enumerate(starts) if (likely := _likely(explanation, measured, start)) is not None),
+            (
+                (likely, k)
+                for k, start in enumerate(starts)
+                if (likely := _likely(explanation, measured, start)) is not None
+            ),
             reverse=True,
         )
         chosen += [(starts[k], None) for _, k in ranked[:NEAR]]
@@ -111,7 +117,7 @@ def effect_starts(
 
 
 def _likely(explanation: Explanation, measured: MeasuredModes, x: np.ndarray) -> float | None:
-    """ln likelihood at a start that is granted to be far off; None where there is no model."""
+    """Ln likelihood at a start that is granted to be far off; None where there is no model."""
     try:
         return granted(explanation, measured, x)
     except (InvalidSystem, np.linalg.LinAlgError):
@@ -119,7 +125,7 @@ def _likely(explanation: Explanation, measured: MeasuredModes, x: np.ndarray) ->
 
 
 def _spread(placed: Placed, scene: Scene, own: Sequence[Mapping[str, float]]) -> list[Mapping[str, float]]:
-    """Starts with what is a size on a logarithmic scale, stiffnesses, masses and gains, smaller and larger too."""
+    """Starts with stiffnesses, masses and gains smaller too."""
     sizes = [
         p.name
         for p in placed.effect.parameters(scene, placed.where)
@@ -152,7 +158,7 @@ def _nearest(found: Sequence[tuple[float, Start]]) -> list[Start]:
 
 
 def unmatched(fit: ModalFit) -> dict[int, float]:
-    """Measured modes, by number, that the robot itself lacks in at least half the postures: frequency [Hz]."""
+    """Measured modes that the robot itself lacks in at least half the postures, frequencies [Hz]."""
     found: dict[int, list[tuple[float, bool]]] = {}
     for mode, partner in zip(fit.measured.observed.modes, fit.pairs, strict=True):
         structured = len(fit.forecasts[mode.posture].log_frequency) - fit.explanation.free
@@ -209,9 +215,7 @@ def ways(
     tried = []
     for some in combinations(numbers, size):
         for those in combinations(modes, size):
-            shift = sum(
-                (centre[n] - first.log_frequency[m]) ** 2 for n, m in zip(some, those, strict=True)
-            )
+            shift = sum((centre[n] - first.log_frequency[m]) ** 2 for n, m in zip(some, those, strict=True))
             tried.append((float(shift), dict(zip(some, those, strict=True))))
     tried.sort(key=lambda one: one[0])
     return [(shift, _pairs(measured, seen, table, taken)) for shift, table in tried[:WAYS]]

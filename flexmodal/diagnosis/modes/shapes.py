@@ -1,10 +1,10 @@
 """Why shapes decide between two explanations, or cannot.
 
-Two fitted explanations predict shapes at the measured places. Where these agree, no measurement there tells the
-explanations apart; where measured shapes scatter more than the predictions differ, these do not. What they say
-for one explanation against the other is the difference of their log-likelihoods; what shapes that follow one of
-them would say, measured with the concentration κ of the Watson density, is κ (1 − MAC) nats, MAC being that of
-the two predictions.
+Two fitted explanations predict shapes at the measured places. Where these agree, no measurement there tells
+the explanations apart; where measured shapes scatter more than the predictions differ, these do not. What
+they say for one explanation against the other is the difference of their log-likelihoods; what shapes that
+follow one of them would say, measured with the concentration κ of the Watson density, is κ (1 − MAC) nats,
+MAC being that of the two predictions.
 """
 
 from __future__ import annotations
@@ -53,11 +53,16 @@ def compare_shapes(one: ModalFit, other: ModalFit) -> tuple[ModeShapes, ...]:
                 continue
             shape = max(mode.shapes, key=lambda s: len(s.places))
             rows = measured.rows(shape.places)
-            seen = [fit.forecasts[mode.posture].shape[rows, m] for fit, m in zip((one, other), partners, strict=True)]
+            seen = [
+                fit.forecasts[mode.posture].shape[rows, m]
+                for fit, m in zip((one, other), partners, strict=True)
+            ]
             if len(rows) > 1 and not any(np.isnan(s).any() for s in seen):
                 entries.append((mode, dict(zip(rows, zip(shape.residue, *seen, strict=True), strict=True))))
         if entries:
-            found.append(_mode_shapes(number, entries, [fit.scales[f"{SHAPE}.{number}"] for fit in (one, other)]))
+            found.append(
+                _mode_shapes(number, entries, [fit.scales[f"{SHAPE}.{number}"] for fit in (one, other)])
+            )
     return tuple(sorted(found, key=lambda m: m.frequency))
 
 
@@ -69,7 +74,10 @@ def _mode_shapes(number: int, entries: list, log_kappa: list[float]) -> ModeShap
         float(np.median([mode.frequency for mode, _ in entries])),
         _between(entries, 0),
         (_between(entries, 1), _between(entries, 2)),
-        (float(np.mean([mac(c[0], c[1]) for c in columns])), float(np.mean([mac(c[0], c[2]) for c in columns]))),
+        (
+            float(np.mean([mac(c[0], c[1]) for c in columns])),
+            float(np.mean([mac(c[0], c[2]) for c in columns])),
+        ),
         float(np.mean(alike)),
         _likely(columns, 1, log_kappa[0]) - _likely(columns, 2, log_kappa[1]),
         float(CLEAN * np.sum(1 - np.array(alike))),
@@ -77,7 +85,7 @@ def _mode_shapes(number: int, entries: list, log_kappa: list[float]) -> ModeShap
 
 
 def _likely(columns: list[np.ndarray], which: int, log_kappa: float) -> float:
-    """ln likelihood of the measured shapes under one explanation."""
+    """Ln likelihood of the measured shapes under one explanation."""
     kappa = float(np.exp(log_kappa))
     return sum(kappa * mac(c[0], c[which]) - log_watson_constant(len(c[0]), kappa) for c in columns)
 
@@ -88,7 +96,9 @@ def _between(entries: list, column: int) -> float:  # type: ignore[type-arg]
     for (_, a), (_, b) in combinations(entries, 2):
         shared = sorted(set(a) & set(b))
         if len(shared) > 1:
-            found.append(mac(np.array([a[r][column] for r in shared]), np.array([b[r][column] for r in shared])))
+            found.append(
+                mac(np.array([a[r][column] for r in shared]), np.array([b[r][column] for r in shared]))
+            )
     return float(np.mean(found)) if found else float("nan")
 
 
@@ -100,4 +110,3 @@ def shapes_of(measured: MeasuredModes, number: int) -> dict[int, tuple[list[int]
             shape = max(mode.shapes, key=lambda s: len(s.places))
             found[mode.posture] = (measured.rows(shape.places), shape.residue / np.linalg.norm(shape.residue))
     return found
-

@@ -107,7 +107,9 @@ def _solve(mass: np.ndarray, damping: np.ndarray, stiffness: np.ndarray) -> tupl
     return pole, shape / np.sqrt(np.where(scale == 0, 1.0, scale))[:, None, :]
 
 
-def _slopes(structures: Sequence[Structure], names: tuple[str, ...], kind: str) -> Float[np.ndarray, "p k n n"]:
+def _slopes(
+    structures: Sequence[Structure], names: tuple[str, ...], kind: str
+) -> Float[np.ndarray, "p k n n"]:
     n = structures[0].dof
     table = np.zeros((len(structures), len(names), n, n))
     for p, one in enumerate(structures):

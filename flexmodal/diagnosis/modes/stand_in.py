@@ -1,7 +1,7 @@
 """A modes-only campaign made ready for effects, which look at a campaign through its FRFs.
 
-Effects and hypotheses know postures, points and a band by `Observations`. Where there are only modes, a stand-in
-says the same with nothing measured in it.
+Effects and hypotheses know postures, points and a band by `Observations`. Where there are only modes, a
+stand-in says the same with nothing measured in it.
 """
 
 from __future__ import annotations
@@ -26,8 +26,8 @@ Place = tuple[int, int]
 def placed_on(campaign: Campaign, robot: Robot) -> tuple[Campaign, tuple[str, ...]]:
     """The campaign with points on links that the robot lacks put where its card has a point of that name.
 
-    A campaign names links of one card; a card with fewer links, the same arm without a pseudo-joint, say, keeps
-    its points under the same names elsewhere.
+    A campaign names links of one card; a card with fewer links, the same arm without a pseudo-joint, say,
+    keeps its points under the same names elsewhere.
 
     Returns:
         The campaign, and a sentence for each point that was moved.
@@ -89,7 +89,7 @@ def stand_in(
     size = (len(table), LINES)
     records = FrfRecords(
         frequency=frequency, value=np.ones(size, dtype=complex), coherence=None,
-        posture=np.array([postures[k].id for k in posture], dtype=int),
+        posture=np.array([postures[k].id for k in posture.tolist()], dtype=int),
         trial=np.full(len(table), campaign.trials[0].id if campaign.trials else 1, dtype=int),
         response=table[:, :2], reference=table[:, 2:], form="receptance",
     )  # fmt: skip

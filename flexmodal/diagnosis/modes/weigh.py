@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -27,7 +27,7 @@ class Variant:
     """Factor on the priors of the robot's parameters."""
     stretch: float = 1.0
     """The same for those of what is added."""
-    beliefs: Beliefs = Beliefs()
+    beliefs: Beliefs = field(default_factory=Beliefs)
 
     def of(self, explanation: Explanation) -> Explanation:
         """An explanation with these priors."""
@@ -103,6 +103,5 @@ class Scales:
     @property
     def tied(self) -> list[int]:
         """Candidates that come within `TIED` of the best under some variant."""
-        close = (self.table >= -TIED).any(axis=1)
+        close = np.any(self.table >= -TIED, axis=1)
         return [k for k in self.order if close[k]]
-

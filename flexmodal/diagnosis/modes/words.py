@@ -43,7 +43,9 @@ def missing_words(found: Findings) -> str:
         f" ({100 * before.frequency:.1f} % in frequency)"
     )
     if found.missing:
-        says += f"; the one{'s' if len(found.missing) > 1 else ''} near {hertz(found.missing)} it has no mode for"
+        says += (
+            f"; the one{'s' if len(found.missing) > 1 else ''} near {hertz(found.missing)} it has no mode for"
+        )
     return f"{says}."
 
 
@@ -64,13 +66,13 @@ def shape_words(found: Findings) -> str:
     one, other = (named(key) for key in found.compared)
     says = (
         f"Between {one} and {other} the measured shapes say {abs(says_so):.1f} nats for the "
-        f"{'first' if says_so >= 0 else 'second'}; shapes that follow one of the two, measured carefully at the same "
-        f"places, would say up to {clean:.0f}."
+        f"{'first' if says_so >= 0 else 'second'}; shapes that follow one of the two, measured carefully at the "
+        f"same places, would say up to {clean:.0f}."
     )
     if poor is not None:
         says += (
-            f" The measured shapes of the mode near {poor.frequency:.3g} Hz agree between postures by a MAC of "
-            f"{poor.measured:.2f}, where both models ask for {min(poor.model):.2f} or more."
+            f" The measured shapes of the mode near {poor.frequency:.3g} Hz agree between postures by a MAC "
+            f"of {poor.measured:.2f}, where both models ask for {min(poor.model):.2f} or more."
         )
     return says
 
@@ -88,5 +90,7 @@ def left_words(found: Findings) -> str:
     parts = []
     for number, frequency in found.left:
         here = [m.posture for m in found.measured.observed.modes if m.number == number]
-        parts.append(f"near {frequency:.3g} Hz (in {len(here)} of {len(found.measured.observed.postures)} postures)")
+        parts.append(
+            f"near {frequency:.3g} Hz (in {len(here)} of {len(found.measured.observed.postures)} postures)"
+        )
     return f"No partner is left for the peak{'s' if len(parts) > 1 else ''} {listing(parts)}."

@@ -1,8 +1,8 @@
 """Diagnosis of a campaign of modes: the same course as with FRFs, on natural frequencies, damping and shapes.
 
-Re-tune, compare, fit every effect that adds to the structure in every place, one mode without structure beside
-them, weigh under several beliefs, and add what is decided. What is tied is said to be tied. Where the caller
-names effects, the best of them is added even so, with its ties.
+Re-tune, compare, fit every effect that adds to the structure in every place, one mode without structure
+beside them, weigh under several beliefs, and add what is decided. What is tied is said to be tied. Where
+the caller names effects, the best of them is added even so, with its ties.
 """
 
 from __future__ import annotations
@@ -32,9 +32,10 @@ from flexmodal.identification.mode_data import modes_of_table
 from flexmodal.model import Robot
 
 TRUST = {"stiffness": 0.5, "damping": 1.0, "mass": 0.2, "inertia": 0.2}
-"""Standard deviation of ln(true / card) unless the card or the caller says other; weighing halves and doubles it."""
+"""Standard deviation of ln(true / card) unless the card or the caller says other; weighing halves and
+doubles it."""
 SIGNIFICANT = 8.0
-"""Evidence that an explanation has to gain under the first beliefs; under all others more than a tie [nat]."""
+"""Evidence that an explanation has to gain under the first beliefs; under others more than a tie."""
 FINALISTS = 9
 """Effects that are weighed under every variant."""
 WITHIN = 16.0
@@ -121,7 +122,9 @@ class _Course:
         bare = Explanation(Hypothesis(self.scene, self.base))
         fits = best_fits(bare, self.measured, bare_starts(bare, self.measured, zero), Beliefs())
         if not fits:
-            raise InvalidRequest(Fault(self.scene.robot.name, "", "no modes to be compared", "a robot that oscillates"))
+            raise InvalidRequest(
+                Fault(self.scene.robot.name, "", "no modes to be compared", "a robot that oscillates")
+            )
         rounds: list[Round] = []
         root = fits
         for number in range(MOST_STEPS):
@@ -146,7 +149,9 @@ class _Course:
         places = self._places(hypothesis)
         for k, placed in enumerate(places):
             one = Explanation(hypothesis.and_also(placed))
-            found = best_fits(one, self.measured, effect_starts(placed, one, states, self.measured), Beliefs())
+            found = best_fits(
+                one, self.measured, effect_starts(placed, one, states, self.measured), Beliefs()
+            )
             searched += [found] if found else []
             self.advance(doing, 0.7 * (k + 1) / max(len(places), 1))
         searched.sort(key=lambda some: -some[0].evidence)
@@ -173,7 +178,10 @@ class _Course:
             unknown = [where for where in wanted if where not in places]
             if unknown:
                 raise InvalidRequest(
-                    [Fault("call", "effects", f"{effect.name}@{where}", ", ".join(places)) for where in unknown]
+                    [
+                        Fault("call", "effects", f"{effect.name}@{where}", ", ".join(places))
+                        for where in unknown
+                    ]
                 )
             found += [
                 Placed(effect, where)
@@ -252,7 +260,9 @@ def _held(measured: MeasuredModes, wanted: Sequence[int | str]) -> np.ndarray:
     known = {str(name): k for k, p in enumerate(postures) for name in (p.id, p.name)}
     allowed = ", ".join(p.name for p in postures)
     faults = [
-        Fault("call", "hold_out", repr(one), f"a posture with modes: {allowed}") for one in wanted if str(one) not in known
+        Fault("call", "hold_out", repr(one), f"a posture with modes: {allowed}")
+        for one in wanted
+        if str(one) not in known
     ]
     numbers = {known[str(one)] for one in wanted if str(one) in known}
     if len(numbers) >= len(postures) and not faults:
