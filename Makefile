@@ -5,6 +5,7 @@
 # make studies run the thesis's optimisations again, beside its printed numbers; some minutes
 # make bench   measure engine, reading and fitting against their goals and peers; some minutes
 # make exam    120 campaigns with effects hidden in them, for the diagnosis to name; goes on where it was stopped
+# make appendix  diagnose the thesis's measured modes: docs/appendix_c.md with its pictures; some minutes
 # make recovery  identify 300 simulated campaigns; goes on where it was stopped; an hour
 # make fuzz    read 100000 mutated campaigns; no crash, no hang, no flood of memory
 # make clean   remove what these made
@@ -12,7 +13,7 @@
 PYTHON ?= python3.11
 BIN := .venv/bin
 .DEFAULT_GOAL := help
-.PHONY: help demo test check tables studies exam recovery bench fuzz browser clean
+.PHONY: help demo test check tables studies exam appendix recovery bench fuzz browser clean
 
 help:
 	@grep '^# make' Makefile | cut -c3-
@@ -64,6 +65,9 @@ studies: .venv/tested
 exam: .venv/tested
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/exam.py
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/exam.py --engine mujoco
+
+appendix: .venv/tested
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/appendix_c.py
 
 recovery: .venv/tested
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/identification_recovery.py

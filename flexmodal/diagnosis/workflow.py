@@ -15,6 +15,7 @@ from flexmodal.diagnosis.explanations import explanations
 from flexmodal.diagnosis.figures import gaps_of, left, over_noise
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.looking import looked_at
+from flexmodal.diagnosis.modes.workflow import diagnose_modes, is_modal
 from flexmodal.diagnosis.next_measurement import next_measurement
 from flexmodal.diagnosis.outcome import (
     Diagnosis,
@@ -66,7 +67,7 @@ def diagnose(
     """Find what is missing between a robot and a campaign of hammer tests on it.
 
     Args:
-        campaign: with FRFs, or blows to estimate them from.
+        campaign: with FRFs, or blows to estimate them from; with modes alone they are diagnosed (`modes`).
         robot: as it is believed to be.
         hold_out: postures (ids or names) that no weighed fit sees. By default one in four, at least one,
             those on which the re-tuned robot is neither best nor worst; with fewer than three postures none.
@@ -78,6 +79,10 @@ def diagnose(
     Raises:
         InvalidRequest: no data, unknown effects or postures, a campaign that does not belong to the robot.
     """
+    if is_modal(campaign):
+        return diagnose_modes(
+            campaign, robot, hold_out=hold_out, effects=effects, trust=trust, seed=seed, advance=advance
+        )
     with threadpool_limits(1):  # matrices this small only wait for the threads of a BLAS
         return _Course(prepare(campaign, robot, hold_out, effects, trust, seed, advance)).run()
 
