@@ -140,7 +140,7 @@ def _blocks(
     generator, most = np.random.default_rng(seed), starts or _BATCHES * MANY_STARTS
     while report.before < most:
         count = min(MANY_STARTS, most - report.before)
-        first = [] if given is None or report.before > 0 else [_leaning(problem, given)]
+        first = [] if given is None or report.before > 0 else [leaning(problem, given)]
         vectors = random_starts(problem, count - len(first), generator)
         yield descend_from(plan, np.array([*first, *vectors]), progress=report)
         report.before += count
@@ -183,7 +183,7 @@ def one_by_one(
             first = count == 0 and given is not None
             vector = given if first and given is not None else problem.random_vector(generator)
             try:
-                result = descend(problem, _leaning(problem, vector) if first else vector)
+                result = descend(problem, leaning(problem, vector) if first else vector)
             except FlexmodalError as error:
                 trouble, result = error, None
             if result is not None:
@@ -214,7 +214,7 @@ def gathered(
     return Found(optima, best.converged, len(found), unbounded, tried, interrupted)
 
 
-def _leaning(problem: PostureProblem, start: np.ndarray) -> np.ndarray:
+def leaning(problem: PostureProblem, start: np.ndarray) -> np.ndarray:
     """A start that the hold can be reached from: itself, or beside it where no first step leads off.
 
     As where a stretched arm is to reach inwards.
