@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from flexmodal.errors import FlexmodalError
+from flexmodal.errors import Fault, FlexmodalError, InvalidRequest
 from flexmodal.frf import PointDirection
 from flexmodal.frf.plot import PALETTE, draw_frf
 from flexmodal.model import PosedRobot, Posture, Robot
@@ -158,10 +158,16 @@ def draw_self_motion(problem: PostureProblem, centre: Posture, *, reach: float =
         centre: a posture on the hold, such as an optimum.
         reach: how far to go each way [rad].
         count: postures along each axis.
+
+    Raises:
+        InvalidRequest: the hold leaves nothing free.
     """
     from matplotlib.figure import Figure
 
     vector = problem.vector(centre)
+    if len(null_space(problem.held(vector)[1]).T) == 0:
+        found, allowed = "a hold that leaves nothing free", "one that leaves a joint free"
+        raise InvalidRequest(Fault("call", "problem", found, allowed))
     free = _telling(problem, vector, null_space(problem.held(vector)[1]), reach)
     steps = np.linspace(-reach, reach, count)
     figure = Figure(figsize=(6.8, 5.2), layout="constrained")

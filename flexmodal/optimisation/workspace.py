@@ -21,7 +21,8 @@ _SAMPLE = 400
 """Random postures from which the extent of the workspace is taken."""
 
 _ZERO = 1e-4
-"""Share of the median below which a value counts as a zero, which would swamp the colours of the others."""
+"""Share of the median below which a value counts as a zero, which would swamp the colours of the others; of a
+value to be large, that many times the median counts as without bound."""
 
 _RED = "#D55E00"
 
@@ -82,15 +83,17 @@ def draw_workspace(
     found = grid[np.isfinite(grid)]
     if len(found) == 0:
         raise InvalidRequest(Fault("call", "grid", "no place within reach", "some place within reach"))
-    seen = found[found > _ZERO * np.median(found)]
+    middle = float(np.median(found))
+    large = problem.objective.larger_is_better
+    seen = found[found < middle / _ZERO] if large else found[found > middle * _ZERO]
     figure = Figure(figsize=(6.8, 5.6), layout="constrained")
     axes = figure.subplots()
-    colours = mpl.colormaps["viridis"].with_extremes(under=_RED)
+    colours = mpl.colormaps["viridis"].with_extremes(under=_RED, over=_RED)
     norm = LogNorm(float(seen.min()), float(max(seen.max(), 1.001 * seen.min())))
     shown = axes.pcolormesh(first, second, grid, norm=norm, cmap=colours, shading="nearest")
-    zeros = len(seen) < len(found)
+    left_out = len(seen) < len(found)
     label = f"Best objective [{problem.objective.unit}]"
-    figure.colorbar(shown, label=label, extend="min" if zeros else "neither")
+    figure.colorbar(shown, label=label, extend=("max" if large else "min") if left_out else "neither")
     axes.plot(*hold.target[:2], "x", color="white", markersize=10, markeredgewidth=2)
     names = ["xyz"[int(np.argmax(np.abs(row)))] for row in hold.rows]
     axes.set_xlabel(f"{names[0]} [m]")
@@ -99,8 +102,8 @@ def draw_workspace(
     where = "" if len(names) < 3 else f", {names[2]} = {hold.target[2]:g} m"
     title = problem.robot.title or problem.robot.name
     axes.set_title(f"{title}: best at each place{where}", loc="left", fontsize=11, parse_math=False)
-    if zeros:
-        patch = Patch(color=_RED, label=f"below {_ZERO * float(np.median(found)):.1g}: not moved at all")
+    if left_out:
+        patch = Patch(color=_RED, label="without bound" if large else "zero but for rounding")
         figure.legend(handles=[patch], fontsize=9, loc="outside lower center")
     return figure
 

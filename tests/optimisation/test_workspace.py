@@ -7,7 +7,7 @@ import pytest
 
 from flexmodal.errors import InvalidRequest
 from flexmodal.frf import PointDirection
-from flexmodal.optimisation import Hold, PostureProblem, ReceptanceObjective, optimise
+from flexmodal.optimisation import Hold, PostureProblem, ReceptanceObjective, StiffnessObjective, optimise
 from flexmodal.optimisation.workspace import draw_workspace, extent, workspace_map
 
 pytestmark = pytest.mark.usefixtures("types_unchecked")
@@ -50,7 +50,16 @@ def test_zeros_do_not_swamp_the_others(held):
     figure = draw_workspace(held, first, second, np.array([[1e-5, 2e-5], [np.nan, 1e-16]]))
     low, high = figure.axes[0].collections[0].get_clim()
     assert (low, high) == pytest.approx((1e-5, 2e-5))
-    assert "not moved at all" in figure.legends[0].get_texts()[0].get_text()
+    assert "zero" in figure.legends[0].get_texts()[0].get_text()
+
+
+def test_values_without_bound_do_not_swamp_the_others(held):
+    judge = StiffnessObjective(PointDirection("tool", "z"))
+    first = second = np.array([-1.0, 1.0])
+    grid = np.array([[1e5, 2e5], [np.nan, 1e19]])
+    figure = draw_workspace(replace(held, objective=judge), first, second, grid)
+    assert figure.axes[0].collections[0].get_clim() == pytest.approx((1e5, 2e5))
+    assert "without bound" in figure.legends[0].get_texts()[0].get_text()
 
 
 def test_refusals(held):
