@@ -14,6 +14,7 @@ from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.search import COARSE, some_lines, unlimited
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.identification import Observations, ParameterSpace, fit, gap, observe, predict, robot_space
+from flexmodal.identification.belong import check_belonging
 from flexmodal.identification.truncation import missing
 from flexmodal.model import Robot
 
@@ -54,8 +55,8 @@ def prepare(
     Raises:
         InvalidRequest: no data, unknown effects or postures, a campaign that does not belong to the robot.
     """
+    check_belonging(campaign, robot)
     observations = observe(campaign)
-    _belong(observations, robot)
     observations = _whole(observations, robot)
     scene = Scene(robot, observations)
     known = tuple(catalogue(effects).values())
@@ -73,31 +74,6 @@ def _trust_of(robot: Robot) -> dict[str, float]:
             if joint.damping > 0:
                 found[f"damping.{name}"] = joint.scale
     return found
-
-
-def _belong(observations: Observations, robot: Robot) -> None:
-    """Whether the campaign is one of this robot.
-
-    Raises:
-        InvalidRequest: links, joints or postures that the robot does not have; all at once.
-    """
-    campaign = observations.campaign
-    source = str(campaign.path or "campaign")
-    links = {link.name for link in robot.urdf.links}
-    faults = [
-        Fault(source, f"point {p.name}", f"link {p.link!r}", f"a link of {robot.name}: {', '.join(links)}")
-        for p in campaign.points
-        if p.link not in links
-    ]
-    for posture in campaign.postures:
-        try:
-            robot.posture(dict(posture.q), source=source)
-        except InvalidRequest as error:
-            faults += error.faults
-        except ValueError as error:
-            faults += getattr(error, "faults", ())
-    if faults:
-        raise InvalidRequest(faults)
 
 
 def _whole(observations: Observations, robot: Robot) -> Observations:

@@ -66,8 +66,8 @@ def shape_words(found: Findings) -> str:
     one, other = (named(key) for key in found.compared)
     says = (
         f"Between {one} and {other} the measured shapes say {abs(says_so):.1f} nats for the "
-        f"{'first' if says_so >= 0 else 'second'}; shapes that follow one of the two, measured carefully at the "
-        f"same places, would say up to {clean:.0f}."
+        f"{'first' if says_so >= 0 else 'second'}; shapes that follow one of the two, measured carefully at "
+        f"the same places, would say up to {clean:.0f}."
     )
     if poor is not None:
         says += (
