@@ -18,7 +18,7 @@ from flexmodal.campaign import (
     record_variance,
     repeat_groups,
 )
-from flexmodal.campaign.noise import COHERENT
+from flexmodal.campaign.noise import COHERENT, expected_gap_square
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.identification.structure import Axis
 
@@ -60,6 +60,8 @@ class Observations:
     """Coherent enough, less noisy than `NOISIEST`, and not zero."""
     of_record: Int[np.ndarray, " record"]
     """The observation that each record belongs to."""
+    noise: Float[np.ndarray, "record line"]
+    """E|ln(true / measured)|² of each record: what its noise alone puts into the gap."""
     silent: tuple[str, ...] = ()
     """Records that were left out because hardly a line of theirs is coherent."""
     power: int = 2
@@ -102,6 +104,7 @@ class Observations:
             variance=self.variance[keep],
             used=self.used[keep],
             of_record=number[self.of_record[rows]],
+            noise=self.noise[rows],
         )
 
     def __len__(self) -> int:
@@ -129,7 +132,10 @@ def observe(campaign: Campaign) -> Observations:
             Fault(str(campaign.path or "campaign"), "band", f"no line from {low:g} to {high:g} Hz", allowed)
         )
     records, silent = _heard(records, campaign)
-    relative = record_variance(records, relative=True)
+    absolute = record_variance(records)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        relative = np.where(records.value == 0, np.inf, absolute / np.abs(records.value) ** 2)
+    noise = expected_gap_square(records.value, absolute)
     power = {"receptance": 0, "mobility": 1, "inertance": 2}[records.form]
     groups = repeat_groups(records.trials or campaign.trials)
     records = _receptances(records, campaign)
@@ -178,6 +184,7 @@ def observe(campaign: Campaign) -> Observations:
         variance=variance / count**2,
         used=(weight / count >= COHERENT) & (value != 0) & (variance / count**2 <= NOISIEST),
         of_record=of_record,
+        noise=noise,
         silent=silent,
         power=power,
     )

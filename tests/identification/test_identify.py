@@ -6,8 +6,11 @@ import numpy as np
 import pytest
 
 import flexmodal
+from flexmodal.campaign import noise_floor
+from flexmodal.campaign.noise import COHERENT
 from flexmodal.errors import InvalidRequest
 from flexmodal.identification import build_identification, identify, robot_space
+from flexmodal.identification.observations import HEARD
 from flexmodal.rig import simulate
 
 
@@ -42,6 +45,23 @@ def test_gaps_are_told_fitted_and_held_out(outcome, campaign):
     assert all(one.after < one.before for one in outcome.held_out if one.kind == "posture")
     assert outcome.explained
     assert "times the noise" in outcome.verdict
+
+
+def test_the_noise_floor_is_that_of_the_campaign(campaign, fanuc):
+    """Of all records together, but for those without a signal in them, which the fit leaves out."""
+    route = build_identification(campaign, fanuc).route
+    seen = route.observations
+    frfs = campaign.frfs
+    keep = (frfs.frequency >= campaign.band[0]) & (frfs.frequency <= campaign.band[1])
+    inside = replace(
+        frfs, frequency=frfs.frequency[keep], value=frfs.value[:, keep], coherence=frfs.coherence[:, keep]
+    )
+    heard = inside.take(np.flatnonzero(np.mean(inside.coherence >= COHERENT, axis=1) >= HEARD))
+    assert len(heard) == len(seen.records)
+    floor = noise_floor(heard, campaign.band)
+    assert route.gap(seen.value).noise_floor == pytest.approx(floor, rel=1e-9)
+    perfect = route.gap(seen.value).value
+    assert 0 < perfect < floor * 1.1  # the mean of the repeats is closer than the truth
 
 
 def test_what_is_named_is_never_fitted(campaign, fanuc):
