@@ -1,8 +1,8 @@
 """The gap between model and measurement, as the file formats define it.
 
 Root mean square over FRF lines of |ln(model / measured)|, over the lines inside the band with coherence 0.8
-or more, each weighted by its coherence; a line where one of them is exactly zero counts as 10. The noise floor
-beside it is the campaign's own, see `flexmodal.campaign.noise`.
+or more, each weighted by its coherence; a line where one of them is exactly zero counts as 10. The noise
+floor beside it is the campaign's own, see `flexmodal.campaign.noise`.
 """
 
 from __future__ import annotations

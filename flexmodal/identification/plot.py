@@ -33,7 +33,7 @@ def draw_held_out(outcome: Outcome) -> Any:
     from matplotlib.figure import Figure
 
     held = outcome.held_out
-    figure = Figure(figsize=(7.5, 1.2 + 0.32 * len(held)), layout="constrained")
+    figure = Figure(figsize=(7.5, 1.5 + 0.32 * len(held)), layout="constrained")
     axes = figure.subplots()
     rows = np.arange(len(held))
     for values, marker, colour, label in (
@@ -43,11 +43,16 @@ def draw_held_out(outcome: Outcome) -> Any:
     ):
         axes.plot(values, rows, marker, color=colour, label=label, markersize=7, markeredgewidth=1.8)
     axes.set_yticks(rows, [f"{one.kind} {one.name}" for one in held], fontsize=9)
-    axes.invert_yaxis()
-    axes.set(xscale="log", xlabel="Gap, root mean square of |ln(model / measured)| [–]")
+    axes.set_ylim(len(held) - 0.4, -0.6)
+    what = "|ln(model / measured)|" if outcome.problem.source == "frf" else "errors of modes"
+    axes.set(xscale="log", xlabel=f"Gap, root mean square of {what} [–]")
+    low, high = axes.get_xlim()
+    marks = [part * 10.0**power for power in range(-6, 3) for part in (1, 2, 5)]
+    axes.set_xticks([mark for mark in marks if low <= mark <= high])
     axes.xaxis.set_major_formatter("{x:g}")
+    axes.xaxis.set_minor_formatter("")
     axes.grid(True, axis="x", which="both", color="0.9", linewidth=0.6)
-    axes.legend(fontsize=9)
+    figure.legend(*axes.get_legend_handles_labels(), loc="outside upper right", ncols=3, fontsize=9)
     axes.set_title("Held out", loc="left", fontsize=11)
     return figure
 
@@ -115,7 +120,11 @@ def _draw_modes(outcome: Outcome, route: ModeRoute) -> Any:
 
     observed = route.observations
     before, after = route.predicted(np.zeros(len(route.space))), route.predicted(outcome.at)
-    labels = [f"{observed.postures[m.posture].name}, {m.frequency:.1f} Hz" for m in observed.modes]
+    labels = [
+        f"{observed.postures[m.posture].name}, {m.frequency:.1f} Hz"
+        + ("" if np.isfinite(error) else ", not met")
+        for m, error in zip(observed.modes, after[:, 0], strict=False)
+    ]
     rows = np.arange(len(labels))
     figure = Figure(figsize=(9.0, 1.4 + 0.24 * len(labels)), layout="constrained")
     left, right = figure.subplots(1, 2, sharey=True)
@@ -125,9 +134,15 @@ def _draw_modes(outcome: Outcome, route: ModeRoute) -> Any:
             0,
             100.0,
             [m.frequency_error for m in observed.modes],
-            "Natural frequency: model − measured [%]",
+            "Natural frequency: model / measured − 1 [%]",
         ),
-        (right, 1, 1000.0, [m.damping_error for m in observed.modes], "Damping ratio: model − measured [%]"),
+        (
+            right,
+            1,
+            1000.0,
+            [m.damping_error for m in observed.modes],
+            "Damping ratio: model / measured − 1 [%]",
+        ),
     )
     for axes, column, scale, error, label in errors:
         axes.errorbar(0 * rows, rows, xerr=196 * np.array(error), fmt="none", ecolor=MEASURED, elinewidth=5,

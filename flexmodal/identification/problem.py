@@ -49,7 +49,8 @@ class IdentificationProblem:
         if isinstance(self.route, ModeRoute):
             parts = {"frequency": "natural frequencies", "damping": "damping ratios", "shape": "mode shapes",
                      "residue": "residues", "antiresonance": "antiresonances"}  # fmt: skip
-            return "the " + ", ".join(parts[name] for name in self.route.use)
+            *first, last = (parts[name] for name in self.route.use)
+            return "the " + " and ".join([", ".join(first), last] if first else [last])
         return "the FRFs"
 
     @cached_property
