@@ -137,7 +137,8 @@ def main() -> None:
         "lowest and the highest such share of one of them; of 100 campaigns a share of 95 % scatters by 2 % "
         "(one standard deviation), and parameters of one campaign are hit or missed together. Foreseen: how "
         "often what the Fisher information at the card said about identified or not was so after the fit. "
-        "Time: median for reading, fit and intervals on one core of a shared machine, without the simulation.",
+        "Time: median for reading, fit and intervals on one core of a shared machine, without the "
+        "simulation.",
     )  # fmt: skip
 
 

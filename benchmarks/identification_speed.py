@@ -142,9 +142,9 @@ def main() -> None:
         ["", "processor [s]", "clock [s]", "work", "times as fast as scipy"],
         rows,
         f"The two answers to one question differ by at most {away.max():.3f} standard errors. flexmodal "
-        "has exact derivatives; its three floors are a way around local minima that scipy's run does not take.\n"
-        "\nThe engine has no switch here, since a fit does not go through it: derivatives need Z⁻¹jᵀ of every "
-        f"row, and one stacked solve gives them. Those solves are {parts['stack']:.2f} s of the "
+        "has exact derivatives; its three floors are a way around local minima that scipy's run does not "
+        "take.\n\nThe engine has no switch here, since a fit does not go through it: derivatives need Z⁻¹jᵀ "
+        f"of every row, and one stacked solve gives them. Those solves are {parts['stack']:.2f} s of the "
         f"{whole_time:.2f} s of the first row. The same by the engine: {parts['numpy']:.2f} s in its numpy "
         f"form, {parts['compiled']:.2f} s compiled; with the quickest of the three the fit would take "
         f"{after:.2f} s.",
