@@ -5,7 +5,7 @@
 # make studies run the thesis's optimisations again, beside its printed numbers; some minutes
 # make bench   measure the engine against its goals and its peers; some minutes
 # make exam    120 campaigns with effects hidden in them, for the diagnosis to name; goes on where it was stopped
-# make recovery  identify 300 simulated campaigns; goes on where it was stopped; an hour
+# make recovery  identify 300 simulated campaigns; goes on where it was stopped; half an hour
 # make fuzz    read 100000 mutated campaigns; no crash, no hang, no flood of memory
 # make clean   remove what these made
 
