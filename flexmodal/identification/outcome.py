@@ -161,6 +161,10 @@ class Outcome:
             )
         if gap.held_out_after is not None and gap.held_out_after > WORSE * max(gap.after, gap.noise_floor):
             says.append(f"it does not carry over: {gap.held_out_after:.3g} on what was held out")
+        if gap.held_out_after is None:
+            says.append("nothing could be held out: how far it carries over is not known")
+        elif not any(one.kind == "posture" for one in self.held_out) and len(self.problem.postures) < 2:
+            says.append("one posture was measured: how far it carries over to others is not known")
         count = len(self.problem.space)
         known = len(self.uncertainty.identified)
         says.append(

@@ -53,6 +53,11 @@ class IdentificationProblem:
             return "the " + " and ".join([", ".join(first), last] if first else [last])
         return "the FRFs"
 
+    @property
+    def postures(self) -> tuple[str, ...]:
+        """Names of the postures with data, those that are held out too."""
+        return tuple(name for kind, name in self.whole.folds() if kind == "posture")
+
     @cached_property
     def identifiability(self) -> Identifiability:
         """What these data can tell, reckoned at the card."""
