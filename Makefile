@@ -66,6 +66,7 @@ exam: .venv/tested
 
 recovery: .venv/tested
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/identification_recovery.py
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/identification_routes.py
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/identification_speed.py
 
 clean:
