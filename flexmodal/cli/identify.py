@@ -35,7 +35,10 @@ FILES = ("identification.json", "report.html", "fit.png", "fit.svg", "robot")
 @click.option("--use", metavar="WHAT,…", help="Of modes: frequency, damping, shape, residue, antiresonance.")
 @click.option("--robot", metavar="ROBOT", help="Instead of the robot that the campaign names.")
 @click.option(
-    "--kinds", default="stiffness,damping,mass,inertia", show_default=True, help="Kinds of parameters."
+    "--kinds",
+    default="stiffness,damping,mass,inertia",
+    show_default=True,
+    help="Kinds of parameters; mass_centre, position (of pseudo-joints) and payload besides.",
 )
 @click.option(
     "--trust",
