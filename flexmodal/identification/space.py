@@ -52,13 +52,13 @@ def robot_space(
     if unknown or not kinds:
         found = ", ".join(map(repr, unknown)) or "nothing"
         raise InvalidRequest(Fault("call", "kinds", found, f"some of {', '.join(known)}"))
-    parameters: list[Parameter] = []
-    for kind in kinds:
-        found = _of_kind(robot, kind)
-        if not found:
-            allowed = f"kinds that {robot.name} has something of"
-            raise InvalidRequest(Fault("call", "kinds", f"{kind!r}, of which there is none", allowed))
-        parameters += found
+    parts = {kind: _of_kind(robot, kind) for kind in kinds}
+    if none := [kind for kind in shape.KINDS if kind in parts and not parts[kind]]:
+        allowed = f"kinds that {robot.name} has something of"
+        raise InvalidRequest(
+            [Fault("call", "kinds", f"{kind!r}, of which there is none", allowed) for kind in none]
+        )
+    parameters = [parameter for part in parts.values() for parameter in part]
     space = ParameterSpace(tuple(parameters))
     odd = [key for key in given if key not in space.index and key not in known]
     if odd:
