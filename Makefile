@@ -7,7 +7,7 @@
 # make bench   measure engine, reading and fitting against their goals and peers; some minutes
 # make exam    120 campaigns with effects hidden in them, for the diagnosis to name; goes on where it was stopped
 # make appendix  diagnose the thesis's measured modes: docs/appendix_c.md with its pictures; some minutes
-# make recovery  identify 300 simulated campaigns; goes on where it was stopped; an hour
+# make recovery  identify 300 simulated campaigns; goes on where it was stopped; half an hour
 # make fuzz    read 100000 mutated campaigns; no crash, no hang, no flood of memory
 # make clean   remove what these made
 
@@ -77,6 +77,7 @@ appendix: .venv/tested
 
 recovery: .venv/tested
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/identification_recovery.py
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/identification_routes.py
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/identification_speed.py
 
 clean:
