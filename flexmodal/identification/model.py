@@ -70,7 +70,7 @@ class ReceptanceModel(Protocol):
         lines: slice | Int[np.ndarray, " line"],
         *,
         slopes: bool,
-    ) -> tuple[Complex[np.ndarray, "observation line"], Complex[np.ndarray, "parameter observation line"]]:
+    ) -> tuple[Complex[np.ndarray, "observation line"], Complex[np.ndarray, "slope observation line"]]:
         """Receptances of every observation on some lines, and their derivatives; none unless asked."""
         ...
 
