@@ -270,8 +270,9 @@ is with numbers that were fitted to these modes before.
 Another Bayesian comparison of the same tables, with noise scales inferred and four peaks, put three rigid
 links some 22 nats behind, and a hinge in the second link, absorbers on any link and a mode without
 structure within 2 nats of each other. This one agrees that a mode is missing under every prior and that its
-place is not told. The hinge of that comparison was free; the beam here has its hinges at Gauss's points and
-its mass spread along the link, and fares worse or better with the trust in the card, as the table shows.
+place is not told, and finds more that is tied: the motor of the third joint, and the base. It differs on the
+second link. That comparison's hinge was free; the catalogue's link is a beam with hinges at Gauss's points
+and its mass spread along it, which falls behind a hinge in the hand or not as the card is trusted.
 """
 
 

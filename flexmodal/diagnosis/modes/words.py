@@ -70,8 +70,8 @@ def shape_words(found: Findings) -> str:
         f"the same places, would say up to {clean:.0f}."
     )
     return (
-        f"{says} Most could be told by the mode near {telling.frequency:.3g} Hz, whose two predicted shapes have a "
-        f"MAC of {telling.alike:.2f}; its measured shapes meet them by {telling.met[0]:.2f} and "
+        f"{says} Most could be told by the mode near {telling.frequency:.3g} Hz, whose two predicted shapes "
+        f"have a MAC of {telling.alike:.2f}; its measured shapes meet them by {telling.met[0]:.2f} and "
         f"{telling.met[1]:.2f}{_between(telling)}."
     )
 
