@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from flexmodal.diagnosis.modes.findings import Findings
-from flexmodal.diagnosis.modes.fit import ModalFit
+from flexmodal.diagnosis.modes.fit import COARSE, ModalFit, restricted
 from flexmodal.diagnosis.modes.forecast import FREE
 from flexmodal.diagnosis.modes.gap import errors, figures, mean_of_others, noise_floor
 from flexmodal.diagnosis.modes.held_out import HeldOut
@@ -152,12 +153,9 @@ def _gaps(course: _Course, before: Candidate, after: Candidate) -> Gaps:
 
 
 def _believed(course: _Course, tuned: ModalFit) -> float:
-    """Of the card as it came."""
-    from dataclasses import replace
-
-    from flexmodal.diagnosis.modes.fit import restricted
-
-    return figures(errors(restricted(replace(tuned, x=np.zeros(len(tuned.x))), course.whole))).gap
+    """Of the card as it came, which may be far off and still have the modes."""
+    card = replace(tuned, x=np.zeros(len(tuned.x)))
+    return figures(errors(restricted(card, course.whole, COARSE[0]))).gap
 
 
 # steps
