@@ -1,7 +1,8 @@
 """Read many mutated campaigns: each is read, or refused with sentences; nothing else may happen.
 
 Run by `make fuzz`. Every file follows from the seed and its number, so a finding repeats:
-`python benchmarks/fuzz_campaign.py --first NUMBER --count 1`.
+`python benchmarks/fuzz_campaign.py --first NUMBER --count 1`. How many are done is printed as it goes; a run
+that was broken off goes on with `--first`.
 """
 
 from __future__ import annotations
@@ -42,7 +43,11 @@ SECONDS = 10
 """A file of some kilobytes is read in milliseconds; one that takes as long hangs."""
 MEMORY = 600e6
 """What reading may take beyond what the interpreter has at the start [bytes]."""
+EXPORT = "export.uff"
+"""A universal file without its campaign.toml."""
 CHUNK = 500
+REPORT = 20
+"""Chunks between two lines of progress."""
 MAP = """\
 format = 1
 campaign = "campaign.toml"
@@ -100,6 +105,8 @@ def sources(folder: Path) -> dict[str, tuple[bytes, str]]:
         made = write_campaign(sound_campaign(), folder / f"sound_{binary}", binary=binary)
         for name in ("frf.uff", "time.uff"):
             found[f"{name} {'binary' if binary else 'ASCII'}"] = ((made / name).read_bytes(), name)
+            if binary is (name == "frf.uff"):
+                found[f"{name} by itself"] = ((made / name).read_bytes(), EXPORT)
     found["campaign.toml"] = ((made / "campaign.toml").read_bytes(), "campaign.toml")
     found["modes.csv"] = ((made / "modes.csv").read_bytes(), "modes.csv")
     table = "f,re,im,g\n" + "".join(f"{0.5 * n},{n},{-n},0.9\n" for n in range(9))
@@ -121,8 +128,9 @@ def read_one(name: str, content: bytes, sound: dict[str, tuple[bytes, str]], fol
     elif file == "campaign.toml":
         (folder / "modes.csv").write_bytes(sound["modes.csv"][0])
     (folder / file).write_bytes(content)
+    path = folder / "map.toml" if reader is import_table else folder
     try:
-        campaign = reader(folder / "map.toml" if reader is import_table else folder)
+        campaign = reader(folder / EXPORT if file == EXPORT else path)
     except InvalidInput as error:
         if not error.faults or not all(fault.found and fault.allowed for fault in error.faults):
             raise AssertionError(f"a refusal without its evidence: {error}") from error
@@ -190,10 +198,13 @@ def main() -> int:
     firsts = range(options.first, options.first + options.count, CHUNK)
     counts = [min(CHUNK, options.first + options.count - first) for first in firsts]
     with ProcessPoolExecutor(options.processes) as pool:
-        for found, failed in pool.map(run, firsts, counts):
+        for done, (found, failed) in enumerate(pool.map(run, firsts, counts), start=1):
             grown = max(grown, found.pop("megabytes grown at most"))
             total += found
             failures += failed
+            if done % REPORT == 0:
+                following = options.first + min(done * CHUNK, options.count)
+                print(f"files {options.first} to {following - 1}: {len(failures)} failures", flush=True)
     for name, count in sorted(total.items()):
         print(f"{name}: {count}")
     seconds = time.perf_counter() - started

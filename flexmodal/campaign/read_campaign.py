@@ -12,6 +12,7 @@ from flexmodal.campaign.blow import Blow
 from flexmodal.campaign.campaign import Campaign, default_band
 from flexmodal.campaign.mode_table import ModeTable
 from flexmodal.campaign.modes_csv import read_modes
+from flexmodal.campaign.read_export import is_export, read_export
 from flexmodal.campaign.read_frf_uff import read_frf_uff
 from flexmodal.campaign.read_time_uff import read_time_uff
 from flexmodal.campaign.read_toml import Tested, read_toml
@@ -40,11 +41,13 @@ def read_campaign(path: str | os.PathLike[str]) -> Campaign:
     """Read a campaign.
 
     Args:
-        path: its folder, or the `campaign.toml` in it.
+        path: its folder, or the `campaign.toml` in it; or a universal file by itself, see `read_export`.
 
     Raises:
         InvalidCampaign: with every fault of every file.
     """
+    if is_export(file := Path(os.path.abspath(path))):
+        return read_export(file)
     folder = campaign_folder(path)
     tested = read_toml(folder / TOML)
     faults: list[Fault] = []
@@ -93,10 +96,10 @@ def check_campaign(path: str | os.PathLike[str]) -> CampaignReport:
 
 
 def is_campaign(path: str | os.PathLike[str]) -> bool:
-    """Whether a path is that of a campaign: a folder with a campaign.toml, or that file."""
+    """Whether a path is that of a campaign: a folder with a campaign.toml, that file, or a universal file."""
     try:
         file = Path(path)
-        return (file.name == TOML and file.is_file()) or (file / TOML).is_file()
+        return (file.name == TOML and file.is_file()) or (file / TOML).is_file() or is_export(file)
     except (OSError, ValueError):  # too long for a path, or a null byte in it
         return False
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import tempfile
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 from flexmodal.campaign.read_toml import Tested
@@ -109,15 +110,20 @@ class _Naming:
     faults: FaultList
     unknown: dict[tuple[str, str, str], list[int]]
 
+    @cached_property
+    def points(self) -> frozenset[int]:
+        """Ids of the campaign's."""
+        return frozenset(point.id for point in self.tested.points)
+
     def ids(self, header: Header, number: int) -> tuple[int, int] | None:
         """Posture and trial of a record, or None where something in it is unknown."""
         posture = self._one("load case", header.load_case, [p.id for p in self.tested.postures], number)
         trial = self._one("version number", header.version, [t.id for t in self.tested.trials], number)
-        points = [point.id for point in self.tested.points]
         sound = posture is not None and trial is not None
         for name, (node, direction) in (("response", header.response), ("reference", header.reference)):
-            if node not in points:
-                self._note(f"{name} node", str(node), f"a point: {listing(map(str, points))}", number)
+            if node not in self.points:
+                known = listing(str(point.id) for point in self.tested.points)
+                self._note(f"{name} node", str(node), f"a point: {known}", number)
                 sound = False
             if direction not in DIRECTIONS:
                 self._note(f"{name} direction", str(direction), "±1 ±2 ±3 for ±x ±y ±z", number)

@@ -193,7 +193,8 @@ def _shapes(fits: Sequence[Fit], campaign: Campaign) -> Iterator[Picture]:
         later = [other for other in shapes if _alike(one, other) and other.posture > one.posture]
         if later:
             other = min(later, key=lambda shape: shape.posture)
-            title = f"MAC: {_posture(one.posture, campaign)} against {_posture(other.posture, campaign)}"
+            between = f"{_posture(one.posture, campaign)} against {_posture(other.posture, campaign)}"
+            title = f"MAC: {between}, {fixed_place(one, names)}"
             name = f"mac_{_stem(one)}_against_{other.posture}"
             yield Picture("Modal assurance criterion", name, partial(_mac, one, other, title))
 

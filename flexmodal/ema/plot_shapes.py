@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from textwrap import wrap
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,8 @@ from flexmodal.frf.plot import PALETTE
 
 _HALF_BRIGHT = 0.42
 """Value above which black reads better on the colour map than white."""
+_LETTERS = 11
+"""Of a heading that find room in an inch."""
 _CROWDED = 9
 """More places than this get their names upright."""
 
@@ -51,7 +54,8 @@ def draw_mac(
                 column, row, f"{matrix[row, column]:.2f}", ha="center", va="center", color=colour, fontsize=9
             )
     figure.colorbar(image, ax=axes, label="MAC [–]")
-    figure.suptitle(title, x=0.01, ha="left", fontsize=11, parse_math=False)
+    lines = wrap(title, int(_LETTERS * figure.get_figwidth()))
+    figure.suptitle("\n".join(lines), x=0.01, ha="left", fontsize=11, parse_math=False)
     return figure
 
 

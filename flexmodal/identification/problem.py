@@ -49,8 +49,14 @@ class IdentificationProblem:
         if isinstance(self.route, ModeRoute):
             parts = {"frequency": "natural frequencies", "damping": "damping ratios", "shape": "mode shapes",
                      "residue": "residues", "antiresonance": "antiresonances"}  # fmt: skip
-            return "the " + ", ".join(parts[name] for name in self.route.use)
+            *first, last = (parts[name] for name in self.route.use)
+            return "the " + " and ".join([", ".join(first), last] if first else [last])
         return "the FRFs"
+
+    @property
+    def postures(self) -> tuple[str, ...]:
+        """Names of the postures with data, those that are held out too."""
+        return tuple(name for kind, name in self.whole.folds() if kind == "posture")
 
     @cached_property
     def identifiability(self) -> Identifiability:

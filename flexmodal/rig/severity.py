@@ -23,6 +23,7 @@ from flexmodal.rig.bench import (
 )
 from flexmodal.rig.clean import strike_together
 from flexmodal.rig.effects import EFFECTS, Site, Stand
+from flexmodal.rig.effects.effect import Effect, Parameters
 from flexmodal.rig.structure import Hidden, build, sensors
 
 MOST_POSTURES = 3
@@ -79,6 +80,11 @@ def height(stand: Stand, hidden: Sequence[Hidden], floor: Floor) -> float:
     return float(np.sqrt(np.mean(np.abs(ratios) ** 2))) if ratios.size else 0.0
 
 
+def limit(effect: Effect, parameters: Parameters) -> float:
+    """The highest severity of these parameters, short of where rounding would carry one over its limit."""
+    return effect.most(parameters) * (1 - 1e-9)
+
+
 def severity_for(stand: Stand, name: str, site: Site, target: float, floor: Floor) -> tuple[float, float]:
     """Severity at which an effect stands `target` times the noise floor, and how high it then stands.
 
@@ -88,7 +94,7 @@ def severity_for(stand: Stand, name: str, site: Site, target: float, floor: Floo
     Where the effect cannot stand that high, the highest severity that makes sense, and its height.
     """
     effect = EFFECTS[name]
-    most = effect.most(site.parameters) * (1 - 1e-9)  # rounding must not carry a parameter over its limit
+    most = limit(effect, site.parameters)
     found: dict[float, float] = {}
 
     def off(severity: float) -> float:

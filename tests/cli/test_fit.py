@@ -29,22 +29,51 @@ def bench():
 REFINED = [case for case in bench().CASES if case.refined]
 
 
-@pytest.mark.parametrize("case", REFINED, ids=lambda case: " ".join([case.folder, *case.options[:2]]))
-def test_real_measurements_as_other_programs_find_them(cli, case):
-    """Frequencies within half a per cent of the references, their dampings within the stated interval.
+ONE_MODE = ("--band", "400:490", "--at", "445")
+"""Two modes of the plate fitted as one, in the table as a warning."""
+OUTSIDE = {
+    # Half-power bands of a quarter of a line: one-mode least squares is held, LSCF 7 and 9 % above it is not.
+    ("free_free_beam", 5): 1,
+    ("free_free_beam", 6): 1,
+    # vibrationtesting's mdof_cf, 7 % below the three others.
+    ("laboratory_hammer", 1): 1,
+    # One pole, picked three times, of an LSCF that ripples pull down: see test_ripples in tests/ema.
+    ("mssp_plate_sweep", 5): 3,
+    # Where several poles of order 80 lie, one of them is damped by 1.1 %.
+    ("mssp_plate_sweep", 6): 1,
+}
+"""How many reference dampings the stated interval does not hold, by folder and mode."""
+OUTSIDE_AVERAGED = {("mssp_plate_sweep", 6): 1}
 
-    The references disagree among themselves (docs/tables/ema_real.md); the interval has to meet their range.
+
+@pytest.mark.parametrize("case", REFINED, ids=lambda case: " ".join([case.folder, *case.options[:4]]))
+def test_real_measurements_as_other_programs_find_them(cli, case):
+    """Frequencies within half a per cent of every reference, their dampings within the stated interval.
+
+    The references disagree among themselves (docs/tables/ema_real.md): those outside are named one by one.
     """
     found = list(bench().compared(case, cli(*case.arguments(), "--json").json()))
     assert len(found) == (6 if case.folder == "free_free_beam" else 1)
     for one in found:
-        given = [peer.frequency for peer in one.references if not peer.peer.endswith("averaged")]
+        given = [peer.frequency for peer in one.references if not peer.averaged]
         assert all(abs(one.row["frequency"] / frequency - 1) < 0.005 for frequency in given)
-        assert one.meets, one
-    # It holds one of them at least, but for the plate's last mode, where they lie at 0.6, 1.1, 1.4, 2.8, 2.9,
-    # 3.2 and 4.1 % and the interval in a gap between.
-    if "400:490" not in case.options:
-        assert all(one.held > 0 for one in found)
+        if case.options[:4] == ONE_MODE:
+            continue
+        where = case.folder, one.number
+        assert len(one.dampings()) - one.held() == OUTSIDE.get(where, 0), one
+        outside = len(one.dampings(averaged=True)) - one.held(averaged=True)
+        assert outside == OUTSIDE_AVERAGED.get(where, 0), one
+
+
+def test_one_mode_for_two_is_too_sure_of_itself(cli):
+    """The number of modes is no part of the interval, and complex residual terms hide the second one."""
+    sixth = {case.options[:4] == ONE_MODE: case for case in REFINED if "400:490" in case.options}
+    (one,), both = (cli(*sixth[alone].arguments(), "--json").json()["modes"] for alone in (True, False))
+    assert len(both) == 2
+    assert both[1]["frequency"] == pytest.approx(472, abs=5)
+    low, high = both[0]["uncertainty"]["damping_ratio_95"]
+    assert low < one["damping_ratio"] < high  # the fit of both knows of the choice
+    assert one["uncertainty"]["damping_ratio_95"][0] > both[0]["damping_ratio"]  # that of one mode does not
 
 
 def test_methods_and_json(cli):

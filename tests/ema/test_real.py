@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import importlib
 from pathlib import Path
 
 import numpy as np
@@ -49,6 +50,33 @@ def test_the_plate_like_for_like() -> None:
         assert frequency[place] == pytest.approx(theirs[number][0], rel=0.005)
     fifth = int(np.argmin(np.abs(frequency - theirs[5][0])))
     assert damping[fifth] == pytest.approx(theirs[5][1], rel=0.1)  # the lighter damping of the ripples
+
+
+@pytest.mark.parametrize(("mode", "lighter"), [(2, 0.25), (4, 0.08)])
+def test_ripples_make_lscf_find_less_damping_than_there_is(
+    monkeypatch: pytest.MonkeyPatch, mode: int, lighter: float
+) -> None:
+    """The plate's third and fifth mode, with dampings that are known: least squares holds them."""
+    monkeypatch.syspath_prepend(str(REAL.parents[2] / "benchmarks"))
+    bench = importlib.import_module("ema_ripple")
+    frequency, true = bench.TRUE[mode]
+    axis, smooth, _ = bench.ripples()
+
+    def lscf(value: np.ndarray) -> float:
+        data = Measured(axis, value[:, None], "inertance").within(*bench.BAND)
+        found = estimate(data, "lscf", Choices(refine=False))
+        return float(found.damping_ratio[np.argmin(np.abs(found.frequency - frequency))])
+
+    assert lscf(bench.known(axis, smooth)) == pytest.approx(true, rel=1e-3)
+    held = 0
+    for number in range(6):
+        _, value = bench.rippled(number)
+        assert lscf(value) < (1 - lighter) * true
+        found = bench.least_squares(axis, value, mode)
+        low, high = found.damping_interval()
+        held += low <= true <= high
+        assert found.damping_ratio == pytest.approx(true, rel=0.3 if mode == 2 else 0.07)
+    assert held >= 5
 
 
 def test_a_hopeless_measurement_is_called_one() -> None:

@@ -5,7 +5,7 @@ import pytest
 
 from flexmodal.campaign import FrfRecords
 from flexmodal.ema import Choices, fit
-from flexmodal.ema.plot_shapes import draw_shapes
+from flexmodal.ema.plot_shapes import draw_mac, draw_shapes
 from flexmodal.ema.shapes import fitted_shapes
 
 SHAPE = np.array([[1.0, 0.4], [0.6, -1.0], [0.2, -0.5]])  # point by mode, largest 1 in size
@@ -72,3 +72,15 @@ def test_a_mode_keeps_its_number_where_an_frf_does_not_show_the_one_before_it():
 
 def test_one_point_has_no_shape():
     assert fitted_shapes(fit(records(ROVING_SENSOR).take(np.array([0])), per="posture")) == ()
+
+
+@pytest.mark.parametrize("count", [1, 2, 4, 12])
+def test_the_heading_of_a_mac_matrix_stays_on_the_picture(count):
+    title = "MAC: Posture 1, shoulder raised against Posture 2, elbow bent, hammer at location_1 +z"
+    figure = draw_mac(np.eye(count), title=title)
+    figure.canvas.draw()
+    (heading,) = figure.texts
+    extent = heading.get_window_extent()
+    assert extent.x0 >= 0
+    assert extent.x1 <= figure.bbox.width
+    assert heading.get_text().replace("\n", " ") == title

@@ -43,26 +43,38 @@ def leakage(robot, posture, response, reference, plan, frequency) -> np.ndarray:
     return np.einsum("up,p,lp->ul", np.abs(rows), size, tail) / np.abs(spectrum)
 
 
+ROBOTS = {
+    "fanuc_s360": ("configuration_1", "location_2:+z"),
+    "six_link": ("start_2", "joint_4:+z"),
+    "six_axis": ("work", "wrist:+x"),
+}
+"""Card: posture and hammer."""
+
+
 @pytest.mark.parametrize("length", [0.5, 1.0, 2.0])
-def test_h1_of_the_rig_is_the_models_inertance_within_leakage(length):
-    robot = flexmodal.load("fanuc_s360")
-    result = simulate(robot, postures=["configuration_1"], references=["location_2:+z"], trials=1, averages=1,
+@pytest.mark.parametrize("name", ROBOTS)
+def test_h1_of_the_rig_is_the_models_inertance_within_leakage(name, length):
+    robot = flexmodal.load(name)
+    posture, reference = ROBOTS[name]
+    result = simulate(robot, postures=[posture], references=[reference], trials=1, averages=1,
                       record_length=length, **CLEAN)  # fmt: skip
-    frfs = result.campaign.frfs
+    campaign = result.campaign
+    frfs = campaign.frfs
     inside = (frfs.frequency >= 2) & (frfs.frequency <= 200)
-    response = [f"location_{k}:+z" for k in range(1, 7)]
-    model = robot.at("configuration_1").frf(
-        frfs.frequency[inside], response=response, reference="location_2:+z", form="inertance"
+    points = {point.id: point.name for point in campaign.points}
+    response = [f"{points[point]}:+{'xyz'[direction - 1]}" for point, direction in frfs.response]
+    model = robot.at(posture).frf(
+        frfs.frequency[inside], response=response, reference=reference, form="inertance"
     )
     exact = model.value[:, :, 0].T
-    bound = leakage(robot, "configuration_1", response, "location_2:+z", result.plan, frfs.frequency[inside])
-    order = [int(np.flatnonzero(frfs.response[:, 0] == k)[0]) for k in range(1, 7)]
-    error = np.abs(frfs.value[order][:, inside] - exact)
+    bound = leakage(robot, posture, response, reference, result.plan, frfs.frequency[inside])
+    error = np.abs(frfs.value[:, inside] - exact)
     # Above the leakage there is only what the pulse's spectrum beyond the fine grid folds back, 1e-6 of the
     # largest.
     assert np.all(error <= bound + 2e-6 * np.abs(exact).max())
-    if length < 2:
-        assert error.max() > 0.2 * bound.max()  # the bound is the leakage, not a loose cover of it
+    # The bound is the leakage, not a loose cover of it: it falls a thousandfold from 0.5 s to 2 s of the
+    # Fanuc, and the largest error reaches 0.87 of it and more (of the six-link arm in 0.5 s, 0.46).
+    assert error.max() > 0.4 * bound.max()
 
 
 def test_leakage_falls_as_the_record_grows(bars):

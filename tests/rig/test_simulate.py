@@ -13,7 +13,7 @@ from flexmodal.campaign import read_campaign
 from flexmodal.cli.rig import rig
 from flexmodal.errors import InvalidPosture, InvalidRequest, OutputExists
 from flexmodal.rig import EFFECTS, Hide, hide_places, simulate
-from flexmodal.rig.severity import height, noise_floor, severity_for
+from flexmodal.rig.severity import height, limit, noise_floor, severity_for
 
 SMALL = {"postures": 2, "points": 2, "references": 1, "trials": 2, "averages": 2, "record_length": 1.0}
 NAMES = [
@@ -117,6 +117,27 @@ def test_severity_stops_where_it_makes_no_sense(fanuc):
     severity, reached = severity_for(result.stand, name, site, 1000.0, floor)
     assert severity == pytest.approx(EFFECTS[name].most(site.parameters))
     assert reached < 1000
+
+
+@pytest.mark.parametrize("effect", EFFECTS)
+def test_the_highest_severity_is_allowed(effect, fanuc, ur5):
+    """Whatever is drawn, the search may end at its limit; rounding must not carry it over."""
+    for robot in (fanuc, ur5):
+        stand = simulate(robot, **{**SMALL, "postures": 1}, noise=0.0).stand
+        where = hide_places(robot, points=2)[effect][0]
+        for seed in range(200):
+            drawn = EFFECTS[effect].draw(stand, where, np.random.default_rng(seed))
+            most = EFFECTS[effect].scaled(drawn, limit(EFFECTS[effect], drawn))
+            assert EFFECTS[effect].check(most) is None, most
+
+
+@pytest.mark.parametrize("coupling", [-0.2, 0.3, -0.7, 0.9, -3.0])
+def test_a_coupling_searched_up_to_its_limit_is_put_in(coupling, fanuc):
+    hide = Hide("joint_coupling", parameters={"coupling": coupling}, height=1000.0)
+    (entry,) = simulate(fanuc, **SMALL, hide=[hide], seed=1).truth.effects
+    assert abs(entry.parameters["coupling"]) == pytest.approx(0.9, rel=1e-8)
+    assert abs(entry.parameters["coupling"]) < 0.9
+    assert np.sign(entry.parameters["coupling"]) == np.sign(coupling)
 
 
 def test_parameter_errors_are_what_was_asked_for(fanuc):

@@ -37,9 +37,10 @@ def conclude(course: _Course, root: ModalFit, rounds: Sequence[Round]) -> Diagno
     first = rounds[0].scales
     added = [r.scales.candidates[r.chosen] for r in rounds if r.chosen is not None]
     final = added[-1] if added else first.candidates[0]
-    compared = _two_structured(first, rounds[0].chosen)
+    worth_it = bool(added) or _significant(first)
+    compared = _two_structured(first, rounds[0].chosen) if worth_it else None
     best = added[-1] if added else first.candidates[first.order[0]]
-    findings = _findings(course, root, first, best, compared, bool(added))
+    findings = _findings(course, root, first, best, compared, worth_it)
     explained = _explained(course, first, rounds, findings)
     shown = course.everywhere(final.fit)
     model, x = shown.explanation.hypothesis, shown.x
@@ -78,7 +79,7 @@ def _findings(
     scales: Scales,
     best: Candidate,
     compared: tuple[Candidate, Candidate] | None,
-    added: bool,
+    worth_it: bool,
 ) -> Findings:
     free = next((one for one in scales.candidates if one.key[0] == FREE), None)
     tied = tuple(scales.candidates[k].key for k in scales.tied)
@@ -92,11 +93,9 @@ def _findings(
         free=None if free is None else course.everywhere(free.fit),
         held_free=None if free is None else free.held,
         mean=mean_of_others(course.whole),
-        tied=tied if len(tied) > 1 else (),
+        tied=tied if worth_it and len(tied) > 1 else (),
         missing=tuple(unmatched(root).items()),
-        left=tuple(unmatched(best.fit).items())
-        if added or best.key[0] != "none"
-        else tuple(unmatched(root).items()),
+        left=tuple(unmatched(best.fit if worth_it else root).items()),
         shapes=() if compared is None else compare_shapes(compared[0].fit, compared[1].fit),
         compared=None if compared is None else (compared[0].key, compared[1].key),
         told=course.asked is not None,

@@ -98,5 +98,5 @@ def stand_in(
         response=table[:, :2], reference=table[:, 2:], level=np.zeros(len(table), dtype=int),
         levels=((records.trial[0].item(),),), decays=(0.0,), lengths=(0.0,),
         value=records.value, variance=np.zeros(size), used=np.zeros(size, dtype=bool),
-        of_record=np.arange(len(table)),
+        of_record=np.arange(len(table)), noise=np.zeros(size),
     )  # fmt: skip
