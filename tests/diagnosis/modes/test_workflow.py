@@ -22,7 +22,7 @@ THESIS = "robots/fanuc_s360/campaigns/thesis"
 
 @pytest.fixture(scope="module", autouse=True)
 def fewer_beliefs():
-    """Three sets of beliefs, the card trusted twice and half as far among them: the others only take longer."""
+    """Three sets of beliefs, the card trusted more and less among them: the others only take longer."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(weigh, "VARIANTS", weigh.VARIANTS[:3])
         yield
