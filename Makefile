@@ -2,17 +2,19 @@
 # make test    set up and run the tests
 # make check   ruff, mypy, import-linter, and what is in the wheel
 # make tables  remake the tables in docs/
+# make pictures  redraw the pictures of docs/optimisation.md and docs/machining.md; some minutes
 # make studies run the thesis's optimisations again, beside its printed numbers; some minutes
 # make bench   measure engine, reading and fitting against their goals and peers; some minutes
 # make exam    120 campaigns with effects hidden in them, for the diagnosis to name; goes on where it was stopped
-# make recovery  identify 300 simulated campaigns; goes on where it was stopped; an hour
+# make appendix  diagnose the thesis's measured modes: docs/appendix_c.md with its pictures; some minutes
+# make recovery  identify 300 simulated campaigns; goes on where it was stopped; half an hour
 # make fuzz    read 100000 mutated campaigns; no crash, no hang, no flood of memory
 # make clean   remove what these made
 
 PYTHON ?= python3.11
 BIN := .venv/bin
 .DEFAULT_GOAL := help
-.PHONY: help demo test check tables studies exam recovery bench fuzz browser clean
+.PHONY: help demo test check tables pictures studies exam appendix recovery bench fuzz browser clean
 
 help:
 	@grep '^# make' Makefile | cut -c3-
@@ -57,15 +59,25 @@ tables: .venv/tested
 	$(BIN)/python benchmarks/ema_selection.py
 	$(BIN)/python benchmarks/identification_thesis.py
 
+pictures: .venv/tested
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/optimisation_pictures.py
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/machining_checks.py
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/machining_posture.py
+
 studies: .venv/tested
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/studies.py
 
 # An hour or so; what is answered already is not asked again.
 exam: .venv/tested
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/exam.py
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/exam.py --engine mujoco
+
+appendix: .venv/tested
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/appendix_c.py
 
 recovery: .venv/tested
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/identification_recovery.py
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/identification_routes.py
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/identification_speed.py
 
 clean:

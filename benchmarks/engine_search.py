@@ -1,11 +1,16 @@
-"""The posture search against scipy's SLSQP with finite differences, on the six-link arm held at a point."""
+"""The posture search against scipy's SLSQP with finite differences, on the six-link arm held at a point.
+
+Part of `make bench`; by itself, `python benchmarks/engine_search.py [ROUNDS]` prints its rows.
+"""
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
 
 import numpy as np
 import pinocchio as pin
+from engine_harness import interleaved
 from scipy.optimize import minimize
 
 import flexmodal
@@ -96,3 +101,19 @@ def variants(task: PostureProblem) -> dict[str, tuple[Callable[[], float], int]]
         "by hand": (lambda: slsqp(task, by_hand(task), starts[:THEIRS]), 1),
         "descents in Python": (before, 1),
     }
+
+
+def main() -> None:
+    found = variants(problem())
+    best = {name: call() for name, (call, _) in found.items()}
+    run = interleaved(found, int(sys.argv[1]) if len(sys.argv) > 1 else 5)
+    for name in found:
+        print(
+            f"{name}: {1e3 * run.median(name):.1f} ms, {run.longer(name, 'ours')} times as long as ours, "
+            f"|receptance| {np.exp(best[name]):.6e} m/N",
+            flush=True,
+        )
+
+
+if __name__ == "__main__":
+    main()

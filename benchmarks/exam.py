@@ -1,6 +1,6 @@
-"""The sealed exam of the diagnosis: campaigns of the virtual rig with effects hidden in them.
+"""The sealed exam of the diagnosis: simulated campaigns with effects hidden in them.
 
-    python benchmarks/exam.py [--seed N] [--folder DIR] [--workers N] [--most N]
+    python benchmarks/exam.py [--engine rig|mujoco] [--seed N] [--folder DIR] [--workers N] [--most N]
 
 Goes on where it was stopped. The candidate is a process of its own that is given the campaign's folder; what
 is hidden lies in another. Tuned on other seeds; the published exam is that of `PUBLISHED`.
@@ -18,13 +18,13 @@ import tomllib
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from exam_plan import Question, plan
+from exam_plan import ENGINES, Question, plan
 from exam_report import report
 
-PUBLISHED = 20261123
+PUBLISHED = 20261124
 
 
-def ask(question: Question, folder: Path) -> dict[str, object]:
+def ask(question: Question, folder: Path, engine: str) -> dict[str, object]:
     """Pose one question, have it answered, and put the truth beside the answer."""
     campaign, truth = folder / "campaigns" / question.name, folder / "truth" / f"{question.name}.toml"
     answer = folder / "answers" / f"{question.name}.json"
@@ -34,7 +34,7 @@ def ask(question: Question, folder: Path) -> dict[str, object]:
             truth.unlink(missing_ok=True)
             poser = Path(__file__).parent / "exam_plan.py"
             seed = folder.name.split("-")[-1]
-            call([sys.executable, str(poser), seed, question.name, str(campaign), str(truth)])
+            call([sys.executable, str(poser), engine, seed, question.name, str(campaign), str(truth)])
         candidate = Path(__file__).parent / "exam_candidate.py"
         call([sys.executable, str(candidate), str(campaign), str(answer)])
         shutil.rmtree(campaign)
@@ -53,28 +53,32 @@ def call(command: list[str]) -> None:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--engine", choices=ENGINES, default="rig", help="who integrates the motion")
     parser.add_argument("--seed", type=int, default=PUBLISHED)
     parser.add_argument("--folder", type=Path, default=Path("exam"))
     parser.add_argument("--workers", type=int, default=os.cpu_count() or 1)
     parser.add_argument("--most", type=int, default=None, help="only so many questions")
     given = parser.parse_args()
-    folder = given.folder / f"seed-{given.seed}"
+    folder = given.folder / f"{given.engine}-{given.seed}"
     for name in ("campaigns", "truth", "answers"):
         (folder / name).mkdir(parents=True, exist_ok=True)
-    questions = plan(given.seed)[: given.most]
+    questions = plan(given.seed, given.engine)[: given.most]
     done = []
     with ThreadPoolExecutor(given.workers) as pool:
-        for number, result in enumerate(pool.map(lambda q: tried(q, folder), questions), start=1):
+        for number, result in enumerate(
+            pool.map(lambda q: tried(q, folder, given.engine), questions), start=1
+        ):
             if result is not None:
                 done.append(result)
                 print(f"{number}/{len(questions)}", line(result), flush=True)
-    report(done, len(plan(given.seed)), given.seed, published=given.seed == PUBLISHED)
+    asked = len(plan(given.seed, given.engine))
+    report(done, asked, given.seed, given.engine, published=given.seed == PUBLISHED)
 
 
-def tried(question: Question, folder: Path) -> dict[str, object] | None:
+def tried(question: Question, folder: Path, engine: str) -> dict[str, object] | None:
     """An answer, or a word on why there is none."""
     try:
-        return ask(question, folder)
+        return ask(question, folder, engine)
     except RuntimeError as error:
         print(f"question {question.name} failed: {error}", file=sys.stderr, flush=True)
         return None

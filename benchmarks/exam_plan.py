@@ -19,6 +19,8 @@ OUTSIDE = tuple(name for name, effect in EFFECTS.items() if not effect.catalogue
 EACH, NOTHING, PAIRS, UNKNOWN = 2, 4, 5, 5
 """For each robot: campaigns of each effect, with nothing hidden, with two effects, with an unknown one."""
 POSTURES, POINTS = 5, 5
+ENGINES = ("rig", "mujoco")
+"""Who integrates the motion: the virtual rig, or MuJoCo (see `mujoco_campaign`)."""
 
 
 @dataclass(frozen=True)
@@ -33,15 +35,12 @@ class Question:
     seed: int
 
 
-def plan(seed: int) -> list[Question]:
+def plan(seed: int, engine: str = "rig") -> list[Question]:
     """All questions, in an order in which any beginning is a fair sample."""
     random = np.random.default_rng([seed, 99])
     found = []
     for robot in ROBOTS:
-        wanted = [("single", (name,)) for name in NAMED for _ in range(EACH)]
-        wanted += [("nothing", ())] * NOTHING
-        wanted += [("pair", tuple(random.choice(NAMED, 2, replace=False).tolist())) for _ in range(PAIRS)]
-        wanted += [("outside", (OUTSIDE[k % len(OUTSIDE)],)) for k in range(UNKNOWN)]
+        wanted = _mujoco() if engine == "mujoco" else _rig(random)
         found += [(robot, kind, effects) for kind, effects in wanted]
     order = random.permutation(len(found))
     seeds = np.random.default_rng([seed, 98]).integers(1, 2**31, len(found))
@@ -50,13 +49,30 @@ def plan(seed: int) -> list[Question]:
     ]
 
 
-def pose(question: Question, folder: Path, truth: Path) -> None:
+def _rig(random: np.random.Generator) -> list[tuple[str, tuple[str, ...]]]:
+    wanted: list[tuple[str, tuple[str, ...]]] = [("single", (name,)) for name in NAMED for _ in range(EACH)]
+    wanted += [("nothing", ())] * NOTHING
+    wanted += [("pair", tuple(random.choice(NAMED, 2, replace=False).tolist())) for _ in range(PAIRS)]
+    return wanted + [("outside", (OUTSIDE[k % len(OUTSIDE)],)) for k in range(UNKNOWN)]
+
+
+def _mujoco() -> list[tuple[str, tuple[str, ...]]]:
+    from mujoco_model import EFFECTS as HIDDEN
+
+    return [("single", (name,)) for name in HIDDEN] + [("nothing", ())]
+
+
+def pose(question: Question, folder: Path, truth: Path, engine: str = "rig") -> None:
     """Simulate a question's campaign; what is hidden goes elsewhere."""
+    if engine == "mujoco":
+        from mujoco_campaign import simulate_mujoco as simulated
+    else:
+        simulated = simulate
     robot = flexmodal.load(question.robot)
     count = len(question.effects)
     points = min(POINTS, len(robot.points))
     secret = draw_secret(robot, question.seed, count=count, effects=question.effects or None, points=points)
-    result = simulate(
+    result = simulated(
         robot,
         postures=POSTURES,
         points=points,
@@ -72,5 +88,6 @@ def pose(question: Question, folder: Path, truth: Path) -> None:
 
 
 if __name__ == "__main__":
-    _seed, _name, _folder, _truth = sys.argv[1:]
-    pose(next(one for one in plan(int(_seed)) if one.name == _name), Path(_folder), Path(_truth))
+    _engine, _seed, _name, _folder, _truth = sys.argv[1:]
+    _question = next(one for one in plan(int(_seed), _engine) if one.name == _name)
+    pose(_question, Path(_folder), Path(_truth), _engine)

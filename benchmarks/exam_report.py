@@ -12,6 +12,8 @@ from exam_plan import NAMED, OUTSIDE, ROBOTS
 
 from flexmodal.files import whole_file
 
+FILES = {"rig": "exam", "mujoco": "exam_mujoco"}
+PHYSICS = {"rig": "The virtual rig on", "mujoco": "Motion integrated by MuJoCo, of"}
 TABLES = Path(__file__).parents[1] / "docs" / "tables"
 
 
@@ -37,6 +39,8 @@ def judged(result: dict) -> dict:
         "held": None
         if gap["held_out_before"] is None
         else gap["held_out_after"] / max(gap["held_out_before"], 1e-12),
+        "held_before": gap["held_out_before"],
+        "floor": gap["noise_floor"],
         "tied": [tuple(tie) for ties in answer["ties"] for tie in ties],
     }
     if question.kind == "outside":
@@ -47,17 +51,18 @@ def judged(result: dict) -> dict:
     return row
 
 
-def report(results: list[dict], asked: int, seed: int, *, published: bool) -> None:
-    """Print the figures; for the published seed, write docs/tables/exam.md and its picture."""
+def report(results: list[dict], asked: int, seed: int, engine: str, *, published: bool) -> None:
+    """Print the figures; for the published seed, write a page in docs/tables with its picture."""
     rows = [judged(one) for one in results]
     if not rows:
         print("nothing answered yet")
         return
-    text = "\n".join(_page(rows, asked, seed)) + "\n"
+    text = "\n".join(_page(rows, asked, seed, engine)) + "\n"
     print(text)
     if published:
-        _picture(rows, TABLES / "exam.png")
-        with whole_file(TABLES / "exam.md", overwrite=True) as scratch:
+        name = FILES[engine]
+        _picture(rows, TABLES / f"{name}.png")
+        with whole_file(TABLES / f"{name}.md", overwrite=True) as scratch:
             scratch.write_text(text, encoding="utf-8")
 
 
@@ -66,7 +71,7 @@ def _share(rows: list[dict], key: str) -> str:
     return f"{right} of {len(rows)} ({100 * right / max(len(rows), 1):.0f} %)"
 
 
-def _page(rows: list[dict], asked: int, seed: int) -> list[str]:
+def _page(rows: list[dict], asked: int, seed: int, engine: str) -> list[str]:
     kinds: dict[str, list[dict]] = defaultdict(list)
     for row in rows:
         kinds[row["kind"]].append(row)
@@ -76,6 +81,8 @@ def _page(rows: list[dict], asked: int, seed: int) -> list[str]:
     low = [r for r in explained if r["over"] <= 1.6]
     half = [r for r in explained if r["held"] is not None]
     good = [r for r in half if r["held"] < 0.5]
+    able = [r for r in half if r["held_before"] > 2 * r["floor"]]
+    fell = [r for r in able if r["held"] < 0.5]
     alarms = sum(bool(r["said"]) for r in nothing)
     every = [r["seconds"] for r in rows]
     processor = [r["processor"] for r in rows]
@@ -83,7 +90,7 @@ def _page(rows: list[dict], asked: int, seed: int) -> list[str]:
         "# The sealed exam of the diagnosis",
         "",
         f"Made by `make exam` on {datetime.date.today()}, seed {seed}: {len(rows)} of {asked} campaigns "
-        f"answered. The virtual rig on {', '.join(ROBOTS)}: 5 postures, up to 5 points, 2 hammer "
+        f"answered. {PHYSICS[engine]} {', '.join(ROBOTS)}: 5 postures, up to 5 points, 2 hammer "
         "points, two levels of force with a repeat each, 1 % noise; parameters of the robot 2 to 8 % off; "
         "effects 3 to 30 times the noise floor before re-tuning. The code was tuned on other seeds. *Effect* "
         "asks for the right set of names, *effect and place* for the right places too.",
@@ -98,6 +105,7 @@ def _page(rows: list[dict], asked: int, seed: int) -> list[str]:
         f"| two effects hidden: both with their places | – | {_share(pairs, 'place')} |",
         f"| explained: gap after ≤ 1.6 × noise floor | 9 in 10 | {len(low)} of {len(explained)} |",
         f"| explained: held-out gap below half of before | ≥ 90 % | {len(good)} of {len(half)} |",
+        f"| the same, where half of before is above the noise floor | – | {len(fell)} of {len(able)} |",
         f"| seconds a campaign, median | < 30 | {np.median(every):.1f}, {np.median(processor):.1f} CPU |",
         "",
         "## By effect",
@@ -105,6 +113,7 @@ def _page(rows: list[dict], asked: int, seed: int) -> list[str]:
         "| hidden | effect | place | median gap after / floor | wrong answers (height: said) |",
         "|---|---:|---:|---:|---|",
     ]
+    lines = [line for line in lines if " 0 of 0" not in line]
     by_effect: dict[str, list[dict]] = defaultdict(list)
     for row in single + outside:
         by_effect[row["hidden"][0][0]].append(row)
@@ -121,7 +130,8 @@ def _page(rows: list[dict], asked: int, seed: int) -> list[str]:
         right, placed = sum(r["effect"] for r in some), sum(r["place"] for r in some)
         over = np.median([r["over"] for r in some])
         lines.append(f"| {name} | {right}/{len(some)} | {placed}/{len(some)} | {over:.2f} | {wrong} |")
-    lines += ["", "## Pairs", "", "| robot | hidden | said | gap after / floor |", "|---|---|---|---:|"]
+    if pairs:
+        lines += ["", "## Pairs", "", "| robot | hidden | said | gap after / floor |", "|---|---|---|---:|"]
     for r in pairs:
         told = [", ".join(f"{e} {w}" for e, w in some) or "nothing" for some in (r["hidden"], r["said"])]
         lines.append(f"| {r['robot']} | {told[0]} | {told[1]} | {r['over']:.2f} |")
@@ -139,7 +149,7 @@ def _page(rows: list[dict], asked: int, seed: int) -> list[str]:
         some = [right for c, right in stated if first <= c < last]
         if some:
             lines.append(f"| {first:g} to {min(last, 1):g} | {len(some)} | {sum(some)} |")
-    lines += ["", "![Confusion and reliability](exam.png)"] if len(rows) else []
+    lines += ["", f"![Confusion and reliability]({FILES[engine]}.png)"] if len(rows) else []
     return lines
 
 

@@ -134,12 +134,11 @@ def main() -> None:
          "time [s]"],
         rows,
         "Inside: how often the interval of an identified parameter held the truth; single parameters: the "
-        "lowest and the "
-        "highest such share of one of them. Foreseen: how often what the Fisher information at the card "
-        "said about "
-        "identified or not was so after the fit. Time: median for reading, fit and intervals on one core of "
-        "a shared "
-        "machine, without the simulation.",
+        "lowest and the highest such share of one of them; of 100 campaigns a share of 95 % scatters by 2 % "
+        "(one standard deviation), and parameters of one campaign are hit or missed together. Foreseen: how "
+        "often what the Fisher information at the card said about identified or not was so after the fit. "
+        "Time: median for reading, fit and intervals on one core of a shared machine, without the "
+        "simulation.",
     )  # fmt: skip
 
 

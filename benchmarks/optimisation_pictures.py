@@ -8,19 +8,11 @@ from tables import ROOT
 import flexmodal
 from flexmodal import Hold, PointDirection, PostureProblem, ReceptanceObjective
 from flexmodal.frf.plot import write_plot
-from flexmodal.optimisation.descent import descend
-from flexmodal.optimisation.null_space import null_space_descent
 from flexmodal.optimisation.path import PathProblem, greedy_path, line, plan_path
 from flexmodal.optimisation.path.plot import draw_path
-from flexmodal.optimisation.plot import (
-    Trace,
-    draw_postures,
-    draw_receptances,
-    draw_self_motion,
-    draw_traces,
-    draw_workspace,
-    workspace_map,
-)
+from flexmodal.optimisation.plot import draw_postures, draw_receptances, draw_self_motion
+from flexmodal.optimisation.traces import draw_traces, follow
+from flexmodal.optimisation.workspace import draw_workspace, workspace_map
 
 PICTURES = ROOT / "docs" / "pictures"
 
@@ -40,36 +32,24 @@ def main() -> None:
     }
     save(draw_postures(arm, postures, target=hold), "optimisation_postures")
     save(draw_self_motion(problem, found.best.posture, count=81), "optimisation_self_motion")
-    first = second = np.linspace(-6, 6, 25)
+    first, second = np.linspace(-6, 6, 31), np.linspace(-6, 6, 31)
     grid = workspace_map(problem, first, second, starts=32)
     save(draw_workspace(problem, first, second, grid), "optimisation_workspace")
-    save(draw_traces(problem, traces(problem, problem.vector(start))), "optimisation_traces")
+    traces = {method: follow(problem, start, method) for method in ("newton", "null-space")}
+    save(draw_traces(problem, traces), "optimisation_traces")
     toolpath = line((-4.0, 0.5), (-1.0, 2.5), 16, 0.05)
-    path = PathProblem.along(arm, toolpath, 5.0, way="worst")
-    static = PathProblem.along(arm, toolpath, 0.0, way="worst")
+    path = PathProblem.along(arm, toolpath, 5.0, stride=0.12)
+    static = PathProblem.along(arm, toolpath, 0.0, stride=0.12)
     save(
         draw_path(
             {
-                "least vibration": plan_path(path, nodes=12, iterations=30),
+                "least vibration": plan_path(path, nodes=20, iterations=30),
                 "greedy": greedy_path(path),
-                "static stiffness": plan_path(static, nodes=12, iterations=30).judged_by(path),
+                "static stiffness": plan_path(static, nodes=20, iterations=30).judged_by(path),
             }
         ),
         "optimisation_path",
     )
-
-
-def traces(problem: PostureProblem, start: np.ndarray) -> dict[str, Trace]:
-    found = {}
-    for name, search in (
-        ("feasible quasi-Newton", descend),
-        ("null space, gains of the thesis's kind [3.14]", null_space_descent),
-    ):
-        steps: list[tuple[np.ndarray, float]] = []
-        search(problem, start, watch=lambda values, cost, steps=steps: steps.append((values.copy(), cost)))
-        values, costs = zip(*steps, strict=True)
-        found[name] = Trace(np.array(values), np.exp(np.array(costs)))
-    return found
 
 
 def save(figure: object, name: str) -> None:

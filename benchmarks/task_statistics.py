@@ -30,7 +30,7 @@ COLUMNS = ("arm", "task", "frequency", "first_mode", "start", "receptance", "sta
 WAYS = {
     "receptance": "receptance at the frequency",
     "static": "static receptance",
-    "stiffness": "measure ξ_K",
+    "stiffness": "stiffness measure ξ_K",
 }
 STARTS = 64
 
@@ -194,7 +194,7 @@ def conclusions(everything: list[dict[str, str]]) -> list[str]:
 def picture(everything: list[dict[str, str]]):
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(11, 4.2), layout="constrained")
+    figure = Figure(figsize=(11, 4.5), layout="constrained")
     panels = figure.subplots(1, len(ARMS), sharey=True)
     styles = ("-", "--", ":")
     for axes, (name, arm) in zip(panels, ARMS.items(), strict=True):
@@ -207,12 +207,19 @@ def picture(everything: list[dict[str, str]]):
             )
         axes.axvline(1.0, color="0.4", linewidth=1)
         axes.set_xscale("log")
-        axes.set_xlim(1e-4, 1e2)
+        axes.set_xlim(1e-3, 20)
         axes.grid(True, color="0.88", linewidth=0.6)
         axes.set_title(f"{arm.title.replace(', ', chr(10), 1)}\n{len(rows)} tasks", fontsize=10, loc="left")
-        axes.set_xlabel("|receptance| over that of the start")
+        axes.set_xlabel("|receptance| over that of the start [–]")
     panels[0].set_ylabel("Tasks at or below [%]")
-    panels[0].legend(title="optimised by", fontsize=9, loc="lower right")
+    handles, titles = panels[0].get_legend_handles_labels()
+    figure.legend(
+        handles,
+        [f"optimised by {title}" for title in titles],
+        fontsize=9,
+        loc="outside lower center",
+        ncols=3,
+    )
     return figure
 
 

@@ -26,7 +26,11 @@ if TYPE_CHECKING:
     metavar="POSTURE",
     help="A posture, by name or id, that no fit is to see; may be repeated. One in four if none is named.",
 )
-@click.option("--effects", metavar="NAME,…", help="Look for these effects only.")
+@click.option(
+    "--effects",
+    metavar="NAME,…",
+    help="Look for these effects only; with modes alone NAME@WHERE adds it if it explains anything.",
+)
 @click.option(
     "--trust", metavar="NAME=X,…", help="Relative standard deviation of a kind or parameter of the card."
 )
@@ -113,7 +117,7 @@ def _print(diagnosis: Diagnosis) -> None:
         ("the card as it came", gaps.believed, None),
         ("re-tuned, nothing added", gaps.before, gaps.held_out_before),
         ("the final model", gaps.after, gaps.held_out_after),
-        ("noise of one record", gaps.noise_floor, None),
+        ("noise of one record" if diagnosis.modal is None else "scatter over places", gaps.noise_floor, None),
     ]
     rows = [[name, _size(value), _size(held)] for name, value, held in cells]
     print_table("gap between model and measurement", ["", "all", "held out"], rows)

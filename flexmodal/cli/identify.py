@@ -35,7 +35,10 @@ FILES = ("identification.json", "report.html", "fit.png", "fit.svg", "robot")
 @click.option("--use", metavar="WHAT,…", help="Of modes: frequency, damping, shape, residue, antiresonance.")
 @click.option("--robot", metavar="ROBOT", help="Instead of the robot that the campaign names.")
 @click.option(
-    "--kinds", default="stiffness,damping,mass,inertia", show_default=True, help="Kinds of parameters."
+    "--kinds",
+    default="stiffness,damping,mass,inertia",
+    show_default=True,
+    help="Kinds of parameters; mass_centre, position (of pseudo-joints) and payload besides.",
 )
 @click.option(
     "--trust",
@@ -167,21 +170,12 @@ def _write(outcome: Outcome, found: dict[str, Any], out: Path, force: bool) -> N
 
 
 def _print(outcome: Outcome) -> None:
-    from flexmodal.identification.page import HEADER, estimate_cells
+    from flexmodal.identification.page import GAPS, HEADER, estimate_cells, gap_cells
 
     problem = outcome.problem
     rows = [estimate_cells(one) for one in outcome.estimates]
     print_table(f"{problem.campaign.title}: {problem.robot.name} from {problem.what}", HEADER, rows)
-    gap = outcome.gap
-    cells = [("fitted", gap.before, gap.after, gap.noise_floor)]
-    if gap.held_out_before is not None and gap.held_out_after is not None:
-        floor = gap.held_out_noise_floor or gap.noise_floor
-        cells.append(("held out", gap.held_out_before, gap.held_out_after, floor))
-    cells += [
-        (f"  {one.kind} {one.name}", one.before, one.after, one.noise_floor) for one in outcome.held_out
-    ]
-    table = [[name, *(f"{value:.4g}" for value in values)] for name, *values in cells]
-    print_table("gap", ["", "card", "fit", "noise floor"], table)
+    print_table("gap", GAPS, gap_cells(outcome))
     for a, b, r in outcome.correlated:
         click.echo(f"correlated: {a} and {b}, {r:+.3f}")
     for one in outcome.not_identified:

@@ -12,12 +12,14 @@ from flexmodal.cli.holding import hold_of, orientation_options
 from flexmodal.cli.judging import judging_options, objective_of
 from flexmodal.cli.options import (
     SOURCE,
+    force_option,
     json_option,
     load_robot,
     posture_of,
     quiet_option,
     robot_options,
 )
+from flexmodal.cli.picturing import draw_pictures, pictures_of, plot_option
 from flexmodal.cli.printing import degrees, noted_progress, print_json, print_table
 from flexmodal.errors import Fault, InvalidRequest
 
@@ -48,6 +50,8 @@ if TYPE_CHECKING:
     show_default=True,
     help="null-space: the thesis's gradient descent, from --start.",
 )
+@plot_option
+@force_option
 @quiet_option
 @json_option
 @click.option("--show", is_flag=True, help="Start and optimum in the browser.")
@@ -67,6 +71,8 @@ def optimise(
     starts: int | None,
     seed: int,
     method: str,
+    plots: tuple[str, ...],
+    force: bool,
     quiet: bool,
     as_json: bool,
     show: bool,
@@ -78,6 +84,9 @@ def optimise(
     from flexmodal.optimisation.searches import is_compiled
 
     _one_of(hold, family, free)
+    pictures = pictures_of(
+        plots, force=force, hold=hold is not None, start=start is not None, family=family is not None
+    )
     arm = load_robot(robot, stiffness, damping, tool, fix)
     judge = objective_of(arm, seed=seed, **judging)
     problem = PostureProblem(arm, judge, hold_of(arm, hold, orientation, axis, tool_axis))
@@ -99,6 +108,7 @@ def optimise(
         print_json(_json(outcome))
     else:
         _print(outcome, judging["objective"])
+    draw_pictures(outcome, where, pictures, force=force, quiet=quiet)
     if show:
         from flexmodal.cli.viewing import viewer
 

@@ -152,14 +152,16 @@ def band_of(text: str) -> tuple[float, float]:
     return low, high
 
 
-def refuse_existing(out: Path | None, force: bool, endings: tuple[str, ...]) -> None:
+def refuse_existing(
+    out: Path | None, force: bool, endings: tuple[str, ...], *, option: str = "--out"
+) -> None:
     """Complain about an output file before the work starts, not after."""
     from flexmodal.errors import OutputExists
 
     if out is None:
         return
     if out.suffix.lower() not in endings:
-        raise InvalidRequest(Fault(SOURCE, "--out", repr(str(out)), f"a file ending in {', '.join(endings)}"))
+        raise InvalidRequest(Fault(SOURCE, option, repr(str(out)), f"a file ending in {', '.join(endings)}"))
     if out.is_dir():
         raise OutputExists(Fault(str(out), "", "a folder", "the name of a file"))
     if out.exists() and not force:

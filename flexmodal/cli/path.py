@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -21,7 +22,7 @@ from flexmodal.cli.options import (
     refuse_existing,
     robot_options,
 )
-from flexmodal.cli.printing import degrees, print_json, print_table, progress
+from flexmodal.cli.printing import degrees, noted_progress, print_json, print_table
 from flexmodal.errors import Fault, InvalidRequest
 
 if TYPE_CHECKING:
@@ -112,9 +113,17 @@ def path(
 
     judged = problem(hertzes)
     count = len(judged.points) + 60
-    with progress(count, "planning", quiet=quiet) as advance:
-        found = {"least vibration": plan_path(judged, nodes=nodes, seed=seed, advance=advance)}
-    if compare:
+    unit = judged.points[0].objective.unit
+    with noted_progress(count, "planning", quiet=quiet) as (advance, note):
+        planned = plan_path(
+            judged,
+            nodes=nodes,
+            seed=seed,
+            advance=advance,
+            improved=lambda value: note(f"best {value:.4g} {unit}"),
+        )
+    found = {"least vibration": planned}
+    if compare and not planned.interrupted:
         found |= _others(judged, problem(0.0), nodes, seed)
     if out is not None:
         _write(found, out, force)
@@ -123,6 +132,9 @@ def path(
         print_json(_json(found))
     else:
         _print(arm, found)
+    if planned.interrupted:
+        click.echo("flexmodal: interrupted; the best sequence so far is kept", err=True)
+        sys.exit(130)
 
 
 def _others(judged: PathProblem, static: PathProblem, nodes: int, seed: int) -> dict[str, PathOutcome]:

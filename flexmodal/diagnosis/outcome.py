@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 from jaxtyping import Complex, Float
 
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.identification import Observations
+
+if TYPE_CHECKING:
+    from flexmodal.diagnosis.modes.findings import Findings
 
 UNKNOWN = "unknown"
 
@@ -138,3 +142,5 @@ class Diagnosis:
     """What was weighed last and not found worth adding, the best first; "none" among them."""
     provenance: Mapping[str, str] = field(default_factory=dict)
     """Versions, hashes of the inputs, seed, settings, seconds."""
+    modal: Findings | None = None
+    """What a diagnosis from modes alone knows besides; None of one from FRFs."""

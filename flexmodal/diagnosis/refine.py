@@ -1,8 +1,8 @@
 """A hypothesis fitted again with its non-linear torques marched in time.
 
-A hammer response that dies away has no single amplitude, so that a describing function names an effect but
-leaves some of it. Its fit is where this one starts: Gauss and Newton's method on what a march gives, with
-coarse steps of time at first.
+A hammer response that dies away has no single amplitude, so that a describing function leaves some of what
+friction or a hardening spring does. This is Gauss and Newton's method on what a march gives, with coarse
+steps of time at first.
 """
 
 from __future__ import annotations
@@ -14,12 +14,10 @@ from jaxtyping import Complex, Float
 
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.march.model import MarchedModel
-from flexmodal.diagnosis.search import CLOSE, COARSE, some_lines
+from flexmodal.diagnosis.search import CLOSE, COARSE, ROUGH, some_lines
 from flexmodal.identification import FrfFit, Observations, fit, predict
 from flexmodal.identification.frf_fit import Weighing, cost_of
 
-ROUGH = 5.0
-"""Steps in a period of the highest line, of the first round."""
 SEARCH = 0.1
 """Model error at which starts are compared."""
 FLOORS = (0.05, 0.01)
@@ -50,12 +48,14 @@ class Refined:
         return self.fitted.normal.cost
 
 
-def refined(hypothesis: Hypothesis, fitted: FrfFit, observations: Observations) -> Refined:
+def refined(
+    hypothesis: Hypothesis, start: Float[np.ndarray, " parameter"], observations: Observations
+) -> Refined:
     """Fit once more, the torques of effects with a `law` marched in time.
 
     Args:
         hypothesis: with at least one such effect.
-        fitted: to these observations, by describing functions.
+        start: where the fit sets out.
         observations: what is fitted.
 
     Raises:
@@ -63,7 +63,7 @@ def refined(hypothesis: Hypothesis, fitted: FrfFit, observations: Observations) 
     """
     model = MarchedModel(hypothesis)
     rough = replace(model, fineness=ROUGH)
-    x = _start(rough, fitted.x, observations)
+    x = _start(rough, start, observations)
     first = fit(
         rough, observations, x, floors=FLOORS[:1], steps=STEPS, settled=ROUGHLY, apart=False,
         lines=some_lines(observations, CLOSE),

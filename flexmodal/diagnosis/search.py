@@ -1,7 +1,8 @@
 """From many hypotheses to a few fitted well: coarse looks at all, closer looks at those that do best.
 
 Every hypothesis starts at the card, not at the re-tuned robot: re-tuning without the effect runs away from
-the truth. Rounds of more steps with fewer candidates follow one another (successive halving).
+the truth. Rounds of more steps with fewer candidates follow one another (successive halving). Torques that
+are not linear are marched in time from the first look on: describing functions name the wrong law too often.
 """
 
 from __future__ import annotations
@@ -15,9 +16,11 @@ from jaxtyping import Float, Int
 
 from flexmodal.diagnosis.effects.effect import Effect
 from flexmodal.diagnosis.hypothesis import Hypothesis, Placed
+from flexmodal.diagnosis.march.model import MarchedModel, has_law
 from flexmodal.identification import Observations
 from flexmodal.identification.descent import robust
-from flexmodal.identification.frf_fit import FrfFit, Weighing, cost_of, fit, residual
+from flexmodal.identification.frf_fit import Weighing, cost_of, fit, residual
+from flexmodal.identification.model import Model
 
 COARSE = 48
 """Lines of the coarse looks, closer together where resonances are narrow."""
@@ -27,6 +30,15 @@ STARTS = 2
 """Starts that are kept for each effect and place."""
 ROUNDS = ((0.2, 3, 20), (0.1, 5, 10), (0.03, 8, 5))
 """Model error, steps, and how many candidates go on."""
+MARCHED_MOST = 12
+"""Candidates whose torques are marched that are fitted at all: each of their steps takes long."""
+MARCHED_ROUNDS = ((0.1, 4, 5),)
+"""The rounds of these."""
+ROUGH = 5.0
+"""Steps of time in a period of the highest line, of the coarse looks."""
+
+RESTARTS = ((0.2, 3, 6), (0.1, 10, 1))
+"""The same of a search from all starts of one effect."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,14 +102,24 @@ class Look:
 
     def fitted(self, one: Candidate, floor: float, steps: int) -> Candidate:
         """A candidate some steps further."""
-        loud = any("blow" in placed.effect.variants for placed in one.hypothesis.placed)
+        loud = by_force(one.hypothesis)
         seen, share = (self.apart, None) if loud else (self.merged, self.share)
         made = fit(
-            one.hypothesis, seen, one.x, floors=(floor,), steps=steps, lines=self.lines, share=share,
-            apart=False,
+            coarse_model(one.hypothesis), seen, one.x, floors=(floor,), steps=steps, lines=self.lines,
+            share=share, apart=False,
         )  # fmt: skip
         more = 0.0 if loud else self.constant(floor)
         return Candidate(one.hypothesis, made.x, made.normal.cost + more)
+
+
+def by_force(hypothesis: Hypothesis) -> bool:
+    """Whether one of its effects depends on the blow."""
+    return any("blow" in placed.effect.variants for placed in hypothesis.placed)
+
+
+def coarse_model(hypothesis: Hypothesis) -> Model:
+    """A hypothesis as the coarse looks take it: its torques, where it has such, marched in long steps."""
+    return replace(MarchedModel(hypothesis), fineness=ROUGH) if has_law(hypothesis) else hypothesis
 
 
 def _owner(observations: Observations) -> Int[np.ndarray, " observation"]:
@@ -134,42 +156,82 @@ def look_at(observations: Observations, count: int = COARSE) -> Look:
 
 
 def candidates(
-    root: Hypothesis, starts_from: Float[np.ndarray, " before"], effects: Sequence[Effect], look: Look
+    root: Hypothesis,
+    set_out: Sequence[Float[np.ndarray, " before"]],
+    effects: Sequence[Effect],
+    look: Look,
 ) -> list[Candidate]:
-    """Every effect in every place beside what the root holds already, at its best starts."""
+    """Every effect in every place beside what the root holds already, at its best starts.
+
+    Args:
+        root: the hypothesis that an effect is added to.
+        set_out: parameters of the root from which the search sets out; the best starts are kept of each.
+        effects: to add.
+        look: the coarse look.
+    """
     weighing = Weighing(ROUNDS[0][0], look.lines)
     found = []
     for effect in effects:
         if effect.untestable(root.scene):
             continue
-        loud = "blow" in effect.variants
-        seen = look.apart if loud else look.merged
         for where in effect.places(root.scene):
             if (effect.name, where) in root.keys:
                 continue
             placed = Placed(effect, where)
             hypothesis = root.and_also(placed)
-            tried = [
-                hypothesis.start(placed, start, starts_from) for start in effect.starts(root.scene, where)
-            ]
-            costs = [cost_of(hypothesis, x, seen, weighing) for x in tried]
-            order = np.argsort(costs, kind="stable")[:STARTS]
-            found += [Candidate(hypothesis, tried[k], costs[k]) for k in order]
+            model, loud = coarse_model(hypothesis), by_force(hypothesis)
+            seen = look.apart if loud else look.merged
+            for x in set_out:
+                starts = effect.starts(root.scene, where)
+                tried = [hypothesis.start(placed, start, x) for start in starts]
+                costs = [cost_of(model, one, seen, weighing) for one in tried]
+                order = np.argsort(costs, kind="stable")[: 1 if has_law(hypothesis) else STARTS]
+                found += [Candidate(hypothesis, tried[k], costs[k]) for k in order]
     return found
 
 
 def narrowed(
     found: Sequence[Candidate], look: Look, advance: Callable[[float], None] = lambda part: None
 ) -> list[Candidate]:
-    """The candidates that do best, one for each effect and place, the best first."""
-    todo = list(found)
-    for round_number, (floor, steps, keep) in enumerate(ROUNDS):
+    """The candidates that do best, one for each effect and place, the best first.
+
+    Either all of them have torques to be marched, or none.
+    """
+    slow = [one for one in found if has_law(one.hypothesis)]
+    todo = sorted(slow, key=lambda one: one.cost)[:MARCHED_MOST] if slow else list(found)
+    rounds = MARCHED_ROUNDS if slow else ROUNDS
+    for round_number, (floor, steps, keep) in enumerate(rounds):
         done = []
         for number, one in enumerate(todo):
             done.append(look.fitted(one, floor, steps))
-            advance((round_number + (number + 1) / len(todo)) / len(ROUNDS))
+            advance((round_number + (number + 1) / len(todo)) / len(rounds))
         todo = distinct(done)[:keep]
     return todo
+
+
+def restarted(
+    hypothesis: Hypothesis,
+    x: Float[np.ndarray, " parameter"],
+    set_out: Sequence[Float[np.ndarray, " before"]],
+    look: Look,
+) -> Candidate:
+    """The last effect of a hypothesis started from everywhere, beside what the search set out from and a fit.
+
+    Args:
+        hypothesis: with the effect.
+        x: where a fit of it ended.
+        set_out: parameters of the hypothesis without the effect, from which the search sets out.
+        look: the coarse look.
+    """
+    placed = hypothesis.placed[-1]
+    todo = [
+        Candidate(hypothesis, hypothesis.start(placed, given, tail), np.inf)
+        for given in placed.effect.starts(hypothesis.scene, placed.where)
+        for tail in (*set_out, x[: len(set_out[0])])
+    ]
+    for floor, steps, keep in RESTARTS:
+        todo = sorted((look.fitted(one, floor, steps) for one in todo), key=lambda one: one.cost)[:keep]
+    return todo[0]
 
 
 def distinct(found: Sequence[Candidate]) -> list[Candidate]:
@@ -178,17 +240,3 @@ def distinct(found: Sequence[Candidate]) -> list[Candidate]:
     for one in sorted(found, key=lambda one: one.cost):
         best.setdefault(one.key, one)
     return list(best.values())
-
-
-def polished(
-    one: Candidate, observations: Observations, *, floors: Sequence[float] = (0.05, 0.01), steps: int = 20
-) -> FrfFit:
-    """A candidate fitted closely."""
-    return fit(
-        one.hypothesis,
-        observations,
-        one.x,
-        floors=floors,
-        steps=steps,
-        lines=some_lines(observations, CLOSE),
-    )

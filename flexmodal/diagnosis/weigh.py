@@ -3,14 +3,15 @@
 The score of a hypothesis is the logarithm of its evidence by Laplace's method on the postures it was fitted
 to, plus the log-likelihood of the postures held out:
 
-    S = −κ/2s² (C_fitted + C_held out) − ½ ln det(I + P⁻¹A κ/s²),
+    S = −κ/2s² (C_fitted + C_held out) − ½ xᵀPx − ½ ln det(I + P⁻¹A κ/s²),
 
-C the robust sums of squares, A the curvature, P the prior's precision. Naive sums would give probabilities of
-0 or 1 even where they are wrong: residuals of neighbouring lines are alike as soon as a model is a little
-off. So κ = 1/(1 + 2Σρ) discounts them by the autocorrelation ρ of the best hypothesis' residuals, and s² ≥ 1
-is its reduced sum of squares. Probabilities come from these scores under the Bayesian bootstrap (Rubin, Ann.
-Statist. 9, 1981) over clusters — everything between one response and one hammer point in one posture —, as
-pseudo-BMA+ does (Yao, Vehtari, Simpson and Gelman, Bayesian Analysis 13, 2018).
+C the robust sums of squares, x the parameters from the middle of their prior, P its precision, A the
+curvature. Naive sums would give probabilities of 0 or 1 even where they are wrong: residuals of neighbouring
+lines are alike as soon as a model is a little off. So κ = 1/(1 + 2Σρ) discounts them by the autocorrelation ρ
+of the best hypothesis' residuals, and s² ≥ 1 is its reduced sum of squares. Probabilities come from these
+scores under the Bayesian bootstrap (Rubin, Ann. Statist. 9, 1981) over clusters — everything between one
+response and one hammer point in one posture —, as pseudo-BMA+ does (Yao, Vehtari, Simpson and Gelman,
+Bayesian Analysis 13, 2018).
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ from jaxtyping import Complex, Float
 
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.identification import Observations, predict
-from flexmodal.identification.descent import robust
+from flexmodal.identification.descent import prior_cost, robust
 from flexmodal.identification.frf_fit import FrfFit, Weighing, residual
 from flexmodal.identification.uncertainty import clusters
 
@@ -36,6 +37,8 @@ _MOST_LAG = 60
 class Weighable:
     """A fitted hypothesis with what it leaves."""
 
+    key: tuple[str, str]
+    """The effect it adds last; ("none", "") for the robot re-tuned."""
     hypothesis: Hypothesis
     fitted: FrfFit
     """On the postures that are not held out."""
@@ -43,13 +46,19 @@ class Weighable:
     """Robust sum of squares of each cluster, fitted and held out."""
     occam: float
     """½ ln det(I + P⁻¹A), untempered."""
+    strong: int
+    """Parameters that the data know better than the prior."""
+    parameters: int
+    """All of them."""
     predicted: Complex[np.ndarray, "observation line"]
     """For every observation, on all lines."""
+    prior: float
+    """What the prior adds to the sum of squares."""
 
     @property
-    def key(self) -> tuple[str, str]:
-        """The effect it adds last; ("none", "") for the robot re-tuned."""
-        return self.hypothesis.keys[-1] if self.hypothesis.placed else ("none", "")
+    def cost(self) -> float:
+        """Sum of squares of the fit, the prior's among them."""
+        return self.fitted.normal.cost
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,8 +69,8 @@ class Scales:
     """ln evidence over that of the best [nat]."""
     probability: Float[np.ndarray, " hypothesis"]
     """Under the bootstrap."""
-    gain: float
-    """5 % quantile, under the bootstrap, of the score of the best over that of the first given [nat]."""
+    gain: Float[np.ndarray, " hypothesis"]
+    """5 % quantile, under the bootstrap, of the score of each over that of the first given [nat]."""
     kept: float
     """κ: part of the lines that count as independent."""
     spread: float
@@ -83,17 +92,33 @@ def weighable(
         predicted: its receptances, if they are known better than the hypothesis gives them.
     """
     value = predict(hypothesis, fitted.x, observations) if predicted is None else predicted
-    every = Weighing(fitted.weighing.floor, np.arange(len(observations.axis)))
-    squared = every.weight(observations) * np.abs(residual(value, observations.value)) ** 2
-    size = robust(squared)
-    cluster = clusters(observations)
-    costs = np.bincount(cluster, weights=size.sum(axis=1))
+    costs = cluster_costs(observations, value, fitted.weighing.floor)
     precision = np.maximum(hypothesis.space.precision, 1e-12)
     root = np.sqrt(precision)
     share = len(observations.axis) / max(len(fitted.weighing.lines), 1)
     curvature = fitted.normal.curvature * share / np.outer(root, root)
     sign, log = np.linalg.slogdet(np.eye(len(root)) + curvature)
-    return Weighable(hypothesis, fitted, costs, 0.5 * float(log) if sign > 0 else np.inf, value)
+    occam = 0.5 * float(log) if sign > 0 else np.inf
+    return Weighable(
+        key=hypothesis.keys[-1] if hypothesis.placed else ("none", ""),
+        hypothesis=hypothesis,
+        fitted=fitted,
+        costs=costs,
+        occam=occam,
+        strong=int(np.sum(np.diag(fitted.normal.curvature) > hypothesis.space.precision)),
+        parameters=len(hypothesis.space),
+        predicted=value,
+        prior=prior_cost(hypothesis.space, fitted.x),
+    )
+
+
+def cluster_costs(
+    observations: Observations, predicted: Complex[np.ndarray, "observation line"], floor: float
+) -> Float[np.ndarray, " cluster"]:
+    """Robust sum of squares of each cluster, at a model error."""
+    every = Weighing(floor, np.arange(len(observations.axis)))
+    squared = every.weight(observations) * np.abs(residual(predicted, observations.value)) ** 2
+    return np.bincount(clusters(observations), weights=robust(squared).sum(axis=1))
 
 
 def independence(
@@ -122,18 +147,17 @@ def weigh(found: Sequence[Weighable], observations: Observations, seed: int = 0)
     spread = max(1.0, totals[best] / lines)
     temper = kept / spread
     costs = np.array([one.costs for one in found]) * temper / 2
-    occam = np.array([_tempered(one, temper) for one in found])
+    occam = np.array([_tempered(one, temper) + one.prior / 2 for one in found])
     scores = -costs.sum(axis=1) - occam
     random = np.random.default_rng(seed)
     draws = random.dirichlet(np.ones(costs.shape[1]), DRAWS) * costs.shape[1]
     drawn = -draws @ costs.T - occam  # draw, hypothesis
     weights = np.exp(drawn - drawn.max(axis=1, keepdims=True))
     weights /= weights.sum(axis=1, keepdims=True)
-    gain = float(np.quantile(drawn.max(axis=1) - drawn[:, 0], 0.05))
+    gain = np.quantile(drawn - drawn[:, :1], 0.05, axis=0)
     return Scales(scores - scores.max(), weights.mean(axis=0), gain, kept, spread)
 
 
 def _tempered(one: Weighable, temper: float) -> float:
     """The Occam factor at the tempered curvature: each well measured parameter loses ½ ln(1/temper)."""
-    strong = int(np.sum(np.diag(one.fitted.normal.curvature) > one.hypothesis.space.precision))
-    return one.occam + 0.5 * strong * np.log(temper)
+    return one.occam + 0.5 * one.strong * np.log(temper)

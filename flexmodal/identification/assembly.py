@@ -93,6 +93,15 @@ class Assembly:
                 moved = moved + carried(self._padded(maps[link]), lever)
         return moved
 
+    def move_pivot(self, joint: str, shift: Float[np.ndarray, "3"]) -> None:
+        """Let a revolute joint turn what it carries about another place, `shift` [m] away in the world."""
+        column, child = self.coordinates.index(joint), self.robot.urdf.joint_by_name[joint].child
+        less = np.cross(self.axes(child) @ self.robot.urdf.joint_by_name[joint].axis, shift)
+        for link in beyond(self.robot.urdf, child):
+            moved = self._maps[link].copy()
+            moved[:3, column] -= less
+            self._maps[link] = moved
+
     def move_root(self, columns: slice, motion: Float[np.ndarray, "6 added"]) -> None:
         """Let the root link move, and everything with it, by coordinates already added."""
         start = self.origin(self.robot.urdf.root)

@@ -1,7 +1,8 @@
 """The gap between model and measurement, as the file formats define it.
 
 Root mean square over FRF lines of |ln(model / measured)|, over the lines inside the band with coherence 0.8
-or more, each weighted by its coherence; a line where one of them is exactly zero counts as 10.
+or more, each weighted by its coherence; a line where one of them is exactly zero counts as 10. The noise
+floor beside it is the campaign's own, see `flexmodal.campaign.noise`.
 """
 
 from __future__ import annotations
@@ -54,10 +55,9 @@ def gap(
         return Gap(float("nan"), float("nan"))
     # What is zero but for rounding counts as zero.
     squared = np.minimum(np.abs(residual(predicted[owner], records.value[rows])), ZERO) ** 2
-    count = np.bincount(observations.of_record, minlength=len(observations))[owner][:, None]
-    floor = expected_log_square(observations.variance[owner] * count)
+    noise = observations.noise[rows]
     return Gap(
-        float(np.sqrt((weight * squared).sum() / total)), float(np.sqrt((weight * floor).sum() / total))
+        float(np.sqrt((weight * squared).sum() / total)), float(np.sqrt((weight * noise).sum() / total))
     )
 
 

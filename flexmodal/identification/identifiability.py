@@ -123,7 +123,7 @@ class Identifiability:
             for name, part in zip(self.space.names, direction, strict=True)
             if abs(part) >= PARTS * size
         }
-        return Combination(parts, left, exact, says or _words(parts, self.what))
+        return Combination(parts, left, exact, says or _words(parts, self.what, exact))
 
 
 def patterns(
@@ -177,7 +177,10 @@ def _beyond(
     return span @ turn[:, taken.shape[1] :]
 
 
-def _words(parts: Mapping[str, float], what: str) -> str:
+def _words(parts: Mapping[str, float], what: str, exact: bool) -> str:
+    if len(parts) == 1:
+        effect = "has no effect" if exact else "has too little effect"
+        return f"{next(iter(parts))} {effect} on {what} where others move a little with it"
     text = " ".join(f"{part:+.2g}·{name}" for name, part in parts.items())
     return f"{what} leave a combination open: {text}"
 

@@ -10,7 +10,7 @@ import numpy as np
 from flexmodal.campaign import Campaign
 from flexmodal.identification.held_out import predicted_apart
 from flexmodal.identification.optima import search
-from flexmodal.identification.outcome import Gaps, Outcome
+from flexmodal.identification.outcome import Gaps, HeldOut, Outcome
 from flexmodal.identification.parameter import ParameterSpace
 from flexmodal.identification.problem import IdentificationProblem, Source, build_identification
 from flexmodal.identification.routes import MODEL_ERROR
@@ -114,15 +114,19 @@ def solve_identification(
         gaps,
         () if parts is None else parts.each,
         optima,
-        _provenance(problem, starts, seed),
+        _provenance(problem, () if parts is None else parts.each, starts, seed),
         problem.route.over_noise(shown),
     )
 
 
-def _provenance(problem: IdentificationProblem, starts: int, seed: int) -> dict[str, Any]:
+def _provenance(
+    problem: IdentificationProblem, held: Sequence[HeldOut], starts: int, seed: int
+) -> dict[str, Any]:
     from importlib.metadata import version
 
     campaign = problem.campaign
+    kinds = dict.fromkeys(f"each {one.kind}" for one in held)
+    in_turn = f"{' and '.join(kinds)} in turn" if kinds else "nothing"
     return {
         "campaign": campaign.title,
         "folder": None if campaign.path is None else str(campaign.path),
@@ -130,7 +134,7 @@ def _provenance(problem: IdentificationProblem, starts: int, seed: int) -> dict[
         "source": problem.source,
         "fitted_to": problem.what,
         "band": [float(campaign.band[0]), float(min(campaign.band[1], 1e9))],
-        "held_out": [name for _, name in problem.held_out] or "each posture and each point in turn",
+        "held_out": [name for _, name in problem.held_out] or in_turn,
         "numbers": problem.route.count,
         "starts": starts,
         "seed": seed,

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Protocol, runtime_checkable
 
 import numpy as np
@@ -11,9 +12,10 @@ from jaxtyping import Complex, Float, Int
 
 from flexmodal.campaign import Campaign, CampaignPoint
 from flexmodal.identification.arm import Arm
-from flexmodal.identification.assembly import Assembly, put_together
+from flexmodal.identification.assembly import Assembly
 from flexmodal.identification.observations import Observations
 from flexmodal.identification.parameter import ParameterSpace
+from flexmodal.identification.shape import KINDS, assembled, with_slopes
 from flexmodal.identification.structure import Axis, Structure, receptance
 from flexmodal.identification.truncation import missing
 from flexmodal.model import Robot
@@ -68,7 +70,7 @@ class ReceptanceModel(Protocol):
         lines: slice | Int[np.ndarray, " line"],
         *,
         slopes: bool,
-    ) -> tuple[Complex[np.ndarray, "observation line"], Complex[np.ndarray, "parameter observation line"]]:
+    ) -> tuple[Complex[np.ndarray, "observation line"], Complex[np.ndarray, "slope observation line"]]:
         """Receptances of every observation on some lines, and their derivatives; none unless asked."""
         ...
 
@@ -95,16 +97,34 @@ class RobotModel:
         self, x: Float[np.ndarray, " parameter"], observations: Observations, *, slopes: bool
     ) -> Sequence[Group]:
         """See `FrfModel`; every term is its own derivative."""
-        values = self.space.values(x)
         made = []
         for number, posture in enumerate(observations.postures):
             rows = np.flatnonzero(observations.posture == number)
             if not rows.size:
                 continue
-            assembly = Assembly(self.arm(posture.q))
-            put_together(assembly, values, assembly.arm.bodies)
-            made += close(assembly, observations, rows)
+            made += self._groups(x, self.arm(posture.q), observations, rows, slopes)
         return made
+
+    def _groups(
+        self,
+        x: Float[np.ndarray, " parameter"],
+        arm: Arm,
+        observations: Observations,
+        rows: Int[np.ndarray, " some"],
+        slopes: bool,
+    ) -> list[Group]:
+        """Of one posture."""
+        found = close(assembled(arm, self.space.values(x)), observations, rows)
+        if not slopes or not self._of_shape:
+            return found
+        structure = with_slopes(
+            lambda values: close(assembled(arm, values), observations, rows)[0].structure, self.space, x
+        )
+        return [replace(group, structure=structure) for group in found]
+
+    @cached_property
+    def _of_shape(self) -> bool:
+        return any(name.partition(".")[0] in KINDS for name in self.space.names)
 
     def structure_at(
         self,
@@ -114,9 +134,13 @@ class RobotModel:
         references: Sequence[tuple[str, np.ndarray, np.ndarray]],
     ) -> Structure:
         """The robot in one posture, seen at any places: link, place in its frame [m], world direction."""
-        assembly = Assembly(self.arm(q))
-        put_together(assembly, self.space.values(x), assembly.arm.bodies)
-        return assembly.close(assembly.rows(responses), assembly.rows(references))
+        arm = self.arm(q)
+
+        def make(values: Mapping[str, float]) -> Structure:
+            assembly = assembled(arm, values)
+            return assembly.close(assembly.rows(responses), assembly.rows(references))
+
+        return with_slopes(make, self.space, x)
 
 
 def close(

@@ -18,12 +18,11 @@ from flexmodal.campaign import (
     record_variance,
     repeat_groups,
 )
-from flexmodal.campaign.noise import COHERENT
+from flexmodal.campaign.noise import COHERENT, expected_gap_square
 from flexmodal.errors import Fault, InvalidRequest
+from flexmodal.identification.heard import heard
 from flexmodal.identification.structure import Axis
 
-HEARD = 0.15
-"""Part of the lines that have to be coherent for a record to count as a measurement."""
 NOISIEST = 0.1
 """Relative variance beyond which the logarithm of a line is biased by its own noise."""
 PRETRIGGER = 0.02
@@ -60,6 +59,8 @@ class Observations:
     """Coherent enough, less noisy than `NOISIEST`, and not zero."""
     of_record: Int[np.ndarray, " record"]
     """The observation that each record belongs to."""
+    noise: Float[np.ndarray, "record line"]
+    """E|ln(true / measured)|² of each record: what its noise alone puts into the gap."""
     silent: tuple[str, ...] = ()
     """Records that were left out because hardly a line of theirs is coherent."""
     power: int = 2
@@ -102,6 +103,7 @@ class Observations:
             variance=self.variance[keep],
             used=self.used[keep],
             of_record=number[self.of_record[rows]],
+            noise=self.noise[rows],
         )
 
     def __len__(self) -> int:
@@ -128,8 +130,11 @@ def observe(campaign: Campaign) -> Observations:
         raise InvalidRequest(
             Fault(str(campaign.path or "campaign"), "band", f"no line from {low:g} to {high:g} Hz", allowed)
         )
-    records, silent = _heard(records, campaign)
-    relative = record_variance(records, relative=True)
+    records, silent = heard(records, campaign)
+    absolute = _variance(records, campaign)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        relative = np.where(records.value == 0, np.inf, absolute / np.abs(records.value) ** 2)
+    noise = expected_gap_square(records.value, absolute)
     power = {"receptance": 0, "mobility": 1, "inertance": 2}[records.form]
     groups = repeat_groups(records.trials or campaign.trials)
     records = _receptances(records, campaign)
@@ -178,30 +183,20 @@ def observe(campaign: Campaign) -> Observations:
         variance=variance / count**2,
         used=(weight / count >= COHERENT) & (value != 0) & (variance / count**2 <= NOISIEST),
         of_record=of_record,
+        noise=noise,
         silent=silent,
         power=power,
     )
 
 
-def _heard(frfs: FrfRecords, campaign: Campaign) -> tuple[FrfRecords, tuple[str, ...]]:
-    """Records with a signal in them, and the names of the others.
-
-    A sensor that sits where nothing moves along its axis records noise. With few averages some lines of noise
-    are coherent by chance: one in 25 above 0.8 with three averages.
-    """
-    if frfs.coherence is None:
-        return frfs, ()
-    heard = np.mean(frfs.coherence >= COHERENT, axis=1) >= HEARD
-    if not heard.any():
-        found = f"coherence below {COHERENT:g} on nearly every line of every record"
-        allowed = "records with a signal in them"
-        raise InvalidRequest(Fault(str(campaign.path or "campaign"), "frfs", found, allowed))
-    names = [
-        f"posture {int(frfs.posture[row])}, response {frfs.response[row].tolist()}, "
-        f"reference {frfs.reference[row].tolist()}, trial {int(frfs.trial[row])}"
-        for row in np.flatnonzero(~heard)
-    ]
-    return frfs.take(np.flatnonzero(heard)), tuple(names)
+def _variance(records: FrfRecords, campaign: Campaign) -> Float[np.ndarray, "record line"]:
+    """Noise of the records; what says nothing about it is named with its campaign."""
+    try:
+        return record_variance(records)
+    except InvalidRequest as error:
+        source = str(campaign.path or "campaign")
+        faults = [Fault(source, f"frfs: {one.key}", one.found, one.allowed) for one in error.faults]
+        raise InvalidRequest(faults) from None
 
 
 def _inside(frfs: FrfRecords, band: tuple[float, float]) -> FrfRecords:

@@ -149,17 +149,22 @@ class Outcome:
     def verdict(self) -> str:
         """What to think of it, and what to do next."""
         gap, says = self.gap, []
+        times = f"{self.over_noise:.1f}" if self.over_noise < 10 else f"{self.over_noise:.3g}"
         if not self.fitted.converged:
             says.append("the fit did not settle: give more steps or better starting values")
         if self.explained:
-            says.append(f"the model meets the data to {self.over_noise:.2g} times the noise")
+            says.append(f"the model meets the data to {times} times the noise")
         else:
             says.append(
-                f"the fit leaves {self.over_noise:.2g} times the noise: something is missing from the model; "
+                f"the fit leaves {times} times the noise: something is missing from the model; "
                 "`flexmodal diagnose` looks for it"
             )
         if gap.held_out_after is not None and gap.held_out_after > WORSE * max(gap.after, gap.noise_floor):
             says.append(f"it does not carry over: {gap.held_out_after:.3g} on what was held out")
+        if gap.held_out_after is None:
+            says.append("nothing could be held out: how far it carries over is not known")
+        elif not any(one.kind == "posture" for one in self.held_out) and len(self.problem.postures) < 2:
+            says.append("one posture was measured: how far it carries over to others is not known")
         count = len(self.problem.space)
         known = len(self.uncertainty.identified)
         says.append(

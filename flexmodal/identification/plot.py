@@ -33,7 +33,7 @@ def draw_held_out(outcome: Outcome) -> Any:
     from matplotlib.figure import Figure
 
     held = outcome.held_out
-    figure = Figure(figsize=(7.5, 1.2 + 0.32 * len(held)), layout="constrained")
+    figure = Figure(figsize=(7.5, 1.5 + 0.32 * len(held)), layout="constrained")
     axes = figure.subplots()
     rows = np.arange(len(held))
     for values, marker, colour, label in (
@@ -43,13 +43,23 @@ def draw_held_out(outcome: Outcome) -> Any:
     ):
         axes.plot(values, rows, marker, color=colour, label=label, markersize=7, markeredgewidth=1.8)
     axes.set_yticks(rows, [f"{one.kind} {one.name}" for one in held], fontsize=9)
-    axes.invert_yaxis()
-    axes.set(xscale="log", xlabel="Gap, root mean square of |ln(model / measured)| [–]")
-    axes.xaxis.set_major_formatter("{x:g}")
+    axes.set_ylim(len(held) - 0.4, -0.6)
+    what = "|ln(model / measured)|" if outcome.problem.source == "frf" else "errors of modes"
+    axes.set(xscale="log", xlabel=f"Gap, root mean square of {what} [–]")
+    _mark(axes)
     axes.grid(True, axis="x", which="both", color="0.9", linewidth=0.6)
-    axes.legend(fontsize=9)
+    figure.legend(*axes.get_legend_handles_labels(), loc="outside upper right", ncols=3, fontsize=9)
     axes.set_title("Held out", loc="left", fontsize=11)
     return figure
+
+
+def _mark(axes: Any) -> None:
+    """Plain numbers at 1, 2 and 5 of each decade along a logarithmic x axis."""
+    low, high = axes.get_xlim()
+    marks = [part * 10.0**power for power in range(-6, 6) for part in (1, 2, 5)]
+    axes.set_xticks([mark for mark in marks if low <= mark <= high])
+    axes.xaxis.set_major_formatter("{x:g}")
+    axes.xaxis.set_minor_formatter("")
 
 
 def _draw_frfs(outcome: Outcome, route: FrfRoute) -> Any:
@@ -68,15 +78,16 @@ def _draw_frfs(outcome: Outcome, route: FrfRoute) -> Any:
     frequency = seen.axis.frequency
     for place, (pane, row) in enumerate(zip(panes, np.flatnonzero(keep).tolist(), strict=False)):
         used = np.where(seen.used[row], np.abs(seen.value[row]), np.nan)
-        pane.semilogy(frequency, used, color=MEASURED, linewidth=2.4, alpha=0.55, label="measured")
-        pane.semilogy(frequency, np.abs(card[place]), color=CARD, linestyle=":", linewidth=1.3, label="card")
-        pane.semilogy(frequency, np.abs(fitted.value[place]), color=FITTED, linewidth=1.1, label="identified")
+        pane.loglog(frequency, used, color=MEASURED, linewidth=2.4, alpha=0.55, label="measured")
+        pane.loglog(frequency, np.abs(card[place]), color=CARD, linestyle=":", linewidth=1.3, label="card")
+        pane.loglog(frequency, np.abs(fitted.value[place]), color=FITTED, linewidth=1.1, label="identified")
         pane.fill_between(
             frequency, low[place], high[place], color=FITTED, alpha=0.25, linewidth=0, label="95 % band"
         )
         pane.set_title(_title(outcome, row), loc="left", fontsize=9)
         pane.grid(True, color="0.9", linewidth=0.6)
         pane.set_xlim(frequency[0], frequency[-1])
+        _mark(pane)
     for pane in panes[len(chosen) :]:
         pane.remove()
     for pane in panes[::columns][:count]:
@@ -116,18 +127,16 @@ def _draw_modes(outcome: Outcome, route: ModeRoute) -> Any:
     observed = route.observations
     before, after = route.predicted(np.zeros(len(route.space))), route.predicted(outcome.at)
     labels = [f"{observed.postures[m.posture].name}, {m.frequency:.1f} Hz" for m in observed.modes]
+    met = np.isfinite(after[: len(labels), 0])
+    labels = [label if there else f"{label}, not met" for label, there in zip(labels, met, strict=True)]
     rows = np.arange(len(labels))
     figure = Figure(figsize=(9.0, 1.4 + 0.24 * len(labels)), layout="constrained")
     left, right = figure.subplots(1, 2, sharey=True)
+    frequency = [mode.frequency_error for mode in observed.modes]
+    damping = [mode.damping_error for mode in observed.modes]
     errors = (
-        (
-            left,
-            0,
-            100.0,
-            [m.frequency_error for m in observed.modes],
-            "Natural frequency: model − measured [%]",
-        ),
-        (right, 1, 1000.0, [m.damping_error for m in observed.modes], "Damping ratio: model − measured [%]"),
+        (left, 0, 100.0, frequency, "Natural frequency: model / measured − 1 [%]"),
+        (right, 1, 1000.0, damping, "Damping ratio: model / measured − 1 [%]"),
     )
     for axes, column, scale, error, label in errors:
         axes.errorbar(0 * rows, rows, xerr=196 * np.array(error), fmt="none", ecolor=MEASURED, elinewidth=5,

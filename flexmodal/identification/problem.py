@@ -49,8 +49,14 @@ class IdentificationProblem:
         if isinstance(self.route, ModeRoute):
             parts = {"frequency": "natural frequencies", "damping": "damping ratios", "shape": "mode shapes",
                      "residue": "residues", "antiresonance": "antiresonances"}  # fmt: skip
-            return "the " + ", ".join(parts[name] for name in self.route.use)
+            *first, last = (parts[name] for name in self.route.use)
+            return "the " + " and ".join([", ".join(first), last] if first else [last])
         return "the FRFs"
+
+    @property
+    def postures(self) -> tuple[str, ...]:
+        """Names of the postures with data, those that are held out too."""
+        return tuple(name for kind, name in self.whole.folds() if kind == "posture")
 
     @cached_property
     def identifiability(self) -> Identifiability:
@@ -91,8 +97,11 @@ def build_identification(
     check_belonging(campaign, robot)
     if not 0 <= model_error < 1:
         raise InvalidRequest(Fault("call", "model_error", f"{model_error:g}", "0 to 1"))
-    chosen = robot_space(robot, trust=trust) if space is None else space.trusting(dict(trust or {}))
     road = source or ("modes" if campaign.frfs is None and not campaign.blows else "frf")
+    if use is not None and road == "frf":
+        found = f"{', '.join(use)} of modes, while FRFs are fitted"
+        raise InvalidRequest(Fault("call", "use", found, "none, or modes as the source"))
+    chosen = robot_space(robot, trust=trust) if space is None else space.trusting(dict(trust or {}))
     model = RobotModel(robot, chosen)
     whole: Route
     whole = (

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from flexmodal.errors import Fault, InvalidRequest
+from flexmodal.identification import shape
 from flexmodal.identification.arm import moved_bodies
 from flexmodal.identification.parameter import Parameter, ParameterSpace
 from flexmodal.model import Robot
@@ -32,31 +33,45 @@ def robot_space(
 
     Args:
         robot: from its card come the values, bounds (`lower`, `upper`) and trust (`scale`) of each joint.
-        kinds: some of `KINDS`. `mass.LINK` [kg] takes the link's inertia with it; `inertia.LINK` is the
-            factor on the moments about the mass centre besides, so that any value above 0 is a body there can
-            be.
-        trust: standard deviation of ln(true / card) by kind or by name, over those of the card.
+        kinds: some of `KINDS` and of those of shape, see `shape_parameters`. `mass.LINK` [kg] takes the
+            link's inertia with it; `inertia.LINK` is the factor on the moments about the mass centre besides,
+            so that any value above 0 is a body there can be.
+        trust: standard deviation of ln(true / card) by kind or by name, over those of the card; of position
+            and payload that of the value itself.
 
     Raises:
-        InvalidRequest: an unknown kind or name, a deviation that is not above 0, a card with loss factors.
+        InvalidRequest: an unknown kind or name, one that the robot has none of, a deviation that is not above
+            0, a card with loss factors.
     """
     given = dict(trust or {})
     if robot.hysteresis is not None:
         allowed = "joints without; a fit finds hysteresis itself, as structural damping"
         raise InvalidRequest(Fault(robot.name, "joint: loss_factor", "joints with a loss factor", allowed))
-    unknown = [kind for kind in kinds if kind not in KINDS]
+    known = (*KINDS, *shape.KINDS)
+    unknown = [kind for kind in kinds if kind not in known]
     if unknown or not kinds:
         found = ", ".join(map(repr, unknown)) or "nothing"
-        raise InvalidRequest(Fault("call", "kinds", found, f"some of {', '.join(KINDS)}"))
-    parameters: list[Parameter] = []
-    for kind in kinds:
-        parameters += _of_joints(robot, kind) if kind in ("stiffness", "damping") else _of_links(robot, kind)
+        raise InvalidRequest(Fault("call", "kinds", found, f"some of {', '.join(known)}"))
+    parts = {kind: _of_kind(robot, kind) for kind in kinds}
+    if none := [kind for kind in shape.KINDS if kind in parts and not parts[kind]]:
+        allowed = f"kinds that {robot.name} has something of"
+        raise InvalidRequest(
+            [Fault("call", "kinds", f"{kind!r}, of which there is none", allowed) for kind in none]
+        )
+    parameters = [parameter for part in parts.values() for parameter in part]
     space = ParameterSpace(tuple(parameters))
-    odd = [key for key in given if key not in space.index and key not in KINDS]
+    sorts = tuple(dict.fromkeys((*KINDS, *kinds)))
+    odd = [key for key in given if key not in space.index and key not in sorts]
     if odd:
-        allowed = f"a kind ({', '.join(KINDS)}) or a parameter: {', '.join(space.names)}"
+        allowed = f"a kind ({', '.join(sorts)}) or a parameter: {', '.join(space.names)}"
         raise InvalidRequest([Fault("call", "trust", repr(key), allowed) for key in odd])
     return space.trusting(given)
+
+
+def _of_kind(robot: Robot, kind: str) -> list[Parameter]:
+    if kind in shape.KINDS:
+        return shape.shape_parameters(robot, kind)
+    return _of_joints(robot, kind) if kind in ("stiffness", "damping") else _of_links(robot, kind)
 
 
 def _of_joints(robot: Robot, kind: str) -> list[Parameter]:

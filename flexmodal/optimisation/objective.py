@@ -121,9 +121,13 @@ class ReceptanceObjective:
 
     def value(self, posed: PosedRobot) -> float:
         """The receptance [m/N]."""
-        matrices = posed.frf(self.frequency, response=self.directions).value
-        sizes = np.array([self._parts(matrix)[0][0] for matrix in matrices]) * self.line_weights
+        sizes = self.sizes(posed, self.frequency) * self.line_weights
         return float(np.max(sizes) if self.over == "largest" else np.mean(sizes))
+
+    def sizes(self, posed: PosedRobot, frequency: Float[np.ndarray, " line"]) -> Float[np.ndarray, " line"]:
+        """|tᵀ α w|, ‖α w‖ or the largest singular value over any frequencies [m/N]."""
+        matrices = posed.frf(frequency, response=self.directions).value
+        return np.array([self._parts(matrix)[0][0] for matrix in matrices])
 
     def cost_and_gradient(self, posed: PosedRobot) -> tuple[float, Float[np.ndarray, " moving"]]:
         """Logarithm of the (smooth maximum or mean of the) receptance, and its gradient."""

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexmodal.model import Posture
+from flexmodal.optimisation.objective import Limit
 from flexmodal.optimisation.problem import PostureProblem
 
 _SAME = 1e-3
@@ -75,9 +76,20 @@ class Outcome:
             if self.unbounded
             else ""
         )
+        zeros = [optimum.hits for optimum in self.optima if self._is_zero(optimum)]
+        if zeros:
+            ended = f"{sum(zeros)} of {self.starts} starts ended in such a posture"
+            return f"converged; nothing left to gain, the value is zero but for rounding; {ended}" + aside
         if self.method == "newton" and best.hits == 1 and self.starts > 1:
             return f"converged; only 1 of {self.starts} starts ended here, so try more starts" + aside
         return f"converged; {best.hits} of {self.starts} starts ended here" + aside
+
+    def _is_zero(self, optimum: Optimum) -> bool:
+        """Whether nothing is left to gain; such postures form families, each start may end in its own."""
+        judge = self.problem.objective
+        cost = float(np.log(max(optimum.objective, np.finfo(float).tiny)))
+        cost = -cost if judge.larger_is_better else cost
+        return judge.limit(cost, self.problem.robot) is Limit.PERFECT
 
 
 def distinct(

@@ -1,55 +1,119 @@
-"""Pictures of a posture search: the arm, the objective over its self-motion and the workspace, descents."""
+"""Pictures of a posture search: the receptance, the arm, and the objective over its self-motion."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from jaxtyping import Float
 
-from flexmodal.errors import FlexmodalError
+from flexmodal.errors import Fault, FlexmodalError, InvalidRequest
+from flexmodal.frf import PointDirection
 from flexmodal.frf.plot import PALETTE, draw_frf
 from flexmodal.model import PosedRobot, Posture, Robot
+from flexmodal.optimisation.combined import CombinedObjective
 from flexmodal.optimisation.hold import Hold
-from flexmodal.optimisation.objective import ReceptanceObjective
-from flexmodal.optimisation.optimise import optimise
+from flexmodal.optimisation.objective import Objective, ReceptanceObjective
 from flexmodal.optimisation.outcome import Outcome
 from flexmodal.optimisation.problem import PostureProblem
 from flexmodal.optimisation.quadratic import null_space
+from flexmodal.optimisation.robust import RobustObjective
+from flexmodal.optimisation.tuned import TunedObjective
 
 _STYLES = ("-", "--", "-.", ":")
-
-_TRIES = 8
-"""Random postures that are brought to a place before it counts as out of reach."""
+_SIZES = {"weighted": "|tᵀαw|", "force": "‖αw‖", "worst": "Largest singular value"}
 
 
-@dataclass(frozen=True, eq=False)
-class Trace:
-    """A descent, step by step."""
-
-    values: Float[np.ndarray, "step commanded"]
-    objective: Float[np.ndarray, " step"]
-
-
-def draw_receptances(outcome: Outcome, start: Posture, frequencies: Float[np.ndarray, " line"]) -> Any:
+def draw_receptances(
+    outcome: Outcome,
+    start: Posture | None,
+    frequencies: Float[np.ndarray, " line"] | None = None,
+) -> Any:
     """|receptance| and phase over frequency at the start and at the best posture.
 
+    Where several directions are judged together, their receptance as judged, which has no phase. Objectives
+    without a frequency are shown by the receptance along their direction.
+
     Args:
-        outcome: of a search judged by receptance.
-        start: posture to compare with.
-        frequencies: ascending [Hz].
+        outcome: of a search.
+        start: posture to compare with, if there is one.
+        frequencies: ascending [Hz]; if none, from well below the first mode to well above the last.
     """
-    robot, judge = outcome.problem.robot, outcome.problem.objective
-    along = judge.directions[0] if isinstance(judge, ReceptanceObjective) else None
-    lines = judge.frequency if isinstance(judge, ReceptanceObjective) else np.zeros(2)
-    curves = {
-        name: robot.frf(posture, frequencies, response=along)
-        for name, posture in (("before", start), ("after", outcome.best.posture))
-    }
-    mark = float(lines[0]) if len(lines) == 1 else None
-    return draw_frf(curves, title=f"{robot.title or robot.name}, before and after", mark=mark)
+    robot, judge = outcome.problem.robot, _judged(outcome.problem.objective)
+    postures = {"before": start} if start is not None else {}
+    postures["after"] = outcome.best.posture
+    if frequencies is None:
+        frequencies = _telling_axis(robot, list(postures.values()), judge)
+    title = f"{robot.title or robot.name}, before and after"
+    lines = judge.frequency if isinstance(judge, ReceptanceObjective) else np.zeros(0)
+    mark = float(lines[0]) if len(lines) == 1 and lines[0] > 0 else None
+    if isinstance(judge, ReceptanceObjective) and len(judge.directions) > 1:
+        return _draw_sizes(robot, judge, postures, frequencies, title, mark)
+    along = judge.directions[0] if isinstance(judge, ReceptanceObjective) else _direction(judge)
+    curves = {name: robot.frf(posture, frequencies, response=along) for name, posture in postures.items()}
+    return draw_frf(curves, title=title, mark=mark)
+
+
+def _draw_sizes(
+    robot: Robot,
+    judge: ReceptanceObjective,
+    postures: Mapping[str, Posture],
+    frequencies: np.ndarray,
+    title: str,
+    mark: float | None,
+) -> Any:
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(7.5, 4.4), layout="constrained")
+    axes = figure.subplots()
+    for place, (name, posture) in enumerate(postures.items()):
+        sizes = judge.sizes(robot.at(posture), frequencies)
+        axes.plot(frequencies, sizes, label=name, color=PALETTE[place], linestyle=_STYLES[place])
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    axes.xaxis.set_major_formatter("{x:g}")
+    axes.set_xlim(frequencies[0], frequencies[-1])
+    axes.set_xlabel("Frequency [Hz]")
+    axes.set_ylabel(f"{_SIZES[judge.combine]} [{judge.unit}]")
+    axes.grid(True, which="major", color="0.82", linewidth=0.6)
+    axes.grid(True, which="minor", color="0.92", linewidth=0.4)
+    for line in [] if mark is not None else judge.frequency:
+        axes.axvline(float(line), color="0.75", linewidth=0.6, zorder=0)
+    if mark is not None:
+        axes.axvline(mark, color="0.35", linewidth=1, linestyle=(0, (2, 2)))
+    axes.legend(fontsize=9)
+    names = ", ".join(map(str, judge.directions))
+    axes.set_title(f"{title}: {names}", loc="left", fontsize=11, parse_math=False)
+    return figure
+
+
+def _judged(objective: Objective) -> Objective:
+    """What a sample or a single part is judged by; of several parts the first with a receptance."""
+    if isinstance(objective, RobustObjective):
+        return _judged(objective.objective)
+    if isinstance(objective, CombinedObjective):
+        parts = [_judged(part) for part in objective.parts]
+        return next((part for part in parts if isinstance(part, ReceptanceObjective)), parts[0])
+    return objective
+
+
+def _direction(objective: Objective) -> PointDirection | None:
+    """The one direction of an objective that is no receptance; none of the distance between poles."""
+    found = getattr(objective, "direction", None)
+    return found if isinstance(found, PointDirection) else None
+
+
+def _telling_axis(robot: Robot, postures: Sequence[Posture], judge: Objective) -> np.ndarray:
+    """Frequencies with all modes well inside, and those that are judged."""
+    told = [robot.modes(posture).frequency for posture in postures]
+    if isinstance(judge, ReceptanceObjective):
+        told.append(judge.frequency)
+    if isinstance(judge, TunedObjective):
+        told.append(np.array(judge.band))
+    values = np.concatenate(told)
+    values = values[np.isfinite(values) & (values > 0)]
+    return np.geomspace(values.min() / 4, values.max() * 3, 800)
 
 
 def draw_postures(robot: Robot, postures: Mapping[str, Posture], *, target: Hold | None = None) -> Any:
@@ -94,10 +158,16 @@ def draw_self_motion(problem: PostureProblem, centre: Posture, *, reach: float =
         centre: a posture on the hold, such as an optimum.
         reach: how far to go each way [rad].
         count: postures along each axis.
+
+    Raises:
+        InvalidRequest: the hold leaves nothing free.
     """
     from matplotlib.figure import Figure
 
     vector = problem.vector(centre)
+    if len(null_space(problem.held(vector)[1]).T) == 0:
+        found, allowed = "a hold that leaves nothing free", "one that leaves a joint free"
+        raise InvalidRequest(Fault("call", "problem", found, allowed))
     free = _telling(problem, vector, null_space(problem.held(vector)[1]), reach)
     steps = np.linspace(-reach, reach, count)
     figure = Figure(figsize=(6.8, 5.2), layout="constrained")
@@ -114,87 +184,14 @@ def draw_self_motion(problem: PostureProblem, centre: Posture, *, reach: float =
         from matplotlib.colors import LogNorm
 
         shown = axes.pcolormesh(steps, steps, grid, norm=LogNorm(low, high), cmap="viridis", shading="auto")
-        axes.contour(steps, steps, np.log(grid), levels=14, colors="white", linewidths=0.5)
+        lines = {"levels": 14, "colors": "white", "linewidths": 0.5, "linestyles": "solid"}
+        axes.contour(steps, steps, np.log(grid), **lines)
         figure.colorbar(shown, label=label)
         axes.plot(0, 0, "x", color="white", markersize=11, markeredgewidth=2)
         axes.set_ylabel(f"Second axis of the self-motion [rad]: {_words(problem, free[:, 1])}")
     axes.set_xlabel(f"First axis of the self-motion [rad]: {_words(problem, free[:, 0])}")
-    axes.set_title("Objective over the self-motion, tool held", loc="left", fontsize=11)
-    return figure
-
-
-def workspace_map(
-    problem: PostureProblem, first: Float[np.ndarray, " column"], second: Float[np.ndarray, " row"],
-    *, starts: int = 64, others: Sequence[float] = (),
-) -> Float[np.ndarray, "row column"]:  # fmt: skip
-    """The best objective at each place of a grid of targets; NaN where nothing reaches.
-
-    Args:
-        problem: robot and objective; its hold is replaced.
-        first: coordinates along the first axis of the plane, or x [m].
-        second: along the second, or y [m].
-        starts: of the search at each place.
-        others: z of a spatial chain [m].
-    """
-    grid, generator = np.full((len(second), len(first)), np.nan), np.random.default_rng(0)
-    for row, b in enumerate(second):
-        for column, a in enumerate(first):
-            hold = Hold.at(problem.robot, (float(a), float(b), *others))
-            at = replace(problem, hold=hold)
-            if any(at.retract(at.random_vector(generator)) is not None for _ in range(_TRIES)):
-                grid[row, column] = optimise(at, starts=starts).best.objective
-    return grid
-
-
-def draw_workspace(
-    problem: PostureProblem,
-    first: Float[np.ndarray, " column"],
-    second: Float[np.ndarray, " row"],
-    grid: Float[np.ndarray, "row column"],
-) -> Any:
-    """Draw what `workspace_map` found."""
-    from matplotlib.colors import LogNorm
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(6.8, 5.4), layout="constrained")
-    axes = figure.subplots()
-    norm = LogNorm(float(np.nanmin(grid)), float(np.nanmax(grid)))
-    shown = axes.pcolormesh(first, second, grid, norm=norm, cmap="viridis", shading="nearest")
-    figure.colorbar(shown, label=f"Best objective [{problem.objective.unit}]")
-    names = [
-        "xyz"[int(np.argmax(np.abs(row)))]
-        for row in problem.robot.task[: 2 if problem.robot.is_planar else 3, :3]
-    ]
-    axes.set_xlabel(f"{names[0]} [m]")
-    axes.set_ylabel(f"{names[1]} [m]")
-    axes.set_aspect("equal")
-    title = problem.robot.title or problem.robot.name
-    axes.set_title(f"{title}: best posture at each place", loc="left", fontsize=11)
-    return figure
-
-
-def draw_traces(problem: PostureProblem, traces: Mapping[str, Trace]) -> Any:
-    """Objective and joints over the steps of some descents, each in a column."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(5.2 * len(traces), 6.4), layout="constrained")
-    panels = figure.subplots(2, len(traces), sharex="col", sharey="row", squeeze=False)
-    for column, (name, trace) in enumerate(traces.items()):
-        upper, lower = panels[:, column]
-        upper.plot(trace.objective, color=PALETTE[0])
-        upper.set_yscale("log")
-        upper.set_title(name, loc="left", fontsize=11)
-        for place, joint in enumerate(problem.names):
-            turning = problem.robot.commanded[joint].type != "prismatic"
-            values = np.degrees(trace.values[:, place]) if turning else trace.values[:, place]
-            style: dict[str, Any] = {"color": PALETTE[place % 7], "linestyle": _STYLES[place % 4]}
-            lower.plot(values, label=joint if turning else f"{joint} [m]", **style)
-        lower.set_xlabel("Step")
-        for axes in (upper, lower):
-            axes.grid(True, color="0.88", linewidth=0.6)
-    panels[0, 0].set_ylabel(f"Objective [{problem.objective.unit}]")
-    panels[1, 0].set_ylabel("Joints [°]")
-    panels[1, 0].legend(fontsize=8, ncols=2)
+    title = f"{problem.robot.title or problem.robot.name}: objective over the self-motion"
+    axes.set_title(title, loc="left", fontsize=11, parse_math=False)
     return figure
 
 

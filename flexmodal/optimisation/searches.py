@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -15,10 +15,11 @@ from flexmodal.optimisation.descent import Descent, descend
 from flexmodal.optimisation.objective import Limit
 from flexmodal.optimisation.outcome import distinct
 from flexmodal.optimisation.problem import PostureProblem
-from flexmodal.optimisation.unreachable import unreachable
+from flexmodal.optimisation.unreachable import nearest, unreachable
 
 if TYPE_CHECKING:
-    from flexmodal.optimisation.compiled import Ends
+    from flexmodal.optimisation.compiled.plan import Plan
+    from flexmodal.optimisation.compiled.search import Ends
 
 DEFAULT_STARTS, MANY_STARTS = 64, 256
 """Starts if nobody says how many: in Python, and at a time in the compiled search."""
@@ -57,6 +58,27 @@ def is_compiled(problem: PostureProblem) -> bool:
     return plan_of(problem) is not None
 
 
+@dataclass
+class _Report:
+    """Hears of the compiled search, and tells the caller of each start and of each better value."""
+
+    problem: PostureProblem
+    advance: Advance
+    improved: Improved
+    before: int = 0
+    """Starts of the blocks before this one."""
+    done: int = 0
+    best: float = np.inf
+
+    def __call__(self, done: int, least: float) -> None:
+        fresh, self.done = self.before + done - self.done, self.before + done
+        for _ in range(fresh):
+            self.advance()
+        if least < self.best:
+            self.best = least
+            self.improved(math.exp(-least if self.problem.objective.larger_is_better else least))
+
+
 def all_at_once(
     problem: PostureProblem,
     given: np.ndarray | None,
@@ -65,61 +87,77 @@ def all_at_once(
     advance: Advance,
     improved: Improved,
 ) -> Found:
-    """Descend from the given start and random ones in compiled code.
+    """Descend from the given start and random ones in compiled code, drawn and searched 256 at a time.
 
-    If nobody says from how many, 256 at a time until five ended in the best, 4096 at most.
+    If nobody says from how many, until five ended in the best, 4096 at most. Whoever says, a zero ends it.
 
     Raises:
         Unreachable, SingularResponse: no start came to anything.
+        KeyboardInterrupt: before there was anything to keep.
     """
-    from flexmodal.optimisation.compiled import random_starts
     from flexmodal.optimisation.compiled.plan import plan_of
-    from flexmodal.optimisation.compiled.search import descend_from, tell_apart
-
-    told, best = 0, np.inf
-
-    def progress(done: int, least: float) -> None:
-        nonlocal told, best
-        before = 0 if ends is None else len(ends.cost)
-        fresh, told = before + done - told, before + done
-        for _ in range(fresh):
-            advance()
-        if least < best:
-            best = least
-            improved(math.exp(-least if problem.objective.larger_is_better else least))
+    from flexmodal.optimisation.compiled.search import Ends, tell_apart
 
     plan = plan_of(problem)
     assert plan is not None
-    generator = np.random.default_rng(seed)
-    ends, interrupted = None, False
-    for _ in range(1 if starts is not None else _BATCHES):
-        vectors = random_starts(problem, starts or MANY_STARTS, generator)
-        if given is not None and ends is None:
-            vectors = np.concatenate([_leaning(problem, given)[None], vectors[:-1]])
-        more = descend_from(plan, vectors, progress=progress)
-        interrupted = told < len(vectors) + (0 if ends is None else len(ends.cost))
-        ends = more if ends is None else _joined(ends, more)
-        basins = tell_apart(plan, ends)
-        sure = len(basins.cost) > 0 and int(basins.hits[0]) >= _SURE
-        if interrupted or sure or ends.reached == 0:
-            break
-    assert ends is not None
+    report = _Report(problem, advance, improved)
+    blocks: list[Ends] = []
+    interrupted = False
+    try:
+        for block in _blocks(problem, plan, given, starts, seed, report):
+            blocks.append(block)
+            interrupted = block.interrupted
+            if interrupted or _perfect(problem, block) or (starts is None and _enough(plan, blocks)):
+                break
+    except KeyboardInterrupt:
+        interrupted = True
+    if not blocks:
+        raise KeyboardInterrupt
+    ends = Ends.joined(blocks)
+    basins = tell_apart(plan, ends)
     if len(basins.cost) == 0 and interrupted:
         raise KeyboardInterrupt
     if ends.reached == 0 and problem.hold is not None:
-        raise unreachable(problem, told)
+        return gathered(problem, [_last_try(problem, report.done)], report.done)
     if len(basins.cost) == 0:  # nothing, or nothing bounded: say why
         return one_by_one(problem, given, min(starts or _FEW, _FEW), seed, lambda: None, lambda value: None)
     rows = zip(basins.cost.tolist(), basins.values, basins.hits.tolist(), strict=True)
-    return Found(list(rows), basins.settled, ends.reached, ends.unbounded, told, interrupted)
+    return Found(list(rows), basins.settled, ends.reached, ends.unbounded, report.done, interrupted)
 
 
-def _joined(one: Ends, other: Ends) -> Ends:
-    """Ends of two batches as one."""
-    from flexmodal.optimisation.compiled import Ends
+def _blocks(
+    problem: PostureProblem,
+    plan: Plan,
+    given: np.ndarray | None,
+    starts: int | None,
+    seed: int,
+    report: _Report,
+) -> Iterator[Ends]:
+    """Ends of one block of starts after another."""
+    from flexmodal.optimisation.compiled import random_starts
+    from flexmodal.optimisation.compiled.search import descend_from
 
-    names = ("values", "cost", "end", "iterations")
-    return Ends(*(np.concatenate([getattr(one, name), getattr(other, name)]) for name in names))
+    generator, most = np.random.default_rng(seed), starts or _BATCHES * MANY_STARTS
+    while report.before < most:
+        count = min(MANY_STARTS, most - report.before)
+        first = [] if given is None or report.before > 0 else [leaning(problem, given)]
+        vectors = random_starts(problem, count - len(first), generator)
+        yield descend_from(plan, np.array([*first, *vectors]), progress=report)
+        report.before += count
+
+
+def _enough(plan: Plan, blocks: list[Ends]) -> bool:
+    """Whether some starts ended in the best already, or none comes to anything."""
+    from flexmodal.optimisation.compiled.search import Ends, tell_apart
+
+    hits = tell_apart(plan, Ends.joined(blocks)).hits
+    return blocks[-1].reached == 0 or (len(hits) > 0 and int(hits[0]) >= _SURE)
+
+
+def _perfect(problem: PostureProblem, ends: Ends) -> bool:
+    """Whether nothing is left to gain. Such postures form families, so that no two starts end in the same."""
+    least = float(np.min(ends.cost))
+    return problem.objective.limit(least, problem.robot) is Limit.PERFECT
 
 
 def one_by_one(
@@ -145,7 +183,7 @@ def one_by_one(
             first = count == 0 and given is not None
             vector = given if first and given is not None else problem.random_vector(generator)
             try:
-                result = descend(problem, _leaning(problem, vector) if first else vector)
+                result = descend(problem, leaning(problem, vector) if first else vector)
             except FlexmodalError as error:
                 trouble, result = error, None
             if result is not None:
@@ -159,8 +197,19 @@ def one_by_one(
             raise
         interrupted = True
     if not found:
-        raise trouble or unreachable(problem, starts)
+        if trouble is not None:
+            raise trouble
+        found.append(_last_try(problem, starts))
     return gathered(problem, found, count if interrupted else starts, interrupted=interrupted)
+
+
+def _last_try(problem: PostureProblem, tried: int) -> Descent:
+    """A descent from where damped steps come onto a hold that no start reached; else why none can."""
+    values = problem.retract(nearest(problem)[1])
+    result = None if values is None else descend(problem, values)
+    if result is None:
+        raise unreachable(problem, tried)
+    return result
 
 
 def gathered(
@@ -176,7 +225,7 @@ def gathered(
     return Found(optima, best.converged, len(found), unbounded, tried, interrupted)
 
 
-def _leaning(problem: PostureProblem, start: np.ndarray) -> np.ndarray:
+def leaning(problem: PostureProblem, start: np.ndarray) -> np.ndarray:
     """A start that the hold can be reached from: itself, or beside it where no first step leads off.
 
     As where a stretched arm is to reach inwards.

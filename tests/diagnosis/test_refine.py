@@ -75,7 +75,7 @@ def law_hidden(request):
 def test_recovers_the_law_down_to_the_noise(law_hidden):
     key, hypothesis, before = law_hidden
     observations = hypothesis.scene.observations
-    after = refined(hypothesis, before, observations)
+    after = refined(hypothesis, before.x, observations)
     assert over_floor(predict(hypothesis, before.x, observations), hypothesis) > 1.6
     assert over_floor(after.predicted, hypothesis) < 1.25
     values = hypothesis.space.values(after.x)
@@ -90,7 +90,7 @@ def test_recovers_the_law_from_frfs_alone():
     key = "coulomb_friction@q2"
     campaign = replace(campaign_with(written(key)), blows=())
     hypothesis = hypothesis_of(campaign, key)
-    after = refined(hypothesis, by_describing_functions(hypothesis), hypothesis.scene.observations)
+    after = refined(hypothesis, by_describing_functions(hypothesis).x, hypothesis.scene.observations)
     assert over_floor(after.predicted, hypothesis) < 1.25
     values = hypothesis.space.values(after.x)
     for name, true in LAWS[key].items():
@@ -101,7 +101,7 @@ def test_recovers_a_law_beside_another_effect():
     friction, mass = "coulomb_friction@q2", "added_mass@link_3"
     campaign = campaign_with(written(friction), f"{mass},mass=4,x=0.1,y=0,z=0")
     hypothesis = hypothesis_of(campaign, friction, mass)
-    after = refined(hypothesis, by_describing_functions(hypothesis), hypothesis.scene.observations)
+    after = refined(hypothesis, by_describing_functions(hypothesis).x, hypothesis.scene.observations)
     assert over_floor(after.predicted, hypothesis) < 1.25
     values = hypothesis.space.values(after.x)
     assert values[f"{friction}.torque"] == pytest.approx(LAWS[friction]["torque"], rel=0.15)
@@ -113,7 +113,7 @@ def test_recovers_a_law_beside_another_effect():
 def test_play_in_the_joint_stays_unexplained(guess):
     campaign = campaign_with("clearance@q2,gap=3e-4,preload=1e-4")
     hypothesis = hypothesis_of(campaign, guess)
-    after = refined(hypothesis, by_describing_functions(hypothesis), hypothesis.scene.observations)
+    after = refined(hypothesis, by_describing_functions(hypothesis).x, hypothesis.scene.observations)
     assert over_floor(after.predicted, hypothesis) > 2.0
 
 

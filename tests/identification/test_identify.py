@@ -6,8 +6,11 @@ import numpy as np
 import pytest
 
 import flexmodal
+from flexmodal.campaign import noise_floor
+from flexmodal.campaign.noise import COHERENT
 from flexmodal.errors import InvalidRequest
 from flexmodal.identification import build_identification, identify, robot_space
+from flexmodal.identification.heard import HEARD, roughness
 from flexmodal.rig import simulate
 
 
@@ -42,6 +45,23 @@ def test_gaps_are_told_fitted_and_held_out(outcome, campaign):
     assert all(one.after < one.before for one in outcome.held_out if one.kind == "posture")
     assert outcome.explained
     assert "times the noise" in outcome.verdict
+
+
+def test_the_noise_floor_is_that_of_the_campaign(campaign, fanuc):
+    """Of all records together, but for those without a signal in them, which the fit leaves out."""
+    route = build_identification(campaign, fanuc).route
+    seen = route.observations
+    frfs = campaign.frfs
+    keep = (frfs.frequency >= campaign.band[0]) & (frfs.frequency <= campaign.band[1])
+    inside = replace(
+        frfs, frequency=frfs.frequency[keep], value=frfs.value[:, keep], coherence=frfs.coherence[:, keep]
+    )
+    heard = inside.take(np.flatnonzero(np.mean(inside.coherence >= COHERENT, axis=1) >= HEARD))
+    assert len(heard) == len(seen.records)
+    floor = noise_floor(heard, campaign.band)
+    assert route.gap(seen.value).noise_floor == pytest.approx(floor, rel=1e-9)
+    perfect = route.gap(seen.value).value
+    assert 0 < perfect < floor * 1.1  # the mean of the repeats is closer than the truth
 
 
 def test_what_is_named_is_never_fitted(campaign, fanuc):
@@ -149,14 +169,52 @@ def test_the_six_link_arm_does_not_take_a_fanuc_campaign(campaign):
     assert refused(campaign, flexmodal.load("six_link"))
 
 
-def test_noise_alone_gives_no_number(campaign, fanuc):
+def as_noise(campaign, **change):
     random = np.random.default_rng(1)
     shape = campaign.frfs.value.shape
     noise = (random.normal(size=shape) + 1j * random.normal(size=shape)) * 1e-2
-    faults = refused(replace(campaign, frfs=replace(campaign.frfs, value=noise, coherence=None)), fanuc)
-    assert "of the lines above the noise" in faults[0]
+    return replace(campaign, frfs=replace(campaign.frfs, value=noise, **change))
+
+
+@pytest.mark.parametrize("source", ["frf", "modes"])
+def test_noise_alone_gives_no_number(campaign, fanuc, source):
+    """Even where repeats or coherence claim that it is none."""
+    shape = campaign.frfs.value.shape
+    for coherence in (None, np.ones(shape), np.full(shape, 0.95)):
+        faults = refused(as_noise(campaign, coherence=coherence), fanuc, source=source)
+        assert "nothing but noise" in faults[0]
     dull = replace(campaign.frfs, coherence=np.full(shape, 0.3))
-    assert "coherence below 0.8" in refused(replace(campaign, frfs=dull), fanuc)[0]
+    assert "coherence below 0.8" in refused(replace(campaign, frfs=dull), fanuc, source=source)[0]
+    mute = replace(campaign.frfs, value=np.zeros(shape, complex))
+    assert "zero throughout" in refused(replace(campaign, frfs=mute), fanuc, source=source)[0]
+
+
+def test_roughness_tells_noise_from_a_response(campaign):
+    assert roughness(as_noise(campaign).frfs) == pytest.approx(3 * (1 - np.sqrt(0.5)), abs=0.12)
+    assert np.median(roughness(campaign.frfs)) < 0.01
+
+
+def test_noisy_lines_alone_give_no_number(campaign, fanuc):
+    """Smooth enough to be a response, but the repeats do not agree."""
+    random = np.random.default_rng(1)
+    frfs = campaign.frfs
+    value = frfs.value * np.exp(random.normal(0, 2, len(frfs)) + 6j * random.random(len(frfs)))[:, None]
+    faults = refused(replace(campaign, frfs=replace(frfs, value=value, coherence=None)), fanuc)
+    assert "of the lines above the noise" in faults[0]
+
+
+def test_records_that_say_nothing_of_their_noise_are_refused(campaign, fanuc):
+    alone = campaign.frfs.select(trial=int(campaign.frfs.trial[0]))
+    fault = refused(replace(campaign, frfs=replace(alone, coherence=None)), fanuc)[0]
+    assert fault.startswith("campaign: frfs: posture 1")
+    assert "nothing that says how noisy it is" in fault
+
+
+def test_one_posture_is_said_to_be_one(campaign, fanuc):
+    one = campaign.frfs.select(posture=campaign.postures[0].id)
+    outcome = identify(replace(campaign, frfs=one), fanuc)
+    assert "one posture was measured" in outcome.verdict
+    assert {held.kind for held in outcome.held_out} == {"point"}
 
 
 def test_fewer_data_than_parameters_give_no_number(campaign, fanuc):
@@ -177,6 +235,8 @@ def test_names_to_hold_out_have_to_exist(campaign, fanuc):
 
 def test_kinds_and_uses_have_to_exist(campaign, fanuc):
     assert "'colour'" in refused(campaign, fanuc, source="modes", use=["colour"])[0]
+    assert "while FRFs are fitted" in refused(campaign, fanuc, use=["frequency"])[0]
+    assert "payload" in refused(campaign, fanuc, trust={"payload": 0.1})[0]
     assert "0" in refused(campaign, fanuc, starts=0)[0]
 
 

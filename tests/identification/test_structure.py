@@ -56,6 +56,36 @@ def test_receptance_is_the_robots():
     np.testing.assert_allclose(value[0], other, rtol=1e-11)
 
 
+def test_derivatives_are_those_of_the_complex_step():
+    """Z = A + iB in real form, [A −B; B A], so that i is free for the step; no difference is taken.
+
+    Every term of the assembly grows with the exponential of the coordinates it is named after.
+    """
+    robot = flexmodal.load("fanuc_s360")
+    space = robot_space(robot)
+    q, x = dict(robot.postures["configuration_2"]), np.random.default_rng(1).normal(0, 0.1, len(space))
+    assembly = Assembly(Arm(robot, q))
+    put_together(assembly, space.values(x), assembly.arm.bodies)
+    rows = assembly.rows(PLACES)
+    made = assembly.close(rows, rows)
+    _, slopes = receptance(made, AXIS, PAIRS, space.names)
+    n, step = made.dof, 1e-30
+    for k, name in enumerate(space.names):
+        total = {kind: np.zeros((n, n), complex) for kind in ("mass", "damping", "stiffness")}
+        for kind, matrix, names in assembly.terms:
+            total[kind] += matrix * np.exp(1j * step * (name in names))
+        for line, s in enumerate(AXIS.s):
+            square = s**2
+            real = total["stiffness"] + s.real * total["damping"] + square.real * total["mass"]
+            imaginary = s.imag * total["damping"] + square.imag * total["mass"]
+            form = np.block([[real, -imaginary], [imaginary, real]])
+            for pair, (u, v) in enumerate(PAIRS):
+                y = np.linalg.solve(form, np.concatenate([rows[v], np.zeros(n)]).astype(complex))
+                found = (rows[u] @ y[:n].imag + 1j * (rows[u] @ y[n:].imag)) / step
+                # both are solutions of the same equations, 1e-16 times their condition of some thousands
+                assert slopes[k, pair, line] == pytest.approx(found, rel=1e-9, abs=1e-20), name
+
+
 def test_derivatives_are_those_of_central_differences():
     robot = flexmodal.load("fanuc_s360")
     space = robot_space(robot)

@@ -3,11 +3,13 @@
 import numpy as np
 import pytest
 
+import flexmodal
 from flexmodal.errors import InvalidRequest
 from flexmodal.frf import PointDirection
 from flexmodal.model import PosedRobot
 from flexmodal.optimisation import (
     CombinedObjective,
+    FunctionObjective,
     Hold,
     MobilityObjective,
     Objective,
@@ -21,8 +23,12 @@ from flexmodal.optimisation import (
     sample_robots,
     tooth_passing,
 )
+from flexmodal.optimisation.combined import _WAYS
+from flexmodal.optimisation.objective import COMBINE, OVER
+from flexmodal.optimisation.robust import _JUDGED
 
 from .optimality import difference
+from .test_objectives import OBJECTIVES as SINGLE
 
 BAND = np.linspace(3.0, 20.0, 6)
 
@@ -69,8 +75,72 @@ OBJECTIVES = {
         (RobustObjective(receptance(r, 5), sample_robots(r, 3, seed=1)), SeparationObjective(5.0))
     ),
     "away from a frequency": lambda r: SeparationObjective(5.0),
+    "tuned": lambda r: TunedObjective(*along(r, "z"), (1.0, 40.0)),
+    "force, mean": lambda r: receptance(r, BAND, "xz", combine="force"),
+    "toward, largest": lambda r: receptance(
+        r, BAND, "xz", weights=(1.0, 2.0), toward=(0.3, 1.0), over="largest"
+    ),
+    "weighted, largest": lambda r: receptance(r, BAND, "xz", weights=(1.0, 2.0), over="largest"),
+    "worst, largest": lambda r: receptance(r, BAND, "xz", combine="worst"),
+    "robust mobility": lambda r: RobustObjective(
+        MobilityObjective(*along(r, "x")), sample_robots(r, 2, seed=4), "worst"
+    ),
+    "robust separation": lambda r: RobustObjective(
+        SeparationObjective(5.0), sample_robots(r, 2, seed=5), "worst"
+    ),
+    "sample of a worst of sums": lambda r: RobustObjective(
+        CombinedObjective(
+            (
+                CombinedObjective((receptance(r, 5), receptance(r, 12, "x")), (1.0, 3.0), "sum"),
+                receptance(r, 8, "xz", combine="worst"),
+            ),
+            way="worst",
+        ),
+        sample_robots(r, 2, seed=6),
+    ),
+    "function": lambda r: FunctionObjective(receptance(r, 5).value, "m/N"),
+    "product of products": lambda r: CombinedObjective(
+        (
+            CombinedObjective((receptance(r, 5), SeparationObjective(5.0))),
+            RobustObjective(StiffnessObjective(*along(r, "z")), sample_robots(r, 2, seed=7)),
+        ),
+        (1.0, 2.0),
+    ),
 }
 """Everything that composes, in ways that a user might."""
+
+
+def parts_of(judge):
+    """An objective, and all that it is made of."""
+    inner = getattr(judge, "parts", ()) or filter(None, [getattr(judge, "objective", None)])
+    return [judge, *(part for one in inner for part in parts_of(one))]
+
+
+def test_the_gradient_of_every_objective_is_tested(arm):
+    """Whatever the package offers as an objective is among those of `test_gradient`, in all its variants."""
+    offered = {
+        kind
+        for kind in vars(flexmodal.optimisation).values()
+        if isinstance(kind, type)
+        and hasattr(kind, "cost_and_gradient")
+        and kind not in (Objective, PostureProblem)
+    }
+    assert len(offered) >= 7
+    tested = [part for build in (*OBJECTIVES.values(), *SINGLE.values()) for part in parts_of(build(arm))]
+    assert {type(part) for part in tested} == offered
+    variants = {
+        (part.combine, part.over, part.toward != part.weights)
+        for part in tested
+        if isinstance(part, ReceptanceObjective) and len(part.directions) > 1
+    }
+    across = {("weighted", over, True) for over in OVER}
+    assert variants == {(way, over, False) for way in COMBINE for over in OVER} | across
+    assert {part.way for part in tested if isinstance(part, CombinedObjective)} == set(_WAYS)
+    assert {(part.judge, part.larger_is_better) for part in tested if isinstance(part, RobustObjective)} == {
+        (judge, large) for judge in _JUDGED for large in (True, False)
+    }
+    held = {part.task for part in tested if isinstance(part, StiffnessObjective)}
+    assert held == {"full", "position"}
 
 
 @pytest.mark.parametrize("objective", OBJECTIVES)

@@ -1,4 +1,4 @@
-"""Orientation held, tracks, and what is said when a hold cannot be kept or a search is stopped."""
+"""Orientation held, tracks, and what is said when a hold cannot be kept."""
 
 import numpy as np
 import pytest
@@ -222,46 +222,6 @@ def test_a_start_at_an_undamped_resonance(tmp_path):
 
 
 @pytest.mark.usefixtures("types_unchecked")
-def test_interrupted_with_the_best_so_far(arm):
-    held = problem(arm, Hold.at(arm, (-2.0, 2.0)), 5.0)
-    seen, count = [], 0
-
-    def stop():
-        nonlocal count
-        count += 1
-        if count == 4:
-            raise KeyboardInterrupt
-
-    outcome = optimise(held, starts=1000, seed=7, way="plain", advance=stop, improved=seen.append)
-    assert outcome.interrupted
-    assert "interrupted after 3 starts" in outcome.verdict
-    assert seen == sorted(seen, reverse=True)
-    assert outcome.best.objective == pytest.approx(seen[-1])
-    whole = optimise(held, starts=4, seed=7, way="plain")
-    assert outcome.best.objective == pytest.approx(whole.best.objective)
-    with pytest.raises(KeyboardInterrupt):  # nothing to keep
-        optimise(problem(arm, Hold.at(arm, (7.0, 0.0)), 5.0), starts=3, advance=stop_now)
-
-
-@pytest.mark.usefixtures("types_unchecked")
-def test_a_compiled_search_interrupted(arm):
-    """It stops between two batches of starts and keeps what they found."""
-    held = problem(arm, Hold.at(arm, (-2.0, 2.0)), 5.0)
-    seen = []
-
-    def stop(value):
-        seen.append(value)
-        raise KeyboardInterrupt
-
-    outcome = optimise(held, starts=1000, seed=7, improved=stop)
-    assert outcome.interrupted
-    assert 0 < outcome.tried < 1000
-    assert outcome.best.objective == pytest.approx(seen[0])
-    with pytest.raises(KeyboardInterrupt):
-        optimise(problem(arm, Hold.at(arm, (7.0, 0.0)), 5.0), starts=1000, advance=stop_now)
-
-
-@pytest.mark.usefixtures("types_unchecked")
 @pytest.mark.parametrize("case", ["position", "orientation", "axis", "angle", "axis in the plane"])
 def test_compiled_and_plain_find_the_same(arm, ur5, case):
     """The best of 40 starts, and the answer where there is none."""
@@ -284,10 +244,6 @@ def test_compiled_and_plain_find_the_same(arm, ur5, case):
         optimise(far, starts=40, way="compiled")
     with pytest.raises(InvalidRequest, match="does not apply"):
         optimise(PostureProblem(arm, SeparationObjective(5.0)), way="compiled")
-
-
-def stop_now():
-    raise KeyboardInterrupt
 
 
 def test_bad_orientations(arm, ur5):

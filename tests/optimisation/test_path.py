@@ -149,6 +149,33 @@ def test_never_worse_than_greedy(three, arm):
         assert np.all(problem.shares(planned.postures) <= 1)
 
 
+def test_interrupted_with_the_best_so_far(three):
+    """Greedy comes first, within a second; then whatever is better is kept."""
+    problem, told = straight(three), []
+
+    def stop_after(count):
+        told.clear()
+        left = iter(range(count))
+
+        def advance():
+            if next(left, None) is None:
+                raise KeyboardInterrupt
+
+        return plan_path(problem, nodes=4, advance=advance, improved=told.append)
+
+    early = stop_after(1)
+    assert early.interrupted
+    assert len(told) == 1
+    assert early.total == pytest.approx(greedy_path(problem).total) == pytest.approx(told[0])
+    late = stop_after(len(problem.points) + 6)
+    assert late.interrupted
+    assert late.total <= early.total
+    whole = plan_path(problem, nodes=4)
+    assert not whole.interrupted
+    assert path_cost(problem, whole.postures) <= path_cost(problem, late.postures)
+    assert told == sorted(told, reverse=True)
+
+
 def test_the_local_solver_only_goes_down_and_ends_at_a_minimum(three):
     for way in ("sum", "worst"):
         problem = straight(three, way=way)

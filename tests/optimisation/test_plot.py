@@ -6,18 +6,18 @@ import numpy as np
 import pytest
 
 from flexmodal.frf import PointDirection
-from flexmodal.optimisation import Hold, PostureProblem, ReceptanceObjective, optimise
-from flexmodal.optimisation.descent import descend
-from flexmodal.optimisation.null_space import null_space_descent
-from flexmodal.optimisation.plot import (
-    Trace,
-    draw_postures,
-    draw_receptances,
-    draw_self_motion,
-    draw_traces,
-    draw_workspace,
-    workspace_map,
+from flexmodal.optimisation import (
+    CombinedObjective,
+    Hold,
+    PostureProblem,
+    ReceptanceObjective,
+    SeparationObjective,
+    StiffnessObjective,
+    TunedObjective,
+    optimise,
 )
+from flexmodal.optimisation.plot import draw_postures, draw_receptances, draw_self_motion
+from flexmodal.optimisation.robust import RobustObjective, sample_robots
 
 pytestmark = pytest.mark.usefixtures("types_unchecked")
 
@@ -41,6 +41,39 @@ def test_receptances(arm, found):
     assert "[Hz]" in figure.axes[1].get_xlabel()
 
 
+def test_receptance_of_several_directions_is_drawn_as_judged(arm, held):
+    directions = tuple(PointDirection("tool", axis) for axis in "xz")
+    judge = ReceptanceObjective(directions, np.array([5.0, 10.0]), "force", (1.0, 2.0))
+    outcome = optimise(replace(held, objective=judge), start="start_2", starts=1)
+    figure = draw_receptances(outcome, arm.posture("start_2"), np.array([5.0, 10.0]))
+    before, after = (line.get_ydata() for line in figure.axes[0].lines[:2])
+    assert np.mean(after) == pytest.approx(outcome.best.objective, rel=1e-9)
+    assert np.mean(before) == pytest.approx(outcome.start, rel=1e-9)
+    assert "‖αw‖ [m/N]" in figure.axes[0].get_ylabel()
+
+
+@pytest.mark.parametrize(
+    "judge",
+    [
+        StiffnessObjective(PointDirection("tool", "z")),
+        TunedObjective(PointDirection("tool", "z"), (1.0, 6.0)),
+        SeparationObjective(5.0),
+        CombinedObjective((SeparationObjective(5.0), StiffnessObjective(PointDirection("tool", "x")))),
+    ],
+    ids=["stiffness", "tuned", "separation", "product"],
+)
+def test_receptance_of_other_objectives(arm, held, judge):
+    """Along their direction, over an axis with the modes inside."""
+    sample = RobustObjective(judge, sample_robots(arm, 2))
+    outcome = optimise(replace(held, objective=sample), start="start_2", starts=1)
+    figure = draw_receptances(outcome, None)
+    (line,) = figure.axes[0].lines
+    modes = arm.modes(outcome.best.posture).frequency
+    assert line.get_xdata()[0] < modes.min()
+    assert line.get_xdata()[-1] > modes.max()
+    assert np.all(np.isfinite(line.get_ydata()))
+
+
 def test_postures(arm, ur5, held, found):
     figure = draw_postures(arm, {"best": found.best.posture}, target=held.hold)
     line, cross = figure.axes[0].lines
@@ -62,28 +95,3 @@ def test_self_motion(arm, held, found):
     turned = replace(held, hold=Hold.at(arm, (-2.0, 2.0), orientation=(1.0,)))
     once = optimise(turned, starts=2, seed=4)
     assert draw_self_motion(turned, once.best.posture, reach=0.2, count=5).axes
-
-
-def test_workspace(held):
-    """Nothing at 8 m from the base of an arm of 6 m, and the best of a search where there is."""
-    first, second = np.array([-2.0, 8.0]), np.array([2.0])
-    grid = workspace_map(held, first, second, starts=6)
-    assert np.isnan(grid[0, 1])
-    assert grid[0, 0] == pytest.approx(optimise(held, starts=6).best.objective, rel=1e-9)
-    assert draw_workspace(held, first, second, grid).axes[0].get_xlabel() == "x [m]"
-
-
-def test_traces(arm, held, found):
-    start, traces = held.vector(arm.posture("start_2")), {}
-    for search, rest in ((descend, {}), (null_space_descent, {"iterations": 20})):
-        steps = []
-        search(
-            held, start, watch=lambda values, cost, steps=steps: steps.append((values.copy(), cost)), **rest
-        )
-        values, costs = zip(*steps, strict=True)
-        traces[search.__name__] = Trace(np.array(values), np.exp(np.array(costs)))
-    ours = traces["descend"].objective
-    assert np.all(np.diff(ours) <= 0)
-    assert ours[-1] == pytest.approx(found.best.objective, rel=1e-6)
-    figure = draw_traces(held, traces)
-    np.testing.assert_array_equal(figure.axes[0].lines[0].get_ydata(), ours)

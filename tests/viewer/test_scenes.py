@@ -1,6 +1,7 @@
 """What is in a scene, and whether it stands where it should."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -13,7 +14,18 @@ from flexmodal_viewer.visuals import read_looks
 from flexmodal.cards import read_urdf
 from flexmodal.errors import InvalidFrequencies, InvalidPoint
 from flexmodal.frf import PointDirection
-from flexmodal.optimisation import Optimum, Outcome, PostureProblem, StiffnessObjective
+from flexmodal.optimisation import (
+    CombinedObjective,
+    Optimum,
+    Outcome,
+    PostureProblem,
+    ReceptanceObjective,
+    RobustObjective,
+    SeparationObjective,
+    StiffnessObjective,
+    TunedObjective,
+    sample_robots,
+)
 
 
 def groups(scene):
@@ -270,6 +282,40 @@ def test_parts_that_cannot_be_shown_are_named(tmp_path, part):
     looks = read_looks(read_urdf(path))
     assert looks.visuals == ()
     assert looks.notes[0].startswith("A part of arm is not shown: ")
+
+
+Z, X = PointDirection("tool", "z"), PointDirection("tool", "x")
+OTHERS = {
+    "tuned": (lambda r: TunedObjective(Z, (0.5, 4.0)), "the best of 0.5 to 4 Hz", 1),
+    "force": (
+        lambda r: ReceptanceObjective((X, Z), np.array([5.0, 10.0]), "force", (1.0, 2.0)),
+        "Receptance ‖αw‖ at tool:+x and tool:+z, 5 to 10 Hz",
+        1,
+    ),
+    "robust": (
+        lambda r: RobustObjective(ReceptanceObjective((Z,), np.array([5.0])), sample_robots(r, 3), "worst"),
+        "Receptance |α| at tool:+z, 5 Hz, worst of 3 samples",
+        1,
+    ),
+    "separation": (lambda r: SeparationObjective(5.0), "Distance from the poles, 5 Hz", 0),
+    "poles apart": (lambda r: SeparationObjective(), "Distance from the poles", 0),
+    "product": (
+        lambda r: CombinedObjective((StiffnessObjective(Z), SeparationObjective(5.0))), "Objective", 0,
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", OTHERS)
+def test_outcome_of_every_kind_of_objective(outcome, six_link, case):
+    build, heading, motions = OTHERS[case]
+    problem, best = PostureProblem(six_link, build(six_link)), outcome.best.posture
+    value = problem.objective.value(six_link.at(best))
+    found = replace(outcome, problem=problem, optima=(Optimum(best, value, 1),), start=np.inf)
+    scene = outcome_scene(found, start=six_link.posture("start_3"))
+    assert heading in words(scene)
+    assert "infinite" in words(scene)  # as at the resonance of an undamped arm
+    assert len(scene.motions) == motions
+    json.dumps(payload(scene), allow_nan=False)
 
 
 def test_payload_is_json_and_always_the_same(outcome, six_link):

@@ -6,7 +6,16 @@ import numpy as np
 
 from flexmodal.frf import PointDirection
 from flexmodal.model import PosedRobot, Posture
-from flexmodal.optimisation import MobilityObjective, Outcome, ReceptanceObjective, StiffnessObjective
+from flexmodal.optimisation import (
+    MobilityObjective,
+    Objective,
+    Outcome,
+    ReceptanceObjective,
+    RobustObjective,
+    SeparationObjective,
+    StiffnessObjective,
+    TunedObjective,
+)
 from flexmodal_viewer import marks
 from flexmodal_viewer.arm import Arm
 from flexmodal_viewer.motion import Deflection, forced
@@ -17,6 +26,16 @@ from flexmodal_viewer.units import joint_value, plain, quantity
 
 CLEAR = 0.42
 """Opacity of the start posture."""
+
+_NAMES = {
+    StiffnessObjective: "Stiffness",
+    MobilityObjective: "Mobility",
+    ReceptanceObjective: "Receptance |α|",
+    TunedObjective: "Receptance |α|",
+    SeparationObjective: "Distance from the poles",
+}
+_SIZES = {"weighted": "|tᵀαw|", "force": "‖αw‖", "worst": "‖α‖"}
+"""As `ReceptanceObjective.combine` has them."""
 
 
 def outcome_scene(outcome: Outcome, *, start: Posture | None) -> Scene:
@@ -74,12 +93,18 @@ def outcome_scene(outcome: Outcome, *, start: Posture | None) -> Scene:
     )
 
 
+def _judge(outcome: Outcome) -> Objective:
+    """The objective; of one over a sample of robots, that of each."""
+    objective = outcome.problem.objective
+    return objective.objective if isinstance(objective, RobustObjective) else objective
+
+
 def _is_receptance(outcome: Outcome) -> bool:
-    return isinstance(outcome.problem.objective, ReceptanceObjective)
+    return isinstance(_judge(outcome), ReceptanceObjective | TunedObjective)
 
 
 def _directions(outcome: Outcome) -> tuple[PointDirection, ...]:
-    objective = outcome.problem.objective
+    objective = _judge(outcome)
     several = getattr(objective, "directions", ())
     return tuple(several) or tuple(filter(None, [getattr(objective, "direction", None)]))
 
@@ -111,40 +136,51 @@ def _objective(outcome: Outcome, before: PosedRobot | None) -> Table:
         first = objective.value(before)
     rows = []
     if first is not None:
-        rows.append(("at the start", quantity(first, objective.unit)))
+        known = np.isfinite(first)
+        rows.append(("at the start", quantity(first, objective.unit) if known else "infinite"))
     rows.append(("optimised", quantity(after, objective.unit)))
-    if first is not None and first > 0 and after > 0:
+    if first is not None and 0 < first < np.inf and after > 0:
         ratio = max(first / after, after / first)
         rows.append(("change", f"{plain(ratio)} times {'less' if after < first else 'more'}"))
     return Table(_heading(outcome), (), tuple(rows))
 
 
 def _heading(outcome: Outcome) -> str:
-    objective = outcome.problem.objective
-    along = " and ".join(map(str, _directions(outcome)))
-    names = {
-        StiffnessObjective: "Stiffness",
-        MobilityObjective: "Mobility",
-        ReceptanceObjective: "Receptance |α|",
-    }
-    text = names.get(type(objective), "Objective")
+    objective, along = _judge(outcome), " and ".join(map(str, _directions(outcome)))
+    text = _NAMES.get(type(objective), "Objective")
+    if isinstance(objective, ReceptanceObjective) and len(objective.directions) > 1:
+        text = f"Receptance {_SIZES[objective.combine]}"
     if along:
         text += f" at {along}"
-    lines = getattr(objective, "frequency", None)
-    if lines is not None and len(lines) == 1:
-        text += f", {plain(float(lines[0]))} Hz"
-    elif lines is not None:
-        text += f", {plain(float(lines[0]))} to {plain(float(lines[-1]))} Hz"
+    text += _hertz(objective)
+    if isinstance(outcome.problem.objective, RobustObjective):
+        robust = outcome.problem.objective
+        text += f", {robust.judge} of {len(robust.robots)} samples"
     return text
+
+
+def _hertz(objective: Objective) -> str:
+    """The frequencies that are judged, after a comma; nothing where there are none."""
+    if isinstance(objective, TunedObjective):
+        return f", the best of {plain(objective.band[0])} to {plain(objective.band[1])} Hz"
+    given = getattr(objective, "frequency", None)
+    if given is None:
+        return ""
+    lines = np.atleast_1d(np.asarray(given, dtype=float))
+    first, last = plain(float(lines[0])), plain(float(lines[-1]))
+    return f", {first} Hz" if len(lines) == 1 else f", {first} to {last} Hz"
 
 
 def _vibration(outcome: Outcome, arm: Arm, best: PosedRobot, before: PosedRobot | None) -> Motion | None:
     """Both postures under the same force, drawn larger by the same factor."""
-    objective = outcome.problem.objective
-    if not isinstance(objective, ReceptanceObjective):
+    objective = _judge(outcome)
+    if isinstance(objective, TunedObjective):
+        direction, frequency = objective.direction, objective.frequency_at(best)
+    elif isinstance(objective, ReceptanceObjective):
+        direction = objective.directions[0]
+        frequency = _worst_line(objective, best if before is None else before)
+    else:
         return None
-    direction = objective.directions[0]
-    frequency = _worst_line(objective, best if before is None else before)
     moved: dict[str, Deflection] = {"optimised": forced(best, direction, frequency)}
     if before is not None:
         moved["start"] = forced(before, direction, frequency)

@@ -50,9 +50,9 @@ def _parameters(scene: Scene, where: str) -> tuple[Parameter, ...]:
 def _starts(scene: Scene, where: str) -> list[Mapping[str, float]]:
     tilt, shift = _sizes(scene)
     grid = [
-        (tilting * tilt, tilting * shifting * shift)
-        for tilting in (0.03, 0.2, 1.0, 5.0)
-        for shifting in (0.3, 2.0)
+        (tilting * tilt, shifting * shift)
+        for tilting in (0.03, 0.1, 0.3, 1.0, 5.0)
+        for shifting in (0.1, 0.5, 2.0, 8.0)
     ]
     return [
         {

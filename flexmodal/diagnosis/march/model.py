@@ -62,7 +62,7 @@ class MarchedModel:
         lines: slice | Int[np.ndarray, " line"],
         *,
         slopes: bool,
-    ) -> tuple[Complex[np.ndarray, "observation line"], Complex[np.ndarray, "parameter observation line"]]:
+    ) -> tuple[Complex[np.ndarray, "observation line"], Complex[np.ndarray, "slope observation line"]]:
         """See `identification.ReceptanceModel`; all that has to be marched is marched at once."""
         _, high = self.space.bounds
         sizes = np.where(x + STEP <= high, STEP, -STEP) if slopes else np.zeros(0)

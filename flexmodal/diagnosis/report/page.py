@@ -46,6 +46,10 @@ def write_report(
 
 def report_text(diagnosis: Diagnosis, notes: Sequence[str] = ()) -> str:
     """The page as text."""
+    if diagnosis.modal is not None:
+        from flexmodal.diagnosis.modes.page import modal_text
+
+        return modal_text(diagnosis, notes)
     from jinja2 import Environment
 
     environment = Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True)

@@ -113,8 +113,6 @@ def _receptance(robot: Robot, objective: ReceptanceObjective) -> Judge | None:
     if worst and not largest:
         return None
     force, toward = np.array(objective.weights), np.array(objective.toward)
-    if objective.combine == "weighted" and not np.array_equal(force, toward):
-        return None  # motion across the force: the compiled form differs by some 1e-4 and is not used
     judge = _judge(
         robot,
         RECEPTANCE,

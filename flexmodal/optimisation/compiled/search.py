@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from itertools import pairwise
@@ -35,6 +35,15 @@ class Ends:
     end: Int[np.ndarray, " start"]
     """UNREACHED, UNSETTLED, SETTLED, PERFECT or UNBOUNDED of `flexmodal.optimisation.compiled.descent`."""
     iterations: Int[np.ndarray, " start"]
+    interrupted: bool = False
+    """Whether Ctrl-C ended it; the starts that were not done count as unreached."""
+
+    @classmethod
+    def joined(cls, blocks: Sequence[Ends]) -> Ends:
+        """Ends of several blocks of starts as one."""
+        parts = [(one.values, one.cost, one.end, one.iterations) for one in blocks]
+        values, cost, end, iterations = (np.concatenate(part) for part in zip(*parts, strict=True))
+        return cls(values, cost, end, iterations, any(one.interrupted for one in blocks))
 
     @property
     def reached(self) -> int:
@@ -121,7 +130,7 @@ def descend_from(
             cost[part], end[part], steps[part],
         )  # fmt: skip
 
-    done = 0
+    done, interrupted = 0, False
     try:
         with ThreadPoolExecutor(cores) as pool:
             while done < count:
@@ -135,9 +144,10 @@ def descend_from(
                 if progress is not None:
                     progress(done, float(np.min(cost[:done])))
     except KeyboardInterrupt:
+        interrupted = True
         end[done:] = UNREACHED
         cost[done:] = np.inf
-    return Ends(values, cost, end, steps)
+    return Ends(values, cost, end, steps, interrupted)
 
 
 def tell_apart(plan: Plan, ends: Ends, way: str = "auto") -> Basins:

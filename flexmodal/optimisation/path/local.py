@@ -27,6 +27,7 @@ def improve(
     *,
     iterations: int = 60,
     advance: Callable[[], None] = lambda: None,
+    accepted: Callable[[Postures], None] = lambda postures: None,
 ) -> Postures:
     """Better a sequence that keeps hold, limits and speeds; each accepted step lowers the cost.
 
@@ -35,6 +36,7 @@ def improve(
         start: a posture for each point.
         iterations: linear programmes at most.
         advance: called once for each.
+        accepted: told every sequence that is better than the one before.
     """
     current, radius = start, _FIRST
     cost, parts, slopes = _cost(problem, current)
@@ -52,6 +54,7 @@ def improve(
             gained = cost - trial_cost
             if gained > 0.1 * promised > 0:
                 current, cost, parts, slopes = trial, trial_cost, trial_parts, trial_slopes
+                accepted(current)
                 radius = min(0.5, radius * (2 if gained > 0.7 * promised else 1))
             else:
                 radius /= 3

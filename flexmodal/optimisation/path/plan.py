@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float
 
-from flexmodal.errors import FlexmodalError, Unreachable
+from flexmodal.errors import Unreachable
 from flexmodal.model import Posture
 from flexmodal.optimisation.descent import descend
 from flexmodal.optimisation.optimise import optimise
@@ -20,6 +20,7 @@ from flexmodal.optimisation.path.problem import PathProblem
 DEFAULT_NODES = 60
 
 Advance = Callable[[], None]
+Improved = Callable[[float], None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,6 +32,8 @@ class PathOutcome:
     """In the order of `robot.commanded` [rad, m]."""
     values: Float[np.ndarray, " point"]
     """The objective at each point."""
+    interrupted: bool = False
+    """Whether Ctrl-C ended the search; the sequence is the best until then."""
 
     @property
     def total(self) -> float:
@@ -76,6 +79,7 @@ def plan_path(
     seed: int = 0,
     iterations: int = 60,
     advance: Advance = lambda: None,
+    improved: Improved = lambda value: None,
 ) -> PathOutcome:
     """Find a sequence of postures of least vibration.
 
@@ -89,26 +93,53 @@ def plan_path(
         seed: of the random postures; the same seed gives the same answer.
         iterations: of the local solver.
         advance: called once for each point and once for each iteration.
+        improved: called with the sum, or the worst, of the best so far, whenever it is better than before.
+
+    Returns:
+        The best sequence found. Interrupted by Ctrl-C, the best until then, if there is one already.
 
     Raises:
         Unreachable: a point that no posture reaches, or joints too slow.
     """
-    starts = []
-    trouble: FlexmodalError | None = None
+    best = _Best(problem, improved)
+    trouble: Unreachable | None = None
+    starts: list[np.ndarray] = []
+    shapes: tuple[Callable[[], np.ndarray], ...] = (
+        lambda: greedy_path(problem, seed=seed).postures,
+        lambda: best_sequence(problem, nodes_of(problem, nodes, seed, advance)),
+    )
+    interrupted = False
     try:
-        starts.append(best_sequence(problem, nodes_of(problem, nodes, seed, advance)))
-    except Unreachable as error:
-        trouble = error
-    try:
-        starts.append(greedy_path(problem, seed=seed).postures)
-    except Unreachable as error:
-        trouble = trouble or error
-    if not starts:
-        assert trouble is not None
-        raise trouble
-    ends = [improve(problem, start, iterations=iterations, advance=advance) for start in starts]
-    best = min(ends, key=lambda postures: path_cost(problem, postures))
-    return PathOutcome(problem, best, problem.values(best))
+        for shape in shapes:
+            try:
+                starts.append(shape())
+                best(starts[-1])
+            except Unreachable as error:
+                trouble = error
+        for start in reversed(starts):
+            improve(problem, start, iterations=iterations, advance=advance, accepted=best)
+    except KeyboardInterrupt:
+        interrupted = True
+    if best.postures is None:
+        raise KeyboardInterrupt if interrupted or trouble is None else trouble
+    return PathOutcome(problem, best.postures, problem.values(best.postures), interrupted)
+
+
+@dataclass
+class _Best:
+    """Keeps the best sequence so far, and tells of it."""
+
+    problem: PathProblem
+    improved: Improved
+    postures: np.ndarray | None = None
+    cost: float = np.inf
+
+    def __call__(self, postures: np.ndarray) -> None:
+        cost = path_cost(self.problem, postures)
+        if cost < self.cost:
+            self.postures, self.cost = postures, cost
+            found = PathOutcome(self.problem, postures, self.problem.values(postures))
+            self.improved(found.total if self.problem.way == "sum" else found.worst)
 
 
 def greedy_path(problem: PathProblem, *, seed: int = 0, starts: int = 16) -> PathOutcome:

@@ -32,8 +32,9 @@ def draw_path(found: Mapping[str, PathOutcome]) -> Any:
         style = {"color": PALETTE[place], "linestyle": _STYLES[place % 4], "marker": "os^d"[place % 4]}
         upper.plot(time, outcome.values, label=name, markersize=4, **style)
     upper.set_yscale("log")
-    upper.set_ylabel(f"Value [{first.problem.points[0].objective.unit}]")
+    upper.set_ylabel(f"‖αf‖ [{first.problem.points[0].objective.unit}]")
     upper.legend(fontsize=9)
+    upper.grid(True, which="minor", axis="y", color="0.92", linewidth=0.4)
     for place, joint in enumerate(first.problem.robot.commanded):
         values = first.postures[:, place]
         turning = first.problem.robot.commanded[joint].type != "prismatic"
@@ -42,7 +43,7 @@ def draw_path(found: Mapping[str, PathOutcome]) -> Any:
         lower.plot(time, np.degrees(values) if turning else values, label=name, **style)
     lower.set_ylabel("Joint angles [°]")
     lower.set_xlabel("Time [s]")
-    lower.legend(fontsize=9, ncols=2)
+    lower.legend(fontsize=9, loc="center left", bbox_to_anchor=(1.0, 0.5))
     for axes in (upper, lower):
         axes.grid(True, which="major", color="0.85", linewidth=0.6)
     robot = first.problem.robot

@@ -41,6 +41,11 @@ CASES = {
     "band": ("arm", (-2.0, 2.0), lambda r: receptance(r, [4.0, 5.0, 6.0])),
     "worst of a band": ("arm", (0.0, 1.5), lambda r: receptance(r, [4.0, 5.0, 6.0], "xz", "worst")),
     "weighted": ("arm", (0.0, 1.5), lambda r: receptance(r, 3, "xz")),
+    "motion across the force": (
+        "arm",
+        (0.0, 1.5),
+        lambda r: receptance(r, 3, "xz", weights=(1.0, 0.2), toward=(0.1, 1.0)),
+    ),
     "cutting force": (
         "arm",
         (0.0, 1.5),

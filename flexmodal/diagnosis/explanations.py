@@ -1,0 +1,80 @@
+"""What might be added to a model: every effect in every place, the few that do best fitted closely."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from jaxtyping import Float
+
+from flexmodal.diagnosis.effects import Effect
+from flexmodal.diagnosis.figures import over_noise
+from flexmodal.diagnosis.looking import looked_at
+from flexmodal.diagnosis.march.model import has_law
+from flexmodal.diagnosis.preparation import Bench
+from flexmodal.diagnosis.search import Candidate, Look, candidates, look_at, narrowed, restarted
+from flexmodal.diagnosis.weigh import Weighable
+
+FINALISTS = 4
+"""Candidates that are fitted closely and weighed."""
+MARCHED = 3
+"""The same for effects that depend on force, whose torques are marched in time."""
+AGAIN = 2
+"""Explanations that are started from elsewhere when none of them reaches the floor."""
+
+
+def explanations(
+    bench: Bench,
+    before: Weighable,
+    set_out: Sequence[Float[np.ndarray, " before"]],
+    *,
+    loud: bool,
+    enough: float,
+    advance: Callable[[float], None],
+) -> list[Weighable]:
+    """Candidates for the next step, fitted closely and looked at, the best first.
+
+    Args:
+        bench: what the diagnosis works with.
+        before: the model that something is added to.
+        set_out: its parameters, from which the search sets out.
+        loud: whether effects that depend on the force of the blow are among them.
+        enough: distance over noise from which no other starts are tried.
+        advance: called with the part that is done.
+    """
+    advance(0.0)
+    seen = look_at(bench.fitted)
+    finalists: list[Candidate] = []
+    for some, most in _kinds(bench.effects, loud=loud):
+        found = candidates(before.hypothesis, set_out, some, seen)
+        finalists += narrowed(found, seen, lambda part: advance(0.6 * part))[:most]
+    looked = []
+    for number, one in enumerate(finalists, start=1):
+        looked.append(_close(bench, one))
+        advance(0.6 + 0.3 * number / len(finalists))
+    looked.sort(key=lambda one: one.cost)
+    if looked and over_noise(bench, looked[0]) > enough:
+        looked = [_elsewhere(bench, seen, one, set_out) if k < AGAIN else one for k, one in enumerate(looked)]
+        looked.sort(key=lambda one: one.cost)
+    return looked
+
+
+def _kinds(effects: Sequence[Effect], *, loud: bool) -> list[tuple[list[Effect], int]]:
+    """Effects that depend on the blow apart from the others, and how many of each are looked at closely."""
+    by_force = [effect for effect in effects if "blow" in effect.variants]
+    others = [effect for effect in effects if "blow" not in effect.variants]
+    return [(others, FINALISTS), (by_force if loud else [], MARCHED)]
+
+
+def _close(bench: Bench, one: Candidate) -> Weighable:
+    return looked_at(bench, one.hypothesis, one.x, near=True)
+
+
+def _elsewhere(
+    bench: Bench, seen: Look, one: Weighable, set_out: Sequence[Float[np.ndarray, " before"]]
+) -> Weighable:
+    """The same explanation from all the starts of its effect, if one of them leads further down."""
+    if has_law(one.hypothesis):
+        return one
+    other = _close(bench, restarted(one.hypothesis, one.fitted.x, set_out, seen))
+    return other if other.cost < one.cost else one

@@ -1,0 +1,1 @@
+"""Diagnosis from modes alone: natural frequencies, damping ratios and shapes of several postures."""

@@ -1,0 +1,126 @@
+"""What a diagnosis works with: observations that belong to the robot, its parameters, postures held out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Bool
+
+from flexmodal.campaign import Campaign
+from flexmodal.diagnosis.effects import Effect, Scene, catalogue
+from flexmodal.diagnosis.hypothesis import Hypothesis
+from flexmodal.diagnosis.search import COARSE, some_lines, unlimited
+from flexmodal.errors import Fault, InvalidRequest
+from flexmodal.identification import Observations, ParameterSpace, fit, gap, observe, predict, robot_space
+from flexmodal.identification.belong import check_belonging
+from flexmodal.identification.truncation import missing
+from flexmodal.model import Robot
+
+TRUST = {"stiffness": 0.08, "damping": 0.08, "mass": 0.08, "inertia": 0.08}
+"""Standard deviation of ln(true / card) in re-tuning, unless the card or the user says other."""
+_FEWEST = 3
+"""Postures from which on some are held out."""
+
+Advance = Callable[[str, float], None]
+
+
+@dataclass(frozen=True, eq=False)
+class Bench:
+    """What a diagnosis works with."""
+
+    scene: Scene
+    base: ParameterSpace
+    observations: Observations
+    fitted: Observations
+    """Without the postures held out."""
+    held: Bool[np.ndarray, " observation"]
+    effects: tuple[Effect, ...]
+    seed: int
+    advance: Advance
+
+
+def prepare(
+    campaign: Campaign,
+    robot: Robot,
+    hold_out: Sequence[int | str] | None,
+    effects: Sequence[str] | None,
+    trust: Mapping[str, float] | None,
+    seed: int,
+    advance: Advance,
+) -> Bench:
+    """Lay everything out (see `diagnose`).
+
+    Raises:
+        InvalidRequest: no data, unknown effects or postures, a campaign that does not belong to the robot.
+    """
+    check_belonging(campaign, robot)
+    observations = observe(campaign)
+    observations = _whole(observations, robot)
+    scene = Scene(robot, observations)
+    known = tuple(catalogue(effects).values())
+    base = robot_space(robot, trust={**_trust_of(robot), **(trust or {})})
+    held = _held(observations, hold_out) if hold_out is not None else _middling(scene, base)
+    return Bench(scene, base, observations, observations.keeping(~held), held, known, seed, advance)
+
+
+def _trust_of(robot: Robot) -> dict[str, float]:
+    """The workflow's own trust where the card gives none."""
+    found = dict(TRUST)
+    for name, joint in robot.joints.items():
+        if joint.scale is not None:
+            found[f"stiffness.{name}"] = joint.scale
+            if joint.damping > 0:
+                found[f"damping.{name}"] = joint.scale
+    return found
+
+
+def _whole(observations: Observations, robot: Robot) -> Observations:
+    """The observations, without the length of their records where the robot comes to rest within it."""
+    root = Hypothesis(Scene(robot, observations), robot_space(robot))
+    for group in root.groups(np.zeros(len(root.space)), observations, slopes=False):
+        axis = observations.axis_of(group.level)
+        if axis.length > 0 and missing(group.structure, axis, group.pairs[:1]) is not None:
+            return replace(observations, cut_slopes=False)  # steps need not be exact, and are much faster so
+    return unlimited(observations)
+
+
+def _middling(scene: Scene, base: ParameterSpace) -> Bool[np.ndarray, " observation"]:
+    """Observations of the postures in the middle, by how far the re-tuned robot is from each.
+
+    A posture that alone shows the effect must not be held out, nor one that does not show it at all.
+    """
+    observations = scene.observations
+    count = len(observations.postures)
+    if count < _FEWEST:
+        return np.zeros(len(observations), dtype=bool)
+    root = Hypothesis(scene, base)
+    lines = some_lines(observations, COARSE)
+    tuned = fit(root, observations, floors=(0.2, 0.05), steps=10, lines=lines, apart=False)
+    value = predict(root, tuned.x, observations)
+    far = [gap(observations, value, observations.posture == k).value for k in range(count)]
+    order = np.argsort(np.nan_to_num(far), kind="stable")
+    number = max(1, count // 4)
+    first = (count - number) // 2
+    return np.isin(observations.posture, order[first : first + number])
+
+
+def _held(observations: Observations, wanted: Sequence[int | str]) -> Bool[np.ndarray, " observation"]:
+    """Observations of the postures that are held out."""
+    names = {p.name: k for k, p in enumerate(observations.postures)}
+    ids = {p.id: k for k, p in enumerate(observations.postures)}
+    count = len(observations.postures)
+    faults, numbers = [], []
+    for one in wanted:
+        k = names.get(str(one), ids.get(int(one)) if str(one).isdigit() else None)
+        if k is None:
+            allowed = ", ".join(p.name for p in observations.postures)
+            faults.append(Fault("call", "hold_out", repr(one), f"a posture with FRFs: {allowed}"))
+        else:
+            numbers.append(k)
+    if len(set(numbers)) >= count and not faults:
+        faults.append(Fault("call", "hold_out", "every posture", "one left to fit at least"))
+    if faults:
+        raise InvalidRequest(faults)
+    return np.isin(observations.posture, numbers)

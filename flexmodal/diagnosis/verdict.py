@@ -1,0 +1,60 @@
+"""The verdict in words."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from flexmodal.diagnosis.compare import excess
+from flexmodal.diagnosis.outcome import UNKNOWN, Gaps, Step, Verdict
+from flexmodal.diagnosis.preparation import Bench
+from flexmodal.diagnosis.weigh import Weighable
+
+
+def verdict(
+    bench: Bench, steps: Sequence[Step], final: Weighable, gaps: Gaps, over: float, *, explained: bool
+) -> Verdict:
+    """Nothing is missing, something of the catalogue is, or something else.
+
+    Args:
+        bench: what the diagnosis works with.
+        steps: effects that were added.
+        final: the model with them.
+        gaps: before and after.
+        over: how far the model is from the averages, over their noise.
+        explained: whether that is near enough.
+    """
+    floors = gaps.after / gaps.noise_floor
+    effects = tuple((step.effect, step.where) for step in steps)
+    if explained and not effects:
+        says = f"Nothing is missing: re-tuned, the robot's gap is {floors:.2f} × the noise floor."
+        return Verdict((), True, says)
+    if explained:
+        words = " and ".join(f"{_says(bench, step.effect)} ({step.where})" for step in steps)
+        tied = [f"{effect} at {where}" for step in steps for effect, where in step.ties]
+        tail = f" These data cannot tell it from {', '.join(tied)}." if tied else ""
+        says = f"Missing: {words}.{tail} The gap falls to {floors:.2f} × the noise floor."
+        return Verdict(effects, True, says)
+    where = place(bench, final)
+    near = f" Nearest comes {effects[-1][0]} at {effects[-1][1]}, which is not enough." if effects else ""
+    says = (
+        "Something is missing that nothing in the catalogue explains: averaged over repeats, the model stays "
+        f"{over:.1f} times as far from the measurements as noise alone would put it. Look at {where}.{near}"
+    )
+    return Verdict(((UNKNOWN, where),), False, says)
+
+
+def _says(bench: Bench, name: str) -> str:
+    return next(effect.says for effect in bench.effects if effect.name == name)
+
+
+def place(bench: Bench, final: Weighable) -> str:
+    """Where an unexplained disagreement sits best: the place of what comes nearest, or the worst point."""
+    if final.hypothesis.placed:
+        return final.hypothesis.keys[-1][1]
+    observations = bench.observations
+    above = excess(observations, final.predicted).sum(axis=1)
+    points = np.unique(observations.response[:, 0])
+    share = [above[observations.response[:, 0] == p].sum() for p in points]
+    return observations.campaign.point(int(points[int(np.argmax(share))])).name
