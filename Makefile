@@ -94,6 +94,7 @@ fuzz: .venv/tested
 bench: .venv/peers
 	OPENBLAS_NUM_THREADS=1 QT_QPA_PLATFORM=offscreen $(BIN)/python benchmarks/engine.py
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/engine_accuracy.py
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/engine_program.py
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/campaign_loading.py
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/ema_speed.py
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/ema_ripple.py

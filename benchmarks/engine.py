@@ -31,7 +31,10 @@ import flexmodal
 from flexmodal import PointDirection
 from flexmodal.files import whole_file
 from flexmodal.frf.kernels.factor import write_kernel
+from flexmodal.frf.kernels.planar import PLANAR
+from flexmodal.frf.kernels.recursion import TURNING, write_step
 from flexmodal.frf.kernels.route import choose, run
+from flexmodal.frf.kernels.spatial import SPATIAL
 from flexmodal.frf.kernels.task import Task
 from flexmodal.model.batch import gradient_batch, receptance_batch
 from flexmodal.model.gradient import receptance_and_gradient
@@ -119,6 +122,8 @@ def kernels(report: Report) -> None:
         share = [_ratio(100 * rate / np.max(found)) for found in (peaks, wide)]
         report.goal("share of the core's FMA peak, 256-bit vectors [%]", "≥ 40", share[0], least=40)
         report.fact("share of its peak on 512-bit vectors [%]", share[1])
+        roof = _roof(result.seconds["solve"], write_kernel(six.shape)[1], max(peaks + wide))
+        report.fact("roof: one direction, n = 6, all of the quicker peak, × stacked solve", roof)
         report.fact("C++ -O3 -march=native, × stacked solve", result.faster("C++", "solve"))
     else:
         report.fact("share of the core's FMA peak", "no C++ compiler here")
@@ -144,19 +149,25 @@ def kernels(report: Report) -> None:
     seven = random_task(7, 40)
     result = interleaved({"solve": reference(seven, 4), **ways_of(seven, "compiled")}, ROUNDS)
     report.goal("n = 7, × stacked solve", "≥ 55", result.faster("compiled", "solve"), least=55)
+    if compiler is not None:
+        roof = _roof(result.seconds["solve"], write_kernel(seven.shape)[1], max(peaks + wide))
+        report.fact("roof: n = 7, all of the quicker peak, × stacked solve", roof)
     thirty = random_task(30, 2)
     result = interleaved(
         {"solve": reference(thirty, 1), **ways_of(thirty, "compiled any n")}, max(5, ROUNDS // 3)
     )
     report.goal(
-        "n = 30, any chain, × stacked solve", "≥ 6", result.faster("compiled any n", "solve"), least=6
-    )
+        "n = 30, any matrices, by elimination, × stacked solve", "≥ 6",
+        result.faster("compiled any n", "solve"), least=6,
+    )  # fmt: skip
 
 
 def long_chains(report: Report) -> None:
     """Chains of 30 joints by recursion, kinematics included on our side only."""
     frequency = np.linspace(0.1, 60, LINES)
     omega = 2 * np.pi * frequency
+    compiler = _compiler()
+    peaks: list[float] = []
     for spatial in (False, True):
         robot = long_chain(30, spatial=spatial)
         posture = random_postures(robot, 64)
@@ -177,13 +188,24 @@ def long_chains(report: Report) -> None:
                 ),
                 64 * LINES,
             )
+        if compiler is not None:
+            variants["peak"] = (lambda: peaks.append(compiler.peak(wide=True)), 1)
         result = interleaved(variants, max(5, ROUNDS // 3))
         found = result.faster("recursion", "solve")
         if spatial:
-            report.fact("n = 30, chain in space by recursion, × stacked solve", found)
+            report.goal("n = 30, any serial chain (in space), × stacked solve", "≥ 6", found, least=6)
             report.fact("the same by elimination, × stacked solve", result.faster("compiled any n", "solve"))
         else:
             report.goal("n = 30, planar chain, × stacked solve", "≥ 80", found, least=80)
+        if "peak" in variants:
+            step = write_step(SPATIAL if spatial else PLANAR, ((0, 0),), TURNING).split("for p in")[1]
+            flops = 30 * sum(step.count(f" {sign} ") for sign in "+-*/")
+            share = 100 * flops / result.seconds["recursion"] / np.max(peaks)
+            where = "in space" if spatial else "planar"
+            report.fact(f"operations a point of the recursion, {where}", float(flops))
+            report.fact(f"its share of the 512-bit FMA peak, {where} [%]", _ratio(share))
+            roof = _roof(result.seconds["solve"], flops, max(peaks))
+            report.fact(f"roof: n = 30 {where}, all of that peak, × stacked solve", roof)
 
 
 def robots(report: Report) -> None:
@@ -407,6 +429,11 @@ def _compiler() -> Reference | None:
 def _ratio(values: np.ndarray) -> Ratio:
     low, median, high = np.percentile(values, [25, 50, 75])
     return Ratio(float(median), float(low), float(high))
+
+
+def _roof(solve: np.ndarray, flops: float, peak: float) -> Ratio:
+    """Times that a point's operations, at the core's peak, fit into a stacked solve: no code does better."""
+    return _ratio(solve * peak / flops)
 
 
 def _offset(robot: Any) -> np.ndarray:
