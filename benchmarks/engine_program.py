@@ -146,8 +146,8 @@ def main() -> None:
         "engine_program",
         "What the program gains",
         f"Made by `make bench`, one thread, processor time, {ROUNDS} interleaved rounds, compiled "
-        "beforehand: medians, and the median ratio with its quartiles. The numpy form is the same code without numba. "
-        "A whole identification is in [identification_speed.md](identification_speed.md).",
+        "beforehand: medians, and the median ratio with its quartiles. The numpy form is the same code "
+        "without numba. A whole identification is in [identification_speed.md](identification_speed.md).",
         ["what", "before", "before [ms]", "after [ms]", "times as fast"],
         rows,
     )
