@@ -1,6 +1,7 @@
 """Every goal of the engine as a ratio in one interleaved run: docs/tables/engine.md, .json and .png.
 
-`make bench` takes some minutes. With `--quick` fewer rounds, for a look.
+`make bench` takes some minutes. With `--quick` fewer rounds, for a look; with `--only start_up`, or another
+part, that part alone, its rows put into the last report.
 """
 
 from __future__ import annotations
@@ -11,7 +12,6 @@ import platform
 import statistics
 import subprocess
 import sys
-import time
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
@@ -376,7 +376,7 @@ def memory(report: Report) -> None:
 
 
 def start_up(report: Report) -> None:
-    """Seconds of whole processes, less an empty Python's for the first."""
+    """Processor seconds of whole processes."""
     frf = "import flexmodal; flexmodal.load('six_link').frf('start_1', [1.0, 2.0])"
     commands = {
         "empty": [sys.executable, "-c", ""],
@@ -387,9 +387,11 @@ def start_up(report: Report) -> None:
     seconds: dict[str, list[float]] = {name: [] for name in commands}
     for _ in range(max(3, ROUNDS // 4) + 1):
         for name, command in commands.items():
-            start = time.perf_counter()
+            before = os.times()
             subprocess.run(command, capture_output=True, check=True)
-            seconds[name].append(time.perf_counter() - start)
+            after = os.times()
+            spent = after.children_user + after.children_system
+            seconds[name].append(spent - before.children_user - before.children_system)
     for name, limit in zip(list(commands)[1:], (0.35, 0.25, 1.3), strict=True):
         values = seconds[name][1:]
         low, high = np.percentile(values, [25, 75])
@@ -446,16 +448,15 @@ def main() -> None:
     if os.environ.get("OPENBLAS_NUM_THREADS") != "1":
         sys.exit("set OPENBLAS_NUM_THREADS=1, as `make bench` does: one thread for everybody")
     report = Report()
-    kernels(report)
-    long_chains(report)
-    robots(report)
-    search(report)
-    memory(report)
-    start_up(report)
-    before_and_after(report)
-    field_of_peers(report)
-    curves = scaling(report)
-    draw(curves)
+    only = sys.argv[sys.argv.index("--only") + 1] if "--only" in sys.argv else ""
+    parts = (kernels, long_chains, robots, search, memory, start_up, before_and_after, field_of_peers)
+    for part in parts:
+        if only in ("", part.__name__):
+            part(report)
+    if only:
+        report = _into_the_last(report)
+    else:
+        draw(scaling(report))
     report.numbers["machine"] = {
         "processor": _processor(), "python": platform.python_version(), "numpy": np.__version__,
         "rounds": ROUNDS,
@@ -472,6 +473,16 @@ def main() -> None:
         ["what", "goal", "found", "reached"],
         report.rows,
     )
+
+
+def _into_the_last(part: Report) -> Report:
+    """The last report with the rows of one part measured again."""
+    numbers = json.loads((TABLES / "engine.json").read_text(encoding="utf-8"))
+    lines = (TABLES / "engine.md").read_text(encoding="utf-8").splitlines()
+    cells = [tuple(cell.strip() for cell in line.strip("|").split("|")) for line in lines if line[:2] == "| "]
+    fresh = {row[0]: row for row in part.rows}
+    rows = [fresh.pop(row[0], row) for row in cells[1:] if len(row) == 4]
+    return Report([*rows, *fresh.values()], {**numbers, **part.numbers})
 
 
 def _processor() -> str:

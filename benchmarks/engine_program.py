@@ -101,7 +101,7 @@ def rig() -> Variants:
         compiled(*arguments)
 
     with patch.object(nonlinear, "_march", lambda: watched):
-        simulate(robot, postures=1, points=1, trials=1, hide=["coulomb_friction"], seed=1)
+        simulate(robot, postures=1, points=2, trials=1, hide=["coulomb_friction"], seed=1)
     *before, fine = given[-1]
     origin = int(before[4])
     short = np.ascontiguousarray(fine[:, :, : origin + 4000])
