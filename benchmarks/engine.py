@@ -30,6 +30,8 @@ from tables import TABLES, write
 import flexmodal
 from flexmodal import PointDirection
 from flexmodal.files import whole_file
+from flexmodal.frf.kernels.compiled import OPTIONS, compile_source
+from flexmodal.frf.kernels.factor import LANES as LANE_COUNT
 from flexmodal.frf.kernels.factor import write_kernel
 from flexmodal.frf.kernels.planar import PLANAR
 from flexmodal.frf.kernels.recursion import TURNING, write_step
@@ -96,6 +98,23 @@ def reference(task: Task, systems: int) -> tuple[Callable[[], object], int]:
     return call, systems * len(task.omega)
 
 
+def tile_alone(task: Task) -> tuple[Callable[[], object], int]:
+    """The generated kernel on one tile that stays in the cache: nothing filled in, nothing handed out."""
+    kernel = compile_source(write_kernel(task.shape)[0], "kernel")
+
+    def loop(tile, rows, out, pairs, work, times):  # type: ignore[no-untyped-def]
+        for _ in range(times):
+            kernel(tile, rows, out, 6, pairs, work)
+
+    import numba
+
+    compiled = numba.njit(**OPTIONS)(loop)
+    tile, rows, out = np.ones(40 * LANE_COUNT), np.ones(6 * LANE_COUNT), np.empty(3 * LANE_COUNT)
+    tile[: 7 * LANE_COUNT] = 1.0 + np.random.default_rng(0).uniform(size=7 * LANE_COUNT)
+    times = 500
+    return lambda: compiled(tile, rows, out, np.zeros((1, 2), int), np.empty(1), times), times * LANE_COUNT
+
+
 def kernels(report: Report) -> None:
     """One direction, 3 × 3, n = 7, n = 30; and the share of the core's peak."""
     six = random_task(6, 60)
@@ -111,9 +130,11 @@ def kernels(report: Report) -> None:
         )
         variants["peak 256"] = (lambda: peaks.append(compiler.peak(wide=False)), 1)
         variants["peak 512"] = (lambda: wide.append(compiler.peak(wide=True)), 1)
+    variants["tile"] = tile_alone(six)
     peaks: list[float] = []
     wide: list[float] = []
     result = interleaved(variants, ROUNDS)
+    report.fact("one direction, n = 6, the arithmetic alone, × stacked solve", result.faster("tile", "solve"))
     report.goal("one direction, n = 6, × stacked solve", "≥ 60", result.faster("compiled", "solve"), least=60)
     report.fact("stacked solve itself, n = 6 [µs a point]", 1e6 * result.median("solve"))
     report.fact("one direction, n = 6, × 2 µs a point", 2e-6 / result.median("compiled"))
@@ -122,6 +143,8 @@ def kernels(report: Report) -> None:
         share = [_ratio(100 * rate / np.max(found)) for found in (peaks, wide)]
         report.goal("share of the core's FMA peak, 256-bit vectors [%]", "≥ 40", share[0], least=40)
         report.fact("share of its peak on 512-bit vectors [%]", share[1])
+        alone = write_kernel(six.shape)[1] / result.seconds["tile"]
+        report.fact("the arithmetic alone: share of that peak [%]", _ratio(100 * alone / np.max(wide)))
         roof = _roof(result.seconds["solve"], write_kernel(six.shape)[1], max(peaks + wide))
         report.fact("roof: one direction, n = 6, all of the quicker peak, × stacked solve", roof)
         report.fact("C++ -O3 -march=native, × stacked solve", result.faster("C++", "solve"))
