@@ -154,7 +154,7 @@ def draw(case: Case) -> None:
     from matplotlib.figure import Figure
 
     cut, tip = case.build()
-    figure = Figure(figsize=(7.8, 4.6), layout="constrained")
+    figure = Figure(figsize=(7.8, 5.0), layout="constrained")
     axes = figure.subplots()
     styles = {"zero-order": "--", "multi-frequency": "-"}
     for place, (method, style) in enumerate(styles.items()):
@@ -182,7 +182,7 @@ def draw(case: Case) -> None:
     axes.set_ylim(0, 4.4)
     axes.grid(True, color="0.9", linewidth=0.6)
     axes.set_title("Slot, one mode of 922 Hz, two teeth (Insperger and Stépán 2004)", loc="left", fontsize=11)
-    axes.legend(fontsize=9, framealpha=0.95, loc="upper left")
+    figure.legend(fontsize=9, loc="outside lower center", ncols=4)
     for ending in ("png", "svg"):
         write_plot(figure, PICTURES / f"machining_lobes.{ending}", overwrite=True)
         print(PICTURES / f"machining_lobes.{ending}")

@@ -85,7 +85,8 @@ def posture_table(studies) -> tuple[str, list[str]]:
         "Made by `make studies`; `flexmodal studies NAME` runs one. |receptance| along z in m/N, stiffness "
         "measure ξ_K in N/m. *Printed* is the thesis's number, *model* the same posture in the card "
         "`six_link`, *ours* the search with its default settings, which stop when five starts have ended in "
-        f"the best; *gain* compares ours with the printed final posture, both in the model. {verdict}"
+        "the best, or one in a zero; *gain* compares ours with the printed final posture, both in the "
+        f"model. {verdict}"
     )
     return table("# Studies\n\n## Postures of the six-link arm", lead, header, rows, says), missed
 

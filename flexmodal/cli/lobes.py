@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
+from flexmodal.cli.holding import hold_of, orientation_options
 from flexmodal.cli.options import (
     SOURCE,
     force_option,
@@ -17,15 +19,19 @@ from flexmodal.cli.options import (
     refuse_existing,
     robot_options,
 )
-from flexmodal.cli.printing import print_json, print_table, progress
+from flexmodal.cli.printing import noted_progress, print_json, print_table, progress
 from flexmodal.errors import Fault, InvalidRequest
 
 if TYPE_CHECKING:
     from flexmodal.machining import Comparison, Cut, MeasuredTip
     from flexmodal.machining.depth import PostureDepth
-    from flexmodal.model import Robot
+    from flexmodal.model import Posture, Robot
+    from flexmodal.optimisation import Hold
 
 _ENDINGS = (".csv", ".json", ".png", ".svg", ".html")
+_LISTED = 10
+"""Most postures that a search lists."""
+
 _METHODS = ("zero-order", "multi-frequency", "semi-discretisation")
 
 
@@ -37,6 +43,12 @@ _METHODS = ("zero-order", "multi-frequency", "semi-discretisation")
 )  # fmt: skip
 @click.option("--family", metavar="NAME", help="Compare the members of a family of the card.")
 @click.option("--members", type=int, default=21, show_default=True, help="Of the family.")
+@click.option(
+    "--hold", metavar="X,Z|X,Y,Z", help="Search the posture that cuts deepest, the tool held there [m]."
+)
+@orientation_options
+@click.option("--starts", type=click.IntRange(1, 1000), default=6, show_default=True, help="With --hold.")
+@click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Of the starts.")
 @click.option(
     "--cut", "cut_file", required=True, type=click.Path(path_type=Path), metavar="FILE.toml",
     help="Cutter, forces, engagement, frame; see docs/machining.md.",
@@ -60,6 +72,12 @@ def lobes(
     postures: tuple[str, ...],
     family: str | None,
     members: int,
+    hold: str | None,
+    orientation: str | None,
+    axis: str | None,
+    tool_axis: str,
+    starts: int,
+    seed: int,
     cut_file: Path,
     spindle: Path | None,
     method: str,
@@ -72,26 +90,33 @@ def lobes(
     """Stability lobes of a milling cut in a posture, or postures compared by depth of cut."""
     from flexmodal.machining import read_cut, read_measured_tip
 
-    _one_way(postures, family)
+    _one_way(postures, family, hold)
     refuse_existing(out, force, _ENDINGS)
     arm = load_robot(robot, stiffness, damping, tool, fix)
     cut = read_cut(cut_file)
     added = None if spindle is None else read_measured_tip(spindle)
     _mention(cut, added)
-    if family is None and len(postures) == 1:
+    held = hold_of(arm, hold, orientation, axis, tool_axis)
+    if len(postures) == 1:
         one = _single(arm, postures[0], cut, added, method, speeds, quiet)
         _give_one(arm, one, out, force, as_json)
     else:
         if method != "zero-order":
             raise InvalidRequest(Fault(SOURCE, "--method", f"{method} of several postures", "zero-order"))
-        several = _several(arm, postures, family, members, cut, added, speeds, quiet)
+        if held is not None:
+            poses = _searched(arm, held, cut, added, starts, seed, quiet)
+        else:
+            poses = [posture_of(arm, posture) for posture in postures]
+        several = _several(arm, poses, family, members, cut, added, speeds, quiet)
         _give_several(several, out, force, as_json)
 
 
-def _one_way(postures: tuple[str, ...], family: str | None) -> None:
-    if bool(postures) == (family is not None):
-        found = "both" if postures else "neither"
-        raise InvalidRequest(Fault(SOURCE, "--posture or --family", found, "one of the two"))
+def _one_way(postures: tuple[str, ...], family: str | None, hold: str | None) -> None:
+    choices = {"--posture": bool(postures), "--family": family is not None, "--hold": hold is not None}
+    given = [name for name, on in choices.items() if on]
+    if len(given) != 1:
+        found = " and ".join(given) or "none of them"
+        raise InvalidRequest(Fault(SOURCE, "", found, "exactly one of --posture, --family and --hold"))
 
 
 def _mention(cut: Cut, added: MeasuredTip | None) -> None:
@@ -125,9 +150,30 @@ def _single(
         return posture_depth(arm, where, cut, method=method, speeds=speeds, added=added, advance=advance)
 
 
+def _searched(
+    arm: Robot, held: Hold, cut: Cut, added: MeasuredTip | None, starts: int, seed: int, quiet: bool
+) -> list[Posture]:
+    """The best postures that a search by the depth of cut ends in."""
+    from flexmodal.machining import depth_over
+    from flexmodal.optimisation import FunctionObjective, PostureProblem, optimise
+
+    judge = FunctionObjective(depth_over(cut, added=added), "m", larger_is_better=True)
+    with noted_progress(starts, "searching", quiet=quiet) as (advance, note):
+        found = optimise(
+            PostureProblem(arm, judge, held),
+            starts=starts,
+            seed=seed,
+            advance=advance,
+            improved=lambda value: note(f"best {1e3 * value:.4g} mm"),
+        )
+    if found.interrupted:
+        click.echo(f"note: {found.verdict}", err=True)
+    return [optimum.posture for optimum in found.optima[:_LISTED]]
+
+
 def _several(
     arm: Robot,
-    postures: tuple[str, ...],
+    poses: Sequence[Posture],
     family: str | None,
     members: int,
     cut: Cut,
@@ -146,7 +192,6 @@ def _several(
             return compare_family(
                 arm, family, cut, members=members, speeds=count, added=added, advance=advance
             )
-    poses = [posture_of(arm, posture) for posture in postures]
     with progress(len(poses), "postures", quiet=quiet) as advance:
         return compare_postures(arm, poses, cut, speeds=count, added=added, advance=advance)
 

@@ -17,11 +17,11 @@ from flexmodal.machining.measured_tip import MeasuredTip
 from flexmodal.machining.mode_coupling import ModeCoupling, mode_coupling
 from flexmodal.machining.solve import stability_lobes, unconditional_depth
 from flexmodal.machining.tip import tool_tip
-from flexmodal.model import Posture, Robot
+from flexmodal.model import PosedRobot, Posture, Robot
 from flexmodal.model.robot import Pose
 
-SPEEDS = 200
-"""How many spindle speeds postures are compared at if nobody says."""
+SPEEDS, FEW = 200, 24
+"""How many spindle speeds postures are compared at, and searched by, if nobody says."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,6 +95,24 @@ def critical_depth(
     tip = tool_tip(robot.at(pose), cut, added)
     speeds = SPEEDS if spindle_speed is None else np.array([float(spindle_speed)])
     return stability_lobes(tip, cut, speeds=speeds).critical_depth
+
+
+def depth_over(
+    cut: Cut, *, speeds: int = FEW, added: MeasuredTip | None = None
+) -> Callable[[PosedRobot], float]:
+    """The least depth over the cut's range of speeds as a function of the posed robot, for a search [m].
+
+    Args:
+        cut: the cut.
+        speeds: at how many it is taken, evenly in their logarithm; in between it may be less.
+        added: measured receptance of tool and spindle at the tip, in the frame of the cut.
+    """
+    axis = np.geomspace(*cut.engagement.spindle_speed, speeds)
+
+    def depth(posed: PosedRobot) -> float:
+        return stability_lobes(tool_tip(posed, cut, added), cut, speeds=axis).critical_depth
+
+    return depth
 
 
 def posture_depth(

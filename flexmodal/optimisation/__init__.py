@@ -3,6 +3,7 @@
 from flexmodal.optimisation.combined import CombinedObjective as CombinedObjective
 from flexmodal.optimisation.fixed_gain import FrequencyDescent as FrequencyDescent
 from flexmodal.optimisation.fixed_gain import fixed_gain_descent as fixed_gain_descent
+from flexmodal.optimisation.function import FunctionObjective as FunctionObjective
 from flexmodal.optimisation.hold import Hold as Hold
 from flexmodal.optimisation.measures import MobilityObjective as MobilityObjective
 from flexmodal.optimisation.measures import StiffnessObjective as StiffnessObjective

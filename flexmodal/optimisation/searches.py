@@ -15,7 +15,7 @@ from flexmodal.optimisation.descent import Descent, descend
 from flexmodal.optimisation.objective import Limit
 from flexmodal.optimisation.outcome import distinct
 from flexmodal.optimisation.problem import PostureProblem
-from flexmodal.optimisation.unreachable import unreachable
+from flexmodal.optimisation.unreachable import nearest, unreachable
 
 if TYPE_CHECKING:
     from flexmodal.optimisation.compiled.plan import Plan
@@ -118,7 +118,7 @@ def all_at_once(
     if len(basins.cost) == 0 and interrupted:
         raise KeyboardInterrupt
     if ends.reached == 0 and problem.hold is not None:
-        raise unreachable(problem, report.done)
+        return gathered(problem, [_last_try(problem, report.done)], report.done)
     if len(basins.cost) == 0:  # nothing, or nothing bounded: say why
         return one_by_one(problem, given, min(starts or _FEW, _FEW), seed, lambda: None, lambda value: None)
     rows = zip(basins.cost.tolist(), basins.values, basins.hits.tolist(), strict=True)
@@ -197,8 +197,19 @@ def one_by_one(
             raise
         interrupted = True
     if not found:
-        raise trouble or unreachable(problem, starts)
+        if trouble is not None:
+            raise trouble
+        found.append(_last_try(problem, starts))
     return gathered(problem, found, count if interrupted else starts, interrupted=interrupted)
+
+
+def _last_try(problem: PostureProblem, tried: int) -> Descent:
+    """A descent from where damped steps come onto a hold that no start reached; else why none can."""
+    values = problem.retract(nearest(problem)[1])
+    result = None if values is None else descend(problem, values)
+    if result is None:
+        raise unreachable(problem, tried)
+    return result
 
 
 def gathered(

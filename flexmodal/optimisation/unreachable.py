@@ -16,7 +16,7 @@ def unreachable(problem: PostureProblem, starts: int) -> Unreachable:
     """The error for a hold that no start came to: how near it gets, and whether the limits are in the way."""
     assert problem.hold is not None
     held = len(problem.hold.target)
-    error = _nearest(problem)
+    error, _ = nearest(problem)
     place = ", ".join(f"{value:g}" for value in problem.hold.target)
     turned = "" if problem.hold.orientation is None else " turned as asked"
     gap = f"{np.linalg.norm(error[:held]):.3g} m away"
@@ -29,19 +29,22 @@ def unreachable(problem: PostureProblem, starts: int) -> Unreachable:
     return Unreachable(sentence + _limits_in_the_way(problem))
 
 
-def _nearest(problem: PostureProblem) -> np.ndarray:
-    """Smallest error that damped steps from many places come to."""
+def nearest(problem: PostureProblem) -> tuple[np.ndarray, np.ndarray]:
+    """Smallest error that damped steps from many places come to, and the posture there.
+
+    Damped steps do not overshoot where a hold leaves little or nothing free, as a Newton step may.
+    """
     generator = np.random.default_rng(0)
-    nearest = np.full(1, np.inf)
+    best, there = np.full(1, np.inf), problem.lower
     for _ in range(_TRIES):
         values = problem.random_vector(generator)
         for _ in range(50):
             error, jacobian = problem.held(values)
-            if np.linalg.norm(error) < np.linalg.norm(nearest):
-                nearest = error
+            if np.linalg.norm(error) < np.linalg.norm(best):
+                best, there = error, values
             step = -jacobian.T @ np.linalg.solve(jacobian @ jacobian.T + 1e-3 * np.eye(len(error)), error)
             values = np.clip(values + step, problem.lower, problem.upper)
-    return nearest
+    return best, there
 
 
 def _limits_in_the_way(problem: PostureProblem) -> str:
@@ -59,7 +62,8 @@ def _limits_in_the_way(problem: PostureProblem) -> str:
         values = values - np.where(turning, turns * 2 * np.pi, 0.0)
         beyond = np.abs(values - np.clip(values, problem.lower, problem.upper))
         names = [name for name, by in zip(problem.names, beyond, strict=True) if by > 1e-6]
-        best.append((float(beyond.max()), ", ".join(names)))
+        if names:
+            best.append((float(beyond.max()), ", ".join(names)))
     if not best:
         return ""
     return f"; it could be reached if {min(best)[1]} went beyond the limits"

@@ -1,6 +1,7 @@
 """`flexmodal lobes`: its object, its files, what it refuses."""
 
 import csv
+import json
 from pathlib import Path
 
 import numpy as np
@@ -125,8 +126,11 @@ def test_a_measured_spindle(cli, tmp_path, edited):
 
 
 REQUESTS = {
-    "no posture": (LOBES, ["--posture or --family", "neither"]),
-    "both": ((*ONE, "--family", "second_link_horizontal"), ["--posture or --family", "both"]),
+    "no posture": (LOBES, ["exactly one of --posture, --family and --hold", "none"]),
+    "both": (
+        (*ONE, "--family", "second_link_horizontal"),
+        ["exactly one of --posture, --family and --hold", "--posture and --family"],
+    ),
     "unknown family": ((*LOBES, "--family", "x"), ["--family", "'x'", "second_link_horizontal"]),
     "no cut": (("lobes", "fanuc_s360", "--posture", "configuration_1"), ["--cut"]),
     "no such cut": ((*LOBES[:3], "x.toml", "--posture", "configuration_1"), ["no such file"]),
@@ -182,3 +186,17 @@ def test_a_process_of_its_own(shell):
     ran = shell(*ONE, "--speeds", "20", "--json")
     assert ran.json()["method"] == "zero-order"
     assert ran.err == ""
+
+
+def test_the_posture_that_cuts_deepest(cli):
+    """Held where configuration 4 stands, the search finds one that cuts deeper."""
+    words = ("lobes", "fanuc_s360", "--cut", CUT, "--json", "--quiet")
+    before = json.loads(cli(*words, "--posture", "configuration_4").out)
+    ran = cli(*words, "--hold", "1.3,0.85", "--starts", "1")
+    assert ran.status == 0, ran.err
+    found = json.loads(ran.out)
+    best = found["postures"][found["best"]]
+    assert best["critical_depth"] > before["critical_depth"]
+    tool = flexmodal.load("fanuc_s360").at(best["posture"]).position("tool")
+    np.testing.assert_allclose(tool[[0, 2]], [1.3, 0.85], atol=1e-9)
+    assert cli(*words, "--hold", "9,9", "--starts", "1").status == 1

@@ -9,6 +9,7 @@ from flexmodal.frf import PointDirection
 from flexmodal.model import PosedRobot
 from flexmodal.optimisation import (
     CombinedObjective,
+    FunctionObjective,
     Hold,
     MobilityObjective,
     Objective,
@@ -97,6 +98,7 @@ OBJECTIVES = {
         ),
         sample_robots(r, 2, seed=6),
     ),
+    "function": lambda r: FunctionObjective(receptance(r, 5).value, "m/N"),
     "product of products": lambda r: CombinedObjective(
         (
             CombinedObjective((receptance(r, 5), SeparationObjective(5.0))),

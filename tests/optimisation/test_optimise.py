@@ -283,6 +283,15 @@ def test_unreachable(arm, target):
     assert gap == pytest.approx(np.hypot(*target) - 6, abs=0.02)
 
 
+def test_a_hold_that_leaves_nothing_free_is_reached_by_damped_steps(fanuc):
+    """Newton steps from four random places all overshoot; the hold can be kept all the same."""
+    hold = Hold.at(fanuc, (1.3, 0.85), orientation=(np.pi / 2,))
+    problem = PostureProblem(fanuc, receptance(20.0), hold)
+    outcome = optimise(problem, starts=4)
+    assert outcome.tried == 4
+    assert np.linalg.norm(problem.held(problem.vector(outcome.best.posture))[0]) <= 1e-9
+
+
 def test_unreachable_within_the_limits(tight):
     problem = PostureProblem(tight, receptance(5.0), Hold.at(tight, (-2.0, -3.0)))
     with pytest.raises(Unreachable, match="within the joint limits"):
