@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from jaxtyping import Int
 
 from flexmodal.diagnosis.effects import catalogue
 from flexmodal.diagnosis.outcome import UNKNOWN, Diagnosis
@@ -45,7 +48,7 @@ def parameter_words(name: str) -> str:
     return name.rsplit(".", 1)[-1].replace("_", " ")
 
 
-def direction(observations: Observations, where: Iterable[int]) -> str:
+def direction(observations: Observations, where: tuple[int, int] | Int[np.ndarray, " 2"]) -> str:
     """A point and direction, such as tip:+z."""
     number, way = (int(one) for one in where)
     sign = "-" if way < 0 else "+"
