@@ -59,7 +59,7 @@ def _rig(random: np.random.Generator) -> list[tuple[str, tuple[str, ...]]]:
 def _mujoco() -> list[tuple[str, tuple[str, ...]]]:
     from mujoco_model import EFFECTS as HIDDEN
 
-    return [("single", (name,)) for name in HIDDEN for _ in range(EACH)] + [("nothing", ())] * EACH
+    return [("single", (name,)) for name in HIDDEN] + [("nothing", ())]
 
 
 def pose(question: Question, folder: Path, truth: Path, engine: str = "rig") -> None:

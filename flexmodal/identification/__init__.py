@@ -1,5 +1,6 @@
 """Changes parameters to match a measurement, with uncertainty."""
 
+from flexmodal.identification.eigenvalue_method import eigenvalue_method as eigenvalue_method
 from flexmodal.identification.frf_fit import FrfFit as FrfFit
 from flexmodal.identification.frf_fit import fit as fit
 from flexmodal.identification.gap import Gap as Gap
@@ -8,6 +9,10 @@ from flexmodal.identification.identifiability import Combination as Combination
 from flexmodal.identification.identifiability import Identifiability as Identifiability
 from flexmodal.identification.identify import identify as identify
 from flexmodal.identification.identify import solve_identification as solve_identification
+from flexmodal.identification.local import LevelModels as LevelModels
+from flexmodal.identification.local import LocalModels as LocalModels
+from flexmodal.identification.local import level_models as level_models
+from flexmodal.identification.local import local_models as local_models
 from flexmodal.identification.mode_data import ModeObservations as ModeObservations
 from flexmodal.identification.model import FrfModel as FrfModel
 from flexmodal.identification.model import ReceptanceModel as ReceptanceModel
@@ -18,8 +23,11 @@ from flexmodal.identification.observations import observe as observe
 from flexmodal.identification.outcome import Outcome as Outcome
 from flexmodal.identification.parameter import Parameter as Parameter
 from flexmodal.identification.parameter import ParameterSpace as ParameterSpace
+from flexmodal.identification.piecewise import PiecewiseModel as PiecewiseModel
+from flexmodal.identification.piecewise import piecewise as piecewise
 from flexmodal.identification.problem import IdentificationProblem as IdentificationProblem
 from flexmodal.identification.problem import build_identification as build_identification
+from flexmodal.identification.profile import profile as profile
 from flexmodal.identification.space import robot_space as robot_space
 from flexmodal.identification.uncertainty import Uncertainty as Uncertainty
 from flexmodal.identification.uncertainty import uncertainty as uncertainty

@@ -97,8 +97,11 @@ def build_identification(
     check_belonging(campaign, robot)
     if not 0 <= model_error < 1:
         raise InvalidRequest(Fault("call", "model_error", f"{model_error:g}", "0 to 1"))
-    chosen = robot_space(robot, trust=trust) if space is None else space.trusting(dict(trust or {}))
     road = source or ("modes" if campaign.frfs is None and not campaign.blows else "frf")
+    if use is not None and road == "frf":
+        found = f"{', '.join(use)} of modes, while FRFs are fitted"
+        raise InvalidRequest(Fault("call", "use", found, "none, or modes as the source"))
+    chosen = robot_space(robot, trust=trust) if space is None else space.trusting(dict(trust or {}))
     model = RobotModel(robot, chosen)
     whole: Route
     whole = (

@@ -60,9 +60,10 @@ def robot_space(
         )
     parameters = [parameter for part in parts.values() for parameter in part]
     space = ParameterSpace(tuple(parameters))
-    odd = [key for key in given if key not in space.index and key not in known]
+    sorts = tuple(dict.fromkeys((*KINDS, *kinds)))
+    odd = [key for key in given if key not in space.index and key not in sorts]
     if odd:
-        allowed = f"a kind ({', '.join(known)}) or a parameter: {', '.join(space.names)}"
+        allowed = f"a kind ({', '.join(sorts)}) or a parameter: {', '.join(space.names)}"
         raise InvalidRequest([Fault("call", "trust", repr(key), allowed) for key in odd])
     return space.trusting(given)
 

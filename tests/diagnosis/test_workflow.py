@@ -8,6 +8,13 @@ import pytest
 import flexmodal
 from flexmodal.diagnosis import diagnose
 from flexmodal.diagnosis.compare import disagreement, force_dependence
+from flexmodal.diagnosis.figures import over_noise
+from flexmodal.diagnosis.hypothesis import Hypothesis, Placed
+from flexmodal.diagnosis.looking import looked_at
+from flexmodal.diagnosis.preparation import prepare
+from flexmodal.diagnosis.search import Candidate, look_at, restarted
+from flexmodal.diagnosis.weigh import weigh
+from flexmodal.diagnosis.workflow import FLOOR_REACHED, SIGNIFICANT
 from flexmodal.errors import InvalidRequest
 from flexmodal.identification import RobotModel, observe, predict, robot_space
 from flexmodal.rig import Hide, simulate
@@ -101,3 +108,38 @@ def test_a_campaign_of_another_robot_is_refused(clean):
 def test_unknown_postures_are_named(clean):
     with pytest.raises(InvalidRequest, match="configuration_1"):
         diagnose(*clean, hold_out=["upside_down"])
+
+
+def test_a_mode_with_no_structure_is_always_weighed(clean, loaded):
+    nothing, mass = diagnose(*clean, effects=["sensor_gain"]), diagnose(*loaded, effects=["added_mass"])
+    assert {one.effect for one in nothing.refused} >= {"none", "unstructured_mode", "sensor_gain"}
+    weighed = {one.effect: one for one in mass.steps[0].alternatives}
+    assert weighed["unstructured_mode"].parameters > 4
+    assert weighed["unstructured_mode"].evidence < -SIGNIFICANT
+
+
+def test_parameters_beyond_belief_count_against_whoever_needs_them(loaded):
+    """A heavy payload that a re-tuned mass could take up as well: nobody believes that mass."""
+    bench = prepare(*loaded, None, ["added_mass"], None, 0, lambda doing, part: None)
+    root = Hypothesis(bench.scene, bench.base)
+    here = looked_at(bench, root, np.zeros(len(bench.base)))
+    far = replace(here, prior=here.prior + 2 * SIGNIFICANT + 1)
+    scales = weigh([far, here], bench.observations)
+    assert scales.gain[1] > SIGNIFICANT
+    assert here.prior == pytest.approx(float(np.sum(root.space.precision * here.fitted.x**2)))
+
+
+def test_started_from_everywhere_it_leaves_a_local_minimum():
+    """A soft foundation: from a stiff tilt a fit ends beside the truth, from all starts it ends on it."""
+    measured, robot = campaign("base_flexibility@base", seed=4)
+    bench = prepare(measured, robot, None, ["base_flexibility"], None, 0, lambda doing, part: None)
+    placed = Placed(bench.effects[0], "base")
+    hypothesis = Hypothesis(bench.scene, bench.base).and_also(placed)
+    card = np.zeros(len(bench.base))
+    lost = max(placed.effect.starts(bench.scene, "base"), key=lambda one: one["tilt_stiffness"])
+    stiff = {**lost, "horizontal_stiffness": lost["horizontal_stiffness"] * 100}
+    seen = look_at(bench.fitted)
+    beside = seen.fitted(Candidate(hypothesis, hypothesis.start(placed, stiff, card), np.inf), 0.1, 10)
+    again = restarted(hypothesis, beside.x, [card], seen)
+    assert again.cost < 0.5 * beside.cost
+    assert over_noise(bench, looked_at(bench, hypothesis, again.x, near=True)) < FLOOR_REACHED

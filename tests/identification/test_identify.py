@@ -235,6 +235,8 @@ def test_names_to_hold_out_have_to_exist(campaign, fanuc):
 
 def test_kinds_and_uses_have_to_exist(campaign, fanuc):
     assert "'colour'" in refused(campaign, fanuc, source="modes", use=["colour"])[0]
+    assert "while FRFs are fitted" in refused(campaign, fanuc, use=["frequency"])[0]
+    assert "payload" in refused(campaign, fanuc, trust={"payload": 0.1})[0]
     assert "0" in refused(campaign, fanuc, starts=0)[0]
 
 

@@ -63,9 +63,8 @@ def test_the_written_robot_is_the_model(name, tool, tmp_path):
     for q in list(robot.postures.values())[:3]:
         made = RobotModel(robot, space).structure_at(x, dict(q), [], [])
         found = new.at(dict(q))
-        np.testing.assert_allclose(
-            found.system.mass, made.mass, rtol=1e-9, atol=1e-9 * np.abs(made.mass).max()
-        )
+        scale = np.abs(made.mass).max()
+        np.testing.assert_allclose(found.system.mass, made.mass, rtol=1e-9, atol=1e-9 * scale)
         points = list(robot.points)[:3]
         placed = RobotModel(robot, space).structure_at(x, dict(q), places_of(robot)[:3], [])
         rows = found.rows(found.directions([f"{point}:+z" for point in points]))

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from flexmodal.diagnosis.modes.findings import Findings
-from flexmodal.diagnosis.modes.fit import ModalFit
+from flexmodal.diagnosis.modes.fit import COARSE, ModalFit, restricted
 from flexmodal.diagnosis.modes.forecast import FREE
 from flexmodal.diagnosis.modes.gap import errors, figures, mean_of_others, noise_floor
 from flexmodal.diagnosis.modes.held_out import HeldOut
@@ -36,9 +37,10 @@ def conclude(course: _Course, root: ModalFit, rounds: Sequence[Round]) -> Diagno
     first = rounds[0].scales
     added = [r.scales.candidates[r.chosen] for r in rounds if r.chosen is not None]
     final = added[-1] if added else first.candidates[0]
-    compared = _two_structured(first, rounds[0].chosen)
+    worth_it = bool(added) or _significant(first)
+    compared = _two_structured(first, rounds[0].chosen) if worth_it else None
     best = added[-1] if added else first.candidates[first.order[0]]
-    findings = _findings(course, root, first, best, compared, bool(added))
+    findings = _findings(course, root, first, best, compared, worth_it)
     explained = _explained(course, first, rounds, findings)
     shown = course.everywhere(final.fit)
     model, x = shown.explanation.hypothesis, shown.x
@@ -77,7 +79,7 @@ def _findings(
     scales: Scales,
     best: Candidate,
     compared: tuple[Candidate, Candidate] | None,
-    added: bool,
+    worth_it: bool,
 ) -> Findings:
     free = next((one for one in scales.candidates if one.key[0] == FREE), None)
     tied = tuple(scales.candidates[k].key for k in scales.tied)
@@ -91,11 +93,9 @@ def _findings(
         free=None if free is None else course.everywhere(free.fit),
         held_free=None if free is None else free.held,
         mean=mean_of_others(course.whole),
-        tied=tied if len(tied) > 1 else (),
+        tied=tied if worth_it and len(tied) > 1 else (),
         missing=tuple(unmatched(root).items()),
-        left=tuple(unmatched(best.fit).items())
-        if added or best.key[0] != "none"
-        else tuple(unmatched(root).items()),
+        left=tuple(unmatched(best.fit if worth_it else root).items()),
         shapes=() if compared is None else compare_shapes(compared[0].fit, compared[1].fit),
         compared=None if compared is None else (compared[0].key, compared[1].key),
         told=course.asked is not None,
@@ -152,12 +152,9 @@ def _gaps(course: _Course, before: Candidate, after: Candidate) -> Gaps:
 
 
 def _believed(course: _Course, tuned: ModalFit) -> float:
-    """Of the card as it came."""
-    from dataclasses import replace
-
-    from flexmodal.diagnosis.modes.fit import restricted
-
-    return figures(errors(restricted(replace(tuned, x=np.zeros(len(tuned.x))), course.whole))).gap
+    """Of the card as it came, which may be far off and still have the modes."""
+    card = replace(tuned, x=np.zeros(len(tuned.x)))
+    return figures(errors(restricted(card, course.whole, COARSE[0]))).gap
 
 
 # steps
@@ -233,9 +230,8 @@ def _verdict(course: _Course, rounds: Sequence[Round], found: Findings, explaine
         why = "as asked, " if found.told else ""
         says.append(f"Added, {why}{' and '.join(named(key) for key in added)}.")
         gained = rounds[0].scales.table[rounds[0].chosen] - rounds[0].scales.table[0]
-        says.append(
-            f"It gains {gained[0]:.0f} nats ({gained.min():.0f} to {gained.max():.0f} under other priors)."
-        )
+        low, middle, high = (f"{v:.0f}".replace("-", "−") for v in (gained.min(), gained[0], gained.max()))
+        says.append(f"It gains {middle} nats ({low} to {high} under other priors).")
         if found.tied:
             says.append(tie_words(found))
         says += [shape_words(found), left_words(found)]

@@ -494,8 +494,10 @@ def off_shape(a: np.ndarray, model: np.ndarray, slopes: np.ndarray) -> tuple[np.
     return np.concatenate([away.real, away.imag]), np.concatenate([turned.real, turned.imag], axis=1)
 
 
-def restricted(fit: ModalFit, measured: MeasuredModes) -> ModalFit:
-    """The same parameters and scales looked at with other modes."""
+def restricted(fit: ModalFit, measured: MeasuredModes, grant: float = 0.0) -> ModalFit:
+    """The same parameters and scales looked at with other modes; pairs may be off by `grant` besides."""
     task = _Task(fit.explanation, measured, fit.beliefs)
     seen = task.see(fit.x, slopes=True)
-    return replace(fit, measured=measured, pairs=task.pair_seen(seen, fit.scales, 0.0), forecasts=tuple(seen))
+    return replace(
+        fit, measured=measured, pairs=task.pair_seen(seen, fit.scales, grant), forecasts=tuple(seen)
+    )

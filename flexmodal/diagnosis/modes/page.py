@@ -14,7 +14,7 @@ from flexmodal.diagnosis.modes.forecast import FREE
 from flexmodal.diagnosis.modes.gap import Errors, errors, figures
 from flexmodal.diagnosis.modes.pictures import draw_evidence, draw_frequencies, draw_shapes, short
 from flexmodal.diagnosis.modes.weigh import VARIANTS
-from flexmodal.diagnosis.modes.words import named, poorest
+from flexmodal.diagnosis.modes.words import named
 from flexmodal.diagnosis.outcome import Diagnosis
 from flexmodal.diagnosis.report.arm_picture import draw_arm
 from flexmodal.diagnosis.report.pictures import draw_descent
@@ -56,7 +56,7 @@ def _content(diagnosis: Diagnosis, notes: Sequence[str]) -> dict[str, Any]:
         "remaining": region_rows(diagnosis.remaining) if diagnosis.steps else [],
         "frequencies": svg_text(draw_frequencies(found, name)),
         "evidence": svg_text(draw_evidence(found)) if len(found.scales.candidates) > 1 else "",
-        "shapes": svg_text(draw_shapes(found, *pair)) if pair and poorest(found.shapes) else "",
+        "shapes": svg_text(draw_shapes(found, *pair)) if pair and found.shapes else "",
         "shape_rows": shape_rows(found),
         "compared": [] if found.compared is None else [named(key) for key in found.compared],
         "arm": svg_text(draw_arm(diagnosis)),

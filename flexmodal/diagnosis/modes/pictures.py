@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 
 from flexmodal.diagnosis.modes.findings import Findings
-from flexmodal.diagnosis.modes.fit import ModalFit, mac
+from flexmodal.diagnosis.modes.fit import ModalFit
 from flexmodal.diagnosis.modes.forecast import FREE
 from flexmodal.diagnosis.modes.held_out import HeldOut
-from flexmodal.diagnosis.modes.shapes import ModeShapes, shapes_of
-from flexmodal.diagnosis.modes.words import poorest
+from flexmodal.diagnosis.modes.shapes import shapes_of
+from flexmodal.diagnosis.modes.words import most_telling
 from flexmodal.diagnosis.report.pictures import (
     AFTER,
     BEFORE,
@@ -23,9 +23,6 @@ from flexmodal.diagnosis.report.pictures import (
     tidy,
 )
 from flexmodal.diagnosis.report.words import placed
-from flexmodal.frf.plot import PALETTE
-
-THIRD = PALETTE[2]
 
 
 def short(key: tuple[str, str]) -> str:
@@ -129,38 +126,30 @@ def draw_evidence(found: Findings) -> Any:
 
 
 def draw_shapes(found: Findings, one: ModalFit, other: ModalFit) -> Any:
-    """The mode whose measured shapes agree least, measured and as two explanations have it."""
-    chosen = poorest(found.shapes)
-    assert chosen is not None
+    """The mode that two explanations differ in most, as they have it and as it was measured."""
+    chosen = most_telling(found.shapes)
     measured = found.measured
     figure = new_figure(3.6)
     axes = figure.subplots()
     tidy(axes)
     rows = list(range(len(measured.places)))
-    for number, (posture, (seen, residue)) in enumerate(shapes_of(measured, chosen.number).items()):
-        model = _shape(one, chosen.number, posture)
-        turned = residue if model is None else residue * np.exp(-1j * np.angle(np.vdot(model[seen], residue)))
+    seen_by = shapes_of(measured, chosen.number)
+    models = [_shape(fit, chosen.number, next(iter(seen_by))) for fit in (one, other)]
+    first = next((_turned(model) for model in models if model is not None), None)
+    for number, (posture, (seen, residue)) in enumerate(seen_by.items()):
+        turned = _turned(residue, None if first is None else first[seen])
+        name = measured.observed.postures[posture].name.replace("configuration_", "conf. ")
         axes.plot(
-            seen, turned.real / max(np.abs(turned)), color="0.45", linewidth=1, marker="osD^vP<>"[number % 8],
-            markersize=5,
-            label=f"measured, {measured.observed.postures[posture].name.replace('configuration_', 'conf. ')}",
+            seen, turned.real, color="0.45", linewidth=1, marker="osD^vP<>"[number % 8], markersize=5,
+            label=f"measured, {name}",
         )  # fmt: skip
-    for fit, colour, style in ((one, AFTER, "-"), (other, BEFORE, "--")):
-        posture = next(iter(shapes_of(measured, chosen.number)))
-        model = _shape(fit, chosen.number, posture)
+    styles = ((one, AFTER, "-"), (other, BEFORE, "--"))
+    for (fit, colour, style), model in zip(styles, models, strict=True):
         if model is not None:
-            turned = model * np.exp(-1j * np.angle(model[np.argmax(np.abs(model))]))
-            first = _shape(one, chosen.number, posture)
-            if first is not None:
-                turned = model * np.exp(-1j * np.angle(np.vdot(first, model)))
             axes.plot(
-                rows,
-                turned.real / np.abs(turned).max(),
-                color=colour,
-                linestyle=style,
-                linewidth=2.4,
+                rows, _turned(model, first).real, color=colour, linestyle=style, linewidth=2.4,
                 label=short(fit.explanation.key),
-            )
+            )  # fmt: skip
     names = [
         measured.campaign.point(number).name.replace("location_", "loc. ") for number, _ in measured.places
     ]
@@ -171,12 +160,16 @@ def draw_shapes(found: Findings, one: ModalFit, other: ModalFit) -> Any:
     return figure
 
 
+def _turned(shape: np.ndarray, like: np.ndarray | None = None) -> np.ndarray:
+    """A shape turned so that it is as real as can be, its largest part 1, its sign that of another."""
+    found = shape * np.exp(-0.5j * np.angle(np.sum(shape**2)))
+    found = found / np.abs(found).max()
+    return -found if like is not None and np.vdot(like, found).real < 0 else found
+
+
 def _shape(fit: ModalFit, number: int, posture: int) -> np.ndarray | None:
     for k, mode in enumerate(fit.measured.observed.modes):
         if mode.number == number and mode.posture == posture and fit.pairs[k] >= 0:
             shape = fit.forecasts[posture].shape[:, fit.pairs[k]]
             return None if np.isnan(shape).any() else shape
     return None
-
-
-__all__ = ["ModeShapes", "draw_evidence", "draw_frequencies", "draw_shapes", "mac", "short"]

@@ -61,7 +61,7 @@ def shape_words(found: Findings) -> str:
     """Why shapes do not decide; nothing where there is nothing to compare."""
     if not found.shapes or found.compared is None:
         return ""
-    poor = poorest(found.shapes)
+    telling = most_telling(found.shapes)
     says_so, clean = sum(s.says for s in found.shapes), sum(s.clean for s in found.shapes)
     one, other = (named(key) for key in found.compared)
     says = (
@@ -69,18 +69,20 @@ def shape_words(found: Findings) -> str:
         f"{'first' if says_so >= 0 else 'second'}; shapes that follow one of the two, measured carefully at "
         f"the same places, would say up to {clean:.0f}."
     )
-    if poor is not None:
-        says += (
-            f" The measured shapes of the mode near {poor.frequency:.3g} Hz agree between postures by a MAC "
-            f"of {poor.measured:.2f}, where both models ask for {min(poor.model):.2f} or more."
-        )
-    return says
+    return (
+        f"{says} Most could be told by the mode near {telling.frequency:.3g} Hz, whose two predicted shapes "
+        f"have a MAC of {telling.alike:.2f}; its measured shapes meet them by {telling.met[0]:.2f} and "
+        f"{telling.met[1]:.2f}{_between(telling)}."
+    )
 
 
-def poorest(shapes: Sequence[ModeShapes]) -> ModeShapes | None:
-    """The mode whose measured shapes agree least with each other, beside what the models ask for."""
-    known = [s for s in shapes if np.isfinite(s.measured) and np.isfinite(s.model).all()]
-    return max(known, key=lambda s: min(s.model) - s.measured, default=None)
+def _between(shape: ModeShapes) -> str:
+    return f", and each other by {shape.measured:.2f} between postures" if np.isfinite(shape.measured) else ""
+
+
+def most_telling(shapes: Sequence[ModeShapes]) -> ModeShapes:
+    """The mode whose predicted shapes differ most."""
+    return max(shapes, key=lambda s: s.clean)
 
 
 def left_words(found: Findings) -> str:

@@ -221,7 +221,7 @@ def draw_descent(diagnosis: Diagnosis) -> Any:
     axes.set_xlim(-0.4, len(labels) - 0.35)
     axes.set_xticks(places, [literal(label) for label in labels])
     axes.text(
-        len(labels) - 0.4, gaps.noise_floor * 0.97, f"noise floor {gaps.noise_floor:.3g}", ha="right",
+        -0.35, gaps.noise_floor * 0.97, f"noise floor {gaps.noise_floor:.3g}", ha="left",
         va="top", fontsize=FONT - 1, color="0.2",
     )  # fmt: skip
     axes.set_ylabel("Gap [–]", fontsize=FONT)
