@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Bool
 
-from flexmodal.campaign import Campaign
+from flexmodal.campaign import Campaign, CampaignPosture
 from flexmodal.diagnosis.effects import Effect, Scene, catalogue
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.search import COARSE, some_lines, unlimited
@@ -60,14 +60,17 @@ def prepare(
     observations = _whole(observations, robot)
     scene = Scene(robot, observations)
     known = tuple(catalogue(effects).values())
-    base = robot_space(robot, trust={**_trust_of(robot), **(trust or {})})
-    held = _held(observations, hold_out) if hold_out is not None else _middling(scene, base)
+    base = robot_space(robot, trust={**trust_of(robot, TRUST), **(trust or {})})
+    if hold_out is None:
+        held = _middling(scene, base)
+    else:
+        held = np.isin(observations.posture, numbers_of(observations.postures, hold_out, seen_by="FRFs"))
     return Bench(scene, base, observations, observations.keeping(~held), held, known, seed, advance)
 
 
-def _trust_of(robot: Robot) -> dict[str, float]:
+def trust_of(robot: Robot, trust: Mapping[str, float]) -> dict[str, float]:
     """The workflow's own trust where the card gives none."""
-    found = dict(TRUST)
+    found = dict(trust)
     for name, joint in robot.joints.items():
         if joint.scale is not None:
             found[f"stiffness.{name}"] = joint.scale
@@ -106,21 +109,25 @@ def _middling(scene: Scene, base: ParameterSpace) -> Bool[np.ndarray, " observat
     return np.isin(observations.posture, order[first : first + number])
 
 
-def _held(observations: Observations, wanted: Sequence[int | str]) -> Bool[np.ndarray, " observation"]:
-    """Observations of the postures that are held out."""
-    names = {p.name: k for k, p in enumerate(observations.postures)}
-    ids = {p.id: k for k, p in enumerate(observations.postures)}
-    count = len(observations.postures)
-    faults, numbers = [], []
-    for one in wanted:
-        k = names.get(str(one), ids.get(int(one)) if str(one).isdigit() else None)
-        if k is None:
-            allowed = ", ".join(p.name for p in observations.postures)
-            faults.append(Fault("call", "hold_out", repr(one), f"a posture with FRFs: {allowed}"))
-        else:
-            numbers.append(k)
-    if len(set(numbers)) >= count and not faults:
+def numbers_of(
+    postures: Sequence[CampaignPosture], wanted: Sequence[int | str], *, seen_by: str
+) -> list[int]:
+    """Numbers of postures to hold out, by their ids or names.
+
+    Args:
+        postures: those with data.
+        wanted: ids or names.
+        seen_by: what the data are, for the message.
+
+    Raises:
+        InvalidRequest: one that is not there, or all of them.
+    """
+    known = {str(name): k for k, p in enumerate(postures) for name in (p.id, p.name)}
+    allowed = f"a posture with {seen_by}: {', '.join(p.name for p in postures)}"
+    faults = [Fault("call", "hold_out", repr(one), allowed) for one in wanted if str(one) not in known]
+    numbers = sorted({known[str(one)] for one in wanted if str(one) in known})
+    if len(numbers) >= len(postures) and not faults:
         faults.append(Fault("call", "hold_out", "every posture", "one left to fit at least"))
     if faults:
         raise InvalidRequest(faults)
-    return np.isin(observations.posture, numbers)
+    return numbers

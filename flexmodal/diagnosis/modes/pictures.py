@@ -129,7 +129,7 @@ def draw_shapes(found: Findings, one: ModalFit, other: ModalFit) -> Any:
     """The mode that two explanations differ in most, as they have it and as it was measured."""
     chosen = most_telling(found.shapes)
     measured = found.measured
-    figure = new_figure(3.6)
+    figure = new_figure(4.2)
     axes = figure.subplots()
     tidy(axes)
     rows = list(range(len(measured.places)))
@@ -156,7 +156,7 @@ def draw_shapes(found: Findings, one: ModalFit, other: ModalFit) -> Any:
     axes.set_xticks(rows, [literal(name[:12]) for name in names])
     axes.set_ylabel("Shape, real part, largest = 1 [–]", fontsize=FONT)
     axes.set_title(f"The mode near {chosen.frequency:.3g} Hz", loc="left", fontsize=FONT + 1)
-    axes.legend(fontsize=FONT - 2, frameon=True, framealpha=0.9)
+    figure.legend(loc="outside lower center", fontsize=FONT - 2, frameon=False, ncols=2)
     return figure
 
 

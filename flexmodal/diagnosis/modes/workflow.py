@@ -25,6 +25,7 @@ from flexmodal.diagnosis.modes.search import bare_starts, best_fits, effect_star
 from flexmodal.diagnosis.modes.stand_in import placed_on
 from flexmodal.diagnosis.modes.weigh import TIED, Candidate, Scales, under_variants
 from flexmodal.diagnosis.outcome import Diagnosis
+from flexmodal.diagnosis.preparation import numbers_of, trust_of
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.identification import ParameterSpace, robot_space
 from flexmodal.identification.belong import check_belonging
@@ -89,8 +90,11 @@ def diagnose_modes(
     check_belonging(placed, robot)
     measured = MeasuredModes(modes_of_table(placed))
     asked = _asked(effects)
-    base = robot_space(robot, trust={**_trust_of(robot), **(trust or {})})
-    held = None if hold_out is None else _held(measured, hold_out)
+    base = robot_space(robot, trust={**trust_of(robot, TRUST), **(trust or {})})
+    held = None
+    if hold_out is not None:
+        away = numbers_of(measured.observed.postures, hold_out, seen_by="modes")
+        held = np.array([mode.posture in away for mode in measured.observed.modes])
     with threadpool_limits(1):
         return _Course(measured, robot, base, asked, held, moved, seed, advance).run()
 
@@ -242,31 +246,3 @@ def _asked(effects: Sequence[str] | None) -> dict[str, tuple[str, ...]] | None:
         found[name] = (*found.get(name, ()), *([where] if where else []))
     catalogue(list(found))  # says what is unknown
     return found
-
-
-def _trust_of(robot: Robot) -> dict[str, float]:
-    found = dict(TRUST)
-    for name, joint in robot.joints.items():
-        if joint.scale is not None:
-            found[f"stiffness.{name}"] = joint.scale
-            if joint.damping > 0:
-                found[f"damping.{name}"] = joint.scale
-    return found
-
-
-def _held(measured: MeasuredModes, wanted: Sequence[int | str]) -> np.ndarray:
-    """Modes of the postures that are held out."""
-    postures = measured.observed.postures
-    known = {str(name): k for k, p in enumerate(postures) for name in (p.id, p.name)}
-    allowed = ", ".join(p.name for p in postures)
-    faults = [
-        Fault("call", "hold_out", repr(one), f"a posture with modes: {allowed}")
-        for one in wanted
-        if str(one) not in known
-    ]
-    numbers = {known[str(one)] for one in wanted if str(one) in known}
-    if len(numbers) >= len(postures) and not faults:
-        faults.append(Fault("call", "hold_out", "every posture", "one left to fit at least"))
-    if faults:
-        raise InvalidRequest(faults)
-    return np.array([mode.posture in numbers for mode in measured.observed.modes])

@@ -5,6 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
+import numpy as np
+from jaxtyping import Int
+
 from flexmodal.diagnosis.effects import catalogue
 from flexmodal.diagnosis.outcome import UNKNOWN, Diagnosis
 from flexmodal.identification import Observations
@@ -45,9 +48,9 @@ def parameter_words(name: str) -> str:
     return name.rsplit(".", 1)[-1].replace("_", " ")
 
 
-def direction(observations: Observations, where: Sequence[int]) -> str:
+def direction(observations: Observations, where: tuple[int, int] | Int[np.ndarray, " 2"]) -> str:
     """A point and direction, such as tip:+z."""
-    number, way = int(where[0]), int(where[1])
+    number, way = (int(one) for one in where)
     sign = "-" if way < 0 else "+"
     return f"{observations.campaign.point(number).name}:{sign}{_AXES[abs(way) - 1]}"
 
