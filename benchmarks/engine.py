@@ -480,16 +480,20 @@ def main() -> None:
         report = _into_the_last(report)
     else:
         draw(scaling(report))
+    rounds = sorted(
+        {ROUNDS, *np.atleast_1d(report.numbers.get("machine", {}).get("rounds", ROUNDS)).tolist()}
+    )
+    often = " to ".join(map(str, (rounds[0], rounds[-1])[: len(rounds)]))
     report.numbers["machine"] = {
         "processor": _processor(), "python": platform.python_version(), "numpy": np.__version__,
-        "rounds": ROUNDS,
+        "rounds": rounds,
     }  # fmt: skip
     with whole_file(TABLES / "engine.json", overwrite=True) as scratch:
         scratch.write_text(json.dumps(report.numbers, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
     write(
         "engine",
         "The engine, measured",
-        f"Made by `make bench` on {_processor()}, one thread, {ROUNDS} interleaved rounds: median ratio of "
+        f"Made by `make bench` on {_processor()}, one thread, {often} interleaved rounds: median ratio of "
         "processor times, in brackets the quartiles over the rounds. `× stacked solve` is how many times as "
         "fast as `np.linalg.solve` on a stack of matrices, a point. Times a point over n, postures and "
         "frequencies are in [engine.png](engine.png), all numbers in [engine.json](engine.json).",
