@@ -17,6 +17,10 @@ next to nothing says that Z may be singular, which is for the caller to judge.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+from jaxtyping import Inexact, Int
 
 from flexmodal.frf.kernels.emitter import Emitter, Number
 
@@ -39,6 +43,21 @@ Pairs = tuple[tuple[int, int], ...]
 def packed(i: int, j: int, n: int) -> int:
     """Place of entry (i, j), i ≤ j, of a symmetric matrix whose upper half is stored row by row."""
     return i * n - i * (i - 1) // 2 + j - i
+
+
+def pack(matrices: Inexact[np.ndarray, "matrix n n"]) -> Inexact[np.ndarray, "matrix entry"]:
+    """The upper halves of symmetric matrices, in the order of `packed`."""
+    count, n, _ = matrices.shape
+    return matrices.reshape(count, n * n).take(_upper(n), axis=1)
+
+
+@cache
+def _upper(n: int) -> Int[np.ndarray, " entry"]:
+    """Places of the upper half in a matrix stored row by row; finding them takes longer than a small task."""
+    rows, columns = np.triu_indices(n)
+    places = rows * n + columns
+    places.flags.writeable = False
+    return places
 
 
 def row_count(pairs: Pairs) -> int:

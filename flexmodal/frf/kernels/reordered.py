@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from jaxtyping import Complex
 
+from flexmodal.frf.kernels.factor import pack
+
 if TYPE_CHECKING:
     from flexmodal.frf.kernels.task import Task
 
@@ -43,11 +45,9 @@ def solve_from_base(
         return len(which)
     masses, rows = posed
     omega = task.omega[line + (lines.start or 0)][:, None]
-    upper = np.triu_indices(task.dof)
     stiffness, damping, loss = (np.diag(part) for part in (task.stiffness, task.damping, task.hysteresis))
-    packed = masses[:, upper[0], upper[1]]
     ones = np.ones_like(omega)
-    parts = np.hstack([omega**2 * packed[which], ones * stiffness, omega * damping, ones * loss])
+    parts = np.hstack([omega**2 * pack(masses)[which], ones * stiffness, omega * damping, ones * loss])
     values = np.empty((len(which), 1, len(task.pairs)), dtype=complex)
     given = (np.empty(0), rows.reshape(len(rows), -1)[which], np.ones(1), np.empty((0, 1)))
     left = sweep(parts, *given, np.array(task.pairs), True, values)

@@ -84,8 +84,7 @@ def choose(task: Task, threads: int | None, way: str = "auto") -> Route:
     if way == "auto" and not ready and seconds < (0.05 if loaded else 1.0):
         reason = f"{task.points} points are done before a compiled kernel would be loaded"
         return Route("numpy", 1, reason)
-    blocks = sum(1 for _ in blocks_of(task))
-    cores = min(threads or available_cores(), blocks)
+    cores = 1 if threads == 1 else min(threads or available_cores(), sum(1 for _ in blocks_of(task)))
     if along and task.recursion is not None:
         return Route("recursion", cores, f"a {task.chain} chain of {task.dof} joints")
     why = f"{task.points} points, n = {task.dof}, {len(task.pairs)} pairs"

@@ -11,7 +11,7 @@ import numpy as np
 from jaxtyping import Complex, Float
 
 from flexmodal.errors import SingularResponse
-from flexmodal.frf.kernels.factor import LANES, LARGEST, Pairs, Shape
+from flexmodal.frf.kernels.factor import LANES, LARGEST, Pairs, Shape, pack
 from flexmodal.frf.kernels.numpy_form import ldlt_receptances
 
 Block = Callable[[slice], tuple[Float[np.ndarray, "system dof dof"], Float[np.ndarray, "system row dof"]]]
@@ -77,8 +77,7 @@ class Task:
         parts = (self.stiffness, self.damping, self.hysteresis)
         if self.shape.diagonal:
             return np.concatenate([np.diag(part) for part in parts])
-        upper = np.triu_indices(self.dof)
-        return np.concatenate([part[upper] for part in parts])
+        return pack(np.stack(parts)).ravel()
 
     def solve_compiled(self, systems: slice, lines: slice, sweep: Any, repair: Any, out: np.ndarray) -> None:
         """Fill `out` for some systems and lines with a compiled sweep, and repair what it did not trust."""
@@ -87,14 +86,13 @@ class Task:
         own, here = len(masses), len(omega)
         along = -(-own // LANES) * here < own * -(-here // LANES)
         padding = 0 if along else -here % LANES
-        upper = np.triu_indices(self.dof)
         extra = np.zeros((0, here + padding))
         if self.addition is not None:
-            packed = self.addition[lines][:, upper[0], upper[1]].T
+            packed = pack(self.addition[lines]).T
             extra = np.concatenate([packed.real, packed.imag])
             extra = np.pad(extra, ((0, 0), (0, padding)), mode="edge") if padding else extra
         given = (
-            masses[:, upper[0], upper[1]],
+            pack(masses),
             self.shared,
             np.ascontiguousarray(rows).reshape(own, -1),
             np.pad(omega, (0, padding), mode="edge") if padding else omega,
