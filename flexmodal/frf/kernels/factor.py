@@ -60,6 +60,14 @@ def _upper(n: int) -> Int[np.ndarray, " entry"]:
     return places
 
 
+@cache
+def numbers(pairs: Pairs) -> Int[np.ndarray, "pair 2"]:
+    """Pairs as the compiled loops want them."""
+    found = np.array(pairs)
+    found.flags.writeable = False
+    return found
+
+
 def row_count(pairs: Pairs) -> int:
     """How many rows the pairs speak of."""
     return 1 + max(max(pair) for pair in pairs)
@@ -100,8 +108,9 @@ def write_kernel(shape: Shape, *, lanes: int = LANES) -> tuple[str, int]:
     trust = code.scalar("1.0")
     for k in range(n):
         inverse, square = code.inverse(matrix[k, k])
-        room = code.scalar(f"{GROWTH**2!r} * {sizes[k]} * {sizes[k]} - {square}")
-        trust = code.scalar(f"{room} if {room} < {trust} else {trust}")
+        if k > 0:  # the first is an entry of Z as it was
+            room = code.scalar(f"{GROWTH**2!r} * {sizes[k]} * {sizes[k]} - {square}")
+            trust = code.scalar(f"{room} if {room} < {trust} else {trust}")
         if k == n - 1:
             room = code.scalar(f"{square} - {SMALLEST_PIVOT**2!r} * {sizes[k]} * {sizes[k]}")
             trust = code.scalar(f"{room} if {room} < {trust} else {trust}")

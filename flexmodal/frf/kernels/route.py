@@ -67,21 +67,19 @@ def choose(task: Task, threads: int | None, way: str = "auto") -> Route:
         raise InvalidRequest(Fault("call", "way", repr(way), ", ".join(WAYS)))
     if way in ("LAPACK", "numpy"):
         return Route(way, 1, "asked for")
-    ready = is_ready(task) and task.points >= WORTH_A_CALL
-    if way == "auto" and not ready and task.points < FEW * task.dof**2:
+    ready = way != "auto" or (task.points >= WORTH_A_CALL and is_ready(task))
+    if not ready and task.points < FEW * task.dof**2:
         return Route("LAPACK", 1, f"few points ({task.points})")
     along = way == "recursion" or (way == "auto" and task.dof >= LONG[task.chain])
     if way == "recursion" and task.recursion is None:
         allowed = "another: this wants a serial chain with diagonal K and B and no addition"
         raise InvalidRequest(Fault("call", "way", repr(way), allowed))
     fixed = "compiled" if task.fits_fixed and way != "compiled any n" else "compiled any n"
-    seconds = task.points * (0.3e-6 + 3e-9 * task.dof**3 + 0.05e-6 * len(task.pairs))
-    loaded = "numba" in sys.modules
     if not has_numba():
         if way != "auto":
             raise MissingExtra("the compiled routes need numba: pip install flexmodal[fast]")
         return Route("numpy", 1, "numba is not installed")
-    if way == "auto" and not ready and seconds < (0.05 if loaded else 1.0):
+    if not ready and _seconds_in_numpy(task) < (0.05 if "numba" in sys.modules else 1.0):
         reason = f"{task.points} points are done before a compiled kernel would be loaded"
         return Route("numpy", 1, reason)
     cores = 1 if threads == 1 else min(threads or available_cores(), sum(1 for _ in blocks_of(task)))
@@ -90,6 +88,10 @@ def choose(task: Task, threads: int | None, way: str = "auto") -> Route:
     why = f"{task.points} points, n = {task.dof}, {len(task.pairs)} pairs"
     why += ", K and B diagonal" if task.shape.diagonal else ", K and B symmetric"
     return Route(fixed, cores, why)
+
+
+def _seconds_in_numpy(task: Task) -> float:
+    return task.points * (0.3e-6 + 3e-9 * task.dof**3 + 0.05e-6 * len(task.pairs))
 
 
 def is_ready(task: Task) -> bool:
