@@ -60,14 +60,6 @@ def _upper(n: int) -> Int[np.ndarray, " entry"]:
     return places
 
 
-@cache
-def numbers(pairs: Pairs) -> Int[np.ndarray, "pair 2"]:
-    """Pairs as the compiled loops want them."""
-    found = np.array(pairs)
-    found.flags.writeable = False
-    return found
-
-
 def row_count(pairs: Pairs) -> int:
     """How many rows the pairs speak of."""
     return 1 + max(max(pair) for pair in pairs)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from jaxtyping import Complex
 
-from flexmodal.frf.kernels.factor import numbers, pack
+from flexmodal.frf.kernels.factor import pack
 
 if TYPE_CHECKING:
     from flexmodal.frf.kernels.task import Task
@@ -50,6 +50,6 @@ def solve_from_base(
     parts = np.hstack([omega**2 * pack(masses)[which], ones * stiffness, omega * damping, ones * loss])
     values = np.empty((len(which), 1, len(task.pairs)), dtype=complex)
     given = (np.empty(0), rows.reshape(len(rows), -1)[which], np.ones(1), np.empty((0, 1)))
-    left = sweep(parts, *given, numbers(task.pairs), True, values)
+    left = sweep(parts, *given, np.array(task.pairs), True, values)
     out[which, line] = values[:, 0]
     return int(left)

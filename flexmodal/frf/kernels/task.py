@@ -11,7 +11,7 @@ import numpy as np
 from jaxtyping import Complex, Float
 
 from flexmodal.errors import SingularResponse
-from flexmodal.frf.kernels.factor import LANES, LARGEST, Pairs, Shape, numbers, pack
+from flexmodal.frf.kernels.factor import LANES, LARGEST, Pairs, Shape, pack
 from flexmodal.frf.kernels.numpy_form import ldlt_receptances
 
 Block = Callable[[slice], tuple[Float[np.ndarray, "system dof dof"], Float[np.ndarray, "system row dof"]]]
@@ -97,7 +97,7 @@ class Task:
             np.ascontiguousarray(rows).reshape(own, -1),
             np.pad(omega, (0, padding), mode="edge") if padding else omega,
             extra,
-            numbers(self.pairs),
+            np.array(self.pairs),
         )
         if sweep(*given, along, out) and repair(*given, out):
             self.solve_pivoting(systems, lines, out)
