@@ -25,6 +25,10 @@ def check_belonging(campaign: Campaign, robot: Robot) -> None:
 def _posture_faults(campaign: Campaign, robot: Robot, source: str) -> list[Fault]:
     faults: list[Fault] = []
     for posture in campaign.postures:
+        unsaid = sorted(set(robot.commanded) - set(posture.q))
+        if unsaid:
+            allowed = f"an angle or way of every joint that {robot.name} is posed by"
+            faults.append(Fault(source, f"posture {posture.name}", f"nothing of {listing(unsaid)}", allowed))
         try:
             robot.posture(dict(posture.q), source=f"{source}: posture {posture.name}")
         except InvalidPosture as error:
