@@ -1,5 +1,6 @@
 # make demo    set up and run the main job: FRFs, a better posture, pictures and a page in demo/
 # make test    set up and run the tests
+# make slow    run the tests that take half a minute each and more
 # make check   ruff, mypy, import-linter, and what is in the wheel
 # make tables  remake the tables in docs/
 # make pictures  redraw the pictures of docs/optimisation.md and docs/machining.md; some minutes
@@ -14,7 +15,7 @@
 PYTHON ?= python3.11
 BIN := .venv/bin
 .DEFAULT_GOAL := help
-.PHONY: help demo test check tables pictures studies exam appendix recovery bench fuzz browser clean
+.PHONY: help demo test slow check tables pictures studies exam appendix recovery bench fuzz browser clean
 
 help:
 	@grep '^# make' Makefile | cut -c3-
@@ -41,8 +42,12 @@ browser:
 	    DEBIAN_FRONTEND=noninteractive $$S apt-get install -y -qq chromium fonts-dejavu-core >/dev/null; } || \
 	  { echo "please install chromium; its tests need it"; exit 1; }; }
 
+# A module's tests stay together, so that what they share is made once.
 test: .venv/tested browser
-	OPENBLAS_NUM_THREADS=1 $(BIN)/pytest -n auto -q
+	OPENBLAS_NUM_THREADS=1 $(BIN)/pytest -n auto --dist loadscope -q
+
+slow: .venv/tested browser
+	OPENBLAS_NUM_THREADS=1 $(BIN)/pytest -n auto --dist loadscope -q -m slow
 
 check: .venv/tested
 	$(BIN)/ruff check .

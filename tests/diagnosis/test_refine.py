@@ -97,6 +97,7 @@ def test_recovers_the_law_from_frfs_alone():
         assert values[f"{key}.{name}"] == pytest.approx(true, rel=0.15), name
 
 
+@pytest.mark.slow
 def test_recovers_a_law_beside_another_effect():
     friction, mass = "coulomb_friction@q2", "added_mass@link_3"
     campaign = campaign_with(written(friction), f"{mass},mass=4,x=0.1,y=0,z=0")
@@ -109,6 +110,7 @@ def test_recovers_a_law_beside_another_effect():
     assert values[f"{mass}.mass"] == pytest.approx(4.0, abs=2.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("guess", ["coulomb_friction@q2", "nonlinear_stiffness@q2"])
 def test_play_in_the_joint_stays_unexplained(guess):
     campaign = campaign_with("clearance@q2,gap=3e-4,preload=1e-4")

@@ -54,6 +54,7 @@ def poor(bending, rigid):
         return diagnose_modes(bending(shape=1.5), rigid)
 
 
+@pytest.mark.slow
 def test_a_bending_link_with_poor_shapes_is_not_named_surer_than_the_data(poor):
     found = poor.modal
     assert found.missing  # that something is missing is seen
