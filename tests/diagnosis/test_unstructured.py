@@ -56,11 +56,10 @@ def test_finds_the_mode_that_is_missing(bench, planted):
     assert np.all((away / np.linalg.norm(missing, axis=1))[fitted] < 0.02)
     seen = np.unique(clusters(bench.observations)[fitted])
     assert np.all(found.costs[seen] < 0.01 * before.costs[seen])
-    pairs = {(*r, *s) for r, s in zip(
-        bench.observations.response.tolist(), bench.observations.reference.tolist(), strict=True
-    )}  # fmt: skip
-    postures = len(np.unique(bench.observations.posture[fitted]))
-    assert found.parameters - before.parameters == postures * (2 + len(pairs))
+    observations = bench.observations
+    table = np.hstack([observations.posture[:, None], observations.response, observations.reference])[fitted]
+    postures = len(np.unique(table[:, 0]))
+    assert found.parameters - before.parameters == 2 * postures + len(np.unique(table, axis=0))
 
 
 def test_foretells_the_mean_for_a_posture_held_out(bench, planted):
