@@ -1,6 +1,6 @@
 """Do the lobes agree with printed values, with each other and with a cut simulated tooth by tooth?
 
-Writes docs/tables/machining.md and draws docs/pictures/machining_lobes.svg and .png: the benchmark cutter of
+Writes docs/tables/machining.md and draws docs/pictures/machining_lobes.png: the benchmark cutter of
 Insperger and Stépán, its limit by three methods, and simulated cuts on a grid of speeds and depths.
 """
 
@@ -183,9 +183,8 @@ def draw(case: Case) -> None:
     axes.grid(True, color="0.9", linewidth=0.6)
     axes.set_title("Slot, one mode of 922 Hz, two teeth (Insperger and Stépán 2004)", loc="left", fontsize=11)
     figure.legend(fontsize=9, loc="outside lower center", ncols=4)
-    for ending in ("png", "svg"):
-        write_plot(figure, PICTURES / f"machining_lobes.{ending}", overwrite=True)
-        print(PICTURES / f"machining_lobes.{ending}")
+    write_plot(figure, PICTURES / "machining_lobes.png", overwrite=True)
+    print(PICTURES / "machining_lobes.png")
 
 
 if __name__ == "__main__":

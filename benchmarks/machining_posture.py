@@ -1,7 +1,7 @@
 """When does a better posture give a deeper cut, and when does it not?
 
 The Fanuc of the thesis mills aluminium in its plane of motion in three postures: with its arm alone, with a
-spindle, and with a slender tool. Draws docs/pictures/machining_posture.svg and .png.
+spindle, and with a slender tool. Draws docs/pictures/machining_posture.png.
 """
 
 from __future__ import annotations
@@ -43,9 +43,8 @@ def main() -> None:
     figure.suptitle(
         "Fanuc S-360, side milling aluminium, zero-order solution", x=0.01, ha="left", fontsize=12
     )
-    for ending in ("png", "svg"):
-        write_plot(figure, PICTURES / f"machining_posture.{ending}", overwrite=True)
-        print(PICTURES / f"machining_posture.{ending}")
+    write_plot(figure, PICTURES / "machining_posture.png", overwrite=True)
+    print(PICTURES / "machining_posture.png")
 
 
 def panel(axes, below, robot: flexmodal.Robot, cut: Cut, speed: np.ndarray, name: str) -> None:

@@ -1,6 +1,6 @@
 """What does a blow of the virtual rig look like, and what do two hidden effects do to the FRF?
 
-Draws docs/pictures/rig.svg and .png: force and response of one blow, then amplitude, phase and coherence of
+Draws docs/pictures/rig.png: force and response of one blow, then amplitude, phase and coherence of
 an FRF with nothing hidden, with a bending link, and with dry friction at two force levels.
 """
 
@@ -38,9 +38,8 @@ def main() -> None:
     draw_blow(figure, grid, found["nothing hidden"])
     draw_frfs(figure, grid, found)
     PICTURES.mkdir(parents=True, exist_ok=True)
-    for ending in ("png", "svg"):
-        write_plot(figure, PICTURES / f"rig.{ending}", overwrite=True)
-        print(PICTURES / f"rig.{ending}")
+    write_plot(figure, PICTURES / "rig.png", overwrite=True)
+    print(PICTURES / "rig.png")
 
 
 def draw_blow(figure, grid, result: RigResult) -> None:

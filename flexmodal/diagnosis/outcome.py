@@ -16,6 +16,9 @@ if TYPE_CHECKING:
     from flexmodal.diagnosis.modes.findings import Findings
 
 UNKNOWN = "unknown"
+"""Name of an effect that the catalogue does not have."""
+NONE, UNSTRUCTURED = "none", "unstructured_mode"
+"""Names of the explanations that add no effect: the robot re-tuned, and one more mode with no structure."""
 
 
 @dataclass(frozen=True)
@@ -55,7 +58,7 @@ class Weighed:
     """One explanation on the scales."""
 
     effect: str
-    """Name of the effect; "none" for the robot re-tuned, "unstructured_mode" for a mode with no structure."""
+    """Name of the effect, or `NONE` or `UNSTRUCTURED`."""
     where: str
     gap: float
     held_out_gap: float | None
@@ -139,7 +142,7 @@ class Diagnosis:
     predicted: Mapping[str, Complex[np.ndarray, "observation line"]] = field(repr=False)
     """Receptances by stage: "believed", "before", "after"."""
     refused: tuple[Weighed, ...] = ()
-    """What was weighed last and not found worth adding, the best first; "none" among them."""
+    """What was weighed last and not found worth adding, the best first; `NONE` among them."""
     provenance: Mapping[str, str] = field(default_factory=dict)
     """Versions, hashes of the inputs, seed, settings, seconds."""
     modal: Findings | None = None

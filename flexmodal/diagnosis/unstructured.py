@@ -18,12 +18,12 @@ import numpy as np
 from jaxtyping import Complex, Float, Int
 from scipy.optimize import minimize
 
+from flexmodal.diagnosis.outcome import UNSTRUCTURED
 from flexmodal.diagnosis.preparation import Bench
 from flexmodal.diagnosis.weigh import Weighable, cluster_costs
 from flexmodal.identification import Observations
 from flexmodal.identification.frf_fit import Weighing
 
-NAME = "unstructured_mode"
 _FREQUENCIES, _RATIOS = 60, (0.01, 0.04, 0.15)
 """Of the grid on which the search begins."""
 _LEAST = 1e-3
@@ -62,7 +62,7 @@ def unstructured_mode(bench: Bench, before: Weighable) -> Weighable:
     parameters = sum(2 + len(one.residue) for one in modes.values())
     return replace(
         before,
-        key=(NAME, ""),
+        key=(UNSTRUCTURED, ""),
         costs=cluster_costs(observations, predicted, before.fitted.weighing.floor),
         occam=before.occam + sum(one.occam for one in modes.values()),
         strong=before.strong + parameters,

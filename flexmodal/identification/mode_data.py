@@ -96,22 +96,6 @@ class ModeObservations:
         zeros = tuple(z for z, k in zip(self.antiresonances, keep[len(self.modes) :], strict=True) if k)
         return replace(self, modes=modes, antiresonances=zeros)
 
-    def without_point(self, point: int) -> ModeObservations:
-        """With shapes that do not look at one point."""
-
-        def kept(mode: MeasuredMode) -> MeasuredMode:
-            shapes = [_away_from(shape, point) for shape in mode.shapes]
-            return replace(mode, shapes=tuple(s for s in shapes if s is not None))
-
-        return replace(self, modes=tuple(kept(mode) for mode in self.modes))
-
-
-def _away_from(shape: MeasuredShape, point: int) -> MeasuredShape | None:
-    keep = shape.places[:, 0] != point
-    if not keep.any():
-        return None
-    return replace(shape, places=shape.places[keep], residue=shape.residue[keep], error=shape.error[keep])
-
 
 def modes_of_table(campaign: Campaign, direction: int = 3) -> ModeObservations:
     """Take the rows of `modes.csv`: frequency and damping the median over the places, shapes from amplitudes.

@@ -8,8 +8,9 @@ import pytest
 import flexmodal
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.looking import looked_at
+from flexmodal.diagnosis.outcome import UNSTRUCTURED
 from flexmodal.diagnosis.preparation import prepare
-from flexmodal.diagnosis.unstructured import NAME, unstructured_mode
+from flexmodal.diagnosis.unstructured import unstructured_mode
 from flexmodal.diagnosis.weigh import cluster_costs, weigh
 from flexmodal.identification.uncertainty import clusters
 from flexmodal.rig import simulate
@@ -50,7 +51,7 @@ def planted(bench):
 def test_finds_the_mode_that_is_missing(bench, planted):
     before, missing = planted
     found = unstructured_mode(bench, before)
-    assert found.key == (NAME, "")
+    assert found.key == (UNSTRUCTURED, "")
     fitted = ~bench.held
     away = np.linalg.norm(found.predicted - before.predicted - missing, axis=1)
     assert np.all((away / np.linalg.norm(missing, axis=1))[fitted] < 0.02)

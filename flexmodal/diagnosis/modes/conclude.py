@@ -10,7 +10,6 @@ import numpy as np
 
 from flexmodal.diagnosis.modes.findings import Findings
 from flexmodal.diagnosis.modes.fit import COARSE, ModalFit, restricted
-from flexmodal.diagnosis.modes.forecast import FREE
 from flexmodal.diagnosis.modes.gap import errors, figures, mean_of_others, noise_floor
 from flexmodal.diagnosis.modes.held_out import HeldOut
 from flexmodal.diagnosis.modes.next_measurement import next_frf
@@ -19,7 +18,17 @@ from flexmodal.diagnosis.modes.search import unmatched
 from flexmodal.diagnosis.modes.shapes import compare_shapes
 from flexmodal.diagnosis.modes.weigh import Candidate, Scales
 from flexmodal.diagnosis.modes.words import hertz, left_words, missing_words, named, shape_words, tie_words
-from flexmodal.diagnosis.outcome import UNKNOWN, Diagnosis, Gaps, NextMeasurement, Step, Verdict, Weighed
+from flexmodal.diagnosis.outcome import (
+    NONE,
+    UNKNOWN,
+    UNSTRUCTURED,
+    Diagnosis,
+    Gaps,
+    NextMeasurement,
+    Step,
+    Verdict,
+    Weighed,
+)
 from flexmodal.diagnosis.provenance import provenance
 from flexmodal.identification import predict
 from flexmodal.identification.mode_gap import gap_of_errors
@@ -81,7 +90,7 @@ def _findings(
     compared: tuple[Candidate, Candidate] | None,
     worth_it: bool,
 ) -> Findings:
-    free = next((one for one in scales.candidates if one.key[0] == FREE), None)
+    free = next((one for one in scales.candidates if one.key[0] == UNSTRUCTURED), None)
     tied = tuple(scales.candidates[k].key for k in scales.tied)
     return Findings(
         measured=course.whole,
@@ -104,7 +113,9 @@ def _findings(
 
 def _two_structured(scales: Scales, chosen: int | None) -> tuple[Candidate, Candidate] | None:
     """What was added, or the best with structure, and the best of another kind or place tied with it."""
-    found = [scales.candidates[k] for k in scales.tied if scales.candidates[k].key[0] not in ("none", FREE)]
+    found = [
+        scales.candidates[k] for k in scales.tied if scales.candidates[k].key[0] not in (NONE, UNSTRUCTURED)
+    ]
     if chosen is not None:
         one = scales.candidates[chosen]
         found = [one, *(other for other in found if other is not one)]
@@ -168,7 +179,7 @@ def _weighed(course: _Course, scales: Scales, but: int | None) -> tuple[Weighed,
         one = scales.candidates[k]
         if k == but:
             continue
-        effect, where = ("none", "") if k == 0 else one.key
+        effect, where = (NONE, "") if k == 0 else one.key
         found.append(
             Weighed(
                 effect, where, figures(errors(course.everywhere(one.fit))).gap, _held_gap(one.held),
@@ -255,7 +266,7 @@ def _joined(parts: Sequence[str]) -> str:
 
 def _place(found: Findings) -> str:
     """The one place that everything tied points at; the arm as a whole where there is none."""
-    places = {where for effect, where in found.tied or (found.after.explanation.key,) if effect != "none"}
+    places = {where for effect, where in found.tied or (found.after.explanation.key,) if effect != NONE}
     return places.pop() or EVERYWHERE if len(places) == 1 else EVERYWHERE
 
 

@@ -15,10 +15,10 @@ from jaxtyping import Complex, Float
 
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.modes.spectrum import spectrum
+from flexmodal.diagnosis.outcome import NONE, UNSTRUCTURED
 from flexmodal.identification import Observations, Parameter, ParameterSpace
 from flexmodal.identification.model import Group
 
-FREE = "unstructured_mode"
 USUAL_DAMPING, DAMPING_SPREAD = 0.05, 1.0
 """Damping ratio of a mode that nothing is known of, and standard deviation of its logarithm."""
 LEAST_DAMPING = 1e-6
@@ -51,8 +51,8 @@ class Explanation:
     def key(self) -> tuple[str, str]:
         """What it adds last, and where."""
         if self.free:
-            return FREE, ""
-        return self.hypothesis.keys[-1] if self.hypothesis.placed else ("none", "")
+            return UNSTRUCTURED, ""
+        return self.hypothesis.keys[-1] if self.hypothesis.placed else (NONE, "")
 
     @cached_property
     def space(self) -> ParameterSpace:
@@ -65,7 +65,7 @@ class Explanation:
             trust = {p.name: p.deviation * self.stretch for p in found[base:]}
             found = list(self.hypothesis.space.trusting(trust).parameters)
         for number in range(self.free):
-            name = f"{FREE}.{number + 1}"
+            name = f"{UNSTRUCTURED}.{number + 1}"
             middle = float(np.sqrt(low * high))
             found += [
                 Parameter(f"{name}.frequency", "Hz", middle, wide, low, high),
@@ -113,7 +113,9 @@ class Explanation:
         values, index = self.space.values(x), self.space.index
         parts = [one]
         for number in range(self.free):
-            frequency, damping = (f"{FREE}.{number + 1}.{kind}" for kind in ("frequency", "damping_ratio"))
+            frequency, damping = (
+                f"{UNSTRUCTURED}.{number + 1}.{kind}" for kind in ("frequency", "damping_ratio")
+            )
             fall, loss = np.zeros((2, count, 1))
             if count:
                 fall[index[frequency]] = loss[index[damping]] = 1.0

@@ -10,12 +10,11 @@ import numpy as np
 
 from flexmodal.diagnosis.modes.findings import Findings
 from flexmodal.diagnosis.modes.fit import ModalFit
-from flexmodal.diagnosis.modes.forecast import FREE
 from flexmodal.diagnosis.modes.gap import Errors, errors, figures
 from flexmodal.diagnosis.modes.pictures import draw_evidence, draw_frequencies, draw_shapes, short
 from flexmodal.diagnosis.modes.weigh import VARIANTS
 from flexmodal.diagnosis.modes.words import named
-from flexmodal.diagnosis.outcome import Diagnosis
+from flexmodal.diagnosis.outcome import NONE, UNSTRUCTURED, Diagnosis
 from flexmodal.diagnosis.report.arm_picture import draw_arm
 from flexmodal.diagnosis.report.pictures import draw_descent
 from flexmodal.diagnosis.report.tables import base_rows, effect_rows, next_words, region_rows
@@ -97,7 +96,7 @@ def headline(diagnosis: Diagnosis, found: Findings) -> str:
 def after_name(diagnosis: Diagnosis, found: Findings) -> str:
     """What the second model of the pictures is."""
     name = short(found.after.explanation.key)
-    if found.after.explanation.key[0] == "none":
+    if found.after.explanation.key[0] == NONE:
         return "re-tuned"
     return f"with {name}" if diagnosis.steps else f"best of what is tied: {name}"
 
@@ -119,7 +118,7 @@ def summary_rows(found: Findings, name: str) -> list[list[str]]:
             None if found.held_before is None else found.held_before.errors,
         )
     ]
-    if found.after.explanation.key[0] not in ("none", FREE):
+    if found.after.explanation.key[0] not in (NONE, UNSTRUCTURED):
         rows.append(
             _figures(name, errors(found.after), None if found.held_after is None else found.held_after.errors)
         )

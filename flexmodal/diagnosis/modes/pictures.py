@@ -8,10 +8,10 @@ import numpy as np
 
 from flexmodal.diagnosis.modes.findings import Findings
 from flexmodal.diagnosis.modes.fit import ModalFit
-from flexmodal.diagnosis.modes.forecast import FREE
 from flexmodal.diagnosis.modes.held_out import HeldOut
 from flexmodal.diagnosis.modes.shapes import shapes_of
 from flexmodal.diagnosis.modes.words import most_telling
+from flexmodal.diagnosis.outcome import UNSTRUCTURED
 from flexmodal.diagnosis.report.pictures import (
     AFTER,
     BEFORE,
@@ -27,7 +27,7 @@ from flexmodal.diagnosis.report.words import placed
 
 def short(key: tuple[str, str]) -> str:
     """An explanation in a few words."""
-    return "mode without structure" if key[0] == FREE else placed(*key)
+    return "mode without structure" if key[0] == UNSTRUCTURED else placed(*key)
 
 
 def draw_frequencies(found: Findings, after_name: str) -> Any:

@@ -16,8 +16,9 @@ from jaxtyping import Float
 from flexmodal.diagnosis.effects import Scene
 from flexmodal.diagnosis.hypothesis import Placed
 from flexmodal.diagnosis.modes.fit import MeasuredModes, ModalFit, Pairs, fit_modes, granted
-from flexmodal.diagnosis.modes.forecast import FREE, Explanation, Forecast
+from flexmodal.diagnosis.modes.forecast import Explanation, Forecast
 from flexmodal.diagnosis.modes.scatter import Beliefs
+from flexmodal.diagnosis.outcome import UNSTRUCTURED
 from flexmodal.errors import InvalidSystem
 
 WAYS = 5
@@ -142,7 +143,7 @@ def _spread(placed: Placed, scene: Scene, own: Sequence[Mapping[str, float]]) ->
 
 def free_starts(explanation: Explanation, measured: MeasuredModes, x: np.ndarray) -> list[Start]:
     """Of one mode without structure more, at each of the measured modes in turn."""
-    name = f"{FREE}.{explanation.free}.frequency"
+    name = f"{UNSTRUCTURED}.{explanation.free}.frequency"
     parameter = explanation.space.parameters[explanation.space.index[name]]
     found: list[tuple[float, Start]] = []
     for number, frequency in _centres(measured).items():

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from flexmodal.diagnosis.modes.findings import Findings
-from flexmodal.diagnosis.modes.forecast import FREE
 from flexmodal.diagnosis.modes.gap import errors, figures
 from flexmodal.diagnosis.modes.shapes import ModeShapes
+from flexmodal.diagnosis.outcome import NONE, UNSTRUCTURED
 
 Key = tuple[str, str]
 
@@ -17,9 +17,9 @@ Key = tuple[str, str]
 def named(key: Key) -> str:
     """An explanation in words."""
     effect, where = key
-    if effect == FREE:
+    if effect == UNSTRUCTURED:
         return "a mode that has no place in the robot"
-    if effect == "none":
+    if effect == NONE:
         return "nothing added"
     return f"{effect.replace('_', ' ')} at {where}"
 

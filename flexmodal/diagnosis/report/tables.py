@@ -5,9 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
-from flexmodal.diagnosis.outcome import Diagnosis, NextMeasurement, Region, Step, Weighed
+from flexmodal.diagnosis.outcome import NONE, Diagnosis, NextMeasurement, Region, Step, Weighed
 from flexmodal.diagnosis.report.words import (
-    NONE,
     direction,
     effect_words,
     error,

@@ -9,10 +9,9 @@ import numpy as np
 from jaxtyping import Int
 
 from flexmodal.diagnosis.effects import catalogue
-from flexmodal.diagnosis.outcome import UNKNOWN, Diagnosis
+from flexmodal.diagnosis.outcome import NONE, UNKNOWN, UNSTRUCTURED, Diagnosis
 from flexmodal.identification import Observations
 
-NONE, UNSTRUCTURED = "none", "unstructured_mode"
 _KINDS = {
     "stiffness": "stiffness of {}",
     "damping": "damping of {}",
