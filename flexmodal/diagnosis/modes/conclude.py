@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexmodal.diagnosis.modes.elsewhere import restricted
+from flexmodal.diagnosis.modes.evidence import ModalFit
 from flexmodal.diagnosis.modes.findings import Findings
-from flexmodal.diagnosis.modes.fit import COARSE, ModalFit, restricted
+from flexmodal.diagnosis.modes.fit import COARSE
 from flexmodal.diagnosis.modes.gap import errors, figures, mean_of_others, noise_floor
 from flexmodal.diagnosis.modes.held_out import HeldOut
 from flexmodal.diagnosis.modes.next_measurement import next_frf

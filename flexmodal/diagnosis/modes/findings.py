@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from flexmodal.diagnosis.modes.fit import MeasuredModes, ModalFit
+from flexmodal.diagnosis.modes.evidence import ModalFit
 from flexmodal.diagnosis.modes.gap import Errors
 from flexmodal.diagnosis.modes.held_out import HeldOut
+from flexmodal.diagnosis.modes.measured import MeasuredModes
 from flexmodal.diagnosis.modes.shapes import ModeShapes
 from flexmodal.diagnosis.modes.weigh import Scales
 

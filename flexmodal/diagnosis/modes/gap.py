@@ -12,7 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from flexmodal.diagnosis.modes.fit import MeasuredModes, ModalFit, mac
+from flexmodal.diagnosis.modes.evidence import ModalFit
+from flexmodal.diagnosis.modes.likeness import mac
+from flexmodal.diagnosis.modes.measured import MeasuredModes
 from flexmodal.identification.mode_data import MeasuredMode
 from flexmodal.identification.mode_gap import DAMPING_SHARE, gap_of_errors, noise_of
 

@@ -8,8 +8,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Bool
 
-from flexmodal.diagnosis.modes.fit import MeasuredModes, ModalFit, fit_modes, predictive, restricted
+from flexmodal.diagnosis.modes.elsewhere import predictive, restricted
+from flexmodal.diagnosis.modes.evidence import ModalFit
+from flexmodal.diagnosis.modes.fit import fit_modes
 from flexmodal.diagnosis.modes.gap import Errors, errors
+from flexmodal.diagnosis.modes.measured import MeasuredModes
 from flexmodal.errors import InvalidSystem
 
 FEWEST = 3

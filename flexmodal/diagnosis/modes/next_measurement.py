@@ -18,7 +18,7 @@ import numpy as np
 from flexmodal.campaign import CampaignPosture
 from flexmodal.diagnosis.effects import Scene
 from flexmodal.diagnosis.hypothesis import Hypothesis
-from flexmodal.diagnosis.modes.fit import ModalFit
+from flexmodal.diagnosis.modes.evidence import ModalFit
 from flexmodal.diagnosis.modes.stand_in import stand_in
 from flexmodal.diagnosis.next_measurement import _postures
 from flexmodal.diagnosis.outcome import NextMeasurement

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from flexmodal.diagnosis.modes.evidence import ModalFit
 from flexmodal.diagnosis.modes.findings import Findings
-from flexmodal.diagnosis.modes.fit import ModalFit
 from flexmodal.diagnosis.modes.gap import Errors, errors, figures
 from flexmodal.diagnosis.modes.pictures import draw_evidence, draw_frequencies, draw_shapes, short
 from flexmodal.diagnosis.modes.weigh import VARIANTS

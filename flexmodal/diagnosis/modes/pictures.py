@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from flexmodal.diagnosis.modes.evidence import ModalFit
 from flexmodal.diagnosis.modes.findings import Findings
-from flexmodal.diagnosis.modes.fit import ModalFit
 from flexmodal.diagnosis.modes.held_out import HeldOut
 from flexmodal.diagnosis.modes.shapes import shapes_of
 from flexmodal.diagnosis.modes.words import most_telling

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from flexmodal.diagnosis.modes.fit import ModalFit
+from flexmodal.diagnosis.modes.evidence import ModalFit
 from flexmodal.diagnosis.modes.gap import errors
 from flexmodal.diagnosis.outcome import Region
 from flexmodal.identification.mode_gap import DAMPING_SHARE

@@ -15,8 +15,12 @@ from jaxtyping import Float
 
 from flexmodal.diagnosis.effects import Scene
 from flexmodal.diagnosis.hypothesis import Placed
-from flexmodal.diagnosis.modes.fit import MeasuredModes, ModalFit, Pairs, fit_modes, granted
+from flexmodal.diagnosis.modes.elsewhere import granted
+from flexmodal.diagnosis.modes.evidence import ModalFit
+from flexmodal.diagnosis.modes.fit import fit_modes
 from flexmodal.diagnosis.modes.forecast import Explanation, Forecast
+from flexmodal.diagnosis.modes.likelihood import Pairs
+from flexmodal.diagnosis.modes.measured import MeasuredModes
 from flexmodal.diagnosis.modes.scatter import Beliefs
 from flexmodal.diagnosis.outcome import UNSTRUCTURED
 from flexmodal.errors import InvalidSystem

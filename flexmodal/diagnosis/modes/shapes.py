@@ -14,7 +14,9 @@ from itertools import combinations
 
 import numpy as np
 
-from flexmodal.diagnosis.modes.fit import MeasuredModes, ModalFit, mac
+from flexmodal.diagnosis.modes.evidence import ModalFit
+from flexmodal.diagnosis.modes.likeness import mac
+from flexmodal.diagnosis.modes.measured import MeasuredModes
 from flexmodal.diagnosis.modes.scatter import SHAPE, log_watson_constant
 
 CLEAN = 100.0

@@ -8,9 +8,10 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from flexmodal.diagnosis.hypothesis import Hypothesis
-from flexmodal.diagnosis.modes.fit import MeasuredModes, ModalFit
+from flexmodal.diagnosis.modes.evidence import ModalFit
 from flexmodal.diagnosis.modes.forecast import Explanation
 from flexmodal.diagnosis.modes.held_out import HeldOut
+from flexmodal.diagnosis.modes.measured import MeasuredModes
 from flexmodal.diagnosis.modes.scatter import Beliefs
 from flexmodal.diagnosis.modes.search import followed
 

@@ -17,9 +17,11 @@ from flexmodal.campaign import Campaign
 from flexmodal.diagnosis.effects import Effect, Scene, catalogue
 from flexmodal.diagnosis.hypothesis import Hypothesis, Placed
 from flexmodal.diagnosis.modes.conclude import conclude
-from flexmodal.diagnosis.modes.fit import MeasuredModes, ModalFit, restricted
+from flexmodal.diagnosis.modes.elsewhere import restricted
+from flexmodal.diagnosis.modes.evidence import ModalFit
 from flexmodal.diagnosis.modes.forecast import Explanation
 from flexmodal.diagnosis.modes.held_out import HeldOut, in_turn, together
+from flexmodal.diagnosis.modes.measured import MeasuredModes
 from flexmodal.diagnosis.modes.scatter import Beliefs
 from flexmodal.diagnosis.modes.search import bare_starts, best_fits, effect_starts, free_starts, unmatched
 from flexmodal.diagnosis.modes.stand_in import placed_on

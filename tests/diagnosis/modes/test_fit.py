@@ -5,7 +5,12 @@ import pytest
 from scipy.integrate import quad
 from scipy.special import hyp1f1
 
-from flexmodal.diagnosis.modes.fit import MeasuredModes, _Task, fit_modes, off_shape
+from flexmodal.diagnosis.modes.evidence import hessian
+from flexmodal.diagnosis.modes.fit import fit_modes
+from flexmodal.diagnosis.modes.likelihood import Likelihood
+from flexmodal.diagnosis.modes.likeness import off_shape
+from flexmodal.diagnosis.modes.measured import MeasuredModes
+from flexmodal.diagnosis.modes.residuals import residuals
 from flexmodal.diagnosis.modes.scatter import Beliefs, log_anywhere, log_watson_constant
 from flexmodal.diagnosis.modes.spectrum import spectrum
 from flexmodal.identification.mode_data import modes_of_table
@@ -83,12 +88,12 @@ def test_the_evidence_is_that_of_importance_sampling(explained_by, as_believed):
     beliefs = Beliefs()
     fit = fit_modes(explanation, modes, np.zeros(len(explanation.space)), beliefs)
     assert min(fit.pairs) >= 0
-    task = _Task(explanation, modes, beliefs)
+    likelihood = Likelihood(explanation, modes, beliefs)
     names = list(fit.scales)
-    found = task.residuals(fit.x, fit.pairs, slopes=True)
-    hessian = task.hessian(found, fit.scales)
+    found = residuals(likelihood, fit.forecasts, fit.pairs)
+    bend = hessian(likelihood, found, fit.scales)
     at = np.concatenate([fit.x, [fit.scales[name] for name in names]])
-    root = np.linalg.cholesky(np.linalg.inv(hessian))
+    root = np.linalg.cholesky(np.linalg.inv(bend))
     random, wide, freedom, count = np.random.default_rng(7), 1.1, 8, 600
     size = len(at)
     z = random.normal(size=(count, size)) / np.sqrt(random.chisquare(freedom, count) / freedom)[:, None]
@@ -98,8 +103,8 @@ def test_the_evidence_is_that_of_importance_sampling(explained_by, as_believed):
     proposal -= np.log(np.diag(root)).sum() + size * np.log(wide)
     draws = at + wide * z @ root.T
     log = np.array([
-        task.log_posterior(one[: len(fit.x)], dict(zip(names, one[len(fit.x) :], strict=True)), fit.pairs)
-        for one in draws
+        likelihood.log_posterior(x, dict(zip(names, scales, strict=True)), fit.pairs)
+        for x, scales in zip(*np.split(draws, [len(fit.x)], axis=1), strict=True)
     ]) - proposal  # fmt: skip
     weight = np.exp(log - log.max())
     sampled = log.max() + np.log(weight.mean())
