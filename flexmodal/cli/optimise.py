@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
@@ -21,6 +21,7 @@ from flexmodal.cli.options import (
 )
 from flexmodal.cli.picturing import draw_pictures, pictures_of, plot_option
 from flexmodal.cli.printing import degrees, noted_progress, print_json, print_table
+from flexmodal.cli.viewing import viewer
 from flexmodal.errors import Fault, InvalidRequest
 
 if TYPE_CHECKING:
@@ -110,9 +111,11 @@ def optimise(
         _print(outcome, judging["objective"])
     draw_pictures(outcome, where, pictures, force=force, quiet=quiet)
     if show:
-        from flexmodal.cli.viewing import viewer
-
         viewer("show_outcome")(outcome, start=where, announce=lambda text: click.echo(text, err=True))
+    _leave(outcome)
+
+
+def _leave(outcome: Outcome) -> NoReturn:
     if outcome.interrupted:
         click.echo("flexmodal: interrupted", err=True)
         sys.exit(130)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import sys
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -91,37 +92,22 @@ def path(
 ) -> None:
     """A posture for each point of a toolpath: smooth, within limits and speeds, vibrating least."""
     from flexmodal.frf import frequency_axis
-    from flexmodal.optimisation.path import PathProblem, plan_path
+    from flexmodal.optimisation.path import PathProblem
 
     refuse_existing(out, force, _ENDINGS)
     arm = load_robot(robot, stiffness, damping, tool, fix)
-    line_of = _toolpath(arm, toolpath, line, arc, points, feed)
-    hertzes = float(frequency_axis([frequency], source=f"{SOURCE} --frequency")[0])
-    direction = None if push is None else _three(push, "--push")
-
-    def problem(at_frequency: float) -> PathProblem:
-        return PathProblem.along(
-            arm,
-            line_of,
-            at_frequency,
-            force=direction,
-            hold=lambda place: at(arm, place, orientation, axis, tool_axis),
-            way=way,
-            speed=_speeds(arm, speed),
-            stride=number(stride, "--stride", "a step in rad or m"),
-        )
-
-    judged = problem(hertzes)
-    count = len(judged.points) + 60
-    unit = judged.points[0].objective.unit
-    with noted_progress(count, "planning", quiet=quiet) as (advance, note):
-        planned = plan_path(
-            judged,
-            nodes=nodes,
-            seed=seed,
-            advance=advance,
-            improved=lambda value: note(f"best {value:.4g} {unit}"),
-        )
+    problem = partial(
+        PathProblem.along,
+        arm,
+        _toolpath(arm, toolpath, line, arc, points, feed),
+        force=None if push is None else _three(push, "--push"),
+        hold=lambda place: at(arm, place, orientation, axis, tool_axis),
+        way=way,
+        speed=_speeds(arm, speed),
+        stride=number(stride, "--stride", "a step in rad or m"),
+    )
+    judged = problem(float(frequency_axis([frequency], source=f"{SOURCE} --frequency")[0]))
+    planned = _planned(judged, nodes, seed, quiet)
     found = {"least vibration": planned}
     if compare and not planned.interrupted:
         found |= _others(judged, problem(0.0), nodes, seed)
@@ -135,6 +121,21 @@ def path(
     if planned.interrupted:
         click.echo("flexmodal: interrupted; the best sequence so far is kept", err=True)
         sys.exit(130)
+
+
+def _planned(judged: PathProblem, nodes: int, seed: int, quiet: bool) -> PathOutcome:
+    """The sequence that vibrates least, with a bar that tells the best so far."""
+    from flexmodal.optimisation.path import plan_path
+
+    unit = judged.points[0].objective.unit
+    with noted_progress(len(judged.points) + 60, "planning", quiet=quiet) as (advance, note):
+        return plan_path(
+            judged,
+            nodes=nodes,
+            seed=seed,
+            advance=advance,
+            improved=lambda value: note(f"best {value:.4g} {unit}"),
+        )
 
 
 def _others(judged: PathProblem, static: PathProblem, nodes: int, seed: int) -> dict[str, PathOutcome]:

@@ -10,17 +10,22 @@ from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.frf import PointDirection
 from flexmodal.frf.form import unit
 from flexmodal.modal import Modes
-from flexmodal.model import Posture, Robot
+from flexmodal.model import PosedRobot, Posture, Robot
 from flexmodal_viewer import marks
 from flexmodal_viewer.arm import Arm
 from flexmodal_viewer.motion import Deflection, forced, mode_shapes
 from flexmodal_viewer.palette import EXTREME, FORCE, PLAIN, POINT, START, shade
-from flexmodal_viewer.scene import Caption, Item, Label, Motion, Scene, Swatch, Table
+from flexmodal_viewer.scene import Caption, Motion, Scene, Swatch, Table
 from flexmodal_viewer.stage import set_stage, view_of
 from flexmodal_viewer.units import degrees, joint_value, plain, quantity
 
 CLEAR = 0.36
 """Opacity of what is only there to compare with."""
+_GHOSTS = (
+    Swatch("at rest", START, "clear"),
+    Swatch("arm, moving", PLAIN, "own"),
+    Swatch("extreme", EXTREME, "clear"),
+)
 
 
 def robot_scene(
@@ -46,41 +51,21 @@ def robot_scene(
     """
     arm = Arm(robot)
     posed = robot.at(posture)
-    nodes = arm.nodes("arm", posture.values)
-    items = arm.items("arm", lambda own: own)
-    labels: list[Label] = []
-    legend: list[Swatch] = []
-    motions: list[Motion] = []
     (direction,) = posed.directions(response) if not isinstance(response, list | tuple) else (None,)
     if direction is None:
         raise InvalidRequest(Fault("call", "response", "several", "one point and direction"))
-    if frequency is not None:
-        motions.append(_forced_motion(arm, forced(posed, direction, frequency), direction, frequency))
-    if modes:
-        solved = posed.modes()
-        motions += [
-            _mode_motion(arm, solved, number, shape)
-            for number, shape in enumerate(mode_shapes(posed, solved))
-        ]
+    motions = _motions(arm, posed, direction, frequency, modes=modes)
+    drawn = marks.Drawn(arm.nodes("arm", posture.values), arm.items("arm", lambda own: own), [])
+    legend: list[Swatch] = []
     if motions:
-        ghosts, ghost_nodes = _ghosts(arm, posture)
-        items += ghosts
-        nodes |= ghost_nodes
-        legend += [
-            Swatch("at rest", START, "clear"),
-            Swatch("arm, moving", PLAIN, "own"),
-            Swatch("extreme", EXTREME, "clear"),
-        ]
+        drawn = drawn.beside(_ghosts(arm, posture))
+        legend += _GHOSTS
     if frequency is not None or response is not None:
-        arrow = marks.force(direction, posed.position(direction.point), 0.16 * arm.reach)
-        nodes |= arrow.nodes
-        items += arrow.items
-        labels += arrow.labels
-        legend.append(Swatch(f"{'moment' if direction.is_rotation else 'force'} {direction}", FORCE, "arrow"))
+        drawn = drawn.beside(marks.force(direction, posed.position(direction.point), 0.16 * arm.reach))
+        kind = "moment" if direction.is_rotation else "force"
+        legend.append(Swatch(f"{kind} {direction}", FORCE, "arrow"))
     if robot.points:
-        points = marks.points(arm, "arm", 0.012 * arm.reach)
-        items += points.items
-        labels += points.labels
+        drawn = drawn.beside(marks.points(arm, "arm", 0.012 * arm.reach))
         legend.append(Swatch("measurement points", POINT, "dot"))
     caption = Caption(
         robot.title or robot.name,
@@ -90,14 +75,29 @@ def robot_scene(
         arm.looks.notes,
     )
     view = view_of(robot, posed.position(robot.tool))
-    return set_stage(Scene(caption, view, nodes, tuple(items), tuple(labels), tuple(motions)))
+    return set_stage(Scene(caption, view, drawn.nodes, tuple(drawn.items), tuple(drawn.labels), motions))
 
 
-def _ghosts(arm: Arm, posture: Posture) -> tuple[list[Item], dict[str, np.ndarray]]:
+def _motions(
+    arm: Arm, posed: PosedRobot, direction: PointDirection, frequency: float | None, *, modes: bool
+) -> tuple[Motion, ...]:
+    """Under a force of this frequency, and in each mode."""
+    found = []
+    if frequency is not None:
+        found.append(_forced_motion(arm, forced(posed, direction, frequency), direction, frequency))
+    if modes:
+        solved = posed.modes()
+        shapes = mode_shapes(posed, solved)
+        found += [_mode_motion(arm, solved, number, shape) for number, shape in enumerate(shapes)]
+    return tuple(found)
+
+
+def _ghosts(arm: Arm, posture: Posture) -> marks.Drawn:
     still = arm.still_links()
     rest = arm.items("rest", lambda own: shade(START, own), opacity=CLEAR, skip=still)
     extreme = arm.items("extreme", lambda own: shade(EXTREME, own), opacity=CLEAR + 0.1, skip=still)
-    return rest + extreme, arm.nodes("rest", posture.values) | arm.nodes("extreme", posture.values)
+    nodes = arm.nodes("rest", posture.values) | arm.nodes("extreme", posture.values)
+    return marks.Drawn(nodes, rest + extreme, [])
 
 
 def _subtitle(robot: Robot, posture: Posture) -> str:
