@@ -70,9 +70,18 @@ def processor_time(process):
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
+@pytest.fixture
+def ctrl_c():
+    """Children heed Ctrl-C: what a shell runs in the background ignores it, and its children would too."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
 LONG = ("optimise", "six_link", "--hold=-2,2", "--frequency", "5", "--starts", "100000")
 
 
+@pytest.mark.usefixtures("ctrl_c")
 @pytest.mark.parametrize(
     ("number", "status", "says"), [(signal.SIGINT, 130, "interrupted"), (signal.SIGTERM, 143, "")]
 )
@@ -100,6 +109,7 @@ def test_stopped_in_the_midst_of_a_search(program, number, status, says):
     assert says in err
 
 
+@pytest.mark.usefixtures("ctrl_c")
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_stopped_in_the_midst_of_a_file(program, tmp_path, number):
     words = (

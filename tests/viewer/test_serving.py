@@ -117,7 +117,16 @@ print(flexmodal_viewer.show_robot(
 """
 
 
+@pytest.fixture
+def ctrl_c():
+    """Children heed Ctrl-C: what a shell runs in the background ignores it, and its children would too."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
 @linux_only
+@pytest.mark.usefixtures("ctrl_c")
 @pytest.mark.parametrize("ending", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
 def test_nothing_outlives_it(ending):
     process = subprocess.Popen([sys.executable, "-c", _SCRIPT], stdout=subprocess.PIPE, text=True)
