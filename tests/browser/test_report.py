@@ -1,4 +1,5 @@
-"""The report of a diagnosis in a browser: offline, at desk and telephone width, in print."""
+"""The reports of diagnoses, from FRFs and from modes, in a browser: offline, at desk and telephone width, in
+print."""
 
 import html
 import re
@@ -9,18 +10,44 @@ import pytest
 WIDTHS = (1200, 390)
 
 
+VERDICT = {"frfs": "Missing: link flexibility (link_2)", "modes": "A mode is missing"}
+FRAME = {"frfs": (0, 114, 178), "modes": (177, 68, 0)}
+"""Colour of the frame of the verdict: something found, something left open."""
+
+
 @pytest.fixture(scope="module")
-def report(tmp_path_factory, diagnosed):
+def from_modes():
+    """The thesis's modes with two explanations that they do not tell apart, by two sets of beliefs."""
+    import flexmodal
+    from flexmodal.campaign import read_campaign
+    from flexmodal.diagnosis import diagnose
+    from flexmodal.diagnosis.modes import weigh
+
+    effects = ["link_flexibility@link_2", "local_absorber@link_1"]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(weigh, "VARIANTS", weigh.VARIANTS[:2])
+        campaign = read_campaign("robots/fanuc_s360/campaigns/thesis")
+        return diagnose(campaign, flexmodal.load("fanuc_s360_rigid_link"), effects=effects)
+
+
+@pytest.fixture(scope="module", params=["frfs", "modes"])
+def kind(request):
+    return request.param
+
+
+@pytest.fixture(scope="module")
+def report(tmp_path_factory, request, kind):
     from flexmodal.diagnosis.report import write_report
 
-    path = tmp_path_factory.mktemp("report") / "report.html"
-    write_report(diagnosed, path, notes=("a note",))
+    path = tmp_path_factory.mktemp("report") / f"report_{kind}.html"
+    diagnosis = request.getfixturevalue("diagnosed" if kind == "frfs" else "from_modes")
+    write_report(diagnosis, path, notes=("a note",))
     return path
 
 
-def test_says_nothing_to_the_console(browser, report):
+def test_says_nothing_to_the_console(browser, report, kind):
     document, said = browser.document(report)
-    assert "Missing: link flexibility (link_2)" in document
+    assert VERDICT[kind] in document
     lines = [line for line in said.splitlines() if "CONSOLE" in line]
     assert lines == []
 
@@ -56,11 +83,11 @@ def test_nothing_is_wider_than_the_window(browser, report, width, tmp_path):
 
 
 @pytest.mark.parametrize("width", WIDTHS)
-def test_looks_as_it_should(browser, report, width):
+def test_looks_as_it_should(browser, report, kind, width):
     picture = browser.picture(report, width=width, height=2400)
     dark = np.all(picture < 110, axis=2)
     assert 0.01 < dark.mean() < 0.4  # words and curves on a light ground
-    edge = np.abs(picture - np.array([0, 114, 178])).max(axis=2) < 6
+    edge = np.abs(picture - np.array(FRAME[kind])).max(axis=2) < 6
     assert edge.sum() > 1000  # the frame of the verdict
     assert np.all(picture[:, -4:] > 225)  # nothing runs over the edge
     orange = np.abs(picture - np.array([213, 94, 0])).max(axis=2) < 40

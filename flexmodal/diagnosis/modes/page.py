@@ -13,7 +13,7 @@ from flexmodal.diagnosis.modes.findings import Findings
 from flexmodal.diagnosis.modes.gap import Errors, errors, figures
 from flexmodal.diagnosis.modes.pictures import draw_evidence, draw_frequencies, draw_shapes, short
 from flexmodal.diagnosis.modes.weigh import VARIANTS
-from flexmodal.diagnosis.modes.words import named
+from flexmodal.diagnosis.modes.words import left_words, named, shape_words, tie_words
 from flexmodal.diagnosis.outcome import NONE, UNSTRUCTURED, Diagnosis
 from flexmodal.diagnosis.report.arm_picture import draw_arm
 from flexmodal.diagnosis.report.pictures import draw_descent
@@ -49,7 +49,8 @@ def _content(diagnosis: Diagnosis, notes: Sequence[str]) -> dict[str, Any]:
         if diagnosis.verdict.effects
         else "nothing",
         "headline": headline(diagnosis, found),
-        "ties": [short(key) for key in found.tied],
+        "verdict": verdict_paragraphs(diagnosis, found),
+        "tied": found.tied,
         "summary": summary_rows(found, name),
         "regions": region_rows(diagnosis.disagreement),
         "remaining": region_rows(diagnosis.remaining) if diagnosis.steps else [],
@@ -91,6 +92,16 @@ def headline(diagnosis: Diagnosis, found: Findings) -> str:
     if not found.missing:
         return "Something is missing; these modes do not say what"
     return "A mode is missing; these data do not say what makes it"
+
+
+def verdict_paragraphs(diagnosis: Diagnosis, found: Findings) -> list[dict[str, Any]]:
+    """The verdict's sentences by what they are of: the gap, the ties, the shapes, what is left."""
+    says = diagnosis.verdict.says
+    tie = tie_words(found) if found.tied else ""
+    for part in filter(None, (tie, shape_words(found), left_words(found))):
+        says = says.replace(part, f"\n{part}\n")
+    parts = [one.strip() for one in says.split("\n")]
+    return [{"says": one, "tie": one == tie} for one in parts if one]
 
 
 def after_name(diagnosis: Diagnosis, found: Findings) -> str:

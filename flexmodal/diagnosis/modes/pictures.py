@@ -60,6 +60,7 @@ def draw_frequencies(found: Findings, after_name: str) -> Any:
         _partners(axes, found.before, rows, at - 0.14, BEFORE, "X", "re-tuned, nothing added")
         _partners(axes, found.after, rows, at + 0.12, AFTER, "s", after_name)
         _predicted(axes, found.held_after, rows, at + 0.26, AFTER, f"{after_name}, posture held out")
+        _lacking(axes, {"re-tuned": found.before, after_name: found.after}, rows)
         middle = float(np.median(f))
         axes.set_ylabel(f"{middle:.3g} Hz", fontsize=FONT)
         low, high = axes.get_ylim()
@@ -91,6 +92,16 @@ def _partners(
     ]
     if np.isfinite(y).any():
         axes.plot(x, y, marker, color=colour, markersize=6, label=label)
+
+
+def _lacking(axes: Any, fits: dict[str, ModalFit], rows: list[int]) -> None:
+    """Say in the panel which models have no such mode in any posture."""
+    without = [name for name, fit in fits.items() if all(fit.pairs[k] < 0 for k in rows)]
+    if without:
+        axes.text(
+            0.985, 0.9, literal(f"no such mode: {'; '.join(without)}"), transform=axes.transAxes, ha="right",
+            va="top", fontsize=FONT - 1, color="0.35",
+        )  # fmt: skip
 
 
 def _predicted(

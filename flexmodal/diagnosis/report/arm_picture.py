@@ -101,9 +101,9 @@ def _points(axes: Any, diagnosis: Diagnosis, placed: Placed, plane: Plane) -> No
             x, y = plane @ place[:3]
             axes.plot(x, y, "D", markersize=5, color=POINT, zorder=5)
             axes.annotate(
-                point.name[:24], (x, y), xytext=(5, -13), textcoords="offset points", fontsize=FONT - 2,
-                color="#055a43", parse_math=False, zorder=6,
-                bbox={"facecolor": "white", "alpha": 0.75, "edgecolor": "none", "pad": 0.6},
+                point.name[:24], (x, y), xytext=(3, -7), textcoords="offset points", fontsize=FONT - 2,
+                color="#055a43", parse_math=False, zorder=6, rotation=-40, rotation_mode="anchor",
+                va="top",  # aslant, so that names of points side by side do not run into each other
             )  # fmt: skip
 
 

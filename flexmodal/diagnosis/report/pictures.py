@@ -187,7 +187,7 @@ def draw_descent(diagnosis: Diagnosis) -> Any:
             [*every, gaps.after],
             [*held, gaps.held_out_after],
         )
-    elif len(diagnosis.steps) > 1:
+    elif diagnosis.steps and not np.isclose(gaps.after, diagnosis.steps[-1].gaps.after, rtol=0.005):
         labels, every, held = (
             [*labels, "all fitted\ntogether"],
             [*every, gaps.after],

@@ -71,15 +71,16 @@ def posture_name(observations: Observations, number: int) -> str:
 
 def posture_words(q: Mapping[str, float], prismatic: Sequence[str]) -> str:
     """Joint values in degrees, or metres."""
-    return ", ".join(
-        f"{name} = {value:.3f} m" if name in prismatic else f"{name} = {math.degrees(value):.1f}°"
+    each = {
+        name: f"{value:.3f} m" if name in prismatic else f"{math.degrees(value):.1f}°"
         for name, value in q.items()
-    )
+    }
+    return ", ".join(f"{name} = {value.replace('-', '−')}" for name, value in each.items())
 
 
 def size(value: float | None) -> str:
     """A gap, with three figures; a dash for none."""
-    return "–" if value is None or not math.isfinite(value) else f"{value:.3g}"
+    return "–" if value is None or not math.isfinite(value) else f"{value:#.3g}".rstrip(".")
 
 
 def figure(value: float, unit: str = "") -> str:
