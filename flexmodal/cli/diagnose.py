@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from flexmodal.cli.measured import campaign_at
 from flexmodal.cli.options import SOURCE, force_option, json_option, number, quiet_option
 from flexmodal.cli.printing import print_json, print_table, stages
 from flexmodal.errors import Fault, InvalidRequest
@@ -56,7 +57,6 @@ def diagnose(
 
     Writes OUT/diagnosis.json, OUT/report.html and OUT/robot, the improved robot, all of them or none.
     """
-    from flexmodal.campaign import read_campaign
     from flexmodal.cli.identify import robot_of
     from flexmodal.diagnosis import diagnose as find
     from flexmodal.diagnosis.as_json import as_json as as_object
@@ -65,9 +65,7 @@ def diagnose(
 
     refuse_folder(out, known=JSON, overwrite=force)
     wanted, trusted = _names(effects), _trust(trust)
-    measured = read_campaign(campaign)
-    for warning in measured.warnings:
-        click.echo(f"warning: {warning}", err=True)
+    measured = campaign_at(campaign)
     arm = robot_of(measured, robot)
     with stages(quiet=quiet) as advance:
         diagnosis = find(

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from flexmodal.cli.measured import campaign_at
 from flexmodal.cli.options import SOURCE, band_of, force_option, json_option, number, refuse_existing
 from flexmodal.cli.printing import print_json, print_table
 from flexmodal.errors import Fault, InvalidRequest
@@ -94,14 +95,12 @@ def fit(
     **wanted: Any,
 ) -> None:
     """Modal parameters of measured FRFs, each with its uncertainty; exit 1 if no mode is found."""
-    from flexmodal.campaign import check_campaign_quality, read_campaign
+    from flexmodal.campaign import check_campaign_quality
     from flexmodal.ema import as_json as as_object
     from flexmodal.ema import fit_campaign, records_of
 
     refuse_existing(out, force, _ENDINGS)
-    measured = read_campaign(campaign)
-    for warning in measured.warnings:
-        click.echo(f"warning: {warning}", err=True)
+    measured = campaign_at(campaign)
     choices = _choices(**wanted)
     fits = fit_campaign(measured, method, per=per, trials=trials, estimator=estimator, choices=choices)
     records = records_of(measured, estimator)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from flexmodal.cli.measured import campaign_at
 from flexmodal.cli.options import SOURCE, force_option, json_option, quiet_option
 from flexmodal.cli.printing import print_json, print_table, progress
 from flexmodal.errors import Fault, OutputExists
@@ -74,14 +75,11 @@ def identify(
     as_json: bool,
 ) -> None:
     """Stiffness, damping and inertia from a campaign, with uncertainty; exit 1 if the fit does not settle."""
-    from flexmodal.campaign import read_campaign
     from flexmodal.identification import build_identification, robot_space, solve_identification
     from flexmodal.identification.as_json import as_json as as_object
 
     _refuse_out(out, force)
-    measured = read_campaign(campaign)
-    for warning in measured.warnings:
-        click.echo(f"warning: {warning}", err=True)
+    measured = campaign_at(campaign)
     arm = robot_of(measured, robot)
     wanted = [kind.strip() for kind in kinds.split(",") if kind.strip()]
     with progress(STAGES, "identifying", quiet=quiet) as advance:

@@ -8,9 +8,12 @@ import signal
 import sys
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
+
+if TYPE_CHECKING:
+    from flexmodal.errors import Fault
 
 _COMMANDS = {
     "robots": "The robots that ship: joints, points, postures.",
@@ -73,7 +76,8 @@ def main(arguments: list[str] | None = None) -> None:
         sys.stdout.flush()
         sys.exit(status if isinstance(status, int) else 0)
     except InvalidInput as error:
-        _complain(*(str(replace(fault, file=_here(fault.file))) for fault in error.faults))
+        options = _options_of(arguments)
+        _complain(*(str(_here(fault, options)) for fault in error.faults))
         sys.exit(2)
     except MissingExtra as error:
         _complain(str(error))
@@ -105,9 +109,21 @@ def _settle_in() -> None:
         sys.stdout.reconfigure(errors="replace")  # a terminal without ° shows ?
 
 
-def _here(source: str) -> str:
-    """What the API calls a call came from the command line."""
-    return "command line" if source == "call" else source
+def _options_of(arguments: list[str] | None) -> set[str]:
+    """Options of the command that was called."""
+    names = [name for name in (sys.argv[1:] if arguments is None else arguments) if name in _COMMANDS]
+    command = _Commands().get_command(click.Context(group), names[0]) if names else None
+    return set() if command is None else {option for one in command.params for option in one.opts}
+
+
+def _here(fault: Fault, options: set[str]) -> Fault:
+    """What the API calls a call came from the command line, and an argument perhaps from an option."""
+    if fault.file != "call":
+        return fault
+    name, *rest = fault.key.split(" ")
+    option = f"--{name.replace('_', '-')}"
+    key = " ".join([option, *rest]) if option in options else fault.key
+    return replace(fault, file="command line", key=key)
 
 
 def _complain(*sentences: str) -> None:

@@ -42,7 +42,9 @@ if TYPE_CHECKING:
 @click.option("--postures", type=int, default=7, show_default=True, help="The card's own, then random.")
 @click.option("--points", type=int, help="Points with a sensor; all of the card's if not said.")
 @click.option(
-    "--references", default="2", show_default=True, metavar="N|NAME:±AXIS,…", help="Hammer positions."
+    "--references",
+    metavar="N|NAME:±AXIS,…",
+    help="Hammer positions; 2 if not said, or 1 where one point is measured one way.",
 )
 @click.option("--axes", metavar="XYZ", help="World directions the sensor measures, such as xz.")
 @click.option("--trials", type=int, default=4, show_default=True, help="Through --peaks, then repeats.")
@@ -81,6 +83,7 @@ def rig(
 ) -> None:
     """A simulated hammer test; the truth goes to OUT.truth.toml, beside the folder, not in it."""
     from flexmodal.rig import simulate
+    from flexmodal.rig.plan import default_axes
     from flexmodal.rig.request import prepare
     from flexmodal.rig.result import refuse_existing
     from flexmodal.text.gather import Gathering
@@ -92,6 +95,9 @@ def rig(
     with gathering.step():
         arm = load_robot(robot, stiffness, damping, tool, fix)
         with _as_options():
+            if request["references"] is None:
+                alone = request["points"] == 1 and len(request["axes"] or default_axes(arm)) == 1
+                request["references"] = 1 if alone else 2
             prepare(arm, **request)
     gathering.done()
     total = request["postures"] * (request["points"] or len(arm.points) or len(arm.joints))
@@ -108,7 +114,7 @@ def _read(
     gathering: Gathering,
     hide: tuple[str, ...],
     height: str | None,
-    references: str,
+    references: str | None,
     peaks: str,
     band: str,
     **numbers: Any,
@@ -116,7 +122,7 @@ def _read(
     """What `simulate` takes, from the options that are texts; one that cannot be read is left out."""
     request = dict(numbers)
     with gathering.step():
-        request["references"] = _references(references)
+        request["references"] = None if references is None else _references(references)
     with gathering.step():
         request["peaks"] = [number(part, "--peaks", "forces in N") for part in peaks.split(",")]
     with gathering.step():

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from flexmodal.cli.measured import campaign_at
 from flexmodal.cli.options import (
     SOURCE,
     force_option,
@@ -89,11 +90,7 @@ def _campaign(folder: Path, posture: str | None) -> Campaign:
     """The campaign, or one posture of it by name or number."""
     from dataclasses import replace
 
-    from flexmodal.campaign import read_campaign
-
-    measured = read_campaign(folder)
-    for warning in measured.warnings:
-        click.echo(f"warning: {warning}", err=True)
+    measured = campaign_at(folder)
     if posture is None:
         return measured
     chosen = tuple(p for p in measured.postures if posture in (p.name, str(p.id)))

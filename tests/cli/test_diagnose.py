@@ -102,5 +102,17 @@ def test_refuses_what_stands_there_before_the_work(cli, campaign, tmp_path):
 
 
 def test_no_campaign(cli, tmp_path):
-    cli("diagnose", tmp_path / "none", "--out", tmp_path / "out").refused("none")
+    cli("diagnose", tmp_path / "none", "--out", tmp_path / "out").refused("none", "no such file or folder")
     assert os.listdir(tmp_path) == []
+
+
+THESIS = "robots/fanuc_s360/campaigns/thesis"
+
+
+@pytest.mark.parametrize(
+    ("option", "value", "allowed"),
+    [("--effects", "link_flexibilty", "link_flexibility"), ("--hold-out", "nope", "configuration_1")],
+)
+def test_a_name_that_is_not_there_is_told_by_its_option(cli, tmp_path, option, value, allowed):
+    words = ("diagnose", THESIS, "--robot", "fanuc_s360_rigid_link", "--out", tmp_path / "out", option, value)
+    cli(*words).refused(f"command line: {option}: found '{value}'", allowed)

@@ -2,6 +2,7 @@
 
 import importlib.util
 import json
+import shutil
 import sys
 from pathlib import Path
 
@@ -214,3 +215,10 @@ def test_one_page_with_every_picture(cli, tmp_path, options, headings):
     assert text.count("<svg") >= len(headings)
     assert 'src="http' not in text
     assert 'href="http' not in text
+
+
+def test_a_folder_of_universal_files_is_told_that_one_will_do(cli, tmp_path):
+    (tmp_path / "bare").mkdir()
+    cli("fit", tmp_path / "bare").refused("bare: found a folder without a campaign.toml", "universal file")
+    shutil.copy("tests/data/real/laboratory_hammer/frf.uff", tmp_path / "bare" / "mine.uff")
+    cli("fit", tmp_path / "bare").refused("such as", tmp_path / "bare" / "mine.uff")

@@ -244,7 +244,8 @@ def _verdict(course: _Course, rounds: Sequence[Round], found: Findings, explaine
         says.append(f"Added, {why}{' and '.join(named(key) for key in added)}.")
         gained = rounds[0].scales.table[rounds[0].chosen] - rounds[0].scales.table[0]
         low, middle, high = (f"{v:.0f}".replace("-", "−") for v in (gained.min(), gained[0], gained.max()))
-        says.append(f"It gains {middle} nats ({low} to {high} under other priors).")
+        what = "The first gains" if len(added) > 1 else "It gains"
+        says.append(f"{what} {middle} nats ({low} to {high} under other priors).")
         if found.tied:
             says.append(tie_words(found))
         says += [shape_words(found), left_words(found)]

@@ -109,7 +109,9 @@ def after_name(diagnosis: Diagnosis, found: Findings) -> str:
     name = short(found.after.explanation.key)
     if found.after.explanation.key[0] == NONE:
         return "re-tuned"
-    return f"with {name}" if diagnosis.steps else f"best of what is tied: {name}"
+    if diagnosis.steps:
+        return f"with {' and '.join(placed(s.effect, s.where) for s in diagnosis.steps)}"
+    return f"best of what is tied: {name}"
 
 
 def compared_fits(found: Findings) -> tuple[ModalFit, ModalFit] | None:

@@ -98,10 +98,9 @@ def _lacking(axes: Any, fits: dict[str, ModalFit], rows: list[int]) -> None:
     """Say in the panel which models have no such mode in any posture."""
     without = [name for name, fit in fits.items() if all(fit.pairs[k] < 0 for k in rows)]
     if without:
-        axes.text(
-            0.985, 0.9, literal(f"no such mode: {'; '.join(without)}"), transform=axes.transAxes, ha="right",
-            va="top", fontsize=FONT - 1, color="0.35",
-        )  # fmt: skip
+        axes.set_title(
+            literal(f"no such mode: {'; '.join(without)}"), loc="right", fontsize=FONT - 1, color="0.35"
+        )
 
 
 def _predicted(
