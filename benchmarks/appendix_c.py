@@ -105,11 +105,26 @@ def next_words(diagnosis: Diagnosis) -> str:
         return "No two explanations with structure are tied, so none is named."
     point = diagnosis.observations.campaign.point
     posture = ", ".join(f"{name} = {np.degrees(value):.0f}°" for name, value in one.posture.items())
+    posture = posture.replace("-", "−")
     pair = " and ".join(named(tuple(key.split("@"))) for key in one.separates)
     return (
         f"Between {pair}: posture {posture}, hammer on {point(one.reference[0]).name}, sensor on "
         f"{point(one.response[0]).name}, both vertical. There the two fitted models differ by "
         f"{one.expected:.1f} times what a noise of 5 % and unsure parameters make, line by line, in the FRF."
+    )
+
+
+def what_fell(diagnosis: Diagnosis) -> str:
+    """Whether the gap fell on the modes that the robot had before, or only since modes were lacking."""
+    found = diagnosis.modal
+    before, after = errors(found.before), errors(found.after)
+    had = [k for k, partner in enumerate(found.before.pairs) if partner >= 0 and found.after.pairs[k] >= 0]
+    was, now = figures(before[had]), figures(after[had])
+    return (
+        f"Part of that is that a mode which a model lacks counts as 1. On the {len(had)} modes that the robot had "
+        f"before, frequencies are off by {100 * was.frequency:.1f} % before and {100 * now.frequency:.1f} % after, "
+        f"damping ratios by {100 * was.damping:.0f} % and {100 * now.damping:.0f} %, and the mean MAC is "
+        f"{was.mac:.2f} and {now.mac:.2f}."
     )
 
 
@@ -151,6 +166,7 @@ def main() -> None:
         before=f"{told.gaps.before:.3f}", after=f"{told.gaps.after:.3f}",
         held_before=f"{told.gaps.held_out_before:.3f}", held_after=f"{told.gaps.held_out_after:.3f}",
         floor=f"{told.gaps.noise_floor:.3f}",
+        what_fell=what_fell(told),
         figures=gaps(told),
         frequencies=pictures["frequencies"],
         parameters="; ".join(
@@ -225,7 +241,7 @@ flexmodal diagnose robots/fanuc_s360/campaigns/thesis --robot fanuc_s360_rigid_l
 > {told}
 
 The gap, as the file formats define it for modes, falls from {before} to {after}, on configurations held out
-in turn from {held_before} to {held_after}; the scatter over the locations alone makes {floor}. Parameters:
+in turn from {held_before} to {held_after}; the scatter over the locations alone makes {floor}. {what_fell} Parameters:
 {parameters}.
 
 {figures}

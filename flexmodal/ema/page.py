@@ -25,9 +25,9 @@ body { font: 15px/1.5 system-ui, sans-serif; max-width: 66rem; margin: 2rem auto
 svg { width: 100%; height: auto; max-width: 50rem }
 table { border-collapse: collapse; font-variant-numeric: tabular-nums; font-size: .92rem }
 th, td { padding: .15rem .7rem; text-align: right; border-bottom: 1px solid #ddd; white-space: nowrap }
-th { vertical-align: bottom }
 th:first-child, td:first-child, th:last-child, td:last-child { text-align: left }
 td:last-child { white-space: normal; min-width: 14rem }
+th { white-space: normal; vertical-align: bottom }
 .wide { overflow-x: auto }
 figure { margin: 1rem 0; break-inside: avoid }
 @media print { body { margin: 0; max-width: none } }

@@ -30,7 +30,7 @@ def from_modes():
         return diagnose(campaign, flexmodal.load("fanuc_s360_rigid_link"), effects=effects)
 
 
-@pytest.fixture(scope="module", params=["frfs", "modes"])
+@pytest.fixture(scope="module", params=["frfs", pytest.param("modes", marks=pytest.mark.slow)])
 def kind(request):
     return request.param
 
