@@ -121,9 +121,10 @@ def what_fell(diagnosis: Diagnosis) -> str:
     had = [k for k, partner in enumerate(found.before.pairs) if partner >= 0 and found.after.pairs[k] >= 0]
     was, now = figures(before[had]), figures(after[had])
     return (
-        f"Part of that is that a mode which a model lacks counts as 1. On the {len(had)} modes that the robot had "
-        f"before, frequencies are off by {100 * was.frequency:.1f} % before and {100 * now.frequency:.1f} % after, "
-        f"damping ratios by {100 * was.damping:.0f} % and {100 * now.damping:.0f} %, and the mean MAC is "
+        f"Part of that is that a mode which a model lacks counts as 1. On the {len(had)} modes that the "
+        f"robot had before, frequencies are off by {100 * was.frequency:.1f} % before and "
+        f"{100 * now.frequency:.1f} % after, damping ratios by {100 * was.damping:.0f} % and "
+        f"{100 * now.damping:.0f} %, and the mean MAC is "
         f"{was.mac:.2f} and {now.mac:.2f}."
     )
 
@@ -241,7 +242,8 @@ flexmodal diagnose robots/fanuc_s360/campaigns/thesis --robot fanuc_s360_rigid_l
 > {told}
 
 The gap, as the file formats define it for modes, falls from {before} to {after}, on configurations held out
-in turn from {held_before} to {held_after}; the scatter over the locations alone makes {floor}. {what_fell} Parameters:
+in turn from {held_before} to {held_after}; the scatter over the locations alone makes {floor}. {what_fell}
+Parameters:
 {parameters}.
 
 {figures}
