@@ -25,6 +25,7 @@ from flexmodal.frf.receptance import hysteretic_addition
 from flexmodal.model.batch_chain import chain_of, places_of
 from flexmodal.model.batch_planar import empty_plane
 from flexmodal.model.batch_spatial import empty_space
+from flexmodal.model.batch_springs import springs_of
 from flexmodal.model.build import pinocchio
 from flexmodal.model.gradient import receptance_and_gradient
 from flexmodal.model.posture import check_posture
@@ -153,21 +154,19 @@ def gradient_batch(
     slopes = np.empty((*result.shape, len(robot.moving)), dtype=complex)
     chain = chain_of(robot)
     few = _FEW if "numba" in sys.modules else _MANY
-    plain = chain is not None and robot.hysteresis is None
-    pays = len(values) * len(axis) >= few and has_numba() and plain
+    pays = len(values) * len(axis) >= few and has_numba() and chain is not None
     if way == "numpy" or (way == "auto" and not pays):
         for place in range(len(values)):
             _gradient_of_one(robot, values[place], rows, axis, numbers, result[place], slopes[place])
         return ReceptanceBatch(axis, read, result, Route("numpy", 1, "few points, or as asked"), slopes)
     if not has_numba():
         raise MissingExtra("the compiled gradient needs numba: pip install flexmodal[fast]")
-    if chain is None or not plain:
-        why = "that branches" if chain is None else "with loss factors"
-        raise InvalidRequest(Fault("call", "way", f"compiled for a robot {why}", "auto or numpy"))
+    if chain is None:
+        raise InvalidRequest(Fault("call", "way", "compiled for a robot that branches", "auto or numpy"))
     from flexmodal.model.batch_compiled import compiled_gradient
 
     places = places_of(robot, tuple((d.point, d.selector) for d in rows))
-    matrices = np.array([robot.stiffness, robot.damping, np.zeros_like(robot.damping)])
+    matrices, lag = springs_of(robot, axis)
     function = compiled_gradient()
     cores = min(threads or available_cores(), max(1, len(values) // _FEW))
 
@@ -175,7 +174,7 @@ def gradient_batch(
         moved = expand(robot, values[part])
         doubtful = function(
             chain.arrays, places.joint, places.offset, places.selector, robot.flexible_index, matrices,
-            moved, 2 * np.pi * axis, np.array(numbers), result[part], slopes[part],
+            lag, moved, 2 * np.pi * axis, np.array(numbers), result[part], slopes[part],
         )  # fmt: skip
         for place in np.flatnonzero(np.isnan(result[part]).any(axis=(1, 2))) if doubtful else ():
             spot = part.start + int(place)

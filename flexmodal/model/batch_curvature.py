@@ -17,6 +17,7 @@ from flexmodal.frf.kernels.route import Route, available_cores, has_numba
 from flexmodal.model.batch import DirectionPair, ReceptanceBatch, expand, posture_array, read_pairs
 from flexmodal.model.batch_chain import chain_of, places_of
 from flexmodal.model.batch_second import second_batch
+from flexmodal.model.batch_springs import springs_of
 from flexmodal.model.robot import Pose, Robot
 
 _MANY = 300
@@ -77,15 +78,15 @@ def curvature_batch(
     slopes = np.empty((*result.shape, joints), dtype=complex)
     seconds = np.empty((*slopes.shape, joints), dtype=complex)
     places = places_of(robot, tuple((d.point, d.selector) for d in rows))
-    matrices = np.array([robot.stiffness, robot.damping, np.zeros_like(robot.damping)])
+    matrices, lag = springs_of(robot, axis)
     cores = min(threads or available_cores(), -(-len(values) // _MANY)) if compiled else 1
 
     def solve(part: slice) -> int:
         return int(
             function(
                 chain.arrays, places.joint, places.offset, places.selector, robot.flexible_index, matrices,
-                expand(robot, values[part]), 2 * np.pi * axis, np.array(numbers), result[part], slopes[part],
-                seconds[part],
+                lag, expand(robot, values[part]), 2 * np.pi * axis, np.array(numbers), result[part],
+                slopes[part], seconds[part],
             )
         )  # fmt: skip
 

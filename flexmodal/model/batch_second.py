@@ -29,19 +29,22 @@ from flexmodal.model.batch_gradient import place_arm
 from flexmodal.model.batch_kinematics import cross, mass_matrix, place_bodies, place_joints, point_jacobian
 
 
-def invert(matrices, w, mass, pick, wide, inverse):
+def invert(matrices, lag, w, mass, pick, wide, inverse):
     """Z⁻¹ with pivoting, Z scaled to a unit diagonal of its terms' magnitudes; whether Z is regular."""
     n = len(pick)
     for i in range(n):
         inertia = w * w * mass[pick[i], pick[i]]
-        size = abs(matrices[0, i, i]) + inertia + abs(w * matrices[1, i, i] + matrices[2, i, i])
+        size = abs(matrices[0, i, i] + lag[0, i]) + inertia + abs(w * matrices[1, i, i] + lag[1, i])
         inverse[i, i] = 1.0 / math.sqrt(size) if size > 0.0 else 1.0
     for i in range(n):
         for j in range(n):
             re = matrices[0, i, j] - w * w * mass[pick[i], pick[j]]
             scale = inverse[i, i].real * inverse[j, j].real
-            wide[i, j] = complex(re, w * matrices[1, i, j] + matrices[2, i, j]) * scale
-            wide[i, n + j] = inverse[i, i].real if i == j else 0.0
+            wide[i, j] = complex(re, w * matrices[1, i, j]) * scale
+            wide[i, n + j] = 0.0
+        own = inverse[i, i].real
+        wide[i, i] += complex(lag[0, i], lag[1, i]) * (own * own)
+        wide[i, n + i] = own
     if not eliminate(wide, n):
         return False
     for i in range(n):
@@ -191,7 +194,7 @@ def row_change(jacobian, selector, pick, out, some):
 
 
 def second_batch(
-    chain, joints, offsets, selectors, pick, matrices, postures, omega, pairs, values, slopes, seconds
+    chain, joints, offsets, selectors, pick, matrices, lag, postures, omega, pairs, values, slopes, seconds
 ):
     """Receptances, their derivatives and second derivatives along all joints.
 
@@ -201,7 +204,8 @@ def second_batch(
         offsets: of the points in the carriers' frames.
         selectors: directions of the rows.
         pick: which joints are flexible.
-        matrices: K, B and the structural damping.
+        matrices: K and B.
+        lag: what hysteresis adds to the diagonal of Z, real and imaginary part; frequency × 2 × flexible.
         postures: angles and lengths of all joints; posture × joint.
         omega: angular frequencies [rad/s].
         pairs: numbers of the rows that make a receptance; pair × 2.
@@ -247,7 +251,7 @@ def second_batch(
             row_change(jacobians[r], selectors[r], pick, changes[r], some)
         for f in range(len(omega)):
             w = omega[f]
-            if not invert(matrices, w, mass, pick, wide, inverse):
+            if not invert(matrices, lag[f], w, mass, pick, wide, inverse):
                 singular += 1
                 values[s, f], slopes[s, f], seconds[s, f] = np.nan, np.nan, np.nan
                 continue
