@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 from inspect import unwrap
-from itertools import pairwise
 
 import numpy as np
 from jaxtyping import Float
@@ -13,9 +11,9 @@ from numpy.typing import ArrayLike
 
 from flexmodal.errors import Fault, InvalidRequest, MissingExtra, SingularResponse
 from flexmodal.frf import PointDirection, frequency_axis
-from flexmodal.frf.kernels.route import Route, available_cores, has_numba
-from flexmodal.model.batch import DirectionPair, ReceptanceBatch, expand, posture_array, read_pairs
+from flexmodal.frf.kernels.route import Route, available_cores, has_numba, in_parts, thread_faults
 from flexmodal.model.batch_chain import chain_of, places_of
+from flexmodal.model.batch_request import DirectionPair, ReceptanceBatch, expand, posture_array, read_pairs
 from flexmodal.model.batch_second import second_batch
 from flexmodal.model.batch_springs import springs_of
 from flexmodal.model.robot import Pose, Robot
@@ -55,9 +53,7 @@ def curvature_batch(
     values = posture_array(robot, postures)
     read, rows, numbers = read_pairs(robot, pairs)
     chain = chain_of(robot)
-    faults = []
-    if threads is not None and (isinstance(threads, bool) or threads < 1):
-        faults.append(Fault("call", "threads", repr(threads), "a whole number of at least 1, or none"))
+    faults = thread_faults(threads)
     if way not in ("auto", "compiled", "plain"):
         faults.append(Fault("call", "way", repr(way), "auto, compiled, plain"))
     if chain is None:
@@ -90,9 +86,7 @@ def curvature_batch(
             )
         )  # fmt: skip
 
-    edges = np.linspace(0, len(values), cores + 1).astype(int).tolist()
-    with ThreadPoolExecutor(cores) as pool:
-        singular = sum(pool.map(solve, [slice(first, last) for first, last in pairwise(edges)]))
+    singular = sum(in_parts(len(values), cores, solve))
     if singular:
         line = axis[int(np.argmax(np.isnan(result[..., 0].real).any(axis=0)))]
         raise SingularResponse(

@@ -38,7 +38,7 @@ def orthogonal_rows(matrix, left, values):
                     a += matrix[i, k] * matrix[i, k]
                     b += matrix[j, k] * matrix[j, k]
                     c += matrix[i, k] * matrix[j, k]
-                if abs(c) <= max(_ORTHOGONAL * math.sqrt(a * b), _NOTHING * max(a, b)):
+                if abs(c) <= _ORTHOGONAL * math.sqrt(a * b) or abs(c) <= _NOTHING * (a + b):
                     continue
                 turned = True
                 half = (b - a) / (2.0 * c)
