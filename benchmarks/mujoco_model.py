@@ -3,8 +3,8 @@
 The model is built in its posture, so that all its joints rest at 0: springs and dampers of the card, no
 gravity, no contact. A hidden effect is a thing that MuJoCo has: another hinge in a link, a body, dry
 friction of a joint, a foundation on springs, a body on a spring. Numbers are those of the rig's effect of
-the same name, the physics is not the rig's: a link bends at one hinge in its middle, friction is MuJoCo's
-constraint.
+the same name, the physics is not the rig's: a link that bends is a chain of short stiff ones, a joint that
+rubs pulls a brake by a spring (Jenkins's element; MuJoCo's friction is a constraint).
 """
 
 from __future__ import annotations
@@ -26,6 +26,8 @@ EFFECTS = (
     "link_flexibility", "base_flexibility", "coulomb_friction", "added_mass", "local_absorber", "sensor_mass",
 )  # fmt: skip
 """Effects that can be hidden in such a model."""
+HINGES = 3
+"""In a link that bends, each in the middle of its share of the length."""
 _POINT_GYRATION = 1e-3
 """Radius of gyration of a body that stands for a point [m]; MuJoCo wants a moment of inertia."""
 
@@ -41,12 +43,11 @@ class Spoil:
 
 @dataclass(eq=False)
 class _Bend:
-    """A link in two halves."""
+    """A link in pieces."""
 
-    inner: Body
-    outer: Body
-    hinge: np.ndarray
-    """Place of the hinge in the frame of the link [m]."""
+    pieces: tuple[Body, ...]
+    places: tuple[np.ndarray, ...]
+    """Where each piece begins in the frame of the link: its foot, then the hinges [m]."""
     axes: tuple[np.ndarray, ...]
     stiffness: float
     damping: float
@@ -58,7 +59,7 @@ class _Builder:
     def __init__(
         self, robot: Robot, true: TrueRobot, pose: Mapping[str, float], spoils: Sequence[Spoil], step: float
     ) -> None:
-        self.robot, self.true, self.pose = robot, true, pose
+        self.robot, self.true, self.pose, self.step = robot, true, pose, step
         self.by_name = {spoil.effect: spoil for spoil in spoils}
         self.root = ElementTree.Element("mujoco", model=robot.name)
         ElementTree.SubElement(self.root, "compiler", angle="radian", autolimits="false")
@@ -107,14 +108,19 @@ class _Builder:
         own = self.true.bodies.get(link)
         carriers = [(-np.inf, body, turned, np.zeros(3))]
         if bend is not None:
-            outer = ElementTree.SubElement(body, "body", name=f"{link} outer", pos=_text(bend.hinge))
-            for number, axis in enumerate(bend.axes):
-                _joint(outer, f"{link} bend {number}", "hinge", axis, bend.stiffness, bend.damping)
-            _inertial(body, bend.inner, np.zeros(3))
-            _inertial(outer, bend.outer, bend.hinge)
             end = reach(self.robot, link)
-            along = float(bend.hinge @ end / np.linalg.norm(end))
-            carriers.append((along, outer, turned, bend.hinge))
+            _inertial(body, bend.pieces[0], np.zeros(3))
+            holder, foot = body, bend.places[0]
+            for count, (piece, place) in enumerate(zip(bend.pieces[1:], bend.places[1:], strict=True), 1):
+                holder = ElementTree.SubElement(
+                    holder, "body", name=f"{link} piece {count}", pos=_text(place - foot)
+                )
+                for number, axis in enumerate(bend.axes):
+                    name = f"{link} bend {count}.{number}"
+                    _joint(holder, name, "hinge", axis, bend.stiffness, bend.damping)
+                _inertial(holder, piece, place)
+                carriers.append((float(place @ end / np.linalg.norm(end)), holder, turned, place))
+                foot = place
         elif own is not None and moves:
             _inertial(body, own, np.zeros(3))
         self.carriers[link] = carriers
@@ -144,20 +150,36 @@ class _Builder:
         made.set("armature", repr(float(self.true.rotor.get(name, 0.0))))
         spoil = self.by_name.get("coulomb_friction")
         if spoil is not None and spoil.where == name:
-            made.set("frictionloss", repr(float(spoil.parameters["torque"])))
-            # stiff and well within what a step can follow: it sticks and slips in the band of the test
-            made.set("solreffriction", "0.0005 1")
-            made.set("solimpfriction", "0.99 0.99 0.001 0.5 2")
+            self._rub(name, made.get("type", "hinge"), spoil.parameters)
+
+    def _rub(self, joint: str, kind: str, given: Mapping[str, float]) -> None:
+        """A brake that the joint pulls by a spring: elastic until the brake slides, at its torque then."""
+        bristles = float(given["presliding_stiffness"])
+        body = ElementTree.SubElement(self.world, "body", name=f"{joint} brake")
+        _inertial(body, Body(1e-6, np.zeros(3), 1e-6 * np.eye(3)), np.zeros(3))
+        brake = _joint(body, f"{joint} brake", kind, np.array([0.0, 0.0, 1.0]), 0.0, 0.0)
+        inertia = bristles * self.step**2  # as little as the step can follow
+        brake.set("armature", repr(inertia))
+        brake.set("frictionloss", repr(float(given["torque"])))
+        brake.set("solreffriction", "0.0005 1")
+        brake.set("solimpfriction", "0.9999 0.9999 0.001 0.5 2")
+        tendons = ElementTree.SubElement(self.root, "tendon")
+        spring = ElementTree.SubElement(
+            tendons, "fixed", stiffness=repr(bristles), springlength="0",
+            damping=repr(float(np.sqrt(bristles * inertia)) / 5),
+        )  # fmt: skip
+        for name, turn in ((joint, "1"), (f"{joint} brake", "-1")):
+            ElementTree.SubElement(spring, "joint", joint=name, coef=turn)
 
     def _bend(self, link: str) -> _Bend | None:
-        """The halves of a link that bends; a tip force deflects its end as it does that of the rig's beam."""
+        """The pieces of a link that bends; a tip force deflects its end as it does that of the rig's beam."""
         spoil = self.by_name.get("link_flexibility")
         if spoil is None or spoil.where != link:
             return None
         end = reach(self.robot, link)
         length = float(np.linalg.norm(end))
         axis, body = end / length, self.true.bodies[link]
-        inner, outer = halves(body, length, axis)
+        middles = (np.arange(HINGES) + 0.5) / HINGES
         normal = plane_normal(self.robot)
         if normal is not None:
             from flexmodal.model.placements import link_placements
@@ -165,11 +187,12 @@ class _Builder:
             normal = link_placements(self.robot, {})[link][:3, :3].T @ normal
         sides = across(axis, normal)
         rigidity = spoil.parameters["bending_stiffness"]
-        stiffness = 3 * rigidity / (4 * length)
+        stiffness = 3 * rigidity * np.sum((1 - middles) ** 2) / length
         first = 1.875104068711961**2 * np.sqrt(rigidity / (body.mass * length**3))  # clamped and free [rad/s]
         damping = 2 * spoil.parameters["damping_ratio"] / first * stiffness
         axes = tuple(np.cross(axis, side) for side in sides)
-        return _Bend(inner, outer, axis * length / 2, axes, stiffness, damping)
+        places = tuple(part * length * axis for part in (0.0, *middles))
+        return _Bend(pieces(body, length, axis, HINGES), places, axes, stiffness, damping)
 
     def carrier(self, link: str, place: np.ndarray) -> tuple[ElementTree.Element, Rotation, np.ndarray]:
         """The body of a link that carries a place in its frame, its orientation in the world, its origin."""
@@ -211,19 +234,24 @@ class _Builder:
         ElementTree.SubElement(holder, "site", name=name, pos=_text(place - origin), quat=quaternion)
 
 
-def halves(body: Body, length: float, axis: np.ndarray) -> tuple[Body, Body]:
-    """A link cut in its middle: half of the mass each, their centres apart, the whole inertia kept.
+def pieces(body: Body, length: float, axis: np.ndarray, hinges: int) -> tuple[Body, ...]:
+    """A link cut at hinges in the middle of equal shares of its length, the whole inertia kept.
 
-    Uniform halves have centres half a length apart; nearer where the link has less moment than that.
+    Pieces of a uniform link lie as far apart as their shares of the length; nearer to each other where the
+    link has less moment of inertia than that.
     """
+    cuts = np.concatenate([[0.0], (np.arange(hinges) + 0.5) / hinges, [1.0]])
+    share, offset = np.diff(cuts), (cuts[1:] + cuts[:-1]) / 2 - 0.5
     thin = np.eye(3) - np.outer(axis, axis)
-    for apart in np.linspace(length / 2, 0.0, 21):
-        rest = (body.inertia - body.mass * (apart / 2) ** 2 * thin) / 2
+    for part in np.linspace(1.0, 0.0, 21):
+        rest = body.inertia - body.mass * (part * length) ** 2 * np.sum(share * offset**2) * thin
         moments = np.linalg.eigvalsh(rest)
         if moments[0] > 0 and moments[0] + moments[1] >= moments[2] * (1 - 1e-9):
             break
-    shift = apart / 2 * axis
-    return Body(body.mass / 2, body.com - shift, rest), Body(body.mass / 2, body.com + shift, rest)
+    return tuple(
+        Body(body.mass * own, body.com + part * length * far * axis, own * rest)
+        for own, far in zip(share, offset, strict=True)
+    )
 
 
 def mjcf(

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
-from jaxtyping import Complex, Float
+from jaxtyping import Complex, Float, Int
 
 from flexmodal.diagnosis.outcome import Region
 from flexmodal.identification import Observations
@@ -44,15 +44,20 @@ def excess(
     return np.where(smooth > STANDS_OUT * floor + 1e-6, np.maximum(squared - noise, 0.0), 0.0)
 
 
+def but_for_the_blow(observations: Observations) -> Int[np.ndarray, " observation"]:
+    """A number for each observation, the same for those that differ in nothing but the force of the blow."""
+    decay = np.array(observations.decays)[observations.level]
+    key = np.column_stack([observations.posture, observations.response, observations.reference, decay])
+    return np.unique(key, axis=0, return_inverse=True)[1].ravel()
+
+
 def force_dependence(observations: Observations) -> float:
     """How much FRFs change with the force of the blow, over what their noise makes of it.
 
     The mean squared difference of the logarithm between two levels over the sum of their variances, for each
     pair; three in four pairs are below what is returned. About 1 for a linear structure; NaN with one level.
     """
-    decay = np.array(observations.decays)[observations.level]
-    key = np.column_stack([observations.posture, observations.response, observations.reference, decay])
-    owner = np.unique(key, axis=0, return_inverse=True)[1].ravel()
+    owner = but_for_the_blow(observations)
     found = []
     for pair in range(int(owner.max()) + 1):
         rows = np.flatnonzero(owner == pair)

@@ -130,13 +130,14 @@ class Draft:
         self._move_shapes(near, outer, place - offset, way)
         return outer
 
-    def attach(
-        self, link: str, place: Vector, mass: float, *, name: str, slides: Vector | None = None
-    ) -> str:
-        """Hang a point mass on a link, rigidly or free along a direction; returns the name of the joint."""
+    def attach(self, link: str, part: Body, *, name: str, slides: Vector | None = None) -> str:
+        """Hang a body on a link, rigidly or free along a direction; returns the name of the joint.
+
+        Its centre is given in the frame of the link.
+        """
         joint = self.fresh(name)
-        body = Body(float(mass), np.zeros(3), np.zeros((3, 3)))
-        self._hung.append(Hung(link, place, body, joint, slides))
+        body = Body(float(part.mass), np.zeros(3), part.inertia)
+        self._hung.append(Hung(link, part.centre, body, joint, slides))
         return joint
 
     def under_root(self, motions: Sequence[tuple[str, Vector, bool]]) -> None:

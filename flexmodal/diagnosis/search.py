@@ -14,6 +14,7 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Float, Int
 
+from flexmodal.diagnosis.compare import but_for_the_blow
 from flexmodal.diagnosis.effects.effect import Effect
 from flexmodal.diagnosis.hypothesis import Hypothesis, Placed
 from flexmodal.diagnosis.march.model import MarchedModel, has_law
@@ -34,11 +35,10 @@ MARCHED_MOST = 12
 """Candidates whose torques are marched that are fitted at all: each of their steps takes long."""
 MARCHED_ROUNDS = ((0.1, 4, 5),)
 """The rounds of these."""
+RESTARTS = ((0.2, 3, 6), (0.1, 10, 1))
+"""The rounds of a search from all starts of one effect."""
 ROUGH = 5.0
 """Steps of time in a period of the highest line, of the coarse looks."""
-
-RESTARTS = ((0.2, 3, 6), (0.1, 10, 1))
-"""The same of a search from all starts of one effect."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,7 +98,7 @@ class Look:
     @cached_property
     def owner(self) -> Int[np.ndarray, " observation"]:
         """The merged observation of each."""
-        return _owner(self.apart)
+        return but_for_the_blow(self.apart)
 
     def fitted(self, one: Candidate, floor: float, steps: int) -> Candidate:
         """A candidate some steps further."""
@@ -122,16 +122,10 @@ def coarse_model(hypothesis: Hypothesis) -> Model:
     return replace(MarchedModel(hypothesis), fineness=ROUGH) if has_law(hypothesis) else hypothesis
 
 
-def _owner(observations: Observations) -> Int[np.ndarray, " observation"]:
-    decay = np.array(observations.decays)[observations.level]
-    key = np.column_stack([observations.posture, observations.response, observations.reference, decay])
-    return np.unique(key, axis=0, return_inverse=True)[1].ravel()
-
-
 def look_at(observations: Observations, count: int = COARSE) -> Look:
     """Prepare the coarse looks."""
     observations = unlimited(observations)
-    owner = _owner(observations)
+    owner = but_for_the_blow(observations)
     first = np.unique(owner, return_index=True)[1]
     share = np.bincount(owner).astype(float)
     value, variance = np.zeros((2, len(share), observations.value.shape[1]), dtype=complex)
@@ -181,8 +175,8 @@ def candidates(
             hypothesis = root.and_also(placed)
             model, loud = coarse_model(hypothesis), by_force(hypothesis)
             seen = look.apart if loud else look.merged
+            starts = effect.starts(root.scene, where)
             for x in set_out:
-                starts = effect.starts(root.scene, where)
                 tried = [hypothesis.start(placed, start, x) for start in starts]
                 costs = [cost_of(model, one, seen, weighing) for one in tried]
                 order = np.argsort(costs, kind="stable")[: 1 if has_law(hypothesis) else STARTS]

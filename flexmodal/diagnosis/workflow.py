@@ -143,8 +143,13 @@ class _Course:
         return step
 
     def _still_needed(self) -> None:
-        """Leave out every effect but the last in turn; those that nobody misses go."""
-        for step in list(self.steps[:-1]):
+        """Leave out every effect in turn; those that nobody misses go.
+
+        The last one too: what it took away may have been due to a fit of those before it that had not ended.
+        """
+        for number, step in enumerate(list(self.steps)):
+            if len(self.steps) == 1:
+                break
             key = (step.effect, step.where)
             without = self.current.hypothesis.without(key)
             kept = [
@@ -154,7 +159,7 @@ class _Course:
             ]
             less = looked_at(self.bench, without, np.array(kept))
             scales = weigh([less, self.current], self.bench.observations, self.bench.seed)
-            if scales.gain[1] < SIGNIFICANT:
+            if scales.gain[1] < SIGNIFICANT or (number and not _worth(less, self.current, number)):
                 self.current = less
                 self.steps.remove(step)
 

@@ -13,6 +13,8 @@ HEARD = 0.15
 """Part of the lines that have to be coherent for a record to count as a measurement."""
 ROUGH = 0.5
 """Part of the power that is not shared with the lines beside, from which on a record is nothing but noise."""
+RANGE = 1e-9
+"""Of the largest response what no analyser hears beside it, 180 dB: a zero but for rounding."""
 ENOUGH = 20
 """Lines from which that can be told."""
 
@@ -29,7 +31,8 @@ def heard(frfs: FrfRecords, campaign: Campaign) -> tuple[FrfRecords, tuple[str, 
     coherent = np.ones(len(frfs), dtype=bool)
     if frfs.coherence is not None:
         coherent = np.mean(frfs.coherence >= COHERENT, axis=1) >= HEARD
-    there = np.any(frfs.value != 0, axis=1)
+    size = np.abs(frfs.value).max(axis=1)
+    there = size > RANGE * size.max()
     kept = coherent & there & (roughness(frfs) < ROUGH)
     if not kept.any():
         found = f"coherence below {COHERENT:g} on nearly every line of every record"

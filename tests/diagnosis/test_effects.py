@@ -104,12 +104,12 @@ def test_hysteresis_is_near_the_rigs_row_of_maxwell_elements(bench):
 
 def test_added_mass_is_that_of_the_rig(bench):
     scene, stand = bench
-    values = {"mass": 3.0, "along": 0.6, "beside": 0.05}
+    values = {"mass": 3.0, "along": 0.6, "beside": 0.05, "gyration": 0.2}
     arm = scene.arm(0)
     from flexmodal.diagnosis.effects.added_mass import place_on
 
     place = place_on(scene, "link_3", values, arm.placed["link_3"][:3, :3])
-    other = {"mass": 3.0, "x": place[0], "y": place[1], "z": place[2], "gyration": 0.0}
+    other = {"mass": 3.0, "x": place[0], "y": place[1], "z": place[2], "gyration": 0.2}
     np.testing.assert_allclose(
         ours(scene, "added_mass", "link_3", values),
         theirs(scene, stand, "added_mass", "link_3", other),

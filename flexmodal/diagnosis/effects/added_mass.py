@@ -1,4 +1,4 @@
-"""A payload, motor or tool that the card lacks: a point mass fixed to a link, on its axis or beside it."""
+"""A payload, motor or tool that the card lacks: a compact mass fixed to a link, on its axis or beside it."""
 
 from __future__ import annotations
 
@@ -19,6 +19,7 @@ def _parameters(scene: Scene, where: str) -> tuple[Parameter, ...]:
         positive("mass", "kg", 0.05 * mass, 1.2, 1e-4 * mass, 3 * mass),
         signed("along", "", 0.35, -0.3, 1.3, centre=0.65),
         signed("beside", "m", 0.06, -0.5, 0.5),
+        positive("gyration", "m", 0.05, 0.7, 2e-3, 0.5),
     ]
     if scene.normal is None:
         found.append(signed("above", "m", 0.06, -0.5, 0.5))
@@ -35,20 +36,25 @@ def place_on(scene: Scene, where: str, values: Mapping[str, float], axes: np.nda
     return place
 
 
+def _compact(site: Site, place: np.ndarray) -> Body:
+    """With the same moment of inertia about every axis, as a ball or a cube has."""
+    return Body(site["mass"], place, site["mass"] * site["gyration"] ** 2 * np.eye(3))
+
+
 def _act(assembly: Assembly, site: Site) -> None:
     place = place_on(site.scene, site.where, site.values, assembly.axes(site.where))
-    assembly.add_body(site.where, Body(site["mass"], place, np.zeros((3, 3))))
+    assembly.add_body(site.where, _compact(site, place))
 
 
 def _physical(scene: Scene, where: str, values: Mapping[str, float]) -> dict[str, float]:
     axes = scene.arm(0).placed[where][:3, :3]
     x, y, z = place_on(scene, where, values, axes).tolist()
-    return {"mass": values["mass"], "x": x, "y": y, "z": z}
+    return {"mass": values["mass"], "x": x, "y": y, "z": z, "gyration": values["gyration"]}
 
 
 def _extend(draft: Draft, site: Site) -> None:
     place = place_on(site.scene, site.where, site.values, site.scene.arm(0).placed[site.where][:3, :3])
-    draft.attach(site.where, place, site["mass"], name=f"{site.where}_payload")
+    draft.attach(site.where, _compact(site, place), name=f"{site.where}_payload")
 
 
 EFFECT = Effect(

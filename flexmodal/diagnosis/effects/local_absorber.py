@@ -10,6 +10,7 @@ from flexmodal.diagnosis.draft import Draft
 from flexmodal.diagnosis.effects.added_mass import place_on
 from flexmodal.diagnosis.effects.effect import Effect, Scene, Site, along, positive, sides, signed
 from flexmodal.identification import Parameter
+from flexmodal.identification.arm import Body
 from flexmodal.identification.assembly import Assembly
 
 
@@ -81,7 +82,8 @@ def _extend(draft: Draft, site: Site) -> None:
     axes = site.scene.arm(0).placed[site.where][:3, :3]
     place = place_on(site.scene, site.where, site.values, axes)
     way = _way(site.scene, site.where, site.values, axes)
-    joint = draft.attach(site.where, place, site["mass"], name=f"{site.where}_absorber", slides=way)
+    part = Body(site["mass"], place, np.zeros((3, 3)))
+    joint = draft.attach(site.where, part, name=f"{site.where}_absorber", slides=way)
     draft.flexible(joint, *_spring(site.values))
 
 

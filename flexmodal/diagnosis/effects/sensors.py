@@ -95,9 +95,10 @@ def _turn(scene: Scene, site: Site, posture: int, point: str, way: np.ndarray) -
 
 
 def _tilt_starts(scene: Scene, where: str) -> list[Mapping[str, float]]:
+    """Channels change their sign with large turns, which a fit does not step over."""
     if scene.normal is not None:
-        return [{"angle": 0.1}, {"angle": -0.1}]
-    return [{f"angle_{axis}": sign * 0.2} for axis in "xyz" for sign in (1, -1)]
+        return [{"angle": sign * angle} for angle in (0.1, 0.4, 0.9) for sign in (1, -1)]
+    return [{f"angle_{axis}": sign * angle} for angle in (0.2, 0.7) for axis in "xyz" for sign in (1, -1)]
 
 
 SENSOR_MISALIGNMENT = Effect(
