@@ -84,6 +84,7 @@ recovery: .venv/tested
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/identification_recovery.py
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/identification_routes.py
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/identification_speed.py
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/identification_program.py
 
 clean:
 	rm -rf .venv dist build demo exam .pytest_cache .mypy_cache .ruff_cache

@@ -64,8 +64,20 @@ def residual(
 ) -> Complex[np.ndarray, "*shape"]:
     """ln(predicted / measured), phase wrapped; 10 where one of them is exactly zero."""
     zero = (predicted == 0) | (measured == 0)
-    ratio = np.where(zero, 1.0, predicted) / np.where(zero, 1.0, measured)
-    return np.where(zero, 10.0, np.log(ratio))
+    some = bool(zero.any())
+    if some:
+        predicted, measured = np.where(zero, 1.0, predicted), np.where(zero, 1.0, measured)
+    ratio = predicted / measured
+    found = np.empty_like(ratio)
+    # np.log of complex numbers takes one after the other, and several times as long as these two
+    found.real, found.imag = np.log(np.abs(ratio)), np.arctan2(ratio.imag, ratio.real)
+    if some:
+        found[zero] = 10.0
+    return found
+
+
+def _square(r: np.ndarray) -> np.ndarray:
+    return np.asarray(r.real**2 + r.imag**2)
 
 
 def cost_of(
@@ -77,7 +89,7 @@ def cost_of(
     try:
         for rows, value, _ in evaluated(model, x, observations, weighing.lines, slopes=False):
             r = residual(value, observations.value[rows][:, weighing.lines])
-            total += float(np.sum(robust(weight[rows] * np.abs(r) ** 2)))
+            total += float(np.sum(robust(weight[rows] * _square(r))))
     except (np.linalg.LinAlgError, SingularResponse):
         return float("inf")
     return total + prior_cost(model.space, x)
@@ -101,7 +113,7 @@ def normal_equations(
     data_cost = 0.0
     for rows, value, slopes in evaluated(model, x, observations, weighing.lines, slopes=True):
         r = residual(value, observations.value[rows][:, weighing.lines])
-        scaled = weight[rows] * np.abs(r) ** 2
+        scaled = weight[rows] * _square(r)
         data_cost += float(np.sum(robust(scaled)))
         squared[rows] = scaled.sum(axis=1)
         root = np.sqrt(weight[rows] * robust_weight(scaled))

@@ -14,7 +14,7 @@ whose real part is K at ω₀, here the middle of the band on a logarithmic scal
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -169,39 +169,56 @@ def receptance(
     """
     yu, yv = structure.solve(axis)
     u, v = pairs[:, 0], pairs[:, 1]
-    left, right = np.moveaxis(yu, 2, 0)[u], np.moveaxis(yv, 2, 0)[v]  # [pair, line, dof]
-    value = np.einsum("pd,pld->pl", structure.response[u], right)
-    size = np.einsum("pd,pld->pl", np.abs(structure.response[u]), np.abs(right))
+    right = _by_pair(yv, v)  # [dof, pair, line]
+    rows = structure.response[u]
+    value = np.einsum("pd,dpl->pl", rows, right)
+    size = np.einsum("pd,dpl->pl", np.abs(rows), np.abs(right))
     value[np.abs(value) <= ROUNDING * size] = 0.0
     slopes = np.zeros((len(names), *value.shape), dtype=complex)
-    if not names:
-        return value, slopes
     moving = [(k, structure.changes[name]) for k, name in enumerate(names) if name in structure.changes]
-    n = structure.dof
-    upper = np.triu_indices(n)
-    outer = left[..., upper[0]] * right[..., upper[1]]
-    off = upper[0] != upper[1]
-    outer[..., off] += left[..., upper[1][off]] * right[..., upper[0][off]]
-    flat = outer.reshape(-1, len(upper[0]))
-    grown, growth = axis.hysteresis(structure.loss_factor)
-    factors = {
-        "mass": -(axis.s**2),
-        "damping": -axis.s,
-        "stiffness": np.full(len(axis), -1.0 + 0j),
-        "loss": -grown,
-    }
-    for kind, factor in factors.items():
-        some = [(k, matrix) for k, change in moving if (matrix := getattr(change, kind)) is not None]
-        if some:
-            stacked = np.array([matrix[upper] for _, matrix in some]).T  # symmetric: the upper half is all
-            found = (flat @ stacked.astype(complex)).reshape(*value.shape, -1)
-            slopes[[k for k, _ in some]] += np.moveaxis(found, 2, 0) * factor
-    weights = (structure.loss[upper]).astype(complex)
+    if not moving:
+        return value, slopes
+    index = np.array([k for k, _ in moving])
+    few, many, across, along = (v, u, yv, yu) if yv.shape[2] <= yu.shape[2] else (u, v, yu, yv)
+    pulls = _pulls(structure, axis, [change for _, change in moving])
+    for row in np.unique(few):  # dZ goes with the side that has fewer rows
+        y, where = np.ascontiguousarray(across[:, :, row]), np.flatnonzero(few == row)
+        force = np.zeros((len(axis), len(moving) * structure.dof), dtype=complex)
+        for factor, columns, matrices in pulls:
+            force[:, columns] += (y @ matrices) * factor
+        found = force.reshape(len(axis), len(moving), -1) @ along[:, :, many[where]]
+        slopes[index[:, None], where] = found.transpose(1, 2, 0)
+    if any(change.reference is not None for _, change in moving):
+        left = _by_pair(yu, u)
     for k, change in moving:
-        if change.loss_factor is not None:
-            slopes[k] -= change.loss_factor * (flat @ weights).reshape(value.shape) * growth
         if change.response is not None:
-            slopes[k] += np.einsum("pd,pld->pl", change.response[u], right)
+            slopes[k] += np.einsum("pd,dpl->pl", change.response[u], right)
         if change.reference is not None:
-            slopes[k] += np.einsum("pd,pld->pl", change.reference[v], left)
+            slopes[k] += np.einsum("pd,dpl->pl", change.reference[v], left)
     return value, slopes
+
+
+def _by_pair(solved: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    """Solutions [line, dof, row] of some rows as [dof, pair, line]."""
+    return np.ascontiguousarray(solved.transpose(1, 2, 0))[:, rows]
+
+
+def _pulls(
+    structure: Structure, axis: Axis, changes: Sequence[Change]
+) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+    """−∂Z of all changes, kind by kind: factors by line, columns (change · dof), matrices side by side."""
+    n = structure.dof
+    grown, growth = axis.hysteresis(structure.loss_factor)
+    factors = {"mass": axis.s**2, "damping": axis.s, "stiffness": np.ones(len(axis)), "loss": grown}
+    found = []
+    for kind, factor in factors.items():
+        some = [(k, matrix) for k, one in enumerate(changes) if (matrix := getattr(one, kind)) is not None]
+        if some:
+            columns = (np.array([k for k, _ in some])[:, None] * n + np.arange(n)).ravel()
+            stacked = np.concatenate([matrix for _, matrix in some])  # symmetric, one below the other
+            found.append((-factor[:, None], columns, stacked.T.astype(complex)))
+    for k, one in enumerate(changes):
+        if one.loss_factor is not None:
+            factor = -one.loss_factor * growth[:, None]
+            found.append((factor, k * n + np.arange(n), structure.loss.astype(complex)))
+    return found

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -150,11 +150,19 @@ def _with_modes(
     if not modes:
         return ModelTip(system, rows, added)
     other, more = _modal_system(modes)
+    loss, springs = system.hysteresis, np.diag(other.stiffness)
+    if loss is not None:  # the arm's alone: the tool's modes have their damping ratios
+        loss = replace(
+            loss,
+            stiffness=np.r_[loss.stiffness, springs],
+            loss_factor=np.r_[loss.loss_factor, np.zeros(len(springs))],
+        )
     joined = SecondOrderSystem(
         _blocks(system.mass, other.mass),
         _blocks(system.damping, other.damping),
         _blocks(system.stiffness, other.stiffness),
         (*system.coordinates, *other.coordinates),
+        loss,
     )
     return ModelTip(joined, np.hstack([rows, more]), added)
 

@@ -83,5 +83,8 @@ def compiled_second() -> Any:
         second.sweep_second,
         second.row_second,
         second.row_change,
+        second.pose_second,
+        second.solve_second,
+        second.pair_second,
         last=second.second_batch,
     )

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 from inspect import unwrap
-from itertools import pairwise
 
 import numpy as np
 from jaxtyping import Float
@@ -13,10 +11,11 @@ from numpy.typing import ArrayLike
 
 from flexmodal.errors import Fault, InvalidRequest, MissingExtra, SingularResponse
 from flexmodal.frf import PointDirection, frequency_axis
-from flexmodal.frf.kernels.route import Route, available_cores, has_numba
-from flexmodal.model.batch import DirectionPair, ReceptanceBatch, expand, posture_array, read_pairs
+from flexmodal.frf.kernels.route import Route, available_cores, has_numba, in_parts, thread_faults
 from flexmodal.model.batch_chain import chain_of, places_of
+from flexmodal.model.batch_request import DirectionPair, ReceptanceBatch, expand, posture_array, read_pairs
 from flexmodal.model.batch_second import second_batch
+from flexmodal.model.batch_springs import springs_of
 from flexmodal.model.robot import Pose, Robot
 
 _MANY = 300
@@ -54,9 +53,7 @@ def curvature_batch(
     values = posture_array(robot, postures)
     read, rows, numbers = read_pairs(robot, pairs)
     chain = chain_of(robot)
-    faults = []
-    if threads is not None and (isinstance(threads, bool) or threads < 1):
-        faults.append(Fault("call", "threads", repr(threads), "a whole number of at least 1, or none"))
+    faults = thread_faults(threads)
     if way not in ("auto", "compiled", "plain"):
         faults.append(Fault("call", "way", repr(way), "auto, compiled, plain"))
     if chain is None:
@@ -77,21 +74,19 @@ def curvature_batch(
     slopes = np.empty((*result.shape, joints), dtype=complex)
     seconds = np.empty((*slopes.shape, joints), dtype=complex)
     places = places_of(robot, tuple((d.point, d.selector) for d in rows))
-    matrices = np.array([robot.stiffness, robot.damping, np.zeros_like(robot.damping)])
+    matrices, lag = springs_of(robot, axis)
     cores = min(threads or available_cores(), -(-len(values) // _MANY)) if compiled else 1
 
     def solve(part: slice) -> int:
         return int(
             function(
                 chain.arrays, places.joint, places.offset, places.selector, robot.flexible_index, matrices,
-                expand(robot, values[part]), 2 * np.pi * axis, np.array(numbers), result[part], slopes[part],
-                seconds[part],
+                lag, expand(robot, values[part]), 2 * np.pi * axis, np.array(numbers), result[part],
+                slopes[part], seconds[part],
             )
         )  # fmt: skip
 
-    edges = np.linspace(0, len(values), cores + 1).astype(int).tolist()
-    with ThreadPoolExecutor(cores) as pool:
-        singular = sum(pool.map(solve, [slice(first, last) for first, last in pairwise(edges)]))
+    singular = sum(in_parts(len(values), cores, solve))
     if singular:
         line = axis[int(np.argmax(np.isnan(result[..., 0].real).any(axis=0)))]
         raise SingularResponse(

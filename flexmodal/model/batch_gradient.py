@@ -158,7 +158,9 @@ def row_slopes(jacobian, selector, y, scratch, slopes):
         slopes[k] = value
 
 
-def gradient_batch(chain, joints, offsets, selectors, pick, matrices, postures, omega, pairs, values, slopes):
+def gradient_batch(
+    chain, joints, offsets, selectors, pick, matrices, lag, postures, omega, pairs, values, slopes
+):
     """Receptances and their derivatives along all joints.
 
     Args:
@@ -167,7 +169,8 @@ def gradient_batch(chain, joints, offsets, selectors, pick, matrices, postures, 
         offsets: of the points in the carriers' frames.
         selectors: directions of the rows.
         pick: which joints are flexible.
-        matrices: K, B and the structural damping.
+        matrices: K and B.
+        lag: what hysteresis adds to the diagonal of Z, real and imaginary part; frequency × 2 × flexible.
         postures: angles and lengths of all joints; posture × joint.
         omega: angular frequencies [rad/s].
         pairs: numbers of the rows that make a receptance; pair × 2.
@@ -202,7 +205,7 @@ def gradient_batch(chain, joints, offsets, selectors, pick, matrices, postures, 
             if s > posed:
                 pose_rows(chain, joints, offsets, selectors, postures[s], s % TILE, bodies, row_room)
                 posed = s
-            fill_rows(pick, matrices, omega[f], s % TILE, lane, bodies, row_room, matrix_room)
+            fill_rows(pick, matrices, lag[f], omega[f], s % TILE, lane, bodies, row_room, matrix_room)
         factor_tile(matrix_room[0], matrix_room[1], trust)
         for r in range(many):
             solve_tile(matrix_room[0], solved[r])
@@ -243,25 +246,24 @@ def pose_rows(chain, joints, offsets, selectors, posture, slot, bodies, row_room
         place_arm(turns[i], origins[i], origins[0], axes[i], arms[i])
 
 
-def fill_rows(pick, matrices, w, slot, lane, bodies, row_room, matrix_room):
+def fill_rows(pick, matrices, lag, w, slot, lane, bodies, row_room, matrix_room):
     """Z of one point and all rows into their lane."""
     rows, solved = row_room[1][slot], matrix_room[3]
-    fill_lane(pick, matrices, w, bodies[6][slot], lane, matrix_room[0], matrix_room[1])
+    fill_lane(pick, matrices, lag, w, bodies[6][slot], lane, matrix_room[0], matrix_room[1])
     for r in range(len(rows)):
         for i in range(len(pick)):
             solved[r, i, 0, lane], solved[r, i, 1, lane] = rows[r, pick[i]], 0.0
 
 
-def solve_rows(pick, matrices, w, full, rows, matrix_room, y):
+def solve_rows(pick, matrices, lag, w, full, rows, matrix_room, y):
     """Z y = jᵀ for every row at an angular frequency; whether the pivots are trusted."""
     matrix, size, work = matrix_room
     for i in range(len(pick)):
         for j in range(i, len(pick)):
             mass = full[pick[i], pick[j]]
-            matrix[i, j] = complex(
-                matrices[0, i, j] - w * w * mass, w * matrices[1, i, j] + matrices[2, i, j]
-            )
-        size[i] = matrices[0, i, i] + w * w * full[pick[i], pick[i]] + matrix[i, i].imag
+            matrix[i, j] = complex(matrices[0, i, j] - w * w * mass, w * matrices[1, i, j])
+        matrix[i, i] += complex(lag[0, i], lag[1, i])
+        size[i] = matrices[0, i, i] + lag[0, i] + w * w * full[pick[i], pick[i]] + matrix[i, i].imag
     trusted = factor_symmetric(matrix, size)
     for r in range(len(rows)):
         solve_factored(matrix, rows[r], pick, work, y[r])

@@ -29,19 +29,22 @@ from flexmodal.model.batch_gradient import place_arm
 from flexmodal.model.batch_kinematics import cross, mass_matrix, place_bodies, place_joints, point_jacobian
 
 
-def invert(matrices, w, mass, pick, wide, inverse):
+def invert(matrices, lag, w, mass, pick, wide, inverse):
     """Z⁻¹ with pivoting, Z scaled to a unit diagonal of its terms' magnitudes; whether Z is regular."""
     n = len(pick)
     for i in range(n):
         inertia = w * w * mass[pick[i], pick[i]]
-        size = abs(matrices[0, i, i]) + inertia + abs(w * matrices[1, i, i] + matrices[2, i, i])
+        size = abs(matrices[0, i, i] + lag[0, i]) + inertia + abs(w * matrices[1, i, i] + lag[1, i])
         inverse[i, i] = 1.0 / math.sqrt(size) if size > 0.0 else 1.0
     for i in range(n):
         for j in range(n):
             re = matrices[0, i, j] - w * w * mass[pick[i], pick[j]]
             scale = inverse[i, i].real * inverse[j, j].real
-            wide[i, j] = complex(re, w * matrices[1, i, j] + matrices[2, i, j]) * scale
-            wide[i, n + j] = inverse[i, i].real if i == j else 0.0
+            wide[i, j] = complex(re, w * matrices[1, i, j]) * scale
+            wide[i, n + j] = 0.0
+        own = inverse[i, i].real
+        wide[i, i] += complex(lag[0, i], lag[1, i]) * (own * own)
+        wide[i, n + i] = own
     if not eliminate(wide, n):
         return False
     for i in range(n):
@@ -190,8 +193,82 @@ def row_change(jacobian, selector, pick, out, some):
             out[place, k] = total.real
 
 
+def pose_second(chain, joints, offsets, selectors, pick, posture, bodies, axes_room, row_room):
+    """Place joints and bodies; mass matrix, I_k and I_k S_k of all joints, Jacobians and how rows change."""
+    frames, origins, axes, centres, inertias, mass, position, some = bodies
+    twists, gathered, drives = axes_room
+    jacobians, changes = row_room
+    place_joints(chain, posture, frames, origins, axes)
+    place_bodies(chain, frames, origins, centres, inertias)
+    mass_matrix(chain, origins, axes, centres, inertias, mass)
+    for i in range(len(posture)):
+        for a in range(3):
+            centres[i, a] -= origins[0, a]
+            twists[i, 3 + a] = axes[i, a] if chain[0][i] else 0.0
+        place_arm(chain[0][i], origins[i], origins[0], axes[i], twists[i])
+    gather_inertias(chain[4], centres, inertias, gathered)
+    for i in range(len(posture)):
+        apply_inertia(gathered[i], twists[i], drives[i])
+    for r in range(len(joints)):
+        point_jacobian(chain, frames, origins, axes, joints[r], offsets[r], position, jacobians[r])
+        row_change(jacobians[r], selectors[r], pick, changes[r], some)
+
+
+def solve_second(selector, pick, w, inverse, r, axes_room, row_room, sweeps, work):
+    """A row's y, what it moves, b_k and Z⁻¹ b_k of all joints k."""
+    twists, gathered, drives = axes_room
+    jacobian, changes = row_room[0][r], row_room[1][r]
+    y, momenta, left, gone = sweeps[0][r], sweeps[1][r], sweeps[2][r], sweeps[3][r]
+    drive, moved = sweeps[4][r], sweeps[5][r]
+    n, count = len(pick), len(y)
+    for i in range(n):
+        total = 0.0j
+        for j in range(n):
+            for a in range(6):
+                total += inverse[i, j] * (selector[a] * jacobian[a, pick[j]])
+        y[pick[i]] = total
+    sweep_second(twists, gathered, y, momenta, left, gone, work)
+    for i in range(n):
+        for k in range(count):
+            pulled = dot(drives[pick[i]], left[k]) if k <= pick[i] else dot(twists[pick[i]], gone[k])
+            drive[i, k] = changes[i, k] - w * w * pulled
+    for i in range(n):
+        for k in range(count):
+            total = 0.0j
+            for j in range(n):
+                total += inverse[i, j] * drive[j, k]
+            moved[i, k] = total
+
+
+def pair_second(selectors, w, u, v, jacobians, sweeps, change, work, first, curved):
+    """α_uv; its first and second derivatives go to `first` and `curved`."""
+    y, momenta, left, gone, drive, moved = sweeps
+    slope, second = change
+    count = len(first)
+    value = 0.0j
+    for i in range(count):
+        for a in range(6):
+            value += selectors[u, a] * jacobians[u, a, i] * y[v, i]
+    first[:] = 0.0
+    curved[:] = 0.0
+    for side in range(2):
+        here, there = (u, v) if side == 0 else (v, u)
+        row_second(jacobians[here], selectors[here], y[there], slope, second, work)
+        for k in range(count):
+            first[k] += slope[k] - w * w * dot(left[here, k], momenta[there, k])
+            for i in range(k + 1):
+                total = second[k, i] + w * w * dot(left[here, i], gone[there, k])
+                for j in range(drive.shape[1]):
+                    total += drive[here, j, k] * moved[there, j, i]
+                curved[k, i] += total
+    for k in range(count):
+        for i in range(k):
+            curved[i, k] = curved[k, i]
+    return value
+
+
 def second_batch(
-    chain, joints, offsets, selectors, pick, matrices, postures, omega, pairs, values, slopes, seconds
+    chain, joints, offsets, selectors, pick, matrices, lag, postures, omega, pairs, values, slopes, seconds
 ):
     """Receptances, their derivatives and second derivatives along all joints.
 
@@ -201,7 +278,8 @@ def second_batch(
         offsets: of the points in the carriers' frames.
         selectors: directions of the rows.
         pick: which joints are flexible.
-        matrices: K, B and the structural damping.
+        matrices: K and B.
+        lag: what hysteresis adds to the diagonal of Z, real and imaginary part; frequency × 2 × flexible.
         postures: angles and lengths of all joints; posture × joint.
         omega: angular frequencies [rad/s].
         pairs: numbers of the rows that make a receptance; pair × 2.
@@ -213,86 +291,34 @@ def second_batch(
         How many points are singular; they are NaN.
     """
     count, n, many = postures.shape[1], len(pick), len(joints)
-    frames, origins, axes = np.empty((count, 3, 3)), np.empty((count, 3)), np.empty((count, 3))
-    centres, inertias = np.empty((count, 3)), np.empty((count, 3, 3))
-    twists, gathered, drives = np.zeros((count, 6)), np.empty((count, 10)), np.empty((count, 6))
-    mass, position, some = np.empty((count, count)), np.empty(3), np.empty(3)
-    jacobians = np.empty((many, 6, count))
+    bodies = (
+        np.empty((count, 3, 3)), np.empty((count, 3)), np.empty((count, 3)), np.empty((count, 3)),
+        np.empty((count, 3, 3)), np.empty((count, count)), np.empty(3), np.empty(3),
+    )  # fmt: skip
+    axes_room = np.zeros((count, 6)), np.empty((count, 10)), np.empty((count, 6))
+    row_room = np.empty((many, 6, count)), np.empty((many, n, count))
     wide, inverse = np.empty((n, 2 * n), dtype=np.complex128), np.empty((n, n), dtype=np.complex128)
-    y = np.zeros((many, count), dtype=np.complex128)
-    momenta = np.empty((many, count, 6), dtype=np.complex128)
-    left, gone = np.empty_like(momenta), np.empty_like(momenta)
-    changes = np.empty((many, n, count))
-    drive, moved = (
-        np.empty((many, n, count), dtype=np.complex128),
-        np.empty((many, n, count), dtype=np.complex128),
-    )
-    slope, second = np.empty(count, dtype=np.complex128), np.empty((count, count), dtype=np.complex128)
+    sweeps = (
+        np.zeros((many, count), dtype=np.complex128), np.empty((many, count, 6), dtype=np.complex128),
+        np.empty((many, count, 6), dtype=np.complex128), np.empty((many, count, 6), dtype=np.complex128),
+        np.empty((many, n, count), dtype=np.complex128), np.empty((many, n, count), dtype=np.complex128),
+    )  # fmt: skip
+    change = np.empty(count, dtype=np.complex128), np.empty((count, count), dtype=np.complex128)
     work = np.empty((5, 6), dtype=np.complex128)
     singular = 0
     for s in range(len(postures)):
-        place_joints(chain, postures[s], frames, origins, axes)
-        place_bodies(chain, frames, origins, centres, inertias)
-        mass_matrix(chain, origins, axes, centres, inertias, mass)
-        for i in range(count):
-            for a in range(3):
-                centres[i, a] -= origins[0, a]
-                twists[i, 3 + a] = axes[i, a] if chain[0][i] else 0.0
-            place_arm(chain[0][i], origins[i], origins[0], axes[i], twists[i])
-        gather_inertias(chain[4], centres, inertias, gathered)
-        for i in range(count):
-            apply_inertia(gathered[i], twists[i], drives[i])
-        for r in range(many):
-            point_jacobian(chain, frames, origins, axes, joints[r], offsets[r], position, jacobians[r])
-            row_change(jacobians[r], selectors[r], pick, changes[r], some)
+        pose_second(chain, joints, offsets, selectors, pick, postures[s], bodies, axes_room, row_room)
         for f in range(len(omega)):
             w = omega[f]
-            if not invert(matrices, w, mass, pick, wide, inverse):
+            if not invert(matrices, lag[f], w, bodies[5], pick, wide, inverse):
                 singular += 1
                 values[s, f], slopes[s, f], seconds[s, f] = np.nan, np.nan, np.nan
                 continue
             for r in range(many):
-                for i in range(n):
-                    total = 0.0j
-                    for j in range(n):
-                        for a in range(6):
-                            total += inverse[i, j] * (selectors[r, a] * jacobians[r, a, pick[j]])
-                    y[r, pick[i]] = total
-                sweep_second(twists, gathered, y[r], momenta[r], left[r], gone[r], work)
-                for i in range(n):
-                    for k in range(count):
-                        if k <= pick[i]:
-                            pulled = dot(drives[pick[i]], left[r, k])
-                        else:
-                            pulled = dot(twists[pick[i]], gone[r, k])
-                        drive[r, i, k] = changes[r, i, k] - w * w * pulled
-                for i in range(n):
-                    for k in range(count):
-                        total = 0.0j
-                        for j in range(n):
-                            total += inverse[i, j] * drive[r, j, k]
-                        moved[r, i, k] = total
+                solve_second(selectors[r], pick, w, inverse, r, axes_room, row_room, sweeps, work)
             for place in range(len(pairs)):
-                u, v = pairs[place, 0], pairs[place, 1]
-                total = 0.0j
-                for i in range(count):
-                    for a in range(6):
-                        total += selectors[u, a] * jacobians[u, a, i] * y[v, i]
-                values[s, f, place] = total
-                first, curved = slopes[s, f, place], seconds[s, f, place]
-                first[:] = 0.0
-                curved[:] = 0.0
-                for side in range(2):
-                    here, there = (u, v) if side == 0 else (v, u)
-                    row_second(jacobians[here], selectors[here], y[there], slope, second, work)
-                    for k in range(count):
-                        first[k] += slope[k] - w * w * dot(left[here, k], momenta[there, k])
-                        for i in range(k + 1):
-                            total = second[k, i] + w * w * dot(left[here, i], gone[there, k])
-                            for j in range(n):
-                                total += drive[here, j, k] * moved[there, j, i]
-                            curved[k, i] += total
-                for k in range(count):
-                    for i in range(k):
-                        curved[i, k] = curved[k, i]
+                values[s, f, place] = pair_second(
+                    selectors, w, pairs[place, 0], pairs[place, 1], row_room[0], sweeps, change, work,
+                    slopes[s, f, place], seconds[s, f, place],
+                )  # fmt: skip
     return singular

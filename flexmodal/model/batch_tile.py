@@ -14,12 +14,13 @@ TILE = 16
 """Points worked on together: two vectors' worth of the widest; their postures stay in the cache."""
 
 
-def fill_lane(pick, matrices, w, full, lane, matrix, size):
+def fill_lane(pick, matrices, lag, w, full, lane, matrix, size):
     """Upper half of Z at an angular frequency into one lane, and |K_kk| + ω²M_kk + ωB_kk.
 
     Args:
         pick: which joints are flexible.
-        matrices: K, B and the structural damping.
+        matrices: K and B.
+        lag: what hysteresis adds to the diagonal there, real and imaginary part; 2 × n.
         w: angular frequency [rad/s].
         full: mass matrix over all joints.
         lane: of the point.
@@ -30,8 +31,11 @@ def fill_lane(pick, matrices, w, full, lane, matrix, size):
         for j in range(i, len(pick)):
             z = matrix[i, j]
             z[0, lane] = matrices[0, i, j] - w * w * full[pick[i], pick[j]]
-            z[1, lane] = w * matrices[1, i, j] + matrices[2, i, j]
-        size[i, lane] = matrices[0, i, i] + w * w * full[pick[i], pick[i]] + matrix[i, i, 1, lane]
+            z[1, lane] = w * matrices[1, i, j]
+        matrix[i, i, 0, lane] += lag[0, i]
+        matrix[i, i, 1, lane] += lag[1, i]
+        spring = matrices[0, i, i] + lag[0, i]
+        size[i, lane] = spring + w * w * full[pick[i], pick[i]] + matrix[i, i, 1, lane]
 
 
 def factor_tile(matrix, size, trust):

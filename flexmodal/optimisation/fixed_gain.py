@@ -7,6 +7,7 @@ not step at all, and so cannot hop.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,7 +16,8 @@ from jaxtyping import Float
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.frf import PointDirection
 from flexmodal.model import PosedRobot
-from flexmodal.optimisation.rational import steepness
+from flexmodal.optimisation.rational import moved_rows, steepness
+from flexmodal.optimisation.sampled import slope_per_hertz
 from flexmodal.optimisation.tune import Tuning
 
 
@@ -58,12 +60,20 @@ def fixed_gain_descent(
         allowed = "0 < start < ceiling, gain > 0, steps > 0"
         raise InvalidRequest(Fault("call", "start", f"{start:g} Hz, gain {gain:g}", allowed))
     (along,) = posed.directions(direction)
-    slope = steepness(posed, along, along)
+    slope = _slope(posed, along)
     path = [start]
     for _ in range(steps):
-        omega = 2 * np.pi * path[-1]
-        rate = 2 * np.pi * omega * float(slope.at(np.array([omega**2]))[0])
+        rate = float(slope(np.array([path[-1]]))[0])
         path.append(float(np.clip(path[-1] - gain * rate, 0.0, ceiling)))
         if path[-1] == path[-2]:
             break
     return FrequencyDescent(np.array(path))
+
+
+def _slope(posed: PosedRobot, along: PointDirection) -> Callable[[np.ndarray], np.ndarray]:
+    """D ln|α| / df at some frequencies [1/Hz]."""
+    loss = posed.system.hysteresis
+    if loss is None or loss.frequency is None:
+        return steepness(posed, along, along).per_hertz
+    rows = moved_rows(posed, along, along)
+    return lambda frequency: slope_per_hertz(posed.system, rows, frequency)

@@ -6,6 +6,14 @@ Along the imaginary axis, with x = ω² and u = −s² for each antiresonance s,
 
 where conjugate pairs give u and its conjugate and a real s gives one negative u. Its derivative is a sum of
 simple fractions, each of which can be bounded over an interval exactly.
+
+Springs K (1 + iη) make the coefficients complex and part the pairs. Then the sum is one over ω itself, and
+over all roots one by one:
+
+    ln |α|² = const + Σ ln ((ω − Im s)² + Re² s) over antiresonances, − the same over poles.
+
+Causal springs, whose stiffness is a power of the frequency, leave no rational function at all: see
+`flexmodal.optimisation.sampled`.
 """
 
 from __future__ import annotations
@@ -31,15 +39,30 @@ _CANCELLED = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Steepness:
-    """d ln|α|² / dx as Σ weight · t / (t² + width²), t = x − centre, with x = ω² [rad²/s²]."""
+    """d ln|α|² / dx as Σ weight · t / (t² + width²), t = x − centre, x = ω² [rad²/s²] or ω [rad/s]."""
 
     centre: Float[np.ndarray, " term"]
     width: Float[np.ndarray, " term"]
     weight: Float[np.ndarray, " term"]
-    """2 for a pair of antiresonances, 1 for a real one; negative for poles."""
+    """Along ω² 2 for a pair of antiresonances, 1 for a real one; along ω 2 for each; negative for poles."""
+    power: int = 2
+    """x = ω to this."""
+
+    def place(self, frequency: Float[np.ndarray, " place"]) -> Float[np.ndarray, " place"]:
+        """X at some frequencies [Hz]."""
+        return np.asarray((2 * np.pi * frequency) ** self.power)
+
+    def frequency(self, x: Float[np.ndarray, " place"]) -> Float[np.ndarray, " place"]:
+        """The frequencies of some x [Hz]."""
+        return np.asarray(x ** (1 / self.power) / (2 * np.pi))
+
+    def per_hertz(self, frequency: Float[np.ndarray, " place"]) -> Float[np.ndarray, " place"]:
+        """D ln|α| / df [1/Hz]."""
+        rate = self.power * (2 * np.pi * frequency) ** (self.power - 1)
+        return np.asarray(np.pi * rate * self.at(self.place(frequency)))
 
     def at(self, x: Float[np.ndarray, " place"]) -> Float[np.ndarray, " place"]:
-        """Its value [s²/rad²]."""
+        """Its value [s²/rad², or s/rad]."""
         t = x[:, None] - self.centre
         with np.errstate(divide="ignore", invalid="ignore"):
             return (self.weight * t / (t**2 + self.width**2)).sum(axis=1)
@@ -100,17 +123,54 @@ def steepness(posed: PosedRobot, response: PointDirection, reference: PointDirec
     """Poles and antiresonances of one receptance of a posed robot.
 
     Raises:
+        InvalidRequest: the force does not move the response at any frequency, or the robot has causal
+            hysteresis, and its receptance no such form.
+    """
+    rows, system = moved_rows(posed, response, reference), posed.system
+    if system.hysteresis is None:
+        poles = posed.modes().expanded()[0]
+        zeros, poles = _without_pairs(antiresonances(system, rows[0], rows[1]), poles)
+        terms = [*_terms(zeros, 1.0), *_terms(poles, -1.0)]
+    elif system.hysteresis.frequency is None:
+        lag = system.hysteresis.added(np.zeros(1, dtype=complex))[0]
+        zeros, poles = _without_pairs(*held_roots(system, lag, rows[0], rows[1]))
+        terms = [(s.imag, abs(s.real), sign) for group, sign in ((zeros, 2.0), (poles, -2.0)) for s in group]
+    else:
+        raise InvalidRequest(Fault("call", "robot", "a loss_frequency", "a rational receptance: none of it"))
+    centre, width, weight = (np.array(column) for column in zip(*terms, strict=True))
+    width = np.where(width <= _SHARP * np.abs(centre), 0.0, width)
+    return Steepness(centre, width, weight, power=2 if system.hysteresis is None else 1)
+
+
+def moved_rows(
+    posed: PosedRobot, response: PointDirection, reference: PointDirection
+) -> Float[np.ndarray, "2 joint"]:
+    """Jacobian rows of response and reference.
+
+    Raises:
         InvalidRequest: the force does not move the response at any frequency.
     """
     rows = posed.rows([response, reference])
     if not np.all(np.any(np.abs(rows) > 0, axis=1)):
         found = f"{response} per {reference}, which is 0 at every frequency"
         raise InvalidRequest(Fault("call", "direction", found, "a direction in which a joint gives way"))
-    poles = posed.modes().expanded()[0]
-    zeros, poles = _without_pairs(antiresonances(posed.system, rows[0], rows[1]), poles)
-    terms = [*_terms(zeros, 1.0), *_terms(poles, -1.0)]
-    centre, width, weight = (np.array(column) for column in zip(*terms, strict=True))
-    return Steepness(centre, np.where(width <= _SHARP * np.abs(centre), 0.0, width), weight)
+    return rows
+
+
+def held_roots(
+    system: SecondOrderSystem,
+    lag: Complex[np.ndarray, " dof"],
+    response: Float[np.ndarray, " dof"],
+    reference: Float[np.ndarray, " dof"],
+) -> tuple[Complex[np.ndarray, " zeros"], Complex[np.ndarray, " poles"]]:
+    """Antiresonances and poles with something complex added to the springs' diagonal, held at all s.
+
+    Those at negative frequencies are not the conjugates of the others.
+    """
+    springs = system.stiffness + np.diag(lag)
+    ahead, behind = null_space(response[None]), null_space(reference[None])
+    whole = np.eye(system.dof)
+    return _pencil(system, springs, behind, ahead), _pencil(system, springs, whole, whole)
 
 
 def antiresonances(
@@ -118,7 +178,7 @@ def antiresonances(
     response: Float[np.ndarray, " dof"],
     reference: Float[np.ndarray, " dof"],
 ) -> Complex[np.ndarray, " zeros"]:
-    """Where a receptance vanishes: s with Z(s) x = reference and response · x = 0 [rad/s].
+    """Where a receptance without hysteresis vanishes: s with Z(s) x = reference, response · x = 0 [rad/s].
 
     At a drive point they are the poles of the system with that point held, at most 2n − 2; between two points
     those of a pencil that need not be symmetric.
@@ -132,20 +192,29 @@ def antiresonances(
         )
         names = tuple(f"free motion {place + 1}" for place in range(ahead.shape[1]))
         return solve_modes(SecondOrderSystem(inertia, loss, springs, names)).expanded()[0]
+    return _pencil(system, system.stiffness, behind, ahead)
+
+
+def _pencil(
+    system: SecondOrderSystem, springs: np.ndarray, left: np.ndarray, right: np.ndarray
+) -> Complex[np.ndarray, " finite"]:
+    """Finite eigenvalues of leftᵀ (K + sB + s²D) right [rad/s]."""
+    if right.shape[1] == 0:
+        return np.zeros(0, dtype=complex)
     from scipy.linalg import eigvals
 
     unit = float(np.sqrt(np.trace(system.stiffness) / np.trace(system.mass)))
     scale = np.trace(system.stiffness)
     mass, damping, stiffness = (
-        behind.T @ part @ ahead * unit**power / scale
-        for part, power in ((system.mass, 2), (system.damping, 1), (system.stiffness, 0))
+        left.T @ part @ right * unit**power / scale
+        for part, power in ((system.mass, 2), (system.damping, 1), (springs, 0))
     )
     one, none = np.eye(len(mass)), np.zeros_like(mass)
-    left = np.block([[none, one], [-stiffness, -damping]])
-    right = np.block([[one, none], [none, mass]])
     with np.errstate(divide="ignore", invalid="ignore"):
-        found = np.asarray(eigvals(left, right)) * unit
-    return np.asarray(found[np.isfinite(found)])
+        found = np.asarray(
+            eigvals(np.block([[none, one], [-stiffness, -damping]]), np.block([[one, none], [none, mass]]))
+        )
+    return np.asarray(found[np.isfinite(found)] * unit)
 
 
 def _symmetric(matrix: np.ndarray) -> np.ndarray:

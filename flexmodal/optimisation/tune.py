@@ -10,7 +10,8 @@ from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.frf import PointDirection
 from flexmodal.frf.axis import MOST_HERTZ
 from flexmodal.model import PosedRobot
-from flexmodal.optimisation.rational import Steepness, steepness
+from flexmodal.optimisation.rational import Steepness, moved_rows, steepness
+from flexmodal.optimisation.sampled import stationary
 from flexmodal.optimisation.stationary import roots
 
 _PIECES = 64
@@ -39,10 +40,13 @@ class Tuning:
     band: Band
     """[Hz]."""
     minima: tuple[Extremum, ...]
-    """Ascending in frequency; complete, by bounds on the slope between them."""
+    """Ascending in frequency; complete, by bounds on the slope between them, where `proved`."""
     maxima: tuple[Extremum, ...]
     ends: tuple[Extremum, Extremum]
     """The two ends of the band."""
+    proved: bool = True
+    """False with causal hysteresis: the receptance is no rational function then, and its minima are those
+    that a fine grid shows."""
 
     @property
     def best(self) -> Extremum:
@@ -52,11 +56,14 @@ class Tuning:
     @property
     def verdict(self) -> str:
         """What to think of it, and what to do next."""
+        note = (
+            "" if self.proved else "; looked for on a fine grid, since hysteresis leaves no rational function"
+        )
         if self.best not in self.ends:
-            return f"the least of {len(self.minima)} minima in the band"
+            return f"the least of {len(self.minima)} minima in the band{note}"
         where = "lower" if self.best is self.ends[0] else "upper"
         count = f"{len(self.minima)} minima inside it" if self.minima else "there is no minimum inside it"
-        return f"at the {where} end of the band ({count}): a wider band may do better"
+        return f"at the {where} end of the band ({count}): a wider band may do better{note}"
 
 
 def tune(
@@ -69,7 +76,9 @@ def tune(
     """Find the frequency of a band at which |receptance| is least.
 
     Poles and antiresonances make |receptance|² a rational function of the frequency; the roots of its slope
-    are all found, each between its own bounds.
+    are all found, each between its own bounds. Loss factors keep it so, unless the card has a
+    `loss_frequency`: then the slope is still exact, but its roots are those between neighbouring lines of a
+    fine grid.
 
     Args:
         posed: the robot in its posture.
@@ -87,9 +96,13 @@ def tune(
         raise InvalidRequest(Fault("call", "band", f"{low:g} to {high:g} Hz", allowed))
     (out,) = posed.directions(response)
     (into,) = posed.directions(out if reference is None else reference)
-    slope = steepness(posed, out, into)
-    places, rising, sharp = _stationary(slope, low, high)
-    frequency = np.sqrt(places) / (2 * np.pi)
+    loss = posed.system.hysteresis
+    proved = loss is None or loss.frequency is None
+    if proved:
+        frequency, rising, sharp = _stationary(steepness(posed, out, into), low, high)
+    else:
+        frequency, rising = stationary(posed.system, moved_rows(posed, out, into), low, high)
+        sharp = np.zeros(0)
     size = _sizes(posed, out, into, np.r_[low, frequency, high], sharp)
     found = [Extremum(float(f), float(a)) for f, a in zip(frequency, size[1:-1], strict=True)]
     return Tuning(
@@ -100,15 +113,16 @@ def tune(
         tuple(item for item, least in zip(found, rising, strict=True) if least),
         tuple(item for item, least in zip(found, rising, strict=True) if not least),
         (Extremum(low, float(size[0])), Extremum(high, float(size[-1]))),
+        proved,
     )
 
 
 def _stationary(slope: Steepness, low: float, high: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Squares of the angular frequencies inside a band where |α| is stationary, and which are minima.
+    """Frequencies inside a band where |α| is stationary, and which are minima.
 
-    Third, the squares of all undamped poles.
+    Third, the frequencies of all undamped poles [Hz].
     """
-    first, last = (2 * np.pi * low) ** 2, (2 * np.pi * high) ** 2
+    first, last = slope.place(np.array([low, high]))
     undamped = slope.width == 0
     inside = undamped & (slope.centre > first) & (slope.centre < last)
     spaced = np.geomspace(max(first, 1e-12 * last), last, _PIECES + 1)[1:-1]
@@ -117,7 +131,8 @@ def _stationary(slope: Steepness, low: float, high: float) -> tuple[np.ndarray, 
     places = np.r_[smooth, slope.centre[inside]]
     least = np.r_[rising, slope.weight[inside] > 0]
     order = np.argsort(places)
-    return places[order], least[order], slope.centre[undamped & (slope.weight < 0)]
+    sharp = slope.centre[undamped & (slope.weight < 0) & (slope.centre >= 0)]
+    return slope.frequency(places[order]), least[order], slope.frequency(sharp)
 
 
 def _sizes(
@@ -129,9 +144,8 @@ def _sizes(
 ) -> np.ndarray:
     """|α| at some frequencies; infinite at an undamped pole."""
     size = np.full(len(frequency), np.inf)
-    square = (2 * np.pi * frequency) ** 2
-    gap = np.abs(square[:, None] - sharp).min(axis=1, initial=np.inf)
-    finite = gap > 1e-9 * square
+    gap = np.abs(frequency[:, None] - sharp).min(axis=1, initial=np.inf)
+    finite = gap > 1e-9 * frequency
     lines, back = np.unique(frequency[finite], return_inverse=True)
     values = posed.frf(lines, response=response, reference=reference).value[:, 0, 0]
     size[finite] = np.abs(values)[back]

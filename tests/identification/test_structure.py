@@ -6,8 +6,9 @@ import pytest
 import flexmodal
 from flexmodal.identification.arm import Arm
 from flexmodal.identification.assembly import Assembly, put_together
+from flexmodal.identification.frf_fit import residual
 from flexmodal.identification.space import robot_space
-from flexmodal.identification.structure import Axis, receptance
+from flexmodal.identification.structure import Axis, Change, Structure, receptance
 
 PLACES = [("link_3", np.array([0.2, 0.0, 0.01]), np.array([0.0, 0.0, 1.0])),
           ("link_1", np.array([0.5, 0.0, 0.0]), np.array([1.0, 0.0, 0.0]))]  # fmt: skip
@@ -103,3 +104,56 @@ def test_derivatives_are_those_of_central_differences():
         # second order in the step: 1e-10 relative, rounding 1e-16/1e-5 beside it
         scale = np.abs(at(x)[0])
         np.testing.assert_allclose(slopes[k] / scale, numeric / scale, atol=2e-8, err_msg=name)
+
+
+@pytest.mark.parametrize("sides", [(4, 1), (1, 4), (3, 3)])
+@pytest.mark.parametrize("loss_factor", [0.0, 0.1])
+def test_receptance_and_slopes_are_those_of_the_formula(sides, loss_factor):
+    """∂u y_v + y_uᵀ ∂vᵀ − y_uᵀ ∂Z y_v, entry by entry, whichever side has more rows."""
+    random, n = np.random.default_rng(5), 4
+
+    def symmetric():
+        root = random.normal(size=(n, n))
+        return root @ root.T
+
+    rows = [random.normal(size=(count, n)) for count in sides]
+    kinds = ("mass", "damping", "stiffness", "loss")
+    total = {kind: symmetric() + np.eye(n) for kind in kinds}
+    total["stiffness"] *= 1e4
+    changes = {
+        "all": Change(*(symmetric() for _ in kinds), random.normal(size=rows[0].shape), None, 0.3),
+        "struck": Change(reference=random.normal(size=rows[1].shape)),
+        "body": Change(mass=symmetric()),
+        "spring": Change(stiffness=symmetric(), loss=symmetric()),
+        "nothing": Change(),
+    }
+    made = Structure(tuple("abcd"), *(total[kind] for kind in kinds), *rows, changes, loss_factor)
+    pairs = np.array([(u, v) for u in range(sides[0]) for v in range(sides[1]) if u + v != 2][::-1])
+    names = ("absent", *changes)
+    value, slopes = receptance(made, AXIS, pairs, names)
+    grown, growth = AXIS.hysteresis(loss_factor)
+    nothing = Change(*(np.zeros((n, n)) for _ in kinds), *(np.zeros_like(side) for side in rows), 0.0)
+    for line, s in enumerate(AXIS.s):
+        inverse = np.linalg.inv(made.dynamic_stiffness(AXIS)[line])
+        for place, (u, v) in enumerate(pairs):
+            left, right = inverse @ rows[0][u], inverse @ rows[1][v]
+            assert value[place, line] == pytest.approx(rows[0][u] @ right, rel=1e-10)
+            for k, name in enumerate(names):
+                change = nothing + changes.get(name, Change())
+                moved = s**2 * change.mass + s * change.damping + change.stiffness + grown[line] * change.loss
+                moved = moved + change.loss_factor * growth[line] * made.loss
+                expected = change.response[u] @ right + left @ change.reference[v] - left @ moved @ right
+                size = np.linalg.norm(left) * np.linalg.norm(moved) * np.linalg.norm(right)
+                assert abs(slopes[k, place, line] - expected) <= 1e-10 * (abs(expected) + size)
+
+
+def test_residuals_are_complex_logarithms():
+    random = np.random.default_rng(6)
+    predicted, measured = (random.normal(size=(3, 50)) + 1j * random.normal(size=(3, 50)) for _ in range(2))
+    found = residual(predicted, measured)
+    np.testing.assert_allclose(found, np.log(predicted / measured), rtol=1e-13, atol=1e-15)
+    predicted[1, 3], measured[2, 4] = 0, 0
+    found = residual(predicted, measured)
+    assert (found[1, 3], found[2, 4]) == (10.0, 10.0)
+    np.testing.assert_array_equal(found[0], residual(predicted[0], measured[0]))
+    assert predicted[1, 3] == 0

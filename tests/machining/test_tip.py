@@ -1,10 +1,12 @@
 """The receptance of the tip in the frame of the cut, from robots, tools and tables."""
 
 import csv
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from flexmodal.cards import FrozenDict
 from flexmodal.errors import FlexmodalError, InvalidCut, InvalidFrequencies, InvalidPoint
 from flexmodal.frf import Frf, PointDirection
 from flexmodal.frf.export import COLUMNS, write_csv
@@ -81,6 +83,38 @@ def test_modes_of_the_tool_add_their_receptance(fanuc, across):
     np.testing.assert_allclose(both.receptance(frequency), expected, rtol=1e-9, atol=1e-20)
     np.testing.assert_allclose(modal_tip(modes).receptance(frequency), alone, rtol=1e-9, atol=1e-20)
     assert both.system.dof == fanuc.at("configuration_2").system.dof + 3
+
+
+@pytest.mark.parametrize("frequency", [None, 20.0])
+def test_loss_factors_of_the_arm_reach_the_lobes(fanuc, across, frequency):
+    """Z on paper, entry by entry, with and without modes of the tool; lobes as from a table of FRFs."""
+    joints = {name: replace(joint, loss_factor=0.2) for name, joint in fanuc.joints.items()}
+    posed = replace(fanuc, joints=FrozenDict(joints), loss_frequency=frequency).at("configuration_2")
+    plain = fanuc.at("configuration_2")
+    mode = ToolMode("x", 700.0, 0.03, 9e6)
+    for cut in (across(), across(modes=(mode,))):
+        tip, without = tool_tip(posed, cut), tool_tip(plain, cut)
+        stiffness = np.diag(plain.system.stiffness)
+        for line, found in zip(LINES, tip.receptance(LINES), strict=True):
+            omega, beta = 2 * np.pi * line, 2 / np.pi * np.arctan(0.2)
+            grown = 1 + 0.2j
+            if frequency is not None:
+                grown = (1j * max(line / frequency, 1e-3)) ** beta / np.cos(np.pi / 2 * beta)
+            z = (
+                without.system.stiffness
+                - omega**2 * without.system.mass
+                + 1j * omega * without.system.damping
+            )
+            for place, spring in enumerate(stiffness):
+                z[place, place] += spring * (grown - 1)
+            expected = without.rows @ np.linalg.solve(z, without.rows.T)
+            np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-20)
+    speeds, lines = rpm(1000, 2000), np.arange(0.1, 400.0, 0.1)
+    table = MeasuredTip(lines, posed.frf(lines, response=["tool:+x", "tool:-z", "tool:+y"]).value)
+    depth = stability_lobes(tool_tip(posed, across()), across(), speeds=speeds).depth
+    np.testing.assert_allclose(stability_lobes(table, across(), speeds=speeds).depth, depth, rtol=3e-3)
+    other = stability_lobes(tool_tip(plain, across()), across(), speeds=speeds).depth
+    assert np.max(np.abs(np.log(depth / other))) > 0.02
 
 
 def test_a_posture_that_nothing_moves(fanuc, across):

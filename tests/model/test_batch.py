@@ -286,10 +286,18 @@ def test_bad_requests_for_gradients(change):
         gradient_batch(robot, given.pop("postures"), given.pop("pairs"), given.pop("frequencies"), **given)
 
 
+@pytest.mark.parametrize("function", [receptance_batch, gradient_batch, curvature_batch])
+def test_bad_threads_and_ways_are_named_together(function):
+    for threads in (0, True):
+        with pytest.raises(InvalidRequest) as caught:
+            function(flexmodal.load("six_link"), ["start_1"], ["tool:+z"], [5.0], threads=threads, way="fast")
+        assert sorted(fault.key for fault in caught.value.faults) == ["threads", "way"]
+
+
 @pytest.mark.parametrize("function", [receptance_batch, gradient_batch])
 def test_without_numba(function, monkeypatch):
-    for module in ("flexmodal.model.batch", "flexmodal.frf.kernels.route"):
-        monkeypatch.setattr(f"{module}.has_numba", lambda: False)
+    for module in ("model.batch", "model.batch_slopes", "frf.kernels.route"):
+        monkeypatch.setattr(f"flexmodal.{module}.has_numba", lambda: False)
     robot = flexmodal.load("six_link")
     with pytest.raises(MissingExtra, match="numba"):
         function(robot, ["start_1"], ["tool:+z"], [1.0], way="compiled")

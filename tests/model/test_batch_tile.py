@@ -12,9 +12,9 @@ from flexmodal.model.batch_tile import TILE, factor_tile, fill_lane, solve_tile
 def filled(masses, stiffness, damping, loss, omega):
     n = len(stiffness)
     matrix, size = np.zeros((n, n, 2, TILE)), np.zeros((n, TILE))
-    matrices = np.array([stiffness, damping, loss])
+    matrices, lag = np.array([stiffness, damping]), np.array([0.1 * loss, loss])
     for lane in range(TILE):
-        fill_lane(np.arange(n), matrices, omega[lane], masses[lane], lane, matrix, size)
+        fill_lane(np.arange(n), matrices, lag, omega[lane], masses[lane], lane, matrix, size)
     return matrix, size
 
 
@@ -25,7 +25,7 @@ def test_every_lane_is_a_system_of_its_own():
     masses = A @ np.swapaxes(A, 1, 2) + 0.1 * np.eye(n)
     Q = rng.normal(size=(n, n))
     stiffness = Q @ Q.T + 100 * np.eye(n)
-    damping, loss = 1e-2 * stiffness, 0.05 * stiffness
+    damping, loss = 1e-2 * stiffness, 0.05 * np.diag(stiffness)
     omega = rng.uniform(0, 5, TILE)
     row = rng.normal(size=(TILE, n))
     matrix, size = filled(masses, stiffness, damping, loss, omega)
@@ -36,7 +36,7 @@ def test_every_lane_is_a_system_of_its_own():
     assert np.all(trust >= 0)
     for lane in range(TILE):
         w = omega[lane]
-        Z = stiffness - w**2 * masses[lane] + 1j * (w * damping + loss)
+        Z = stiffness - w**2 * masses[lane] + 1j * w * damping + np.diag((0.1 + 1j) * loss)
         np.testing.assert_allclose(
             y[:, 0, lane] + 1j * y[:, 1, lane], np.linalg.solve(Z, row[lane]), rtol=1e-10
         )
@@ -47,7 +47,7 @@ def test_a_pivot_that_grows_is_not_trusted():
     masses = np.tile(np.array([[1.0, 0.5], [0.5, 2.0]]), (TILE, 1, 1))
     omega = np.linspace(0.5, 0.9, TILE)
     omega[7] = np.sqrt(1.0 - 1e-3 / GROWTH)
-    matrix, size = filled(masses, np.eye(2), np.zeros((2, 2)), np.zeros((2, 2)), omega)
+    matrix, size = filled(masses, np.eye(2), np.zeros((2, 2)), np.zeros(2), omega)
     trust = np.empty(TILE)
     factor_tile(matrix, size, trust)
     np.testing.assert_array_equal(np.flatnonzero(trust < 0), [7])

@@ -10,6 +10,7 @@ from flexmodal.errors import InvalidRequest
 from flexmodal.frf import PointDirection
 from flexmodal.model import load
 from flexmodal.model.batch import gradient_batch, receptance_batch
+from flexmodal.model.batch_curvature import curvature_batch
 from flexmodal.model.gradient import receptance_and_gradient
 from flexmodal.model.sensitivity import sensitivity
 
@@ -57,13 +58,20 @@ def test_receptance_on_paper():
 
 
 @pytest.mark.parametrize("given", [{}, {"coupling": 0.0}, {"loss": 0.0}])
-def test_batches_agree_with_one_by_one(given):
+@pytest.mark.parametrize("way", ["auto", "LAPACK", "numpy", "compiled", "compiled any n"])
+def test_batches_agree_with_one_by_one(given, way):
     own = robot(**given)
     poses = [{**POSE, "q1": 0.9 + 0.01 * step} for step in range(70)]
-    batch = receptance_batch(own, poses, ["location_1:+z"], LINES)
+    batch = receptance_batch(own, poses, ["location_1:+z"], LINES, way=way)
     for place in (0, 69):
         one = own.frf(poses[place], LINES, response="location_1:+z").value[:, 0, 0]
         np.testing.assert_allclose(batch.value[place, :, 0], one, rtol=1e-9)
+
+
+def test_the_recursion_refuses_what_it_cannot_take():
+    for given in ({}, {"coupling": 0.0}, {"loss": 0.0}):
+        with pytest.raises(InvalidRequest, match="diagonal K and B and no addition"):
+            receptance_batch(robot(**given), [POSE], ["location_1:+z"], LINES, way="recursion")
 
 
 @pytest.mark.parametrize("given", [{}, {"loss": 0.0}])
@@ -86,9 +94,46 @@ def test_gradients_by_differences(given):
         np.testing.assert_allclose(slopes[:, 0, 0, place] / scale, numeric / scale, atol=1e-6)
 
 
-def test_compiled_gradients_refuse_loss_factors():
-    with pytest.raises(InvalidRequest, match="with loss factors"):
-        gradient_batch(robot(), [POSE], ["location_1:+z"], LINES, way="compiled")
+GIVEN = {
+    "causal loss and coupling": {},
+    "constant loss": {"frequency": None, "coupling": 0.0},
+    "coupling": {"loss": 0.0},
+}
+
+
+@pytest.mark.parametrize("given", GIVEN.values(), ids=GIVEN)
+@pytest.mark.parametrize("way", ["plain", "compiled"])
+def test_batched_gradients_and_curvatures_by_pinocchio(given, way):
+    """Values and slopes against Pinocchio and LAPACK, curvatures against differences of those slopes."""
+    own = robot(**given)
+    pairs = ["location_1:+z", ("location_2:+x", "location_1:+z")]
+    ends = [tuple(PointDirection.parse(d) for d in pair) for pair in ((pairs[0],) * 2, pairs[1])]
+    directions = list(dict.fromkeys(d for pair in ends for d in pair))
+    places = [tuple(directions.index(d) for d in pair) for pair in ends]
+    poses = [{**POSE, "q1": 0.9 + 0.05 * step} for step in range(5)]
+
+    def by_pinocchio(pose):
+        value, slope = receptance_and_gradient(own.at(pose), directions, LINES)
+        return np.stack([value[:, u, v] for u, v in places], 1), np.stack(
+            [slope[:, u, v] for u, v in places], 1
+        )
+
+    first = gradient_batch(own, poses, pairs, LINES, way="numpy" if way == "plain" else way)
+    second = curvature_batch(own, poses, pairs, LINES, way=way)
+    for place, pose in enumerate(poses):
+        value, slope = by_pinocchio(pose)
+        scale = np.abs(slope).max(axis=2, keepdims=True)
+        for found in (first, second):
+            np.testing.assert_allclose(found.value[place], value, rtol=1e-10)
+            np.testing.assert_allclose(found.slope[place] / scale, slope / scale, rtol=0, atol=1e-10)
+    step = 1e-5
+    for place, name in enumerate(own.moving):
+        if name not in POSE:
+            continue
+        up, down = (by_pinocchio({**poses[0], name: poses[0][name] + sign * step})[1] for sign in (1, -1))
+        bend = second.curvature[0, :, :, place]
+        scale = np.abs(second.curvature[0]).max(axis=(2, 3))[..., None]
+        np.testing.assert_allclose(bend / scale, (up - down) / (2 * step) / scale, rtol=0, atol=1e-7)
 
 
 def test_sensitivity_along_the_frequency():

@@ -1,9 +1,11 @@
+from dataclasses import replace
 from pathlib import Path
 
 import jaxtyping
 import pytest
 
 import flexmodal
+from flexmodal.cards import CouplingCard, FrozenDict
 from flexmodal.model import Robot
 
 from ..model.writing import planar
@@ -17,6 +19,23 @@ def arm() -> Robot:
 @pytest.fixture(scope="session")
 def fanuc() -> Robot:
     return flexmodal.load("fanuc_s360")
+
+
+@pytest.fixture(scope="session")
+def lossy(fanuc) -> Robot:
+    """Springs of causal hysteresis, the stiffest the most, and two of them tied."""
+    joints = {
+        name: replace(joint, loss_factor=0.1 * (1 + place))
+        for place, (name, joint) in enumerate(fanuc.joints.items())
+    }
+    tied = FrozenDict({"q1+q2": CouplingCard(("q1", "q2"), 4e4)})
+    return replace(fanuc, joints=FrozenDict(joints), couplings=tied, loss_frequency=20.0)
+
+
+@pytest.fixture(scope="session")
+def always_lossy(lossy) -> Robot:
+    """K (1 + iη) at every frequency, no coupling."""
+    return replace(lossy, couplings=FrozenDict({}), loss_frequency=None)
 
 
 @pytest.fixture(scope="session")

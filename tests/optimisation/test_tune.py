@@ -2,6 +2,7 @@
 
 import csv
 import json
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -11,6 +12,7 @@ from scipy.optimize import minimize_scalar
 from scipy.signal import argrelmax, argrelmin
 
 import flexmodal
+from flexmodal.cards import FrozenDict
 from flexmodal.errors import InvalidRequest
 from flexmodal.modal import SecondOrderSystem
 from flexmodal.optimisation import (
@@ -244,6 +246,52 @@ def test_zero_hertz_is_an_end(fanuc):
     assert found.best.receptance == pytest.approx(
         fanuc.measures("configuration_1").static_receptance, rel=1e-10
     )
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("pair", PAIRS)
+@pytest.mark.parametrize("name", ["lossy", "always_lossy"])
+def test_loss_factors_move_the_minima(request, fanuc, name, pair, seed):
+    """Causal or not, coupled or not: where a dense scan has them, and not where they are without loss."""
+    robot, band = request.getfixturevalue(name), (0.5, 300.0)
+    plain, posed = random_posture(fanuc, seed), random_posture(robot, seed)
+    response, reference = (f"tool:{axis}" for axis in pair)
+    found = tune(posed, band, response=response, reference=reference)
+    minima, maxima = sampled(posed, band, response, reference)
+    np.testing.assert_allclose([one.frequency for one in found.minima], minima, rtol=1e-6)
+    np.testing.assert_allclose([one.frequency for one in found.maxima], maxima, rtol=1e-6)
+    without = tune(plain, band, response=response, reference=reference)
+    assert (found.proved, without.proved) == (name == "always_lossy", True)
+    assert ("grid" in found.verdict) == (name == "lossy")
+    assert found.maxima[0].receptance < 0.9 * without.maxima[0].receptance
+
+
+@pytest.mark.parametrize("name", ["lossy", "always_lossy", "fanuc"])
+def test_a_fixed_gain_takes_the_slope_of_the_receptance(request, name):
+    """First step against differences of ln|α|, hysteresis or not."""
+    posed, start, gain, step = request.getfixturevalue(name).at("configuration_1"), 30.0, 0.1, 1e-4
+    path = fixed_gain_descent(posed, start, gain=gain, ceiling=200.0, steps=1)
+    up, down = (np.log(abs(posed.frf([start + sign * step]).value[0, 0, 0])) for sign in (1, -1))
+    assert path.frequency[1] == pytest.approx(start - gain * (up - down) / (2 * step), rel=1e-9)
+
+
+def test_a_joint_without_loss_beside_one_with(tmp_path):
+    """One of two joints loses energy: every mode has some of it, and the roots are no conjugate pairs."""
+    path = planar(tmp_path / "two.urdf", [1.0, 1.0], [4.0, 3.0], [0.4, 0.3], [0.5, 0.5])
+    robot = flexmodal.load(path, stiffness={"q1": 3e3, "q2": 1e3})
+    joints = {"q1": robot.joints["q1"], "q2": replace(robot.joints["q2"], loss_factor=0.05)}
+    posed = replace(robot, joints=FrozenDict(joints)).at({"q1": 0.3, "q2": 0.9})
+    found = tune(posed, (0.1, 100.0))
+    minima, maxima = sampled(posed, (0.1, 100.0), "tool:+z", "tool:+z")
+    np.testing.assert_allclose([one.frequency for one in found.minima], minima, rtol=1e-6)
+    np.testing.assert_allclose([one.frequency for one in found.maxima], maxima, rtol=1e-6)
+    assert found.proved
+
+
+def test_causal_hysteresis_has_no_fractions(lossy):
+    (z,) = directions("tool:+z")
+    with pytest.raises(InvalidRequest, match="loss_frequency"):
+        steepness(lossy.at("configuration_1"), z, z)
 
 
 # Table 3.6: where the thesis's descents ended.

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cache
 from importlib.util import find_spec
+from itertools import pairwise
+from typing import TypeVar
 
 import numpy as np
 from jaxtyping import Complex
@@ -17,6 +19,8 @@ from flexmodal.errors import Fault, InvalidRequest, MissingExtra
 from flexmodal.frf.kernels.factor import LANES, Shape
 from flexmodal.frf.kernels.reordered import solve_from_base
 from flexmodal.frf.kernels.task import Task
+
+Result = TypeVar("Result")
 
 WAYS = ("auto", "LAPACK", "numpy", "compiled", "compiled any n", "recursion")
 
@@ -61,10 +65,11 @@ def choose(task: Task, threads: int | None, way: str = "auto") -> Route:
         InvalidRequest: a number of threads below 1, or no such way.
         MissingExtra: a compiled route was asked for and numba is not installed.
     """
-    if threads is not None and (isinstance(threads, bool) or threads < 1):
-        raise InvalidRequest(Fault("call", "threads", repr(threads), "a whole number of at least 1, or none"))
+    faults = thread_faults(threads)
     if way not in WAYS:
-        raise InvalidRequest(Fault("call", "way", repr(way), ", ".join(WAYS)))
+        faults.append(Fault("call", "way", repr(way), ", ".join(WAYS)))
+    if faults:
+        raise InvalidRequest(faults)
     if way in ("LAPACK", "numpy"):
         return Route(way, 1, "asked for")
     ready = way != "auto" or (task.points >= WORTH_A_CALL and is_ready(task))
@@ -103,6 +108,23 @@ def is_ready(task: Task) -> bool:
 def has_numba() -> bool:
     """Whether numba is installed."""
     return "numba" in sys.modules or find_spec("numba") is not None
+
+
+def thread_faults(threads: int | None) -> list[Fault]:
+    """What is wrong with a number of threads: a fault, or none."""
+    if threads is None or (isinstance(threads, int) and not isinstance(threads, bool) and threads >= 1):
+        return []
+    return [Fault("call", "threads", repr(threads), "a whole number of at least 1, or none")]
+
+
+def in_parts(count: int, cores: int, solve: Callable[[slice], Result]) -> list[Result]:
+    """Work on a range cut into as many parts as there are cores, each in a thread of its own."""
+    edges = np.linspace(0, count, cores + 1).astype(int).tolist()
+    parts = [slice(first, last) for first, last in pairwise(edges)]
+    if cores == 1:
+        return [solve(parts[0])]
+    with ThreadPoolExecutor(cores) as pool:
+        return list(pool.map(solve, parts))
 
 
 def available_cores() -> int:

@@ -8,6 +8,8 @@ import math
 _SWEEPS = 40
 _ORTHOGONAL = 1e-15
 """Cosine between two rows that counts as none."""
+_NOTHING = 1e-100
+"""The same relative to the longer row: beside it the other is none, and its square may underflow."""
 
 RANK = 1e-9
 """Share of the largest singular value below which one counts as zero."""
@@ -36,7 +38,7 @@ def orthogonal_rows(matrix, left, values):
                     a += matrix[i, k] * matrix[i, k]
                     b += matrix[j, k] * matrix[j, k]
                     c += matrix[i, k] * matrix[j, k]
-                if abs(c) <= _ORTHOGONAL * math.sqrt(a * b):
+                if abs(c) <= _ORTHOGONAL * math.sqrt(a * b) or abs(c) <= _NOTHING * (a + b):
                     continue
                 turned = True
                 half = (b - a) / (2.0 * c)

@@ -64,7 +64,9 @@ class Judge(NamedTuple):
     pick: np.ndarray
     """Which joints are flexible."""
     matrices: np.ndarray
-    """K, B and the structural damping over the flexible joints."""
+    """K and B over the flexible joints."""
+    lag: np.ndarray
+    """What hysteresis adds to the diagonal of Z, real and imaginary part; frequency × 2 × flexible."""
     omega: np.ndarray
     """Angular frequencies [rad/s]."""
     measure: int

@@ -10,6 +10,7 @@ from jaxtyping import Bool
 
 from flexmodal.model import Robot
 from flexmodal.model.batch_chain import Chain, chain_of, places_of, turn_of
+from flexmodal.model.batch_springs import springs_of
 from flexmodal.optimisation.compiled.arrays import (
     AXIS,
     FORCE,
@@ -139,6 +140,8 @@ def _judge(robot: Robot, kind: int, directions: list[Any], **given: Any) -> Judg
         "along": np.zeros(0),
         "bounded": True,
     }
+    values: dict[str, Any] = {**defaults, **given}
+    matrices, lag = springs_of(robot, values["omega"] / (2 * np.pi))
     return Judge(
         kind=kind,
         joint=places.joint,
@@ -149,6 +152,7 @@ def _judge(robot: Robot, kind: int, directions: list[Any], **given: Any) -> Judg
         measure=PAIR,
         force=np.ones(1),
         toward=np.ones(1),
-        matrices=np.array([robot.stiffness, robot.damping, np.zeros_like(robot.damping)]),
-        **{**defaults, **given},
+        matrices=matrices,
+        lag=lag,
+        **values,
     )

@@ -38,8 +38,8 @@ def receptance_cost(chain, judge, places, room):
     pick, omega, rows, y, alpha, norms = judge.pick, judge.omega, room.rows, room.y, room.alpha, room.norms
     work, lines = (room.matrix, room.size, room.work), judge.lines
     for f in range(len(omega)):
-        trusted = solve_rows(pick, judge.matrices, omega[f], room.mass, rows, work, y[f])
-        if not trusted and not solve_pivoting(judge, omega[f], room, y[f]):
+        trusted = solve_rows(pick, judge.matrices, judge.lag[f], omega[f], room.mass, rows, work, y[f])
+        if not trusted and not solve_pivoting(judge, judge.lag[f], omega[f], room, y[f]):
             return math.inf
         for u in range(len(rows)):
             for v in range(u, len(rows)):
@@ -67,7 +67,7 @@ def power_sum(power, norms):
     return most, total
 
 
-def solve_pivoting(judge, w, room, y):
+def solve_pivoting(judge, lag, w, room, y):
     """Z y = jᵀ for every row with pivoting, Z scaled to a unit diagonal of its terms' magnitudes.
 
     Returns:
@@ -80,7 +80,8 @@ def solve_pivoting(judge, w, room, y):
     for i in range(n):
         for j in range(n):
             re = matrices[0, i, j] - w * w * mass[pick[i], pick[j]]
-            wide[i, j] = complex(re, w * matrices[1, i, j] + matrices[2, i, j]) * (size[i] * size[j])
+            wide[i, j] = complex(re, w * matrices[1, i, j]) * (size[i] * size[j])
+        wide[i, i] += complex(lag[0, i], lag[1, i]) * (size[i] * size[i])
         for r in range(len(rows)):
             wide[i, n + r] = rows[r, pick[i]] * size[i]
     if not eliminate(wide, n):

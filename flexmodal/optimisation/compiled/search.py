@@ -11,7 +11,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from flexmodal.errors import Fault, InvalidRequest, MissingExtra
-from flexmodal.frf.kernels.route import available_cores, has_numba
+from flexmodal.frf.kernels.route import available_cores, has_numba, thread_faults
 from flexmodal.optimisation.compiled.arrays import room_for, scratch_for
 from flexmodal.optimisation.compiled.descent import PERFECT, SETTLED, UNBOUNDED, UNREACHED
 from flexmodal.optimisation.compiled.functions import descents, merging
@@ -187,9 +187,9 @@ def _checked(
         faults.append(Fault("call", "problem", "a robot that branches, or another objective", allowed))
     if way not in ("auto", "compiled", "plain"):
         faults.append(Fault("call", "way", repr(way), "auto, compiled or plain"))
-    for name, number in (("iterations", iterations), ("threads", 1 if threads is None else threads)):
-        if isinstance(number, bool) or number < 1:
-            faults.append(Fault("call", name, repr(number), "a whole number of at least 1"))
+    if isinstance(iterations, bool) or iterations < 1:
+        faults.append(Fault("call", "iterations", repr(iterations), "a whole number of at least 1"))
+    faults += thread_faults(threads)
     width = None if plan is None else len(plan.box.columns)
     starts = np.ascontiguousarray(starts, dtype=float)
     if starts.ndim != 2 or (width is not None and starts.shape[1] != width) or len(starts) == 0:

@@ -65,6 +65,14 @@ CASES = {
     "fanuc": ("fanuc", (0.9, 0.8), lambda r: receptance(r, 20)),
     "ur5": ("ur5", (0.4, 0.2, 0.3), lambda r: receptance(r, 10)),
     "ur5, stiffness": ("ur5", (0.4, 0.2, 0.3), lambda r: StiffnessObjective(*directions("tool0:+z"))),
+    "loss and coupling": ("lossy", (0.9, 0.8), lambda r: receptance(r, [7.0, 12.0, 50.0], "xz", "worst")),
+    "loss, static": ("lossy", (0.9, 0.8), lambda r: receptance(r, 0)),
+    "constant loss": ("always_lossy", (0.9, 0.8), lambda r: receptance(r, [8.0, 20.0])),
+    "constant loss, stiffness": (
+        "always_lossy",
+        (0.9, 0.8),
+        lambda r: StiffnessObjective(*directions("tool:+z")),
+    ),
     "xarm7, worst": ("xarm7", (0.4, 0.2, 0.3), lambda r: receptance(r, 10, "xyz", "worst")),
 }
 ENDS = {Limit.PERFECT: PERFECT, Limit.UNBOUNDED: UNBOUNDED}
@@ -129,7 +137,9 @@ def test_every_end_is_a_local_optimum(case):
             assert gain_left(case, values) <= 2e-5
 
 
-@pytest.mark.parametrize("case", ["5 Hz", "worst of a band", "stiffness", "ur5"], indirect=True)
+@pytest.mark.parametrize(
+    "case", ["5 Hz", "worst of a band", "stiffness", "ur5", "loss and coupling"], indirect=True
+)
 def test_plain_and_compiled_are_the_same(case):
     starts = random_starts(case, 3, np.random.default_rng(5))
     plain, compiled = (search_postures(case, starts, way=way, iterations=6) for way in ("plain", "compiled"))
