@@ -49,11 +49,11 @@ def marched_receptance(one, length, *, fineness=20.0, **more):
 # laws
 
 
-def driven(kind, first, second, way):
+def driven(kind, first, second, way, third=1.0):
     """Torques along a prescribed elongation."""
     held = [0.0]
     for old, new in itertools.pairwise(way):
-        held.append(law(kind, first, second, old, new, held[-1])[0])
+        held.append(law(kind, first, second, third, old, new, held[-1])[0])
     return np.array(held)
 
 
@@ -70,6 +70,25 @@ def test_friction_loses_what_the_closed_form_says(presliding):
     assert np.pi * amplitude**2 * loss == pytest.approx(expected, rel=2e-3)  # 32 points of a half turn
 
 
+@pytest.mark.parametrize("exponent", [0.0, 0.5, 0.99, 1.4])
+@pytest.mark.parametrize("presliding", [300.0, 9000.0])
+def test_a_stand_in_loses_what_the_loop_does(presliding, exponent):
+    torque, amplitude = 0.7, 3e-3
+    way = -amplitude * np.cos(np.linspace(0, 10 * np.pi, 25_001))
+    held = driven(FRICTION, torque, presliding, way, exponent)[20_000:]
+    lost = np.sum((held[1:] + held[:-1]) / 2 * np.diff(way[20_000:]))
+    stiffness, loss = dahl(amplitude, torque, presliding, exponent)
+    assert np.pi * amplitude**2 * loss == pytest.approx(lost, rel=2e-2)  # 32 points of a half turn
+    inward = np.sum((held[1:] * way[20_001:] + held[:-1] * way[20_000:-1]) / 2) * 2 * np.pi / 5000
+    assert np.pi * amplitude**2 * stiffness == pytest.approx(inward, rel=2e-2)
+
+
+def test_friction_of_exponent_0_is_a_spring_that_slides():
+    way = np.array([0.0, 5e-4, 5e-3, 4.5e-3, -1e-2])
+    held = driven(FRICTION, 0.7, 900.0, way, 0.0)
+    np.testing.assert_allclose(held, [0.0, 0.45, 0.7, 0.25, -0.7], atol=1e-12)
+
+
 def test_friction_is_exact_at_any_step_while_the_direction_holds():
     fine = driven(FRICTION, 0.7, 900.0, np.linspace(0, 2e-3, 1001))[-1]
     coarse = driven(FRICTION, 0.7, 900.0, np.array([0, 2e-3]))[-1]
@@ -77,18 +96,24 @@ def test_friction_is_exact_at_any_step_while_the_direction_holds():
     assert coarse == pytest.approx(0.7 * (1 - np.exp(-900 * 2e-3 / 0.7)), rel=1e-12)
 
 
-@pytest.mark.parametrize(("kind", "first", "second"), [(FRICTION, 0.7, 900.0), (HARDENING, -300.0, 1e-3)])
-@pytest.mark.parametrize("new", [-2e-3, 4e-4, 3e-3])
-def test_slope_of_a_law_is_its_derivative(kind, first, second, new):
+@pytest.mark.parametrize(
+    ("kind", "first", "second", "third"),
+    [(FRICTION, 0.7, 900.0, 1.0), (FRICTION, 0.7, 300.0, 0.3), (FRICTION, 0.7, 900.0, 1.5),
+     (HARDENING, -300.0, 1e-3, 0.0)],
+)  # fmt: skip
+@pytest.mark.parametrize("new", [-1e-3, 4e-4, 1.2e-3])
+def test_slope_of_a_law_is_its_derivative(kind, first, second, third, new):
     step = 1e-9
-    up, down = (law(kind, first, second, 5e-4, new + way * step, 0.2)[0] for way in (1, -1))
+    up, down = (law(kind, first, second, third, 5e-4, new + way * step, 0.2)[0] for way in (1, -1))
     # central differences: rounding 1e-16 · 1 N·m / 1e-9 rad beside slopes of 10 and more
-    assert law(kind, first, second, 5e-4, new, 0.2)[1] == pytest.approx((up - down) / (2 * step), rel=1e-5)
+    assert law(kind, first, second, third, 5e-4, new, 0.2)[1] == pytest.approx(
+        (up - down) / (2 * step), rel=1e-5
+    )
 
 
 def test_a_hardening_spring_levels_off():
-    assert law(HARDENING, 500.0, 1e-3, 0.0, 1e-5, 0.0)[0] == pytest.approx(500 * 1e-15 / 1e-6, rel=1e-3)
-    assert law(HARDENING, 500.0, 1e-3, 0.0, 10.0, 0.0)[0] == pytest.approx(5000.0, rel=1e-7)
+    assert law(HARDENING, 500.0, 1e-3, 0.0, 0.0, 1e-5, 0.0)[0] == pytest.approx(500 * 1e-15 / 1e-6, rel=1e-3)
+    assert law(HARDENING, 500.0, 1e-3, 0.0, 0.0, 10.0, 0.0)[0] == pytest.approx(5000.0, rel=1e-7)
 
 
 # spectra
@@ -221,7 +246,8 @@ def integrated(laws, end, tolerance=1e-10):
         for one, torque in zip(rubbing, held, strict=True):
             force = force - one.row * torque
             speed = one.row @ v
-            rates.append(one.parameters[1] * (speed - abs(speed) * torque / one.parameters[0]))
+            share = max(1 - np.sign(speed) * torque / one.parameters[0], 0.0)
+            rates.append(one.parameters[1] * speed * share ** one.parameters[2])
         for one in laws:
             if one.kind == HARDENING:
                 u = (one.row @ q / one.parameters[1]) ** 2
@@ -234,6 +260,7 @@ def integrated(laws, end, tolerance=1e-10):
 
 LAWS = {
     "friction": (friction(FIRST, 3.0, 3e4),),
+    "abrupt friction": (friction(FIRST, 3.0, 3e4, 0.4),),
     "hardening": (hardening(FIRST, 6e3, 2e-3),),
     "softening": (hardening(FIRST, -6e3, 2e-3),),
     "both": (hardening(np.array([-1.0, 1.0]), 3e3, 2e-3), friction(FIRST, 3.0, 3e4)),

@@ -46,15 +46,29 @@ def _one_level(scene: Scene) -> str | None:
     return "one level of force only: what depends on it cannot be told" if scene.level_count < 2 else None
 
 
-def dahl(amplitude: float, torque: float, presliding: float) -> tuple[float, float]:
+def dahl(amplitude: float, torque: float, presliding: float, exponent: float = 1.0) -> tuple[float, float]:
     """Stiffness and loss (torque a radian, in and out of phase) of Dahl's friction at an amplitude.
 
-    On the way up, F = F_c − (F_c + F₀) exp(−σ(q + A)/F_c) with F₀ = F_c tanh(σA/F_c), so that loops close.
+    On the way up from −A the part of the way to sliding that is left, r = 1 − F/F_c, falls as
+    dr/dq = −(σ/F_c) rⁱ; where it starts is found by bisection, so that loops close.
     """
     size = min(presliding * amplitude / torque, 300.0)
-    start = torque * np.tanh(size)
+
+    def left(start: float, way: np.ndarray) -> np.ndarray:
+        power = 1 - exponent
+        if abs(power) < 1e-9:
+            return np.asarray(start * np.exp(-way))
+        if start <= 0:
+            return np.zeros_like(way)
+        return np.asarray(np.maximum(start**power - power * way, 0.0) ** (1 / power))
+
+    low, high = 1.0, 2.0  # r starts at 1 + F₀/F_c and ends at 1 − F₀/F_c
+    for _ in range(50):
+        middle = (low + high) / 2
+        ends = float(left(middle, np.array([2 * size]))[0])
+        low, high = (middle, high) if middle + ends < 2 else (low, middle)
     q = -np.cos(_PHASE)  # from −A to A
-    force = torque - (torque + start) * np.exp(-size * (q + 1))
+    force = torque * (1 - left((low + high) / 2, size * (q + 1)))
     stiffness = 2 / len(_PHASE) * float(np.sum(force * q)) / amplitude
     loss = 2 / len(_PHASE) * float(np.sum(force * np.sin(_PHASE))) / amplitude
     return stiffness, loss
@@ -66,9 +80,13 @@ def hardened(amplitude: float) -> float:
     return float(1 - 2 / a**2 * (1 - 1 / np.sqrt(1 + a**2)))
 
 
+_FRICTION = ("torque", "presliding_stiffness", "exponent")
+
+
 def _rub(assembly: Assembly, site: Site) -> None:
     swing = _swing(site)
-    stiffness, loss = dahl(swing.amplitude, site["torque"], site["presliding_stiffness"])
+    torque, bristles, exponent = (site[name] for name in _FRICTION)
+    stiffness, loss = dahl(swing.amplitude, torque, bristles, exponent)
     row = assembly.stretch_of(site.where)
     assembly.add_spring(row, stiffness)
     assembly.add_damper(row, loss / swing.omega)
@@ -80,6 +98,7 @@ def _friction_parameters(scene: Scene, where: str) -> tuple[Parameter, ...]:
     return (
         positive("torque", "N·m", torque, 1.2, torque / 1e3, torque * 1e3),
         positive("presliding_stiffness", "N·m/rad", 5 * k, 0.7, 0.1 * k, 200 * k),
+        signed("exponent", "", 0.4, 0.0, 1.6, centre=1.0),
         positive("reach", "", 1.0, 0.7, 0.05, 20.0),
     )
 
@@ -95,12 +114,10 @@ FRICTION = Effect(
         for share in (0.02, 0.1, 0.4)
     ],
     act=_rub,
-    law=lambda assembly, site: friction(
-        assembly.stretch_of(site.where), site["torque"], site["presliding_stiffness"]
-    ),
+    law=lambda assembly, site: friction(assembly.stretch_of(site.where), *(site[name] for name in _FRICTION)),
     variants=("blow",),
     untestable=_one_level,
-    physical=lambda scene, where, values: {name: values[name] for name in ("torque", "presliding_stiffness")},
+    physical=lambda scene, where, values: {name: values[name] for name in _FRICTION},
 )
 
 

@@ -21,13 +21,14 @@ CLOSE = 1e-6
 
 
 @no_type_check  # a checker's wrapper cannot be compiled
-def law(kind, first, second, old, new, memory):
+def law(kind, first, second, third, old, new, memory):
     """Torque at an elongation and its derivative.
 
     Args:
         kind: code of the law.
         first: its parameters.
         second: likewise.
+        third: likewise.
         old: elongation one step ago.
         new: elongation now.
         memory: torque one step ago.
@@ -39,8 +40,17 @@ def law(kind, first, second, old, new, memory):
         return first * new * part, first * part * (3.0 + ratio) / (1.0 + ratio)
     moved = new - old
     limit = first if moved >= 0.0 else -first
-    left = (limit - memory) * np.exp(-second * abs(moved) / first)
-    return limit - left, second * left / limit
+    share = max(1.0 - memory / limit, 0.0)  # of the way to sliding that is left
+    way = second * abs(moved) / first
+    power = 1.0 - third
+    if abs(power) < 1e-9:
+        share *= np.exp(-way)
+        return limit - limit * share, second * share
+    left = share**power - power * way if share > 0.0 else 0.0
+    if left <= 0.0:
+        return limit, 0.0
+    share = left ** (1.0 / power)
+    return limit - limit * share, second * share**third
 
 
 @no_type_check  # a checker's wrapper cannot be compiled
@@ -53,7 +63,7 @@ def march(phi, carried, late, rows, kinds, parameters, system, push, torque, las
         late: to the state at once.
         rows: elongations by the state, [system, law, state].
         kinds: code of each law.
-        parameters: of the laws, [system, law, 2].
+        parameters: of the laws, [system, law, 3].
         system: which one each group of blows strikes, [group].
         push: what the hammer adds in each step until its pulse is over, [group, step, state, lane].
         torque: filled, [group, lane, law, time]; zero at the start.
@@ -118,7 +128,7 @@ def march(phi, carried, late, rows, kinds, parameters, system, push, torque, las
                     settled = True
                     for one in range(count):
                         value, slope = law(
-                            kinds[one], parameters[m, one, 0], parameters[m, one, 1],
+                            kinds[one], parameters[m, one, 0], parameters[m, one, 1], parameters[m, one, 2],
                             old[one, b], end[one, b], held[one, b],
                         )  # fmt: skip
                         own = gain[one, one]

@@ -2,11 +2,12 @@
 
 Two laws, both zero at rest:
 
-    dry friction (Dahl, AFOSR report 0158, 1968)    dT/dq = σ (1 − (T/T_c) sgn q̇),
+    dry friction (Dahl, AFOSR report 0158, 1968)    dT/dq = σ (1 − (T/T_c) sgn q̇)ⁱ,
     spring that hardens or softens                  T = a k q u²/(1 + u²),  u = q/q_r, beside k q.
 
-Friction is integrated over the distance moved in a step, which is exact while the direction holds and stays
-bounded by T_c at any step.
+The exponent i says how friction goes over from its spring to sliding: 0 at once, as Jenkins's element does,
+1 little by little. Friction is integrated over the distance moved in a step, which is exact while the
+direction holds and stays bounded by T_c at any step.
 """
 
 from __future__ import annotations
@@ -27,18 +28,21 @@ class Law:
     row: Float[np.ndarray, " dof"]
     """Elongation = row · coordinates [rad, m]."""
     kind: int
-    parameters: tuple[float, float]
+    parameters: tuple[float, float, float]
 
 
-def friction(row: Float[np.ndarray, " dof"], torque: float, presliding_stiffness: float) -> Law:
+def friction(
+    row: Float[np.ndarray, " dof"], torque: float, presliding_stiffness: float, exponent: float = 1.0
+) -> Law:
     """Dry friction.
 
     Args:
         row: elongation by the coordinates.
         torque: at which it slips [N·m].
         presliding_stiffness: before it does [N·m/rad].
+        exponent: i.
     """
-    return Law(row, FRICTION, (torque, presliding_stiffness))
+    return Law(row, FRICTION, (torque, presliding_stiffness, exponent))
 
 
 def hardening(row: Float[np.ndarray, " dof"], stiffness: float, deflection: float) -> Law:
@@ -49,4 +53,4 @@ def hardening(row: Float[np.ndarray, " dof"], stiffness: float, deflection: floa
         stiffness: that comes on top at large elongation; negative if the spring softens [N·m/rad].
         deflection: at which half of it is there, q_r [rad].
     """
-    return Law(row, HARDENING, (stiffness, deflection))
+    return Law(row, HARDENING, (stiffness, deflection, 0.0))

@@ -15,7 +15,7 @@ def march(
     late: Float[np.ndarray, "system law state"],
     rows: Float[np.ndarray, "system law state"],
     kinds: Int[np.ndarray, " law"],
-    parameters: Float[np.ndarray, "system law 2"],
+    parameters: Float[np.ndarray, "system law 3"],
     system: Int[np.ndarray, " group"],
     push: Float[np.ndarray, "group step state lane"],
     torque: Float[np.ndarray, "group lane law time"],
@@ -75,5 +75,12 @@ def _law(
         return p[:, 0] * new * part, p[:, 0] * part * (3 + ratio) / (1 + ratio)
     moved = new - old
     limit = np.where(moved >= 0, p[:, 0], -p[:, 0])
-    left = (limit - memory) * np.exp(-p[:, 1] * np.abs(moved) / p[:, 0])
-    return limit - left, p[:, 1] * left / limit
+    share = np.maximum(1 - memory / limit, 0.0)  # of the way to sliding that is left
+    way, power = p[:, 1] * np.abs(moved) / p[:, 0], 1 - p[:, 2]
+    smooth = np.abs(power) < 1e-9
+    root = np.where(smooth, 1.0, power)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        left = np.where(share > 0, share**root - root * way, 0.0)
+        share = np.where(smooth, share * np.exp(-way), np.where(left > 0, left ** (1 / root), 0.0))
+        slope = np.where(share > 0, p[:, 1] * share ** p[:, 2], 0.0)
+    return limit - limit * share, slope
