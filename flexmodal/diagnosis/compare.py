@@ -7,29 +7,23 @@ noise. Its share is its part of everything that stands out.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
 from jaxtyping import Complex, Float, Int
 
+from flexmodal.diagnosis.kinds import SMOOTH, kind_of
 from flexmodal.diagnosis.outcome import Region
 from flexmodal.identification import Observations
 from flexmodal.identification.frf_fit import residual
 
-SMOOTH = 3
-"""Lines to either side over which a squared residual is averaged."""
 STANDS_OUT = 4.0
 """Times the variance of the noise from which a line stands out."""
 MOST = 12
 """Regions that are listed."""
-NEAR = 0.06
-"""Relative distance up to which two resonances count as one that moved."""
-
 FEWEST = 5
 """Lines that two levels of force have to share to be compared."""
-
-Signal = Complex[np.ndarray, " line"]
 
 
 def excess(
@@ -92,7 +86,7 @@ def disagreement(
     seen: dict[tuple[int, ...], int] = {}
     frequency = observations.axis.frequency
     for share, row, first, last in found:
-        kind, says = _kind(observations, predicted, row, first, last)
+        kind, says = kind_of(observations, predicted, row, first, last)
         pair = (*observations.response[row].tolist(), *observations.reference[row].tolist())
         middle = round(20 * float(np.log(frequency[(first + last) // 2])))
         key = (int(observations.posture[row]), *pair, middle)
@@ -126,129 +120,3 @@ def _runs(above: Float[np.ndarray, " line"]) -> Iterator[tuple[int, int]]:
         return
     for run in np.split(lines, np.flatnonzero(np.diff(lines) > 2 * SMOOTH) + 1):
         yield int(run[0]), int(run[-1])
-
-
-def _kind(
-    observations: Observations, predicted: np.ndarray, row: int, first: int, last: int
-) -> tuple[str, str]:
-    """Kind of a region and its sentence."""
-    name = _name(observations, row)
-    used = observations.used[row]
-    r = residual(predicted[row], observations.value[row])
-    frequency = observations.axis.frequency
-    band = f"{frequency[first]:.3g} to {frequency[last]:.3g} Hz"
-    whole = last - first > 0.6 * len(frequency)
-    if whole:
-        kind = _whole(r[used], frequency[used])
-        if kind is not None:
-            return kind[0], f"{name}: {kind[1]}"
-    force = _force(observations, row, first, last)
-    if force is not None:
-        return "depends on force", f"{name}, {band}: {force}"
-    window = slice(max(first - SMOOTH, 0), min(last + SMOOTH + 1, len(frequency)))
-    wide = slice(max(first - 8 * SMOOTH, 0), min(last + 8 * SMOOTH + 1, len(frequency)))
-    for sign, what in ((1.0, "resonance"), (-1.0, "antiresonance")):
-        told = _peaks(observations.value[row], predicted[row], frequency, wide, window, sign, what)
-        if told is not None:
-            return told[0], f"{name}: {told[1]}"
-    level = float(np.mean(r[window].real))
-    more = "more" if level > 0 else "less"
-    size = f"{abs(np.expm1(level)) * 100:.0f} %"
-    peaks = _extrema(predicted[row], 1.0)
-    if peaks.size and frequency[last] < 0.8 * frequency[peaks[0]]:
-        return "stiffness line", f"{name}, {band}: below the first resonance the model moves {size} {more}"
-    if peaks.size and frequency[first] > 1.2 * frequency[peaks[-1]]:
-        return "mass line", f"{name}, {band}: above the last resonance the model moves {size} {more}"
-    return "level", f"{name}, {band}: the model moves {size} {more} than was measured"
-
-
-def _whole(r: Signal, frequency: Float[np.ndarray, " line"]) -> tuple[str, str] | None:
-    """A residual over the whole band that is one factor, or one delay."""
-    level = float(np.median(r.real))
-    slope = float(np.sum(frequency * r.imag) / np.sum(frequency**2))
-    spread = float(np.sqrt(np.mean(np.abs(r) ** 2)))
-    flat = float(np.sqrt(np.mean(np.abs(r - level) ** 2)))
-    straight = float(np.sqrt(np.mean(np.abs(r - 1j * slope * frequency) ** 2)))
-    if flat < 0.5 * spread and flat <= straight:
-        factor = np.exp(-level)
-        return "level", f"measured over model is {factor:.3g} at every frequency"
-    if straight < 0.5 * spread:
-        delay = slope / (2 * np.pi)
-        return "phase slope", f"the phase falls with frequency as after a delay of {1e3 * delay:.3g} ms"
-    return None
-
-
-def _force(observations: Observations, row: int, first: int, last: int) -> str | None:
-    """Whether the same FRF under other blows differs here by more than noise."""
-    same = np.flatnonzero(
-        (observations.posture == observations.posture[row])
-        & np.all(observations.response == observations.response[row], axis=1)
-        & np.all(observations.reference == observations.reference[row], axis=1)
-        & (observations.level != observations.level[row])
-    )
-    lines = slice(first, last + 1)
-    for other in same.tolist():
-        both = observations.used[row, lines] & observations.used[other, lines]
-        if both.sum() < 3:
-            continue
-        change = residual(observations.value[other, lines][both], observations.value[row, lines][both])
-        noise = observations.variance[row, lines][both] + observations.variance[other, lines][both]
-        if np.mean(np.abs(change) ** 2) > 9 * np.mean(noise):
-            one, two = (observations.peak(int(observations.level[k])) for k in (row, other))
-            return f"the FRF changes between blows of {one:.3g} N and {two:.3g} N"
-    return None
-
-
-def _peaks(
-    measured: Signal, model: Signal, frequency: np.ndarray, wide: slice, window: slice, sign: float, what: str
-) -> tuple[str, str] | None:
-    """What the resonances (or antiresonances) in a region have to say."""
-    there, here = _extrema(measured, sign, wide), _extrema(model, sign, wide)
-    inside = [k for k in there if window.start <= k < window.stop]
-    ours = [k for k in here if window.start <= k < window.stop]
-    if not inside and not ours:
-        return None
-    if inside and here.size:
-        k = max(inside, key=lambda k: sign * np.log(np.abs(measured[k])))
-        near = int(here[np.argmin(np.abs(np.log(frequency[here] / frequency[k])))])
-        ratio = frequency[near] / frequency[k]
-        if abs(np.log(ratio)) < NEAR:
-            if abs(near - k) <= 1 and what == "resonance":
-                level = np.abs(model[near]) / np.abs(measured[k])
-                kind = "too much damping" if level < 1 else "too little damping"
-                return kind, (
-                    f"at {frequency[k]:.4g} Hz the model has {kind}: its peak is {level:.2f} × the measured"
-                )
-            return f"shifted {what}", (
-                f"the {what} measured at {frequency[k]:.4g} Hz lies at {frequency[near]:.4g} Hz in the model"
-            )
-        return f"missing {what}", f"a measured {what} at {frequency[k]:.4g} Hz is missing from the model"
-    if inside:
-        k = max(inside, key=lambda k: sign * np.log(np.abs(measured[k])))
-        return f"missing {what}", f"a measured {what} at {frequency[k]:.4g} Hz is missing from the model"
-    if there.size and min(abs(np.log(frequency[ours[0]] / frequency[there]))) < NEAR:
-        return f"shifted {what}", f"the model has a {what} at {frequency[ours[0]]:.4g} Hz that lies elsewhere"
-    return f"extra {what}", f"the model has a {what} at {frequency[ours[0]]:.4g} Hz that was not measured"
-
-
-def _extrema(value: Signal, sign: float, lines: slice | None = None) -> np.ndarray:
-    """Peaks (sign 1) or dips (−1) of the magnitude, of a prominence of 10 % or more."""
-    from scipy.signal import find_peaks
-
-    log = sign * np.log(np.maximum(np.abs(value), 1e-300))
-    smooth = np.convolve(np.pad(log, 1, mode="edge"), np.ones(3) / 3, mode="valid")
-    found, _ = find_peaks(smooth, prominence=0.1)
-    if lines is not None:
-        found = found[(found >= lines.start) & (found < lines.stop)]
-    return found
-
-
-def _name(observations: Observations, row: int) -> str:
-    def place(where: Sequence[int]) -> str:
-        return f"{observations.campaign.point(int(where[0])).name}:{'xyz'[int(where[1]) - 1]}"
-
-    posture = observations.postures[int(observations.posture[row])]
-    return (
-        f"{posture.name}, {place(observations.response[row].tolist())} per "
-        f"{place(observations.reference[row].tolist())}"
-    )

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from flexmodal.diagnosis.figures import gap_of, gaps_of
-from flexmodal.diagnosis.outcome import Step, Weighed
+from flexmodal.diagnosis.outcome import NONE, Step, Weighed
 from flexmodal.diagnosis.preparation import Bench
 from flexmodal.diagnosis.weigh import Scales, Weighable
 from flexmodal.identification import uncertainty
@@ -48,7 +48,7 @@ def describe(bench: Bench, looked: Sequence[Weighable], scales: Scales, best: in
 def weighed(bench: Bench, one: Weighable, before: Weighable, scales: Scales, number: int) -> Weighed:
     """An explanation on the scales, in figures."""
     return Weighed(
-        effect=one.key[0] if one is not before else "none",
+        effect=one.key[0] if one is not before else NONE,
         where=one.key[1] if one is not before else "",
         gap=gap_of(bench, one, ~bench.held),
         held_out_gap=gap_of(bench, one, bench.held) if bench.held.any() else None,

@@ -16,7 +16,7 @@ from jaxtyping import Float
 from flexmodal.campaign import CampaignPosture
 from flexmodal.diagnosis.effects.effect import Scene
 from flexmodal.diagnosis.hypothesis import Hypothesis
-from flexmodal.diagnosis.outcome import NextMeasurement
+from flexmodal.diagnosis.outcome import NONE, NextMeasurement
 from flexmodal.identification import Observations, predict
 from flexmodal.identification.frf_fit import residual
 from flexmodal.identification.gap import Gap, gap
@@ -65,7 +65,7 @@ def next_measurement(
 
 
 def _label(hypothesis: Hypothesis) -> str:
-    return "@".join(hypothesis.keys[-1]) if hypothesis.placed else "none"
+    return "@".join(hypothesis.keys[-1]) if hypothesis.placed else NONE
 
 
 def _postures(scene: Scene, seed: int) -> list[Mapping[str, float]]:

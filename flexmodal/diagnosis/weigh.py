@@ -23,6 +23,7 @@ import numpy as np
 from jaxtyping import Complex, Float
 
 from flexmodal.diagnosis.hypothesis import Hypothesis
+from flexmodal.diagnosis.outcome import NONE
 from flexmodal.identification import Observations, predict
 from flexmodal.identification.descent import prior_cost, robust
 from flexmodal.identification.frf_fit import FrfFit, Weighing, residual
@@ -100,7 +101,7 @@ def weighable(
     sign, log = np.linalg.slogdet(np.eye(len(root)) + curvature)
     occam = 0.5 * float(log) if sign > 0 else np.inf
     return Weighable(
-        key=hypothesis.keys[-1] if hypothesis.placed else ("none", ""),
+        key=hypothesis.keys[-1] if hypothesis.placed else (NONE, ""),
         hypothesis=hypothesis,
         fitted=fitted,
         costs=costs,

@@ -17,6 +17,8 @@ PALETTE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#0
 
 _STYLES = ("-", "--", "-.", ":")
 _MOST_CURVES = 12
+_SVG = {"svg.fonttype": "none", "svg.hashsalt": "flexmodal"}
+"""Text as text, and the same names of its parts each time."""
 
 
 def draw_frf(curves: Mapping[str, Frf], *, title: str = "", mark: float | None = None) -> Any:
@@ -87,7 +89,7 @@ def write_plot(figure: Any, path: Path, *, overwrite: bool = False) -> None:
     """
     import matplotlib as mpl
 
-    with whole_file(path, overwrite=overwrite) as scratch, mpl.rc_context({"svg.fonttype": "none"}):
+    with whole_file(path, overwrite=overwrite) as scratch, mpl.rc_context(_SVG):
         figure.savefig(scratch, dpi=150)
 
 
@@ -95,8 +97,8 @@ def svg_text(figure: Any) -> str:
     """A figure as an SVG element for a page."""
     import matplotlib as mpl
 
-    with io.StringIO() as file, mpl.rc_context({"svg.fonttype": "none"}):
-        figure.savefig(file, format="svg")
+    with io.StringIO() as file, mpl.rc_context(_SVG):
+        figure.savefig(file, format="svg", metadata={"Date": None})
         text = file.getvalue()
     return text[text.index("<svg") :]
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -87,6 +88,11 @@ class Observations:
     def peak(self, level: int) -> float:
         """Typical force peak of a kind of blow [N]."""
         return float(np.mean([self.campaign.trial(trial).force_peak for trial in self.levels[level]]))
+
+    def direction(self, where: Sequence[int] | Int[np.ndarray, " 2"]) -> str:
+        """A point and a direction as text, such as tip:+z."""
+        number, way = (int(one) for one in where)
+        return f"{self.campaign.point(number).name}:{'-' if way < 0 else '+'}{'xyz'[abs(way) - 1]}"
 
     def keeping(self, keep: Bool[np.ndarray, " observation"]) -> Observations:
         """Some of the observations; postures keep their numbers."""

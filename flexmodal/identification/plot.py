@@ -113,12 +113,8 @@ def _chosen(seen: Any) -> list[int]:
 def _title(outcome: Outcome, row: int) -> str:
     assert isinstance(outcome.problem.route, FrfRoute)
     seen = outcome.problem.route.observations
-
-    def name(place: np.ndarray) -> str:
-        return f"{seen.campaign.point(int(place[0])).name}:+{'xyz'[abs(int(place[1])) - 1]}"
-
     posture = seen.postures[int(seen.posture[row])].name
-    return f"{posture}: {name(seen.response[row])} per {name(seen.reference[row])}"
+    return f"{posture}: {seen.direction(seen.response[row])} per {seen.direction(seen.reference[row])}"
 
 
 def _draw_modes(outcome: Outcome, route: ModeRoute) -> Any:

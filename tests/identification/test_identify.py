@@ -9,7 +9,7 @@ import flexmodal
 from flexmodal.campaign import noise_floor
 from flexmodal.campaign.noise import COHERENT
 from flexmodal.errors import InvalidRequest
-from flexmodal.identification import build_identification, identify, robot_space
+from flexmodal.identification import build_identification, identify, observe, robot_space
 from flexmodal.identification.heard import HEARD, roughness
 from flexmodal.rig import simulate
 
@@ -188,6 +188,17 @@ def test_noise_alone_gives_no_number(campaign, fanuc, source):
     assert "coherence below 0.8" in refused(replace(campaign, frfs=dull), fanuc, source=source)[0]
     mute = replace(campaign.frfs, value=np.zeros(shape, complex))
     assert "zero throughout" in refused(replace(campaign, frfs=mute), fanuc, source=source)[0]
+
+
+def test_what_is_zero_but_for_rounding_is_no_measurement(campaign, fanuc):
+    frfs = campaign.frfs
+    place = (frfs.response[0].tolist(), frfs.reference[0].tolist())
+    rows = [k for k in range(len(frfs)) if (frfs.response[k].tolist(), frfs.reference[k].tolist()) == place]
+    value = frfs.value.copy()
+    value[rows] *= 1e-14
+    seen = observe(replace(campaign, frfs=replace(frfs, value=value)))
+    assert len(seen.silent) == len(observe(campaign).silent) + len(rows)
+    assert all(str(place[0]) in one and str(place[1]) in one for one in seen.silent)
 
 
 def test_roughness_tells_noise_from_a_response(campaign):

@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 
 from flexmodal.diagnosis.outcome import NONE, Diagnosis, NextMeasurement, Region, Step, Weighed
 from flexmodal.diagnosis.report.words import (
-    direction,
     effect_words,
     error,
     figure,
@@ -157,7 +156,7 @@ def next_words(diagnosis: Diagnosis, measurement: NextMeasurement) -> dict[str, 
     sliding = [name for name, joint in robot.commanded.items() if joint.type == "prismatic"]
     pairs = (explanation.partition("@")[::2] for explanation in measurement.separates)
     one, other = (placed(effect, where) for effect, where in pairs)
-    sensor = direction(observations, measurement.response)
+    sensor = observations.direction(measurement.response)
     if measurement.point is not None:
         sensor = f"a new sensor at {measurement.point}, along {sensor.partition(':')[2]}"
     return {
@@ -165,6 +164,6 @@ def next_words(diagnosis: Diagnosis, measurement: NextMeasurement) -> dict[str, 
         "other": other,
         "posture": posture_words(measurement.posture, sliding),
         "sensor": sensor,
-        "hammer": f"{direction(observations, measurement.reference)}, about {measurement.force_peak:.3g} N",
+        "hammer": f"{observations.direction(measurement.reference)}, about {measurement.force_peak:.3g} N",
         "expected": f"{measurement.expected:.1f}",
     }

@@ -5,9 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
-import numpy as np
-from jaxtyping import Int
-
 from flexmodal.diagnosis.effects import catalogue
 from flexmodal.diagnosis.outcome import NONE, UNKNOWN, UNSTRUCTURED, Diagnosis
 from flexmodal.identification import Observations
@@ -18,7 +15,6 @@ _KINDS = {
     "mass": "mass of {}",
     "inertia": "inertia of {}, relative",
 }
-_AXES = "xyz"
 
 
 def effect_words(diagnosis: Diagnosis) -> dict[str, str]:
@@ -47,17 +43,10 @@ def parameter_words(name: str) -> str:
     return name.rsplit(".", 1)[-1].replace("_", " ")
 
 
-def direction(observations: Observations, where: tuple[int, int] | Int[np.ndarray, " 2"]) -> str:
-    """A point and direction, such as tip:+z."""
-    number, way = (int(one) for one in where)
-    sign = "-" if way < 0 else "+"
-    return f"{observations.campaign.point(number).name}:{sign}{_AXES[abs(way) - 1]}"
-
-
 def pair(observations: Observations, row: int) -> str:
     """Response and reference of an observation, and the force where there are several."""
     both = " per ".join(
-        direction(observations, where) for where in (observations.response[row], observations.reference[row])
+        observations.direction(where) for where in (observations.response[row], observations.reference[row])
     )
     if len(set(observations.level.tolist())) < 2:
         return both

@@ -1,0 +1,98 @@
+"""Where model and measurement disagree is told by kind: a model changed on purpose, beside itself."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from flexmodal.diagnosis.compare import but_for_the_blow, disagreement
+from flexmodal.diagnosis.effects import catalogue
+from flexmodal.diagnosis.hypothesis import Placed
+from flexmodal.identification import predict
+
+
+@pytest.fixture(scope="module")
+def exact(scene, hinged):
+    """Observations that the fitted model meets exactly, and that model."""
+    _, _, hypothesis, made = hinged
+    value = predict(hypothesis, made.x, scene.observations)
+    observations = replace(scene.observations, value=value, used=np.ones(value.shape, dtype=bool))
+    return observations, hypothesis, made.x
+
+
+def changed(exact, values):
+    """What the model predicts with some parameters multiplied."""
+    observations, hypothesis, x = exact
+    names = list(hypothesis.space.names)
+    moved = x.copy()
+    for name, factor in values.items():
+        moved[names.index(name)] += np.log(factor)
+    return predict(hypothesis, moved, observations)
+
+
+def test_a_model_that_is_right_disagrees_nowhere(exact):
+    observations, _, _ = exact
+    assert disagreement(observations, observations.value) == ()
+
+
+def test_a_factor_is_a_level(exact):
+    observations, _, _ = exact
+    regions = disagreement(observations, 1.3 * observations.value)
+    assert {region.kind for region in regions} == {"level"}
+    assert "0.769" in regions[0].says
+    assert 0.95 < sum(region.share for region in regions) < 1 + 1e-9  # twelve regions are listed
+
+
+def test_a_delay_is_a_phase_slope(exact):
+    observations, _, _ = exact
+    late = np.exp(-2j * np.pi * observations.axis.frequency * 8e-4)
+    regions = disagreement(replace(observations, value=observations.value * late), observations.value)
+    assert {region.kind for region in regions} == {"phase slope"}
+    assert "0.8 ms" in regions[0].says
+
+
+def test_a_stiffer_joint_shifts_resonances(exact):
+    observations, _, _ = exact
+    kinds = {region.kind for region in disagreement(observations, changed(exact, {"stiffness.q2": 1.08}))}
+    assert "shifted resonance" in kinds
+    assert not {"missing resonance", "extra resonance"} & kinds
+
+
+@pytest.mark.parametrize(("factor", "kind"), [(1.6, "too much damping"), (0.6, "too little damping")])
+def test_a_peak_that_is_lower_is_damping(exact, factor, kind):
+    observations, _, _ = exact
+    regions = disagreement(observations, changed(exact, {"damping.q2": factor}))
+    assert regions[0].kind == kind
+    ratio = float(regions[0].says.split("its peak is ")[1].split(" ")[0])
+    assert ratio == pytest.approx(1 / factor, rel=0.15)
+
+
+def test_no_peak_that_is_as_high_is_called_damped(exact):
+    observations, _, _ = exact
+    for predicted in (changed(exact, {"stiffness.q2": 1.003}), changed(exact, {"mass.link_3": 1.01})):
+        for region in disagreement(observations, predicted):
+            assert "its peak is 1.0" not in region.says
+
+
+def test_a_resonance_that_the_model_lacks_is_missing_and_one_too_many_extra(scene, exact):
+    observations, hypothesis, x = exact
+    placed = Placed(catalogue()["local_absorber"], "link_3")
+    resilient = hypothesis.and_also(placed)
+    start = {"mass": 2.0, "frequency": 27.0, "damping_ratio": 0.01, "along": 0.9}
+    value = predict(resilient, resilient.start(placed, start, x), observations)
+    found = disagreement(replace(observations, value=value), observations.value)
+    missing = [region.says for region in found if region.kind == "missing resonance"]
+    assert missing, found
+    assert all(20 < float(says.split("resonance at ")[1].split(" ")[0]) < 35 for says in missing), missing
+    assert "extra resonance" in {region.kind for region in disagreement(observations, value)}
+
+
+def test_blows_of_other_force_on_one_pair_go_together(scene):
+    owner = but_for_the_blow(scene.observations)
+    seen = scene.observations
+    for number in np.unique(owner):
+        rows = np.flatnonzero(owner == number)
+        assert len(np.unique(seen.level[rows])) == len(rows) == 2
+        assert (
+            len(np.unique(np.column_stack([seen.posture, seen.response, seen.reference])[rows], axis=0)) == 1
+        )
