@@ -1,6 +1,7 @@
 """The workflow on campaigns of the rig: what is hidden is found, and nothing else."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -14,7 +15,7 @@ from flexmodal.diagnosis.looking import looked_at
 from flexmodal.diagnosis.preparation import prepare
 from flexmodal.diagnosis.search import Candidate, look_at, restarted
 from flexmodal.diagnosis.weigh import weigh
-from flexmodal.diagnosis.workflow import FLOOR_REACHED, SIGNIFICANT
+from flexmodal.diagnosis.workflow import FLOOR_REACHED, SIGNIFICANT, _Course
 from flexmodal.errors import InvalidRequest
 from flexmodal.identification import RobotModel, observe, predict, robot_space
 from flexmodal.rig import Hide, simulate
@@ -143,3 +144,23 @@ def test_started_from_everywhere_it_leaves_a_local_minimum():
     again = restarted(hypothesis, beside.x, [card], seen)
     assert again.cost < 0.5 * beside.cost
     assert over_noise(bench, looked_at(bench, hypothesis, again.x, near=True)) < FLOOR_REACHED
+
+
+@pytest.mark.parametrize("last", ["local_absorber@link_1", "added_mass@link_3"])
+def test_an_effect_that_nobody_misses_goes_whether_found_first_or_last(loaded, last):
+    bench = prepare(*loaded, None, ["added_mass", "local_absorber"], None, 0, lambda doing, part: None)
+    course = _Course(bench)
+    names = sorted(["local_absorber@link_1", "added_mass@link_3"], key=lambda name: name == last)
+    effects = {effect.name: effect for effect in bench.effects}
+    hypothesis, start = course.root, np.zeros(len(bench.base))
+    for name in names:
+        effect, where = name.split("@")
+        placed = Placed(effects[effect], where)
+        hypothesis = hypothesis.and_also(placed)
+        start = hypothesis.start(placed, placed.effect.starts(bench.scene, where)[0], start)
+        course.steps.append(SimpleNamespace(effect=effect, where=where))
+    course.current = looked_at(bench, hypothesis, start)
+    course._still_needed()
+    assert [(step.effect, step.where) for step in course.steps] == [("added_mass", "link_3")]
+    assert course.current.hypothesis.keys == (("added_mass", "link_3"),)
+    assert over_noise(bench, course.current) < FLOOR_REACHED
