@@ -95,7 +95,7 @@ def rig(
     with gathering.step():
         arm = load_robot(robot, stiffness, damping, tool, fix)
         with _as_options():
-            if request["references"] is None:
+            if request.get("references", 2) is None:
                 alone = request["points"] == 1 and len(request["axes"] or default_axes(arm)) == 1
                 request["references"] = 1 if alone else 2
             prepare(arm, **request)
