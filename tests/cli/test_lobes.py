@@ -188,6 +188,7 @@ def test_a_process_of_its_own(shell):
     assert ran.err == ""
 
 
+@pytest.mark.slow
 def test_the_posture_that_cuts_deepest(cli):
     """Held where configuration 4 stands, the search finds one that cuts deeper."""
     words = ("lobes", "fanuc_s360", "--cut", CUT, "--json", "--quiet")

@@ -33,6 +33,7 @@ def nothing(as_believed, rigid):
     return diagnose(as_believed, rigid, effects=["link_flexibility@link_2", "joint_coupling@q1+q2"])
 
 
+@pytest.mark.slow
 def test_the_believed_model_with_noise_lacks_nothing(nothing):
     assert nothing.verdict.effects == ()
     assert nothing.verdict.explained
@@ -80,6 +81,7 @@ def told(bending, rigid):
     )
 
 
+@pytest.mark.slow
 def test_a_bending_link_with_clean_shapes_is_found_and_shrinks_the_gap(told):
     assert [(s.effect, s.where) for s in told.steps] == [KEY]
     assert told.verdict.effects == (KEY,)
@@ -94,6 +96,7 @@ def test_a_bending_link_with_clean_shapes_is_found_and_shrinks_the_gap(told):
     assert ("unstructured_mode", "") in names
 
 
+@pytest.mark.slow
 def test_the_improved_robot_loads_and_has_the_modes_of_the_model(told, tmp_path):
     out = tmp_path / "found"
     write_diagnosis(told, out)
@@ -111,6 +114,7 @@ def test_the_improved_robot_loads_and_has_the_modes_of_the_model(told, tmp_path)
     assert json.loads((out / "diagnosis.json").read_text(encoding="utf-8"))["steps"][0]["effect"] == KEY[0]
 
 
+@pytest.mark.slow
 def test_what_modes_cannot_tell_of_is_said_to_be_untestable(nothing):
     for name in ("coulomb_friction", "sensor_gain", "structural_damping", "sensor_mass", "time_delay"):
         assert workflow.untestable(catalogue([name])[name], nothing.model.scene)
@@ -119,6 +123,7 @@ def test_what_modes_cannot_tell_of_is_said_to_be_untestable(nothing):
     )
 
 
+@pytest.mark.slow
 def test_a_lacking_mode_counts_in_the_gap(told):
     before = told.modal.before
     table = errors(before)
@@ -129,6 +134,7 @@ def test_a_lacking_mode_counts_in_the_gap(told):
     assert told.gaps.before == pytest.approx(np.sqrt(np.nanmean(table**2)))
 
 
+@pytest.mark.slow
 def test_the_mean_of_the_others_by_hand(told):
     measured = told.modal.measured
     table = mean_of_others(measured)
