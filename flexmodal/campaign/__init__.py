@@ -22,6 +22,7 @@ from flexmodal.campaign.read_campaign import read_campaign as read_campaign
 from flexmodal.campaign.receptances_csv import Amplitude as Amplitude
 from flexmodal.campaign.receptances_csv import read_receptances as read_receptances
 from flexmodal.campaign.records import FrfRecords as FrfRecords
+from flexmodal.campaign.records import named_direction as named_direction
 from flexmodal.campaign.trial import Trial as Trial
 from flexmodal.campaign.trial import Window as Window
 from flexmodal.campaign.trial import repeat_groups as repeat_groups

@@ -180,8 +180,8 @@ class FrfRecords:
         return Frf(
             frequency=self.frequency,
             value=np.ascontiguousarray(np.moveaxis(chosen.value[np.array(order)], 2, 0)),
-            response=tuple(_direction(place, points) for place in responses),
-            reference=tuple(_direction(place, points) for place in references),
+            response=tuple(named_direction(place, points) for place in responses),
+            reference=tuple(named_direction(place, points) for place in references),
             form=self.form,
         )
 
@@ -196,7 +196,8 @@ def _turned(records: FrfRecords, response: int | None, reference: int | None) ->
     return replace(records, value=value, response=places[0], reference=places[1])
 
 
-def _direction(place: tuple[int, int], points: Mapping[int, str]) -> PointDirection:
+def named_direction(place: Sequence[int], points: Mapping[int, str]) -> PointDirection:
+    """A point's id and ±1, ±2, ±3 as a direction at a named point."""
     point, direction = place
     return PointDirection(points[point], AXES[abs(direction) - 1], 1 if direction > 0 else -1)
 

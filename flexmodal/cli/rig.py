@@ -201,9 +201,11 @@ def _blows(plan: Plan) -> int:
 
 
 def _print(arm: Robot, result: RigResult, out: Path, truth: Path) -> None:
+    from flexmodal.campaign import named_direction
+
     plan, campaign = result.plan, result.campaign
     names = {point.id: point.name for point in plan.points}
-    hammer = ", ".join(f"{names[p]}:{'+' if d > 0 else '-'}{'xyz'[abs(d) - 1]}" for p, d in plan.references)
+    hammer = ", ".join(str(named_direction(place, names)) for place in plan.references)
     count = 0 if campaign.frfs is None else len(campaign.frfs)
     print_table(
         f"{arm.name}: simulated hammer test",

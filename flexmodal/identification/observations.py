@@ -16,6 +16,7 @@ from flexmodal.campaign import (
     FrfRecords,
     added_decay,
     estimate_frfs,
+    named_direction,
     record_variance,
     repeat_groups,
 )
@@ -92,7 +93,7 @@ class Observations:
     def direction(self, where: Sequence[int] | Int[np.ndarray, " 2"]) -> str:
         """A point and a direction as text, such as tip:+z."""
         number, way = (int(one) for one in where)
-        return f"{self.campaign.point(number).name}:{'-' if way < 0 else '+'}{'xyz'[abs(way) - 1]}"
+        return str(named_direction((number, way), {number: self.campaign.point(number).name}))
 
     def keeping(self, keep: Bool[np.ndarray, " observation"]) -> Observations:
         """Some of the observations; postures keep their numbers."""
