@@ -36,7 +36,11 @@ MARCHED_MOST = 12
 MARCHED_ROUNDS = ((0.1, 4, 5),)
 """The rounds of these."""
 RESTARTS = ((0.2, 3, 6), (0.1, 10, 1))
-"""The rounds of a search from all starts of one effect."""
+"""The rounds of a search from many starts of one effect."""
+TRIED = 24
+"""How many of them are fitted at all."""
+ASIDE = (-2.0, -1.0, 0.0, 1.0, 2.0)
+"""Where each parameter of an effect is put in turn, in deviations of its prior, the others staying."""
 ROUGH = 5.0
 """Steps of time in a period of the highest line, of the coarse looks."""
 
@@ -218,14 +222,59 @@ def restarted(
         look: the coarse look.
     """
     placed = hypothesis.placed[-1]
-    todo = [
-        Candidate(hypothesis, hypothesis.start(placed, given, tail), np.inf)
+    starts = [
+        hypothesis.start(placed, given, tail)
         for given in placed.effect.starts(hypothesis.scene, placed.where)
         for tail in (*set_out, x[: len(set_out[0])])
     ]
+    weighing = Weighing(RESTARTS[0][0], look.lines)
+    seen = look.apart if by_force(hypothesis) else look.merged
+    costs = [cost_of(hypothesis, one, seen, weighing) for one in starts]
+    best = [starts[k] for k in np.argsort(costs, kind="stable")[:TRIED]]
+    todo = [Candidate(hypothesis, one, np.inf) for one in (*best, *_aside(hypothesis, x))]
     for floor, steps, keep in RESTARTS:
         todo = sorted((look.fitted(one, floor, steps) for one in todo), key=lambda one: one.cost)[:keep]
     return todo[0]
+
+
+def simpler(
+    one: Hypothesis, x: Float[np.ndarray, " parameter"], effects: Sequence[Effect], look: Look
+) -> list[Candidate]:
+    """What the last effect of a hypothesis comes down to, from where a fit of it ended.
+
+    Args:
+        one: the hypothesis.
+        x: where the fit ended.
+        effects: those that may be named.
+        look: the coarse look.
+    """
+    placed, root = one.placed[-1], one.without(one.keys[-1])
+    values = one.values_of(placed, one.space.values(x))
+    known = {effect.name: effect for effect in effects}
+    found = []
+    for name, shared in placed.effect.simpler.items():
+        if name not in known or (name, placed.where) in root.keys:
+            continue
+        less = Placed(known[name], placed.where)
+        hypothesis = root.and_also(less)
+        start = hypothesis.start(less, {k: values[k] for k in shared if k in values}, x[: len(root.space)])
+        found.append(look.fitted(Candidate(hypothesis, start, np.inf), *RESTARTS[-1][:2]))
+    return found
+
+
+def _aside(
+    hypothesis: Hypothesis, x: Float[np.ndarray, " parameter"]
+) -> list[Float[np.ndarray, " parameter"]]:
+    """Each parameter of the last effect put elsewhere in turn: what hardly matters at first ends anywhere."""
+    prefix = f"{hypothesis.placed[-1].label}."
+    found = []
+    for k, parameter in enumerate(hypothesis.space):
+        if parameter.name.startswith(prefix):
+            for value in ASIDE:
+                moved = x.copy()
+                moved[k] = value * parameter.deviation
+                found.append(np.clip(moved, *hypothesis.space.bounds))
+    return found
 
 
 def distinct(found: Sequence[Candidate]) -> list[Candidate]:

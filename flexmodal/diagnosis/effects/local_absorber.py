@@ -96,6 +96,7 @@ EFFECT = Effect(
     starts=_starts,
     shape=_shape,
     act=_act,
+    simpler={"added_mass": ("mass", "along", "beside", "above")},
     physical=_physical,
     extend=_extend,
     units={"stiffness": "N/m", "x": "m", "y": "m", "z": "m"},
