@@ -12,7 +12,16 @@ from flexmodal.diagnosis.figures import over_noise
 from flexmodal.diagnosis.looking import looked_at
 from flexmodal.diagnosis.march.model import has_law
 from flexmodal.diagnosis.preparation import Bench
-from flexmodal.diagnosis.search import Candidate, Look, candidates, look_at, narrowed, restarted, simpler
+from flexmodal.diagnosis.search import (
+    Candidate,
+    Look,
+    candidates,
+    look_at,
+    narrowed,
+    restarted,
+    simpler,
+    worst_lines,
+)
 from flexmodal.diagnosis.weigh import Weighable
 
 FINALISTS = 4
@@ -43,7 +52,7 @@ def explanations(
         advance: called with the part that is done.
     """
     advance(0.0)
-    seen = look_at(bench.fitted)
+    seen = look_at(bench.fitted, worst_lines(bench.fitted, before.predicted[~bench.held]))
     finalists: list[Candidate] = []
     for some, most in _kinds(bench.effects, loud=loud):
         found = candidates(before.hypothesis, set_out, some, seen)

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Complex, Float, Int
 
 from flexmodal.diagnosis.compare import but_for_the_blow
 from flexmodal.diagnosis.effects.effect import Effect
@@ -25,6 +25,8 @@ from flexmodal.identification.model import Model
 
 COARSE = 48
 """Lines of the coarse looks, closer together where resonances are narrow."""
+WORST = 16
+"""Further lines of the coarse looks, where what is to be explained is."""
 CLOSE = 160
 """Lines of the closer ones."""
 STARTS = 2
@@ -126,8 +128,25 @@ def coarse_model(hypothesis: Hypothesis) -> Model:
     return replace(MarchedModel(hypothesis), fineness=ROUGH) if has_law(hypothesis) else hypothesis
 
 
-def look_at(observations: Observations, count: int = COARSE) -> Look:
-    """Prepare the coarse looks."""
+def worst_lines(
+    observations: Observations, predicted: Complex[np.ndarray, "observation line"]
+) -> Int[np.ndarray, " line"]:
+    """Lines where a model is far from the measurement, the closer together the further it is."""
+    weight = Weighing(ROUNDS[-1][0], np.arange(len(observations.axis))).weight(observations)
+    far = robust(weight * np.abs(residual(predicted, observations.value)) ** 2).sum(axis=0)
+    above = np.cumsum(np.maximum(far - np.median(far), 0.0))
+    if above[-1] <= 0:
+        return np.zeros(0, dtype=int)
+    return np.unique(np.searchsorted(above, (np.arange(WORST) + 0.5) / WORST * above[-1]))
+
+
+def look_at(observations: Observations, more: Sequence[int] | Int[np.ndarray, " more"] = ()) -> Look:
+    """Prepare the coarse looks.
+
+    Args:
+        observations: what is looked at.
+        more: lines besides those that are spread over the band.
+    """
     observations = unlimited(observations)
     owner = but_for_the_blow(observations)
     first = np.unique(owner, return_index=True)[1]
@@ -148,7 +167,8 @@ def look_at(observations: Observations, count: int = COARSE) -> Look:
         variance=(variance.real / share[:, None])[back],
         used=used[back],
     )
-    look = Look(observations, merged, share[back], some_lines(observations, count))
+    lines = np.union1d(some_lines(observations, COARSE), np.array(more, dtype=int))
+    look = Look(observations, merged, share[back], lines)
     look.__dict__["owner"] = order[owner]
     return look
 

@@ -67,7 +67,8 @@ def _hinges(scene: Scene, where: str) -> Float[np.ndarray, " hinge"]:
         body, length = bodies_of(scene.robot.urdf)[where], along(scene, where)[0]
         k, turning = SOFT * _stiffest(scene, where), float(np.linalg.eigvalsh(body.inertia)[-1])
         first = min(22.4 * np.sqrt(k / body.mass) / length, np.pi * np.sqrt(k / max(turning, 1e-12)))
-        known[where] = gauss(MANY if first < 2 * np.pi * scene.band[1] else FEW)[0]
+        highest = scene.band[1] if scene.highest is None else scene.highest
+        known[where] = gauss(MANY if first < 2 * np.pi * highest else FEW)[0]
     return known[where]
 
 
