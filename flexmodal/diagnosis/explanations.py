@@ -12,7 +12,16 @@ from flexmodal.diagnosis.figures import over_noise
 from flexmodal.diagnosis.looking import looked_at
 from flexmodal.diagnosis.march.model import has_law
 from flexmodal.diagnosis.preparation import Bench
-from flexmodal.diagnosis.search import Candidate, Look, candidates, look_at, narrowed, restarted
+from flexmodal.diagnosis.search import (
+    Candidate,
+    Look,
+    candidates,
+    look_at,
+    narrowed,
+    restarted,
+    simpler,
+    worst_lines,
+)
 from flexmodal.diagnosis.weigh import Weighable
 
 FINALISTS = 4
@@ -43,7 +52,7 @@ def explanations(
         advance: called with the part that is done.
     """
     advance(0.0)
-    seen = look_at(bench.fitted)
+    seen = look_at(bench.fitted, worst_lines(bench.fitted, before.predicted[~bench.held]))
     finalists: list[Candidate] = []
     for some, most in _kinds(bench.effects, loud=loud):
         found = candidates(before.hypothesis, set_out, some, seen)
@@ -56,7 +65,17 @@ def explanations(
     if looked and over_noise(bench, looked[0]) > enough:
         looked = [_elsewhere(bench, seen, one, set_out) if k < AGAIN else one for k, one in enumerate(looked)]
         looked.sort(key=lambda one: one.cost)
+    if looked:
+        found = simpler(looked[0].hypothesis, looked[0].fitted.x, bench.effects, seen)
+        looked = _best_of_each([*looked, *(_close(bench, one) for one in found)])
     return looked
+
+
+def _best_of_each(looked: Sequence[Weighable]) -> list[Weighable]:
+    best: dict[tuple[str, str], Weighable] = {}
+    for one in sorted(looked, key=lambda one: one.cost):
+        best.setdefault(one.key, one)
+    return list(best.values())
 
 
 def _kinds(effects: Sequence[Effect], *, loud: bool) -> list[tuple[list[Effect], int]]:

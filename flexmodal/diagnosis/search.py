@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Complex, Float, Int
 
 from flexmodal.diagnosis.compare import but_for_the_blow
 from flexmodal.diagnosis.effects.effect import Effect
@@ -25,6 +25,8 @@ from flexmodal.identification.model import Model
 
 COARSE = 48
 """Lines of the coarse looks, closer together where resonances are narrow."""
+WORST = 16
+"""Further lines of the coarse looks, where what is to be explained is."""
 CLOSE = 160
 """Lines of the closer ones."""
 STARTS = 2
@@ -36,7 +38,11 @@ MARCHED_MOST = 12
 MARCHED_ROUNDS = ((0.1, 4, 5),)
 """The rounds of these."""
 RESTARTS = ((0.2, 3, 6), (0.1, 10, 1))
-"""The rounds of a search from all starts of one effect."""
+"""The rounds of a search from many starts of one effect."""
+TRIED = 24
+"""How many of them are fitted at all."""
+ASIDE = (-2.0, -1.0, 0.0, 1.0, 2.0)
+"""Where each parameter of an effect is put in turn, in deviations of its prior, the others staying."""
 ROUGH = 5.0
 """Steps of time in a period of the highest line, of the coarse looks."""
 
@@ -122,8 +128,25 @@ def coarse_model(hypothesis: Hypothesis) -> Model:
     return replace(MarchedModel(hypothesis), fineness=ROUGH) if has_law(hypothesis) else hypothesis
 
 
-def look_at(observations: Observations, count: int = COARSE) -> Look:
-    """Prepare the coarse looks."""
+def worst_lines(
+    observations: Observations, predicted: Complex[np.ndarray, "observation line"]
+) -> Int[np.ndarray, " line"]:
+    """Lines where a model is far from the measurement, the closer together the further it is."""
+    weight = Weighing(ROUNDS[-1][0], np.arange(len(observations.axis))).weight(observations)
+    far = robust(weight * np.abs(residual(predicted, observations.value)) ** 2).sum(axis=0)
+    above = np.cumsum(np.maximum(far - np.median(far), 0.0))
+    if above[-1] <= 0:
+        return np.zeros(0, dtype=int)
+    return np.unique(np.searchsorted(above, (np.arange(WORST) + 0.5) / WORST * above[-1]))
+
+
+def look_at(observations: Observations, more: Sequence[int] | Int[np.ndarray, " more"] = ()) -> Look:
+    """Prepare the coarse looks.
+
+    Args:
+        observations: what is looked at.
+        more: lines besides those that are spread over the band.
+    """
     observations = unlimited(observations)
     owner = but_for_the_blow(observations)
     first = np.unique(owner, return_index=True)[1]
@@ -144,7 +167,8 @@ def look_at(observations: Observations, count: int = COARSE) -> Look:
         variance=(variance.real / share[:, None])[back],
         used=used[back],
     )
-    look = Look(observations, merged, share[back], some_lines(observations, count))
+    lines = np.union1d(some_lines(observations, COARSE), np.array(more, dtype=int))
+    look = Look(observations, merged, share[back], lines)
     look.__dict__["owner"] = order[owner]
     return look
 
@@ -218,14 +242,59 @@ def restarted(
         look: the coarse look.
     """
     placed = hypothesis.placed[-1]
-    todo = [
-        Candidate(hypothesis, hypothesis.start(placed, given, tail), np.inf)
+    starts = [
+        hypothesis.start(placed, given, tail)
         for given in placed.effect.starts(hypothesis.scene, placed.where)
         for tail in (*set_out, x[: len(set_out[0])])
     ]
+    weighing = Weighing(RESTARTS[0][0], look.lines)
+    seen = look.apart if by_force(hypothesis) else look.merged
+    costs = [cost_of(hypothesis, one, seen, weighing) for one in starts]
+    best = [starts[k] for k in np.argsort(costs, kind="stable")[:TRIED]]
+    todo = [Candidate(hypothesis, one, np.inf) for one in (*best, *_aside(hypothesis, x))]
     for floor, steps, keep in RESTARTS:
         todo = sorted((look.fitted(one, floor, steps) for one in todo), key=lambda one: one.cost)[:keep]
     return todo[0]
+
+
+def simpler(
+    one: Hypothesis, x: Float[np.ndarray, " parameter"], effects: Sequence[Effect], look: Look
+) -> list[Candidate]:
+    """What the last effect of a hypothesis comes down to, from where a fit of it ended.
+
+    Args:
+        one: the hypothesis.
+        x: where the fit ended.
+        effects: those that may be named.
+        look: the coarse look.
+    """
+    placed, root = one.placed[-1], one.without(one.keys[-1])
+    values = one.values_of(placed, one.space.values(x))
+    known = {effect.name: effect for effect in effects}
+    found = []
+    for name, shared in placed.effect.simpler.items():
+        if name not in known or (name, placed.where) in root.keys:
+            continue
+        less = Placed(known[name], placed.where)
+        hypothesis = root.and_also(less)
+        start = hypothesis.start(less, {k: values[k] for k in shared if k in values}, x[: len(root.space)])
+        found.append(look.fitted(Candidate(hypothesis, start, np.inf), *RESTARTS[-1][:2]))
+    return found
+
+
+def _aside(
+    hypothesis: Hypothesis, x: Float[np.ndarray, " parameter"]
+) -> list[Float[np.ndarray, " parameter"]]:
+    """Each parameter of the last effect put elsewhere in turn: what hardly matters at first ends anywhere."""
+    prefix = f"{hypothesis.placed[-1].label}."
+    found = []
+    for k, parameter in enumerate(hypothesis.space):
+        if parameter.name.startswith(prefix):
+            for value in ASIDE:
+                moved = x.copy()
+                moved[k] = value * parameter.deviation
+                found.append(np.clip(moved, *hypothesis.space.bounds))
+    return found
 
 
 def distinct(found: Sequence[Candidate]) -> list[Candidate]:

@@ -5,6 +5,7 @@ import pytest
 
 import flexmodal
 from flexmodal.diagnosis.effects import Scene, catalogue
+from flexmodal.diagnosis.effects.link_flexibility import gauss, shares
 from flexmodal.diagnosis.effects.servo_compliance import loop
 from flexmodal.diagnosis.hypothesis import Hypothesis, Placed
 from flexmodal.diagnosis.search import unlimited
@@ -115,6 +116,54 @@ def test_added_mass_is_that_of_the_rig(bench):
         theirs(scene, stand, "added_mass", "link_3", other),
         rtol=1e-8,
     )
+
+
+@pytest.fixture(scope="module")
+def slender():
+    """The same of an arm whose links have modes of their own in the band."""
+    robot = flexmodal.load("six_link")
+    result = simulate(
+        robot, postures=1, points=3, trials=2, averages=2, seed=3, record_length=1.0, band=(2.0, 200.0),
+        parameter_error=0.0,
+    )  # fmt: skip
+    stand = make_stand(result.robot, result.plan, ParameterError.all(0.0), 3)
+    return Scene(robot, unlimited(observe(result.campaign))), stand
+
+
+def test_a_slender_link_has_the_modes_of_a_beam(slender, monkeypatch):
+    scene, stand = slender
+    bending, length = 2.5e4, float(np.linalg.norm(scene.reach("link_1")))
+    beam = {"bending_stiffness": bending, "damping_ratio": 0.02}
+    first = 1.875104**2 * np.sqrt(bending / (10.0 / length * length**4))
+    loss = 2 * 0.02 / first  # the rig's beam: damping in proportion to stiffness
+    values = {"stiffness": bending / length, "damping": loss * bending / length, "position": 0.5}
+    there = theirs(scene, stand, "link_flexibility", "link_1", beam)
+
+    def off(grown=1.0):
+        here = ours(
+            scene, "link_flexibility", "link_1",
+            {**values, "stiffness": grown * values["stiffness"], "damping": grown * values["damping"]},
+        )  # fmt: skip
+        return float(np.sqrt(np.mean(np.abs(np.log(here / there)) ** 2)))
+
+    assert off() < 0.4 * off(1.2), "a beam a fifth stiffer is far off"
+    assert off() < 0.2 * _with_hinges(monkeypatch, scene, 2, off), "two hinges lack modes"
+
+
+def _with_hinges(monkeypatch, scene, count, then):
+    monkeypatch.setitem(scene.memory["hinges"], "link_1", gauss(count)[0])
+    return then()
+
+
+@pytest.mark.parametrize("count", [2, 4])
+@pytest.mark.parametrize("position", [0.3, 0.5, 0.62])
+def test_hinges_are_worth_one_of_the_stiffness_at_the_position(count, position):
+    compliance = 1 / shares(7e4, position, count)
+    assert np.all(compliance > 0)
+    assert compliance.sum() == pytest.approx(1 / 7e4, rel=1e-12)
+    assert compliance @ gauss(count)[0] / compliance.sum() == pytest.approx(position, rel=1e-9)
+    if position == 0.5:
+        np.testing.assert_allclose(compliance / compliance.sum(), gauss(count)[1], rtol=1e-12)
 
 
 def test_bending_is_that_of_a_beam_where_it_is_slow(bench):

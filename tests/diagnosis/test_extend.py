@@ -122,8 +122,10 @@ def test_each_effect(name, robot, scene_of, diagnosed, tmp_path):
         folder = tmp_path / str(number)
         folder.mkdir()
         extension, loaded = written(diagnosed, hypothesis, x, folder)
-        # 1e-12 of the arm's mass between two joints, 1e-8 in a base without any
-        assert agreement(loaded, hypothesis, x) < 1e-6, (place, extension.notes)
+        # 1e-12 of the arm's mass between two joints, 1e-8 in a base without any; parts of a link whose
+        # inertia is less than that of a thin rod have none that a body could have, as a note says
+        allowed = 1e-3 if any("nearest that a body can have" in note for note in extension.notes) else 1e-6
+        assert agreement(loaded, hypothesis, x) < allowed, (place, extension.notes)
         assert loaded.is_planar == scene.robot.is_planar
         plain, _ = drawn(scene, [], seed=number)
         assert agreement(loaded, plain, x[: len(plain.space)]) > 1e-3  # the effect is there at all

@@ -9,13 +9,13 @@ import pytest
 import flexmodal
 from flexmodal.diagnosis import diagnose
 from flexmodal.diagnosis.compare import disagreement, force_dependence
+from flexmodal.diagnosis.course import FLOOR_REACHED, SIGNIFICANT, Course
 from flexmodal.diagnosis.figures import over_noise
 from flexmodal.diagnosis.hypothesis import Hypothesis, Placed
 from flexmodal.diagnosis.looking import looked_at
 from flexmodal.diagnosis.preparation import prepare
-from flexmodal.diagnosis.search import Candidate, look_at, restarted
+from flexmodal.diagnosis.search import Candidate, look_at, restarted, simpler
 from flexmodal.diagnosis.weigh import weigh
-from flexmodal.diagnosis.workflow import FLOOR_REACHED, SIGNIFICANT, _Course
 from flexmodal.errors import InvalidRequest
 from flexmodal.identification import RobotModel, observe, predict, robot_space
 from flexmodal.rig import Hide, simulate
@@ -149,7 +149,7 @@ def test_started_from_everywhere_it_leaves_a_local_minimum():
 @pytest.mark.parametrize("last", ["local_absorber@link_1", "added_mass@link_3"])
 def test_an_effect_that_nobody_misses_goes_whether_found_first_or_last(loaded, last):
     bench = prepare(*loaded, None, ["added_mass", "local_absorber"], None, 0, lambda doing, part: None)
-    course = _Course(bench)
+    course = Course(bench)
     names = sorted(["local_absorber@link_1", "added_mass@link_3"], key=lambda name: name == last)
     effects = {effect.name: effect for effect in bench.effects}
     hypothesis, start = course.root, np.zeros(len(bench.base))
@@ -164,3 +164,56 @@ def test_an_effect_that_nobody_misses_goes_whether_found_first_or_last(loaded, l
     assert [(step.effect, step.where) for step in course.steps] == [("added_mass", "link_3")]
     assert course.current.hypothesis.keys == (("added_mass", "link_3"),)
     assert over_noise(bench, course.current) < FLOOR_REACHED
+
+
+@pytest.fixture(scope="module")
+def two():
+    return campaign("local_absorber@link_2", "sensor_gain@location_3", seed=5)
+
+
+def test_the_first_of_two_effects_is_looked_for_again_beside_the_second(two):
+    """Alone it may have been put in the wrong place."""
+    names = ["local_absorber", "sensor_gain"]
+    bench = prepare(*two, None, names, None, 0, lambda doing, part: None)
+    course = Course(bench)
+    absorber, gain = (next(one for one in bench.effects if one.name == name) for name in names)
+    wrong, second = Placed(absorber, "link_1"), Placed(gain, "location_3")
+    beside = course.root.and_also(wrong)
+    x = beside.start(wrong, absorber.starts(bench.scene, "link_1")[0], np.zeros(len(bench.base)))
+    pair = beside.and_also(second)
+    course.current = looked_at(bench, pair, pair.start(second, {"gain": 1.1}, x))
+    assert over_noise(bench, course.current) > FLOOR_REACHED
+    course._exchanged(course.current)
+    assert {(step.effect, step.where) for step in course.steps} == {
+        ("sensor_gain", "location_3"), ("local_absorber", "link_2"),
+    }  # fmt: skip
+    assert over_noise(bench, course.current) < FLOOR_REACHED
+
+
+def test_an_exchange_that_does_not_help_is_taken_back(loaded):
+    bench = prepare(*loaded, None, ["sensor_gain"], None, 0, lambda doing, part: None)
+    course = Course(bench)
+    hypothesis, x = course.root, np.zeros(len(bench.base))
+    for where in bench.scene.sensors[:2]:
+        placed = Placed(bench.effects[0], where)
+        hypothesis = hypothesis.and_also(placed)
+        x = hypothesis.start(placed, {"gain": 1.1}, x)
+    course.current = was = looked_at(bench, hypothesis, x)
+    course._exchanged(was)
+    assert course.current is was
+    assert course.steps == []
+
+
+def test_an_absorber_too_stiff_to_be_told_from_a_mass_is_a_mass(loaded):
+    """Its rigid limit is looked at from where the fit of the absorber ended."""
+    bench = prepare(*loaded, None, ["added_mass", "local_absorber"], None, 0, lambda doing, part: None)
+    absorber = next(one for one in bench.effects if one.name == "local_absorber")
+    placed = Placed(absorber, "link_3")
+    hypothesis = Hypothesis(bench.scene, bench.base).and_also(placed)
+    start = {"frequency": 1.4 * bench.scene.band[1], "along": 0.6}
+    at = looked_at(bench, hypothesis, hypothesis.start(placed, start, np.zeros(len(bench.base))))
+    (less,) = simpler(hypothesis, at.fitted.x, bench.effects, look_at(bench.fitted))
+    assert less.key == ("added_mass", "link_3")
+    assert over_noise(bench, looked_at(bench, less.hypothesis, less.x, near=True)) < FLOOR_REACHED
+    assert not simpler(less.hypothesis, less.x, bench.effects, look_at(bench.fitted))
+    assert not simpler(hypothesis, at.fitted.x, [absorber], look_at(bench.fitted))

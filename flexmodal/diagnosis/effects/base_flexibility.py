@@ -51,8 +51,8 @@ def _starts(scene: Scene, where: str) -> list[Mapping[str, float]]:
     tilt, shift = _sizes(scene)
     grid = [
         (tilting * tilt, shifting * shift)
-        for tilting in (0.03, 0.1, 0.3, 1.0, 5.0)
-        for shifting in (0.1, 0.5, 2.0, 8.0)
+        for tilting in (0.03, 0.1, 0.3, 1.0, 5.0, 30.0, 200.0)
+        for shifting in (0.1, 0.5, 2.0, 8.0, 40.0, 300.0, 2000.0)
     ]
     return [
         {

@@ -31,6 +31,8 @@ class Scene:
 
     robot: Robot
     observations: Observations
+    highest: float | None = None
+    """Frequency up to which they speak of modes, where it is not the end of the band [Hz]."""
     memory: dict[str, dict[Any, Any]] = field(default_factory=dict, repr=False)
     """What effects compute once and use again."""
     _arms: dict[int, Arm] = field(default_factory=dict, repr=False)
@@ -142,6 +144,8 @@ class Effect:
     """World direction that a sensor truly measures: posture, name of its point, the recorded direction."""
     read: Callable[[Site, Axis], complex | np.ndarray] | None = None
     """ln(reading / motion) of the sensor at `where`."""
+    simpler: Mapping[str, Sequence[str]] = field(default_factory=dict)
+    """Effects that it comes down to in a limit, in the same place, and the parameters that they share."""
     variants: Sequence[str] = ()
     """What the structure depends on besides the posture: "blow" (level and hammer point) or "response"."""
     untestable: Callable[[Scene], str | None] = lambda scene: None

@@ -31,10 +31,17 @@ def _parameters(scene: Scene, where: str) -> tuple[Parameter, ...]:
 
 
 def _starts(scene: Scene, where: str) -> list[Mapping[str, float]]:
+    """Heavy ones, and light ones closer together: a heavy start hides what a light absorber does."""
     low, high = scene.band
-    grid = np.geomspace(max(3 * low, 0.05 * high), 0.6 * high, 10)
+    first, last = max(3 * low, 0.05 * high), 0.6 * high
     turns: list[dict[str, float]] = [{}] if scene.normal is not None else [{"turn": 0.0}, {"turn": 1.57}]
-    return [{"frequency": float(f), "along": 0.75, **turn} for f in grid for turn in turns]
+    grid = [(float(f), 0.06, 0.03) for f in np.geomspace(first, last, 10)]
+    grid += [(float(f), 0.008, 0.06) for f in np.geomspace(first, last, 16)]
+    return [
+        {"frequency": f, "mass": share * scene.arm_mass, "damping_ratio": ratio, "along": 0.75, **turn}
+        for f, share, ratio in grid
+        for turn in turns
+    ]
 
 
 def _way(scene: Scene, where: str, values: Mapping[str, float], axes: np.ndarray) -> np.ndarray:
@@ -96,6 +103,7 @@ EFFECT = Effect(
     starts=_starts,
     shape=_shape,
     act=_act,
+    simpler={"added_mass": ("mass", "along", "beside", "above")},
     physical=_physical,
     extend=_extend,
     units={"stiffness": "N/m", "x": "m", "y": "m", "z": "m"},

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from itertools import product
 
 import numpy as np
 
@@ -98,7 +99,9 @@ def _tilt_starts(scene: Scene, where: str) -> list[Mapping[str, float]]:
     """Channels change their sign with large turns, which a fit does not step over."""
     if scene.normal is not None:
         return [{"angle": sign * angle} for angle in (0.1, 0.4, 0.9) for sign in (1, -1)]
-    return [{f"angle_{axis}": sign * angle} for angle in (0.2, 0.7) for axis in "xyz" for sign in (1, -1)]
+    ways = [np.array(way) for way in product((-1, 0, 1), repeat=3) if np.count_nonzero(way) in (1, 3)]
+    turns = [angle * way / np.linalg.norm(way) for angle in (0.2, 0.6, 1.0) for way in ways]
+    return [dict(zip(("angle_x", "angle_y", "angle_z"), turn.tolist(), strict=True)) for turn in turns]
 
 
 SENSOR_MISALIGNMENT = Effect(
