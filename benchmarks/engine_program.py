@@ -24,7 +24,7 @@ from flexmodal import PointDirection
 from flexmodal.diagnosis.march import integrate
 from flexmodal.diagnosis.march.law import friction, hardening
 from flexmodal.diagnosis.march.pulse import Pulse
-from flexmodal.identification.routes import FrfRoute
+from flexmodal.identification.frf_route import FrfRoute
 from flexmodal.identification.structure import Axis, Structure
 from flexmodal.model.batch import gradient_batch, receptance_batch
 from flexmodal.optimisation.compiled import random_starts, search_postures

@@ -20,7 +20,7 @@ from flexmodal.identification import (
     solve_identification,
 )
 from flexmodal.identification.frf_fit import Weighing, fit, residual
-from flexmodal.identification.routes import FrfRoute
+from flexmodal.identification.frf_route import FrfRoute
 from flexmodal.identification.structure import Axis, Structure
 from flexmodal.rig import simulate
 

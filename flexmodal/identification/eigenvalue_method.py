@@ -20,10 +20,11 @@ from flexmodal.identification.arm import Arm, Body, moved_bodies
 from flexmodal.identification.assembly import Assembly
 from flexmodal.identification.mass_map import moment_of
 from flexmodal.identification.mode_data import modes_of_table
+from flexmodal.identification.mode_route import ModeRoute
 from flexmodal.identification.optima import search
 from flexmodal.identification.outcome import TOUCHING
 from flexmodal.identification.parameter import Parameter, ParameterSpace
-from flexmodal.identification.routes import ModeRoute, refuse
+from flexmodal.identification.route import refuse
 from flexmodal.identification.structure import Structure
 from flexmodal.model import Robot
 

@@ -13,7 +13,7 @@ import numpy as np
 from flexmodal.identification.gap import Gap
 from flexmodal.identification.outcome import HeldOut
 from flexmodal.identification.problem import IdentificationProblem
-from flexmodal.identification.routes import Fitted, Route
+from flexmodal.identification.route import Fitted, Route
 
 
 @dataclass(frozen=True)

@@ -9,11 +9,11 @@ import numpy as np
 
 from flexmodal.campaign import Campaign
 from flexmodal.identification.held_out import predicted_apart
+from flexmodal.identification.mode_route import MODEL_ERROR
 from flexmodal.identification.optima import search
 from flexmodal.identification.outcome import Gaps, HeldOut, Outcome
 from flexmodal.identification.parameter import ParameterSpace
 from flexmodal.identification.problem import IdentificationProblem, Source, build_identification
-from flexmodal.identification.routes import MODEL_ERROR
 from flexmodal.model import Robot
 
 

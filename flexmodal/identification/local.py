@@ -15,8 +15,9 @@ import numpy as np
 from jaxtyping import Float
 
 from flexmodal.errors import Fault, InvalidRequest
+from flexmodal.identification.frf_route import FrfRoute
 from flexmodal.identification.outcome import Outcome
-from flexmodal.identification.routes import Fitted, FrfRoute
+from flexmodal.identification.route import Fitted
 from flexmodal.identification.uncertainty import Uncertainty
 
 WIDTHS = (0.4, 0.7, 1.2, 2.0)

@@ -6,7 +6,7 @@ import numpy as np
 
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.identification.outcome import Optimum
-from flexmodal.identification.routes import Fitted, Route
+from flexmodal.identification.route import Fitted, Route
 
 MOST = 1000
 APART = 3.0

@@ -12,7 +12,7 @@ from jaxtyping import Float
 
 from flexmodal.identification.identifiability import Combination, Identifiability
 from flexmodal.identification.parameter import Parameter
-from flexmodal.identification.routes import Fitted
+from flexmodal.identification.route import Fitted
 from flexmodal.identification.uncertainty import Uncertainty
 
 if TYPE_CHECKING:

@@ -8,8 +8,9 @@ import numpy as np
 
 from flexmodal.frf.plot import PALETTE
 from flexmodal.identification.band import banded
+from flexmodal.identification.frf_route import FrfRoute
+from flexmodal.identification.mode_route import ModeRoute
 from flexmodal.identification.outcome import Outcome
-from flexmodal.identification.routes import FrfRoute, ModeRoute
 
 MEASURED, FITTED, CARD = PALETTE[0], PALETTE[1], "0.45"
 MOST = 6

@@ -12,13 +12,15 @@ import numpy as np
 from flexmodal.campaign import Campaign
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.identification.belong import check_belonging
+from flexmodal.identification.frf_route import FrfRoute
 from flexmodal.identification.identifiability import Identifiability
 from flexmodal.identification.mode_data import modes_of_frfs, modes_of_table
 from flexmodal.identification.mode_fit import USES
+from flexmodal.identification.mode_route import MODEL_ERROR, ModeRoute
 from flexmodal.identification.model import RobotModel
 from flexmodal.identification.observations import observe
 from flexmodal.identification.parameter import ParameterSpace
-from flexmodal.identification.routes import MODEL_ERROR, FrfRoute, ModeRoute, Route
+from flexmodal.identification.route import Route
 from flexmodal.identification.space import robot_space
 from flexmodal.model import Robot
 from flexmodal.text.words import listing, nearest

@@ -14,7 +14,7 @@ import numpy as np
 
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.identification.outcome import Outcome
-from flexmodal.identification.routes import Fitted
+from flexmodal.identification.route import Fitted
 
 CLOSE = 0.02
 """Relative error of the rise at which an end is found."""

@@ -125,11 +125,11 @@ def _line_search(
         trial = problem.retract(values + length * step, steps=15)
         if trial is not None and np.max(np.abs(trial - values)) <= 2 * length * np.max(np.abs(step)) + 1e-9:
             try:
-                trial_cost, trial_gradient = problem.cost_and_gradient(trial)
+                found = problem.if_below(trial, cost + 1e-4 * length * slope)
             except FlexmodalError:
-                trial_cost = np.inf
-            if np.isfinite(trial_cost) and trial_cost <= cost + 1e-4 * length * slope and trial_cost < cost:
-                return trial, trial_cost, trial_gradient
+                found = None
+            if found is not None and np.isfinite(found[0]) and found[0] < cost:
+                return trial, *found
         length *= 0.5 if length > 0.1 else 0.2
     return None
 

@@ -27,7 +27,7 @@ def search_family(
     from scipy.optimize import minimize_scalar
 
     def cost(parameter: float) -> float:
-        return problem.cost_and_gradient(family_values(problem, family, float(parameter)))[0]
+        return problem.cost(family_values(problem, family, float(parameter)))
 
     low, high = sorted((family.start, family.stop))
     grid = np.linspace(low, high, _SAMPLES + 1)

@@ -35,14 +35,14 @@ class FunctionObjective:
 
     def cost_and_gradient(self, posed: PosedRobot) -> tuple[float, Float[np.ndarray, " moving"]]:
         """± its logarithm, and differences of that; joints that follow others have none of their own."""
-        cost, order = self._cost(posed), list(posed.robot.moving)
+        cost, order = self.cost(posed), list(posed.robot.moving)
         slope = np.zeros(len(order))
         if not np.isfinite(cost):
             return cost, slope
         for name, joint in posed.robot.commanded.items():
             here = posed.posture.values[name]
             ends = (max(here - _STEP, joint.lower), min(here + _STEP, joint.upper))
-            costs = [self._cost(_moved(posed, name, end)) for end in ends]
+            costs = [self.cost(_moved(posed, name, end)) for end in ends]
             if np.all(np.isfinite(costs)) and ends[1] > ends[0]:
                 slope[order.index(name)] = (costs[1] - costs[0]) / (ends[1] - ends[0])
         return cost, slope
@@ -51,7 +51,8 @@ class FunctionObjective:
         """Nothing is better than a cost of −∞."""
         return Limit.PERFECT if cost == -np.inf else Limit.NONE
 
-    def _cost(self, posed: PosedRobot) -> float:
+    def cost(self, posed: PosedRobot) -> float:
+        """± the logarithm of the value; infinite where there is none."""
         try:
             value = self.value(posed)
         except FlexmodalError:

@@ -10,6 +10,7 @@ from jaxtyping import Float
 
 from flexmodal.cards import FrozenDict
 from flexmodal.model import PosedRobot, Posture, Robot
+from flexmodal.optimisation.function import FunctionObjective
 from flexmodal.optimisation.hold import TOLERANCE, Hold
 from flexmodal.optimisation.objective import Objective
 
@@ -73,6 +74,21 @@ class PostureProblem:
         """The objective's cost and its gradient along the commanded joints."""
         cost, gradient = self.objective.cost_and_gradient(self.posed(values))
         return cost, gradient[self.columns]
+
+    def cost(self, values: Float[np.ndarray, " commanded"]) -> float:
+        """The cost alone; where the gradient is one of differences, that is a small part of the work."""
+        if isinstance(self.objective, FunctionObjective):
+            return self.objective.cost(self.posed(values))
+        return self.cost_and_gradient(values)[0]
+
+    def if_below(
+        self, values: Float[np.ndarray, " commanded"], bound: float
+    ) -> tuple[float, Float[np.ndarray, " commanded"]] | None:
+        """Cost and gradient if the cost is at most `bound`; differences are not taken in vain."""
+        if isinstance(self.objective, FunctionObjective) and not self.cost(values) <= bound:
+            return None
+        cost, gradient = self.cost_and_gradient(values)
+        return (cost, gradient) if cost <= bound else None
 
     def held(self, values: Float[np.ndarray, " commanded"]) -> tuple[np.ndarray, np.ndarray]:
         """Error of the hold and its Jacobian; without a hold, empty ones."""

@@ -1,12 +1,15 @@
 """`flexmodal identify`: JSON, the improved card, what is refused."""
 
 import json
+import shutil
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 
 import flexmodal
 from flexmodal.campaign import read_campaign
+from flexmodal.cli.main import group
 from flexmodal.identification import identify
 from flexmodal.identification.observations import observe
 from flexmodal.rig import simulate
@@ -31,6 +34,13 @@ def folder(tmp_path_factory):
     return place
 
 
+@pytest.fixture(scope="module")
+def identified(folder, tmp_path_factory):
+    """What one identification with `--out` printed, and its folder."""
+    out = tmp_path_factory.mktemp("identified") / "found"
+    return CliRunner().invoke(group, ["identify", str(folder), "--out", str(out)]), out
+
+
 def test_json_is_as_the_page_fixes_it(cli, folder):
     found = cli("identify", folder, "--json").json()
     assert {"parameters", "correlated", "gap"} <= set(found)
@@ -46,11 +56,10 @@ def test_json_is_as_the_page_fixes_it(cli, folder):
         assert 0.9 <= abs(r) <= 1
 
 
-def test_the_improved_card_has_the_fitted_receptance(cli, folder, tmp_path):
-    out = tmp_path / "found"
-    ran = cli("identify", folder, "--out", out)
-    assert ran.status == 0, ran.err
-    assert "before the fit: " in ran.err
+def test_the_improved_card_has_the_fitted_receptance(folder, identified):
+    ran, out = identified
+    assert ran.exit_code == 0, ran.stderr
+    assert "before the fit: " in ran.stderr
     assert {path.name for path in out.iterdir()} == {
         "robot",
         "identification.json",
@@ -83,22 +92,23 @@ def test_the_improved_card_has_the_fitted_receptance(cli, folder, tmp_path):
     assert len(observed) == 18
 
 
-def test_the_page_stands_alone(cli, folder, tmp_path):
-    cli("identify", folder, "--out", tmp_path / "found")
-    text = (tmp_path / "found" / "report.html").read_text(encoding="utf-8")
+def test_the_page_stands_alone(identified):
+    text = (identified[1] / "report.html").read_text(encoding="utf-8")
     assert "stiffness.q2" in text
     assert text.count("<svg") == 2
     for outside in ('src="', "<link", "@import", 'href="http'):
         assert outside not in text
 
 
-def test_nothing_is_written_over_unasked(cli, folder, tmp_path):
+def test_nothing_is_written_over_unasked(cli, folder, identified, tmp_path):
     out = tmp_path / "found"
-    assert cli("identify", folder, "--out", out).status == 0
-    before = (out / "robot" / "robot.toml").read_text()
+    shutil.copytree(identified[1], out)
+    card = out / "robot" / "robot.toml"
+    card.write_text("before", encoding="utf-8")
     cli("identify", folder, "--out", out).refused("robot", "--force")
-    assert (out / "robot" / "robot.toml").read_text() == before
+    assert card.read_text(encoding="utf-8") == "before"
     assert cli("identify", folder, "--out", out, "--force").status == 0
+    assert "joint" in card.read_text(encoding="utf-8")
 
 
 def test_the_old_card_is_never_the_new_one(cli, folder):

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from flexmodal.diagnosis.outcome import UNKNOWN, Verdict, Weighed
+from flexmodal.diagnosis.report import page as drawing
 from flexmodal.diagnosis.report import write_report
 from flexmodal.diagnosis.report.page import report_text
 from flexmodal.diagnosis.report.pictures import over_noise, telling_rows
@@ -124,6 +125,7 @@ def test_hostile_names_are_only_text(diagnosed):
     assert HOSTILE.split("&", maxsplit=1)[0] in found.text
 
 
+@pytest.mark.usefixtures("no_ink")
 def test_nothing_missing(diagnosed, hinged):
     root, before, _, _ = hinged
     nothing = replace(
@@ -143,6 +145,13 @@ def test_nothing_missing(diagnosed, hinged):
     assert page.tags.count("svg") == 2 + 6 + 1  # one map only
 
 
+@pytest.fixture
+def no_ink(monkeypatch):
+    """Pictures are put together, and not rendered, which takes seconds a page."""
+    monkeypatch.setattr(drawing, "svg_text", lambda figure: "<svg></svg>")
+
+
+@pytest.mark.usefixtures("no_ink")
 def test_not_explained(diagnosed):
     verdict = Verdict(((UNKNOWN, "link_3"),), False, "Something is missing that nothing explains.")
     page = Page(report_text(replace(diagnosed, steps=(), verdict=verdict, next_measurement=None)))

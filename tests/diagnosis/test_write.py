@@ -41,7 +41,9 @@ def test_never_over_something(diagnosed, tmp_path):
     assert sorted(os.listdir(tmp_path)) == ["file", "mine"]
 
 
-def test_replaces_an_earlier_diagnosis_when_asked(diagnosed, tmp_path):
+def test_replaces_an_earlier_diagnosis_when_asked(diagnosed, tmp_path, monkeypatch):
+    # the page, whose pictures take seconds, is drawn in test_folder
+    monkeypatch.setattr(write, "write_report", lambda diagnosis, path, **_: path.write_text("page"))
     folder = tmp_path / "found"
     folder.mkdir()
     (folder / "diagnosis.json").write_text("{}")
@@ -51,6 +53,7 @@ def test_replaces_an_earlier_diagnosis_when_asked(diagnosed, tmp_path):
         write_diagnosis(diagnosed, folder)
     write_diagnosis(diagnosed, folder, overwrite=True)
     assert not (folder / "robot" / "old.urdf").exists()
+    assert (folder / "report.html").read_text() == "page"
     assert json.loads((folder / "diagnosis.json").read_text(encoding="utf-8"))["format"] == 1
 
 

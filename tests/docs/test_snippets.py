@@ -3,7 +3,8 @@
 Fenced blocks of three kinds are run; all others (`toml`, `text`, …) are left alone.
 
 - `console` and `sh`: each line that begins with `$ ` (in `sh`, each line) is a command. `flexmodal …` is run
-  in a folder of its own for the page and has to end with status 0; of `make …` the target has to exist.
+  in a folder of its own for the page and has to end with status 0, but for those that other tests run; of
+  `make …` the target has to exist.
 - `python`: run in order, the blocks of a page sharing their names.
 """
 
@@ -22,6 +23,8 @@ FENCE = re.compile(r"^```(\w+)[^\n]*\n(.*?)^```\s*$", re.MULTILINE | re.DOTALL)
 TARGETS = set(re.findall(r"^([a-z]+):", (ROOT / "Makefile").read_text(), re.MULTILINE))
 LEFT_ALONE = {"git", "cd", "pip", "cat"}
 """Commands that need a network or a clone."""
+ELSEWHERE = {"demo": ROOT / "tests" / "cli" / "test_demo.py"}
+"""Commands of flexmodal that take long, and the tests that run them."""
 
 
 def blocks(page, *kinds):
@@ -58,6 +61,8 @@ def test_commands(page, place):
         program, *rest = words
         if program == "make":
             assert set(rest) <= TARGETS, f"{page.name}: make {' '.join(rest)}"
+        elif program == "flexmodal" and rest[0] in ELSEWHERE:
+            assert f'shell("{rest[0]}"' in ELSEWHERE[rest[0]].read_text(encoding="utf-8")
         elif program == "flexmodal":
             done = subprocess.run(
                 [Path(sys.executable).with_name("flexmodal"), *rest],

@@ -17,9 +17,9 @@ from flexmodal.identification.mode_data import (
     modes_of_table,
 )
 from flexmodal.identification.mode_fit import ModeProblem
+from flexmodal.identification.mode_route import ModeRoute
 from flexmodal.identification.model import places_of
 from flexmodal.identification.poles import poles
-from flexmodal.identification.routes import ModeRoute
 from flexmodal.identification.structure import Axis, receptance
 
 DIP = 83.0

@@ -10,9 +10,9 @@ from flexmodal.errors import InvalidRequest
 from flexmodal.identification import build_identification
 from flexmodal.identification.eigenvalue_method import EigenvalueModel, eigenvalue_method
 from flexmodal.identification.mode_data import MeasuredMode, modes_of_table
+from flexmodal.identification.mode_route import ModeRoute
 from flexmodal.identification.piecewise import piecewise
 from flexmodal.identification.poles import poles
-from flexmodal.identification.routes import ModeRoute
 
 CAMPAIGN = "robots/fanuc_s360/campaigns/thesis"
 TWO = ("configuration_1", "configuration_7")

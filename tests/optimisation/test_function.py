@@ -48,6 +48,28 @@ def test_at_a_limit_the_difference_is_taken_inside(arm):
     np.testing.assert_allclose(slope, expected, rtol=1e-4)
 
 
+def test_a_step_that_is_refused_costs_no_differences(arm):
+    """One call for each place tried, and thirteen more for each that is taken."""
+    judge, calls = ReceptanceObjective((Z,), np.array([5.0])), []
+
+    def counted(posed):
+        calls.append(posed)
+        return judge.value(posed)
+
+    problem = PostureProblem(arm, FunctionObjective(counted), Hold.at(arm, (-2.0, 2.0)))
+    values = problem.retract(np.array([arm.postures["start_2"][name] for name in problem.names]))
+    cost, gradient = PostureProblem(arm, judge).cost_and_gradient(values)
+    assert problem.cost(values) == pytest.approx(cost, abs=1e-12)
+    assert len(calls) == 1
+    assert problem.if_below(values, cost - 0.1) is None
+    assert len(calls) == 2
+    found = problem.if_below(values, cost + 0.1)
+    assert found is not None
+    assert found[0] == problem.cost(values)
+    np.testing.assert_allclose(found[1], gradient, atol=1e-6 * (1 + np.linalg.norm(gradient)) ** 3)
+    assert len(calls) == 3 + 13 + 1
+
+
 def test_the_same_optimum(arm):
     judge = ReceptanceObjective((Z,), np.array([5.0]))
     hold = Hold.at(arm, (-2.0, 2.0))

@@ -39,9 +39,8 @@ def write_report(
     Raises:
         OutputExists: the file exists.
     """
-    text = report_text(diagnosis, notes)
     with whole_file(path, overwrite=overwrite) as scratch:
-        scratch.write_text(text, encoding="utf-8")
+        scratch.write_text(report_text(diagnosis, notes), encoding="utf-8")
 
 
 def report_text(diagnosis: Diagnosis, notes: Sequence[str] = ()) -> str:

@@ -52,11 +52,17 @@ def plan_of(problem: PostureProblem) -> Plan | None:
         return None
     return Plan(
         chain=chain,
-        hold=held_of(problem.robot, problem.hold),
-        box=Box(problem.columns.astype(np.int64), problem.lower, problem.upper),
-        judge=judge,
+        hold=_alike(held_of(problem.robot, problem.hold)),
+        box=_alike(Box(problem.columns.astype(np.int64), problem.lower, problem.upper)),
+        judge=_alike(judge),
         turning=np.array([joint.type != "prismatic" for joint in problem.robot.commanded.values()]),
     )
+
+
+def _alike(arrays: Any) -> Any:
+    """The same with arrays of its own: the search is compiled anew for each that is read-only or strided."""
+    own = (np.array(value, order="C") if isinstance(value, np.ndarray) else value for value in arrays)
+    return arrays._make(own)
 
 
 def held_of(robot: Robot, hold: Hold | None) -> Held:

@@ -191,7 +191,7 @@ def test_the_command_line_takes_a_folder_of_modes(as_believed, tmp_path):
         "--out",
         str(out),
         "--effects",
-        "joint_coupling",
+        "joint_coupling@q1+q2",
         "--json",
     ]
     ran = CliRunner().invoke(group, [*words, "--quiet"])

@@ -108,6 +108,17 @@ def test_cost_and_gradient_are_the_objective_s(case):
         np.testing.assert_allclose(found, gradient, rtol=1e-8, atol=1e-9 * np.max(np.abs(gradient)))
 
 
+@pytest.mark.parametrize("case", CASES, indirect=True)
+def test_one_compilation_serves_every_problem(case, arm):
+    """The compiler tells arrays apart by layout and by whether they are read-only; half a minute for each."""
+    numba = pytest.importorskip("numba")
+    usual = plan_of(PostureProblem(arm, receptance(arm, 5), Hold.at(arm, (-2.0, 2.0))))
+    plan = plan_of(case)
+    for name in ("hold", "box", "judge"):
+        assert numba.typeof(getattr(plan, name)) == numba.typeof(getattr(usual, name)), name
+    assert numba.typeof(plan.chain.arrays) == numba.typeof(usual.chain.arrays)
+
+
 @pytest.mark.parametrize("case", [name for name in CASES if "limits" not in name], indirect=True)
 def test_the_same_descent(case):
     """The first steps agree but for rounding, which grows on the way, and decides what is at a limit."""

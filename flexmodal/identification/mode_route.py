@@ -1,0 +1,154 @@
+"""Modes as a route to parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from jaxtyping import Bool, Float, Shaped
+
+from flexmodal.errors import Fault
+from flexmodal.identification.descent import descend
+from flexmodal.identification.frf_fit import FINE, SETTLED
+from flexmodal.identification.gap import Gap
+from flexmodal.identification.mode_data import ModeObservations
+from flexmodal.identification.mode_fit import ModeProblem, PosedModel
+from flexmodal.identification.mode_gap import errors_of, gap_of_errors, noise_of
+from flexmodal.identification.parameter import ParameterSpace
+from flexmodal.identification.route import Advance, Fitted, few
+from flexmodal.identification.uncertainty import Uncertainty, laplace
+
+FLOORS_OF_MODES = (0.1, 0.02, 0.003)
+"""Relative model error of a natural frequency, in the order in which it is lowered."""
+MODEL_ERROR = 0.0005
+"""Where that ends, unless it is said otherwise."""
+WIDE, CLOSE = 0.3, 0.1
+"""Relative differences of frequency that pairing counts as large, at first and then."""
+
+
+@dataclass(frozen=True, eq=False)
+class ModeRoute:
+    """Modes, posture by posture."""
+
+    model: PosedModel
+    observations: ModeObservations
+    use: tuple[str, ...] = ("frequency", "damping", "shape")
+    model_error: float = MODEL_ERROR
+    """Relative error of natural frequencies that the model itself is granted; tenfold for all else."""
+    reach: float = WIDE
+    """Relative difference of frequency that the first pairing counts as large."""
+
+    @property
+    def floors(self) -> tuple[float, ...]:
+        """Those of the steps, the last one the model's own."""
+        return (*(floor for floor in FLOORS_OF_MODES if floor > self.model_error), self.model_error)
+
+    @property
+    def space(self) -> ParameterSpace:
+        """What is fitted."""
+        return self.model.space
+
+    @cached_property
+    def problem(self) -> ModeProblem:
+        """Model and modes."""
+        return ModeProblem(self.model, self.observations, self.use)
+
+    @property
+    def count(self) -> int:
+        """Of each posture at most as many modes as the model has coordinates."""
+        total, observed = 0, self.observations
+        shapes = len({"shape", "residue"} & set(self.use))
+        for number in range(len(observed.postures)):
+            numbers = []
+            for mode in (observed.modes[k] for k in observed.in_posture(number)):
+                damped = "damping" in self.use and bool(np.isfinite(mode.damping_ratio))
+                size = int("frequency" in self.use) + int(damped)
+                numbers.append(size + sum(2 * shapes * len(shape.places) for shape in mode.shapes))
+            total += sum(sorted(numbers, reverse=True)[: len(self.model.robot.joints)])
+        return total + len(observed.antiresonances) * ("antiresonance" in self.use)
+
+    def faults(self) -> list[Fault]:
+        """Too few numbers."""
+        source = str(self.observations.campaign.path or "campaign")
+        return few(source, self.count, len(self.space), f"numbers ({', '.join(self.use)}) of modes")
+
+    def fit(
+        self,
+        start: Float[np.ndarray, " parameter"] | None = None,
+        *,
+        quick: bool = False,
+        warm: bool = False,
+        hold: Mapping[str, float] | None = None,
+        advance: Advance = lambda step, cost: None,
+    ) -> Fitted:
+        """See `Route`; modes are paired anew whenever a round has ended."""
+        x = np.zeros(len(self.space)) if start is None else np.array(start, dtype=float)
+        floors = self.floors[:2] if quick else self.floors[-1:] if warm else self.floors
+        problem, steps, scale = self.problem, 0, CLOSE if warm else self.reach
+        for number, floor in enumerate(floors):
+            last = number == len(floors) - 1
+            partners = problem.partners(x, scale=scale)
+            for _ in range(4):
+                found = descend(
+                    self.space,
+                    lambda x, p=partners, f=floor: problem.equations(x, p, f),  # type: ignore[misc]
+                    lambda x, p=partners, f=floor: problem.cost(x, p, f),  # type: ignore[misc]
+                    x,
+                    most=60,
+                    settled=FINE if last else SETTLED,
+                    hold=hold,
+                    advance=lambda step, cost, before=steps: advance(before + step, cost),  # type: ignore[misc]
+                )
+                x, steps, before = found.x, steps + found.steps, partners
+                partners = problem.partners(x, scale=CLOSE)
+                if partners == before:
+                    break
+            scale = CLOSE
+        return Fitted(x, found.normal, found.converged, steps)
+
+    def information(self) -> Float[np.ndarray, "parameter parameter"]:
+        """Of modes with these errors, exactly where the card has them."""
+        card = np.zeros(len(self.space))
+        partners = self.problem.partners(card, scale=WIDE)
+        size = len(self.space)
+        total = np.zeros((size, size))
+        for one in self.problem.entries(card, partners, slopes=True):
+            if one is not None:
+                weight = 1 / (one.variance + (self.model_error * one.coarse) ** 2)
+                total += (one.slopes * weight) @ one.slopes.T
+        return total
+
+    def uncertainty(self, fitted: Fitted) -> Uncertainty:
+        """Of the curvature, widened where the misfit is larger than the errors."""
+        partners = self.problem.partners(fitted.x, scale=CLOSE)
+        entries = self.problem.entries(fitted.x, partners, slopes=False)
+        count = sum(len(one.residual) for one in entries if one is not None)
+        return laplace(self.space, fitted.normal, count)
+
+    def predicted(self, x: Float[np.ndarray, " parameter"]) -> Shaped[np.ndarray, "observation entry"]:
+        """Relative errors of frequency and damping, and 1 − MAC."""
+        return errors_of(self.problem, x)
+
+    def gap(self, predicted: Shaped[np.ndarray, "observation entry"]) -> Gap:
+        """Of the file formats."""
+        return Gap(gap_of_errors(predicted), noise_of(self.observations, predicted))
+
+    def over_noise(self, predicted: Shaped[np.ndarray, "observation entry"]) -> float:
+        """The gap over its noise."""
+        return self.gap(predicted).over_floor
+
+    def folds(self) -> Mapping[tuple[str, str], Bool[np.ndarray, " observation"]]:
+        """Postures."""
+        zeros = [zero.posture for zero in self.observations.antiresonances]
+        posture = np.array([mode.posture for mode in self.observations.modes] + zeros)
+        return {
+            ("posture", one.name): posture == number
+            for number, one in enumerate(self.observations.postures)
+            if np.any(posture == number)
+        }
+
+    def keeping(self, keep: Bool[np.ndarray, " observation"]) -> ModeRoute:
+        """See `Route`."""
+        return replace(self, observations=self.observations.keeping(keep))

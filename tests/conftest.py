@@ -1,0 +1,66 @@
+"""Run-time checks of types and shapes, by sample.
+
+`--jaxtyping-packages` puts `@jaxtyping.jaxtyped` on every function of the package as it is imported. To check
+each of the million calls of a fit's inner loops takes three quarters of the time of its test and finds little
+that the first calls have not shown, so here each function is checked in the first calls of each test and in
+one of many thereafter.
+"""
+
+import dataclasses
+import functools
+import inspect
+from typing import Any
+
+import jaxtyping
+import pytest
+
+FIRST, THEN = 20, 100
+"""Calls of a function that are checked in every test; the distance of those that are checked later."""
+
+_test = [0]
+"""Number of the test that runs."""
+_seen: dict[tuple[str, str], list[int]] = {}
+"""Test and number of calls in it, by module and name of the function; closures are counted together."""
+_always = jaxtyping.jaxtyped
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_setup() -> None:
+    _test[0] += 1
+
+
+def sampled(function: Any, typechecker: Any) -> Any:
+    """The function, checked in some of its calls; it is wrapped for the check when that is first needed."""
+    seen = _seen.setdefault((function.__module__, function.__qualname__), [0, 0])
+    checked = None
+
+    @functools.wraps(function)
+    def wrapper(*args: Any, **kwargs: Any) -> Any:
+        nonlocal checked
+        if seen[0] != _test[0]:
+            seen[:] = _test[0], 0
+        seen[1] += 1
+        if seen[1] > FIRST and seen[1] % THEN:
+            return function(*args, **kwargs)
+        if checked is None:
+            checked = _always(function, typechecker=typechecker)
+        return checked(*args, **kwargs)
+
+    return wrapper
+
+
+def jaxtyped(*, typechecker: Any) -> Any:
+    """In the place of `jaxtyping.jaxtyped`: for the functions and classes that the import hook decorates."""
+
+    def decorate(thing: Any) -> Any:
+        if not inspect.isclass(thing):
+            return sampled(thing, typechecker)
+        own = vars(thing).get("__init__") if dataclasses.is_dataclass(thing) else None
+        if own is not None and not hasattr(own, "__wrapped__"):
+            thing.__init__ = sampled(own, typechecker)
+        return thing
+
+    return decorate
+
+
+jaxtyping.jaxtyped = jaxtyped

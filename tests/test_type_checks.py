@@ -1,0 +1,51 @@
+"""The checks of types and shapes that conftest.py puts on the package: there, and by sample."""
+
+import numpy as np
+import pytest
+from beartype import beartype
+from jaxtyping import Float, TypeCheckError
+
+from flexmodal.cards.card import JointCard
+from flexmodal.modal.mac import auto_mac
+
+
+def first(x: Float[np.ndarray, " n"], y: Float[np.ndarray, " n"]) -> float:
+    return x[0]
+
+
+@pytest.fixture
+def sampling(pytestconfig):
+    return next(
+        module
+        for module in pytestconfig.pluginmanager.get_plugins()
+        if getattr(module, "__file__", None) and hasattr(module, "sampled")
+    )
+
+
+def test_a_wrong_shape_is_refused():
+    with pytest.raises(TypeCheckError, match="auto_mac"):
+        auto_mac(np.ones(3))
+
+
+def test_a_dataclass_is_checked():
+    with pytest.raises(TypeCheckError, match="JointCard"):
+        JointCard(stiffness="soft", damping=1.0)
+
+
+def test_first_calls_and_one_of_many_are_checked(sampling):
+    function = sampling.sampled(first, beartype)
+    refused = []
+    for call in range(1, 2 * sampling.THEN + 1):
+        try:
+            function(np.ones(2), np.ones(3))
+        except TypeCheckError:
+            refused.append(call)
+    assert refused == [*range(1, sampling.FIRST + 1), sampling.THEN, 2 * sampling.THEN]
+
+
+@pytest.mark.parametrize("time", [1, 2])
+def test_each_test_begins_anew(time):
+    with pytest.raises(TypeCheckError):
+        auto_mac(np.ones(3))
+    for _ in range(50):
+        auto_mac(np.ones((3, 2)))
