@@ -43,7 +43,7 @@ def next_measurement(
     """
     tried = _postures(scene, seed)
     planned = _planned(scene.observations, tried)
-    there = Scene(scene.robot, planned, scene.highest)
+    there = Scene(scene.robot, planned, scene.every_line)
     stride = max(1, len(planned.axis) // LINES)
     lines = slice(stride // 2, None, stride)
     values = []

@@ -31,8 +31,8 @@ class Scene:
 
     robot: Robot
     observations: Observations
-    highest: float | None = None
-    """Frequency up to which they speak of modes, where it is not the end of the band [Hz]."""
+    every_line: bool = True
+    """Whether the whole band was measured, or some modes in it only."""
     memory: dict[str, dict[Any, Any]] = field(default_factory=dict, repr=False)
     """What effects compute once and use again."""
     _arms: dict[int, Arm] = field(default_factory=dict, repr=False)

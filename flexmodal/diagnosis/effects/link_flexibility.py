@@ -2,10 +2,10 @@
 
 For a load at its far end the bending moment in a beam is linear along it, so that its strain energy is that
 of springs at the points of Gauss's quadrature, each with the flexibility of its share of the length. Two of
-them are exact for such loads. A link that has modes of its own in the band takes four: the bars between the
-hinges then move as the beam does in its first modes (with a mass at the end, within 0.6 % in the third
-frequency; two hinges have two). A compliance that grows or falls along the link, exponentially, stands for
-links that are stiffer at one end.
+them are exact for such loads. A link that has modes of its own in the band takes more, four or six: the bars
+between the hinges then move as the beam does in its first modes (with a mass at the end, four are within
+0.6 % in the third frequency; two hinges have two). A compliance that grows or falls along the link,
+exponentially, stands for links that are stiffer at one end.
 
 One hinge, the pseudo-joint of Hearne, section 2.3, is what all together are worth: the stiffness of all in
 series, at the mean of their places weighted by compliance. The link's mass is taken as spread evenly along
@@ -29,9 +29,9 @@ from flexmodal.identification.assembly import Assembly, scaled
 
 SHORTEST = 0.05
 """Links shorter than this do not bend [m]."""
-FEW, MANY = 2, 4
-"""Hinges of a link whose own modes lie above the band, and of others."""
-SOFT = 1 / 3
+FEW, MANY_IN_SPACE, MANY_IN_PLANE = 2, 4, 6
+"""Hinges of a link whose own modes lie above the band, and of others; in space each bends in two planes."""
+SOFT = 1 / 8
 """The stiffness at which that is asked, over that of the stiffest joint below."""
 
 
@@ -61,14 +61,15 @@ def _hinges(scene: Scene, where: str) -> Float[np.ndarray, " hinge"]:
 
     A beam of stiffness k = EI/L, mass m and rotary inertia J, held at both ends, has its first modes at
     22.4 √(k/m)/L (bending) and π √(k/J) (turning) [rad/s]: modes of the link itself, whatever it carries.
+    Of modes alone nobody lists those.
     """
     known = scene.memory.setdefault("hinges", {})
     if where not in known:
         body, length = bodies_of(scene.robot.urdf)[where], along(scene, where)[0]
         k, turning = SOFT * _stiffest(scene, where), float(np.linalg.eigvalsh(body.inertia)[-1])
         first = min(22.4 * np.sqrt(k / body.mass) / length, np.pi * np.sqrt(k / max(turning, 1e-12)))
-        highest = scene.band[1] if scene.highest is None else scene.highest
-        known[where] = gauss(MANY if first < 2 * np.pi * highest else FEW)[0]
+        many = MANY_IN_SPACE if scene.normal is None else MANY_IN_PLANE
+        known[where] = gauss(many if scene.every_line and first < 2 * np.pi * scene.band[1] else FEW)[0]
     return known[where]
 
 

@@ -31,11 +31,6 @@ class MeasuredModes:
         return band_of(self.campaign)
 
     @cached_property
-    def highest(self) -> float:
-        """Natural frequency of the highest mode [Hz]."""
-        return max(mode.frequency for mode in self.observed.modes)
-
-    @cached_property
     def places(self) -> tuple[tuple[int, int], ...]:
         """Responses of the shapes; the first point, upwards, where there are no shapes."""
         return places_of_modes(self.observed)[0] or ((self.campaign.points[0].id, 3),)

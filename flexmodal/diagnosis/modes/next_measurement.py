@@ -67,7 +67,7 @@ def _predicted(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Receptances, slopes of their logarithm, covariance of the parameters."""
     old = fit.explanation.hypothesis
-    moved = Hypothesis(Scene(scene.robot, planned, scene.highest), old.base, old.placed)
+    moved = Hypothesis(Scene(scene.robot, planned, scene.every_line), old.base, old.placed)
     size, lines = len(moved.space), slice(None)
     value = np.zeros((len(planned), len(planned.axis.take(lines))), dtype=complex)
     slopes = np.zeros((size, *value.shape), dtype=complex)

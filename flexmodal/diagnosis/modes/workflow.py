@@ -117,7 +117,7 @@ class _Course:
     ) -> None:
         self.whole, self.held = whole, held
         self.measured = whole if held is None else whole.keeping(~held)
-        self.scene = Scene(robot, whole.stand_in, whole.highest)
+        self.scene = Scene(robot, whole.stand_in, every_line=False)
         self.base, self.asked, self.moved, self.seed, self.advance = base, asked, moved, seed, advance
         self.effects = tuple(catalogue(None if asked is None else list(asked)).values())
         self.untestable = {e.name: why for e in self.effects if (why := untestable(e, self.scene))}
