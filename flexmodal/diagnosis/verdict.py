@@ -27,8 +27,9 @@ def verdict(
     """
     floors = gaps.after / gaps.noise_floor
     effects = tuple((step.effect, step.where) for step in steps)
+    silent = _untestable(bench)
     if explained and not effects:
-        says = f"Nothing is missing: re-tuned, the robot's gap is {floors:.2f} × the noise floor."
+        says = f"Nothing is missing: re-tuned, the robot's gap is {floors:.2f} × the noise floor.{silent}"
         return Verdict((), True, says)
     if explained:
         words = " and ".join(f"{_says(bench, step.effect)} ({step.where})" for step in steps)
@@ -40,9 +41,16 @@ def verdict(
     near = f" Nearest comes {effects[-1][0]} at {effects[-1][1]}, which is not enough." if effects else ""
     says = (
         "Something is missing that nothing in the catalogue explains: averaged over repeats, the model stays "
-        f"{over:.1f} times as far from the measurements as noise alone would put it. Look at {where}.{near}"
+        f"{over:.1f} times as far from the measurements as noise alone would put it. "
+        f"Look at {where}.{near}{silent}"
     )
     return Verdict(((UNKNOWN, where),), False, says)
+
+
+def _untestable(bench: Bench) -> str:
+    """Effects that may be there for all these data can tell."""
+    names = [effect.name for effect in bench.effects if effect.untestable(bench.scene)]
+    return f" Of {', '.join(names)} these data cannot tell." if names else ""
 
 
 def _says(bench: Bench, name: str) -> str:

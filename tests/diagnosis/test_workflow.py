@@ -70,6 +70,7 @@ def test_one_level_of_force_leaves_friction_untestable(clean):
     measured, robot = campaign(peaks=(100.0,), trials=2)
     found = diagnose(measured, robot, effects=["coulomb_friction", "sensor_gain"])
     assert "one level" in found.untestable["coulomb_friction"]
+    assert "Of coulomb_friction these data cannot tell." in found.verdict.says
     assert found.verdict.effects == ()
 
 
