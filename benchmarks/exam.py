@@ -21,7 +21,7 @@ from pathlib import Path
 from exam_plan import ENGINES, Question, plan
 from exam_report import report
 
-PUBLISHED = 20261126
+PUBLISHED = 20261128
 
 
 def ask(question: Question, folder: Path, engine: str) -> dict[str, object]:

@@ -130,12 +130,12 @@ def coarse_model(hypothesis: Hypothesis) -> Model:
 
 def worst_lines(
     observations: Observations, predicted: Complex[np.ndarray, "observation line"]
-) -> Int[np.ndarray, " line"]:
+) -> Int[np.ndarray, " worst"]:
     """Lines where a model is far from the measurement, the closer together the further it is."""
     weight = Weighing(ROUNDS[-1][0], np.arange(len(observations.axis))).weight(observations)
     far = robust(weight * np.abs(residual(predicted, observations.value)) ** 2).sum(axis=0)
     above = np.cumsum(np.maximum(far - np.median(far), 0.0))
-    if above[-1] <= 0:
+    if above[-1] < 1e-6:  # in units of noise: rounding
         return np.zeros(0, dtype=int)
     return np.unique(np.searchsorted(above, (np.arange(WORST) + 0.5) / WORST * above[-1]))
 
