@@ -13,6 +13,7 @@ from flexmodal.model import batch_planar as planar
 from flexmodal.model import batch_second as second
 from flexmodal.model import batch_spatial as spatial
 from flexmodal.model import batch_tile as tile
+from flexmodal.model import batch_twists as twists
 
 _KINEMATICS = (
     kinematics.cross,
@@ -61,7 +62,7 @@ def compiled_planes() -> Any:
 @cache
 def compiled_spaces() -> Any:
     """`flexmodal.model.batch_spatial.space_batch`, compiled."""
-    inner = (gradient.place_arm, second.apply_inertia, second.gather_inertias)
+    inner = (gradient.place_arm, twists.apply_inertia, twists.gather_inertias)
     return compile_together(
         *_KINEMATICS[:4], *inner, spatial.fill_joint, spatial.fill_wrench, last=spatial.space_batch
     )
@@ -75,11 +76,11 @@ def compiled_second() -> Any:
         gradient.place_arm,
         pivoted.eliminate,
         second.invert,
-        second.apply_inertia,
-        second.gather_inertias,
-        second.dot,
-        second.cross_twist,
-        second.cross_momentum,
+        twists.apply_inertia,
+        twists.gather_inertias,
+        twists.dot,
+        twists.cross_twist,
+        twists.cross_momentum,
         second.sweep_second,
         second.row_second,
         second.row_change,

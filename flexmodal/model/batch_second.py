@@ -27,6 +27,7 @@ import numpy as np
 from flexmodal.frf.kernels.pivoted import eliminate
 from flexmodal.model.batch_gradient import place_arm
 from flexmodal.model.batch_kinematics import cross, mass_matrix, place_bodies, place_joints, point_jacobian
+from flexmodal.model.batch_twists import apply_inertia, cross_momentum, cross_twist, dot, gather_inertias
 
 
 def invert(matrices, lag, w, mass, pick, wide, inverse):
@@ -52,60 +53,6 @@ def invert(matrices, lag, w, mass, pick, wide, inverse):
         for j in range(n):
             inverse[i, j] = wide[i, n + j] * scale
     return True
-
-
-def apply_inertia(inertia, twist, out):
-    """Momentum of a twist; `inertia` holds the mass, mass times centre, and xx, xy, xz, yy, yz, zz."""
-    m, x, y, z = inertia[0], inertia[1], inertia[2], inertia[3]
-    a, b, c, d, e, f = twist[0], twist[1], twist[2], twist[3], twist[4], twist[5]
-    out[0], out[1], out[2] = m * a + e * z - f * y, m * b + f * x - d * z, m * c + d * y - e * x
-    out[3] = inertia[4] * d + inertia[5] * e + inertia[6] * f + y * c - z * b
-    out[4] = inertia[5] * d + inertia[7] * e + inertia[8] * f + z * a - x * c
-    out[5] = inertia[6] * d + inertia[8] * e + inertia[9] * f + x * b - y * a
-
-
-def gather_inertias(mass, centres, inertias, out):
-    """Inertia of all bodies from each joint outwards, about the first joint's origin."""
-    out[:] = 0.0
-    for k in range(len(mass) - 1, -1, -1):
-        x, y, z = centres[k, 0], centres[k, 1], centres[k, 2]
-        m = mass[k]
-        out[k, 0], out[k, 1], out[k, 2], out[k, 3] = m, m * x, m * y, m * z
-        out[k, 4] = inertias[k, 0, 0] + m * (y * y + z * z)
-        out[k, 5] = inertias[k, 0, 1] - m * x * y
-        out[k, 6] = inertias[k, 0, 2] - m * x * z
-        out[k, 7] = inertias[k, 1, 1] + m * (x * x + z * z)
-        out[k, 8] = inertias[k, 1, 2] - m * y * z
-        out[k, 9] = inertias[k, 2, 2] + m * (x * x + y * y)
-        if k + 1 < len(mass):
-            for e in range(10):
-                out[k, e] += out[k + 1, e]
-
-
-def dot(a, b):
-    """Σ a_i b_i, without conjugates."""
-    total = 0.0j
-    for i in range(len(a)):
-        total += a[i] * b[i]
-    return total
-
-
-def cross_twist(s, v, out):
-    """S × V of two twists."""
-    cross(s[3:], v[:3], out[:3])
-    out[0] += s[1] * v[5] - s[2] * v[4]
-    out[1] += s[2] * v[3] - s[0] * v[5]
-    out[2] += s[0] * v[4] - s[1] * v[3]
-    cross(s[3:], v[3:], out[3:])
-
-
-def cross_momentum(s, p, out):
-    """S ×* P of a twist and a momentum: (S × V) · P = −V · (S ×* P)."""
-    cross(s[3:], p[:3], out[:3])
-    cross(s[3:], p[3:], out[3:])
-    out[3] += s[1] * p[2] - s[2] * p[1]
-    out[4] += s[2] * p[0] - s[0] * p[2]
-    out[5] += s[0] * p[1] - s[1] * p[0]
 
 
 def sweep_second(twists, inertias, y, momenta, left, gone, work):

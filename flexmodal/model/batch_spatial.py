@@ -8,7 +8,7 @@ import numpy as np
 from flexmodal.frf.kernels.spatial import ENTRIES
 from flexmodal.model.batch_gradient import place_arm
 from flexmodal.model.batch_kinematics import place_bodies, place_joints
-from flexmodal.model.batch_second import apply_inertia, gather_inertias
+from flexmodal.model.batch_twists import apply_inertia, gather_inertias
 
 
 def space_batch(chain, places, springs, postures, joints, wrenches):

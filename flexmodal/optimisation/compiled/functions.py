@@ -8,6 +8,7 @@ from typing import Any
 
 from flexmodal.frf.kernels import pivoted
 from flexmodal.frf.kernels.compiled import compile_together, compile_with
+from flexmodal.model import batch_factor as factor
 from flexmodal.model import batch_gradient as gradient
 from flexmodal.model import batch_kinematics as kinematics
 from flexmodal.optimisation.compiled import (
@@ -28,8 +29,8 @@ _LOWEST_FIRST = (
     kinematics.place_bodies,
     kinematics.mass_matrix,
     kinematics.point_jacobian,
-    gradient.factor_symmetric,
-    gradient.solve_factored,
+    factor.factor_symmetric,
+    factor.solve_factored,
     gradient.place_arm,
     gradient.sweep_momenta,
     gradient.row_slopes,
