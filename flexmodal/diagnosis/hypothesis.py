@@ -12,11 +12,13 @@ from jaxtyping import Float
 from flexmodal.diagnosis.effects.effect import Effect, Scene, Site
 from flexmodal.diagnosis.frame import KINDS, Frame
 from flexmodal.diagnosis.march.law import Law
+from flexmodal.diagnosis.reader import Reader
+from flexmodal.diagnosis.slices import Slice, slices
 from flexmodal.identification import Observations, ParameterSpace
 from flexmodal.identification.arm import Body
 from flexmodal.identification.assembly import Assembly, put_together
 from flexmodal.identification.model import Group, places
-from flexmodal.identification.structure import Axis, Change, Structure, changed
+from flexmodal.identification.structure import Change, Structure, changed
 
 STEP = 1e-6
 """Of the forward differences along an effect's own parameters."""
@@ -43,24 +45,6 @@ class Placed:
 
 
 @dataclass(frozen=True, eq=False)
-class _Slice:
-    """Observations of one posture that share a structure."""
-
-    posture: int
-    rows: np.ndarray
-    where: np.ndarray
-    struck: np.ndarray
-    pairs: np.ndarray
-    points: tuple[str, ...]
-    """Name of the response point of each row of `where`."""
-    read: tuple[str, ...]
-    """The same of each observation."""
-    level: int
-    reference: tuple[int, int]
-    response: tuple[int, int]
-
-
-@dataclass(frozen=True, eq=False)
 class _Shift:
     """The parameters a step further along one of an effect's own."""
 
@@ -78,7 +62,7 @@ class Hypothesis:
     base: ParameterSpace
     """Of the robot itself."""
     placed: tuple[Placed, ...] = ()
-    _slices: dict[int, list[_Slice]] = field(default_factory=dict, repr=False)
+    _slices: dict[int, list[Slice]] = field(default_factory=dict, repr=False)
     _frames: dict[tuple[object, ...], Frame] = field(default_factory=dict, repr=False)
 
     @cached_property
@@ -159,34 +143,17 @@ class Hypothesis:
             found.append(_Shift(name, label, step, self.space.values(moved)))
         return found
 
-    def _sliced(self, observations: Observations) -> list[_Slice]:
+    def _sliced(self, observations: Observations) -> list[Slice]:
         key = id(observations)
         if key not in self._slices:
-            self._slices[key] = [
-                _sliced(observations, posture, rows)
-                for posture in range(len(observations.postures))
-                for rows in self._split(observations, np.flatnonzero(observations.posture == posture))
-            ]
+            wanted = {variant for one in self.placed for variant in one.effect.variants}
+            self._slices[key] = slices(observations, wanted)
         return self._slices[key]
-
-    def _split(self, observations: Observations, rows: np.ndarray) -> list[np.ndarray]:
-        """Observations of a posture that share a structure and a window."""
-        if not rows.size:
-            return []
-        columns = [np.array(observations.decays)[observations.level[rows]][:, None]]
-        wanted = {variant for one in self.placed for variant in one.effect.variants}
-        if "blow" in wanted:
-            columns += [observations.level[rows][:, None], observations.reference[rows]]
-        if "response" in wanted:
-            columns.append(observations.response[rows][:, :1])
-        table = np.hstack([np.asarray(column, dtype=float) for column in columns])
-        _, label = np.unique(table, axis=0, return_inverse=True)
-        return [rows[label.ravel() == k] for k in range(int(label.max()) + 1)]
 
     # structures
 
     def _structure(
-        self, observations: Observations, one: _Slice, values: Mapping[str, float], shifts: Sequence[_Shift]
+        self, observations: Observations, one: Slice, values: Mapping[str, float], shifts: Sequence[_Shift]
     ) -> Structure:
         frame = self._frame(one.posture, values)
         total, changes = frame.scaled(values)
@@ -218,7 +185,7 @@ class Hypothesis:
         self,
         observations: Observations,
         frame: Frame,
-        one: _Slice,
+        one: Slice,
         values: Mapping[str, float],
         shift: _Shift,
         bare: Mapping[str, np.ndarray],
@@ -277,7 +244,7 @@ class Hypothesis:
         put_together(assembly, card, left)
         return Frame(assembly, self.base.names, np.array([p.card for p in self.base]), {})
 
-    def _act(self, frame: Frame, one: _Slice, values: Mapping[str, float]) -> Assembly:
+    def _act(self, frame: Frame, one: Slice, values: Mapping[str, float]) -> Assembly:
         """What the effects put on the motions, by itself."""
         assembly = frame.assembly.alike()
         for effect, site in self._sites(one, values):
@@ -285,7 +252,7 @@ class Hypothesis:
                 effect.act(assembly, site)
         return assembly
 
-    def _sites(self, one: _Slice, values: Mapping[str, float]) -> list[tuple[Effect, Site]]:
+    def _sites(self, one: Slice, values: Mapping[str, float]) -> list[tuple[Effect, Site]]:
         return [
             (
                 placed.effect,
@@ -303,7 +270,7 @@ class Hypothesis:
         ]
 
     def _rows(
-        self, observations: Observations, frame: Frame, one: _Slice, values: Mapping[str, float]
+        self, observations: Observations, frame: Frame, one: Slice, values: Mapping[str, float]
     ) -> tuple[np.ndarray, np.ndarray]:
         """Rows of responses and references."""
         turning = [(effect, site) for effect, site in self._sites(one, values) if effect.turn is not None]
@@ -320,7 +287,7 @@ class Hypothesis:
             response = _kept(frame, observations, one.where)
         return response, _kept(frame, observations, one.struck)
 
-    def _reader(self, one: _Slice, values: Mapping[str, float], shifts: Sequence[_Shift]) -> Reader | None:
+    def _reader(self, one: Slice, values: Mapping[str, float], shifts: Sequence[_Shift]) -> Reader | None:
         labels = {placed.label for placed in self.placed if placed.effect.read is not None}
         if not labels:
             return None
@@ -330,47 +297,6 @@ class Hypothesis:
             if shift.label in labels
         ]
         return Reader(one.read, self._sites(one, values), moved)
-
-
-@dataclass(frozen=True, eq=False)
-class Reader:
-    """What sensors make of the motion at their points."""
-
-    points: Sequence[str]
-    """Response point of each observation."""
-    sites: Sequence[tuple[Effect, Site]]
-    moved: Sequence[tuple[str, float, Sequence[tuple[Effect, Site]]]]
-
-    def __call__(self, axis: Axis) -> tuple[np.ndarray, Mapping[str, np.ndarray]]:
-        """ln(reading / motion) [observation line], and its derivatives."""
-        base = self._log(axis, self.sites)
-        return base, {name: (self._log(axis, sites) - base) / step for name, step, sites in self.moved}
-
-    def _log(self, axis: Axis, sites: Sequence[tuple[Effect, Site]]) -> np.ndarray:
-        total = np.zeros((len(self.points), len(axis)), dtype=complex)
-        for effect, site in sites:
-            if effect.read is not None:
-                total[[point == site.where for point in self.points]] += effect.read(site, axis)
-        return total
-
-
-def _sliced(observations: Observations, posture: int, rows: np.ndarray) -> _Slice:
-    where, response = np.unique(observations.response[rows], axis=0, return_inverse=True)
-    struck, reference = np.unique(observations.reference[rows], axis=0, return_inverse=True)
-    names = {p.id: p.name for p in observations.campaign.points}
-    hit, felt = observations.reference[rows[0]].tolist(), observations.response[rows[0]].tolist()
-    return _Slice(
-        posture=posture,
-        rows=rows,
-        where=where,
-        struck=struck,
-        pairs=np.stack([response.ravel(), reference.ravel()], axis=1),
-        points=tuple(names[int(number)] for number, _ in where.tolist()),
-        read=tuple(names[int(number)] for number in observations.response[rows, 0].tolist()),
-        level=int(observations.level[rows[0]]),
-        reference=(hit[0], hit[1]),
-        response=(felt[0], felt[1]),
-    )
 
 
 def _kept(frame: Frame, observations: Observations, wanted: np.ndarray) -> np.ndarray:
