@@ -65,7 +65,8 @@ def kind_of(
         side = "ahead of" if lag > 0 else "behind"
         return "phase slope", f"{name}, {band}: the model is {abs(lag):.2g}° {side} what was measured"
     more = "more" if level > 0 else "less"
-    size = f"{abs(np.expm1(level)) * 100:.0f} %"
+    part = abs(np.expm1(level)) * 100
+    size = f"{part:.0f} %" if part >= 10 else f"{part:.2g} %"
     peaks = _extrema(predicted[row], 1.0)
     if peaks.size and frequency[last] < 0.8 * frequency[peaks[0]]:
         return "stiffness line", f"{name}, {band}: below the first resonance the model moves {size} {more}"
