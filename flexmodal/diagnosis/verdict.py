@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from flexmodal.diagnosis.compare import excess
-from flexmodal.diagnosis.outcome import UNKNOWN, Gaps, Step, Verdict
+from flexmodal.diagnosis.outcome import NONE, UNKNOWN, UNSTRUCTURED, Gaps, Step, Verdict
 from flexmodal.diagnosis.preparation import Bench
 from flexmodal.diagnosis.weigh import Weighable
 
@@ -33,7 +33,7 @@ def verdict(
         return Verdict((), True, says)
     if explained:
         words = " and ".join(f"{_says(bench, step.effect)} ({step.where})" for step in steps)
-        tied = [f"{effect} at {where}" for step in steps for effect, where in step.ties]
+        tied = [_named(*tie) for step in steps for tie in step.ties]
         tail = f" These data cannot tell it from {', '.join(tied)}." if tied else ""
         says = f"Missing: {words}.{tail} The gap falls to {floors:.2f} × the noise floor."
         return Verdict(effects, True, says)
@@ -51,6 +51,12 @@ def _untestable(bench: Bench) -> str:
     """Effects that may be there for all these data can tell."""
     names = [effect.name for effect in bench.effects if effect.untestable(bench.scene)]
     return f" Of {', '.join(names)} these data cannot tell." if names else ""
+
+
+def _named(effect: str, where: str) -> str:
+    """A tied explanation in words."""
+    plain = {NONE: "nothing added", UNSTRUCTURED: "a mode with no structure"}
+    return plain.get(effect, f"{effect} at {where}")
 
 
 def _says(bench: Bench, name: str) -> str:

@@ -13,8 +13,10 @@ from flexmodal.diagnosis.course import FLOOR_REACHED, SIGNIFICANT, Course
 from flexmodal.diagnosis.figures import over_noise
 from flexmodal.diagnosis.hypothesis import Hypothesis, Placed
 from flexmodal.diagnosis.looking import looked_at
+from flexmodal.diagnosis.outcome import Gaps, Step
 from flexmodal.diagnosis.preparation import prepare
 from flexmodal.diagnosis.search import Candidate, look_at, restarted, simpler
+from flexmodal.diagnosis.verdict import verdict
 from flexmodal.diagnosis.weigh import weigh
 from flexmodal.errors import InvalidRequest
 from flexmodal.identification import RobotModel, observe, predict, robot_space
@@ -72,6 +74,16 @@ def test_one_level_of_force_leaves_friction_untestable(clean):
     assert "one level" in found.untestable["coulomb_friction"]
     assert "Of coulomb_friction these data cannot tell." in found.verdict.says
     assert found.verdict.effects == ()
+
+
+def test_ties_are_said_in_words(loaded):
+    bench = prepare(*loaded, None, ["added_mass"], None, 0, lambda doing, part: None)
+    ties = (("unstructured_mode", ""), ("none", ""), ("local_absorber", "link_2"))
+    course = Course(bench)
+    gaps = Gaps(0.2, 0.1, None, None, 0.1)
+    step = Step("added_mass", "link_3", {}, {}, {}, 0.9, gaps, (), ties)
+    says = verdict(bench, [step], course.current, gaps, 1.0, explained=True).says
+    assert "from a mode with no structure, nothing added, local_absorber at link_2." in says
 
 
 def test_one_posture_holds_nothing_out():
