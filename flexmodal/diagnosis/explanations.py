@@ -7,21 +7,14 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from jaxtyping import Float
 
+from flexmodal.diagnosis.coarse import Candidate, Look, look_at
 from flexmodal.diagnosis.effects import Effect
 from flexmodal.diagnosis.figures import over_noise
+from flexmodal.diagnosis.lines import worst_lines
 from flexmodal.diagnosis.looking import looked_at
 from flexmodal.diagnosis.march.model import has_law
 from flexmodal.diagnosis.preparation import Bench
-from flexmodal.diagnosis.search import (
-    Candidate,
-    Look,
-    candidates,
-    look_at,
-    narrowed,
-    restarted,
-    simpler,
-    worst_lines,
-)
+from flexmodal.diagnosis.search import candidates, narrowed, restarted, simpler
 from flexmodal.diagnosis.weigh import Weighable
 
 FINALISTS = 4
@@ -80,8 +73,8 @@ def _best_of_each(looked: Sequence[Weighable]) -> list[Weighable]:
 
 def _kinds(effects: Sequence[Effect], *, loud: bool) -> list[tuple[list[Effect], int]]:
     """Effects that depend on the blow apart from the others, and how many of each are looked at closely."""
-    by_force = [effect for effect in effects if "blow" in effect.variants]
-    others = [effect for effect in effects if "blow" not in effect.variants]
+    by_force = [effect for effect in effects if effect.by_force]
+    others = [effect for effect in effects if not effect.by_force]
     return [(others, FINALISTS), (by_force if loud else [], MARCHED)]
 
 

@@ -81,7 +81,7 @@ def _left_out(placed: Placed, values: Mapping[str, float], scene: Scene) -> str:
     effect = placed.effect
     if effect.read is not None or effect.turn is not None or "response" in effect.variants:
         why = "is of the sensors, not of the robot"
-    elif "blow" in effect.variants:
+    elif effect.by_force:
         why = "depends on the force of the blow; the joint is here as it is without"
     else:
         why = "says nothing of how it changes the files of a robot"

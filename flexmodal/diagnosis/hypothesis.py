@@ -80,6 +80,11 @@ class Hypothesis:
         """Name and place of each effect."""
         return tuple(one.key for one in self.placed)
 
+    @property
+    def by_force(self) -> bool:
+        """Whether one of its effects depends on the blow."""
+        return any(placed.effect.by_force for placed in self.placed)
+
     def and_also(self, placed: Placed) -> Hypothesis:
         """With one more effect."""
         return Hypothesis(self.scene, self.base, (*self.placed, placed))

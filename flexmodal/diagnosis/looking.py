@@ -6,10 +6,10 @@ import numpy as np
 from jaxtyping import Float
 
 from flexmodal.diagnosis.hypothesis import Hypothesis
+from flexmodal.diagnosis.lines import CLOSE, some_lines
 from flexmodal.diagnosis.march.model import has_law
 from flexmodal.diagnosis.preparation import Bench
 from flexmodal.diagnosis.refine import refined
-from flexmodal.diagnosis.search import CLOSE, some_lines
 from flexmodal.diagnosis.weigh import Weighable, weighable
 from flexmodal.identification import Observations, fit, predict
 

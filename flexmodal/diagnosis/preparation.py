@@ -11,7 +11,7 @@ from jaxtyping import Bool
 from flexmodal.campaign import Campaign, CampaignPosture
 from flexmodal.diagnosis.effects import Effect, Scene, catalogue
 from flexmodal.diagnosis.hypothesis import Hypothesis
-from flexmodal.diagnosis.search import COARSE, some_lines, unlimited
+from flexmodal.diagnosis.lines import COARSE, some_lines, unlimited
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.identification import Observations, ParameterSpace, fit, gap, observe, predict, robot_space
 from flexmodal.identification.belong import check_belonging
@@ -39,6 +39,11 @@ class Bench:
     effects: tuple[Effect, ...]
     seed: int
     advance: Advance
+
+    @property
+    def untestable(self) -> dict[str, str]:
+        """Effects that these data cannot tell of, and why."""
+        return {effect.name: why for effect in self.effects if (why := effect.untestable(self.scene))}
 
 
 def prepare(

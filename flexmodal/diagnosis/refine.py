@@ -12,9 +12,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Complex, Float
 
+from flexmodal.diagnosis.coarse import ROUGH
 from flexmodal.diagnosis.hypothesis import Hypothesis
+from flexmodal.diagnosis.lines import CLOSE, COARSE, some_lines
 from flexmodal.diagnosis.march.model import MarchedModel
-from flexmodal.diagnosis.search import CLOSE, COARSE, ROUGH, some_lines
 from flexmodal.identification import FrfFit, Observations, fit, predict
 from flexmodal.identification.frf_fit import Weighing, cost_of
 

@@ -8,27 +8,15 @@ are not linear are marched in time from the first look on: describing functions 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
-from jaxtyping import Complex, Float, Int
+from jaxtyping import Float
 
-from flexmodal.diagnosis.compare import but_for_the_blow
+from flexmodal.diagnosis.coarse import Candidate, Look
 from flexmodal.diagnosis.effects.effect import Effect
 from flexmodal.diagnosis.hypothesis import Hypothesis, Placed
-from flexmodal.diagnosis.march.model import MarchedModel, has_law
-from flexmodal.identification import Observations
-from flexmodal.identification.descent import robust
-from flexmodal.identification.frf_fit import Weighing, cost_of, fit, residual
-from flexmodal.identification.model import Model
+from flexmodal.diagnosis.march.model import has_law
 
-COARSE = 48
-"""Lines of the coarse looks, closer together where resonances are narrow."""
-WORST = 16
-"""Further lines of the coarse looks, where what is to be explained is."""
-CLOSE = 160
-"""Lines of the closer ones."""
 STARTS = 2
 """Starts that are kept for each effect and place."""
 ROUNDS = ((0.2, 3, 20), (0.1, 5, 10), (0.03, 8, 5))
@@ -43,134 +31,6 @@ TRIED = 24
 """How many of them are fitted at all."""
 ASIDE = (-2.0, -1.0, 0.0, 1.0, 2.0)
 """Where each parameter of an effect is put in turn, in deviations of its prior, the others staying."""
-ROUGH = 5.0
-"""Steps of time in a period of the highest line, of the coarse looks."""
-
-
-@dataclass(frozen=True, eq=False)
-class Candidate:
-    """A hypothesis on its way."""
-
-    hypothesis: Hypothesis
-    x: Float[np.ndarray, " parameter"]
-    cost: float
-    """On coarse lines at the last round's model error."""
-
-    @property
-    def key(self) -> tuple[str, str]:
-        """Name and place of the effect it adds last."""
-        return self.hypothesis.keys[-1]
-
-
-def some_lines(observations: Observations, count: int) -> Int[np.ndarray, " line"]:
-    """Numbers of about so many lines, half of them evenly spaced, half on a logarithmic scale."""
-    every = len(observations.axis)
-    if count >= every:
-        return np.arange(every)
-    even = np.linspace(0, every - 1, count // 2)
-    frequency = observations.axis.frequency
-    spread = np.interp(
-        np.linspace(np.log(frequency[0]), np.log(frequency[-1]), count - count // 2),
-        np.log(frequency),
-        np.arange(every),
-    )
-    return np.unique(np.concatenate([even, spread]).round().astype(int))
-
-
-def unlimited(observations: Observations) -> Observations:
-    """As if every record lasted until all is still: what is cut off is a matter for the close look."""
-    return replace(observations, lengths=tuple(0.0 for _ in observations.lengths))
-
-
-@dataclass(frozen=True, eq=False)
-class Look:
-    """Observations as the coarse looks see them: levels of force apart, and as one.
-
-    A model without force levels is as far from the mean over them as from each, but for a constant.
-    """
-
-    apart: Observations
-    merged: Observations
-    share: Float[np.ndarray, " observation"]
-    """How many levels each merged observation stands for."""
-    lines: Int[np.ndarray, " line"]
-
-    def constant(self, floor: float) -> float:
-        """What the mean hides of the sum of squares."""
-        weight = Weighing(floor, self.lines).weight(self.apart)
-        between = residual(self.merged.value[self.owner][:, self.lines], self.apart.value[:, self.lines])
-        return float(np.sum(robust(weight * np.abs(between) ** 2)))
-
-    @cached_property
-    def owner(self) -> Int[np.ndarray, " observation"]:
-        """The merged observation of each."""
-        return but_for_the_blow(self.apart)
-
-    def fitted(self, one: Candidate, floor: float, steps: int) -> Candidate:
-        """A candidate some steps further."""
-        loud = by_force(one.hypothesis)
-        seen, share = (self.apart, None) if loud else (self.merged, self.share)
-        made = fit(
-            coarse_model(one.hypothesis), seen, one.x, floors=(floor,), steps=steps, lines=self.lines,
-            share=share, apart=False,
-        )  # fmt: skip
-        more = 0.0 if loud else self.constant(floor)
-        return Candidate(one.hypothesis, made.x, made.normal.cost + more)
-
-
-def by_force(hypothesis: Hypothesis) -> bool:
-    """Whether one of its effects depends on the blow."""
-    return any("blow" in placed.effect.variants for placed in hypothesis.placed)
-
-
-def coarse_model(hypothesis: Hypothesis) -> Model:
-    """A hypothesis as the coarse looks take it: its torques, where it has such, marched in long steps."""
-    return replace(MarchedModel(hypothesis), fineness=ROUGH) if has_law(hypothesis) else hypothesis
-
-
-def worst_lines(
-    observations: Observations, predicted: Complex[np.ndarray, "observation line"]
-) -> Int[np.ndarray, " worst"]:
-    """Lines where a model is far from the measurement, the closer together the further it is."""
-    weight = Weighing(ROUNDS[-1][0], np.arange(len(observations.axis))).weight(observations)
-    far = robust(weight * np.abs(residual(predicted, observations.value)) ** 2).sum(axis=0)
-    above = np.cumsum(np.maximum(far - np.median(far), 0.0))
-    if above[-1] < 1e-6:  # in units of noise: rounding
-        return np.zeros(0, dtype=int)
-    return np.unique(np.searchsorted(above, (np.arange(WORST) + 0.5) / WORST * above[-1]))
-
-
-def look_at(observations: Observations, more: Sequence[int] | Int[np.ndarray, " more"] = ()) -> Look:
-    """Prepare the coarse looks.
-
-    Args:
-        observations: what is looked at.
-        more: lines besides those that are spread over the band.
-    """
-    observations = unlimited(observations)
-    owner = but_for_the_blow(observations)
-    first = np.unique(owner, return_index=True)[1]
-    share = np.bincount(owner).astype(float)
-    value, variance = np.zeros((2, len(share), observations.value.shape[1]), dtype=complex)
-    used = np.ones(value.shape, dtype=bool)
-    np.add.at(value, owner, observations.value)
-    np.add.at(variance, owner, observations.variance)
-    np.logical_and.at(used, owner, observations.used)
-    keep = np.zeros(len(observations), dtype=bool)
-    keep[first] = True
-    kept = observations.keeping(keep)
-    order = np.argsort(np.argsort(first))
-    back = np.argsort(order)
-    merged = replace(
-        kept,
-        value=(value / share[:, None])[back],
-        variance=(variance.real / share[:, None])[back],
-        used=used[back],
-    )
-    lines = np.union1d(some_lines(observations, COARSE), np.array(more, dtype=int))
-    look = Look(observations, merged, share[back], lines)
-    look.__dict__["owner"] = order[owner]
-    return look
 
 
 def candidates(
@@ -187,7 +47,6 @@ def candidates(
         effects: to add.
         look: the coarse look.
     """
-    weighing = Weighing(ROUNDS[0][0], look.lines)
     found = []
     for effect in effects:
         if effect.untestable(root.scene):
@@ -197,14 +56,11 @@ def candidates(
                 continue
             placed = Placed(effect, where)
             hypothesis = root.and_also(placed)
-            model, loud = coarse_model(hypothesis), by_force(hypothesis)
-            seen = look.apart if loud else look.merged
+            most = 1 if has_law(hypothesis) else STARTS
             starts = effect.starts(root.scene, where)
             for x in set_out:
                 tried = [hypothesis.start(placed, start, x) for start in starts]
-                costs = [cost_of(model, one, seen, weighing) for one in tried]
-                order = np.argsort(costs, kind="stable")[: 1 if has_law(hypothesis) else STARTS]
-                found += [Candidate(hypothesis, tried[k], costs[k]) for k in order]
+                found += look.started(hypothesis, tried, ROUNDS[0][0], most)
     return found
 
 
@@ -247,11 +103,8 @@ def restarted(
         for given in placed.effect.starts(hypothesis.scene, placed.where)
         for tail in (*set_out, x[: len(set_out[0])])
     ]
-    weighing = Weighing(RESTARTS[0][0], look.lines)
-    seen = look.apart if by_force(hypothesis) else look.merged
-    costs = [cost_of(hypothesis, one, seen, weighing) for one in starts]
-    best = [starts[k] for k in np.argsort(costs, kind="stable")[:TRIED]]
-    todo = [Candidate(hypothesis, one, np.inf) for one in (*best, *_aside(hypothesis, x))]
+    todo = look.started(hypothesis, starts, RESTARTS[0][0], TRIED)
+    todo += [Candidate(hypothesis, one, np.inf) for one in _aside(hypothesis, x)]
     for floor, steps, keep in RESTARTS:
         todo = sorted((look.fitted(one, floor, steps) for one in todo), key=lambda one: one.cost)[:keep]
     return todo[0]

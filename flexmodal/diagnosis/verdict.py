@@ -27,7 +27,7 @@ def verdict(
     """
     floors = gaps.after / gaps.noise_floor
     effects = tuple((step.effect, step.where) for step in steps)
-    silent = _untestable(bench)
+    silent = f" Of {', '.join(bench.untestable)} these data cannot tell." if bench.untestable else ""
     if explained and not effects:
         says = f"Nothing is missing: re-tuned, the robot's gap is {floors:.2f} × the noise floor.{silent}"
         return Verdict((), True, says)
@@ -45,12 +45,6 @@ def verdict(
         f"Look at {where}.{near}{silent}"
     )
     return Verdict(((UNKNOWN, where),), False, says)
-
-
-def _untestable(bench: Bench) -> str:
-    """Effects that may be there for all these data can tell."""
-    names = [effect.name for effect in bench.effects if effect.untestable(bench.scene)]
-    return f" Of {', '.join(names)} these data cannot tell." if names else ""
 
 
 def _named(effect: str, where: str) -> str:

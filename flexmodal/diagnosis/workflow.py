@@ -18,7 +18,6 @@ from flexmodal.diagnosis.next_measurement import next_measurement
 from flexmodal.diagnosis.outcome import Diagnosis, NextMeasurement
 from flexmodal.diagnosis.preparation import Advance, prepare
 from flexmodal.diagnosis.provenance import provenance
-from flexmodal.diagnosis.search import by_force
 from flexmodal.diagnosis.verdict import verdict
 from flexmodal.diagnosis.weigh import Weighable
 from flexmodal.identification import gap, uncertainty
@@ -78,7 +77,7 @@ def _conclude(course: Course) -> Diagnosis:
         before = course.before
     over = over_noise(bench, final)
     explained = over <= FLOOR_REACHED or (over <= EXPLAINED and left(bench, course.before, final) <= LEFT)
-    if course.force_matters and not by_force(final.hypothesis):
+    if course.force_matters and not final.hypothesis.by_force:
         explained = False  # nothing linear changes with the force
     everything = gap(bench.observations, course.believed)
     gaps = replace(
@@ -98,7 +97,7 @@ def _conclude(course: Course) -> Diagnosis:
         steps=tuple(course.steps) if explained else (),
         verdict=says,
         next_measurement=_next(course, final),
-        untestable={effect.name: why for effect in bench.effects if (why := effect.untestable(bench.scene))},
+        untestable=bench.untestable,
         left_out=bench.observations.silent,
         held_out=tuple(
             bench.observations.postures[int(k)].id for k in np.unique(bench.observations.posture[bench.held])

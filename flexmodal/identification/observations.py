@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from jaxtyping import Bool, Complex, Float, Int
+from jaxtyping import Bool, Complex, Float, Int, Shaped
 
 from flexmodal.campaign import (
     Blow,
@@ -124,20 +124,7 @@ def observe(campaign: Campaign) -> Observations:
     Raises:
         InvalidRequest: no FRFs and no blows, no line in the band, or nothing that says how noisy they are.
     """
-    frfs = campaign.frfs
-    if frfs is None:
-        if not campaign.blows:
-            allowed = "frf.uff or time.uff; with modes.csv alone, identify from modes"
-            raise InvalidRequest(Fault(str(campaign.path or "campaign"), "", "no FRFs and no blows", allowed))
-        frfs = estimate_frfs(campaign)
-    records = _inside(frfs, campaign.band).positive()
-    if not records.frequency.size:
-        low, high = campaign.band
-        allowed = "a band with lines in it"
-        raise InvalidRequest(
-            Fault(str(campaign.path or "campaign"), "band", f"no line from {low:g} to {high:g} Hz", allowed)
-        )
-    records, silent = heard(records, campaign)
+    records, silent = heard(_measured(campaign), campaign)
     absolute = _variance(records, campaign)
     with np.errstate(divide="ignore", invalid="ignore"):
         relative = np.where(records.value == 0, np.inf, absolute / np.abs(records.value) ** 2)
@@ -145,36 +132,13 @@ def observe(campaign: Campaign) -> Observations:
     power = {"receptance": 0, "mobility": 1, "inertance": 2}[records.form]
     groups = repeat_groups(records.trials or campaign.trials)
     records = _receptances(records, campaign)
-    level_of = {trial: number for number, group in enumerate(groups) for trial in group}
     postures = tuple(p for p in campaign.postures if np.any(records.posture == p.id))
-    posture_of = {p.id: number for number, p in enumerate(postures)}
-    keys: dict[tuple[int, ...], int] = {}
-    of_record = np.array(
-        [
-            keys.setdefault(
-                (
-                    posture_of[int(records.posture[row])],
-                    *records.response[row].tolist(),
-                    *records.reference[row].tolist(),
-                    level_of[int(records.trial[row])],
-                ),
-                len(keys),
-            )
-            for row in range(len(records))
-        ]
-    )
-    table = np.array(list(keys))
+    table, of_record = _grouped(records, postures, groups)
     count = np.bincount(of_record)[:, None]
-    value, variance = (
-        np.zeros((len(keys), records.frequency.size), complex),
-        np.zeros((len(keys), records.frequency.size)),
-    )
-    weight = np.zeros(value.shape)
     coherence = np.ones(records.value.shape) if records.coherence is None else records.coherence
-    np.add.at(value, of_record, records.value)
-    np.add.at(variance, of_record, relative)
-    np.add.at(weight, of_record, coherence)
-    value /= count
+    value = _summed(records.value, of_record) / count
+    variance = _summed(relative, of_record) / count**2
+    coherent = _summed(coherence, of_record) / count >= COHERENT
     return Observations(
         campaign=campaign,
         records=records,
@@ -187,13 +151,53 @@ def observe(campaign: Campaign) -> Observations:
         decays=tuple(_decay(campaign, group) for group in groups),
         lengths=tuple(_length(campaign, group) for group in groups),
         value=value,
-        variance=variance / count**2,
-        used=(weight / count >= COHERENT) & (value != 0) & (variance / count**2 <= NOISIEST),
+        variance=variance,
+        used=coherent & (value != 0) & (variance <= NOISIEST),
         of_record=of_record,
         noise=noise,
         silent=silent,
         power=power,
     )
+
+
+def _measured(campaign: Campaign) -> FrfRecords:
+    """FRFs of a campaign, or of its blows, inside its band."""
+    source, frfs = str(campaign.path or "campaign"), campaign.frfs
+    if frfs is None:
+        if not campaign.blows:
+            allowed = "frf.uff or time.uff; with modes.csv alone, identify from modes"
+            raise InvalidRequest(Fault(source, "", "no FRFs and no blows", allowed))
+        frfs = estimate_frfs(campaign)
+    records = _inside(frfs, campaign.band).positive()
+    if not records.frequency.size:
+        low, high = campaign.band
+        found = f"no line from {low:g} to {high:g} Hz"
+        raise InvalidRequest(Fault(source, "band", found, "a band with lines in it"))
+    return records
+
+
+def _grouped(
+    records: FrfRecords, postures: Sequence[CampaignPosture], groups: Sequence[Sequence[int]]
+) -> tuple[Int[np.ndarray, "observation 6"], Int[np.ndarray, " record"]]:
+    """Posture, response, reference and level of each observation, and the observation of each record."""
+    level_of = {trial: number for number, group in enumerate(groups) for trial in group}
+    posture_of = {posture.id: number for number, posture in enumerate(postures)}
+    keys: dict[tuple[int, ...], int] = {}
+    of_record = []
+    for row in range(len(records)):
+        places = (*records.response[row].tolist(), *records.reference[row].tolist())
+        key = (posture_of[int(records.posture[row])], *places, level_of[int(records.trial[row])])
+        of_record.append(keys.setdefault(key, len(keys)))
+    return np.array(list(keys)), np.array(of_record)
+
+
+def _summed(
+    value: Shaped[np.ndarray, "record line"], of_record: Int[np.ndarray, " record"]
+) -> Shaped[np.ndarray, "observation line"]:
+    """Sums over the records of each observation."""
+    total = np.zeros((int(of_record.max()) + 1, value.shape[1]), dtype=value.dtype)
+    np.add.at(total, of_record, value)
+    return total
 
 
 def _variance(records: FrfRecords, campaign: Campaign) -> Float[np.ndarray, "record line"]:

@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
+from flexmodal.diagnosis.coarse import look_at
 from flexmodal.diagnosis.effects import catalogue
 from flexmodal.diagnosis.hypothesis import Hypothesis, Placed
-from flexmodal.diagnosis.search import WORST, look_at, some_lines, worst_lines
+from flexmodal.diagnosis.lines import WORST, some_lines, worst_lines
 from flexmodal.identification import predict, robot_space
 
 

@@ -8,6 +8,7 @@ import pytest
 
 import flexmodal
 from flexmodal.diagnosis import diagnose
+from flexmodal.diagnosis.coarse import Candidate, look_at
 from flexmodal.diagnosis.compare import disagreement, force_dependence
 from flexmodal.diagnosis.course import FLOOR_REACHED, SIGNIFICANT, Course
 from flexmodal.diagnosis.figures import over_noise
@@ -15,7 +16,7 @@ from flexmodal.diagnosis.hypothesis import Hypothesis, Placed
 from flexmodal.diagnosis.looking import looked_at
 from flexmodal.diagnosis.outcome import Gaps, Step
 from flexmodal.diagnosis.preparation import prepare
-from flexmodal.diagnosis.search import Candidate, look_at, restarted, simpler
+from flexmodal.diagnosis.search import restarted, simpler
 from flexmodal.diagnosis.verdict import verdict
 from flexmodal.diagnosis.weigh import weigh
 from flexmodal.errors import InvalidRequest

@@ -159,6 +159,11 @@ class Effect:
     units: Mapping[str, str] = field(default_factory=dict)
     """Units of what `physical` gives beyond the parameters of the fit."""
 
+    @property
+    def by_force(self) -> bool:
+        """Whether it depends on the blow."""
+        return "blow" in self.variants
+
 
 def positive(name: str, unit: str, centre: float, deviation: float, lower: float, upper: float) -> Parameter:
     """A parameter on a logarithmic scale with a wide prior around `centre`."""

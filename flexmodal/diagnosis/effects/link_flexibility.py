@@ -161,10 +161,9 @@ def shares(stiffness: float, position: float, count: int) -> Float[np.ndarray, "
 
 
 def _act(assembly: Assembly, site: Site) -> None:
-    count = len(_hinges(site.scene, site.where))
-    springs = shares(site["stiffness"], site["position"], count).tolist()
-    for name in _names(site.scene, site.where):
-        spring = springs[int(name.rsplit(" ", 1)[1].split(".")[0]) - 1]
+    count, names = len(_hinges(site.scene, site.where)), _names(site.scene, site.where)
+    springs = np.repeat(shares(site["stiffness"], site["position"], count), len(names) // count)
+    for name, spring in zip(names, springs.tolist(), strict=True):
         row = assembly.row(name)
         assembly.add_spring(row, spring)
         assembly.add_damper(row, site["damping"] / site["stiffness"] * spring)

@@ -229,7 +229,7 @@ def untestable(effect: Effect, scene: Scene) -> str | None:
     """Why modes alone cannot tell of an effect."""
     if effect.read is not None or effect.turn is not None:
         return "modes have no calibrated FRF of a single sensor"
-    if "blow" in effect.variants:
+    if effect.by_force:
         return "modes were measured at one force, or do not say at which"
     if "response" in effect.variants:
         return "one set of modes for all places of the sensor"
