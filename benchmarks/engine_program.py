@@ -25,10 +25,10 @@ from flexmodal.diagnosis.march import integrate
 from flexmodal.diagnosis.march.law import friction, hardening
 from flexmodal.diagnosis.march.pulse import Pulse
 from flexmodal.identification.frf_route import FrfRoute
-from flexmodal.identification.structure import Axis, Structure
 from flexmodal.model.batch import gradient_batch, receptance_batch
 from flexmodal.optimisation.compiled import random_starts, search_postures
 from flexmodal.rig import nonlinear, simulate
+from flexmodal.structure.structure import Axis, Structure
 
 ROUNDS = 3 if "--quick" in sys.argv else 7
 UP = PointDirection("tool", "z")

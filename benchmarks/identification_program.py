@@ -25,8 +25,8 @@ import flexmodal
 from flexmodal.campaign import Campaign, read_campaign, write_campaign
 from flexmodal.diagnosis import diagnose
 from flexmodal.identification import build_identification, frf_fit, model, solve_identification
-from flexmodal.identification.structure import ROUNDING, Axis, Structure
 from flexmodal.rig import simulate
+from flexmodal.structure.structure import ROUNDING, Axis, Structure
 
 KINDS = ("mass", "damping", "stiffness", "loss")
 
@@ -34,7 +34,7 @@ KINDS = ("mass", "damping", "stiffness", "loss")
 def by_products(
     structure: Structure, axis: Axis, pairs: np.ndarray, names: tuple[str, ...] = ()
 ) -> tuple[np.ndarray, np.ndarray]:
-    """`flexmodal.identification.structure.receptance` by the products of all pairs of coordinates."""
+    """`flexmodal.structure.structure.receptance` by the products of all pairs of coordinates."""
     yu, yv = structure.solve(axis)
     u, v = pairs[:, 0], pairs[:, 1]
     left, right = np.moveaxis(yu, 2, 0)[u], np.moveaxis(yv, 2, 0)[v]  # [pair, line, dof]

@@ -21,8 +21,8 @@ from flexmodal.identification import (
 )
 from flexmodal.identification.frf_fit import Weighing, fit, residual
 from flexmodal.identification.frf_route import FrfRoute
-from flexmodal.identification.structure import Axis, Structure
 from flexmodal.rig import simulate
+from flexmodal.structure.structure import Axis, Structure
 
 FLOOR = 0.01
 MOST = 150

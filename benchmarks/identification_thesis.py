@@ -10,7 +10,7 @@ from flexmodal.campaign import read_campaign
 from flexmodal.identification import build_identification
 from flexmodal.identification.eigenvalue_method import Bounds, eigenvalue_method
 from flexmodal.identification.mode_route import ModeRoute
-from flexmodal.identification.poles import poles
+from flexmodal.structure.poles import poles
 
 CAMPAIGN = "robots/fanuc_s360/campaigns/thesis"
 TRUST = {"stiffness": 0.5, "mass": 0.3, "inertia": 0.3}

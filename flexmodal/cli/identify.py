@@ -75,8 +75,9 @@ def identify(
     as_json: bool,
 ) -> None:
     """Stiffness, damping and inertia from a campaign, with uncertainty; exit 1 if the fit does not settle."""
-    from flexmodal.identification import build_identification, robot_space, solve_identification
+    from flexmodal.identification import build_identification, solve_identification
     from flexmodal.identification.as_json import as_json as as_object
+    from flexmodal.structure import robot_space
 
     _refuse_out(out, force)
     measured = campaign_at(campaign)

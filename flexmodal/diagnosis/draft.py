@@ -23,10 +23,10 @@ from flexmodal.diagnosis.urdf_text import (
     set_inertial,
     shift_origin,
 )
-from flexmodal.identification.arm import Body, beyond, bodies_of, moved_bodies
-from flexmodal.identification.assembly import scaled
 from flexmodal.model import Robot
 from flexmodal.model.placements import link_placements
+from flexmodal.structure.arm import Body, beyond, bodies_of, moved_bodies
+from flexmodal.structure.assembly import scaled
 
 DUST = 1e-12
 """Mass of a link that only stands between two joints, over that of the arm: readers of URDFs want some."""

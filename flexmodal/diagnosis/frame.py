@@ -12,8 +12,8 @@ from functools import cached_property
 
 import numpy as np
 
-from flexmodal.identification.assembly import Assembly
-from flexmodal.identification.structure import Change, changed
+from flexmodal.structure.assembly import Assembly
+from flexmodal.structure.structure import Change, changed
 
 KINDS = ("mass", "damping", "stiffness", "loss")
 

@@ -14,11 +14,12 @@ from flexmodal.diagnosis.frame import KINDS, Frame
 from flexmodal.diagnosis.march.law import Law
 from flexmodal.diagnosis.reader import Reader
 from flexmodal.diagnosis.slices import Slice, slices
-from flexmodal.identification import Observations, ParameterSpace
-from flexmodal.identification.arm import Body
-from flexmodal.identification.assembly import Assembly, put_together
+from flexmodal.identification import Observations
 from flexmodal.identification.model import Group, places
-from flexmodal.identification.structure import Change, Structure, changed
+from flexmodal.structure import ParameterSpace
+from flexmodal.structure.arm import Body
+from flexmodal.structure.assembly import Assembly, put_together
+from flexmodal.structure.structure import Change, Structure, changed
 
 STEP = 1e-6
 """Of the forward differences along an effect's own parameters."""

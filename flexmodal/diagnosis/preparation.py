@@ -13,10 +13,11 @@ from flexmodal.diagnosis.effects import Effect, Scene, catalogue
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.lines import COARSE, some_lines, unlimited
 from flexmodal.errors import Fault, InvalidRequest
-from flexmodal.identification import Observations, ParameterSpace, fit, gap, observe, predict, robot_space
+from flexmodal.identification import Observations, fit, gap, observe, predict
 from flexmodal.identification.belong import check_belonging
-from flexmodal.identification.truncation import missing
 from flexmodal.model import Robot
+from flexmodal.structure import ParameterSpace, robot_space
+from flexmodal.structure.truncation import missing
 
 TRUST = {"stiffness": 0.08, "damping": 0.08, "mass": 0.08, "inertia": 0.08}
 """Standard deviation of ln(true / card) in re-tuning, unless the card or the user says other."""

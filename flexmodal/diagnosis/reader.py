@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexmodal.diagnosis.effects.effect import Effect, Site
-from flexmodal.identification.structure import Axis
+from flexmodal.structure.structure import Axis
 
 
 @dataclass(frozen=True, eq=False)

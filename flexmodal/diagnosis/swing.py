@@ -8,9 +8,9 @@ import numpy as np
 
 from flexmodal.diagnosis.effects.effect import Scene
 from flexmodal.diagnosis.march.pulse import Pulse, haversine
-from flexmodal.identification.assembly import Assembly, put_together
 from flexmodal.identification.model import AXES
-from flexmodal.identification.structure import Axis
+from flexmodal.structure.assembly import Assembly, put_together
+from flexmodal.structure.structure import Axis
 
 _LINES = 1024
 

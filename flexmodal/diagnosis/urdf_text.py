@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float
 from lxml import etree
 
-from flexmodal.identification.arm import Body
+from flexmodal.structure.arm import Body
 
 Vector = Float[np.ndarray, "3"]
 

@@ -21,13 +21,10 @@ from flexmodal.identification.model import predict as predict
 from flexmodal.identification.observations import Observations as Observations
 from flexmodal.identification.observations import observe as observe
 from flexmodal.identification.outcome import Outcome as Outcome
-from flexmodal.identification.parameter import Parameter as Parameter
-from flexmodal.identification.parameter import ParameterSpace as ParameterSpace
 from flexmodal.identification.piecewise import PiecewiseModel as PiecewiseModel
 from flexmodal.identification.piecewise import piecewise as piecewise
 from flexmodal.identification.problem import IdentificationProblem as IdentificationProblem
 from flexmodal.identification.problem import build_identification as build_identification
 from flexmodal.identification.profile import profile as profile
-from flexmodal.identification.space import robot_space as robot_space
 from flexmodal.identification.uncertainty import Uncertainty as Uncertainty
 from flexmodal.identification.uncertainty import uncertainty as uncertainty

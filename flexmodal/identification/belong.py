@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from flexmodal.campaign import Campaign
 from flexmodal.errors import Fault, InvalidPosture, InvalidRequest
-from flexmodal.identification.arm import beyond
 from flexmodal.model import Robot
+from flexmodal.structure.arm import beyond
 from flexmodal.text.words import listing
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from flexmodal.identification.parameter import ParameterSpace
+from flexmodal.structure.parameter import ParameterSpace
 
 HUBER = 3.0
 """Residuals beyond this many standard deviations count linearly (Huber, Ann. Math. Statist. 35, 1964)."""

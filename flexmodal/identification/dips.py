@@ -15,7 +15,7 @@ from dataclasses import replace
 import numpy as np
 from jaxtyping import Float
 
-from flexmodal.identification.structure import Axis, Structure, receptance
+from flexmodal.structure.structure import Axis, Structure, receptance
 
 NEAR = 0.15
 """Relative distance within which a dip of the model is the one that was measured."""

@@ -16,17 +16,17 @@ from jaxtyping import Float
 
 from flexmodal.campaign import Campaign
 from flexmodal.errors import Fault, InvalidRequest
-from flexmodal.identification.arm import Arm, Body, moved_bodies
-from flexmodal.identification.assembly import Assembly
-from flexmodal.identification.mass_map import moment_of
 from flexmodal.identification.mode_data import modes_of_table
 from flexmodal.identification.mode_route import ModeRoute
 from flexmodal.identification.optima import search
 from flexmodal.identification.outcome import TOUCHING
-from flexmodal.identification.parameter import Parameter, ParameterSpace
 from flexmodal.identification.route import refuse
-from flexmodal.identification.structure import Structure
 from flexmodal.model import Robot
+from flexmodal.structure.arm import Arm, Body, moved_bodies
+from flexmodal.structure.assembly import Assembly
+from flexmodal.structure.mass_map import moment_of
+from flexmodal.structure.parameter import Parameter, ParameterSpace
+from flexmodal.structure.structure import Structure
 
 FAR = 1.0
 """Relative difference of frequency that pairing counts as large at first: the start may be anywhere."""

@@ -13,9 +13,9 @@ from flexmodal.identification.frf_fit import Weighing, fit, normal_equations
 from flexmodal.identification.gap import Gap, gap, over_noise
 from flexmodal.identification.model import FrfModel, predict
 from flexmodal.identification.observations import Observations
-from flexmodal.identification.parameter import ParameterSpace
 from flexmodal.identification.route import Advance, Fitted, few
 from flexmodal.identification.uncertainty import Uncertainty, uncertainty
+from flexmodal.structure.parameter import ParameterSpace
 
 QUICK_LINES = 120
 """Lines of each FRF that a first look takes."""

@@ -14,8 +14,8 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Float
 
-from flexmodal.identification.parameter import ParameterSpace
 from flexmodal.identification.uncertainty import KNOWN
+from flexmodal.structure.parameter import ParameterSpace
 
 BLIND = 1e-11
 """Eigenvalue, relative to the largest, from which nothing at all is told."""

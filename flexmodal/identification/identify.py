@@ -12,9 +12,9 @@ from flexmodal.identification.held_out import predicted_apart
 from flexmodal.identification.mode_route import MODEL_ERROR
 from flexmodal.identification.optima import search
 from flexmodal.identification.outcome import Gaps, HeldOut, Outcome
-from flexmodal.identification.parameter import ParameterSpace
 from flexmodal.identification.problem import IdentificationProblem, Source, build_identification
 from flexmodal.model import Robot
+from flexmodal.structure.parameter import ParameterSpace
 
 
 def identify(

@@ -14,10 +14,10 @@ from lxml import etree
 from flexmodal.cards import mesh_path
 from flexmodal.errors import Fault, OutputExists
 from flexmodal.files import whole_file
-from flexmodal.identification.arm import moved_bodies
-from flexmodal.identification.shape import outwards
 from flexmodal.model import Robot
 from flexmodal.model.placements import link_placements
+from flexmodal.structure.arm import moved_bodies
+from flexmodal.structure.shape import outwards
 from flexmodal.text.words import safe_name
 from flexmodal.text.write_toml import toml_text
 

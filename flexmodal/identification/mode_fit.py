@@ -29,10 +29,10 @@ from flexmodal.identification.dips import nearest_dip
 from flexmodal.identification.mode_data import Antiresonance, MeasuredMode, ModeObservations
 from flexmodal.identification.model import places_of
 from flexmodal.identification.pairing import mac_table, pair
-from flexmodal.identification.parameter import ParameterSpace
-from flexmodal.identification.poles import Poles, poles
-from flexmodal.identification.structure import Axis, Structure
 from flexmodal.model import Robot
+from flexmodal.structure.parameter import ParameterSpace
+from flexmodal.structure.poles import Poles, poles
+from flexmodal.structure.structure import Axis, Structure
 
 USES = ("frequency", "damping", "shape", "residue", "antiresonance")
 TENTH = 10.0

@@ -16,9 +16,9 @@ from flexmodal.identification.gap import Gap
 from flexmodal.identification.mode_data import ModeObservations
 from flexmodal.identification.mode_fit import ModeProblem, PosedModel
 from flexmodal.identification.mode_gap import errors_of, gap_of_errors, noise_of
-from flexmodal.identification.parameter import ParameterSpace
 from flexmodal.identification.route import Advance, Fitted, few
 from flexmodal.identification.uncertainty import Uncertainty, laplace
+from flexmodal.structure.parameter import ParameterSpace
 
 FLOORS_OF_MODES = (0.1, 0.02, 0.003)
 """Relative model error of a natural frequency, in the order in which it is lowered."""

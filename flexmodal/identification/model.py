@@ -11,14 +11,14 @@ import numpy as np
 from jaxtyping import Complex, Float, Int
 
 from flexmodal.campaign import Campaign, CampaignPoint
-from flexmodal.identification.arm import Arm
-from flexmodal.identification.assembly import Assembly
 from flexmodal.identification.observations import Observations
-from flexmodal.identification.parameter import ParameterSpace
-from flexmodal.identification.shape import KINDS, assembled, with_slopes
-from flexmodal.identification.structure import Axis, Structure, receptance
-from flexmodal.identification.truncation import missing
 from flexmodal.model import Robot
+from flexmodal.structure.arm import Arm
+from flexmodal.structure.assembly import Assembly
+from flexmodal.structure.parameter import ParameterSpace
+from flexmodal.structure.shape import KINDS, assembled, with_slopes
+from flexmodal.structure.structure import Axis, Structure, receptance
+from flexmodal.structure.truncation import missing
 
 AXES = np.eye(3)
 

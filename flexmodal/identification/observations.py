@@ -23,7 +23,7 @@ from flexmodal.campaign import (
 from flexmodal.campaign.noise import COHERENT, expected_gap_square
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.identification.heard import heard
-from flexmodal.identification.structure import Axis
+from flexmodal.structure.structure import Axis
 
 NOISIEST = 0.1
 """Relative variance beyond which the logarithm of a line is biased by its own noise."""

@@ -11,9 +11,9 @@ import numpy as np
 from jaxtyping import Float
 
 from flexmodal.identification.identifiability import Combination, Identifiability
-from flexmodal.identification.parameter import Parameter
 from flexmodal.identification.route import Fitted
 from flexmodal.identification.uncertainty import Uncertainty
+from flexmodal.structure.parameter import Parameter
 
 if TYPE_CHECKING:
     from flexmodal.identification.problem import IdentificationProblem

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import Float
 
-from flexmodal.identification.poles import Poles
-from flexmodal.identification.structure import Structure
+from flexmodal.structure.poles import Poles
+from flexmodal.structure.structure import Structure
 
 SINGLE = 0.8
 """Pairs that disagree more are no pairs."""

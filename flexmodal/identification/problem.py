@@ -19,10 +19,10 @@ from flexmodal.identification.mode_fit import USES
 from flexmodal.identification.mode_route import MODEL_ERROR, ModeRoute
 from flexmodal.identification.model import RobotModel
 from flexmodal.identification.observations import observe
-from flexmodal.identification.parameter import ParameterSpace
 from flexmodal.identification.route import Route
-from flexmodal.identification.space import robot_space
 from flexmodal.model import Robot
+from flexmodal.structure.parameter import ParameterSpace
+from flexmodal.structure.space import robot_space
 from flexmodal.text.words import listing, nearest
 
 Source = Literal["frf", "modes"]

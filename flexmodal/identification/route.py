@@ -12,8 +12,8 @@ from jaxtyping import Bool, Float, Shaped
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.identification.descent import Normal
 from flexmodal.identification.gap import Gap
-from flexmodal.identification.parameter import ParameterSpace
 from flexmodal.identification.uncertainty import Uncertainty
+from flexmodal.structure.parameter import ParameterSpace
 
 Advance = Callable[[int, float], None]
 

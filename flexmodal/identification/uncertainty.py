@@ -28,7 +28,7 @@ from jaxtyping import Float, Int
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.identification.descent import Normal
 from flexmodal.identification.observations import Observations
-from flexmodal.identification.parameter import ParameterSpace
+from flexmodal.structure.parameter import ParameterSpace
 
 KNOWN = 0.5
 """A coordinate is identified if the data leave less than this part of its prior's standard deviation."""

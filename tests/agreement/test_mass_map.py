@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 
 import flexmodal
-from flexmodal.identification.arm import Arm
-from flexmodal.identification.mass_map import mass_map
 from flexmodal.model.regressor import mass_regressor
+from flexmodal.structure.arm import Arm
+from flexmodal.structure.mass_map import mass_map
 
 
 def posture(robot, seed):

@@ -9,8 +9,9 @@ import flexmodal
 from flexmodal.diagnosis.effects import Scene, catalogue
 from flexmodal.diagnosis.hypothesis import Hypothesis, Placed
 from flexmodal.diagnosis.outcome import Diagnosis, Gaps, NextMeasurement, Region, Step, Verdict, Weighed
-from flexmodal.identification import fit, gap, observe, predict, robot_space, uncertainty
+from flexmodal.identification import fit, gap, observe, predict, uncertainty
 from flexmodal.rig import Hide, simulate
+from flexmodal.structure import robot_space
 
 KEY = ("link_flexibility", "link_2")
 

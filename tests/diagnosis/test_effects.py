@@ -10,12 +10,13 @@ from flexmodal.diagnosis.effects.servo_compliance import loop
 from flexmodal.diagnosis.hypothesis import Hypothesis, Placed
 from flexmodal.diagnosis.lines import unlimited
 from flexmodal.errors import InvalidRequest
-from flexmodal.identification import observe, predict, robot_space
+from flexmodal.identification import observe, predict
 from flexmodal.identification.model import evaluated
 from flexmodal.rig import ParameterError, simulate
 from flexmodal.rig.effects.effect import Site
 from flexmodal.rig.simulate import make_stand
 from flexmodal.rig.structure import build
+from flexmodal.structure import robot_space
 
 
 @pytest.fixture(scope="module")

@@ -12,10 +12,11 @@ from flexmodal.diagnosis.effects import Scene, catalogue
 from flexmodal.diagnosis.extend import extend
 from flexmodal.diagnosis.hypothesis import Hypothesis, Placed
 from flexmodal.errors import InvalidRequest
-from flexmodal.identification import observe, robot_space
-from flexmodal.identification.structure import Axis, receptance
+from flexmodal.identification import observe
 from flexmodal.model import check
 from flexmodal.rig import simulate
+from flexmodal.structure import robot_space
+from flexmodal.structure.structure import Axis, receptance
 
 STRUCTURAL = (
     "link_flexibility", "base_flexibility", "servo_compliance", "structural_damping", "joint_coupling",

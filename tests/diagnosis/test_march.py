@@ -14,8 +14,8 @@ from flexmodal.diagnosis.march.law import FRICTION, HARDENING, friction, hardeni
 from flexmodal.diagnosis.march.pulse import Pulse, haversine, usual
 from flexmodal.diagnosis.march.record import record_receptance
 from flexmodal.diagnosis.march.spectrum import spectrum
-from flexmodal.identification.structure import Axis, Structure, receptance
-from flexmodal.identification.truncation import missing
+from flexmodal.structure.structure import Axis, Structure, receptance
+from flexmodal.structure.truncation import missing
 
 MASS = np.array([[2.0, 0.3], [0.3, 0.5]])
 STIFFNESS = np.array([[9e3, -2e3], [-2e3, 4e3]])

@@ -13,9 +13,10 @@ from flexmodal.diagnosis.march.model import MarchedModel, has_law
 from flexmodal.diagnosis.march.pulse import PULSES, pulses
 from flexmodal.diagnosis.refine import refined
 from flexmodal.errors import InvalidRequest
-from flexmodal.identification import fit, gap, observe, predict, robot_space
+from flexmodal.identification import fit, gap, observe, predict
 from flexmodal.identification.model import evaluated
 from flexmodal.rig import simulate
+from flexmodal.structure import robot_space
 
 TRUST = {"stiffness": 0.08, "damping": 0.08, "mass": 0.08, "inertia": 0.08}
 LAWS = {

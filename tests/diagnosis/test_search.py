@@ -7,7 +7,8 @@ from flexmodal.diagnosis.coarse import look_at
 from flexmodal.diagnosis.effects import catalogue
 from flexmodal.diagnosis.hypothesis import Hypothesis, Placed
 from flexmodal.diagnosis.lines import WORST, some_lines, worst_lines
-from flexmodal.identification import predict, robot_space
+from flexmodal.identification import predict
+from flexmodal.structure import robot_space
 
 
 def test_worst_lines_lie_where_a_model_is_off(scene):

@@ -20,8 +20,9 @@ from flexmodal.diagnosis.search import restarted, simpler
 from flexmodal.diagnosis.verdict import verdict
 from flexmodal.diagnosis.weigh import weigh
 from flexmodal.errors import InvalidRequest
-from flexmodal.identification import RobotModel, observe, predict, robot_space
+from flexmodal.identification import RobotModel, observe, predict
 from flexmodal.rig import Hide, simulate
+from flexmodal.structure import robot_space
 
 SMALL = {"postures": 4, "points": 4, "references": 2, "trials": 4, "record_length": 2.0, "band": (2.0, 150.0)}
 

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from flexmodal.identification import Identifiability, RobotModel, build_identification, robot_space
-from flexmodal.identification.parameter import Parameter, ParameterSpace
+from flexmodal.identification import Identifiability, RobotModel, build_identification
+from flexmodal.structure import robot_space
+from flexmodal.structure.parameter import Parameter, ParameterSpace
 
 
 def test_frequencies_alone_do_not_tell_stiffness_from_mass(campaign, fanuc):
@@ -37,7 +38,7 @@ def test_the_direction_it_names_changes_no_frequency(campaign, fanuc):
     assert any("stiffness, damping and mass scale together" in one.says for one in exact)
 
     def frequencies(x):
-        from flexmodal.identification.poles import poles
+        from flexmodal.structure.poles import poles
 
         return poles(model.structure_at(x, campaign.postures[0].q, [], [])).frequency
 

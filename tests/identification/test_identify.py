@@ -9,9 +9,10 @@ import flexmodal
 from flexmodal.campaign import noise_floor
 from flexmodal.campaign.noise import COHERENT
 from flexmodal.errors import InvalidRequest
-from flexmodal.identification import build_identification, identify, observe, robot_space
+from flexmodal.identification import build_identification, identify, observe
 from flexmodal.identification.heard import HEARD, roughness
 from flexmodal.rig import simulate
+from flexmodal.structure import robot_space
 
 
 @pytest.fixture(scope="module")

@@ -7,12 +7,13 @@ import pytest
 from scipy.special import stdtrit
 
 from flexmodal.errors import InvalidRequest
-from flexmodal.identification import RobotModel, build_identification, predict, robot_space
+from flexmodal.identification import RobotModel, build_identification, predict
 from flexmodal.identification.identify import solve_identification
 from flexmodal.identification.local import level_models, local_models
 from flexmodal.identification.optima import search
 from flexmodal.identification.profile import profile
 from flexmodal.rig import simulate
+from flexmodal.structure import robot_space
 
 
 @pytest.fixture(scope="module")

@@ -7,7 +7,7 @@ import pytest
 
 import flexmodal
 from flexmodal.campaign import read_campaign
-from flexmodal.identification import Identifiability, RobotModel, build_identification, identify, robot_space
+from flexmodal.identification import Identifiability, RobotModel, build_identification, identify
 from flexmodal.identification.dips import nearest_dip
 from flexmodal.identification.mode_data import (
     Antiresonance,
@@ -19,8 +19,9 @@ from flexmodal.identification.mode_data import (
 from flexmodal.identification.mode_fit import ModeProblem
 from flexmodal.identification.mode_route import ModeRoute
 from flexmodal.identification.model import places_of
-from flexmodal.identification.poles import poles
-from flexmodal.identification.structure import Axis, receptance
+from flexmodal.structure import robot_space
+from flexmodal.structure.poles import poles
+from flexmodal.structure.structure import Axis, receptance
 
 DIP = 83.0
 """Where the drive point has an antiresonance in these postures, within 15 % [Hz]."""

@@ -7,10 +7,11 @@ import pytest
 
 import flexmodal
 from flexmodal.errors import InvalidRequest
-from flexmodal.identification import RobotModel, identify, robot_space
+from flexmodal.identification import RobotModel, identify
 from flexmodal.identification.improved import write_improved
-from flexmodal.identification.structure import Axis, receptance
 from flexmodal.rig import simulate
+from flexmodal.structure import robot_space
+from flexmodal.structure.structure import Axis, receptance
 
 ALL = ["stiffness", "damping", "mass", "inertia", "mass_centre", "payload"]
 AXIS = Axis(np.array([2.0, 8.0, 30.0, 55.0, 120.0]), 15.0)

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 import flexmodal
-from flexmodal.identification.arm import Arm
-from flexmodal.identification.assembly import Assembly, put_together
 from flexmodal.identification.frf_fit import residual
-from flexmodal.identification.space import robot_space
-from flexmodal.identification.structure import Axis, Change, Structure, receptance
+from flexmodal.structure.arm import Arm
+from flexmodal.structure.assembly import Assembly, put_together
+from flexmodal.structure.space import robot_space
+from flexmodal.structure.structure import Axis, Change, Structure, receptance
 
 PLACES = [("link_3", np.array([0.2, 0.0, 0.01]), np.array([0.0, 0.0, 1.0])),
           ("link_1", np.array([0.5, 0.0, 0.0]), np.array([1.0, 0.0, 0.0]))]  # fmt: skip

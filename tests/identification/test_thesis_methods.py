@@ -12,7 +12,7 @@ from flexmodal.identification.eigenvalue_method import EigenvalueModel, eigenval
 from flexmodal.identification.mode_data import MeasuredMode, modes_of_table
 from flexmodal.identification.mode_route import ModeRoute
 from flexmodal.identification.piecewise import piecewise
-from flexmodal.identification.poles import poles
+from flexmodal.structure.poles import poles
 
 CAMPAIGN = "robots/fanuc_s360/campaigns/thesis"
 TWO = ("configuration_1", "configuration_7")

@@ -4,15 +4,15 @@ import numpy as np
 from scipy.linalg import expm
 
 import flexmodal
-from flexmodal.identification.arm import Arm
-from flexmodal.identification.assembly import Assembly, put_together
 from flexmodal.identification.frf_fit import residual
 from flexmodal.identification.model import RobotModel, predict
 from flexmodal.identification.observations import observe
-from flexmodal.identification.space import robot_space
-from flexmodal.identification.structure import Axis
-from flexmodal.identification.truncation import missing
 from flexmodal.rig import simulate
+from flexmodal.structure.arm import Arm
+from flexmodal.structure.assembly import Assembly, put_together
+from flexmodal.structure.space import robot_space
+from flexmodal.structure.structure import Axis
+from flexmodal.structure.truncation import missing
 
 AXIS = Axis(np.array([1.0, 2.0, 3.3, 7.0, 40.0]), 6.0, decay=0.05, length=3.7, power=2)
 PAIRS = np.array([[0, 0], [0, 1]])

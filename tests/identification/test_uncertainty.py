@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from flexmodal.identification.parameter import Parameter, ParameterSpace
 from flexmodal.identification.uncertainty import sandwich
+from flexmodal.structure.parameter import Parameter, ParameterSpace
 
 
 def drawn(random, clusters, lines, shared, prior):

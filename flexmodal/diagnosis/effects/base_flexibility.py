@@ -11,8 +11,8 @@ import numpy as np
 
 from flexmodal.diagnosis.draft import Draft
 from flexmodal.diagnosis.effects.effect import Effect, Scene, Site, positive
-from flexmodal.identification import Parameter
-from flexmodal.identification.assembly import Assembly
+from flexmodal.structure import Parameter
+from flexmodal.structure.assembly import Assembly
 
 
 def motions(normal: np.ndarray | None) -> tuple[list[str], np.ndarray]:

@@ -15,11 +15,12 @@ from jaxtyping import Float
 
 from flexmodal.diagnosis.march.law import Law
 from flexmodal.diagnosis.march.pulse import Pulse, pulses
-from flexmodal.identification import Observations, Parameter
-from flexmodal.identification.arm import Arm, Body, far_end, moved_bodies, plane_normal
-from flexmodal.identification.assembly import Assembly
-from flexmodal.identification.structure import Axis
+from flexmodal.identification import Observations
 from flexmodal.model import Robot
+from flexmodal.structure import Parameter
+from flexmodal.structure.arm import Arm, Body, far_end, moved_bodies, plane_normal
+from flexmodal.structure.assembly import Assembly
+from flexmodal.structure.structure import Axis
 
 if TYPE_CHECKING:
     from flexmodal.diagnosis.draft import Draft

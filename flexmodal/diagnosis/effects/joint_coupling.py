@@ -9,7 +9,7 @@ import numpy as np
 
 from flexmodal.diagnosis.draft import Draft
 from flexmodal.diagnosis.effects.effect import Effect, Scene, Site, signed
-from flexmodal.identification.assembly import Assembly
+from flexmodal.structure.assembly import Assembly
 
 
 def _size(scene: Scene, where: str) -> float:

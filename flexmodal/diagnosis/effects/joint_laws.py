@@ -15,8 +15,8 @@ import numpy as np
 from flexmodal.diagnosis.effects.effect import Effect, Scene, Site, positive, signed
 from flexmodal.diagnosis.march.law import friction, hardening
 from flexmodal.diagnosis.swing import Swing, swings
-from flexmodal.identification import Parameter
-from flexmodal.identification.assembly import Assembly
+from flexmodal.structure import Parameter
+from flexmodal.structure.assembly import Assembly
 
 _PHASE = (np.arange(32) + 0.5) * np.pi / 32
 

@@ -23,9 +23,9 @@ from jaxtyping import Float
 
 from flexmodal.diagnosis.draft import Draft
 from flexmodal.diagnosis.effects.effect import Bodies, Effect, Scene, Site, along, positive, sides, signed
-from flexmodal.identification import Parameter
-from flexmodal.identification.arm import Body, beyond, bodies_of
-from flexmodal.identification.assembly import Assembly, scaled
+from flexmodal.structure import Parameter
+from flexmodal.structure.arm import Body, beyond, bodies_of
+from flexmodal.structure.assembly import Assembly, scaled
 
 SHORTEST = 0.05
 """Links shorter than this do not bend [m]."""

@@ -9,9 +9,9 @@ import numpy as np
 from flexmodal.diagnosis.draft import Draft
 from flexmodal.diagnosis.effects.added_mass import place_on
 from flexmodal.diagnosis.effects.effect import Effect, Scene, Site, along, positive, sides, signed
-from flexmodal.identification import Parameter
-from flexmodal.identification.arm import Body
-from flexmodal.identification.assembly import Assembly
+from flexmodal.structure import Parameter
+from flexmodal.structure.arm import Body
+from flexmodal.structure.assembly import Assembly
 
 
 def _parameters(scene: Scene, where: str) -> tuple[Parameter, ...]:

@@ -8,10 +8,10 @@ from itertools import product
 import numpy as np
 
 from flexmodal.diagnosis.effects.effect import Effect, Scene, Site, positive, signed
-from flexmodal.identification import Parameter
-from flexmodal.identification.arm import Body
-from flexmodal.identification.assembly import Assembly
-from flexmodal.identification.structure import Axis
+from flexmodal.structure import Parameter
+from flexmodal.structure.arm import Body
+from flexmodal.structure.assembly import Assembly
+from flexmodal.structure.structure import Axis
 
 
 def _weigh(assembly: Assembly, site: Site) -> None:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from flexmodal.diagnosis.draft import Draft
 from flexmodal.diagnosis.effects.effect import Effect, Site, positive
-from flexmodal.identification.assembly import Assembly
+from flexmodal.structure.assembly import Assembly
 
 
 def _act(assembly: Assembly, site: Site) -> None:

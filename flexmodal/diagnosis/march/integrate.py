@@ -22,7 +22,7 @@ from flexmodal.diagnosis.march.kernel import LANES
 from flexmodal.diagnosis.march.law import Law
 from flexmodal.diagnosis.march.pulse import Pulse
 from flexmodal.diagnosis.march.spectrum import WHOLE, spectrum
-from flexmodal.identification.structure import Axis, Structure
+from flexmodal.structure.structure import Axis, Structure
 
 Blow = tuple[int, Pulse]
 """Row of `Structure.reference` that is struck, and the pulse."""

@@ -18,8 +18,9 @@ from flexmodal.diagnosis.march.integrate import FINENESS, March, Steps, Struck, 
 from flexmodal.diagnosis.march.law import Law
 from flexmodal.diagnosis.march.record import record_receptance, struck_by
 from flexmodal.errors import Fault, InvalidRequest
-from flexmodal.identification import Observations, ParameterSpace
+from flexmodal.identification import Observations
 from flexmodal.identification.model import Group
+from flexmodal.structure import ParameterSpace
 
 STEP = 1e-5
 """Of the differences."""

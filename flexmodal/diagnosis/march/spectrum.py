@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 from jaxtyping import Complex, Float
 
-from flexmodal.identification.structure import Axis
+from flexmodal.structure.structure import Axis
 
 WHOLE = 1e-3
 """How far from a multiple of 1/T a line may be, in such multiples, to be read off a fast transform."""

@@ -16,8 +16,9 @@ from jaxtyping import Complex, Float
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.modes.spectrum import spectrum
 from flexmodal.diagnosis.outcome import NONE, UNSTRUCTURED
-from flexmodal.identification import Observations, Parameter, ParameterSpace
+from flexmodal.identification import Observations
 from flexmodal.identification.model import Group
+from flexmodal.structure import Parameter, ParameterSpace
 
 USUAL_DAMPING, DAMPING_SPREAD = 0.05, 1.0
 """Damping ratio of a mode that nothing is known of, and standard deviation of its logarithm."""

@@ -21,9 +21,9 @@ from flexmodal.diagnosis.modes.scatter import (
     log_normal,
     log_watson_constant,
 )
-from flexmodal.identification import ParameterSpace
 from flexmodal.identification.descent import prior_cost
 from flexmodal.identification.mode_data import MeasuredMode
+from flexmodal.structure import ParameterSpace
 
 Pairs = tuple[int, ...]
 """For each measured mode the number of the model's mode in its posture; −1 for none."""

@@ -13,8 +13,8 @@ import numpy as np
 from jaxtyping import Complex, Float
 
 from flexmodal.errors import Fault, InvalidSystem
-from flexmodal.identification.poles import REPEATED
-from flexmodal.identification.structure import Structure
+from flexmodal.structure.poles import REPEATED
+from flexmodal.structure.structure import Structure
 
 REAL = 1e-9
 """Imaginary part, relative to the pole, below which a pole does not oscillate."""

@@ -29,10 +29,10 @@ from flexmodal.diagnosis.modes.weigh import TIED, Candidate, Scales, under_varia
 from flexmodal.diagnosis.outcome import Diagnosis
 from flexmodal.diagnosis.preparation import numbers_of, trust_of
 from flexmodal.errors import Fault, InvalidRequest
-from flexmodal.identification import ParameterSpace, robot_space
 from flexmodal.identification.belong import check_belonging
 from flexmodal.identification.mode_data import modes_of_table
 from flexmodal.model import Robot
+from flexmodal.structure import ParameterSpace, robot_space
 
 TRUST = {"stiffness": 0.5, "damping": 1.0, "mass": 0.2, "inertia": 0.2}
 """Standard deviation of ln(true / card) unless the card or the caller says other; weighing halves and

@@ -17,7 +17,7 @@ from flexmodal.diagnosis.report.words import (
     posture_words,
     size,
 )
-from flexmodal.identification import Parameter
+from flexmodal.structure import Parameter
 
 _WIDE = 0.5
 """Change of a parameter, on a logarithmic scale, at which its bar ends."""

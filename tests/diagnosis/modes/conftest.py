@@ -12,7 +12,7 @@ from flexmodal.diagnosis.effects import Scene, catalogue
 from flexmodal.diagnosis.hypothesis import Hypothesis, Placed
 from flexmodal.diagnosis.modes.forecast import Explanation
 from flexmodal.diagnosis.modes.stand_in import stand_in
-from flexmodal.identification import robot_space
+from flexmodal.structure import robot_space
 
 PLACES = [(number, 3) for number in range(1, 7)]
 STRUCK = (2, 3)

@@ -14,7 +14,7 @@ from flexmodal.diagnosis.modes.residuals import residuals
 from flexmodal.diagnosis.modes.scatter import Beliefs, log_anywhere, log_watson_constant
 from flexmodal.diagnosis.modes.spectrum import spectrum
 from flexmodal.identification.mode_data import modes_of_table
-from flexmodal.identification.poles import poles
+from flexmodal.structure.poles import poles
 
 
 @pytest.mark.parametrize("key", [None, ("local_absorber", "link_2"), ("link_flexibility", "link_3")])

@@ -7,10 +7,10 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from flexmodal.errors import Fault, InvalidRequest
-from flexmodal.identification import shape
-from flexmodal.identification.arm import moved_bodies
-from flexmodal.identification.parameter import Parameter, ParameterSpace
 from flexmodal.model import Robot
+from flexmodal.structure import shape
+from flexmodal.structure.arm import moved_bodies
+from flexmodal.structure.parameter import Parameter, ParameterSpace
 
 KINDS = ("stiffness", "damping", "mass", "inertia")
 """What a fit changes unless told otherwise."""

@@ -12,11 +12,11 @@ from dataclasses import replace
 import numpy as np
 from jaxtyping import Float
 
-from flexmodal.identification.arm import Arm, Body, far_end, moved_bodies
-from flexmodal.identification.assembly import Assembly, put_together
-from flexmodal.identification.parameter import Parameter, ParameterSpace
-from flexmodal.identification.structure import Change, Structure
 from flexmodal.model import Robot
+from flexmodal.structure.arm import Arm, Body, far_end, moved_bodies
+from flexmodal.structure.assembly import Assembly, put_together
+from flexmodal.structure.parameter import Parameter, ParameterSpace
+from flexmodal.structure.structure import Change, Structure
 
 KINDS = ("mass_centre", "position", "payload")
 TRUST = {"mass_centre": 0.05, "position": 0.1, "payload": 0.1}

@@ -16,9 +16,9 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Complex, Float
 
-from flexmodal.identification.structure import Change, Structure
 from flexmodal.modal import SecondOrderSystem
 from flexmodal.modal.modes import solve_modes
+from flexmodal.structure.structure import Change, Structure
 
 REPEATED = 1e-7
 """Distance of poles, relative to the larger, below which they count as one."""

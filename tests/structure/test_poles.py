@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 import flexmodal
-from flexmodal.identification.arm import Arm
-from flexmodal.identification.assembly import Assembly, put_together
-from flexmodal.identification.poles import poles
-from flexmodal.identification.space import robot_space
+from flexmodal.structure.arm import Arm
+from flexmodal.structure.assembly import Assembly, put_together
+from flexmodal.structure.poles import poles
+from flexmodal.structure.space import robot_space
 
 STEP = 1e-5
 

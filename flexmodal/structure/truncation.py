@@ -18,8 +18,8 @@ import numpy as np
 from jaxtyping import Complex
 
 from flexmodal.errors import InvalidSystem
-from flexmodal.identification.poles import poles
-from flexmodal.identification.structure import Axis, Structure
+from flexmodal.structure.poles import poles
+from flexmodal.structure.structure import Axis, Structure
 
 NOTHING = 1e-5
 """Where every mode has decayed to less than this part, nothing is left out."""

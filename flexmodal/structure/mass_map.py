@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from flexmodal.identification.arm import Arm, carried
+from flexmodal.structure.arm import Arm, carried
 
 
 @dataclass(frozen=True, eq=False)

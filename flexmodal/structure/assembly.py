@@ -13,8 +13,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from jaxtyping import Float
 
-from flexmodal.identification.arm import Arm, Body, beyond, carried, plane_normal
-from flexmodal.identification.structure import Structure, changed
+from flexmodal.structure.arm import Arm, Body, beyond, carried, plane_normal
+from flexmodal.structure.structure import Structure, changed
 
 _KINDS = ("mass", "damping", "stiffness", "loss")
 
