@@ -274,10 +274,9 @@ def _refused(course: _Course, scales: Scales) -> list[str]:
     for k in scales.order:
         name, where = scales.candidates[k].key
         if k and where in course.asked.get(name, ()):
-            gained = f"{scales.table[k, 0] - scales.table[0, 0]:.0f}".replace("-", "−")
-            what = (
-                "which leaves it undecided" if undecided(scales, k) else "which is a tie with nothing added"
-            )
+            gain = scales.first_gain(k)
+            gained = f"{gain:.0f}".replace("-", "−")
+            what = "which leaves it undecided" if undecided(gain) else "which is a tie with nothing added"
             said.append(f"Asked for, {named((name, where))} gains {gained} nats, {what}.")
     return said
 
