@@ -19,8 +19,9 @@ from scipy.spatial.transform import Rotation
 from flexmodal.campaign import CampaignPoint
 from flexmodal.model import Robot
 from flexmodal.rig.believed import Body, TrueRobot
-from flexmodal.rig.chain import children, plane_normal, reach
+from flexmodal.rig.chain import children, reach
 from flexmodal.rig.geometry import across
+from flexmodal.structure.arm import plane_normal
 
 EFFECTS = (
     "link_flexibility", "base_flexibility", "coulomb_friction", "added_mass", "local_absorber", "sensor_mass",

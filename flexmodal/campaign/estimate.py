@@ -22,7 +22,8 @@ from jaxtyping import Complex, Float
 from flexmodal.campaign.band_pass import band_pass_blow
 from flexmodal.campaign.blow import FORM_OF, Blow
 from flexmodal.campaign.campaign import Campaign, default_band
-from flexmodal.campaign.quality import QualityFlag, QualityLimits, check_blows, coherence_flag
+from flexmodal.campaign.quality import QualityLimits, check_blows, coherence_flag
+from flexmodal.campaign.quality_flag import QualityFlag
 from flexmodal.campaign.records import FrfRecords
 from flexmodal.campaign.trial import Trial
 from flexmodal.campaign.window import windowed

@@ -11,9 +11,10 @@ import numpy as np
 from flexmodal.campaign.abscissa import evened
 from flexmodal.campaign.blow import Blow
 from flexmodal.campaign.campaign import Campaign, default_band
-from flexmodal.campaign.read_toml import Tested, read_toml
+from flexmodal.campaign.read_toml import read_toml
 from flexmodal.campaign.records import FrfRecords
 from flexmodal.campaign.table_columns import Layout, read_columns
+from flexmodal.campaign.tested import Tested
 from flexmodal.campaign.toml_faults import key_of
 from flexmodal.errors import Fault, InvalidCampaign
 from flexmodal.text.toml import parse_toml

@@ -7,11 +7,11 @@ from pathlib import Path
 import numpy as np
 
 from flexmodal.campaign.blow import Blow
-from flexmodal.campaign.campaign import Campaign, CampaignPoint, CampaignPosture, default_band
+from flexmodal.campaign.campaign import Campaign, default_band
 from flexmodal.campaign.read_frf_uff import read_frf_uff
 from flexmodal.campaign.read_time_uff import read_time_uff
-from flexmodal.campaign.read_toml import Tested
 from flexmodal.campaign.records import FrfRecords
+from flexmodal.campaign.tested import CampaignPoint, CampaignPosture, Tested
 from flexmodal.campaign.trial import Trial
 from flexmodal.campaign.uff_header import Header
 from flexmodal.campaign.uff_scan import scan_uff

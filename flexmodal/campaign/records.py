@@ -4,18 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from jaxtyping import Complex, Float, Int
 
+from flexmodal.campaign.quality_flag import QualityFlag
 from flexmodal.campaign.trial import Trial, repeat_groups
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.frf import Form, Frf, PointDirection
 from flexmodal.frf.form import check_form
-
-if TYPE_CHECKING:
-    from flexmodal.campaign.quality import QualityFlag
 
 _POWER = {"receptance": 0, "mobility": 1, "inertance": 2}
 AXES = "xyz"

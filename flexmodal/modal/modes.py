@@ -98,13 +98,13 @@ def solve_modes(system: SecondOrderSystem) -> Modes:
         shapes = _straighten(poles, shapes, damping, np.isfinite(condition))
     keep = poles.imag >= 0
     order = np.lexsort((poles[keep].real, np.abs(poles[keep])))
-    plain = Modes(
-        pole=poles[keep][order] * unit,
-        shape=(root.T @ vectors @ turn @ shapes)[:, keep][:, order] / np.sqrt(unit),
-        condition=condition[keep][order],
-        coordinates=system.coordinates,
+    pole, shape, condition = with_hysteresis(
+        system,
+        poles[keep][order] * unit,
+        (root.T @ vectors @ turn @ shapes)[:, keep][:, order] / np.sqrt(unit),
+        condition[keep][order],
     )
-    return with_hysteresis(system, plain)
+    return Modes(pole, shape, condition, system.coordinates)
 
 
 def _diagonalise_within_clusters(square: np.ndarray, damping: np.ndarray) -> np.ndarray:

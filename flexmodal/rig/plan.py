@@ -12,8 +12,8 @@ from flexmodal.errors import Fault, InvalidPosture, InvalidRequest
 from flexmodal.model import Robot
 from flexmodal.rig.analyser import RATIO, Analyser
 from flexmodal.rig.blow import TIPS
-from flexmodal.rig.chain import plane_normal
 from flexmodal.rig.positions import AXES, choose_points, choose_references
+from flexmodal.structure.arm import plane_normal
 from flexmodal.text.gather import Gathering
 
 MOST = 1000
