@@ -131,7 +131,7 @@ class _Builder:
             angle = float(self.pose.get(joint.name, 0.0))
             frame = Rotation.from_euler("xyz", joint.rpy)
             place = np.asarray(joint.xyz) - origin
-            if joint.type == "prismatic":
+            if joint.is_prismatic:
                 place = place + frame.apply(angle * joint.axis)
             elif joint.movable:
                 frame = frame * Rotation.from_rotvec(angle * joint.axis)

@@ -17,8 +17,10 @@ from flexmodal.campaign.read_campaign import CampaignReport as CampaignReport
 from flexmodal.campaign.read_campaign import check_campaign as check_campaign
 from flexmodal.campaign.read_campaign import is_campaign as is_campaign
 from flexmodal.campaign.read_campaign import read_campaign as read_campaign
+from flexmodal.campaign.read_export import UNIVERSAL_SUFFIXES as UNIVERSAL_SUFFIXES
 from flexmodal.campaign.receptances_csv import Amplitude as Amplitude
 from flexmodal.campaign.receptances_csv import read_receptances as read_receptances
+from flexmodal.campaign.records import COHERENT as COHERENT
 from flexmodal.campaign.records import FrfRecords as FrfRecords
 from flexmodal.campaign.records import named_direction as named_direction
 from flexmodal.campaign.tested import CampaignPoint as CampaignPoint

@@ -11,7 +11,7 @@ from jaxtyping import Float
 from flexmodal.campaign.blow import Blow
 from flexmodal.campaign.campaign import Campaign
 from flexmodal.campaign.quality_flag import FlagKind, QualityFlag
-from flexmodal.campaign.records import FrfRecords
+from flexmodal.campaign.records import COHERENT, FrfRecords
 
 EQUAL = 1e-6
 """Relative difference below which neighbouring samples count as one flat top."""
@@ -30,7 +30,7 @@ class QualityLimits:
     """As many samples at the extreme value, one after the other, are an overload."""
     energy: float = 20.0
     """How far the spectrum of the force may fall below its maximum inside the band [dB]."""
-    coherence: float = 0.8
+    coherence: float = COHERENT
     """The median over the band has to reach it."""
 
 

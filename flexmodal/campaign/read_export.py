@@ -18,13 +18,13 @@ from flexmodal.campaign.uff_scan import scan_uff
 from flexmodal.errors import Fault, InvalidCampaign
 from flexmodal.text.words import FaultList
 
-SUFFIXES = (".uff", ".unv", ".uf", ".58")
+UNIVERSAL_SUFFIXES = (".uff", ".unv", ".uf", ".58")
 _TIME, _FRF = 1, 4
 
 
 def is_export(path: Path) -> bool:
     """Whether a path is that of a universal file, by its name."""
-    return path.suffix.lower() in SUFFIXES and path.is_file()
+    return path.suffix.lower() in UNIVERSAL_SUFFIXES and path.is_file()
 
 
 def read_export(file: Path) -> Campaign:

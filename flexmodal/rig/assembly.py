@@ -60,7 +60,7 @@ class Assembly:
             axis = self.placed[joint.child][:3, :3] @ joint.axis
             pivot = self.placed[joint.child][:3, 3]
             for link in beyond(self.robot.urdf, joint.child):
-                if joint.type == "prismatic":
+                if joint.is_prismatic:
                     maps[link][:3, column] = axis
                 else:
                     maps[link][:3, column] = np.cross(axis, self.placed[link][:3, 3] - pivot)

@@ -173,7 +173,7 @@ def _postures(
 def _random_posture(robot: Robot, random: np.random.Generator) -> dict[str, float]:
     values = {}
     for name, joint in robot.commanded.items():
-        widest = _WIDEST if joint.type != "prismatic" else np.inf
+        widest = _WIDEST if not joint.is_prismatic else np.inf
         lower, upper = max(joint.lower, -widest), min(joint.upper, widest)
         if lower > upper:
             lower, upper = joint.lower, joint.upper

@@ -55,7 +55,7 @@ class Arm:
             axis = placed[joint.child][:3, :3] @ joint.axis
             pivot = placed[joint.child][:3, 3]
             for link in beyond(robot.urdf, joint.child):
-                if joint.type == "prismatic":
+                if joint.is_prismatic:
                     maps[link][:3, column] = axis
                 else:
                     maps[link][:3, column] = np.cross(axis, placed[link][:3, 3] - pivot)
