@@ -7,14 +7,13 @@ from flexmodal.ema.estimate import estimate as estimate
 from flexmodal.ema.estimate import modes_of as modes_of
 from flexmodal.ema.fit import Fit as Fit
 from flexmodal.ema.fit import as_json as as_json
-from flexmodal.ema.fit import fit as fit
 from flexmodal.ema.least_squares import LeastSquaresProblem as LeastSquaresProblem
 from flexmodal.ema.least_squares import build_least_squares as build_least_squares
 from flexmodal.ema.least_squares import solve_least_squares as solve_least_squares
 from flexmodal.ema.measured import Measured as Measured
 from flexmodal.ema.mode import EstimatedModes as EstimatedModes
 from flexmodal.ema.mode import ModeEstimate as ModeEstimate
-from flexmodal.ema.of_campaign import fit_campaign as fit_campaign
+from flexmodal.ema.of_campaign import fit as fit
 from flexmodal.ema.of_campaign import mode_table as mode_table
 from flexmodal.ema.of_campaign import records_of as records_of
 from flexmodal.ema.peak import Peak as Peak

@@ -47,7 +47,7 @@ def pictures(
     """All pictures of some fits, section by section.
 
     Args:
-        fits: what `fit_campaign` found.
+        fits: what `fit` found.
         records: the FRFs it was found in.
         campaign: for names.
         choices: under which it was found.

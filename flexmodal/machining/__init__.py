@@ -13,6 +13,7 @@ from flexmodal.machining.depth import compare_family as compare_family
 from flexmodal.machining.depth import compare_postures as compare_postures
 from flexmodal.machining.depth import critical_depth as critical_depth
 from flexmodal.machining.depth import depth_over as depth_over
+from flexmodal.machining.depth import lobes as lobes
 from flexmodal.machining.directional import average as average
 from flexmodal.machining.forced import ForcedSweep as ForcedSweep
 from flexmodal.machining.forced import ForcedVibration as ForcedVibration
