@@ -10,7 +10,7 @@ import numpy as np
 from flexmodal.ema import Choices, EstimatedModes, fit
 from flexmodal.model import Robot, load
 from flexmodal.rig import Hide, RigResult, simulate
-from flexmodal.rig.structure import build
+from flexmodal.rig.plant.build import build
 
 CAMPAIGNS = (
     ("fanuc_s360", "local_absorber"),

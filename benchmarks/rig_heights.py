@@ -20,7 +20,7 @@ from tables import write
 
 import flexmodal
 from flexmodal.rig import EFFECTS, draw_secret, simulate
-from flexmodal.rig.secret import HEIGHTS
+from flexmodal.rig.hidden.scenario import HEIGHTS
 
 CAMPAIGNS = 30
 ROBOTS = ("fanuc_s360", "six_link", "six_axis")

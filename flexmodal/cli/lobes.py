@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from flexmodal.cli.holding import hold_of, orientation_options
+from flexmodal.cli.holds import hold_of, orientation_options
 from flexmodal.cli.options import (
     SOURCE,
     force_option,
@@ -142,7 +142,7 @@ def _single(
     quiet: bool,
 ) -> PostureDepth:
     from flexmodal.machining import lobes as find
-    from flexmodal.machining.solve import SPEEDS
+    from flexmodal.machining.stability.solve import SPEEDS
 
     where = posture_of(arm, posture)
     hidden = quiet or method == "zero-order"

@@ -8,25 +8,25 @@ from typing import get_args
 
 import numpy as np
 
-from flexmodal.ema.basis import check_residuals
-from flexmodal.ema.circle import CircleFit, fit_circle
-from flexmodal.ema.judge import judged
-from flexmodal.ema.least_squares import (
+from flexmodal.ema.measured import Measured
+from flexmodal.ema.methods.basis import check_residuals
+from flexmodal.ema.methods.choice_variance import moved
+from flexmodal.ema.methods.circle import CircleFit, fit_circle
+from flexmodal.ema.methods.least_squares import (
     LeastSquaresProblem,
     build_least_squares,
     solve_least_squares,
     solve_many,
 )
-from flexmodal.ema.measured import Measured
+from flexmodal.ema.methods.local_refit import with_strays
+from flexmodal.ema.methods.noise import with_variance
+from flexmodal.ema.methods.peak import Peak
+from flexmodal.ema.methods.picking import pick_peak
+from flexmodal.ema.methods.select import choose_peaks
+from flexmodal.ema.methods.stabilisation import Stabilisation, Tolerances, stabilise
 from flexmodal.ema.mode import EstimatedModes, Method, ModeEstimate, with_residual_terms
-from flexmodal.ema.noise import with_variance
-from flexmodal.ema.peak import Peak
-from flexmodal.ema.picking import pick_peak
 from flexmodal.ema.pooling import pooled
-from flexmodal.ema.select import choose_peaks
-from flexmodal.ema.stabilisation import Stabilisation, Tolerances, stabilise
-from flexmodal.ema.strays import with_strays
-from flexmodal.ema.vary import moved
+from flexmodal.ema.quality import judged
 from flexmodal.errors import Fault, InvalidRequest
 
 

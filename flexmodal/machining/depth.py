@@ -12,10 +12,10 @@ from flexmodal.cards import FamilyCard
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.machining.cut import Cut
 from flexmodal.machining.forced import ForcedSweep, forced_sweep
-from flexmodal.machining.lobes import Lobes
 from flexmodal.machining.measured_tip import MeasuredTip
-from flexmodal.machining.mode_coupling import ModeCoupling, mode_coupling
-from flexmodal.machining.solve import stability_lobes, unconditional_depth
+from flexmodal.machining.stability.lobes import Lobes
+from flexmodal.machining.stability.mode_coupling import ModeCoupling, mode_coupling
+from flexmodal.machining.stability.solve import stability_lobes, unconditional_depth
 from flexmodal.machining.tip import tool_tip
 from flexmodal.model import Pose, PosedRobot, Posture, Robot
 

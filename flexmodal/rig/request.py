@@ -10,8 +10,8 @@ import numpy as np
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.model import Robot
 from flexmodal.rig.believed import ParameterError
-from flexmodal.rig.bench import Conduct
-from flexmodal.rig.hide import Hide, check_hides
+from flexmodal.rig.hammer_test import Conduct
+from flexmodal.rig.hidden.hide import Hide, check_hides
 from flexmodal.rig.plan import Plan, make_plan
 from flexmodal.rig.positions import choose_points
 from flexmodal.text.gather import Gathering

@@ -12,8 +12,8 @@ from flexmodal.errors import Fault, OutputExists
 from flexmodal.model import Robot
 from flexmodal.rig.effects import Stand
 from flexmodal.rig.plan import Plan
+from flexmodal.rig.plant.build import Hidden
 from flexmodal.rig.robot_folder import write_robot
-from flexmodal.rig.structure import Hidden
 from flexmodal.rig.truth import Truth, truth_path
 
 

@@ -10,11 +10,11 @@ import numpy as np
 from flexmodal.campaign import Blow, Campaign
 from flexmodal.model import Robot
 from flexmodal.rig.believed import ParameterError, true_robot
-from flexmodal.rig.bench import Struck, each_posture
 from flexmodal.rig.clean import peaks as clean_peaks
 from flexmodal.rig.effects import Stand
-from flexmodal.rig.hide import Hide
-from flexmodal.rig.placing import put_in
+from flexmodal.rig.hammer_test import Struck, each_posture
+from flexmodal.rig.hidden.hide import Hide
+from flexmodal.rig.hidden.placement import put_in
 from flexmodal.rig.plan import Plan
 from flexmodal.rig.request import Prepared, prepare
 from flexmodal.rig.result import RigResult

@@ -2,7 +2,8 @@ from pathlib import Path
 
 import pytest
 
-from flexmodal.cards import check_masses, check_together, massless_joints, read_card, read_urdf
+from flexmodal.cards import check_masses, check_together, massless_joints, read_card
+from flexmodal.cards.urdf import read as read_urdf
 from flexmodal.errors import Fault, InvalidCard, InvalidUrdf
 
 

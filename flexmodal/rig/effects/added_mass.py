@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from flexmodal.rig.assembly import Assembly
-from flexmodal.rig.chain import reach
 from flexmodal.rig.effects.effect import Effect, Site, Stand, multiplied, positive
-from flexmodal.rig.geometry import across
+from flexmodal.rig.plant.assembly import Assembly
+from flexmodal.rig.plant.chain import reach
+from flexmodal.rig.plant.geometry import across
 from flexmodal.structure.arm import moved_bodies
 
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from flexmodal.rig.assembly import Assembly
 from flexmodal.rig.effects.effect import Effect, Parameters, Site, Stand, divided, positive
+from flexmodal.rig.plant.assembly import Assembly
 
 
 def base_directions(normal: np.ndarray | None) -> tuple[list[str], np.ndarray]:

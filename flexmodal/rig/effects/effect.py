@@ -10,9 +10,9 @@ import numpy as np
 from flexmodal.campaign import CampaignPoint
 from flexmodal.model import Robot
 from flexmodal.model.placements import link_placements
-from flexmodal.rig.assembly import Assembly
 from flexmodal.rig.believed import TrueRobot
 from flexmodal.rig.plan import Plan
+from flexmodal.rig.plant.assembly import Assembly
 from flexmodal.rig.sensing import Sensor
 from flexmodal.structure.arm import plane_normal
 

@@ -7,9 +7,9 @@ from itertools import combinations
 import numpy as np
 
 from flexmodal.model import Robot
-from flexmodal.rig.assembly import Assembly
-from flexmodal.rig.chain import commanded_joints
 from flexmodal.rig.effects.effect import Effect, Parameters, Site, Stand, multiplied
+from flexmodal.rig.plant.assembly import Assembly
+from flexmodal.rig.plant.chain import commanded_joints
 
 
 def _places(robot: Robot) -> tuple[str, ...]:

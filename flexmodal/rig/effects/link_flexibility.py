@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from flexmodal.rig.assembly import Assembly
-from flexmodal.rig.beam import Beam, sections
 from flexmodal.rig.believed import Body
-from flexmodal.rig.chain import reach, slender_links
 from flexmodal.rig.effects.effect import Effect, Parameters, Site, Stand, divided
-from flexmodal.rig.geometry import across
+from flexmodal.rig.plant.assembly import Assembly
+from flexmodal.rig.plant.beam import Beam, sections
+from flexmodal.rig.plant.chain import reach, slender_links
+from flexmodal.rig.plant.geometry import across
 
 _FIRST = 1.875104068711961
 """First root of cos βL cosh βL = −1, for the clamped-free beam."""

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from flexmodal.rig.assembly import Assembly
-from flexmodal.rig.chain import reach
 from flexmodal.rig.effects.added_mass import arm_mass, on_link
 from flexmodal.rig.effects.effect import Effect, Parameters, Site, Stand, multiplied
-from flexmodal.rig.geometry import across
+from flexmodal.rig.plant.assembly import Assembly
+from flexmodal.rig.plant.chain import reach
+from flexmodal.rig.plant.geometry import across
 from flexmodal.structure.arm import moved_bodies
 
 

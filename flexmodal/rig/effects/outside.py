@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from flexmodal.model import Robot
-from flexmodal.rig.assembly import Assembly
-from flexmodal.rig.chain import commanded_joints, reach
 from flexmodal.rig.effects.base_flexibility import base_directions
 from flexmodal.rig.effects.effect import Effect, Parameters, Site, Stand, divided, multiplied, positive
 from flexmodal.rig.effects.sensors import points_that_move
-from flexmodal.rig.plant import BACKLASH, NonlinearElement
+from flexmodal.rig.plant.assembly import Assembly
+from flexmodal.rig.plant.chain import commanded_joints, reach
+from flexmodal.rig.plant.plant import BACKLASH, NonlinearElement
 from flexmodal.rig.sensing import Sensor
 from flexmodal.structure.arm import beyond, moved_bodies
 

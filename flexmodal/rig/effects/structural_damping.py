@@ -10,9 +10,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from flexmodal.rig.assembly import Assembly
 from flexmodal.rig.effects.effect import Effect, Parameters, Site, Stand, multiplied
-from flexmodal.rig.plant import Branch
+from flexmodal.rig.plant.assembly import Assembly
+from flexmodal.rig.plant.plant import Branch
 
 ELEMENTS = 9
 
