@@ -9,7 +9,7 @@ from flexmodal.cards.catalogue import example_arms as example_arms
 from flexmodal.cards.catalogue import find as find
 from flexmodal.cards.catalogue import gripper_joints as gripper_joints
 from flexmodal.cards.catalogue import shipped_cards as shipped_cards
-from flexmodal.cards.consistency import check_together as check_together
+from flexmodal.cards.consistency import check_consistency as check_consistency
 from flexmodal.cards.coupling import stiffness_matrix as stiffness_matrix
 from flexmodal.cards.mass import check_masses as check_masses
 from flexmodal.cards.mass import massless_joints as massless_joints

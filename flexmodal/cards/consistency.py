@@ -14,7 +14,7 @@ TOLERANCE = 1e-6
 """What a posture may exceed a limit by [rad, or m]: the rounding of printed angles."""
 
 
-def check_together(card: RobotCard, urdf: Urdf) -> None:
+def check_consistency(card: RobotCard, urdf: Urdf) -> None:
     """Check that the names of a card exist in its URDF and its postures lie within the limits.
 
     Args:

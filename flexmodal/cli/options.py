@@ -94,7 +94,7 @@ def trust_of(texts: Sequence[str]) -> dict[str, float]:
 
 
 def number(text: str, key: str, what: str = "a number") -> float:
-    """A finite number of a size that can be reckoned with, or InvalidRequest."""
+    """A finite number whose square and cube are finite too, or InvalidRequest."""
     try:
         value = float(text)
     except ValueError:

@@ -16,7 +16,7 @@ _POOR = 0.9
 """Share of the signal explained below which a fit is called poor."""
 
 
-def judged(found: EstimatedModes) -> EstimatedModes:
+def with_quality(found: EstimatedModes) -> EstimatedModes:
     """The same modes with quality and remarks."""
     model = found.synthesise()
     modes = []

@@ -43,7 +43,7 @@ def peaks(stand: Stand, posture: CampaignPosture) -> tuple[dict[str, float], dic
     return deflection, dict(zip([p.name for p in plan.points], by_point.tolist(), strict=True))
 
 
-def strike_together(
+def strike_all_points(
     stand: Stand, posture: CampaignPosture, hidden: Sequence[Hidden], trials: Sequence[Trial]
 ) -> Complex[np.ndarray, "trial reference point axis line"]:
     """FRFs from one clean blow a trial and reference, measured at every point at once."""

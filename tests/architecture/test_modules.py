@@ -160,7 +160,7 @@ def test_imports_for_typing_and_inside_functions_count() -> None:
 
 @pytest.mark.parametrize(
     ("library", "room"),
-    [("pinocchio", "flexmodal.model"), ("pyuff", "flexmodal.campaign.uff"), ("meshcat", "flexmodal_viewer")],
+    [("pinocchio", "flexmodal.model"), ("pyuff", "flexmodal.campaign.uff")],
 )
 def test_a_library_has_one_door(library: str, room: str) -> None:
     paths = modules()

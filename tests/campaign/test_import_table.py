@@ -6,8 +6,7 @@ import numpy as np
 import openpyxl
 import pytest
 
-from flexmodal.campaign import Campaign, read_campaign, write_campaign
-from flexmodal.campaign.tables import import_table
+from flexmodal.campaign import Campaign, import_table, read_campaign, write_campaign
 from flexmodal.campaign.write_campaign import campaign_toml
 from flexmodal.errors import InvalidCampaign
 

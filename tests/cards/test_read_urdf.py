@@ -3,7 +3,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from flexmodal.cards.urdf import read as read_urdf
+from flexmodal.cards import read_urdf
 from flexmodal.errors import Fault, InvalidUrdf
 
 LIMIT = '<limit lower="-2" upper="2" effort="1" velocity="1"/>'

@@ -8,8 +8,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from flexmodal.cards import RobotCard, Urdf, read_card, shipped_cards
-from flexmodal.cards.urdf import read as read_urdf
+from flexmodal.cards import RobotCard, Urdf, read_card, read_urdf, shipped_cards
 
 TABLES = Path(__file__).parent.parent / "data" / "thesis"
 JOINTS = {"1": "q1", "2.1": "q2", "2.2": "rho", "3": "q3"}

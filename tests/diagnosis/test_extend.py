@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import flexmodal
-from flexmodal.cards.urdf import read as read_urdf
+from flexmodal.cards import read_urdf
 from flexmodal.diagnosis.draft import Draft
 from flexmodal.diagnosis.effects import Scene, catalogue
 from flexmodal.diagnosis.extend import extend

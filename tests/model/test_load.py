@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 import flexmodal
-from flexmodal.cards import shipped_cards
-from flexmodal.cards.urdf import read as read_urdf
+from flexmodal.cards import read_urdf, shipped_cards
 from flexmodal.errors import InvalidRequest, InvalidUrdf, RobotNotFound
 from flexmodal.model.build import build_model
 

@@ -11,7 +11,7 @@ from flexmodal_viewer.commands import payload
 from flexmodal_viewer.shapes import Box, Cylinder, Sphere
 from flexmodal_viewer.visuals import read_looks
 
-from flexmodal.cards.urdf import read as read_urdf
+from flexmodal.cards import read_urdf
 from flexmodal.errors import InvalidFrequencies, InvalidPoint
 from flexmodal.frf import PointDirection
 from flexmodal.optimisation import (

@@ -21,7 +21,7 @@ from flexmodal.ema.methods.peak import Peak
 from flexmodal.ema.methods.separable import Separable, minimise
 from flexmodal.ema.methods.weights import Weighting, by_deviation, weights_of
 from flexmodal.ema.mode import EstimatedModes, ModeEstimate, fold_terms
-from flexmodal.ema.quality import judged
+from flexmodal.ema.quality import with_quality
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.frf import POWER
 
@@ -141,7 +141,7 @@ def _without_runaways(
     """Fit again without the modes that these FRFs do not show, and say which those were."""
     why = [None if problem.keep else _runaway(mode, problem.measured) for mode in modes]
     if not any(why):
-        return judged(found)
+        return with_quality(found)
     keep = np.array([reason is None for reason in why])
     told = [(float(start[0]), reason) for start, reason in zip(problem.start, why, strict=True) if reason]
     if not keep.any():

@@ -16,15 +16,15 @@ from flexmodal.ema.methods.least_squares import DRIVEN, HIDDEN, LeastSquaresProb
 from flexmodal.ema.mode import EstimatedModes, ModeEstimate, with_residual_terms
 
 _WIDTHS = 3.0
-"""A mode has strayed that ends so many half-power bandwidths, and two lines, from where its pole was."""
+"""A mode counts as driven away that ends so many half-power bandwidths, and two lines, from its pole."""
 _LINES = 12
 """Its own band reaches as many bandwidths to either side, and so many lines at least."""
 _NEAR = 3.0
 """A damping ratio found there may differ from the one begun with by this factor."""
 
 
-def with_strays(problem: LeastSquaresProblem, found: EstimatedModes) -> EstimatedModes:
-    """The modes that stayed near their poles, and those that strayed as far as bands of their own show them.
+def refit_locally(problem: LeastSquaresProblem, found: EstimatedModes) -> EstimatedModes:
+    """The modes that stayed near their poles, and the others as far as fits in bands of their own show them.
 
     Args:
         problem: what was fitted, from poles that a stabilisation diagram or the indicator showed.
@@ -34,10 +34,10 @@ def with_strays(problem: LeastSquaresProblem, found: EstimatedModes) -> Estimate
     hidden = {frequency for frequency, why in found.refused if why == HIDDEN}
     starts = [start for start in problem.start if float(start[0]) not in hidden]
     stayed = [mode for mode in found if any(_stays(mode, start, spacing) for start in starts)]
-    strays = [start for start in starts if not any(_stays(mode, start, spacing) for mode in stayed)]
-    if not strays:
+    driven = [start for start in starts if not any(_stays(mode, start, spacing) for mode in stayed)]
+    if not driven:
         return found
-    alone = {float(start[0]): _alone(problem, start) for start in strays}
+    alone = {float(start[0]): _alone(problem, start) for start in driven}
     back = [mode for mode in alone.values() if mode is not None]
     modes = tuple(sorted([*stayed, *back], key=lambda mode: mode.frequency))
     told = dict(found.refused)

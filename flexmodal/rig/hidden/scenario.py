@@ -19,7 +19,7 @@ PARAMETER_ERRORS = (0.02, 0.08)
 
 
 @dataclass(frozen=True)
-class Secret:
+class Scenario:
     """Arguments of `simulate`: what to hide, and how far the parameters are off."""
 
     hide: tuple[Hide, ...]
@@ -28,7 +28,7 @@ class Secret:
     parameter_error: float
 
 
-def draw_secret(
+def draw_scenario(
     robot: Robot,
     seed: int,
     *,
@@ -37,7 +37,7 @@ def draw_secret(
     points: int | None = None,
     heights: tuple[float, float] = HEIGHTS,
     parameter_errors: tuple[float, float] = PARAMETER_ERRORS,
-) -> Secret:
+) -> Scenario:
     """Draw what to hide in a campaign.
 
     Args:
@@ -76,4 +76,4 @@ def draw_secret(
     random = np.random.default_rng([seed, 6])
     error = float(random.uniform(*parameter_errors))
     chosen = random.choice(sorted(set(pool)), size=count, replace=False) if count else ()
-    return Secret(tuple(Hide(str(name), height=heights) for name in chosen), error)
+    return Scenario(tuple(Hide(str(name), height=heights) for name in chosen), error)

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from flexmodal.campaign import COHERENT, CampaignPosture
-from flexmodal.rig.clean import strike_together
+from flexmodal.rig.clean import strike_all_points
 from flexmodal.rig.effects import EFFECTS, Site, Stand
 from flexmodal.rig.effects.effect import Effect, Parameters
 from flexmodal.rig.hammer_test import (
@@ -173,7 +173,7 @@ def _struck(stand: Stand, hidden: Sequence[Hidden], floor: Floor) -> np.ndarray:
     for k in sorted({0, len(floor.postures) - 1}):
         posture = floor.postures[k]
         plain, spoilt = (
-            strike_together(stand, posture, items, list(levels.values()))[..., floor.lines]
+            strike_all_points(stand, posture, items, list(levels.values()))[..., floor.lines]
             for items in ([], hidden)
         )
         usable = floor.keep[k][numbers] & (np.abs(plain) > 0) & (np.abs(spoilt) > 0)

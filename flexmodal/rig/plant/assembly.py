@@ -32,7 +32,7 @@ class _Bending:
     columns: slice
 
 
-class Assembly:
+class PlantAssembly:
     """A plant in the making. Effects add to it, motions first; `plant` closes it."""
 
     def __init__(self, posed: PosedRobot) -> None:

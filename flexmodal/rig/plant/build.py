@@ -8,7 +8,7 @@ import numpy as np
 
 from flexmodal.campaign import CampaignPosture
 from flexmodal.rig.effects import EFFECTS, Site, Stand
-from flexmodal.rig.plant.assembly import Assembly
+from flexmodal.rig.plant.assembly import PlantAssembly
 from flexmodal.rig.plant.plant import Plant
 from flexmodal.rig.sensing import Sensor
 
@@ -40,7 +40,7 @@ def build(
         hidden: what is put in.
         carrying: name of the point with the sensor on it, and the sensor's mass [kg].
     """
-    assembly = Assembly(stand.robot.at(dict(posture.q)))
+    assembly = PlantAssembly(stand.robot.at(dict(posture.q)))
     ordered = sorted(hidden, key=lambda item: list(EFFECTS).index(item[0]))
     for name, site in ordered:
         shape = EFFECTS[name].shape

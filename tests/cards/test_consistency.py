@@ -2,14 +2,13 @@ from pathlib import Path
 
 import pytest
 
-from flexmodal.cards import check_masses, check_together, massless_joints, read_card
-from flexmodal.cards.urdf import read as read_urdf
+from flexmodal.cards import check_consistency, check_masses, massless_joints, read_card, read_urdf
 from flexmodal.errors import Fault, InvalidCard, InvalidUrdf
 
 
 def check(folder: Path) -> None:
     card = read_card(folder / "robot.toml")
-    check_together(card, read_urdf(card.urdf))
+    check_consistency(card, read_urdf(card.urdf))
 
 
 def faults_of(folder: Path) -> list[Fault]:
