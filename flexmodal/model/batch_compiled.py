@@ -5,12 +5,10 @@ from __future__ import annotations
 from functools import cache
 from typing import Any
 
-from flexmodal.frf.kernels import pivoted
 from flexmodal.frf.kernels.compiled import compile_together
 from flexmodal.model import batch_gradient as gradient
 from flexmodal.model import batch_kinematics as kinematics
 from flexmodal.model import batch_planar as planar
-from flexmodal.model import batch_second as second
 from flexmodal.model import batch_spatial as spatial
 from flexmodal.model import batch_tile as tile
 from flexmodal.model import batch_twists as twists
@@ -65,27 +63,4 @@ def compiled_spaces() -> Any:
     inner = (gradient.place_arm, twists.apply_inertia, twists.gather_inertias)
     return compile_together(
         *_KINEMATICS[:4], *inner, spatial.fill_joint, spatial.fill_wrench, last=spatial.space_batch
-    )
-
-
-@cache
-def compiled_second() -> Any:
-    """`flexmodal.model.batch_second.second_batch`, compiled."""
-    return compile_together(
-        *_KINEMATICS,
-        gradient.place_arm,
-        pivoted.eliminate,
-        second.invert,
-        twists.apply_inertia,
-        twists.gather_inertias,
-        twists.dot,
-        twists.cross_twist,
-        twists.cross_momentum,
-        second.sweep_second,
-        second.row_second,
-        second.row_change,
-        second.pose_second,
-        second.solve_second,
-        second.pair_second,
-        last=second.second_batch,
     )

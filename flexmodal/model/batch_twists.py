@@ -7,8 +7,6 @@ angular one about it.
 # mypy: disable-error-code="no-untyped-def, no-untyped-call"
 from __future__ import annotations
 
-from flexmodal.model.batch_kinematics import cross
-
 
 def apply_inertia(inertia, twist, out):
     """Momentum of a twist; `inertia` holds the mass, mass times centre, and xx, xy, xz, yy, yz, zz."""
@@ -36,29 +34,3 @@ def gather_inertias(mass, centres, inertias, out):
         if k + 1 < len(mass):
             for e in range(10):
                 out[k, e] += out[k + 1, e]
-
-
-def dot(a, b):
-    """Σ a_i b_i, without conjugates."""
-    total = 0.0j
-    for i in range(len(a)):
-        total += a[i] * b[i]
-    return total
-
-
-def cross_twist(s, v, out):
-    """S × V of two twists."""
-    cross(s[3:], v[:3], out[:3])
-    out[0] += s[1] * v[5] - s[2] * v[4]
-    out[1] += s[2] * v[3] - s[0] * v[5]
-    out[2] += s[0] * v[4] - s[1] * v[3]
-    cross(s[3:], v[3:], out[3:])
-
-
-def cross_momentum(s, p, out):
-    """S ×* P of a twist and a momentum: (S × V) · P = −V · (S ×* P)."""
-    cross(s[3:], p[:3], out[:3])
-    cross(s[3:], p[3:], out[3:])
-    out[3] += s[1] * p[2] - s[2] * p[1]
-    out[4] += s[2] * p[0] - s[0] * p[2]
-    out[5] += s[0] * p[1] - s[1] * p[0]
