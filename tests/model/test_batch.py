@@ -11,8 +11,8 @@ import pytest
 import flexmodal
 from flexmodal.errors import InvalidInput, InvalidRequest, MissingExtra
 from flexmodal.model.batch import gradient_batch, posture_array, receptance_batch
-from flexmodal.model.batch_chain import chain_of, places_of
-from flexmodal.model.batch_compiled import compiled_poses
+from flexmodal.model.batch.chain import chain_of, places_of
+from flexmodal.model.batch.compiled import compiled_poses
 from flexmodal.model.sensitivity import sensitivity
 
 _SPEC = importlib.util.spec_from_file_location("batch_chains", Path(__file__).with_name("batch_chains.py"))
@@ -238,7 +238,7 @@ def test_bad_threads_and_ways_are_named_together(function):
 
 @pytest.mark.parametrize("function", [receptance_batch, gradient_batch])
 def test_without_numba(function, monkeypatch):
-    for module in ("model.batch", "model.batch_slopes", "frf.kernels.route"):
+    for module in ("model.batch.receptances", "model.batch.gradients", "frf.kernels.route"):
         monkeypatch.setattr(f"flexmodal.{module}.has_numba", lambda: False)
     robot = flexmodal.load("six_link")
     with pytest.raises(MissingExtra, match="numba"):

@@ -6,12 +6,8 @@ from functools import cache
 from typing import Any
 
 from flexmodal.frf.kernels.compiled import compile_together
-from flexmodal.model import batch_gradient as gradient
-from flexmodal.model import batch_kinematics as kinematics
-from flexmodal.model import batch_planar as planar
-from flexmodal.model import batch_spatial as spatial
-from flexmodal.model import batch_tile as tile
-from flexmodal.model import batch_twists as twists
+from flexmodal.model.batch import gradient_kernel as gradient
+from flexmodal.model.batch import kinematics, planar, spatial, tile
 
 _KINEMATICS = (
     kinematics.cross,
@@ -25,13 +21,13 @@ _KINEMATICS = (
 
 @cache
 def compiled_poses() -> Any:
-    """`flexmodal.model.batch_kinematics.pose_batch`, compiled."""
+    """`flexmodal.model.batch.kinematics.pose_batch`, compiled."""
     return compile_together(*_KINEMATICS, last=kinematics.pose_batch, merged=True)
 
 
 @cache
 def compiled_gradient() -> Any:
-    """`flexmodal.model.batch_gradient.gradient_batch`, compiled."""
+    """`flexmodal.model.batch.gradient_kernel.gradient_batch`, compiled."""
     return compile_together(
         *_KINEMATICS,
         tile.fill_lane,
@@ -53,14 +49,14 @@ def compiled_gradient() -> Any:
 
 @cache
 def compiled_planes() -> Any:
-    """`flexmodal.model.batch_planar.plane_batch`, compiled."""
+    """`flexmodal.model.batch.planar.plane_batch`, compiled."""
     return compile_together(*_KINEMATICS[:4], last=planar.plane_batch)
 
 
 @cache
 def compiled_spaces() -> Any:
-    """`flexmodal.model.batch_spatial.space_batch`, compiled."""
-    inner = (gradient.place_arm, twists.apply_inertia, twists.gather_inertias)
+    """`flexmodal.model.batch.spatial.space_batch`, compiled."""
+    inner = (gradient.place_arm, spatial.apply_inertia, spatial.gather_inertias)
     return compile_together(
         *_KINEMATICS[:4], *inner, spatial.fill_joint, spatial.fill_wrench, last=spatial.space_batch
     )
