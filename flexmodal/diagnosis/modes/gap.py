@@ -14,8 +14,8 @@ from jaxtyping import Float
 
 from flexmodal.diagnosis.modes.evidence import ModalFit
 from flexmodal.diagnosis.modes.measured import MeasuredModes
-from flexmodal.identification.mode_data import MeasuredMode
-from flexmodal.identification.mode_gap import DAMPING_SHARE, gap_of_errors, noise_of
+from flexmodal.identification.evidence.measured_modes import MeasuredMode
+from flexmodal.identification.evidence.modal_gap import DAMPING_SHARE, gap_of_errors, noise_of
 from flexmodal.modal.mac import mac_with
 
 Errors = Float[np.ndarray, "mode 3"]

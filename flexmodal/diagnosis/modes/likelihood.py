@@ -21,7 +21,7 @@ from flexmodal.diagnosis.modes.scatter import (
     log_watson_constant,
 )
 from flexmodal.identification.descent import prior_cost
-from flexmodal.identification.mode_data import MeasuredMode
+from flexmodal.identification.evidence.measured_modes import MeasuredMode
 from flexmodal.modal.mac import mac_with
 from flexmodal.structure import ParameterSpace
 

@@ -12,7 +12,7 @@ from flexmodal.diagnosis.modes.measured import MeasuredModes
 from flexmodal.diagnosis.modes.residuals import residuals
 from flexmodal.diagnosis.modes.scatter import Beliefs, log_anywhere, log_watson_constant
 from flexmodal.diagnosis.modes.spectrum import spectrum
-from flexmodal.identification.mode_data import modes_of_table
+from flexmodal.identification.evidence.measured_modes import modes_of_table
 from flexmodal.modal.mac import shape_residual
 from flexmodal.structure.poles import poles
 

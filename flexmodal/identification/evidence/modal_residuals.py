@@ -25,10 +25,10 @@ from jaxtyping import Float, Int
 
 from flexmodal.errors import InvalidSystem
 from flexmodal.identification.descent import Normal, prior_cost, robust, robust_weight
-from flexmodal.identification.dips import nearest_dip
-from flexmodal.identification.mode_data import Antiresonance, MeasuredMode, ModeObservations
+from flexmodal.identification.evidence.antiresonance import nearest_dip
+from flexmodal.identification.evidence.measured_modes import Antiresonance, MeasuredMode, ModeObservations
+from flexmodal.identification.evidence.pairing import mac_table, pair
 from flexmodal.identification.model import places_of
-from flexmodal.identification.pairing import mac_table, pair
 from flexmodal.modal.mac import shape_residual
 from flexmodal.model import Robot
 from flexmodal.structure.parameter import ParameterSpace
