@@ -76,7 +76,7 @@ def _postures(scene: Scene, seed: int) -> list[Mapping[str, float]]:
     for _ in range(RANDOM):
         values = {}
         for name, joint in robot.commanded.items():
-            wide = _WIDEST if joint.type != "prismatic" else 0.5
+            wide = _WIDEST if not joint.is_prismatic else 0.5
             low, high = max(joint.lower, -wide), min(joint.upper, wide)
             values[name] = float(random.uniform(low, high)) if low < high else float(joint.lower)
         found.append(values)

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 from jaxtyping import Float
 
-from flexmodal.campaign import Campaign, FrfRecords
-from flexmodal.campaign.noise import COHERENT
+from flexmodal.campaign import COHERENT, Campaign, FrfRecords
 from flexmodal.errors import Fault, InvalidRequest
 
 COHERENT_SHARE = 0.15

@@ -25,7 +25,8 @@ from flexmodal.model.batch_request import (
     read_pairs,
 )
 from flexmodal.model.batch_slopes import gradient_batch
-from flexmodal.model.robot import Pose, Robot
+from flexmodal.model.posture import Pose
+from flexmodal.model.robot import Robot
 
 __all__ = [
     "DirectionPair",

@@ -16,7 +16,8 @@ from flexmodal.model.batch_chain import chain_of, places_of
 from flexmodal.model.batch_request import DirectionPair, ReceptanceBatch, expand, posture_array, read_pairs
 from flexmodal.model.batch_second import second_batch
 from flexmodal.model.batch_springs import springs_of
-from flexmodal.model.robot import Pose, Robot
+from flexmodal.model.posture import Pose
+from flexmodal.model.robot import Robot
 
 _MANY = 300
 """Points from which loading the compiled function pays."""

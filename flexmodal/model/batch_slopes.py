@@ -17,7 +17,8 @@ from flexmodal.model.batch_poser import FEW, enough_to_compile
 from flexmodal.model.batch_request import DirectionPair, ReceptanceBatch, expand, posture_array, read_pairs
 from flexmodal.model.batch_springs import springs_of
 from flexmodal.model.gradient import receptance_and_gradient
-from flexmodal.model.robot import Pose, Robot
+from flexmodal.model.posture import Pose
+from flexmodal.model.robot import Robot
 
 
 def gradient_batch(

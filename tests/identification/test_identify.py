@@ -7,7 +7,7 @@ import pytest
 
 import flexmodal
 from flexmodal.campaign import noise_floor
-from flexmodal.campaign.noise import COHERENT
+from flexmodal.campaign import COHERENT
 from flexmodal.errors import InvalidRequest
 from flexmodal.identification import build_identification, identify, observe
 from flexmodal.identification.signal import COHERENT_SHARE, roughness

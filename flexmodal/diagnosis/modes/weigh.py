@@ -101,6 +101,10 @@ class Scales:
         """What a candidate gains over the robot without anything new, in the worst variant [nat]."""
         return float(np.min(self.table[number] - self.table[0]))
 
+    def first_gain(self, number: int) -> float:
+        """The same under the first beliefs."""
+        return float(self.table[number, 0] - self.table[0, 0])
+
     @property
     def tied(self) -> list[int]:
         """Candidates that come within `TIED` of the best under some variant."""

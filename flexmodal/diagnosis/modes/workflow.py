@@ -43,6 +43,9 @@ FINALISTS = 9
 """Effects that are weighed under every variant."""
 WITHIN = 16.0
 """Margin behind the best from which on an effect is not [nat]."""
+MARGIN = 1.0
+"""On both sides of what an explanation that was asked for by its place has to gain: inside, it is undecided,
+and no rounding turns that into a name [nat]."""
 MOST_STEPS = 2
 
 Advance = Callable[[str, float], None]
@@ -80,7 +83,7 @@ def diagnose_modes(
         robot: as it is believed to be.
         hold_out: postures that no fit sees. By default each is left out in turn, with three or more.
         effects: names; what explains best among them is added if it is needed, tied or not. Or `NAME@WHERE`:
-            that is added if it explains anything at all.
+            that is added if it gains more than a tie under the first beliefs.
         trust: standard deviation of ln(true / card) by kind or name.
         seed: of the postures tried for the next measurement.
         advance: called with what is being done and the part of it that is done.
@@ -205,7 +208,7 @@ class _Course:
         structured.sort(key=lambda k: -scales.gain(k))
         for k in structured:
             name, where = scales.candidates[k].key
-            if needed(scales, k) or (where in self.asked[name] and scales.table[k, 0] > scales.table[0, 0]):
+            if needed(scales, k) or (where in self.asked[name] and more_than_tied(scales.first_gain(k))):
                 return k
         return None
 
@@ -223,6 +226,16 @@ class _Course:
 def needed(scales: Scales, number: int) -> bool:
     """Whether a candidate gains enough under the first beliefs, and more than a tie under all."""
     return bool(scales.table[number, 0] - scales.table[0, 0] >= SIGNIFICANT and scales.gain(number) >= TIED)
+
+
+def more_than_tied(gain: float) -> bool:
+    """Whether what was asked for by its place gains clearly more than a tie under the first beliefs [nat]."""
+    return gain > TIED + MARGIN
+
+
+def undecided(gain: float) -> bool:
+    """Whether that gain is too near to a tie's for a yes or a no."""
+    return abs(gain - TIED) <= MARGIN
 
 
 def untestable(effect: Effect, scene: Scene) -> str | None:

@@ -153,7 +153,7 @@ def effect_rows(step: Step) -> list[tuple[str, str, str]]:
 def next_words(diagnosis: Diagnosis, measurement: NextMeasurement) -> dict[str, str]:
     """What to do next, part by part."""
     robot, observations = diagnosis.model.scene.robot, diagnosis.observations
-    sliding = [name for name, joint in robot.commanded.items() if joint.type == "prismatic"]
+    sliding = [name for name, joint in robot.commanded.items() if joint.is_prismatic]
     pairs = (explanation.partition("@")[::2] for explanation in measurement.separates)
     one, other = (placed(effect, where) for effect, where in pairs)
     sensor = observations.direction(measurement.response)

@@ -78,6 +78,8 @@ def measured(explanation, observations, x, *, frequency, damping, shape, seed, h
                 ratio * np.exp(damping * random.normal()),
             )
             u = seen.shape[:, m]
+            largest = u[np.argmax(np.abs(u))]
+            u = u * (np.abs(largest) / largest)  # an eigenvector's sign is LAPACK's choice, the noise is not
             noise = (
                 shape
                 * np.linalg.norm(u)
