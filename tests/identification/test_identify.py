@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 import flexmodal
-from flexmodal.campaign import noise_floor
-from flexmodal.campaign import COHERENT
+from flexmodal.campaign import COHERENT, noise_floor
 from flexmodal.errors import InvalidRequest
 from flexmodal.identification import build_identification, identify, observe
 from flexmodal.identification.signal import COHERENT_SHARE, roughness
