@@ -33,7 +33,7 @@ from flexmodal.diagnosis.outcome import (
 )
 from flexmodal.diagnosis.provenance import provenance
 from flexmodal.identification import predict
-from flexmodal.identification.mode_gap import gap_of_errors
+from flexmodal.identification.evidence.modal_gap import gap_of_errors
 
 if TYPE_CHECKING:
     from flexmodal.diagnosis.modes.workflow import Round, _Course
@@ -210,7 +210,7 @@ def _step(course: _Course, scales: Scales, chosen: int) -> Step:
 def _parameters(fit: ModalFit) -> tuple[dict[str, float], dict[str, str], dict[str, float]]:
     """Physical parameters of the effect added last, their units and standard errors."""
     hypothesis = fit.explanation.hypothesis
-    placed, scene, space = hypothesis.placed[-1], hypothesis.scene, hypothesis.space
+    placed, scene, space = hypothesis.placed[-1], hypothesis.context, hypothesis.space
     own = {p.name: p.unit for p in placed.effect.parameters(scene, placed.where)}
 
     def physical(x: np.ndarray) -> dict[str, float]:

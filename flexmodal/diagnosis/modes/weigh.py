@@ -34,7 +34,7 @@ class Variant:
         """An explanation with these priors."""
         old = explanation.hypothesis
         base = old.base.trusting({p.name: p.deviation * self.trust for p in old.base})
-        return Explanation(Hypothesis(old.scene, base, old.placed), explanation.free, self.stretch)
+        return Explanation(Hypothesis(old.context, base, old.placed), explanation.free, self.stretch)
 
 
 VARIANTS = (

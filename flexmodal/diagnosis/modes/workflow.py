@@ -8,13 +8,13 @@ the caller names effects, the best of them is added even so, with its ties.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
 from flexmodal.campaign import Campaign
-from flexmodal.diagnosis.effects import Effect, Scene, catalogue
+from flexmodal.diagnosis.effects import Context, Effect, catalogue
 from flexmodal.diagnosis.hypothesis import Hypothesis, Placed
 from flexmodal.diagnosis.modes.conclude import conclude
 from flexmodal.diagnosis.modes.elsewhere import restricted
@@ -29,8 +29,8 @@ from flexmodal.diagnosis.modes.weigh import TIED, Candidate, Scales, under_varia
 from flexmodal.diagnosis.outcome import Diagnosis
 from flexmodal.diagnosis.preparation import numbers_of, trust_of
 from flexmodal.errors import Fault, InvalidRequest
-from flexmodal.identification.belong import check_belonging
-from flexmodal.identification.mode_data import modes_of_table
+from flexmodal.identification.compatibility import check_compatible
+from flexmodal.identification.evidence.measured_modes import modes_of_table
 from flexmodal.model import Robot
 from flexmodal.structure import ParameterSpace, robot_space
 
@@ -92,7 +92,7 @@ def diagnose_modes(
         InvalidRequest: no modes, unknown effects or postures, a campaign that does not belong to the robot.
     """
     placed, moved = placed_on(campaign, robot)
-    check_belonging(placed, robot)
+    check_compatible(placed, robot)
     measured = MeasuredModes(modes_of_table(placed))
     asked = _asked(effects)
     base = robot_space(robot, trust={**trust_of(robot, TRUST), **(trust or {})})
@@ -120,7 +120,7 @@ class _Course:
     ) -> None:
         self.whole, self.held = whole, held
         self.measured = whole if held is None else whole.keeping(~held)
-        self.scene = Scene(robot, whole.stand_in, every_line=False)
+        self.scene = replace(Context.of(robot, whole.stand_in), every_line=False)
         self.base, self.asked, self.moved, self.seed, self.advance = base, asked, moved, seed, advance
         self.effects = tuple(catalogue(None if asked is None else list(asked)).values())
         self.untestable = {e.name: why for e in self.effects if (why := untestable(e, self.scene))}
@@ -238,7 +238,7 @@ def undecided(gain: float) -> bool:
     return abs(gain - TIED) <= MARGIN
 
 
-def untestable(effect: Effect, scene: Scene) -> str | None:
+def untestable(effect: Effect, scene: Context) -> str | None:
     """Why modes alone cannot tell of an effect."""
     if effect.read is not None or effect.turn is not None:
         return "modes have no calibrated FRF of a single sensor"

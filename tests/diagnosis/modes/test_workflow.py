@@ -117,9 +117,10 @@ def test_the_improved_robot_loads_and_has_the_modes_of_the_model(told, tmp_path)
 @pytest.mark.slow
 def test_what_modes_cannot_tell_of_is_said_to_be_untestable(nothing):
     for name in ("coulomb_friction", "sensor_gain", "structural_damping", "sensor_mass", "time_delay"):
-        assert workflow.untestable(catalogue([name])[name], nothing.model.scene)
+        assert workflow.untestable(catalogue([name])[name], nothing.model.context)
     assert (
-        workflow.untestable(catalogue(["base_flexibility"])["base_flexibility"], nothing.model.scene) is None
+        workflow.untestable(catalogue(["base_flexibility"])["base_flexibility"], nothing.model.context)
+        is None
     )
 
 
