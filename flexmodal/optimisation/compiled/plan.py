@@ -9,8 +9,8 @@ import numpy as np
 from jaxtyping import Bool
 
 from flexmodal.model import Robot
-from flexmodal.model.batch_chain import Chain, chain_of, places_of, turn_of
-from flexmodal.model.batch_springs import springs_of
+from flexmodal.model.batch.chain import Chain, chain_of, places_of, turn_of
+from flexmodal.model.batch.springs import springs_of
 from flexmodal.optimisation.compiled.arrays import (
     AXIS,
     FORCE,

@@ -35,8 +35,6 @@ class ReceptanceBatch:
     """How they were computed, and why so."""
     slope: Complex[np.ndarray, "posture line pair moving"] | None = None
     """Derivative along every moving joint [1/rad or 1/m times the unit of `value`], if asked for."""
-    curvature: Complex[np.ndarray, "posture line pair moving moving"] | None = None
-    """Second derivative along every two of them, if asked for."""
 
 
 def posture_array(
