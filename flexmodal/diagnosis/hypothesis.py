@@ -198,7 +198,10 @@ class Hypothesis:
             found.append(_along(shift, change, total["mass"].shape))
         return Structures(
             coordinates=tuple(frame.assembly.coordinates),
-            **total,
+            mass=total["mass"],
+            damping=total["damping"],
+            stiffness=total["stiffness"],
+            loss=total["loss"],
             response=rows[0],
             reference=rows[1],
             names=self.space.names,

@@ -14,7 +14,7 @@ from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.lines import COARSE, some_lines, unlimited
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.identification import Observations, fit, gap, observe, predict
-from flexmodal.identification.belong import check_belonging
+from flexmodal.identification.compatibility import check_compatible
 from flexmodal.model import Robot
 from flexmodal.structure import ParameterSpace, robot_space
 from flexmodal.structure.truncation import missing
@@ -61,7 +61,7 @@ def prepare(
     Raises:
         InvalidRequest: no data, unknown effects or postures, a campaign that does not belong to the robot.
     """
-    check_belonging(campaign, robot)
+    check_compatible(campaign, robot)
     observations = observe(campaign)
     scene = Context.of(robot, observations)
     observations = _whole(observations, scene)

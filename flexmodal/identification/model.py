@@ -168,7 +168,8 @@ class RobotModel:
                 (up.reference - down.reference) * scale,
             )
         return Structures(
-            tuple(frame.assembly.coordinates), **total, response=frame.response, reference=frame.reference,
+            tuple(frame.assembly.coordinates), mass=total["mass"], damping=total["damping"],
+            stiffness=total["stiffness"], loss=total["loss"], response=frame.response, reference=frame.reference,
             names=self.space.names, slopes=own, turned=turned,
         )  # fmt: skip
 

@@ -24,8 +24,8 @@ from flexmodal.campaign import (
 from flexmodal.campaign.noise import expected_gap_square
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.frf.form import POWER
-from flexmodal.identification.heard import heard
 from flexmodal.identification.layout import Layout
+from flexmodal.identification.signal import with_signal
 from flexmodal.structure.structure import Axis
 
 NOISIEST = 0.1
@@ -132,7 +132,7 @@ def observe(campaign: Campaign) -> Observations:
     Raises:
         InvalidRequest: no FRFs and no blows, no line in the band, or nothing that says how noisy they are.
     """
-    records, silent = heard(_measured(campaign), campaign)
+    records, silent = with_signal(_measured(campaign), campaign)
     absolute = _variance(records, campaign)
     with np.errstate(divide="ignore", invalid="ignore"):
         relative = np.where(records.value == 0, np.inf, absolute / np.abs(records.value) ** 2)

@@ -1,28 +1,32 @@
 """Receptances of many systems at once and their derivatives, by compiled loops or in numpy.
 
 The formulas are those of `structure`: y = Z⁻¹ jᵀ solved once for each row, α = u y_v,
-∂α = ∂u y_v + y_uᵀ ∂vᵀ − y_uᵀ ∂Z y_v. Derivatives come multiplied by a scale, a weight over the receptance, say, so that the normal
-equations of a fit follow by one product. Both ways give the same numbers but for rounding; lines on which the
-elimination without pivoting is not trusted, beside negative stiffness, say, are solved again with pivoting.
+∂α = ∂u y_v + y_uᵀ ∂vᵀ − y_uᵀ ∂Z y_v. Derivatives come multiplied by a scale, such as a weight over the
+receptance, so that the normal equations of a fit follow by one product. Both ways give the same numbers but
+for rounding; lines on which the elimination without pivoting is not trusted, as may be beside negative
+stiffness, are solved again with pivoting.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache, cached_property
-from time import perf_counter
 from typing import Any
 
 import numpy as np
 from jaxtyping import Bool, Complex, Float, Int
 
 from flexmodal.errors import SingularResponse
-from flexmodal.frf.kernels.compiled import compile_together, compile_with
+from flexmodal.frf.kernels.compiled import Kernel, together
 from flexmodal.frf.kernels.route import has_numba
+from flexmodal.frf.kernels.worth import is_worth_it
 from flexmodal.structure import kernel
 from flexmodal.structure.stack import Structures
 from flexmodal.structure.structure import ROUNDING, Axis
 
+_SECONDS, _COMPILATION = 8e-6, 4.0
+"""What numpy takes beyond compiled loops for a system and a line, with derivatives, and what compiling takes
+[s]; processor time of a core of 2020."""
 PARTS = ("stiffness", "damping", "mass", "loss", "growth")
 """What multiplies a part of ∂Z: 1, s, s², h and ∂h/∂η."""
 
@@ -121,14 +125,11 @@ def solved(structures: Structures, axis: Axis, entries: Entries, *, compiled: bo
     Raises:
         SingularResponse: an undamped mode is driven at its natural frequency.
     """
-    work = len(structures) * len(axis)
-    use = is_worth_it(work) if compiled is None else compiled
+    use = _is_worth_it(len(structures) * len(axis)) if compiled is None else compiled
     rows = np.concatenate([structures.response, structures.reference], axis=1)
     out = np.zeros((*rows.shape, 2, len(axis)))
     if not use:
-        start = perf_counter()
         _pivoted(structures, axis, rows, np.ones((len(rows), len(axis)), dtype=bool), out)
-        _rent(perf_counter() - start)
         return Solved(structures, axis, entries, out, use)
     matrices = np.stack([structures.stiffness, structures.damping, structures.mass, structures.loss], axis=1)
     trust = np.empty((len(rows), len(axis)))
@@ -207,19 +208,22 @@ def _pull(
 
 
 @cache
+def _kernels() -> tuple[Kernel, Kernel]:
+    return together(kernel.back, last=kernel.solve), Kernel(kernel.pull)
+
+
+@cache
 def _compiled() -> tuple[Any, Any]:
-    return compile_together(kernel.back, last=kernel.solve), compile_with(kernel.pull)
+    solve, pull = _kernels()
+    return solve.compiled, pull.compiled
 
 
-# when compiled loops are worth their start
-
-_SPENT: dict[str, float] = {"seconds": 0.0}
-
-
-def _rent(seconds: float) -> None:
-    _SPENT["seconds"] += seconds
-
-
-def is_worth_it(points: int) -> bool:
-    """Whether so many points are done by compiled loops."""
-    return has_numba()
+def _is_worth_it(points: int) -> bool:
+    """Whether to work on so many systems and lines by compiled loops."""
+    if not has_numba():
+        return False
+    if _compiled.cache_info().currsize:
+        return True
+    return is_worth_it(
+        "structures", points * _SECONDS, _COMPILATION, lambda: all(one.is_stored() for one in _kernels())
+    )

@@ -36,35 +36,6 @@ class Structures:
     loss_slopes: Mapping[int, float] = field(default_factory=dict)
     """Its derivatives along parameters by number."""
 
-    @classmethod
-    def of(cls, structure: Structure, names: tuple[str, ...] = ()) -> Structures:
-        """A single one; derivatives along other parameters than these are left out."""
-        changes = {k: structure.changes[name] for k, name in enumerate(names) if name in structure.changes}
-        slopes: Slopes = {}
-        for kind in ("mass", "damping", "stiffness", "loss"):
-            some = [(k, m) for k, one in changes.items() if (m := getattr(one, kind)) is not None]
-            if some:
-                slopes[kind] = np.array([k for k, _ in some]), np.array([m for _, m in some])[:, None]
-        zero = np.zeros_like(structure.response)[None], np.zeros_like(structure.reference)[None]
-        turned = {
-            k: tuple(
-                z if m is None else m[None] for m, z in zip((c.response, c.reference), zero, strict=True)
-            )
-            for k, c in changes.items()
-            if c.response is not None or c.reference is not None
-        }
-        return cls(
-            structure.coordinates,
-            *(getattr(structure, kind)[None] for kind in ("mass", "damping", "stiffness", "loss")),
-            structure.response[None],
-            structure.reference[None],
-            names,
-            slopes,
-            turned,  # type: ignore[arg-type]
-            structure.loss_factor,
-            {k: c.loss_factor for k, c in changes.items() if c.loss_factor is not None},
-        )
-
     def __len__(self) -> int:
         """How many systems."""
         return len(self.mass)

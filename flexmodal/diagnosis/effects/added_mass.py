@@ -53,12 +53,7 @@ def _physical(context: Context, where: str, values: Mapping[str, float]) -> dict
 
 
 def _extend(draft: Draft, placement: Placement) -> None:
-    place = place_on(
-        placement.context,
-        placement.where,
-        placement.values,
-        placement.context.arms[0].placed[placement.where][:3, :3],
-    )
+    place = place_on(placement.context, placement.where, placement.values)
     draft.attach(placement.where, _compact(placement, place), name=f"{placement.where}_payload")
 
 

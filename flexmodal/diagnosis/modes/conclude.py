@@ -33,7 +33,7 @@ from flexmodal.diagnosis.outcome import (
 )
 from flexmodal.diagnosis.provenance import provenance
 from flexmodal.identification import predict
-from flexmodal.identification.mode_gap import gap_of_errors
+from flexmodal.identification.evidence.modal_gap import gap_of_errors
 
 if TYPE_CHECKING:
     from flexmodal.diagnosis.modes.workflow import Round, _Course

@@ -29,8 +29,8 @@ from flexmodal.diagnosis.modes.weigh import TIED, Candidate, Scales, under_varia
 from flexmodal.diagnosis.outcome import Diagnosis
 from flexmodal.diagnosis.preparation import numbers_of, trust_of
 from flexmodal.errors import Fault, InvalidRequest
-from flexmodal.identification.belong import check_belonging
-from flexmodal.identification.mode_data import modes_of_table
+from flexmodal.identification.compatibility import check_compatible
+from flexmodal.identification.evidence.measured_modes import modes_of_table
 from flexmodal.model import Robot
 from flexmodal.structure import ParameterSpace, robot_space
 
@@ -92,7 +92,7 @@ def diagnose_modes(
         InvalidRequest: no modes, unknown effects or postures, a campaign that does not belong to the robot.
     """
     placed, moved = placed_on(campaign, robot)
-    check_belonging(placed, robot)
+    check_compatible(placed, robot)
     measured = MeasuredModes(modes_of_table(placed))
     asked = _asked(effects)
     base = robot_space(robot, trust={**trust_of(robot, TRUST), **(trust or {})})
