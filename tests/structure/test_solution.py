@@ -11,6 +11,7 @@ from flexmodal.structure.ports import CompliancePort, StiffnessPort, solved_with
 from flexmodal.structure.solution import Entries, solved
 from flexmodal.structure.stack import Structures, joined
 from flexmodal.structure.structure import Axis, receptance
+from flexmodal.structure.truncation import missing_of, missing_with_slopes
 
 SYSTEMS, DOF, ROWS, STRUCK, NAMES = 3, 5, 4, 2, tuple(f"p{k}" for k in range(8))
 AXIS = Axis(np.linspace(3.0, 120.0, 41), 20.0, decay=0.4)
@@ -179,3 +180,14 @@ def test_derivatives_along_a_compliance(structures, size):
     )
     found, numeric = made.along(0), (up - down) / (2 * step)
     np.testing.assert_allclose(found, numeric, rtol=1e-4, atol=1e-5 * np.abs(found).max())
+
+
+@pytest.mark.parametrize("power", [0, 1, 2])
+def test_what_a_record_cuts_off_is_the_same_by_modes_and_by_the_state_at_its_end(structures, power):
+    bare = replace(structures, slopes={}, turned={}, names=(), loss_factor=0.0, loss_slopes={})
+    axis = replace(AXIS, length=0.05, power=power, cut_slopes=False)
+    found = solved(bare, axis, ENTRIES, compiled=False)
+    by_modes, _ = missing_with_slopes(found, ())
+    by_state = missing_of(found)
+    assert np.abs(by_modes).max() > 1e-3 * np.abs(found.value).max()
+    np.testing.assert_allclose(by_state, by_modes, rtol=1e-7, atol=1e-9 * np.abs(by_modes).max())
