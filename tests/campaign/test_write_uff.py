@@ -9,9 +9,9 @@ import pytest
 import pyuff
 
 from flexmodal.campaign import Campaign, write_campaign
+from flexmodal.campaign.uff import frame as uff_frame
 from flexmodal.campaign.uff.frame import framed, splice, with_size
 from flexmodal.campaign.uff.write import blow_datasets, frf_datasets
-from flexmodal.campaign.uff import frame as uff_frame
 
 
 def alone(dataset: dict, piece: Path) -> bytes:
