@@ -185,7 +185,7 @@ def _estimate(blows: list[Blow], known: dict[int, Trial], estimator: str) -> lis
         value, coherence = ratio(s_ff, s_rr, s_fr, estimator)
         form = FORM_OF[first.quantity]
         labels = (first.posture, first.trial, channel, first.reference, form, len(having))
-        records.append(_Record(*labels, frequency, value, coherence))  # type: ignore[arg-type]
+        records.append(_Record(*labels, frequency, value, coherence))
     return records
 
 

@@ -172,7 +172,12 @@ class FrfRecords:
         responses = list(dict.fromkeys((p, d) for p, d, _, _ in rows))
         references = list(dict.fromkeys((p, d) for _, _, p, d in rows))
         faults = [
-            Fault("call", asked, f"no record of {_text(r)} per {_text(f)}", "every pair; select fewer points")
+            Fault(
+                "call",
+                asked,
+                f"no record of {place_text(r)} per {place_text(f)}",
+                "every pair; select fewer points",
+            )
             for r in responses
             for f in references
             if (*r, *f) not in rows
@@ -207,5 +212,6 @@ def named_direction(place: Sequence[int], points: Mapping[int, str]) -> PointDir
     return PointDirection(points[point], AXES[abs(direction) - 1], 1 if direction > 0 else -1)
 
 
-def _text(place: tuple[int, int]) -> str:
+def place_text(place: tuple[int, int]) -> str:
+    """A point's id and ±1, ±2, ±3 in words, such as "3:+z"."""
     return f"{place[0]}:{'+' if place[1] > 0 else '-'}{AXES[abs(place[1]) - 1]}"

@@ -53,15 +53,9 @@ def robot_options(command: Command) -> Command:
     """ROBOT and what a bare URDF needs beside it, given to the command as one `RobotOptions`."""
 
     @wraps(command)
-    def gathered(
-        robot: str,
-        stiffness: str | None,
-        damping: str | None,
-        tool: str | None,
-        fix: str | None,
-        **others: Any,
-    ) -> Any:
-        return command(robot=RobotOptions(robot, stiffness, damping, tool, fix), **others)
+    def gathered(**given: Any) -> Any:
+        own = {field.name: given.pop(field.name) for field in fields(RobotOptions)}
+        return command(robot=RobotOptions(**own), **given)
 
     wrapped: Any = gathered
     for decorate in (

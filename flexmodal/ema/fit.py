@@ -10,7 +10,7 @@ from typing import Any, Literal
 import numpy as np
 from jaxtyping import Float
 
-from flexmodal.campaign import QualityFlag
+from flexmodal.campaign import FrfRecords, QualityFlag
 from flexmodal.ema.estimate import (
     Choices,
     by_reading,
@@ -22,7 +22,7 @@ from flexmodal.ema.estimate import (
 )
 from flexmodal.ema.measured import LARGEST, Measured
 from flexmodal.ema.mode import EstimatedModes, Method, ModeEstimate
-from flexmodal.ema.records import Place, Records, Trials, by_posture
+from flexmodal.ema.records import Place, Trials, by_posture
 from flexmodal.errors import Fault, InvalidRequest
 
 _ALIKE = 0.05
@@ -87,7 +87,7 @@ def _errors(errors: Float[np.ndarray, " number"], frf: int) -> dict[str, float]:
 
 
 def fit_records(
-    records: Records,
+    records: FrfRecords,
     method: str = "least-squares",
     *,
     per: str = "frf",

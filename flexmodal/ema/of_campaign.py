@@ -18,7 +18,6 @@ from flexmodal.campaign import (
 )
 from flexmodal.ema.estimate import Choices
 from flexmodal.ema.fit import Fit, fit_records
-from flexmodal.ema.records import Records
 from flexmodal.ema.window import without_window
 from flexmodal.errors import Fault, InvalidRequest
 
@@ -49,7 +48,7 @@ def known_variance(records: FrfRecords) -> Float[np.ndarray, "record line"] | No
 
 
 def fit(
-    measured: Campaign | Records,
+    measured: Campaign | FrfRecords,
     method: str = "least-squares",
     *,
     per: str = "frf",

@@ -4,52 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Literal, Protocol, runtime_checkable
+from typing import Literal
 
 import numpy as np
-from jaxtyping import Complex, Float, Int
+from jaxtyping import Complex, Float
 
+from flexmodal.campaign import FrfRecords, place_text
 from flexmodal.ema.measured import Measured
-from flexmodal.frf.form import Form
 
-_AXES = "xyz"
 _SMOOTH = 4
 """The scatter of trials is averaged over so many lines to either side."""
 
 Trials = Literal["average", "separate"]
-
-
-@runtime_checkable
-class Records(Protocol):
-    """What a fit needs of records; `flexmodal.campaign.FrfRecords` has it."""
-
-    @property
-    def frequency(self) -> Float[np.ndarray, " line"]:
-        """Ascending [Hz]."""
-
-    @property
-    def value(self) -> Complex[np.ndarray, "record line"]:
-        """In SI units of `form`."""
-
-    @property
-    def posture(self) -> Int[np.ndarray, " record"]:
-        """Ids."""
-
-    @property
-    def trial(self) -> Int[np.ndarray, " record"]:
-        """Ids."""
-
-    @property
-    def response(self) -> Int[np.ndarray, "record 2"]:
-        """Point id and direction ±1 ±2 ±3."""
-
-    @property
-    def reference(self) -> Int[np.ndarray, "record 2"]:
-        """Point id and direction of the force."""
-
-    @property
-    def form(self) -> Form:
-        """Receptance, mobility or inertance."""
 
 
 @dataclass(frozen=True)
@@ -65,15 +31,10 @@ class Place:
     def __str__(self) -> str:
         """Such as "3:+z per 2:+z"."""
         trial = "" if self.trial is None else f", trial {self.trial}"
-        return f"{_text(self.response)} per {_text(self.reference)}{trial}"
+        return f"{place_text(self.response)} per {place_text(self.reference)}{trial}"
 
 
-def _text(place: tuple[int, int]) -> str:
-    point, direction = place
-    return f"{point}:{'+' if direction > 0 else '-'}{_AXES[abs(direction) - 1]}"
-
-
-def grouped(records: Records, trials: Trials) -> dict[Place, list[int]]:
+def grouped(records: FrfRecords, trials: Trials) -> dict[Place, list[int]]:
     """Row numbers of each FRF, in the order of posture and then of the records."""
     groups: dict[Place, list[int]] = {}
     for row in range(len(records.value)):
@@ -86,7 +47,7 @@ def grouped(records: Records, trials: Trials) -> dict[Place, list[int]]:
 
 
 def averaged(
-    records: Records, groups: dict[Place, list[int]], variance: Float[np.ndarray, "record line"] | None
+    records: FrfRecords, groups: dict[Place, list[int]], variance: Float[np.ndarray, "record line"] | None
 ) -> tuple[Complex[np.ndarray, "line frf"], Float[np.ndarray, "line frf"] | None]:
     """Each FRF as the mean of its trials, with the variance of that mean.
 
@@ -120,7 +81,7 @@ def _smoothed(scatter: np.ndarray) -> np.ndarray:
 
 
 def by_posture(
-    records: Records, trials: Trials, variance: Float[np.ndarray, "record line"] | None
+    records: FrfRecords, trials: Trials, variance: Float[np.ndarray, "record line"] | None
 ) -> Iterator[tuple[int, Sequence[Place], Measured]]:
     """The FRFs of each posture together."""
     groups = grouped(records, trials)

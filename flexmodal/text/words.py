@@ -46,6 +46,12 @@ def nearest(name: str, names: Iterable[str]) -> str:
     return f'did you mean "{close[0]}"? ' if close else ""
 
 
+def strange(name: str, names: Iterable[str]) -> str:
+    """A name that there is not, quoted, with the one of `names` that it resembles."""
+    close = difflib.get_close_matches(name, list(names), n=1)
+    return repr(name) + (f" (did you mean {close[0]}?)" if close else "")
+
+
 def listing(names: Iterable[str], empty: str = "there is none") -> str:
     """Names joined by commas."""
     return ", ".join(names) or empty
