@@ -97,7 +97,12 @@ def check_method(method: str) -> Method:
 
 
 def peaks_of(measured: Measured, choices: Choices) -> tuple[Peak, ...]:
-    """The peaks that the choices amount to."""
+    """The peaks that the choices amount to.
+
+    Args:
+        measured: FRFs of one posture.
+        choices: what a person decides.
+    """
     return choose_peaks(
         measured,
         at=choices.at,
@@ -111,7 +116,12 @@ def peaks_of(measured: Measured, choices: Choices) -> tuple[Peak, ...]:
 
 
 def nothing(measured: Measured, method: Method) -> EstimatedModes:
-    """An answer without modes, that says so."""
+    """An answer without modes, that says so.
+
+    Args:
+        measured: FRFs in which no mode was found.
+        method: what was tried.
+    """
     zero = np.zeros(measured.value.shape[1], dtype=complex)
     middle = float(np.median(measured.frequency))
     said = ((middle, "no peak stands out of the noise in the whole band; name one by hand"),)
@@ -121,7 +131,13 @@ def nothing(measured: Measured, method: Method) -> EstimatedModes:
 def each_by_least_squares(
     parts: Sequence[Measured], peaks: Sequence[Peak], choices: Choices
 ) -> list[EstimatedModes]:
-    """Fit many sets of FRFs of one shape from the same peaks, each with poles of its own."""
+    """Fit many sets of FRFs of one shape from the same peaks, each with poles of its own.
+
+    Args:
+        parts: FRFs, one by one.
+        peaks: where to look.
+        choices: what a person decides.
+    """
     return solve_many([_problem(part, peaks, choices) for part in parts])
 
 
@@ -132,7 +148,14 @@ def _problem(measured: Measured, peaks: Sequence[Peak], choices: Choices) -> Lea
 
 
 def by_reading(measured: Measured, peaks: Sequence[Peak], method: Method, choices: Choices) -> EstimatedModes:
-    """Peak picking or circle fit of every peak in every FRF, pooled over the FRFs."""
+    """Peak picking or circle fit of every peak in every FRF, pooled over the FRFs.
+
+    Args:
+        measured: FRFs of one posture.
+        peaks: where to look.
+        method: peaks or circle.
+        choices: what a person decides.
+    """
     noisy = with_variance(measured)
     parts = [noisy.only(frf) for frf in range(measured.value.shape[1])]
     beside = _beside(parts, peaks) if choices.vary else [()] * len(parts)
@@ -208,7 +231,12 @@ def _by_lscf(measured: Measured, choices: Choices) -> EstimatedModes:
 
 
 def modes_of(diagram: Stabilisation, choices: Choices) -> EstimatedModes:
-    """The modes that a stabilisation diagram shows, or those nearest to the frequencies in `choices.at`."""
+    """The modes that a stabilisation diagram shows, or those nearest to the frequencies in `choices.at`.
+
+    Args:
+        diagram: a stabilisation diagram.
+        choices: what a person decides.
+    """
     measured = diagram.measured
     if choices.at is None:
         picked = [int(place) for place in diagram.choose()]

@@ -95,7 +95,19 @@ def fit_records(
     variance: Float[np.ndarray, "record line"] | None = None,
     choices: Choices | None = None,
 ) -> tuple[Fit, ...]:
-    """Find the modes in measured FRFs; arguments, answer and errors as of `fit`."""
+    """Find the modes in measured FRFs; more of it at `fit`, which takes a campaign as well.
+
+    Args:
+        records: FRFs of a campaign.
+        method: peaks, circle, least-squares or lscf.
+        per: "frf" for poles of each FRF's own, "posture" for poles common to the FRFs of a posture.
+        trials: "average" them, or fit each one "separate"ly.
+        variance: E|noise|² of each record's values, in their unit squared.
+        choices: what a person decides; the band among it.
+
+    Raises:
+        InvalidRequest: no records, or a choice that does not exist or does not suit the lines.
+    """
     name = check_method(method)
     for key, given, allowed in (
         ("per", per, ("frf", "posture")),

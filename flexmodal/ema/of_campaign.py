@@ -25,6 +25,10 @@ from flexmodal.errors import Fault, InvalidRequest
 def records_of(campaign: Campaign, estimator: str = "H1") -> FrfRecords:
     """The campaign's own FRFs, or those estimated from its blows: it has none, or H2 or Hv is asked for.
 
+    Args:
+        campaign: what was measured.
+        estimator: H1, H2 or Hv, where FRFs are estimated from blows.
+
     Raises:
         InvalidRequest: it has neither, or no blows to estimate from.
     """

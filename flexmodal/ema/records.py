@@ -35,7 +35,12 @@ class Place:
 
 
 def grouped(records: FrfRecords, trials: Trials) -> dict[Place, list[int]]:
-    """Row numbers of each FRF, in the order of posture and then of the records."""
+    """Row numbers of each FRF, in the order of posture and then of the records.
+
+    Args:
+        records: FRFs of a campaign.
+        trials: whether to keep them apart.
+    """
     groups: dict[Place, list[int]] = {}
     for row in range(len(records.value)):
         response = (int(records.response[row, 0]), int(records.response[row, 1]))
@@ -54,6 +59,11 @@ def averaged(
     The variance comes from those given for the records, raised where the trials scatter by more than these
     allow (Birge's ratio, smoothed over neighbouring lines); else, where every FRF has at least two trials,
     from their scatter about the mean, smoothed likewise; else it is not known.
+
+    Args:
+        records: FRFs of a campaign.
+        groups: row numbers of each FRF.
+        variance: E|noise|² of each record's values, in their unit squared.
     """
     values, spreads = [], []
     for rows in groups.values():
@@ -83,7 +93,13 @@ def _smoothed(scatter: np.ndarray) -> np.ndarray:
 def by_posture(
     records: FrfRecords, trials: Trials, variance: Float[np.ndarray, "record line"] | None
 ) -> Iterator[tuple[int, Sequence[Place], Measured]]:
-    """The FRFs of each posture together."""
+    """The FRFs of each posture together.
+
+    Args:
+        records: FRFs of a campaign.
+        trials: whether to keep them apart.
+        variance: E|noise|² of each record's values, in their unit squared.
+    """
     groups = grouped(records, trials)
     for posture in dict.fromkeys(place.posture for place in groups):
         part = {place: rows for place, rows in groups.items() if place.posture == posture}

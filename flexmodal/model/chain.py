@@ -109,6 +109,10 @@ class FlexibleChain(ABC):
     def frame_of(self, point: str, *, source: str = "call") -> int:
         """Pinocchio's frame of a named point or a URDF link.
 
+        Args:
+            point: a named point or a link of the URDF.
+            source: where the name came from, for the error.
+
         Raises:
             InvalidPoint: the robot has no such point or link.
         """
@@ -119,6 +123,10 @@ class FlexibleChain(ABC):
 
     def posture(self, pose: Pose, *, source: str = "call") -> Posture:
         """Look up or check a posture.
+
+        Args:
+            pose: its name, its values by joint [rad, m], or a checked posture.
+            source: where it came from, for the error.
 
         Raises:
             InvalidPosture: unknown name, unknown joints, bad values, outside the limits.
@@ -137,6 +145,10 @@ class FlexibleChain(ABC):
 
     def family(self, name: str, *, source: str = "call") -> FamilyCard:
         """A one-parameter family of postures of the card.
+
+        Args:
+            name: of the family.
+            source: where the name came from, for the error.
 
         Raises:
             InvalidRequest: the card has no such family.

@@ -53,7 +53,12 @@ def validated(model: type[Model], content: Mapping[str, Any], faults: FaultList)
 
 
 def allowed(model: type, location: Sequence[str | int]) -> str:
-    """What may stand at a place of a file, such as `["joint", "q1", "stiffness"]`."""
+    """What may stand at a place of a file, such as `["joint", "q1", "stiffness"]`.
+
+    Args:
+        model: the schema, a pydantic model.
+        location: keys and numbers from the file to the place.
+    """
     said = "a table"
     for kind, own in _descent(model, location):
         keys = _keys(kind)

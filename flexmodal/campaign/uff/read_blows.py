@@ -17,7 +17,14 @@ Key = tuple[int, int, int, int, int]
 
 
 def read_time_uff(file: Path, tested: Tested, faults: FaultList, warnings: list[str]) -> tuple[Blow, ...]:
-    """Read `time.uff`; faults go to `faults`, and what is sound comes back."""
+    """Read `time.uff`; faults go to `faults`, and what is sound comes back.
+
+    Args:
+        file: a universal file.
+        tested: what was tested; records have to fit it.
+        faults: where the faults of the file go.
+        warnings: where sentences about what is odd go.
+    """
     before = len(faults.faults)
     found = read_records(file, tested, (TIME_RESPONSE,), faults, warnings)
     if len(faults.faults) > before:

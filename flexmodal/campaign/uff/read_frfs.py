@@ -17,7 +17,14 @@ from flexmodal.text.words import FaultList
 
 
 def read_frf_uff(file: Path, tested: Tested, faults: FaultList, warnings: list[str]) -> FrfRecords | None:
-    """Read `frf.uff`; None where faults leave nothing sound."""
+    """Read `frf.uff`; None where faults leave nothing sound.
+
+    Args:
+        file: a universal file.
+        tested: what was tested; records have to fit it.
+        faults: where the faults of the file go.
+        warnings: where sentences about what is odd go.
+    """
     found = read_records(file, tested, (FRF, COHERENCE), faults, warnings)
     frfs = [one for one in found if one.header.function == FRF]
     coherences = [one for one in found if one.header.function == COHERENCE]

@@ -113,7 +113,12 @@ class _Naming:
         return frozenset(point.id for point in self.tested.points)
 
     def ids(self, header: Header, number: int) -> tuple[int, int] | None:
-        """Posture and trial of a record, or None where something in it is unknown."""
+        """Posture and trial of a record, or None where something in it is unknown.
+
+        Args:
+            header: of the record.
+            number: which record of the file, for the faults.
+        """
         posture = self._one("load case", header.load_case, [p.id for p in self.tested.postures], number)
         trial = self._one("version number", header.version, [t.id for t in self.tested.trials], number)
         sound = posture is not None and trial is not None

@@ -33,7 +33,12 @@ DIGITS = 1e-9
 
 
 def write_uff(datasets: Iterable[dict[str, Any]], path: Path) -> None:
-    """Write datasets to a new file. A `Campaign` has refused what dataset 58 cannot hold."""
+    """Write datasets to a new file. A `Campaign` has refused what dataset 58 cannot hold.
+
+    Args:
+        datasets: as pyuff takes them.
+        path: a new file.
+    """
     with tempfile.TemporaryDirectory(prefix="flexmodal-") as folder, path.open("wb") as file:
         piece = Path(folder) / "piece.uff"
         for dataset in datasets:
@@ -41,7 +46,13 @@ def write_uff(datasets: Iterable[dict[str, Any]], path: Path) -> None:
 
 
 def frf_datasets(frfs: FrfRecords, points: Iterable[CampaignPoint], binary: bool) -> Iterator[dict[str, Any]]:
-    """Each FRF, followed by its coherence where there is one."""
+    """Each FRF, followed by its coherence where there is one.
+
+    Args:
+        frfs: in SI units of their form.
+        points: whose names go into the records.
+        binary: whether as dataset 58b.
+    """
     names = {point.id: point.name for point in points}
     axis = _abscissa(frfs.frequency, _HERTZ, binary)
     code = CODE_OF[frfs.form]
@@ -62,7 +73,13 @@ def frf_datasets(frfs: FrfRecords, points: Iterable[CampaignPoint], binary: bool
 def blow_datasets(
     blows: Iterable[Blow], points: Iterable[CampaignPoint], binary: bool
 ) -> Iterator[dict[str, Any]]:
-    """The force of each blow, followed by its responses."""
+    """The force of each blow, followed by its responses.
+
+    Args:
+        blows: time records in SI units.
+        points: whose names go into the records.
+        binary: whether as dataset 58b.
+    """
     names = {point.id: point.name for point in points}
     forces = set()
     for blow in blows:
