@@ -26,7 +26,7 @@ from flexmodal.diagnosis.march.law import friction, hardening
 from flexmodal.diagnosis.march.pulse import Pulse
 from flexmodal.identification.frf_route import FrfRoute
 from flexmodal.model.batch import gradient_batch, receptance_batch
-from flexmodal.optimisation.compiled import random_starts, search_postures
+from flexmodal.optimisation.descents import random_starts, search_postures
 from flexmodal.rig import nonlinear, simulate
 from flexmodal.structure.structure import Axis, Structure
 

@@ -82,7 +82,8 @@ def optimise(
     """The posture that resists best, holding the end-effector, along a family, or free."""
     from flexmodal.optimisation import PostureProblem
     from flexmodal.optimisation import optimise as search
-    from flexmodal.optimisation.searches import is_compiled
+    from flexmodal.optimisation.descents import choose_way
+    from flexmodal.optimisation.search import BLOCK, DEFAULT_STARTS
 
     _one_of(hold, family, free)
     pictures = pictures_of(
@@ -93,7 +94,8 @@ def optimise(
     problem = PostureProblem(arm, judge, hold_of(arm, hold, orientation, axis, tool_axis))
     chosen = None if family is None else arm.family(family, source=f"{SOURCE} --family")
     where = None if start is None else posture_of(arm, start, "--start")
-    total = 401 if chosen else starts or (256 if is_compiled(problem) else 64)
+    way = "plain" if chosen or method != "newton" else choose_way(problem, starts or DEFAULT_STARTS)
+    total = 401 if chosen else starts or (BLOCK if way == "compiled" else DEFAULT_STARTS)
     with noted_progress(total, "searching", quiet=quiet) as (advance, note):
         outcome = search(
             problem,
@@ -102,8 +104,10 @@ def optimise(
             starts=starts,
             seed=seed,
             method=method,
+            way=way,
             advance=advance,
             improved=lambda value: note(f"best {value:.4g} {judge.unit}"),
+            doing=note,
         )
     if as_json:
         print_json(_json(outcome))

@@ -16,9 +16,6 @@ from flexmodal.optimisation.orientation import FixedOrientation, Orientation, al
 _FARTHEST = 1e6
 """No arm reaches farther [m]."""
 
-TOLERANCE = 1e-10
-"""How near the held point is kept to its target [m], and its axes [rad]."""
-
 _AXES = {sign + name: row for name, row in zip("xyz", np.eye(3), strict=True) for sign in ("", "+")} | {
     "-" + name: -row for name, row in zip("xyz", np.eye(3), strict=True)
 }
@@ -71,6 +68,11 @@ class Hold:
         robot.frame_of(point)
         rows, values = _position(robot, point, target)
         return cls(point, rows, values, _orientation(robot, point, orientation, axis, tool_axis))
+
+    @property
+    def components(self) -> int:
+        """How many components the error has."""
+        return len(self.rows) + (0 if self.orientation is None else self.orientation.components)
 
     def error(self, posed: PosedRobot) -> Float[np.ndarray, " held"]:
         """How far the point is from its target [m], and its frame from its orientation [rad]."""

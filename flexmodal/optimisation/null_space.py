@@ -10,7 +10,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from flexmodal.optimisation.descent import GRADIENT, Descent, Watch
+from flexmodal.optimisation.descent import GRADIENT
+from flexmodal.optimisation.descents import Watch
+from flexmodal.optimisation.ends import Descent
 from flexmodal.optimisation.problem import PostureProblem
 
 

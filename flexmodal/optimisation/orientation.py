@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from jaxtyping import Float
@@ -17,6 +18,8 @@ class FixedOrientation:
 
     rotation: Float[np.ndarray, "3 3"]
     """The frame's axes in world coordinates, column by column."""
+    components: ClassVar[int] = 3
+    """Of the error."""
 
     def error(self, rotation: Float[np.ndarray, "3 3"]) -> Float[np.ndarray, " turned"]:
         """The turn that is left from target to frame."""
@@ -51,6 +54,11 @@ class AlignedAxis:
     """Unit vector in the world."""
     across: Float[np.ndarray, "turned 3"]
     """Unit vectors across the target along which the axis can go astray: two in space, one in a plane."""
+
+    @property
+    def components(self) -> int:
+        """Of the error."""
+        return len(self.across)
 
     def error(self, rotation: Float[np.ndarray, "3 3"]) -> Float[np.ndarray, " turned"]:
         """Angle from target to axis [rad], by its components across the target."""

@@ -13,11 +13,11 @@ from flexmodal.frf import PointDirection
 from flexmodal.frf.plot import PALETTE, draw_frf
 from flexmodal.model import PosedRobot, Posture, Robot
 from flexmodal.optimisation.combined import CombinedObjective
+from flexmodal.optimisation.descent import RANK
 from flexmodal.optimisation.hold import Hold
 from flexmodal.optimisation.objective import Objective, ReceptanceObjective
 from flexmodal.optimisation.outcome import Outcome
 from flexmodal.optimisation.problem import PostureProblem
-from flexmodal.optimisation.quadratic import null_space
 from flexmodal.optimisation.robust import RobustObjective
 from flexmodal.optimisation.tuned import TunedObjective
 
@@ -165,10 +165,11 @@ def draw_self_motion(problem: PostureProblem, centre: Posture, *, reach: float =
     from matplotlib.figure import Figure
 
     vector = problem.vector(centre)
-    if len(null_space(problem.held(vector)[1]).T) == 0:
+    free = _free(problem, vector)
+    if free.shape[1] == 0:
         found, allowed = "a hold that leaves nothing free", "one that leaves a joint free"
         raise InvalidRequest(Fault("call", "problem", found, allowed))
-    free = _telling(problem, vector, null_space(problem.held(vector)[1]), reach)
+    free = _telling(problem, vector, free, reach)
     steps = np.linspace(-reach, reach, count)
     figure = Figure(figsize=(6.8, 5.2), layout="constrained")
     axes = figure.subplots()
@@ -211,6 +212,14 @@ def _value(problem: PostureProblem, values: np.ndarray) -> float:
         return problem.objective.value(problem.posed(found))
     except FlexmodalError:
         return float("nan")
+
+
+def _free(problem: PostureProblem, vector: np.ndarray) -> np.ndarray:
+    """Orthonormal directions that the hold leaves free, column by column."""
+    from scipy.linalg import null_space
+
+    constraint = problem.held(vector)[1]
+    return np.asarray(null_space(constraint, rcond=RANK)) if len(constraint) else np.eye(len(vector))
 
 
 def _telling(problem: PostureProblem, vector: np.ndarray, free: np.ndarray, reach: float) -> np.ndarray:

@@ -28,7 +28,6 @@ from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.frf import PointDirection
 from flexmodal.modal import SecondOrderSystem, solve_modes
 from flexmodal.model import PosedRobot
-from flexmodal.optimisation.quadratic import null_space
 
 _SHARP = 1e-12
 """Half-width below which a fraction counts as having none, relative to its centre: no damping at all."""
@@ -168,7 +167,7 @@ def held_roots(
     Those at negative frequencies are not the conjugates of the others.
     """
     springs = system.stiffness + np.diag(lag)
-    ahead, behind = null_space(response[None]), null_space(reference[None])
+    ahead, behind = _across(response), _across(reference)
     whole = np.eye(system.dof)
     return _pencil(system, springs, behind, ahead), _pencil(system, springs, whole, whole)
 
@@ -183,7 +182,7 @@ def antiresonances(
     At a drive point they are the poles of the system with that point held, at most 2n − 2; between two points
     those of a pencil that need not be symmetric.
     """
-    ahead, behind = null_space(response[None]), null_space(reference[None])
+    ahead, behind = _across(response), _across(reference)
     if ahead.shape[1] == 0:
         return np.zeros(0, dtype=complex)
     if np.array_equal(response, reference) or np.array_equal(response, -reference):
@@ -193,6 +192,13 @@ def antiresonances(
         names = tuple(f"free motion {place + 1}" for place in range(ahead.shape[1]))
         return solve_modes(SecondOrderSystem(inertia, loss, springs, names)).expanded()[0]
     return _pencil(system, system.stiffness, behind, ahead)
+
+
+def _across(row: np.ndarray) -> np.ndarray:
+    """Orthonormal motions that a row does not see, column by column."""
+    from scipy.linalg import null_space
+
+    return np.asarray(null_space(row[None]))
 
 
 def _pencil(

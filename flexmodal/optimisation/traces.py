@@ -11,10 +11,10 @@ from jaxtyping import Float
 
 from flexmodal.frf.plot import PALETTE
 from flexmodal.model import Posture
-from flexmodal.optimisation.descent import descend
+from flexmodal.optimisation.descents import descend
 from flexmodal.optimisation.null_space import null_space_descent
 from flexmodal.optimisation.problem import PostureProblem
-from flexmodal.optimisation.searches import leaning
+from flexmodal.optimisation.search import beside
 from flexmodal.optimisation.unreachable import unreachable
 
 _STYLES = ("-", "--", "-.", ":")
@@ -53,7 +53,7 @@ def follow(problem: PostureProblem, start: Posture, method: str = "newton", *, i
 
     if method == "null-space":
         null_space_descent(problem, vector, watch=watch, **most)
-    elif descend(problem, leaning(problem, vector), watch=watch, **most) is None:
+    elif descend(problem, beside(problem, vector), watch=watch, **most) is None:
         raise unreachable(problem, 1)
     values = np.array([vector for vector, _ in steps])
     costs = np.array([cost for _, cost in steps])

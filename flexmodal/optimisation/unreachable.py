@@ -57,9 +57,8 @@ def _limits_in_the_way(problem: PostureProblem) -> str:
         values = free.retract(problem.random_vector(generator))
         if values is None:
             continue
-        turning = np.array([joint.type != "prismatic" for joint in problem.robot.commanded.values()])
         turns = np.round((values - np.clip(values, problem.lower, problem.upper)) / (2 * np.pi))
-        values = values - np.where(turning, turns * 2 * np.pi, 0.0)
+        values = values - np.where(problem.turning, turns * 2 * np.pi, 0.0)
         beyond = np.abs(values - np.clip(values, problem.lower, problem.upper))
         names = [name for name, by in zip(problem.names, beyond, strict=True) if by > 1e-6]
         if names:

@@ -11,7 +11,7 @@ from flexmodal.optimisation import (
     ReceptanceObjective,
     StiffnessObjective,
 )
-from flexmodal.optimisation.descent import descend
+from flexmodal.optimisation.descents import descend
 from flexmodal.optimisation.objective import Limit
 
 from .optimality import directions, gain_left

@@ -43,11 +43,9 @@ class Kernel:
     flags: tuple[str, ...] = ()
 
     @cached_property
-    def plain(self) -> FunctionType:
+    def plain(self) -> Any:
         """The function itself, without the type checks of the tests."""
-        function = unwrap(self.function)
-        assert isinstance(function, FunctionType)
-        return function
+        return unwrap(self.function)
 
     @cached_property
     def name(self) -> str:
@@ -64,13 +62,13 @@ class Kernel:
         return f"{self.plain.__name__}_{digest}"
 
     def is_stored(self) -> bool:
-        """Whether numba has it on disk; looked up without loading numba."""
-        pattern, beside = f"*.{self.name}-*.nbi", Path(self.plain.__code__.co_filename).parent
-        chosen = os.environ.get("NUMBA_CACHE_DIR")
-        if chosen:
-            return any(Path(chosen).glob(f"*/{pattern}"))
+        """Whether numba has it on disk, for the source as it is; looked up without loading numba."""
+        source = Path(self.plain.__code__.co_filename)
+        pattern, chosen = f"*.{self.name}-*.nbi", os.environ.get("NUMBA_CACHE_DIR")
         user = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "numba"
-        return any((beside / "__pycache__").glob(pattern)) or any(user.glob(f"*/{pattern}"))
+        folders = [source.parent / "__pycache__", *user.glob("*/")] if not chosen else Path(chosen).glob("*/")
+        written = source.stat().st_mtime
+        return any(file.stat().st_mtime >= written for folder in folders for file in folder.glob(pattern))
 
     @cached_property
     def compiled(self) -> Any:

@@ -13,7 +13,7 @@ import numpy as np
 from jaxtyping import Float
 
 from flexmodal.errors import FlexmodalError
-from flexmodal.optimisation.descent import descend
+from flexmodal.optimisation.descents import descend
 from flexmodal.optimisation.path.problem import PathProblem
 from flexmodal.optimisation.problem import PostureProblem
 from flexmodal.optimisation.unreachable import unreachable

@@ -10,7 +10,7 @@ from jaxtyping import Float
 
 from flexmodal.errors import Unreachable
 from flexmodal.model import Posture
-from flexmodal.optimisation.descent import descend
+from flexmodal.optimisation.descents import descend
 from flexmodal.optimisation.optimise import optimise
 from flexmodal.optimisation.path.dynamic import best_sequence
 from flexmodal.optimisation.path.local import improve, path_cost

@@ -1,7 +1,8 @@
 """The step of one iteration: a quadratic model minimised on the hold's tangent space, between the limits.
 
-The problem and the way to its solution are those of `flexmodal.optimisation.quadratic`; here without
-allocation of anything large, and with its own non-negative least squares.
+Where limits are in the way, the problem is turned into one of least distance and solved through its dual by
+non-negative least squares (Lawson and Hanson, Solving Least Squares Problems, 1974, chapter 23): exact, in
+finitely many steps. Nothing is allocated.
 """
 
 # mypy: disable-error-code="no-untyped-def, no-untyped-call"
@@ -20,7 +21,7 @@ def quadratic_step(t, steepest, free):
     """Minimise ½ sᵀBs + gᵀs over the span of some orthonormal rows with below ≤ s ≤ above.
 
     Args:
-        t: a `Tangent`, of which `model`, `gradient`, `below` and `above` are read and `step` receives s.
+        t: a `Work`, of which `model`, `gradient`, `below` and `above` are read and `step` receives s.
         steepest: 0, or what g is divided by, the identity standing in for B.
         free: rows that span what is free.
 

@@ -1,23 +1,26 @@
-"""Descents from many starts, one after another: written for the compiler.
+"""Descents from many starts, one after another, every iterate on the hold and within the limits.
 
-The method is that of `flexmodal.optimisation.descent`: every iterate on the hold and within the limits, a
-damped BFGS model of the Lagrangian, the step from a quadratic program in the tangent space, a Newton
-retraction, and a line search on the true cost.
+A quasi-Newton method in the tangent space of the hold: the step minimises a quadratic model between the
+limits, a Newton retraction puts the trial point back on the target while joints at a limit stay there, and a
+backtracking line search on the true cost accepts it. The model matrix is a damped BFGS estimate of the
+Hessian of the Lagrangian.
+
+Written for the compiler; as ordinary Python it serves every problem.
 """
 
 # mypy: disable-error-code="no-untyped-def, no-untyped-call"
 from __future__ import annotations
 
 import math
+from typing import Any
 
-from flexmodal.optimisation.compiled.algebra import copy_matrix, multipliers, null_space, orthogonal_rows
-from flexmodal.optimisation.compiled.held import retract
-from flexmodal.optimisation.compiled.judge import cost_of, gradient_of
-from flexmodal.optimisation.compiled.quadratic import quadratic_step
+import numpy as np
 
-UNREACHED, UNSETTLED, SETTLED, PERFECT, UNBOUNDED = -1, 0, 1, 2, 3
-"""How a descent ended: it could not reach the hold; ran out of iterations; met the tolerance; has nothing
-left to gain; ran into a posture where the measure grows without bound."""
+from flexmodal.optimisation.descent.algebra import copy_matrix, multipliers, null_space, orthogonal_rows
+from flexmodal.optimisation.descent.evaluation import cost_at, limit_at, slope_at
+from flexmodal.optimisation.descent.quadratic_step import quadratic_step
+from flexmodal.optimisation.descent.retraction import retract
+from flexmodal.optimisation.descent.work import SETTLED, UNREACHED, UNSETTLED, Box, Work
 
 GRADIENT = 1e-7
 """Projected gradient of the logarithmic cost that counts as zero [1/rad]."""
@@ -32,76 +35,87 @@ _LONGEST = 0.5
 """Longest step of one joint [rad, m]."""
 
 
-def descend_all(chain, hold, box, judge, places, tangent, room, iterations, values, costs, ends, counts):
+def descend_all(
+    at: Any,
+    box: Box,
+    work: Work,
+    iterations: int,
+    values: np.ndarray,
+    costs: np.ndarray,
+    ends: np.ndarray,
+    counts: np.ndarray,
+    trace: np.ndarray,
+) -> None:
     """Descend from every start.
 
     Args:
-        chain: arrays of a `Chain`.
-        hold: a `Held`.
+        at: what costs, holds and limits are asked of.
         box: a `Box`.
-        judge: a `Judge`.
-        places: from `room_for`.
-        tangent: likewise.
-        room: from `scratch_for`.
+        work: from `work_for`.
         iterations: give up after this many.
         values: starts, overwritten by where the descents end; start × commanded.
         costs: receives the costs.
         ends: receives how they ended.
         counts: receives the iterations.
+        trace: receives vector and cost of the last descent's first iterates; iterate × (commanded + 1).
     """
     for s in range(len(values)):
         here = values[s]
         costs[s], ends[s], counts[s] = math.inf, UNREACHED, 0
-        if retract(chain, hold, box, here, 60, places, tangent, tangent.constraint):
-            costs[s] = cost_of(chain, judge, places, room)
-            if math.isfinite(costs[s]):
-                costs[s], ends[s], counts[s] = descend_one(
-                    chain, hold, box, judge, places, tangent, room, iterations, here, costs[s]
-                )
+        if retract(at, box, here, 60, work, work.constraint):
+            costs[s] = cost_at(at)
+            if costs[s] < math.inf:
+                costs[s], ends[s], counts[s] = descend_one(at, box, work, iterations, here, costs[s], trace)
+            else:
+                costs[s] = math.inf
 
 
-def descend_one(chain, hold, box, judge, places, tangent, room, iterations, values, cost):
+def descend_one(at, box, work, iterations, values, cost, trace):
     """Cost, end and iterations of a descent from a posture on the hold, whose cost was taken just now."""
-    t, width, columns, lower, upper = tangent, len(values), box.columns, box.lower, box.upper
-    gradient, step, trial, trial_gradient = t.gradient, t.step, t.trial, t.trial_gradient
-    below, above, model = t.below, t.above, t.model
-    gradient_of(chain, judge, columns, places, room, gradient)
+    width, lower, upper = len(values), box.lower, box.upper
+    gradient, step, trial, trial_gradient = work.gradient, work.step, work.trial, work.trial_gradient
+    below, above, model = work.below, work.above, work.model
+    slope_at(at, gradient)
     first_model(gradient, model)
     fresh = True
     for count in range(iterations):
-        copy_matrix(t.constraint, t.rows)
-        orthogonal_rows(t.rows, t.left, t.sizes)
-        free = t.basis[null_space(t.rows, t.sizes, t.basis) :]
-        for k in range(width):
-            below[k], above[k] = lower[k] - values[k], upper[k] - values[k]
+        if count < len(trace):
+            for k in range(width):
+                trace[count, k] = values[k]
+            trace[count, width] = cost
+        limit = limit_at(at, cost)
+        if limit != UNSETTLED:
+            return cost, limit, count
+        copy_matrix(work.constraint, work.rows)
+        orthogonal_rows(work.rows, work.left, work.sizes)
+        free = work.basis[null_space(work.rows, work.sizes, work.basis) :]
         size = 0.0
         for k in range(width):
+            below[k], above[k] = lower[k] - values[k], upper[k] - values[k]
             size += gradient[k] * gradient[k]
-        quadratic_step(tangent, max(1.0, math.sqrt(size) / _SWAMPING), free)
+        quadratic_step(work, max(1.0, math.sqrt(size) / _SWAMPING), free)
         steepness = 0.0
         for k in range(width):
             steepness += step[k] * step[k]
-        if cost < judge.goal:
-            return cost, PERFECT if judge.bounded else UNBOUNDED, count
         if steepness <= GRADIENT * GRADIENT:
             return cost, SETTLED, count
-        if not quadratic_step(tangent, 0.0, free):
+        if not quadratic_step(work, 0.0, free):
             first_model(gradient, model)
-            quadratic_step(tangent, 0.0, free)
-        found = line_search(chain, hold, box, judge, places, tangent, room, values, cost)
+            quadratic_step(work, 0.0, free)
+        found = line_search(at, box, work, values, cost)
         if found == math.inf:
             if fresh:
                 return cost, SETTLED if steepness <= _ROUNDING * _ROUNDING else UNSETTLED, count
             first_model(gradient, model)
             fresh = True
             continue
-        gradient_of(chain, judge, columns, places, room, trial_gradient)
-        lagrangian_change(box, tangent)
+        slope_at(at, trial_gradient)
+        lagrangian_change(box, work)
         for k in range(width):
             step[k] = trial[k] - values[k]
             values[k], gradient[k] = trial[k], trial_gradient[k]
-        copy_matrix(t.trial_constraint, t.constraint)
-        update(model, step, t.change, t.image, fresh)
+        copy_matrix(work.trial_constraint, work.constraint)
+        update(model, step, work.change, work.image, fresh)
         cost, fresh = found, False
     return cost, UNSETTLED, iterations
 
@@ -116,12 +130,12 @@ def first_model(gradient, model):
         model[k, k] = max(1.0, size / 0.2)
 
 
-def line_search(chain, hold, box, judge, places, tangent, room, values, cost):
+def line_search(at, box, work, values, cost):
     """Backtrack along the retracted step until the cost falls enough; the cost, or infinity if it never does.
 
-    Leaves the posture in `tangent.trial`.
+    Leaves the posture in `work.trial`.
     """
-    trial, step, gradient = tangent.trial, tangent.step, tangent.gradient
+    trial, step, gradient = work.trial, work.step, work.gradient
     longest, slope = 0.0, 0.0
     for k in range(len(values)):
         longest = max(longest, abs(step[k]))
@@ -134,29 +148,29 @@ def line_search(chain, hold, box, judge, places, tangent, room, values, cost):
         reach = length * share
         for k in range(len(values)):
             trial[k] = values[k] + reach * step[k]
-        if retract(chain, hold, box, trial, 15, places, tangent, tangent.trial_constraint):
+        if retract(at, box, trial, 15, work, work.trial_constraint):
             moved = 0.0
             for k in range(len(values)):
                 moved = max(moved, abs(trial[k] - values[k]))
             if moved <= 2.0 * reach * longest + 1e-9:
-                found = cost_of(chain, judge, places, room)
+                found = cost_at(at)
                 if found < cost and found <= cost + 1e-4 * reach * slope:
                     return found
         length *= 0.5 if length > 0.1 else 0.2
     return math.inf
 
 
-def lagrangian_change(box, tangent):
-    """Set `tangent.change` to the change of the Lagrangian's gradient at the newer multipliers.
+def lagrangian_change(box, work):
+    """Set `work.change` to the change of the Lagrangian's gradient at the newer multipliers.
 
     These are the ones of the joints off their limits.
     """
-    constraint, trial_constraint, rows = tangent.constraint, tangent.trial_constraint, tangent.rows
-    trial, trial_gradient, gradient = tangent.trial, tangent.trial_gradient, tangent.gradient
+    constraint, trial_constraint, rows = work.constraint, work.trial_constraint, work.rows
+    trial, trial_gradient, gradient = work.trial, work.trial_gradient, work.gradient
     change, image, factors, lower, upper = (
-        tangent.change,
-        tangent.image,
-        tangent.factors,
+        work.change,
+        work.image,
+        work.factors,
         box.lower,
         box.upper,
     )
@@ -168,8 +182,8 @@ def lagrangian_change(box, tangent):
             rows[r, k] = trial_constraint[r, k] if inside else 0.0
     if len(rows) == 0:
         return
-    orthogonal_rows(rows, tangent.left, tangent.sizes)
-    multipliers(rows, tangent.left, tangent.sizes, image, factors)
+    orthogonal_rows(rows, work.left, work.sizes)
+    multipliers(rows, work.left, work.sizes, image, factors)
     for r in range(len(rows)):
         for k in range(len(trial)):
             change[k] -= factors[r] * (trial_constraint[r, k] - constraint[r, k])

@@ -1,15 +1,13 @@
-"""A posture problem as plain arrays."""
+"""A posture problem as plain arrays, where it can be one."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from jaxtyping import Bool
 
 from flexmodal.model import Robot
-from flexmodal.model.batch.chain import Chain, chain_of, places_of, turn_of
+from flexmodal.model.batch.chain import chain_of, places_of, turn_of
 from flexmodal.model.batch.springs import springs_of
 from flexmodal.optimisation.compiled.arrays import (
     AXIS,
@@ -21,10 +19,13 @@ from flexmodal.optimisation.compiled.arrays import (
     POSITION,
     RECEPTANCE,
     STIFFNESS,
-    Box,
+    Arm,
     Held,
     Judge,
+    places_for,
+    scratch_for,
 )
+from flexmodal.optimisation.descent import Box
 from flexmodal.optimisation.hold import Hold
 from flexmodal.optimisation.measures import LEVER, MobilityObjective, StiffnessObjective
 from flexmodal.optimisation.objective import BLIND, SHARPNESS, Objective, ReceptanceObjective
@@ -32,31 +33,27 @@ from flexmodal.optimisation.orientation import FixedOrientation
 from flexmodal.optimisation.problem import PostureProblem
 
 
-@dataclass(frozen=True, eq=False)
-class Plan:
-    """All that a compiled search needs to know."""
-
-    chain: Chain
-    hold: Held
-    box: Box
-    judge: Judge
-    turning: Bool[np.ndarray, " commanded"]
-    """Whether a commanded joint turns: whole turns are the same posture then."""
-
-
-def plan_of(problem: PostureProblem) -> Plan | None:
+def arm_of(problem: PostureProblem) -> Arm | None:
     """The arrays of a problem; none where the robot branches or the objective is of another kind."""
     chain = chain_of(problem.robot)
     judge = judge_of(problem.robot, problem.objective)
     if chain is None or judge is None:
         return None
-    return Plan(
-        chain=chain,
+    joints = len(chain.mass)
+    return Arm(
+        chain=chain.arrays,
         hold=_alike(held_of(problem.robot, problem.hold)),
-        box=_alike(Box(problem.columns.astype(np.int64), problem.lower, problem.upper)),
+        columns=problem.columns.astype(np.int64),
         judge=_alike(judge),
-        turning=np.array([joint.type != "prismatic" for joint in problem.robot.commanded.values()]),
+        places=places_for(joints),
+        room=scratch_for(joints, judge),
     )
+
+
+def box_of(problem: PostureProblem) -> Box:
+    """The limits of the commanded joints."""
+    box: Box = _alike(Box(problem.lower, problem.upper))
+    return box
 
 
 def _alike(arrays: Any) -> Any:
