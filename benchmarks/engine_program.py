@@ -24,10 +24,11 @@ from flexmodal import PointDirection
 from flexmodal.diagnosis.march import integrate
 from flexmodal.diagnosis.march.law import friction, hardening
 from flexmodal.diagnosis.march.pulse import Pulse
-from flexmodal.identification.frf_route import FrfRoute
+from flexmodal.identification.evidence.frf import FrfEvidence
 from flexmodal.model.batch import gradient_batch, receptance_batch
 from flexmodal.optimisation.descents import random_starts, search_postures
-from flexmodal.rig import nonlinear, simulate
+from flexmodal.rig import simulate
+from flexmodal.rig.integration import nonlinear
 from flexmodal.structure.structure import Axis, Structure
 
 ROUNDS = 3 if "--quick" in sys.argv else 7
@@ -132,9 +133,9 @@ def main() -> None:
                 )
             )  # fmt: skip
         print(rows[-1], flush=True)
-    route = measured().route
-    assert isinstance(route, FrfRoute)
-    found = solves(route, 33, ROUNDS)
+    evidence = measured().evidence
+    assert isinstance(evidence, FrfEvidence)
+    found = solves(evidence, 33, ROUNDS)
     for name, before in (("numpy form", "numpy"), ("stacked solve, as it does now", "stack")):
         rows.append(
             (

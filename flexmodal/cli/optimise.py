@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
-from flexmodal.cli.holding import hold_of, orientation_options
-from flexmodal.cli.judging import judging_options, objective_of
+from flexmodal.cli.holds import hold_of, orientation_options
+from flexmodal.cli.objectives import judging_options, objective_of
 from flexmodal.cli.options import (
     SOURCE,
     force_option,
@@ -168,7 +168,7 @@ def _print(outcome: Outcome, objective: str) -> None:
     rows = []
     for place, optimum in enumerate(outcome.optima[:10], start=1):
         angles = [
-            degrees(value, prismatic=robot.commanded[name].type == "prismatic")
+            degrees(value, prismatic=robot.commanded[name].is_prismatic)
             for name, value in optimum.posture.values.items()
         ]
         rows.append([f"optimum {place}", f"{optimum.objective:.5g}", str(optimum.hits), *angles])

@@ -162,7 +162,7 @@ class Draft:
         described = self.robot.urdf.joint_by_name[joint]
         rotor = self._dust(f"{name}_rotor")
         parent = element.find("parent")
-        kind = "prismatic" if described.type == "prismatic" else "revolute"
+        kind = "prismatic" if described.is_prismatic else "revolute"
         assert parent is not None
         held = str(parent.get("link"))
         add_joint(

@@ -8,28 +8,33 @@ import numpy as np
 
 from flexmodal.frf.plot import PALETTE
 from flexmodal.identification.band import banded
-from flexmodal.identification.frf_route import FrfRoute
-from flexmodal.identification.mode_route import ModeRoute
-from flexmodal.identification.outcome import Outcome
+from flexmodal.identification.evidence.both import Both
+from flexmodal.identification.evidence.frf import FrfEvidence
+from flexmodal.identification.evidence.modal import ModalEvidence
+from flexmodal.identification.observations import Observations
+from flexmodal.identification.outcome import Identification
 
 MEASURED, FITTED, CARD = PALETTE[0], PALETTE[1], "0.45"
 MOST = 6
 """FRFs in one picture."""
 
 
-def draw_identification(outcome: Outcome) -> Any:
+def draw_identification(outcome: Identification) -> Any:
     """Measured against model: FRFs with their band, or errors of modes.
 
     Returns:
         A matplotlib figure.
     """
-    if isinstance(outcome.problem.route, FrfRoute):
-        return _draw_frfs(outcome, outcome.problem.route)
-    assert isinstance(outcome.problem.route, ModeRoute)
-    return _draw_modes(outcome, outcome.problem.route)
+    evidence = outcome.problem.evidence
+    if isinstance(evidence, ModalEvidence):
+        return _draw_modes(outcome, evidence)
+    if isinstance(evidence, Both):
+        evidence = evidence.frfs
+    assert isinstance(evidence, FrfEvidence)
+    return _draw_frfs(outcome, evidence)
 
 
-def draw_held_out(outcome: Outcome) -> Any:
+def draw_held_out(outcome: Identification) -> Any:
     """Gap of card and fit on each posture and point that the fit had not seen, and the noise."""
     from matplotlib.figure import Figure
 
@@ -63,14 +68,14 @@ def _mark(axes: Any) -> None:
     axes.xaxis.set_minor_formatter("")
 
 
-def _draw_frfs(outcome: Outcome, route: FrfRoute) -> Any:
+def _draw_frfs(outcome: Identification, evidence: FrfEvidence) -> Any:
     from matplotlib.figure import Figure
 
-    seen = route.observations
+    seen = evidence.observations
     chosen = _chosen(seen)
     keep = np.isin(np.arange(len(seen)), chosen)
-    fitted = banded(route.model, outcome.at, seen, outcome.uncertainty, keep)
-    card = route.predicted(np.zeros(len(route.space)))[keep]
+    fitted = banded(evidence.model, outcome.at, seen, outcome.uncertainty, keep)
+    card = evidence.predicted(np.zeros(len(evidence.space)))[keep]
     low, high = fitted.reach()
     columns = 2 if len(chosen) > 1 else 1
     count = -(-len(chosen) // columns)
@@ -85,7 +90,7 @@ def _draw_frfs(outcome: Outcome, route: FrfRoute) -> Any:
         pane.fill_between(
             frequency, low[place], high[place], color=FITTED, alpha=0.25, linewidth=0, label="95 % band"
         )
-        pane.set_title(_title(outcome, row), loc="left", fontsize=9)
+        pane.set_title(_title(seen, row), loc="left", fontsize=9)
         pane.grid(True, color="0.9", linewidth=0.6)
         pane.set_xlim(frequency[0], frequency[-1])
         _mark(pane)
@@ -111,18 +116,16 @@ def _chosen(seen: Any) -> list[int]:
     return found[:MOST]
 
 
-def _title(outcome: Outcome, row: int) -> str:
-    assert isinstance(outcome.problem.route, FrfRoute)
-    seen = outcome.problem.route.observations
+def _title(seen: Observations, row: int) -> str:
     posture = seen.postures[int(seen.posture[row])].name
     return f"{posture}: {seen.direction(seen.response[row])} per {seen.direction(seen.reference[row])}"
 
 
-def _draw_modes(outcome: Outcome, route: ModeRoute) -> Any:
+def _draw_modes(outcome: Identification, evidence: ModalEvidence) -> Any:
     from matplotlib.figure import Figure
 
-    observed = route.observations
-    before, after = route.predicted(np.zeros(len(route.space))), route.predicted(outcome.at)
+    observed = evidence.observations
+    before, after = evidence.predicted(np.zeros(len(evidence.space))), evidence.predicted(outcome.at)
     labels = [f"{observed.postures[m.posture].name}, {m.frequency:.1f} Hz" for m in observed.modes]
     met = np.isfinite(after[: len(labels), 0])
     labels = [label if there else f"{label}, not met" for label, there in zip(labels, met, strict=True)]

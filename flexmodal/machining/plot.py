@@ -10,7 +10,7 @@ import numpy as np
 from flexmodal.frf.plot import PALETTE
 from flexmodal.machining.depth import Comparison, PostureDepth
 from flexmodal.machining.forced import ForcedSweep
-from flexmodal.machining.lobes import LINEAR_RATIO, Lobes
+from flexmodal.machining.stability.lobes import LINEAR_RATIO, Lobes
 
 _DEEP = 40
 """Depths that differ by more than this are drawn on a logarithmic axis."""
@@ -106,7 +106,7 @@ def _depths(axes: Any, found: Comparison) -> None:
         axes.set_ylim(0, 1.35 * both.max() if len(both) else 1)
     if family:
         card = found.robot.families[found.family or ""]
-        prismatic = found.robot.moving[card.parameter].type == "prismatic"
+        prismatic = found.robot.moving[card.parameter].is_prismatic
         label = f"{card.parameter} of family {found.family} [{'m' if prismatic else 'rad'}]"
         axes.set_xlabel(label, parse_math=False)
     else:

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from flexmodal.cards import FrozenDict, UrdfJoint
-from flexmodal.cards.together import TOLERANCE
+from flexmodal.cards.consistency import TOLERANCE
 from flexmodal.errors import Fault, InvalidPosture
 
 
@@ -23,6 +23,10 @@ class Posture:
     def __str__(self) -> str:
         """The name, or the values."""
         return self.name or ", ".join(f"{joint}={value:.6g}" for joint, value in self.values.items())
+
+
+Pose = str | Posture | Mapping[str, float]
+"""A posture's name, a checked posture, or values by joint name."""
 
 
 def middle(commanded: Mapping[str, UrdfJoint]) -> Posture:

@@ -66,7 +66,7 @@ class PostureProblem:
     @cached_property
     def turning(self) -> Bool[np.ndarray, " commanded"]:
         """Whether a commanded joint turns: whole turns are the same posture then."""
-        return np.array([joint.type != "prismatic" for joint in self.robot.commanded.values()])
+        return np.array([not joint.is_prismatic for joint in self.robot.commanded.values()])
 
     @property
     def held_components(self) -> int:

@@ -81,7 +81,7 @@ def draw_traces(problem: PostureProblem, traces: Mapping[str, Trace]) -> Any:
         upper.set_yscale("log")
         upper.set_title(_NAMES.get(name, name), loc="left", fontsize=11)
         for place, joint in enumerate(problem.names):
-            turning = problem.robot.commanded[joint].type != "prismatic"
+            turning = not problem.robot.commanded[joint].is_prismatic
             values = np.degrees(trace.values[:, place]) if turning else trace.values[:, place]
             style: dict[str, Any] = {"color": PALETTE[place % 7], "linestyle": _STYLES[place % 4]}
             middle.plot(values, label=joint if turning else f"{joint} [m]", **style)

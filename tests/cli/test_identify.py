@@ -72,7 +72,7 @@ def test_the_improved_card_has_the_fitted_receptance(folder, identified):
     lines = np.array([5.0, 30.0, 51.0, 120.0])
     q = dict(outcome.problem.campaign.postures[1].q)
     point = outcome.problem.campaign.points[0]
-    made = outcome.problem.route.model.structure_at(
+    made = outcome.problem.evidence.model.structure_at(
         outcome.at,
         q,
         [(point.link, np.array(point.xyz), np.eye(3)[2])],
@@ -147,7 +147,7 @@ def test_people_get_a_table(cli, folder):
 def test_what_is_wrong_is_said(cli, folder, tmp_path):
     cli("identify", folder, "--hold-out", "configuration_9").refused("configuration_9", "configuration_1")
     cli("identify", folder, "--kinds", "colour").refused("colour")
-    cli("identify", folder, "--trust", "0.3").refused("--trust")
+    cli("identify", folder, "--trust", "0.3").refused("--trust", "GROUP=FACTOR")
     cli("identify", folder, "--robot", "six_link").refused("unknown link")
     cli("identify", THESIS, "--from", "frf").refused("no FRFs and no blows")
     cli("identify", tmp_path / "nowhere").refused("nowhere")

@@ -74,7 +74,7 @@ def weighing_rows(diagnosis: Diagnosis, step: Step) -> list[WeighedRow]:
     found = next((p for p in diagnosis.model.placed if p.key == key), None)
     count = "–"
     if found is not None:
-        count = str(len(found.effect.parameters(diagnosis.model.scene, step.where)))
+        count = str(len(found.effect.parameters(diagnosis.model.context, step.where)))
     chosen = WeighedRow(
         plain(step.effect), step.where, words.get(step.effect, ""), count, size(step.gaps.after),
         size(step.gaps.held_out_after), "0", percent(step.confidence), 100 * step.confidence, True, False,
@@ -152,8 +152,8 @@ def effect_rows(step: Step) -> list[tuple[str, str, str]]:
 
 def next_words(diagnosis: Diagnosis, measurement: NextMeasurement) -> dict[str, str]:
     """What to do next, part by part."""
-    robot, observations = diagnosis.model.scene.robot, diagnosis.observations
-    sliding = [name for name, joint in robot.commanded.items() if joint.type == "prismatic"]
+    robot, observations = diagnosis.model.context.robot, diagnosis.observations
+    sliding = [name for name, joint in robot.commanded.items() if joint.is_prismatic]
     pairs = (explanation.partition("@")[::2] for explanation in measurement.separates)
     one, other = (placed(effect, where) for effect, where in pairs)
     sensor = observations.direction(measurement.response)

@@ -18,7 +18,8 @@ from flexmodal.model.batch.compiled import slope_kernel
 from flexmodal.model.batch.request import DirectionPair, ReceptanceBatch, expand, posture_array, read_pairs
 from flexmodal.model.batch.springs import springs_of
 from flexmodal.model.gradient import receptance_and_gradient
-from flexmodal.model.robot import Pose, Robot
+from flexmodal.model.posture import Pose
+from flexmodal.model.robot import Robot
 
 _POSTURE, _POINT, _COMPILATION = 3e-4, 2e-5, 20.0
 """Seconds that Pinocchio and LAPACK take for a posture and for each of its lines; and the compilation [s]."""

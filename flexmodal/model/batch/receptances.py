@@ -23,7 +23,8 @@ from flexmodal.model.batch.request import (
     posture_array,
     read_pairs,
 )
-from flexmodal.model.robot import Pose, Robot
+from flexmodal.model.posture import Pose
+from flexmodal.model.robot import Robot
 
 _LOG = logging.getLogger("flexmodal.engine")
 

@@ -37,7 +37,7 @@ def draw_path(found: Mapping[str, PathOutcome]) -> Any:
     upper.grid(True, which="minor", axis="y", color="0.92", linewidth=0.4)
     for place, joint in enumerate(first.problem.robot.commanded):
         values = first.postures[:, place]
-        turning = first.problem.robot.commanded[joint].type != "prismatic"
+        turning = not first.problem.robot.commanded[joint].is_prismatic
         style = {"color": PALETTE[place % len(PALETTE)], "linestyle": _STYLES[place % 4]}
         name = joint if turning else f"{joint} [m]"
         lower.plot(time, np.degrees(values) if turning else values, label=name, **style)

@@ -1,0 +1,64 @@
+"""Do a campaign and a robot belong together? Every fault at once, before anything is fitted."""
+
+from __future__ import annotations
+
+from flexmodal.campaign import Campaign
+from flexmodal.errors import Fault, InvalidPosture, InvalidRequest
+from flexmodal.model import Robot
+from flexmodal.structure.arm import beyond
+from flexmodal.text.words import listing
+
+
+def check_compatible(campaign: Campaign, robot: Robot) -> None:
+    """Check postures and points of a campaign against a robot.
+
+    Raises:
+        InvalidRequest: links or joints that the robot does not have, postures outside its limits, points that
+            no flexible joint moves.
+    """
+    source = str(campaign.path / "campaign.toml" if campaign.path else "campaign")
+    faults = _posture_faults(campaign, robot, source) + _point_faults(campaign, robot, source)
+    if faults:
+        raise InvalidRequest(faults)
+
+
+def _posture_faults(campaign: Campaign, robot: Robot, source: str) -> list[Fault]:
+    faults: list[Fault] = []
+    for posture in campaign.postures:
+        unsaid = sorted(set(robot.commanded) - set(posture.q))
+        if unsaid:
+            allowed = f"an angle or way of every joint that {robot.name} is posed by"
+            faults.append(Fault(source, f"posture {posture.name}", f"nothing of {listing(unsaid)}", allowed))
+        try:
+            robot.posture(dict(posture.q), source=f"{source}: posture {posture.name}")
+        except InvalidPosture as error:
+            faults += error.faults
+    return faults
+
+
+def _point_faults(campaign: Campaign, robot: Robot, source: str) -> list[Fault]:
+    moved = {
+        link for name in robot.joints for link in beyond(robot.urdf, robot.urdf.joint_by_name[name].child)
+    }
+    faults = []
+    for point in campaign.points:
+        key = f"point {point.name}"
+        if point.link not in robot.urdf.link_by_name:
+            allowed = f"a link of {robot.name}: {listing(sorted(robot.urdf.link_by_name))}"
+            faults.append(Fault(source, key, f"the unknown link {point.link!r}", allowed))
+        elif point.link not in moved and _is_used(campaign, point.id):
+            found = f"a point on {point.link}, which no flexible joint of {robot.name} moves"
+            faults.append(Fault(source, key, found, f"a point on {listing(sorted(moved))}"))
+    return faults
+
+
+def _is_used(campaign: Campaign, point: int) -> bool:
+    """Whether any record is of that point."""
+    places: list[int] = []
+    if campaign.frfs is not None:
+        places += [*campaign.frfs.response[:, 0].tolist(), *campaign.frfs.reference[:, 0].tolist()]
+    for blow in campaign.blows:
+        places += [blow.reference[0], *(number for number, _ in blow.channels)]
+    if campaign.modes is not None:
+        places += [*campaign.modes.response.tolist(), *campaign.modes.reference.tolist()]
+    return point in places

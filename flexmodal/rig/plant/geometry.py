@@ -1,0 +1,39 @@
+"""Small vectors: cross products as matrices, rotations, directions across a link."""
+
+from __future__ import annotations
+
+import numpy as np
+from jaxtyping import Float
+
+_SMALL = 1e-12
+
+
+def cross_matrix(vector: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3 3"]:
+    """The matrix that multiplies from the left as `vector ×` does."""
+    x, y, z = vector
+    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+
+
+def turn(axis: Float[np.ndarray, "3"], angle: float) -> Float[np.ndarray, "3 3"]:
+    """Rotation about a direction, by Rodrigues' formula; `axis` of any length above 0, `angle` [rad]."""
+    k = cross_matrix(np.asarray(axis) / np.linalg.norm(axis))
+    return np.eye(3) + np.sin(angle) * k + (1 - np.cos(angle)) * (k @ k)
+
+
+def across(
+    axis: Float[np.ndarray, "3"], normal: Float[np.ndarray, "3"] | None
+) -> tuple[Float[np.ndarray, "3"], ...]:
+    """Unit vectors across `axis`: the one in the plane of a planar chain, or two of a spatial one.
+
+    Args:
+        axis: unit vector along the link.
+        normal: unit normal of the plane the chain moves in; None for a spatial chain.
+    """
+    if normal is not None:
+        side = np.cross(normal, axis)
+        if np.linalg.norm(side) < _SMALL:
+            return ()
+        return (side / np.linalg.norm(side),)
+    first = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))])
+    first /= np.linalg.norm(first)
+    return first, np.cross(axis, first)
