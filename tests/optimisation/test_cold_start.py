@@ -9,9 +9,10 @@ import pytest
 
 from flexmodal.frf import PointDirection
 from flexmodal.frf.kernels import worth
+from flexmodal.frf.kernels.compiled import Kernel
 from flexmodal.frf.kernels.worth import IMPORT, LOAD
 from flexmodal.optimisation import Hold, PostureProblem, ReceptanceObjective, SeparationObjective, optimise
-from flexmodal.optimisation.compiled import COMPILATION, descents
+from flexmodal.optimisation.compiled import COMPILATION
 from flexmodal.optimisation.descents import choose_way
 
 pytestmark = pytest.mark.usefixtures("types_unchecked")
@@ -29,7 +30,7 @@ def first(monkeypatch):
     monkeypatch.setattr(worth, "_spent", type(worth._spent)(float))
     monkeypatch.setattr("flexmodal.optimisation.descents.has_numba", lambda: True)
     monkeypatch.delitem(sys.modules, "numba", raising=False)
-    return lambda is_stored: monkeypatch.setattr(descents(), "is_stored", lambda: is_stored)
+    return lambda is_stored: monkeypatch.setattr(Kernel, "is_stored", lambda _: is_stored)
 
 
 def test_what_is_on_disk_is_loaded_for_an_ordinary_search(problem, first):
@@ -71,7 +72,7 @@ def test_a_compilation_is_said(problem, monkeypatch):
     told.clear()
     optimise(problem, starts=2, way="compiled", doing=told.append)
     assert told == []  # it is on disk by now
-    monkeypatch.setattr(descents(), "is_stored", lambda: False)
+    monkeypatch.setattr(Kernel, "is_stored", lambda _: False)
     optimise(problem, starts=2, way="compiled", doing=told.append)
     assert [text.split(",")[0] for text in told] == ["compiling"]
 
