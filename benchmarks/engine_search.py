@@ -15,7 +15,7 @@ from scipy.optimize import minimize
 
 import flexmodal
 from flexmodal import Hold, PointDirection, PostureProblem, ReceptanceObjective
-from flexmodal.optimisation.descents import descend, random_starts, search_postures
+from flexmodal.optimisation.search import descend, random_starts, search_postures
 
 HERTZ, TARGET = 5.0, (-2.0, 2.0)
 OURS, THEIRS, BEFORE = 256, 64, 16

@@ -82,8 +82,7 @@ def optimise(
     """The posture that resists best, holding the end-effector, along a family, or free."""
     from flexmodal.optimisation import PostureProblem
     from flexmodal.optimisation import optimise as search
-    from flexmodal.optimisation.descents import choose_way
-    from flexmodal.optimisation.search import BLOCK, DEFAULT_STARTS
+    from flexmodal.optimisation.search import BLOCK, DEFAULT_STARTS, choose_way
 
     _one_of(hold, family, free)
     pictures = pictures_of(

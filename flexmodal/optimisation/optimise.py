@@ -5,13 +5,22 @@ from __future__ import annotations
 from flexmodal.cards import FamilyCard
 from flexmodal.errors import Fault, InvalidRequest, SingularResponse
 from flexmodal.model import Pose, Posture
-from flexmodal.optimisation.descents import WAYS, is_compilable
-from flexmodal.optimisation.ends import Basins, Descent, Ends, tell_apart
-from flexmodal.optimisation.family import search_family
-from flexmodal.optimisation.null_space import null_space_descent
 from flexmodal.optimisation.outcome import Optimum, Outcome
 from flexmodal.optimisation.problem import PostureProblem
-from flexmodal.optimisation.search import Advance, Doing, Improved, search
+from flexmodal.optimisation.search import (
+    WAYS,
+    Advance,
+    Basins,
+    Descent,
+    Doing,
+    Ends,
+    Improved,
+    is_compilable,
+    null_space_descent,
+    search,
+    search_family,
+    tell_apart,
+)
 
 METHODS = ("newton", "null-space")
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexmodal.model import Posture
-from flexmodal.optimisation.objective import Limit
+from flexmodal.optimisation.objectives import Limit
 from flexmodal.optimisation.problem import PostureProblem
 
 

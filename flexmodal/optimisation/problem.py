@@ -12,9 +12,8 @@ from flexmodal.cards import FrozenDict
 from flexmodal.errors import FlexmodalError
 from flexmodal.model import PosedRobot, Posture, Robot
 from flexmodal.optimisation.descent import PERFECT, UNBOUNDED, UNSETTLED, Box, retract, work_for
-from flexmodal.optimisation.function import FunctionObjective
 from flexmodal.optimisation.hold import Hold
-from flexmodal.optimisation.objective import Limit, Objective
+from flexmodal.optimisation.objectives import FunctionObjective, Limit, Objective
 
 _TURN = np.pi
 """Continuous joints, and limits wider than a turn, are sampled over one turn [rad]."""

@@ -13,7 +13,7 @@ from flexmodal.frf.kernels.compiled import Kernel
 from flexmodal.frf.kernels.worth import IMPORT, LOAD
 from flexmodal.optimisation import Hold, PostureProblem, ReceptanceObjective, SeparationObjective, optimise
 from flexmodal.optimisation.compiled import COMPILATION
-from flexmodal.optimisation.descents import choose_way
+from flexmodal.optimisation.search import choose_way
 
 pytestmark = pytest.mark.usefixtures("types_unchecked")
 
@@ -28,7 +28,7 @@ def problem(arm):
 def first(monkeypatch):
     """As in a process that has done nothing yet; tells whether the code is on disk."""
     monkeypatch.setattr(worth, "_spent", type(worth._spent)(float))
-    monkeypatch.setattr("flexmodal.optimisation.descents.has_numba", lambda: True)
+    monkeypatch.setattr("flexmodal.optimisation.search.descents.has_numba", lambda: True)
     monkeypatch.delitem(sys.modules, "numba", raising=False)
     return lambda is_stored: monkeypatch.setattr(Kernel, "is_stored", lambda _: is_stored)
 

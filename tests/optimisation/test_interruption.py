@@ -7,7 +7,7 @@ import pytest
 
 from flexmodal.frf import PointDirection
 from flexmodal.optimisation import Hold, PostureProblem, ReceptanceObjective, optimise
-from flexmodal.optimisation.descents import random_starts, search_postures
+from flexmodal.optimisation.search import random_starts, search_postures
 
 pytestmark = pytest.mark.usefixtures("types_unchecked")
 

@@ -18,9 +18,7 @@ from flexmodal.optimisation import (
     StiffnessObjective,
     optimise,
 )
-from flexmodal.optimisation.descents import descend
-from flexmodal.optimisation.ends import Descent, Ends, tell_apart
-from flexmodal.optimisation.null_space import null_space_descent
+from flexmodal.optimisation.search import Descent, Ends, descend, null_space_descent, tell_apart
 
 from ..agreement.planar_chain import FANUC, FANUC_DAMPING, FANUC_STIFFNESS, PlanarChain
 from ..model.writing import planar

@@ -6,7 +6,7 @@ import pytest
 from flexmodal.errors import Unreachable
 from flexmodal.frf import PointDirection
 from flexmodal.optimisation import Hold, PostureProblem, ReceptanceObjective, StiffnessObjective, optimise
-from flexmodal.optimisation.traces import draw_traces, follow
+from flexmodal.optimisation.pictures.traces import draw_traces, follow
 
 pytestmark = pytest.mark.usefixtures("types_unchecked")
 

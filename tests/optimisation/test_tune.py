@@ -24,8 +24,8 @@ from flexmodal.optimisation import (
     optimise,
     tune,
 )
-from flexmodal.optimisation.rational import Steepness, antiresonances, steepness
-from flexmodal.optimisation.stationary import roots
+from flexmodal.optimisation.frequency.partial_fractions import Steepness, antiresonances, steepness
+from flexmodal.optimisation.frequency.roots import roots
 
 from ..model.writing import planar
 from .optimality import difference, directions

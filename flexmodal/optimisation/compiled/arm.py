@@ -26,10 +26,16 @@ from flexmodal.optimisation.compiled.arrays import (
     scratch_for,
 )
 from flexmodal.optimisation.descent import Box
-from flexmodal.optimisation.hold import Hold
-from flexmodal.optimisation.measures import LEVER, MobilityObjective, StiffnessObjective
-from flexmodal.optimisation.objective import BLIND, SHARPNESS, Objective, ReceptanceObjective
-from flexmodal.optimisation.orientation import FixedOrientation
+from flexmodal.optimisation.hold import FixedOrientation, Hold
+from flexmodal.optimisation.objectives import (
+    BLIND,
+    LEVER,
+    SHARPNESS,
+    MobilityObjective,
+    Objective,
+    ReceptanceObjective,
+    StiffnessObjective,
+)
 from flexmodal.optimisation.problem import PostureProblem
 
 

@@ -1,6 +1,6 @@
 """What a posture is judged by, and its derivative along the commanded joints: written for the compiler.
 
-The costs are those of `flexmodal.optimisation.objective`, logarithms throughout. The joints are placed
+The costs are those of `flexmodal.optimisation.objectives`, logarithms throughout. The joints are placed
 before, by `flexmodal.optimisation.compiled.held.hold_at`.
 """
 

@@ -13,10 +13,9 @@ import numpy as np
 from jaxtyping import Float
 
 from flexmodal.errors import FlexmodalError
-from flexmodal.optimisation.descents import descend
 from flexmodal.optimisation.path.problem import PathProblem
 from flexmodal.optimisation.problem import PostureProblem
-from flexmodal.optimisation.unreachable import unreachable
+from flexmodal.optimisation.search import descend, unreachable
 
 _APART = 1e-2
 """Postures nearer than this at every joint are one node [rad, m]."""

@@ -10,12 +10,12 @@ from jaxtyping import Float
 
 from flexmodal.errors import Unreachable
 from flexmodal.model import Posture
-from flexmodal.optimisation.descents import descend
 from flexmodal.optimisation.optimise import optimise
 from flexmodal.optimisation.path.dynamic import best_sequence
 from flexmodal.optimisation.path.local import improve, path_cost
 from flexmodal.optimisation.path.nodes import nodes_of
 from flexmodal.optimisation.path.problem import PathProblem
+from flexmodal.optimisation.search import descend
 
 DEFAULT_NODES = 60
 

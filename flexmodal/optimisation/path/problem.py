@@ -13,7 +13,7 @@ from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.frf import PointDirection
 from flexmodal.model import Robot
 from flexmodal.optimisation.hold import Hold
-from flexmodal.optimisation.objective import Objective, ReceptanceObjective
+from flexmodal.optimisation.objectives import Objective, ReceptanceObjective
 from flexmodal.optimisation.path.toolpath import Toolpath
 from flexmodal.optimisation.problem import PostureProblem
 

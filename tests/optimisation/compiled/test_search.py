@@ -15,8 +15,8 @@ from flexmodal.optimisation.compiled import arm_of, box_of, descents
 from flexmodal.optimisation.compiled.held import hold_at
 from flexmodal.optimisation.compiled.judge import cost_at, limit_at, slope_at
 from flexmodal.optimisation.descent import PERFECT, SETTLED, UNBOUNDED, UNSETTLED, work_for
-from flexmodal.optimisation.descents import descend_from, random_starts, search_postures
-from flexmodal.optimisation.objective import Limit
+from flexmodal.optimisation.objectives import Limit
+from flexmodal.optimisation.search import descend_from, random_starts, search_postures
 
 from ..optimality import directions, gain_left
 

@@ -14,9 +14,9 @@ from flexmodal.frf.kernels.route import available_cores, has_numba, thread_fault
 from flexmodal.frf.kernels.worth import is_worth_it
 from flexmodal.optimisation import compiled
 from flexmodal.optimisation.descent import PERFECT, SETTLED, UNBOUNDED, UNREACHED, descend_all, work_for
-from flexmodal.optimisation.ends import LIMITS, Basins, Descent, Ends, tell_apart
-from flexmodal.optimisation.objective import Limit, ReceptanceObjective
+from flexmodal.optimisation.objectives import Limit, ReceptanceObjective
 from flexmodal.optimisation.problem import Evaluation, PostureProblem
+from flexmodal.optimisation.search.ends import LIMITS, Basins, Descent, Ends, tell_apart
 
 WAYS = ("auto", "compiled", "plain")
 

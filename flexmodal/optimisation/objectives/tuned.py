@@ -11,8 +11,8 @@ from jaxtyping import Float
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.frf import PointDirection
 from flexmodal.model import PosedRobot, Robot
-from flexmodal.optimisation.objective import Limit, ReceptanceObjective
-from flexmodal.optimisation.tune import Band, tune
+from flexmodal.optimisation.frequency.tune import Band, tune
+from flexmodal.optimisation.objectives.objective import Limit, ReceptanceObjective
 
 
 @dataclass(frozen=True, eq=False)

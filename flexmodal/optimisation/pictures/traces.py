@@ -11,11 +11,8 @@ from jaxtyping import Float
 
 from flexmodal.frf.plot import PALETTE
 from flexmodal.model import Posture
-from flexmodal.optimisation.descents import descend
-from flexmodal.optimisation.null_space import null_space_descent
 from flexmodal.optimisation.problem import PostureProblem
-from flexmodal.optimisation.search import beside
-from flexmodal.optimisation.unreachable import unreachable
+from flexmodal.optimisation.search import beside, descend, null_space_descent, unreachable
 
 _STYLES = ("-", "--", "-.", ":")
 _NAMES = {"newton": "Quasi-Newton on the hold", "null-space": "Gradient in the null space [3.14]"}

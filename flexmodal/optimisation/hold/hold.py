@@ -11,7 +11,7 @@ from jaxtyping import Float
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.model import PosedRobot, Robot
 from flexmodal.model.posture import middle
-from flexmodal.optimisation.orientation import FixedOrientation, Orientation, aligned
+from flexmodal.optimisation.hold.orientation import FixedOrientation, Orientation, aligned
 
 _FARTHEST = 1e6
 """No arm reaches farther [m]."""

@@ -12,14 +12,17 @@ from flexmodal.errors import Fault, FlexmodalError, InvalidRequest
 from flexmodal.frf import PointDirection
 from flexmodal.frf.plot import PALETTE, draw_frf
 from flexmodal.model import PosedRobot, Posture, Robot
-from flexmodal.optimisation.combined import CombinedObjective
 from flexmodal.optimisation.descent import RANK
 from flexmodal.optimisation.hold import Hold
-from flexmodal.optimisation.objective import Objective, ReceptanceObjective
+from flexmodal.optimisation.objectives import (
+    CombinedObjective,
+    Objective,
+    ReceptanceObjective,
+    RobustObjective,
+    TunedObjective,
+)
 from flexmodal.optimisation.outcome import Outcome
 from flexmodal.optimisation.problem import PostureProblem
-from flexmodal.optimisation.robust import RobustObjective
-from flexmodal.optimisation.tuned import TunedObjective
 
 _STYLES = ("-", "--", "-.", ":")
 _SIZES = {"weighted": "|tᵀαw|", "force": "‖αw‖", "worst": "Largest singular value"}

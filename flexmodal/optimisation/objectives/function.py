@@ -10,7 +10,7 @@ from jaxtyping import Float
 
 from flexmodal.errors import FlexmodalError
 from flexmodal.model import PosedRobot, Robot
-from flexmodal.optimisation.objective import Limit
+from flexmodal.optimisation.objectives.objective import Limit
 
 _STEP = 1e-5
 """Of the differences [rad, m]: with values known to 10⁻¹² or so, errors of some 10⁻⁷ of the slope."""

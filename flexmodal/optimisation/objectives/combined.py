@@ -10,7 +10,7 @@ from jaxtyping import Float
 
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.model import PosedRobot, Robot
-from flexmodal.optimisation.objective import SHARPNESS, Limit, Objective
+from flexmodal.optimisation.objectives.objective import SHARPNESS, Limit, Objective
 
 _WAYS = ("product", "sum", "worst")
 

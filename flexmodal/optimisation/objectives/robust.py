@@ -11,8 +11,8 @@ from jaxtyping import Float
 from flexmodal.cards import FrozenDict
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.model import PosedRobot, Robot
-from flexmodal.optimisation.combined import power_sum
-from flexmodal.optimisation.objective import SHARPNESS, Limit, Objective
+from flexmodal.optimisation.objectives.combined import power_sum
+from flexmodal.optimisation.objectives.objective import SHARPNESS, Limit, Objective
 
 _JUDGED = ("expected", "worst")
 

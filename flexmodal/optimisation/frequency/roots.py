@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from jaxtyping import Bool, Float
 
-from flexmodal.optimisation.rational import Steepness
+from flexmodal.optimisation.frequency.partial_fractions import Steepness
 
 _NARROW = 1e-14
 """Relative width below which an interval is not halved again: two roots that rounding cannot part."""

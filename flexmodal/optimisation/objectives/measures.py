@@ -13,7 +13,7 @@ from flexmodal.frf import PointDirection
 from flexmodal.model import PosedRobot, Robot
 from flexmodal.model.gradient import jacobian_derivative
 from flexmodal.model.measures import measure, reduced_task
-from flexmodal.optimisation.objective import Limit
+from flexmodal.optimisation.objectives.objective import Limit
 
 LEVER = 1e-3
 """A lever arm below this [m] counts as none."""

@@ -10,7 +10,7 @@ from jaxtyping import Float
 
 from flexmodal.errors import DefectiveModes, Fault, InvalidRequest
 from flexmodal.model import PosedRobot, Robot
-from flexmodal.optimisation.objective import SHARPNESS, Limit
+from flexmodal.optimisation.objectives.objective import SHARPNESS, Limit
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,7 +13,7 @@ over all roots one by one:
     ln |α|² = const + Σ ln ((ω − Im s)² + Re² s) over antiresonances, − the same over poles.
 
 Causal springs, whose stiffness is a power of the frequency, leave no rational function at all: see
-`flexmodal.optimisation.sampled`.
+`flexmodal.optimisation.frequency.sampled`.
 """
 
 from __future__ import annotations

@@ -10,7 +10,7 @@ from jaxtyping import Float, Int
 
 from flexmodal.errors import FlexmodalError
 from flexmodal.optimisation.descent import PERFECT, SETTLED, UNBOUNDED, UNREACHED, UNSETTLED
-from flexmodal.optimisation.objective import Limit
+from flexmodal.optimisation.objectives import Limit
 from flexmodal.optimisation.problem import PostureProblem
 
 SAME = 1e-3

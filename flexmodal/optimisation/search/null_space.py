@@ -11,9 +11,9 @@ from __future__ import annotations
 import numpy as np
 
 from flexmodal.optimisation.descent import GRADIENT
-from flexmodal.optimisation.descents import Watch
-from flexmodal.optimisation.ends import Descent
 from flexmodal.optimisation.problem import PostureProblem
+from flexmodal.optimisation.search.descents import Watch
+from flexmodal.optimisation.search.ends import Descent
 
 
 def null_space_descent(

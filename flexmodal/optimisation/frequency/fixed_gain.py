@@ -16,9 +16,9 @@ from jaxtyping import Float
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.frf import PointDirection
 from flexmodal.model import PosedRobot
-from flexmodal.optimisation.rational import moved_rows, steepness
-from flexmodal.optimisation.sampled import slope_per_hertz
-from flexmodal.optimisation.tune import Tuning
+from flexmodal.optimisation.frequency.partial_fractions import moved_rows, steepness
+from flexmodal.optimisation.frequency.sampled import slope_per_hertz
+from flexmodal.optimisation.frequency.tune import Tuning
 
 
 @dataclass(frozen=True, eq=False)

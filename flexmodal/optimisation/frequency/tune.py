@@ -10,9 +10,9 @@ from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.frf import PointDirection
 from flexmodal.frf.axis import MOST_HERTZ
 from flexmodal.model import PosedRobot
-from flexmodal.optimisation.rational import Steepness, moved_rows, steepness
-from flexmodal.optimisation.sampled import stationary
-from flexmodal.optimisation.stationary import roots
+from flexmodal.optimisation.frequency.partial_fractions import Steepness, moved_rows, steepness
+from flexmodal.optimisation.frequency.roots import roots
+from flexmodal.optimisation.frequency.sampled import stationary
 
 _PIECES = 64
 """Intervals that a band is cut into before they are halved as needed."""

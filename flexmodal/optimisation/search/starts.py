@@ -9,11 +9,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from flexmodal.optimisation import compiled
-from flexmodal.optimisation.descents import choose_way, descend, descend_from, random_starts
-from flexmodal.optimisation.ends import Basins, Ends, tell_apart
-from flexmodal.optimisation.objective import Limit
+from flexmodal.optimisation.objectives import Limit
 from flexmodal.optimisation.problem import PostureProblem
-from flexmodal.optimisation.unreachable import nearest, unreachable
+from flexmodal.optimisation.search.descents import choose_way, descend, descend_from, random_starts
+from flexmodal.optimisation.search.ends import Basins, Ends, tell_apart
+from flexmodal.optimisation.search.unreachable import nearest, unreachable
 
 DEFAULT_STARTS, BLOCK = 64, 256
 """Starts if nobody says how many, one by one in Python; and those that are drawn and searched at a time."""
@@ -71,7 +71,7 @@ def search(
         given: a start, before the random ones.
         starts: how many in all.
         seed: of the random ones.
-        way: as for `flexmodal.optimisation.descents.search_postures`.
+        way: as for `flexmodal.optimisation.search.descents.search_postures`.
         advance: called once a start.
         improved: called with every better value.
         doing: told of a compilation.

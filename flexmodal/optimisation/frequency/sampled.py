@@ -12,7 +12,7 @@ from jaxtyping import Bool, Float
 
 from flexmodal.frf.receptance import dynamic_stiffness
 from flexmodal.modal import SecondOrderSystem
-from flexmodal.optimisation.rational import held_roots
+from flexmodal.optimisation.frequency.partial_fractions import held_roots
 
 _EVEN, _ABOUT = 600, 41
 """Lines spread over the band, and about each pole and antiresonance."""
