@@ -16,7 +16,7 @@ from jaxtyping import Float
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.frf import PointDirection
 from flexmodal.model import PosedRobot
-from flexmodal.optimisation.frequency.partial_fractions import moved_rows, steepness
+from flexmodal.optimisation.frequency.partial_fractions import direction_rows, logarithmic_slope
 from flexmodal.optimisation.frequency.sampled import slope_per_hertz
 from flexmodal.optimisation.frequency.tune import Tuning
 
@@ -74,6 +74,6 @@ def _slope(posed: PosedRobot, along: PointDirection) -> Callable[[np.ndarray], n
     """D ln|α| / df at some frequencies [1/Hz]."""
     loss = posed.system.hysteresis
     if loss is None or loss.frequency is None:
-        return steepness(posed, along, along).per_hertz
-    rows = moved_rows(posed, along, along)
+        return logarithmic_slope(posed, along, along).per_hertz
+    rows = direction_rows(posed, along, along)
     return lambda frequency: slope_per_hertz(posed.system, rows, frequency)

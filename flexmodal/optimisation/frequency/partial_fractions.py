@@ -37,7 +37,7 @@ _CANCELLED = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
-class Steepness:
+class LogarithmicSlope:
     """d ln|α|² / dx as Σ weight · t / (t² + width²), t = x − centre, x = ω² [rad²/s²] or ω [rad/s]."""
 
     centre: Float[np.ndarray, " term"]
@@ -118,30 +118,32 @@ class Steepness:
             return down.sum(axis=1) - slack, up.sum(axis=1) + slack
 
 
-def steepness(posed: PosedRobot, response: PointDirection, reference: PointDirection) -> Steepness:
+def logarithmic_slope(
+    posed: PosedRobot, response: PointDirection, reference: PointDirection
+) -> LogarithmicSlope:
     """Poles and antiresonances of one receptance of a posed robot.
 
     Raises:
         InvalidRequest: the force does not move the response at any frequency, or the robot has causal
             hysteresis, and its receptance no such form.
     """
-    rows, system = moved_rows(posed, response, reference), posed.system
+    rows, system = direction_rows(posed, response, reference), posed.system
     if system.hysteresis is None:
         poles = posed.modes().expanded()[0]
         zeros, poles = _without_pairs(antiresonances(system, rows[0], rows[1]), poles)
         terms = [*_terms(zeros, 1.0), *_terms(poles, -1.0)]
     elif system.hysteresis.frequency is None:
         lag = system.hysteresis.added(np.zeros(1, dtype=complex))[0]
-        zeros, poles = _without_pairs(*held_roots(system, lag, rows[0], rows[1]))
+        zeros, poles = _without_pairs(*roots_at_fixed_loss(system, lag, rows[0], rows[1]))
         terms = [(s.imag, abs(s.real), sign) for group, sign in ((zeros, 2.0), (poles, -2.0)) for s in group]
     else:
         raise InvalidRequest(Fault("call", "robot", "a loss_frequency", "a rational receptance: none of it"))
     centre, width, weight = (np.array(column) for column in zip(*terms, strict=True))
     width = np.where(width <= _SHARP * np.abs(centre), 0.0, width)
-    return Steepness(centre, width, weight, power=2 if system.hysteresis is None else 1)
+    return LogarithmicSlope(centre, width, weight, power=2 if system.hysteresis is None else 1)
 
 
-def moved_rows(
+def direction_rows(
     posed: PosedRobot, response: PointDirection, reference: PointDirection
 ) -> Float[np.ndarray, "2 joint"]:
     """Jacobian rows of response and reference.
@@ -156,7 +158,7 @@ def moved_rows(
     return rows
 
 
-def held_roots(
+def roots_at_fixed_loss(
     system: SecondOrderSystem,
     lag: Complex[np.ndarray, " dof"],
     response: Float[np.ndarray, " dof"],

@@ -10,14 +10,14 @@ from __future__ import annotations
 import numpy as np
 from jaxtyping import Bool, Float
 
-from flexmodal.optimisation.frequency.partial_fractions import Steepness
+from flexmodal.optimisation.frequency.partial_fractions import LogarithmicSlope
 
 _NARROW = 1e-14
 """Relative width below which an interval is not halved again: two roots that rounding cannot part."""
 
 
 def roots(
-    function: Steepness, edges: Float[np.ndarray, " edge"]
+    function: LogarithmicSlope, edges: Float[np.ndarray, " edge"]
 ) -> tuple[Float[np.ndarray, " root"], Bool[np.ndarray, " root"]]:
     """All sign changes between the first and the last edge, edges left out.
 
@@ -49,13 +49,13 @@ def roots(
     return found[order], (first[crossed] < 0)[order]
 
 
-def _sign(function: Steepness, place: np.ndarray, inside: np.ndarray) -> np.ndarray:
+def _sign(function: LogarithmicSlope, place: np.ndarray, inside: np.ndarray) -> np.ndarray:
     """Sign at an end of an interval; just inside of it where the end is a pole."""
     value = function.at(place)
     return np.sign(np.where(np.isfinite(value), value, function.at(inside)))
 
 
-def _bisect(function: Steepness, low: np.ndarray, high: np.ndarray, first: np.ndarray) -> np.ndarray:
+def _bisect(function: LogarithmicSlope, low: np.ndarray, high: np.ndarray, first: np.ndarray) -> np.ndarray:
     for _ in range(200):
         middle = (low + high) / 2
         if np.all((middle == low) | (middle == high)):

@@ -12,7 +12,7 @@ from jaxtyping import Bool, Float
 
 from flexmodal.frf.receptance import dynamic_stiffness
 from flexmodal.modal import SecondOrderSystem
-from flexmodal.optimisation.frequency.partial_fractions import held_roots
+from flexmodal.optimisation.frequency.partial_fractions import roots_at_fixed_loss
 
 _EVEN, _ABOUT = 600, 41
 """Lines spread over the band, and about each pole and antiresonance."""
@@ -67,12 +67,14 @@ def _roots(system: SecondOrderSystem, rows: np.ndarray, high: float) -> list[tup
     assert system.hysteresis is not None
     places = []
     for kind in range(2):
-        start = held_roots(system, system.hysteresis.added(np.array([2j * np.pi * high / 2]))[0], *rows)[kind]
+        start = roots_at_fixed_loss(
+            system, system.hysteresis.added(np.array([2j * np.pi * high / 2]))[0], *rows
+        )[kind]
         for root in start[(start.imag > 0) & (start.imag < 4 * np.pi * high)]:
             here = complex(root)
             for _ in range(_ROUNDS):
                 lag = system.hysteresis.added(np.array([1j * max(here.imag, 1e-9)]))[0]
-                again = held_roots(system, lag, *rows)[kind]
+                again = roots_at_fixed_loss(system, lag, *rows)[kind]
                 nearest = complex(again[int(np.argmin(np.abs(again - here)))])
                 settled, here = abs(nearest - here) <= 1e-6 * abs(nearest), nearest
                 if settled:

@@ -10,7 +10,11 @@ from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.frf import PointDirection
 from flexmodal.frf.axis import MOST_HERTZ
 from flexmodal.model import PosedRobot
-from flexmodal.optimisation.frequency.partial_fractions import Steepness, moved_rows, steepness
+from flexmodal.optimisation.frequency.partial_fractions import (
+    LogarithmicSlope,
+    direction_rows,
+    logarithmic_slope,
+)
 from flexmodal.optimisation.frequency.roots import roots
 from flexmodal.optimisation.frequency.sampled import stationary
 
@@ -99,9 +103,9 @@ def tune(
     loss = posed.system.hysteresis
     proved = loss is None or loss.frequency is None
     if proved:
-        frequency, rising, sharp = _stationary(steepness(posed, out, into), low, high)
+        frequency, rising, sharp = _stationary(logarithmic_slope(posed, out, into), low, high)
     else:
-        frequency, rising = stationary(posed.system, moved_rows(posed, out, into), low, high)
+        frequency, rising = stationary(posed.system, direction_rows(posed, out, into), low, high)
         sharp = np.zeros(0)
     size = _sizes(posed, out, into, np.r_[low, frequency, high], sharp)
     found = [Extremum(float(f), float(a)) for f, a in zip(frequency, size[1:-1], strict=True)]
@@ -117,7 +121,9 @@ def tune(
     )
 
 
-def _stationary(slope: Steepness, low: float, high: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _stationary(
+    slope: LogarithmicSlope, low: float, high: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Frequencies inside a band where |α| is stationary, and which are minima.
 
     Third, the frequencies of all undamped poles [Hz].

@@ -53,7 +53,7 @@ class AlignedAxis:
     target: Float[np.ndarray, "3"]
     """Unit vector in the world."""
     across: Float[np.ndarray, "turned 3"]
-    """Unit vectors across the target along which the axis can go astray: two in space, one in a plane."""
+    """Unit vectors across the target along which the axis can leave it: two in space, one in a plane."""
 
     @property
     def components(self) -> int:

@@ -59,9 +59,9 @@ class PathOutcome:
         return float((speeds / self.problem.speeds).max())
 
     @property
-    def astray(self) -> float:
+    def deviation(self) -> float:
         """How far the tool leaves the path between points where the joints go straight [m]."""
-        return self.problem.astray(self.postures)
+        return self.problem.deviation(self.postures)
 
     def posture(self, point: int) -> Posture:
         """The posture of a point, counted from 0."""

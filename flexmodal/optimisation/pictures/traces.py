@@ -26,7 +26,7 @@ class Trace:
     """Of the commanded joints [rad, m]."""
     objective: Float[np.ndarray, " step"]
     """Where the search takes a smooth maximum, that."""
-    astray: Float[np.ndarray, " step"]
+    deviation: Float[np.ndarray, " step"]
     """How far the held point is from its target [m]; 0 without a hold."""
 
 
@@ -55,8 +55,8 @@ def follow(problem: PostureProblem, start: Posture, method: str = "newton", *, i
     values = np.array([vector for vector, _ in steps])
     costs = np.array([cost for _, cost in steps])
     held = 0 if problem.hold is None else len(problem.hold.target)
-    astray = [float(np.linalg.norm(problem.held(vector)[0][:held])) for vector in values]
-    return Trace(values, np.exp(-costs if problem.objective.larger_is_better else costs), np.array(astray))
+    deviation = [float(np.linalg.norm(problem.held(vector)[0][:held])) for vector in values]
+    return Trace(values, np.exp(-costs if problem.objective.larger_is_better else costs), np.array(deviation))
 
 
 def draw_traces(problem: PostureProblem, traces: Mapping[str, Trace]) -> Any:
@@ -82,7 +82,7 @@ def draw_traces(problem: PostureProblem, traces: Mapping[str, Trace]) -> Any:
             values = np.degrees(trace.values[:, place]) if turning else trace.values[:, place]
             style: dict[str, Any] = {"color": PALETTE[place % 7], "linestyle": _STYLES[place % 4]}
             middle.plot(values, label=joint if turning else f"{joint} [m]", **style)
-        lower.plot(np.maximum(trace.astray, 1e-16), color=PALETTE[0])
+        lower.plot(np.maximum(trace.deviation, 1e-16), color=PALETTE[0])
         lower.set_yscale("log")
         lower.set_xlabel("Step")
         for axes in (upper, middle, lower):
