@@ -136,7 +136,13 @@ class Evaluation:
         self._gradient: np.ndarray | None = None
 
     def hold_at(self, values: np.ndarray, error: np.ndarray, constraint: np.ndarray) -> float:
-        """Go to a vector; the size of the hold's error, which with its derivative is filled in."""
+        """Go to a vector; the size of the hold's error, which with its derivative is filled in.
+
+        Args:
+            values: of the commanded joints [rad, m].
+            error: receives what is off target [m, rad].
+            constraint: receives its derivative; held × commanded.
+        """
         self._values = values.copy()
         error[:], constraint[:] = self.problem.held(self._values)
         return float(np.linalg.norm(error))

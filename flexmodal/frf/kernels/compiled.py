@@ -115,7 +115,12 @@ def _called(function: Callable[..., Any], known: Mapping[str, Kernel]) -> dict[s
 
 
 def from_source(source: str, name: str) -> Kernel:
-    """A generated function, for others to call."""
+    """A generated function, for others to call.
+
+    Args:
+        source: its code.
+        name: of the function in it.
+    """
     scope: dict[str, Any] = {}
     exec(compile(source, __file__, "exec"), scope)
     function = scope[name]
@@ -139,7 +144,13 @@ def sweep_of_any_size() -> Kernel:
 
 @cache
 def sweep_along(algebra: Algebra, pairs: Pairs, kinds: frozenset[str]) -> Kernel:
-    """The loops over postures of a chain, with the elimination of its kinds of joints inside."""
+    """The loops over postures of a chain, with the elimination of its kinds of joints inside.
+
+    Args:
+        algebra: of the plane or of space.
+        pairs: of rows that make a receptance.
+        kinds: of joints that occur.
+    """
     steps = {kind: from_source(write_step(algebra, pairs, kind), "step") for kind in KINDS if kind in kinds}
     never = next(iter(steps.values()))
     scope = {f"step_{kind}": steps.get(kind, never) for kind in KINDS}

@@ -69,7 +69,12 @@ def _alike(arrays: Any) -> Any:
 
 
 def held_of(robot: Robot, hold: Hold | None) -> Held:
-    """What is held: a position, and the orientation or an axis if they are."""
+    """What is held: a position, and the orientation or an axis if they are.
+
+    Args:
+        robot: whose point.
+        hold: what is held, if anything.
+    """
     if hold is None:
         return Held(-1, np.zeros(3), POSITION, np.eye(3), np.zeros((0, 6)), np.zeros(3), np.eye(3))
     places = places_of(robot, ((hold.point, np.zeros(6)),))
@@ -96,7 +101,12 @@ def held_of(robot: Robot, hold: Hold | None) -> Held:
 
 
 def judge_of(robot: Robot, objective: Objective) -> Judge | None:
-    """What is judged; none where the objective is of another kind."""
+    """What is judged; none where the objective is of another kind.
+
+    Args:
+        robot: the robot.
+        objective: what it is judged by.
+    """
     if isinstance(objective, ReceptanceObjective):
         return _receptance(robot, objective)
     if isinstance(objective, StiffnessObjective):

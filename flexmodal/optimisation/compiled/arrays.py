@@ -157,7 +157,12 @@ def places_for(joints: int) -> Places:
 
 
 def scratch_for(joints: int, judge: Judge) -> Scratch:
-    """Working arrays of a judge for a chain of so many joints."""
+    """Working arrays of a judge for a chain of so many joints.
+
+    Args:
+        joints: number of joints.
+        judge: what is judged.
+    """
     n, lines, task = len(judge.pick), len(judge.omega), len(judge.task)
     points, rows = len(judge.joint), 1 + int(judge.row.max())
     return Scratch(

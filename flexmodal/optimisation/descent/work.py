@@ -74,7 +74,12 @@ _TYPES = {"chosen": np.int64, "allowed": bool, "free": bool, "inside": bool, "ba
 
 
 def work_for(held: int, width: int) -> Work:
-    """Arrays for so many held components and so many commanded joints."""
+    """Arrays for so many held components and so many commanded joints.
+
+    Args:
+        held: number of held components.
+        width: number of commanded joints.
+    """
     sizes = (held, width, width + 1, 2 * width)
     shapes = {name: [sizes[axis] for axis in _SHAPES.get(name, (_WIDTH,))] for name in Work._fields}
     return Work(**{name: np.zeros(shape, _TYPES.get(name, float)) for name, shape in shapes.items()})

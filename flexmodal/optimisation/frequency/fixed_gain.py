@@ -55,6 +55,9 @@ def fixed_gain_descent(
         ceiling: frequencies above are held there [Hz].
         direction: drive point, such as "tool:+z".
         steps: how many.
+
+    Raises:
+        InvalidRequest: numbers out of range.
     """
     if not (0 < start < ceiling and gain > 0 and steps > 0):
         allowed = "0 < start < ceiling, gain > 0, steps > 0"

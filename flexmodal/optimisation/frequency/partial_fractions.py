@@ -69,7 +69,12 @@ class LogarithmicSlope:
     def bounds(
         self, low: Float[np.ndarray, " place"], high: Float[np.ndarray, " place"]
     ) -> tuple[Float[np.ndarray, " place"], Float[np.ndarray, " place"]]:
-        """Numbers that it does not leave over intervals; a fraction turns at ±width."""
+        """Numbers that it does not leave over intervals; a fraction turns at ±width.
+
+        Args:
+            low: lower ends, x.
+            high: upper ends, x.
+        """
         b = self.width
 
         def fraction(t: np.ndarray) -> np.ndarray:
@@ -80,7 +85,12 @@ class LogarithmicSlope:
     def slope_bounds(
         self, low: Float[np.ndarray, " place"], high: Float[np.ndarray, " place"]
     ) -> tuple[Float[np.ndarray, " place"], Float[np.ndarray, " place"]]:
-        """The same for its derivative, whose fractions turn at 0 and ±√3 width."""
+        """The same for its derivative, whose fractions turn at 0 and ±√3 width.
+
+        Args:
+            low: lower ends, x.
+            high: upper ends, x.
+        """
         b = self.width
 
         def fraction(t: np.ndarray) -> np.ndarray:
@@ -123,6 +133,11 @@ def logarithmic_slope(
 ) -> LogarithmicSlope:
     """Poles and antiresonances of one receptance of a posed robot.
 
+    Args:
+        posed: the robot in its posture.
+        response: direction of the motion.
+        reference: direction of the force.
+
     Raises:
         InvalidRequest: the force does not move the response at any frequency, or the robot has causal
             hysteresis, and its receptance no such form.
@@ -148,6 +163,11 @@ def direction_rows(
 ) -> Float[np.ndarray, "2 joint"]:
     """Jacobian rows of response and reference.
 
+    Args:
+        posed: the robot in its posture.
+        response: direction of the motion.
+        reference: direction of the force.
+
     Raises:
         InvalidRequest: the force does not move the response at any frequency.
     """
@@ -167,6 +187,12 @@ def roots_at_fixed_loss(
     """Antiresonances and poles with something complex added to the springs' diagonal, held at all s.
 
     Those at negative frequencies are not the conjugates of the others.
+
+    Args:
+        system: mass, damping, stiffness.
+        lag: what is added to the springs' diagonal [N·m/rad, N/m].
+        response: row of the motion.
+        reference: row of the force.
     """
     springs = system.stiffness + np.diag(lag)
     ahead, behind = _across(response), _across(reference)
@@ -183,6 +209,11 @@ def antiresonances(
 
     At a drive point they are the poles of the system with that point held, at most 2n − 2; between two points
     those of a pencil that need not be symmetric.
+
+    Args:
+        system: mass, damping, stiffness.
+        response: row of the motion.
+        reference: row of the force.
     """
     ahead, behind = _across(response), _across(reference)
     if ahead.shape[1] == 0:

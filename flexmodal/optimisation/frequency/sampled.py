@@ -23,7 +23,13 @@ _ROUNDS = 12
 def slope_per_hertz(
     system: SecondOrderSystem, rows: Float[np.ndarray, "2 dof"], frequency: Float[np.ndarray, " line"]
 ) -> Float[np.ndarray, " line"]:
-    """D ln|α| / df, exactly: dα/dω = −y_uᵀ (dZ/dω) y_v with Z y = jᵀ [1/Hz]."""
+    """D ln|α| / df, exactly: dα/dω = −y_uᵀ (dZ/dω) y_v with Z y = jᵀ [1/Hz].
+
+    Args:
+        system: mass, damping, stiffness, hysteresis.
+        rows: of response and reference.
+        frequency: [Hz].
+    """
     y = np.linalg.solve(dynamic_stiffness(system, frequency), rows.T.astype(complex)[None])
     omega = 2 * np.pi * frequency
     outer = y[:, :, 0, None] * y[:, None, :, 1]
@@ -38,7 +44,14 @@ def slope_per_hertz(
 def stationary(
     system: SecondOrderSystem, rows: Float[np.ndarray, "2 dof"], low: float, high: float
 ) -> tuple[Float[np.ndarray, " place"], Bool[np.ndarray, " place"]]:
-    """Frequencies inside a band where |α| is stationary, ascending [Hz], and which of them are minima."""
+    """Frequencies inside a band where |α| is stationary, ascending [Hz], and which of them are minima.
+
+    Args:
+        system: mass, damping, stiffness, hysteresis.
+        rows: of response and reference.
+        low: lower end of the band [Hz].
+        high: upper end [Hz].
+    """
     lines = _lines(system, rows, low, high)
     slope = slope_per_hertz(system, rows, lines)
     crossed = np.flatnonzero(np.sign(slope[:-1]) * np.sign(slope[1:]) < 0)

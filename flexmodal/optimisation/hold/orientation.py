@@ -33,6 +33,10 @@ class FixedOrientation:
         """Derivative of `error`, from the rows rx, ry, rz of the frame's Jacobian.
 
         dφ = (1 − ½[φ] + (1/θ² − (1 + cos θ)/(2θ sin θ)) [φ]²) ω, the inverse of the left Jacobian of SO(3).
+
+        Args:
+            rotation: of the frame, its axes column by column.
+            turning: rows rx, ry, rz of the frame's Jacobian.
         """
         error = self.error(rotation)
         angle = float(np.linalg.norm(error))
@@ -68,7 +72,12 @@ class AlignedAxis:
     def jacobian(
         self, rotation: Float[np.ndarray, "3 3"], turning: Float[np.ndarray, "3 joint"]
     ) -> Float[np.ndarray, "turned joint"]:
-        """Derivative of `error`: an axis a turns at ω × a."""
+        """Derivative of `error`: an axis a turns at ω × a.
+
+        Args:
+            rotation: of the frame, its axes column by column.
+            turning: rows rx, ry, rz of the frame's Jacobian.
+        """
         along = rotation @ self.axis
         factor, slope = _angle_over_sine(float(along @ self.target))
         moved = np.cross(turning.T, along).T
@@ -91,7 +100,13 @@ def _angle_over_sine(cosine: float) -> tuple[float, float]:
 def aligned(
     axis: Float[np.ndarray, "3"], target: Float[np.ndarray, "3"], normal: Float[np.ndarray, "3"] | None
 ) -> AlignedAxis:
-    """An axis along a target; in a plane with this normal, if there is one."""
+    """An axis along a target; in a plane with this normal, if there is one.
+
+    Args:
+        axis: unit vector in the frame.
+        target: unit vector in the world.
+        normal: of the plane that the chain moves in, if it does.
+    """
     if normal is not None:
         return AlignedAxis(axis, target, np.cross(normal, target)[None])
     first = np.cross(target, np.eye(3)[int(np.argmin(np.abs(target)))])

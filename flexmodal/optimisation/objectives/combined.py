@@ -82,7 +82,13 @@ class CombinedObjective:
 def power_sum(
     costs: Float[np.ndarray, " part"], slopes: Float[np.ndarray, "part joint"], power: float
 ) -> tuple[float, Float[np.ndarray, " joint"]]:
-    """Ln (Σ e^(power·cost))^(1/power) and its gradient: a sum at power 1, nearly a maximum at a high one."""
+    """Ln (Σ e^(power·cost))^(1/power) and its gradient: a sum at power 1, nearly a maximum at a high one.
+
+    Args:
+        costs: logarithms.
+        slopes: their derivatives.
+        power: 1 or more.
+    """
     top = float(costs.max())
     shares = np.exp(power * (costs - top))
     return top + float(np.log(shares.sum())) / power, shares / shares.sum() @ slopes

@@ -36,6 +36,9 @@ class StiffnessObjective:
         """−ln ξ_K, and its gradient by the derivative of the Moore–Penrose inverse at constant rank.
 
         dJ⁺ = −J⁺ dJ J⁺ + J⁺J⁺ᵀ dJᵀ (1 − JJ⁺) + (1 − J⁺J) dJᵀ J⁺ᵀJ⁺ (Golub and Pereyra 1973).
+
+        Raises:
+            InvalidRequest: the chain cannot move along the direction.
         """
         rows = reduced_task(posed, self.task)
         pick = posed.robot.flexible_index

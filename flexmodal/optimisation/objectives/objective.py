@@ -125,7 +125,12 @@ class ReceptanceObjective:
         return float(np.max(sizes) if self.over == "largest" else np.mean(sizes))
 
     def sizes(self, posed: PosedRobot, frequency: Float[np.ndarray, " line"]) -> Float[np.ndarray, " line"]:
-        """|tᵀ α w|, ‖α w‖ or the largest singular value over any frequencies [m/N]."""
+        """|tᵀ α w|, ‖α w‖ or the largest singular value over any frequencies [m/N].
+
+        Args:
+            posed: the robot in its posture.
+            frequency: [Hz].
+        """
         matrices = posed.frf(frequency, response=self.directions).value
         return np.array([self._parts(matrix)[0][0] for matrix in matrices])
 
@@ -139,7 +144,12 @@ class ReceptanceObjective:
         matrices: Complex[np.ndarray, "line dir dir"],
         slopes: Complex[np.ndarray, "line dir dir moving"],
     ) -> tuple[float, Float[np.ndarray, " moving"]]:
-        """Cost and gradient from receptance matrices and their derivatives along the joints."""
+        """Cost and gradient from receptance matrices and their derivatives along the joints.
+
+        Args:
+            matrices: α at each frequency [m/N].
+            slopes: ∂α/∂q, the joint last.
+        """
         parts = [
             (share * size, share * np.einsum("u,uvk,v->k", left, slope, right).real)
             for matrix, slope, share in zip(matrices, slopes, self.line_weights, strict=True)

@@ -133,7 +133,12 @@ def _thinned(postures: Float[np.ndarray, "node commanded"]) -> Float[np.ndarray,
 
 
 def cost_of(at: PostureProblem, values: np.ndarray) -> float:
-    """Logarithm of the objective without its gradient; infinite where there is none."""
+    """Logarithm of the objective without its gradient; infinite where there is none.
+
+    Args:
+        at: problem of one point.
+        values: of the commanded joints [rad, m].
+    """
     try:
         value = at.objective.value(at.posed(values))
     except FlexmodalError:

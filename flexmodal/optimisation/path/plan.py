@@ -145,6 +145,11 @@ class _Best:
 def greedy_path(problem: PathProblem, *, seed: int = 0, starts: int = 16) -> PathOutcome:
     """The best posture at the first point, then point by point the best beside the last within reach.
 
+    Args:
+        problem: the path.
+        seed: of the search at the first point.
+        starts: of that search.
+
     Raises:
         Unreachable: it runs into a limit or a speed and cannot go on.
     """

@@ -73,7 +73,17 @@ def draw_workspace(
     second: Float[np.ndarray, " row"],
     grid: Float[np.ndarray, "row column"],
 ) -> Any:
-    """Draw what `workspace_map` found; zeros in a colour of their own."""
+    """Draw what `workspace_map` found; zeros in a colour of their own.
+
+    Args:
+        problem: as for `workspace_map`.
+        first: coordinates along the first axis [m].
+        second: along the second [m].
+        grid: best objective at each place.
+
+    Raises:
+        InvalidRequest: nothing is held, or no place is within reach.
+    """
     import matplotlib as mpl
     from matplotlib.colors import LogNorm
     from matplotlib.figure import Figure

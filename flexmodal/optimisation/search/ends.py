@@ -95,6 +95,10 @@ def tell_apart(problem: PostureProblem, ends: Ends) -> Basins:
 
     Whole turns apart are the same. A descent that did not meet the tolerance still counts where it is the
     best there is; and so does the best of those that ran off where there are no others.
+
+    Args:
+        problem: whose joints.
+        ends: of its descents.
     """
     bounded = (ends.end != UNREACHED) & (ends.end != UNBOUNDED)
     order = np.argsort(ends.cost, kind="stable")

@@ -14,7 +14,13 @@ _SAMPLES = 400
 
 
 def family_values(problem: PostureProblem, family: FamilyCard, parameter: float) -> np.ndarray:
-    """Vector of the member at a value of the parameter; joints it does not name are 0."""
+    """Vector of the member at a value of the parameter; joints it does not name are 0.
+
+    Args:
+        problem: whose joints.
+        family: which member depends on a parameter how.
+        parameter: its value [rad, m].
+    """
     named = {family.parameter: parameter}
     named |= {joint: factor * parameter for joint, factor in family.follow.items()}
     return np.array([named.get(name, 0.0) for name in problem.names])
@@ -23,7 +29,13 @@ def family_values(problem: PostureProblem, family: FamilyCard, parameter: float)
 def search_family(
     problem: PostureProblem, family: FamilyCard, advance: Callable[[], None] = lambda: None
 ) -> list[tuple[float, np.ndarray]]:
-    """Cost and vector of every local minimum along the family, ends included, best first."""
+    """Cost and vector of every local minimum along the family, ends included, best first.
+
+    Args:
+        problem: what to minimise.
+        family: where to look.
+        advance: called once a member of the first look.
+    """
     from scipy.optimize import minimize_scalar
 
     def cost(parameter: float) -> float:

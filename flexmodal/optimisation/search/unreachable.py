@@ -13,7 +13,12 @@ _TRIES = 50
 
 
 def unreachable(problem: PostureProblem, starts: int) -> Unreachable:
-    """The error for a hold that no start came to: how near it gets, and whether the limits are in the way."""
+    """The error for a hold that no start came to: how near it gets, and whether the limits are in the way.
+
+    Args:
+        problem: with the hold.
+        starts: how many were tried.
+    """
     assert problem.hold is not None
     held = len(problem.hold.target)
     error, _ = nearest(problem)
