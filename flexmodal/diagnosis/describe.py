@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from flexmodal.diagnosis.figures import gap_of, gaps_of
-from flexmodal.diagnosis.outcome import NONE, Step, Weighed
+from flexmodal.diagnosis.names import NONE
+from flexmodal.diagnosis.outcome import Step, Weighed
 from flexmodal.diagnosis.preparation import Bench
 from flexmodal.diagnosis.weigh import Scales, Weighable
 from flexmodal.identification import uncertainty

@@ -18,7 +18,7 @@ import numpy as np
 from jaxtyping import Complex, Float, Int
 from scipy.optimize import minimize
 
-from flexmodal.diagnosis.outcome import UNSTRUCTURED
+from flexmodal.diagnosis.names import UNSTRUCTURED
 from flexmodal.diagnosis.preparation import Bench
 from flexmodal.diagnosis.weigh import Weighable, cluster_costs
 from flexmodal.identification import Observations

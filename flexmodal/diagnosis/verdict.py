@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from flexmodal.diagnosis.compare import excess
-from flexmodal.diagnosis.outcome import NONE, UNKNOWN, UNSTRUCTURED, Gaps, Step, Verdict
+from flexmodal.diagnosis.names import NONE, UNKNOWN, UNSTRUCTURED
+from flexmodal.diagnosis.outcome import Gaps, Step, Verdict
 from flexmodal.diagnosis.preparation import Bench
 from flexmodal.diagnosis.weigh import Weighable
 

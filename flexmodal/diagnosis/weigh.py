@@ -23,7 +23,7 @@ import numpy as np
 from jaxtyping import Complex, Float
 
 from flexmodal.diagnosis.hypothesis import Hypothesis
-from flexmodal.diagnosis.outcome import NONE
+from flexmodal.diagnosis.names import NONE
 from flexmodal.identification import Observations, predict
 from flexmodal.identification.descent import prior_cost, robust
 from flexmodal.identification.frf_fit import FrfFit, Weighing, residual

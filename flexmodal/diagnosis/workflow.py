@@ -105,7 +105,7 @@ def _conclude(course: Course) -> Diagnosis:
         model=final.hypothesis,
         x=final.fitted.x,
         deviation=sure.deviation,
-        observations=bench.observations,
+        frfs=bench.observations,
         predicted={"believed": course.believed, "before": before.predicted, "after": final.predicted},
         refused=tuple(course.refused),
         provenance=provenance(bench.observations.campaign, bench.scene.robot, bench.seed),

@@ -8,7 +8,7 @@ import pytest
 import flexmodal
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.looking import looked_at
-from flexmodal.diagnosis.outcome import UNSTRUCTURED
+from flexmodal.diagnosis.names import UNSTRUCTURED
 from flexmodal.diagnosis.preparation import prepare
 from flexmodal.diagnosis.unstructured import unstructured_mode
 from flexmodal.diagnosis.weigh import cluster_costs, weigh

@@ -14,25 +14,15 @@ from flexmodal.diagnosis.modes.findings import Findings
 from flexmodal.diagnosis.modes.fit import COARSE
 from flexmodal.diagnosis.modes.gap import errors, figures, mean_of_others, noise_floor
 from flexmodal.diagnosis.modes.held_out import HeldOut
-from flexmodal.diagnosis.modes.next_measurement import next_frf
 from flexmodal.diagnosis.modes.regions import regions
 from flexmodal.diagnosis.modes.search import unmatched
 from flexmodal.diagnosis.modes.shapes import compare_shapes
 from flexmodal.diagnosis.modes.weigh import Candidate, Scales
 from flexmodal.diagnosis.modes.words import hertz, left_words, missing_words, named, shape_words, tie_words
-from flexmodal.diagnosis.outcome import (
-    NONE,
-    UNKNOWN,
-    UNSTRUCTURED,
-    Diagnosis,
-    Gaps,
-    NextMeasurement,
-    Step,
-    Verdict,
-    Weighed,
-)
+from flexmodal.diagnosis.names import NONE, UNKNOWN, UNSTRUCTURED
+from flexmodal.diagnosis.next_measurement import Sure, next_frf
+from flexmodal.diagnosis.outcome import Diagnosis, Gaps, NextMeasurement, Step, Verdict, Weighed
 from flexmodal.diagnosis.provenance import provenance
-from flexmodal.identification import predict
 from flexmodal.identification.evidence.modal_gap import gap_of_errors
 
 if TYPE_CHECKING:
@@ -56,8 +46,6 @@ def conclude(course: _Course, root: ModalFit, rounds: Sequence[Round]) -> Diagno
     shown = course.everywhere(final.fit)
     model, x = shown.explanation.hypothesis, shown.x
     count = len(model.space)
-    stages = {"believed": np.zeros(len(course.base)), "before": root.x}
-    bare = root.explanation.hypothesis
     return Diagnosis(
         campaign=course.whole.campaign.title,
         robot=course.scene.robot.name,
@@ -73,11 +61,6 @@ def conclude(course: _Course, root: ModalFit, rounds: Sequence[Round]) -> Diagno
         model=model,
         x=x[:count],
         deviation=np.sqrt(np.maximum(np.diag(shown.covariance)[:count], 0.0)),
-        observations=course.whole.stand_in,
-        predicted={
-            **{name: predict(bare, at, course.whole.stand_in) for name, at in stages.items()},
-            "after": predict(model, x[:count], course.whole.stand_in),
-        },
         refused=() if added else _weighed(course, first, None),
         provenance=provenance(course.whole.campaign, course.scene.robot, course.seed),
         modal=findings,
@@ -296,12 +279,20 @@ def _next(
 ) -> NextMeasurement | None:
     if compared is None or not found.tied:
         return None
-    return next_frf(compared[0].fit, compared[1].fit, course.seed)
+    one, other = (_sure(candidate.fit) for candidate in compared)
+    return next_frf(course.whole.campaign, course.whole.responses[0][1], one, other, course.seed)
+
+
+def _sure(fit: ModalFit) -> Sure:
+    """The structured part of a fit."""
+    hypothesis = fit.explanation.hypothesis
+    size = len(hypothesis.space)
+    return Sure(hypothesis, fit.x[:size], fit.covariance[:size, :size])
 
 
 def _held_ids(course: _Course) -> tuple[int, ...]:
     if course.held is None:
         return ()
-    modes = course.whole.observed.modes
+    modes = course.whole.modes
     numbers = sorted({mode.posture for mode, out in zip(modes, course.held, strict=True) if out})
-    return tuple(course.whole.observed.postures[k].id for k in numbers)
+    return tuple(course.whole.postures[k].id for k in numbers)

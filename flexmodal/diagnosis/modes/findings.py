@@ -7,16 +7,16 @@ from dataclasses import dataclass
 from flexmodal.diagnosis.modes.evidence import ModalFit
 from flexmodal.diagnosis.modes.gap import Errors
 from flexmodal.diagnosis.modes.held_out import HeldOut
-from flexmodal.diagnosis.modes.measured import MeasuredModes
 from flexmodal.diagnosis.modes.shapes import ModeShapes
 from flexmodal.diagnosis.modes.weigh import Scales
+from flexmodal.identification.evidence.measured_modes import ModeObservations
 
 
 @dataclass(frozen=True, eq=False)
 class Findings:
     """Fits and comparisons of the last round of weighing, and the baselines."""
 
-    measured: MeasuredModes
+    measured: ModeObservations
     before: ModalFit
     """The robot re-tuned, nothing added."""
     after: ModalFit

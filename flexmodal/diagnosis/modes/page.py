@@ -14,7 +14,8 @@ from flexmodal.diagnosis.modes.gap import Errors, errors, figures
 from flexmodal.diagnosis.modes.pictures import draw_evidence, draw_frequencies, draw_shapes, short
 from flexmodal.diagnosis.modes.weigh import VARIANTS
 from flexmodal.diagnosis.modes.words import left_words, named, shape_words, tie_words
-from flexmodal.diagnosis.outcome import NONE, UNSTRUCTURED, Diagnosis
+from flexmodal.diagnosis.names import NONE, UNSTRUCTURED
+from flexmodal.diagnosis.outcome import Diagnosis
 from flexmodal.diagnosis.report.arm_picture import draw_arm
 from flexmodal.diagnosis.report.pictures import draw_descent
 from flexmodal.diagnosis.report.tables import base_rows, effect_rows, next_words, region_rows
@@ -197,9 +198,9 @@ def shape_rows(found: Findings) -> list[list[str]]:
 def mode_rows(found: Findings) -> list[list[str]]:
     """Every measured mode beside the models."""
     rows = []
-    for k, mode in enumerate(found.measured.observed.modes):
+    for k, mode in enumerate(found.measured.modes):
         cells = [
-            found.measured.observed.postures[mode.posture].name,
+            found.measured.postures[mode.posture].name,
             f"{mode.frequency:.2f} ± {mode.frequency * mode.frequency_error:.2f}",
         ]
         cells += [_frequency(found.before, k), _frequency(found.after, k)]
@@ -218,10 +219,10 @@ def mode_rows(found: Findings) -> list[list[str]]:
 
 
 def _frequency(fit: ModalFit, k: int) -> str:
-    seen = fit.forecasts[fit.measured.observed.modes[k].posture]
+    seen = fit.forecasts[fit.measured.modes[k].posture]
     return f"{np.exp(seen.log_frequency[fit.pairs[k]]):.2f}" if fit.pairs[k] >= 0 else "–"
 
 
 def _damping(fit: ModalFit, k: int) -> str:
-    seen = fit.forecasts[fit.measured.observed.modes[k].posture]
+    seen = fit.forecasts[fit.measured.modes[k].posture]
     return f"{np.exp(seen.log_damping[fit.pairs[k]]):.3f}" if fit.pairs[k] >= 0 else "–"

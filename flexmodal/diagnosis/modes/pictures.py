@@ -11,7 +11,7 @@ from flexmodal.diagnosis.modes.findings import Findings
 from flexmodal.diagnosis.modes.held_out import HeldOut
 from flexmodal.diagnosis.modes.shapes import shapes_of
 from flexmodal.diagnosis.modes.words import most_telling
-from flexmodal.diagnosis.outcome import UNSTRUCTURED
+from flexmodal.diagnosis.names import UNSTRUCTURED
 from flexmodal.diagnosis.report.pictures import (
     AFTER,
     BEFORE,
@@ -34,19 +34,17 @@ def draw_frequencies(found: Findings, after_name: str) -> Any:
     """Each measured mode over the postures, with what the models have there: one panel a mode."""
     measured, numbers = found.measured, found.measured.numbers
     numbers = tuple(
-        sorted(
-            numbers, key=lambda n: np.median([m.frequency for m in measured.observed.modes if m.number == n])
-        )
+        sorted(numbers, key=lambda n: np.median([m.frequency for m in measured.modes if m.number == n]))
     )
     figure = new_figure(1.45 * len(numbers) + 1.0)
     panels = np.atleast_1d(figure.subplots(len(numbers), 1, sharex=True))
-    names = [p.name for p in measured.observed.postures]
+    names = [p.name for p in measured.postures]
     for axes, number in zip(panels, numbers, strict=True):
         tidy(axes)
-        rows = [k for k, m in enumerate(measured.observed.modes) if m.number == number]
-        at = np.array([measured.observed.modes[k].posture for k in rows])
-        f = np.array([measured.observed.modes[k].frequency for k in rows])
-        bars = f * np.array([measured.observed.modes[k].frequency_error for k in rows])
+        rows = [k for k, m in enumerate(measured.modes) if m.number == number]
+        at = np.array([measured.modes[k].posture for k in rows])
+        f = np.array([measured.modes[k].frequency for k in rows])
+        bars = f * np.array([measured.modes[k].frequency_error for k in rows])
         axes.errorbar(
             at,
             f,
@@ -85,7 +83,7 @@ def _partners(
     axes: Any, fit: ModalFit, rows: list[int], x: np.ndarray, colour: str, marker: str, label: str
 ) -> None:
     y = [
-        np.exp(fit.forecasts[fit.measured.observed.modes[k].posture].log_frequency[fit.pairs[k]])
+        np.exp(fit.forecasts[fit.measured.modes[k].posture].log_frequency[fit.pairs[k]])
         if fit.pairs[k] >= 0
         else np.nan
         for k in rows
@@ -142,13 +140,13 @@ def draw_shapes(found: Findings, one: ModalFit, other: ModalFit) -> Any:
     figure = new_figure(4.2)
     axes = figure.subplots()
     tidy(axes)
-    rows = list(range(len(measured.places)))
+    rows = list(range(len(measured.responses)))
     seen_by = shapes_of(measured, chosen.number)
     models = [_shape(fit, chosen.number, next(iter(seen_by))) for fit in (one, other)]
     first = next((_turned(model) for model in models if model is not None), None)
     for number, (posture, (seen, residue)) in enumerate(seen_by.items()):
         turned = _turned(residue, None if first is None else first[seen])
-        name = measured.observed.postures[posture].name.replace("configuration_", "conf. ")
+        name = measured.postures[posture].name.replace("configuration_", "conf. ")
         axes.plot(
             seen, turned.real, color="0.45", linewidth=1, marker="osD^vP<>"[number % 8], markersize=5,
             label=f"measured, {name}",
@@ -161,7 +159,7 @@ def draw_shapes(found: Findings, one: ModalFit, other: ModalFit) -> Any:
                 label=short(fit.explanation.key),
             )  # fmt: skip
     names = [
-        measured.campaign.point(number).name.replace("location_", "loc. ") for number, _ in measured.places
+        measured.campaign.point(number).name.replace("location_", "loc. ") for number, _ in measured.responses
     ]
     axes.set_xticks(rows, [literal(name[:12]) for name in names])
     axes.set_ylabel("Shape, real part, largest = 1 [–]", fontsize=FONT)
@@ -178,7 +176,7 @@ def _turned(shape: np.ndarray, like: np.ndarray | None = None) -> np.ndarray:
 
 
 def _shape(fit: ModalFit, number: int, posture: int) -> np.ndarray | None:
-    for k, mode in enumerate(fit.measured.observed.modes):
+    for k, mode in enumerate(fit.measured.modes):
         if mode.number == number and mode.posture == posture and fit.pairs[k] >= 0:
             shape = fit.forecasts[posture].shape[:, fit.pairs[k]]
             return None if np.isnan(shape).any() else shape

@@ -11,9 +11,9 @@ from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.modes.evidence import ModalFit
 from flexmodal.diagnosis.modes.forecast import Explanation
 from flexmodal.diagnosis.modes.held_out import HeldOut
-from flexmodal.diagnosis.modes.measured import MeasuredModes
 from flexmodal.diagnosis.modes.scatter import Beliefs
 from flexmodal.diagnosis.modes.search import followed
+from flexmodal.identification.evidence.measured_modes import ModeObservations
 
 TIED = 5.0
 """Margin of evidence under which two explanations are tied [nat]."""
@@ -63,7 +63,7 @@ class Candidate:
         return self.fit.explanation.key
 
 
-def under_variants(fits: Sequence[ModalFit], measured: MeasuredModes) -> Candidate:
+def under_variants(fits: Sequence[ModalFit], measured: ModeObservations) -> Candidate:
     """Fit again under every variant, from where several fits under the first ended."""
     best = fits[0]
     found = [best.evidence]

@@ -8,7 +8,7 @@ the caller names effects, the best of them is added even so, with its ties.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -21,16 +21,15 @@ from flexmodal.diagnosis.modes.elsewhere import restricted
 from flexmodal.diagnosis.modes.evidence import ModalFit
 from flexmodal.diagnosis.modes.forecast import Explanation
 from flexmodal.diagnosis.modes.held_out import HeldOut, in_turn, together
-from flexmodal.diagnosis.modes.measured import MeasuredModes
 from flexmodal.diagnosis.modes.scatter import Beliefs
 from flexmodal.diagnosis.modes.search import bare_starts, best_fits, effect_starts, free_starts, unmatched
-from flexmodal.diagnosis.modes.stand_in import placed_on
 from flexmodal.diagnosis.modes.weigh import TIED, Candidate, Scales, under_variants
 from flexmodal.diagnosis.outcome import Diagnosis
 from flexmodal.diagnosis.preparation import numbers_of, trust_of
 from flexmodal.errors import Fault, InvalidRequest
-from flexmodal.identification.compatibility import check_compatible
-from flexmodal.identification.evidence.measured_modes import modes_of_table
+from flexmodal.identification.compatibility import check_compatible, placed_on
+from flexmodal.identification.evidence.measured_modes import ModeObservations
+from flexmodal.identification.evidence.mode_sources import modes_of_table
 from flexmodal.model import Robot
 from flexmodal.structure import ParameterSpace, robot_space
 
@@ -93,13 +92,13 @@ def diagnose_modes(
     """
     placed, moved = placed_on(campaign, robot)
     check_compatible(placed, robot)
-    measured = MeasuredModes(modes_of_table(placed))
+    measured = modes_of_table(placed)
     asked = _asked(effects)
     base = robot_space(robot, trust={**trust_of(robot, TRUST), **(trust or {})})
     held = None
     if hold_out is not None:
-        away = numbers_of(measured.observed.postures, hold_out, seen_by="modes")
-        held = np.array([mode.posture in away for mode in measured.observed.modes])
+        away = numbers_of(measured.postures, hold_out, seen_by="modes")
+        held = np.array([mode.posture in away for mode in measured.modes])
     with threadpool_limits(1):
         return _Course(measured, robot, base, asked, held, moved, seed, advance).run()
 
@@ -109,7 +108,7 @@ class _Course:
 
     def __init__(
         self,
-        whole: MeasuredModes,
+        whole: ModeObservations,
         robot: Robot,
         base: ParameterSpace,
         asked: Mapping[str, tuple[str, ...]] | None,
@@ -120,7 +119,7 @@ class _Course:
     ) -> None:
         self.whole, self.held = whole, held
         self.measured = whole if held is None else whole.keeping(~held)
-        self.scene = replace(Context.of(robot, whole.stand_in), every_line=False)
+        self.scene = context_of(robot, whole)
         self.base, self.asked, self.moved, self.seed, self.advance = base, asked, moved, seed, advance
         self.effects = tuple(catalogue(None if asked is None else list(asked)).values())
         self.untestable = {e.name: why for e in self.effects if (why := untestable(e, self.scene))}
@@ -221,6 +220,12 @@ class _Course:
     def everywhere(self, fit: ModalFit) -> ModalFit:
         """A fit looked at with all modes, the held out ones included."""
         return fit if self.held is None else restricted(fit, self.whole)
+
+
+def context_of(robot: Robot, measured: ModeObservations) -> Context:
+    """The layout of a test of which modes are known and no line."""
+    points = tuple(measured.campaign.points)
+    return Context(robot, measured.postures, points, measured.responses, (), measured.band, every_line=False)
 
 
 def needed(scales: Scales, number: int) -> bool:

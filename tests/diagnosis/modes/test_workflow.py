@@ -103,7 +103,7 @@ def test_the_improved_robot_loads_and_has_the_modes_of_the_model(told, tmp_path)
     robot = flexmodal.load(out / "robot" / "robot.toml")
     fit = told.modal.after
     seen = np.sort(np.exp(fit.forecasts[0].log_frequency))
-    posture = told.observations.postures[0]
+    posture = told.model.context.postures[0]
     frequencies = np.sort(robot.at(dict(posture.q)).modes().frequency)
     np.testing.assert_allclose(frequencies[:4], seen[:4], rtol=1e-5)  # links between joints weigh 1e-12
     text = (out / "report.html").read_text(encoding="utf-8")
@@ -139,7 +139,7 @@ def test_a_lacking_mode_counts_in_the_gap(told):
 def test_the_mean_of_the_others_by_hand(told):
     measured = told.modal.measured
     table = mean_of_others(measured)
-    modes = measured.observed.modes
+    modes = measured.modes
     first = [m.frequency for m in modes if m.number == modes[0].number]
     mean = np.exp(np.mean(np.log(first[1:])))
     assert table[0, 0] == pytest.approx(mean / first[0] - 1, rel=1e-12)
@@ -157,7 +157,7 @@ def test_what_is_asked_for_needs_more_than_a_tie_and_no_rounding_decides(gained,
 
 def test_points_of_another_card_are_found_by_name(rigid):
     campaign = read_campaign(THESIS)
-    from flexmodal.diagnosis.modes.stand_in import placed_on
+    from flexmodal.identification.compatibility import placed_on
 
     moved, said = placed_on(campaign, rigid)
     assert len(said) == 4
@@ -186,7 +186,7 @@ def test_postures_that_are_held_out_are_not_fitted(as_believed, rigid):
     assert "Asked for, joint coupling at q1+q2 gains" in found.verdict.says
     assert "a tie with nothing added" in found.verdict.says
     fit = found.modal.scales.candidates[0].fit
-    assert all(mode.posture != 2 for mode in fit.measured.observed.modes)
+    assert all(mode.posture != 2 for mode in fit.measured.modes)
     assert found.gaps.held_out_before is not None
 
 
