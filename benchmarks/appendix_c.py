@@ -143,7 +143,7 @@ def main() -> None:
     four = diagnose(without(campaign, PEAK_38), rigid)
     left = diagnose(campaign, flexible)
     fits = compared_fits(everything.modal)
-    card = np.subtract(*(one.modal.scales.candidates[0].evidence for one in (left, everything)))
+    card = np.subtract(*(one.modal.comparison.models[0].evidence for one in (left, everything)))
     pictures = {
         "frequencies": picture(
             draw_frequencies(told.modal, after_name(told, told.modal)), "appendix_c_frequencies"

@@ -7,19 +7,19 @@ from collections.abc import Sequence
 import numpy as np
 
 from flexmodal.diagnosis.compare import excess
+from flexmodal.diagnosis.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.names import NONE, UNKNOWN, UNSTRUCTURED
 from flexmodal.diagnosis.outcome import Gaps, Step, Verdict
-from flexmodal.diagnosis.preparation import Bench
-from flexmodal.diagnosis.weigh import Weighable
+from flexmodal.diagnosis.setup import Setup
 
 
 def verdict(
-    bench: Bench, steps: Sequence[Step], final: Weighable, gaps: Gaps, over: float, *, explained: bool
+    setup: Setup, steps: Sequence[Step], final: FittedFrfs, gaps: Gaps, over: float, *, explained: bool
 ) -> Verdict:
     """Nothing is missing, something of the catalogue is, or something else.
 
     Args:
-        bench: what the diagnosis works with.
+        setup: what the diagnosis works with.
         steps: effects that were added.
         final: the model with them.
         gaps: before and after.
@@ -28,17 +28,17 @@ def verdict(
     """
     floors = gaps.after / gaps.noise_floor
     effects = tuple((step.effect, step.where) for step in steps)
-    silent = f" Of {', '.join(bench.untestable)} these data cannot tell." if bench.untestable else ""
+    silent = f" Of {', '.join(setup.untestable)} these data cannot tell." if setup.untestable else ""
     if explained and not effects:
         says = f"Nothing is missing: re-tuned, the robot's gap is {floors:.2f} × the noise floor.{silent}"
         return Verdict((), True, says)
     if explained:
-        words = " and ".join(f"{_says(bench, step.effect)} ({step.where})" for step in steps)
+        words = " and ".join(f"{_says(setup, step.effect)} ({step.where})" for step in steps)
         tied = [_named(*tie) for step in steps for tie in step.ties]
         tail = f" These data cannot tell it from {', '.join(tied)}." if tied else ""
         says = f"Missing: {words}.{tail} The gap falls to {floors:.2f} × the noise floor."
         return Verdict(effects, True, says)
-    where = place(bench, final)
+    where = place(setup, final)
     near = f" Nearest comes {effects[-1][0]} at {effects[-1][1]}, which is not enough." if effects else ""
     says = (
         "Something is missing that nothing in the catalogue explains: averaged over repeats, the model stays "
@@ -54,15 +54,15 @@ def _named(effect: str, where: str) -> str:
     return plain.get(effect, f"{effect} at {where}")
 
 
-def _says(bench: Bench, name: str) -> str:
-    return next(effect.says for effect in bench.effects if effect.name == name)
+def _says(setup: Setup, name: str) -> str:
+    return next(effect.says for effect in setup.effects if effect.name == name)
 
 
-def place(bench: Bench, final: Weighable) -> str:
+def place(setup: Setup, final: FittedFrfs) -> str:
     """Where an unexplained disagreement sits best: the place of what comes nearest, or the worst point."""
     if final.hypothesis.placed:
         return final.hypothesis.keys[-1][1]
-    observations = bench.observations
+    observations = setup.observations
     above = excess(observations, final.predicted).sum(axis=1)
     points = np.unique(observations.response[:, 0])
     share = [above[observations.response[:, 0] == p].sum() for p in points]

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from flexmodal.diagnosis.comparison import Comparison
 from flexmodal.diagnosis.modes.evidence import ModalFit
 from flexmodal.diagnosis.modes.gap import Errors
 from flexmodal.diagnosis.modes.held_out import HeldOut
 from flexmodal.diagnosis.modes.shapes import ModeShapes
-from flexmodal.diagnosis.modes.weigh import Scales
+from flexmodal.diagnosis.modes.variants import FittedModes
 from flexmodal.identification.evidence.measured_modes import ModeObservations
 
 
@@ -23,7 +24,7 @@ class Findings:
     """The final model; without a step the best of what was weighed."""
     held_before: HeldOut | None
     held_after: HeldOut | None
-    scales: Scales
+    comparison: Comparison[FittedModes]
     """Of the first round."""
     free: ModalFit | None
     """With one more mode that has no structure."""

@@ -113,19 +113,19 @@ def _predicted(
 
 def draw_evidence(found: Findings) -> Any:
     """What each explanation gains over the robot re-tuned, and how far that moves with the priors."""
-    scales = found.scales
-    order = [k for k in scales.order if k]
-    gain = scales.table - scales.table[0]
+    comparison = found.comparison
+    order = [k for k in comparison.order if k]
+    gain = comparison.table - comparison.table[0]
     figure = new_figure(0.36 * len(order) + 1.3, WIDTH)
     axes = figure.subplots()
     tidy(axes)
     for place, k in enumerate(order):
-        tied = scales.candidates[k].key in found.tied
+        tied = comparison.models[k].key in found.tied
         colour = AFTER if tied else "#8a8f98"
         axes.plot([gain[k].min(), gain[k].max()], [place, place], color=colour, linewidth=2, alpha=0.6)
         axes.plot(gain[k, 0], place, "o" if tied else "D", color=colour, markersize=7)
     axes.axvline(0, color="0.3", linewidth=1)
-    axes.set_yticks(range(len(order)), [literal(short(scales.candidates[k].key)) for k in order])
+    axes.set_yticks(range(len(order)), [literal(short(comparison.models[k].key)) for k in order])
     axes.set_ylim(len(order) - 0.4, -0.6)
     axes.set_xlabel("Evidence over nothing added [nat]", fontsize=FONT)
     axes.tick_params(labelsize=FONT - 1)
