@@ -10,7 +10,7 @@ import numpy as np
 from flexmodal.frf.plot import PALETTE
 from flexmodal.machining.depth import Comparison, PostureDepth
 from flexmodal.machining.forced import ForcedSweep
-from flexmodal.machining.lobes import LINEAR_RATIO, Lobes
+from flexmodal.machining.stability.lobes import LINEAR_RATIO, Lobes
 
 _DEEP = 40
 """Depths that differ by more than this are drawn on a logarithmic axis."""
