@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Generic, Protocol, TypeVar
+from typing import Generic, Protocol, TypeVar, runtime_checkable
 
 import numpy as np
 from jaxtyping import Float
@@ -23,6 +23,7 @@ TIED = 5.0
 """Margin of evidence under which two models are tied, where settings are sets of beliefs [nat]."""
 
 
+@runtime_checkable
 class FittedModel(Protocol):
     """A hypothesis with its parameters at their best."""
 

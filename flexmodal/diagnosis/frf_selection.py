@@ -14,6 +14,8 @@ from flexmodal.diagnosis.frf_comparison import FittedFrfs, compare_models
 from flexmodal.diagnosis.gaps import gap_of, gaps_of, over_noise
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.looking import looked_at
+from flexmodal.diagnosis.modes.beside_frfs import ModesBeside
+from flexmodal.diagnosis.modes.search import unmatched
 from flexmodal.diagnosis.outcome import Gaps
 from flexmodal.diagnosis.selection import SIGNIFICANT, ForwardSelection
 from flexmodal.diagnosis.setup import Setup
@@ -33,12 +35,14 @@ FLOOR_REACHED = 1.4
 class FrfSelection(ForwardSelection[FittedFrfs]):
     """Effects are needed as long as the model is far from the averages over repeats."""
 
-    def __init__(self, setup: Setup) -> None:
+    def __init__(self, setup: Setup, modes: ModesBeside | None = None) -> None:
         """Re-tune the robot.
 
         Args:
             setup: what the diagnosis works with.
+            modes: that were measured too; they count in every comparison.
         """
+        self.modes = modes
         setup.advance("re-tuning the robot", 0.0)
         bare, zero = Hypothesis(setup.context, setup.base), np.zeros(len(setup.base))
         self.setup = setup
@@ -71,8 +75,9 @@ class FrfSelection(ForwardSelection[FittedFrfs]):
         return [before, *found, unstructured_mode(self.setup, before)]
 
     def compare(self, models: Sequence[FittedFrfs]) -> Comparison[FittedFrfs]:
-        """On the postures that were fitted and those held out."""
-        return compare_models(models, self.setup.observations, self.setup.seed)
+        """On the postures that were fitted and those held out, and on modes."""
+        found = compare_models(models, self.setup.observations, self.setup.seed)
+        return found if self.modes is None else self.modes.added_to(found)
 
     def choose(self, comparison: Comparison[FittedFrfs], number: int) -> int | None:
         """The best, if it gains enough; a mode with no structure is no explanation."""
@@ -89,8 +94,12 @@ class FrfSelection(ForwardSelection[FittedFrfs]):
         return best
 
     def is_enough(self, model: FittedFrfs) -> bool:
-        """Whether it reaches the noise."""
-        return over_noise(self.setup, model) <= FLOOR_REACHED
+        """Whether it reaches the noise, and every mode has a partner."""
+        return over_noise(self.setup, model) <= FLOOR_REACHED and not self.lacking(model)
+
+    def lacking(self, model: FittedFrfs) -> dict[int, float]:
+        """Measured modes that it has none for in at least half the postures: frequencies [Hz]."""
+        return {} if self.modes is None else unmatched(self.modes.predicted(model)[0])
 
     def gaps(self, before: FittedFrfs, after: FittedFrfs) -> Gaps:
         """Of single records."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -11,10 +11,18 @@ from flexmodal.diagnosis.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.names import NONE, UNKNOWN, UNSTRUCTURED
 from flexmodal.diagnosis.outcome import Gaps, Step, Verdict
 from flexmodal.diagnosis.setup import Setup
+from flexmodal.text.words import enumeration
 
 
 def verdict(
-    setup: Setup, steps: Sequence[Step], final: FittedFrfs, gaps: Gaps, over: float, *, explained: bool
+    setup: Setup,
+    steps: Sequence[Step],
+    final: FittedFrfs,
+    gaps: Gaps,
+    over: float,
+    *,
+    explained: bool,
+    lacking: Mapping[int, float] | None = None,
 ) -> Verdict:
     """Nothing is missing, something of the catalogue is, or something else.
 
@@ -25,6 +33,7 @@ def verdict(
         gaps: before and after.
         over: how far the model is from the averages, over their noise.
         explained: whether that is near enough.
+        lacking: measured modes that the model has none for, frequencies [Hz].
     """
     floors = gaps.after / gaps.noise_floor
     effects = tuple((step.effect, step.where) for step in steps)
@@ -40,9 +49,13 @@ def verdict(
         return Verdict(effects, True, says)
     where = place(setup, final)
     near = f" Nearest comes {effects[-1][0]} at {effects[-1][1]}, which is not enough." if effects else ""
+    modes = ""
+    if lacking:
+        frequencies = enumeration([f"{frequency:.3g}" for frequency in lacking.values()])
+        modes = f" It has no mode for those measured near {frequencies} Hz."
     says = (
         "Something is missing that nothing in the catalogue explains: averaged over repeats, the model stays "
-        f"{over:.1f} times as far from the measurements as noise alone would put it. "
+        f"{over:.1f} times as far from the measurements as noise alone would put it.{modes} "
         f"Look at {where}.{near}{silent}"
     )
     return Verdict(((UNKNOWN, where),), False, says)

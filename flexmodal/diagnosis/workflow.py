@@ -14,6 +14,7 @@ from flexmodal.diagnosis.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.frf_selection import FLOOR_REACHED, FrfSelection
 from flexmodal.diagnosis.gaps import gaps_of, left, over_noise
 from flexmodal.diagnosis.looking import looked_at
+from flexmodal.diagnosis.modes.beside_frfs import ModesBeside
 from flexmodal.diagnosis.modes.workflow import diagnose_modes, is_modal
 from flexmodal.diagnosis.next_measurement import next_measurement
 from flexmodal.diagnosis.outcome import Diagnosis, NextMeasurement
@@ -21,6 +22,7 @@ from flexmodal.diagnosis.provenance import provenance
 from flexmodal.diagnosis.setup import Advance, prepare
 from flexmodal.diagnosis.verdict import verdict
 from flexmodal.identification import gap, uncertainty
+from flexmodal.identification.evidence.mode_sources import modes_of_table
 from flexmodal.model import Robot
 
 EXPLAINED = 2.0
@@ -42,7 +44,7 @@ def diagnose(
     """Find what is missing between a robot and a campaign of hammer tests on it.
 
     Args:
-        campaign: with FRFs, or blows to estimate them from; with modes alone they are diagnosed (`modes`).
+        campaign: with FRFs, blows to estimate them from, modes, or FRFs and modes, which both count then.
         robot: as it is believed to be.
         hold_out: postures (ids or names) that no weighed fit sees. By default one in four, at least one,
             those on which the re-tuned robot is neither best nor worst; with fewer than three postures none.
@@ -59,7 +61,9 @@ def diagnose(
             campaign, robot, hold_out=hold_out, effects=effects, trust=trust, seed=seed, advance=advance
         )
     with threadpool_limits(1):  # matrices this small only wait for the threads of a BLAS
-        selection = FrfSelection(prepare(campaign, robot, hold_out, effects, trust, seed, advance))
+        setup = prepare(campaign, robot, hold_out, effects, trust, seed, advance)
+        modes = None if campaign.modes is None else ModesBeside(modes_of_table(campaign), setup.fitted)
+        selection = FrfSelection(setup, modes)
         selection.run()
         return _conclude(selection)
 
@@ -79,13 +83,15 @@ def _conclude(selection: FrfSelection) -> Diagnosis:
     explained = over <= FLOOR_REACHED or (over <= EXPLAINED and left(setup, selection.root, final) <= LEFT)
     if selection.force_matters and not final.hypothesis.by_force:
         explained = False  # nothing linear changes with the force
+    lacking = selection.lacking(final)
+    explained = explained and not lacking
     everything = gap(setup.observations, selection.believed)
     gaps = replace(
         gaps_of(setup, before, final, everything.value),
         held_out_before=held_pair.held_out_before,
         held_out_after=held_pair.held_out_after,
     )
-    says = verdict(setup, selection.steps, final, gaps, over, explained=explained)
+    says = verdict(setup, selection.steps, final, gaps, over, explained=explained, lacking=lacking)
     sure = uncertainty(final.hypothesis.space, final.fitted.normal, setup.observations)
     setup.advance("what to measure next", 0.5)
     return Diagnosis(

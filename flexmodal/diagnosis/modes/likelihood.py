@@ -145,10 +145,12 @@ class Likelihood:
         p = self.space.precision
         known = p > 0
         total = -0.5 * prior_cost(self.space, x) + 0.5 * float(np.sum(np.log(p[known] / (2 * np.pi))))
-        for name, value in scales.items():
-            mean, deviation = self.beliefs.scales[name.partition(".")[0]]
-            total += log_normal(value - mean, deviation**2)
-        return total
+        return total + self.log_prior_of_scales(scales)
+
+    def log_prior_of_scales(self, scales: Mapping[str, float]) -> float:
+        """Of the scales alone."""
+        priors = ((value, self.beliefs.scales[name.partition(".")[0]]) for name, value in scales.items())
+        return sum(log_normal(value - mean, deviation**2) for value, (mean, deviation) in priors)
 
     def log_posterior(
         self, x: Float[np.ndarray, " parameter"], scales: Mapping[str, float], pairs: Pairs
