@@ -93,7 +93,16 @@ def descend_from(
     way: str = "auto",
     progress: Progress | None = None,
 ) -> Ends:
-    """Where descents from many starts end; arguments and errors as for `search_postures`."""
+    """Where descents from many starts end.
+
+    Args:
+        problem: as for `search_postures`, as all below.
+        starts: start × commanded joint.
+        iterations: most of each descent.
+        threads: most of them.
+        way: "auto", "compiled" or "plain".
+        progress: told of every batch.
+    """
     starts = _checked(problem, starts, iterations, threads, way)
     way = choose_way(problem, len(starts)) if way == "auto" else way
     cores = min(threads or available_cores(), -(-len(starts) // _AT_ONCE)) if way == "compiled" else 1
