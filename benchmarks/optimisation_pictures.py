@@ -10,9 +10,9 @@ from flexmodal import Hold, PointDirection, PostureProblem, ReceptanceObjective
 from flexmodal.frf.plot import write_plot
 from flexmodal.optimisation.path import PathProblem, greedy_path, line, plan_path
 from flexmodal.optimisation.path.plot import draw_path
-from flexmodal.optimisation.plot import draw_postures, draw_receptances, draw_self_motion
-from flexmodal.optimisation.traces import draw_traces, follow
-from flexmodal.optimisation.workspace import draw_workspace, workspace_map
+from flexmodal.optimisation.pictures.plot import draw_postures, draw_receptances, draw_self_motion
+from flexmodal.optimisation.pictures.traces import draw_traces, follow
+from flexmodal.optimisation.pictures.workspace import draw_workspace, workspace_map
 
 PICTURES = ROOT / "docs" / "pictures"
 

@@ -78,7 +78,7 @@ def optimise(
     """The posture that resists best, holding the end-effector, along a family, or free."""
     from flexmodal.optimisation import PostureProblem
     from flexmodal.optimisation import optimise as search
-    from flexmodal.optimisation.searches import is_compiled
+    from flexmodal.optimisation.search import BLOCK, DEFAULT_STARTS, choose_way
 
     _one_of(hold, family, free)
     pictures = pictures_of(
@@ -89,7 +89,8 @@ def optimise(
     problem = PostureProblem(arm, judge, hold_of(arm, hold, orientation, axis, tool_axis))
     chosen = None if family is None else arm.family(family, source=f"{SOURCE} --family")
     where = None if start is None else posture_of(arm, start, "--start")
-    total = 401 if chosen else starts or (256 if is_compiled(problem) else 64)
+    way = "plain" if chosen or method != "newton" else choose_way(problem, starts or DEFAULT_STARTS)
+    total = 401 if chosen else starts or (BLOCK if way == "compiled" else DEFAULT_STARTS)
     with noted_progress(total, "searching", quiet=quiet) as (advance, note):
         outcome = search(
             problem,
@@ -98,8 +99,10 @@ def optimise(
             starts=starts,
             seed=seed,
             method=method,
+            way=way,
             advance=advance,
             improved=lambda value: note(f"best {value:.4g} {judge.unit}"),
+            doing=note,
         )
     if as_json:
         print_json(_json(outcome))

@@ -228,7 +228,7 @@ def _summary(outcome: PathOutcome) -> dict[str, Any]:
         "sum": outcome.total,
         "worst": outcome.worst,
         "fastest": outcome.fastest,
-        "astray": outcome.astray,
+        "deviation": outcome.deviation,
     }
 
 
@@ -244,7 +244,7 @@ def _print(arm: Robot, found: dict[str, PathOutcome]) -> None:
         rows.append([f"{point.time:.3g}", f"{best.values[place]:.4g}", *angles])
     print_table(f"{arm.name}: a posture for each point", ["time [s]", f"[{unit}]", *arm.commanded], rows)
     rows = [
-        [name, f"{one.total:.4g}", f"{one.worst:.4g}", f"{100 * one.fastest:.1f} %", f"{one.astray:.2g}"]
+        [name, f"{one.total:.4g}", f"{one.worst:.4g}", f"{100 * one.fastest:.1f} %", f"{one.deviation:.2g}"]
         for name, one in found.items()
     ]
     print_table(

@@ -28,7 +28,17 @@ def recursion_of(
     loss_factor: float,
     addition: np.ndarray | None,
 ) -> Callable[[slice, slice, np.ndarray], int] | None:
-    """The recursion along a chain; none where the robot is no such chain or numba is missing."""
+    """The recursion along a chain; none where the robot is no such chain or numba is missing.
+
+    Args:
+        robot: the robot.
+        values: posture × commanded joint [rad, m].
+        rows: directions at its points.
+        numbers: pairs of them.
+        omega: angular frequencies [rad/s].
+        loss_factor: structural damping η.
+        addition: what is added to Z, if anything; there is no recursion then.
+    """
     plain = addition is None and not robot.couplings
     chain = chain_of(robot) if plain and has_numba() else None
     if chain is None:
@@ -45,21 +55,21 @@ def recursion_of(
     )
 
     def fill(systems: slice, lines: slice, out: np.ndarray) -> int:
-        from flexmodal.frf.kernels.compiled import compiled_sweep_along
-        from flexmodal.model.batch.compiled import compiled_planes, compiled_spaces
+        from flexmodal.frf.kernels.compiled import sweep_along
+        from flexmodal.model.batch.compiled import plane_kernel, space_kernel
 
         moved, here = expand(robot, values[systems]), omega[lines]
         if robot.is_planar:
             algebra, across = PLANAR, robot.task[:2, :3]
             joints, wrenches = empty_plane(moved.shape[0], moved.shape[1], len(rows))
             plane = np.array([*across, np.cross(across[0], across[1])])
-            compiled_planes()(chain.arrays, where, plane, springs, moved, joints, wrenches)
+            plane_kernel().compiled(chain.arrays, where, plane, springs, moved, joints, wrenches)
         else:
             algebra = SPATIAL
             joints, wrenches = empty_space(moved.shape[0], moved.shape[1], len(rows))
-            compiled_spaces()(chain.arrays, where, springs, moved, joints, wrenches)
+            space_kernel().compiled(chain.arrays, where, springs, moved, joints, wrenches)
         padded = np.pad(here, (0, -len(here) % LANES), mode="edge")
-        sweep = compiled_sweep_along(algebra, numbers, kinds)
+        sweep = sweep_along(algebra, numbers, kinds).compiled
         return int(sweep(joints, wrenches, padded, algebra.before(len(rows)), out))
 
     return fill
