@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Sequence
+from dataclasses import replace
 from typing import get_args
 
 import numpy as np
 
+from flexmodal.ema.choices import Choices
 from flexmodal.ema.measured import Measured
 from flexmodal.ema.methods.basis import check_residuals
 from flexmodal.ema.methods.choice_variance import moved
@@ -23,41 +24,11 @@ from flexmodal.ema.methods.noise import with_variance
 from flexmodal.ema.methods.peak import Peak
 from flexmodal.ema.methods.picking import pick_peak
 from flexmodal.ema.methods.select import choose_peaks
-from flexmodal.ema.methods.stabilisation import Stabilisation, Tolerances, stabilise
+from flexmodal.ema.methods.stabilisation import Stabilisation, stabilise
 from flexmodal.ema.mode import EstimatedModes, Method, ModeEstimate, with_residual_terms
 from flexmodal.ema.pooling import pooled
 from flexmodal.ema.quality import with_quality
 from flexmodal.errors import Fault, InvalidRequest
-
-
-@dataclass(frozen=True)
-class Choices:
-    """What a person may decide about a fit; the defaults decide nothing by hand."""
-
-    band: tuple[float, float] | None = None
-    """Lines to use [Hz]."""
-    at: Sequence[float | Peak] | None = None
-    """Peaks to take instead of the automatic ones [Hz]."""
-    forbid: Sequence[tuple[float, float]] = ()
-    """Bands in which no automatic peak is wanted [Hz]."""
-    hold_frequency: Sequence[float] = ()
-    """Natural frequencies to take as they are [Hz]."""
-    damping: Mapping[float, float] = field(default_factory=dict)
-    """Damping ratios to force, by the frequency of their peak [Hz]."""
-    prominence: float = 2.0
-    """Least height of an automatic peak over its valleys [dB]."""
-    residuals: str = "complex"
-    """Terms for modes outside the band: none, real, complex."""
-    weighting: str = "variance"
-    """Of least squares: variance, uniform, logarithmic."""
-    highest_order: int = 40
-    """Of LSCF."""
-    tolerances: Tolerances = field(default_factory=Tolerances)
-    """Of the stabilisation diagram."""
-    refine: bool = True
-    """Whether a least squares fit from LSCF's poles takes their bias out and gives intervals."""
-    vary: bool = True
-    """Whether fits are repeated under other choices than these, to state how far those move each number."""
 
 
 def estimate(

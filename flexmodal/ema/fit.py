@@ -11,8 +11,8 @@ import numpy as np
 from jaxtyping import Float
 
 from flexmodal.campaign import FrfRecords, QualityFlag
+from flexmodal.ema.choices import Choices
 from flexmodal.ema.estimate import (
-    Choices,
     by_reading,
     check_method,
     each_by_least_squares,

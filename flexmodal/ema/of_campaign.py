@@ -16,7 +16,7 @@ from flexmodal.campaign import (
     estimate_frfs,
     record_variance,
 )
-from flexmodal.ema.estimate import Choices
+from flexmodal.ema.choices import Choices
 from flexmodal.ema.fit import Fit, fit_records
 from flexmodal.ema.window import without_window
 from flexmodal.errors import Fault, InvalidRequest
