@@ -12,9 +12,9 @@ from flexmodal.cli.holds import hold_of, orientation_options
 from flexmodal.cli.objectives import judging_options, objective_of
 from flexmodal.cli.options import (
     SOURCE,
+    RobotOptions,
     force_option,
     json_option,
-    load_robot,
     posture_of,
     quiet_option,
     robot_options,
@@ -57,11 +57,7 @@ if TYPE_CHECKING:
 @json_option
 @click.option("--show", is_flag=True, help="Start and optimum in the browser.")
 def optimise(
-    robot: str,
-    stiffness: str | None,
-    damping: str | None,
-    tool: str | None,
-    fix: str | None,
+    robot: RobotOptions,
     hold: str | None,
     family: str | None,
     free: bool,
@@ -88,7 +84,7 @@ def optimise(
     pictures = pictures_of(
         plots, force=force, hold=hold is not None, start=start is not None, family=family is not None
     )
-    arm = load_robot(robot, stiffness, damping, tool, fix)
+    arm = robot.load()
     judge = objective_of(arm, seed=seed, **judging)
     problem = PostureProblem(arm, judge, hold_of(arm, hold, orientation, axis, tool_axis))
     chosen = None if family is None else arm.family(family, source=f"{SOURCE} --family")

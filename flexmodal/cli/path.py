@@ -13,10 +13,10 @@ import click
 from flexmodal.cli.holds import at, orientation_options
 from flexmodal.cli.options import (
     SOURCE,
+    RobotOptions,
     force_option,
     hertz,
     json_option,
-    load_robot,
     number,
     per_joint,
     quiet_option,
@@ -64,11 +64,7 @@ _ENDINGS = (".csv", ".png", ".svg")
 @quiet_option
 @json_option
 def path(
-    robot: str,
-    stiffness: str | None,
-    damping: str | None,
-    tool: str | None,
-    fix: str | None,
+    robot: RobotOptions,
     toolpath: Path | None,
     line: str | None,
     arc: str | None,
@@ -95,7 +91,7 @@ def path(
     from flexmodal.optimisation.path import PathProblem
 
     refuse_existing(out, force, _ENDINGS)
-    arm = load_robot(robot, stiffness, damping, tool, fix)
+    arm = robot.load()
     problem = partial(
         PathProblem.along,
         arm,

@@ -71,7 +71,7 @@ def extend(diagnosis: Diagnosis) -> Extension:
         if placed.effect.extend is None:
             draft.notes.append(_left_out(placed, model.values_of(placed, values), scene))
         else:
-            placed.effect.extend(draft, Placement(scene, placed.where, model.values_of(placed, values), 0))
+            placed.effect.extend(draft, Placement.still(scene, placed.where, model.values_of(placed, values)))
     urdf = draft.finish()
     etree.indent(urdf)
     return Extension(scene.robot, urdf, _card(draft, diagnosis), tuple(draft.notes))
@@ -122,7 +122,7 @@ def _card(draft: Draft, diagnosis: Diagnosis) -> dict[str, Any]:
 def _points(draft: Draft, diagnosis: Diagnosis) -> dict[str, dict[str, Any]]:
     """The card's points and those of the campaign that it lacks, on the halves where they sit."""
     places = {name: (point.link, point.xyz) for name, point in draft.robot.points.items()}
-    for point in diagnosis.observations.campaign.points:
+    for point in diagnosis.model.context.points:
         if is_card_name(point.name):
             places.setdefault(point.name, (point.link, point.xyz))
     found = {}
@@ -135,7 +135,7 @@ def _points(draft: Draft, diagnosis: Diagnosis) -> dict[str, dict[str, Any]]:
 def _postures(robot: Robot, diagnosis: Diagnosis) -> dict[str, dict[str, float]]:
     """Postures of the campaign that the card lacks."""
     found = {}
-    for posture in diagnosis.observations.postures:
+    for posture in diagnosis.model.context.postures:
         if posture.name in robot.postures or not is_card_name(posture.name):
             continue
         try:

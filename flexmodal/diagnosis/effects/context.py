@@ -9,12 +9,12 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Float, Int
 
-from flexmodal.campaign import CampaignPoint, CampaignPosture
+from flexmodal.campaign import CampaignPoint, CampaignPosture, named_direction
 from flexmodal.diagnosis.march.pulse import Pulse, pulses
 from flexmodal.identification import Observations
 from flexmodal.identification.model import AXES
 from flexmodal.model import Robot
-from flexmodal.structure.arm import Arm, far_end, moved_bodies, plane_normal
+from flexmodal.structure.arm import Arm, Arms, far_end, moved_bodies, plane_normal
 
 Place = tuple[int, int]
 """Point id, and direction 1, 2, 3."""
@@ -101,12 +101,26 @@ class Context:
         return tuple(Arm(self.robot, dict(posture.q)) for posture in self.postures)
 
     @cached_property
+    def stacked(self) -> Arms:
+        """The same, side by side."""
+        return Arms.of(self.arms)
+
+    def axes(self, link: str) -> Float[np.ndarray, "3 3"]:
+        """Axes of a link in the first posture."""
+        return self.arms[0].placed[link][:3, :3]
+
+    @cached_property
     def _points(self) -> Mapping[int | str, CampaignPoint]:
         return {key: point for point in self.points for key in (point.id, point.name)}
 
     def point(self, key: int | str) -> CampaignPoint:
         """A point by its id or name."""
         return self._points[key]
+
+    def direction(self, place: Place) -> str:
+        """A point and a direction as text, such as tip:+z."""
+        number, way = place
+        return str(named_direction((number, way), {number: self.point(number).name}))
 
     def places(
         self, table: Int[np.ndarray, "place 2"]

@@ -15,9 +15,8 @@ from jaxtyping import Complex, Float
 
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.modes.spectrum import spectrum
-from flexmodal.diagnosis.outcome import NONE, UNSTRUCTURED
-from flexmodal.identification import Observations
-from flexmodal.identification.model import Group
+from flexmodal.diagnosis.names import NONE, UNSTRUCTURED
+from flexmodal.identification.evidence.measured_modes import Place
 from flexmodal.structure import Parameter, ParameterSpace
 
 USUAL_DAMPING, DAMPING_SPREAD = 0.05, 1.0
@@ -77,12 +76,11 @@ class Explanation:
     def forecasts(
         self,
         x: Float[np.ndarray, " parameter"],
-        observations: Observations,
-        places: Sequence[tuple[int, int]],
+        places: Sequence[Place],
         *,
         slopes: bool,
     ) -> list[Forecast]:
-        """Modes of every posture of the observations, seen at these places.
+        """Modes of every posture of the context, seen at these places.
 
         Raises:
             InvalidSystem: a mass matrix that is not positive definite.
@@ -90,10 +88,8 @@ class Explanation:
         count = len(self.space) if slopes else 0
         inner = x[: len(self.hypothesis.space)]
         names = self.hypothesis.space.names if slopes else ()
-        groups = self.hypothesis.groups(inner, observations, slopes=slopes)
-        made = spectrum(
-            [g.structure for g in groups], [_rows(g, observations, places) for g in groups], names
-        )
+        structures = self.hypothesis.structures(inner, places, (), slopes=slopes)
+        made = spectrum(structures, names)
         own, found = len(names), []
         for number, n in enumerate(made.count):
             pole = made.pole[number, :n]
@@ -130,12 +126,3 @@ class Explanation:
         return Forecast(
             *(np.concatenate([getattr(p, name) for p in parts], axis=-1) for name in Forecast.__annotations__)
         )
-
-
-def _rows(group: Group, observations: Observations, places: Sequence[tuple[int, int]]) -> np.ndarray:
-    """Where places stand among the response rows of a group's structure."""
-    wanted = {
-        (int(p), int(d)): int(row)
-        for (p, d), row in zip(observations.response[group.observations], group.pairs[:, 0], strict=True)
-    }
-    return np.array([wanted[place] for place in places], dtype=int)

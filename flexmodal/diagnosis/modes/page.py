@@ -12,9 +12,10 @@ from flexmodal.diagnosis.modes.evidence import ModalFit
 from flexmodal.diagnosis.modes.findings import Findings
 from flexmodal.diagnosis.modes.gap import Errors, errors, figures
 from flexmodal.diagnosis.modes.pictures import draw_evidence, draw_frequencies, draw_shapes, short
-from flexmodal.diagnosis.modes.weigh import VARIANTS
+from flexmodal.diagnosis.modes.variants import VARIANTS
 from flexmodal.diagnosis.modes.words import left_words, named, shape_words, tie_words
-from flexmodal.diagnosis.outcome import NONE, UNSTRUCTURED, Diagnosis
+from flexmodal.diagnosis.names import NONE, UNSTRUCTURED
+from flexmodal.diagnosis.outcome import Diagnosis
 from flexmodal.diagnosis.report.arm_picture import draw_arm
 from flexmodal.diagnosis.report.pictures import draw_descent
 from flexmodal.diagnosis.report.tables import base_rows, effect_rows, next_words, region_rows
@@ -55,7 +56,7 @@ def _content(diagnosis: Diagnosis, notes: Sequence[str]) -> dict[str, Any]:
         "regions": region_rows(diagnosis.disagreement),
         "remaining": region_rows(diagnosis.remaining) if diagnosis.steps else [],
         "frequencies": svg_text(draw_frequencies(found, name)),
-        "evidence": svg_text(draw_evidence(found)) if len(found.scales.candidates) > 1 else "",
+        "evidence": svg_text(draw_evidence(found)) if len(found.comparison.models) > 1 else "",
         "shapes": svg_text(draw_shapes(found, *pair)) if pair and found.shapes else "",
         "shape_rows": shape_rows(found),
         "compared": [] if found.compared is None else [named(key) for key in found.compared],
@@ -118,7 +119,7 @@ def compared_fits(found: Findings) -> tuple[ModalFit, ModalFit] | None:
     """The two explanations whose shapes are compared."""
     if found.compared is None:
         return None
-    table = {one.key: one.fit for one in found.scales.candidates}
+    table = {one.key: one.fit for one in found.comparison.models}
     return table[found.compared[0]], table[found.compared[1]]
 
 
@@ -161,21 +162,21 @@ def _figures(name: str, fitted: Errors | None, held: Errors | None) -> list[str]
 
 def weighing_rows(found: Findings) -> list[dict[str, Any]]:
     """Everything that was weighed, the most probable first."""
-    scales, rows = found.scales, []
-    base = len(scales.candidates[0].fit.explanation.space)
-    gain = scales.table - scales.table[0]
-    for k in scales.order:
-        one = scales.candidates[k]
+    comparison, rows = found.comparison, []
+    base = len(comparison.models[0].fit.explanation.space)
+    gain = comparison.table - comparison.table[0]
+    for k in comparison.order:
+        one = comparison.models[k]
         rows.append({
             "name": "nothing added" if k == 0 else short(one.key),
             "adds": len(one.fit.explanation.space) - base,
             "missing": sum(partner < 0 for partner in one.fit.pairs),
             "gain": f"{gain[k, 0]:.1f}".replace("-", "−"),
             "range": f"{gain[k].min():.0f} … {gain[k].max():.0f}".replace("-", "−"),
-            "held": "–" if one.held is None or scales.candidates[0].held is None
-            else f"{one.held.score - scales.candidates[0].held.score:+.1f}".replace("-", "−"),
-            "probability": percent(scales.probability[k]),
-            "width": 100 * scales.probability[k],
+            "held": "–" if one.held is None or comparison.models[0].held is None
+            else f"{one.held.score - comparison.models[0].held.score:+.1f}".replace("-", "−"),
+            "probability": percent(comparison.probability[k]),
+            "width": 100 * comparison.probability[k],
             "tied": one.key in found.tied,
         })  # fmt: skip
     return rows
@@ -197,9 +198,9 @@ def shape_rows(found: Findings) -> list[list[str]]:
 def mode_rows(found: Findings) -> list[list[str]]:
     """Every measured mode beside the models."""
     rows = []
-    for k, mode in enumerate(found.measured.observed.modes):
+    for k, mode in enumerate(found.measured.modes):
         cells = [
-            found.measured.observed.postures[mode.posture].name,
+            found.measured.postures[mode.posture].name,
             f"{mode.frequency:.2f} ± {mode.frequency * mode.frequency_error:.2f}",
         ]
         cells += [_frequency(found.before, k), _frequency(found.after, k)]
@@ -218,10 +219,10 @@ def mode_rows(found: Findings) -> list[list[str]]:
 
 
 def _frequency(fit: ModalFit, k: int) -> str:
-    seen = fit.forecasts[fit.measured.observed.modes[k].posture]
+    seen = fit.forecasts[fit.measured.modes[k].posture]
     return f"{np.exp(seen.log_frequency[fit.pairs[k]]):.2f}" if fit.pairs[k] >= 0 else "–"
 
 
 def _damping(fit: ModalFit, k: int) -> str:
-    seen = fit.forecasts[fit.measured.observed.modes[k].posture]
+    seen = fit.forecasts[fit.measured.modes[k].posture]
     return f"{np.exp(seen.log_damping[fit.pairs[k]]):.3f}" if fit.pairs[k] >= 0 else "–"

@@ -11,7 +11,7 @@ from flexmodal.diagnosis.modes.findings import Findings
 from flexmodal.diagnosis.modes.held_out import HeldOut
 from flexmodal.diagnosis.modes.shapes import shapes_of
 from flexmodal.diagnosis.modes.words import most_telling
-from flexmodal.diagnosis.outcome import UNSTRUCTURED
+from flexmodal.diagnosis.names import UNSTRUCTURED
 from flexmodal.diagnosis.report.pictures import (
     AFTER,
     BEFORE,
@@ -34,19 +34,17 @@ def draw_frequencies(found: Findings, after_name: str) -> Any:
     """Each measured mode over the postures, with what the models have there: one panel a mode."""
     measured, numbers = found.measured, found.measured.numbers
     numbers = tuple(
-        sorted(
-            numbers, key=lambda n: np.median([m.frequency for m in measured.observed.modes if m.number == n])
-        )
+        sorted(numbers, key=lambda n: np.median([m.frequency for m in measured.modes if m.number == n]))
     )
     figure = new_figure(1.45 * len(numbers) + 1.0)
     panels = np.atleast_1d(figure.subplots(len(numbers), 1, sharex=True))
-    names = [p.name for p in measured.observed.postures]
+    names = [p.name for p in measured.postures]
     for axes, number in zip(panels, numbers, strict=True):
         tidy(axes)
-        rows = [k for k, m in enumerate(measured.observed.modes) if m.number == number]
-        at = np.array([measured.observed.modes[k].posture for k in rows])
-        f = np.array([measured.observed.modes[k].frequency for k in rows])
-        bars = f * np.array([measured.observed.modes[k].frequency_error for k in rows])
+        rows = [k for k, m in enumerate(measured.modes) if m.number == number]
+        at = np.array([measured.modes[k].posture for k in rows])
+        f = np.array([measured.modes[k].frequency for k in rows])
+        bars = f * np.array([measured.modes[k].frequency_error for k in rows])
         axes.errorbar(
             at,
             f,
@@ -85,7 +83,7 @@ def _partners(
     axes: Any, fit: ModalFit, rows: list[int], x: np.ndarray, colour: str, marker: str, label: str
 ) -> None:
     y = [
-        np.exp(fit.forecasts[fit.measured.observed.modes[k].posture].log_frequency[fit.pairs[k]])
+        np.exp(fit.forecasts[fit.measured.modes[k].posture].log_frequency[fit.pairs[k]])
         if fit.pairs[k] >= 0
         else np.nan
         for k in rows
@@ -115,19 +113,19 @@ def _predicted(
 
 def draw_evidence(found: Findings) -> Any:
     """What each explanation gains over the robot re-tuned, and how far that moves with the priors."""
-    scales = found.scales
-    order = [k for k in scales.order if k]
-    gain = scales.table - scales.table[0]
+    comparison = found.comparison
+    order = [k for k in comparison.order if k]
+    gain = comparison.table - comparison.table[0]
     figure = new_figure(0.36 * len(order) + 1.3, WIDTH)
     axes = figure.subplots()
     tidy(axes)
     for place, k in enumerate(order):
-        tied = scales.candidates[k].key in found.tied
+        tied = comparison.models[k].key in found.tied
         colour = AFTER if tied else "#8a8f98"
         axes.plot([gain[k].min(), gain[k].max()], [place, place], color=colour, linewidth=2, alpha=0.6)
         axes.plot(gain[k, 0], place, "o" if tied else "D", color=colour, markersize=7)
     axes.axvline(0, color="0.3", linewidth=1)
-    axes.set_yticks(range(len(order)), [literal(short(scales.candidates[k].key)) for k in order])
+    axes.set_yticks(range(len(order)), [literal(short(comparison.models[k].key)) for k in order])
     axes.set_ylim(len(order) - 0.4, -0.6)
     axes.set_xlabel("Evidence over nothing added [nat]", fontsize=FONT)
     axes.tick_params(labelsize=FONT - 1)
@@ -142,13 +140,13 @@ def draw_shapes(found: Findings, one: ModalFit, other: ModalFit) -> Any:
     figure = new_figure(4.2)
     axes = figure.subplots()
     tidy(axes)
-    rows = list(range(len(measured.places)))
+    rows = list(range(len(measured.responses)))
     seen_by = shapes_of(measured, chosen.number)
     models = [_shape(fit, chosen.number, next(iter(seen_by))) for fit in (one, other)]
     first = next((_turned(model) for model in models if model is not None), None)
     for number, (posture, (seen, residue)) in enumerate(seen_by.items()):
         turned = _turned(residue, None if first is None else first[seen])
-        name = measured.observed.postures[posture].name.replace("configuration_", "conf. ")
+        name = measured.postures[posture].name.replace("configuration_", "conf. ")
         axes.plot(
             seen, turned.real, color="0.45", linewidth=1, marker="osD^vP<>"[number % 8], markersize=5,
             label=f"measured, {name}",
@@ -161,7 +159,7 @@ def draw_shapes(found: Findings, one: ModalFit, other: ModalFit) -> Any:
                 label=short(fit.explanation.key),
             )  # fmt: skip
     names = [
-        measured.campaign.point(number).name.replace("location_", "loc. ") for number, _ in measured.places
+        measured.campaign.point(number).name.replace("location_", "loc. ") for number, _ in measured.responses
     ]
     axes.set_xticks(rows, [literal(name[:12]) for name in names])
     axes.set_ylabel("Shape, real part, largest = 1 [–]", fontsize=FONT)
@@ -178,7 +176,7 @@ def _turned(shape: np.ndarray, like: np.ndarray | None = None) -> np.ndarray:
 
 
 def _shape(fit: ModalFit, number: int, posture: int) -> np.ndarray | None:
-    for k, mode in enumerate(fit.measured.observed.modes):
+    for k, mode in enumerate(fit.measured.modes):
         if mode.number == number and mode.posture == posture and fit.pairs[k] >= 0:
             shape = fit.forecasts[posture].shape[:, fit.pairs[k]]
             return None if np.isnan(shape).any() else shape

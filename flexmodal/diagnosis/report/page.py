@@ -7,7 +7,8 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from flexmodal.diagnosis.outcome import UNKNOWN, Diagnosis
+from flexmodal.diagnosis.names import UNKNOWN
+from flexmodal.diagnosis.outcome import Diagnosis
 from flexmodal.diagnosis.report.arm_picture import draw_arm
 from flexmodal.diagnosis.report.pictures import draw_descent, draw_map, draw_pair, telling_rows
 from flexmodal.diagnosis.report.tables import (

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
-from flexmodal.diagnosis.outcome import NONE, Diagnosis, NextMeasurement, Region, Step, Weighed
+from flexmodal.diagnosis.names import NONE
+from flexmodal.diagnosis.outcome import Diagnosis, NextMeasurement, Region, Step, Weighed
 from flexmodal.diagnosis.report.words import (
     effect_words,
     error,
@@ -152,11 +153,11 @@ def effect_rows(step: Step) -> list[tuple[str, str, str]]:
 
 def next_words(diagnosis: Diagnosis, measurement: NextMeasurement) -> dict[str, str]:
     """What to do next, part by part."""
-    robot, observations = diagnosis.model.context.robot, diagnosis.observations
+    context, robot = diagnosis.model.context, diagnosis.model.context.robot
     sliding = [name for name, joint in robot.commanded.items() if joint.is_prismatic]
     pairs = (explanation.partition("@")[::2] for explanation in measurement.separates)
     one, other = (placed(effect, where) for effect, where in pairs)
-    sensor = observations.direction(measurement.response)
+    sensor = context.direction(measurement.response)
     if measurement.point is not None:
         sensor = f"a new sensor at {measurement.point}, along {sensor.partition(':')[2]}"
     return {
@@ -164,6 +165,6 @@ def next_words(diagnosis: Diagnosis, measurement: NextMeasurement) -> dict[str, 
         "other": other,
         "posture": posture_words(measurement.posture, sliding),
         "sensor": sensor,
-        "hammer": f"{observations.direction(measurement.reference)}, about {measurement.force_peak:.3g} N",
+        "hammer": f"{context.direction(measurement.reference)}, about {measurement.force_peak:.3g} N",
         "expected": f"{measurement.expected:.1f}",
     }

@@ -6,7 +6,8 @@ import math
 from collections.abc import Mapping, Sequence
 
 from flexmodal.diagnosis.effects import catalogue
-from flexmodal.diagnosis.outcome import NONE, UNKNOWN, UNSTRUCTURED, Diagnosis
+from flexmodal.diagnosis.names import NONE, UNKNOWN, UNSTRUCTURED
+from flexmodal.diagnosis.outcome import Diagnosis
 from flexmodal.identification import Observations
 
 _KINDS = {
