@@ -85,7 +85,7 @@ def test_a_compilation_is_said(problem, monkeypatch):
 
 
 def test_the_first_command_compiles_nothing(tmp_path):
-    words = ["optimise", "six_link", "--hold", "-2,2", "--frequency", "5", "--starts", "2"]
+    words = ["optimise", "six_link", "--hold", "-2,2", "--frequency", "5", "--starts", "16"]
     code = f"import sys\nfrom flexmodal.cli.main import main\ntry:\n    main({words})\nexcept SystemExit:\n"
     code += "    print('numba' in sys.modules)"
     own = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
