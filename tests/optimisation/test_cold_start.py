@@ -28,6 +28,7 @@ def problem(arm):
 def first(monkeypatch):
     """As in a process that has done nothing yet; tells whether the code is on disk."""
     monkeypatch.setattr(worth, "_spent", type(worth._spent)(float))
+    monkeypatch.setattr(worth, "_stored", {})
     monkeypatch.setattr("flexmodal.optimisation.search.descents.has_numba", lambda: True)
     monkeypatch.delitem(sys.modules, "numba", raising=False)
     return lambda is_stored: monkeypatch.setattr(Kernel, "is_stored", lambda _: is_stored)
