@@ -203,13 +203,13 @@ def _write(results: _Results, out: Path, force: bool) -> None:
         write_fit_page(fits, drawn, results.flags, results.campaign, out, overwrite=force)
     else:
         from flexmodal.ema.plot import draw_fit
-        from flexmodal.frf.plot import write_plot
+        from flexmodal.report import write_figure
 
         if len(fits) != 1 or len(fits[0].places) != 1:
             allowed = "a campaign of one FRF; for several, --pictures FOLDER, or .html, .csv, .json"
             found = f"{sum(len(one.places) for one in fits)} FRFs for one picture"
             raise InvalidRequest(Fault(SOURCE, "--out", found, allowed))
-        write_plot(draw_fit(fits[0].modes, title=results.campaign.title), out, overwrite=force)
+        write_figure(draw_fit(fits[0].modes, title=results.campaign.title), out, overwrite=force)
 
 
 def _draw(results: _Results, folder: Path, ending: str, force: bool) -> None:

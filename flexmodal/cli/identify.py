@@ -151,10 +151,10 @@ def _write(outcome: Outcome, found: dict[str, Any], out: Path, force: bool) -> N
     import json
 
     from flexmodal.files import whole_file
-    from flexmodal.frf.plot import write_plot
     from flexmodal.identification.improved import write_improved
     from flexmodal.identification.page import write_identification_page
     from flexmodal.identification.plot import draw_identification
+    from flexmodal.report import write_figure
 
     out.mkdir(exist_ok=True)
     campaign, robot = outcome.problem.campaign, outcome.problem.robot
@@ -165,7 +165,7 @@ def _write(outcome: Outcome, found: dict[str, Any], out: Path, force: bool) -> N
     write_identification_page(outcome, out / "report.html", overwrite=force)
     figure = draw_identification(outcome)
     for name in ("fit.png", "fit.svg"):
-        write_plot(figure, out / name, overwrite=force)
+        write_figure(figure, out / name, overwrite=force)
 
 
 def _print(outcome: Outcome) -> None:

@@ -197,8 +197,8 @@ def _several(
 
 
 def _give_one(arm: Robot, one: PostureDepth, out: Path | None, force: bool, as_json: bool) -> None:
-    from flexmodal.frf.plot import write_plot
     from flexmodal.machining import report
+    from flexmodal.report import write_figure
 
     found = report.lobes_object(arm.name, one)
     if out is not None:
@@ -210,7 +210,7 @@ def _give_one(arm: Robot, one: PostureDepth, out: Path | None, force: bool, as_j
         elif ending == ".html":
             report.write_lobes_page(arm.name, one, out, overwrite=force)
         else:
-            write_plot(report.lobes_picture(arm.name, one), out, overwrite=force)
+            write_figure(report.lobes_picture(arm.name, one), out, overwrite=force)
         click.echo(f"wrote {out}", err=True)
     if as_json:
         print_json(found)
@@ -221,9 +221,9 @@ def _give_one(arm: Robot, one: PostureDepth, out: Path | None, force: bool, as_j
 
 
 def _give_several(several: Comparison, out: Path | None, force: bool, as_json: bool) -> None:
-    from flexmodal.frf.plot import write_plot
     from flexmodal.machining import report
     from flexmodal.machining.plot import draw_comparison
+    from flexmodal.report import write_figure
 
     found = report.comparison_object(several)
     if out is not None:
@@ -235,7 +235,7 @@ def _give_several(several: Comparison, out: Path | None, force: bool, as_json: b
         elif ending == ".html":
             report.write_comparison_page(several, out, overwrite=force)
         else:
-            write_plot(draw_comparison(several), out, overwrite=force)
+            write_figure(draw_comparison(several), out, overwrite=force)
         click.echo(f"wrote {out}", err=True)
     if as_json:
         print_json(found)

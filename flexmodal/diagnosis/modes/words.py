@@ -10,6 +10,7 @@ from flexmodal.diagnosis.modes.findings import Findings
 from flexmodal.diagnosis.modes.gap import errors, figures
 from flexmodal.diagnosis.modes.shapes import ModeShapes
 from flexmodal.diagnosis.outcome import NONE, UNSTRUCTURED
+from flexmodal.report.words import joined
 
 Key = tuple[str, str]
 
@@ -24,14 +25,9 @@ def named(key: Key) -> str:
     return f"{effect.replace('_', ' ')} at {where}"
 
 
-def listing(parts: Sequence[str]) -> str:
-    """With commas and an "and"."""
-    return parts[0] if len(parts) == 1 else f"{', '.join(parts[:-1])} and {parts[-1]}"
-
-
 def hertz(modes: Sequence[tuple[int, float]]) -> str:
     """Frequencies of modes."""
-    return f"{listing([f'{frequency:.3g}' for _, frequency in modes])} Hz"
+    return f"{joined([f'{frequency:.3g}' for _, frequency in modes])} Hz"
 
 
 def missing_words(found: Findings) -> str:
@@ -53,7 +49,7 @@ def tie_words(found: Findings) -> str:
     """What cannot be told apart."""
     return (
         "These data cannot say what it is: under one reasonable set of priors or another, "
-        f"{listing([named(key) for key in found.tied])} come within 5 nats of the best."
+        f"{joined([named(key) for key in found.tied])} come within 5 nats of the best."
     )
 
 
@@ -95,4 +91,4 @@ def left_words(found: Findings) -> str:
         parts.append(
             f"near {frequency:.3g} Hz (in {len(here)} of {len(found.measured.observed.postures)} postures)"
         )
-    return f"No partner is left for the peak{'s' if len(parts) > 1 else ''} {listing(parts)}."
+    return f"No partner is left for the peak{'s' if len(parts) > 1 else ''} {joined(parts)}."

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import csv
-import json
 import math
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from flexmodal.files import whole_file
-from flexmodal.frf.plot import svg_text
 from flexmodal.machining.depth import Comparison, PostureDepth
 from flexmodal.machining.plot import draw_comparison, draw_lobes
+from flexmodal.machining.report.objects import comparison_object, lobes_object
 from flexmodal.machining.report.rows import (
     BEST,
     NUMBERS,
@@ -23,6 +23,18 @@ from flexmodal.machining.report.rows import (
     chatter,
     numbers,
     posture_rows,
+)
+from flexmodal.report import (
+    Column,
+    Folded,
+    Numbers,
+    Picture,
+    Section,
+    Table,
+    columns,
+    json_text,
+    page_text,
+    write_page,
 )
 
 LOBES_COLUMNS = (
@@ -35,30 +47,6 @@ COMPARISON_COLUMNS = (
     "best_depth_m", "best_speed_rev_per_min", "unconditional_depth_m", "mode_coupling_depth_m",
     "mode_coupling_frequency_hz",
 )  # fmt: skip
-
-_PAGE = """<!doctype html>
-<html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width">
-<title>{{ title }}</title>
-<style>
-body { font: 15px/1.5 system-ui, sans-serif; max-width: 62rem; margin: 2rem auto; padding: 0 1rem;
-  color: #111 }
-svg { width: 100%; height: auto; max-width: 54rem }
-table { border-collapse: collapse; font-variant-numeric: tabular-nums; margin: 1rem 0 }
-th, td { padding: .15rem .8rem; text-align: right; border-bottom: 1px solid #ddd }
-th:first-child, td:first-child { text-align: left }
-.wide { overflow-x: auto }
-</style></head><body>
-<h1>{{ title }}</h1>
-<p>{{ lead }}</p>
-{{ picture | safe }}
-{% for table in tables %}<h2>{{ table.title }}</h2>
-<div class="wide"><table>
-<tr>{% for cell in table.header %}<th>{{ cell }}</th>{% endfor %}</tr>
-{% for row in table.rows %}<tr>{% for cell in row %}<td>{{ cell }}</td>{% endfor %}</tr>
-{% endfor %}</table></div>
-{% endfor %}
-</body></html>
-"""
 
 
 def write_lobes_csv(found: PostureDepth, path: Path, *, overwrite: bool = False) -> None:
@@ -101,15 +89,23 @@ def write_comparison_csv(found: Comparison, path: Path, *, overwrite: bool = Fal
 def write_lobes_page(robot: str, found: PostureDepth, path: Path, *, overwrite: bool = False) -> None:
     """Lobes of one posture as a page that needs no network.
 
+    Args:
+        robot: its name.
+        found: as `posture_depth` gives it.
+        path: a new `.html` file.
+        overwrite: replace an existing file.
+
     Raises:
         OutputExists: the file exists.
     """
-    tables = [
-        {"title": "Limits", "header": NUMBERS, "rows": numbers(found)},
-        {"title": "Speeds between the lobes", "header": BEST, "rows": best_rows(found)},
-    ]
     title = f"{robot} at {found.posture}: {found.lobes.cut.title}"
-    _write_page(title, found.lobes.method, svg_text(lobes_picture(robot, found)), tables, path, overwrite)
+    picture = Picture(partial(lobes_picture, robot, found), "Stable depth of cut over spindle speed")
+    sections = [
+        Section("Limits", [Table(columns(NUMBERS, words=NUMBERS[-1:]), numbers(found))]),
+        Section("Speeds between the lobes", [Table([Column(name) for name in BEST], best_rows(found))]),
+        Section("The numbers", [Folded("Everything as JSON", Numbers(lobes_object(robot, found)))]),
+    ]
+    write_page(path, page_text(title, [_lead(found), picture], sections), overwrite=overwrite)
 
 
 def write_comparison_page(found: Comparison, path: Path, *, overwrite: bool = False) -> None:
@@ -118,9 +114,20 @@ def write_comparison_page(found: Comparison, path: Path, *, overwrite: bool = Fa
     Raises:
         OutputExists: the file exists.
     """
-    tables = [{"title": "Postures", "header": POSTURES, "rows": posture_rows(found)}]
-    title, method = f"{found.robot.name}: {found.cut.title}", found.postures[0].lobes.method
-    _write_page(title, method, svg_text(draw_comparison(found)), tables, path, overwrite)
+    picture = Picture(partial(draw_comparison, found), "Critical depth of cut by posture")
+    sections = [
+        Section("Postures", [Table(columns(POSTURES), posture_rows(found))]),
+        Section("The numbers", [Folded("Everything as JSON", Numbers(comparison_object(found)))]),
+    ]
+    title = f"{found.robot.name}: {found.cut.title}"
+    write_page(path, page_text(title, [_lead(found.postures[0]), picture], sections), overwrite=overwrite)
+
+
+def _lead(found: PostureDepth) -> str:
+    return (
+        f"Stability of the cut over spindle speed, {found.lobes.method} solution. Depths are axial depths of "
+        "cut; above the critical one there are speeds at which the cut chatters."
+    )
 
 
 def write_json(found: dict[str, Any], path: Path, *, overwrite: bool = False) -> None:
@@ -130,7 +137,7 @@ def write_json(found: dict[str, Any], path: Path, *, overwrite: bool = False) ->
         OutputExists: the file exists.
     """
     with whole_file(path, overwrite=overwrite) as scratch:
-        scratch.write_text(json.dumps(found, allow_nan=False, indent=1) + "\n", encoding="utf-8")
+        scratch.write_text(json_text(found), encoding="utf-8")
 
 
 def lobes_picture(robot: str, found: PostureDepth) -> Any:
@@ -150,15 +157,3 @@ def _write_csv(path: Path, header: Sequence[str], rows: Sequence[Sequence[Any]],
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(header)
         writer.writerows(rows)
-
-
-def _write_page(
-    title: str, method: str, picture: str, tables: list[dict[str, Any]], path: Path, overwrite: bool
-) -> None:
-    from jinja2 import Environment
-
-    lead = f"Stability of the cut over spindle speed, {method} solution. Depths are axial depths of cut."
-    page = Environment(autoescape=True).from_string(_PAGE)
-    text = page.render(title=title, lead=lead, picture=picture, tables=tables)
-    with whole_file(path, overwrite=overwrite) as scratch:
-        scratch.write_text(text, encoding="utf-8")

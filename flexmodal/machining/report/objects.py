@@ -9,6 +9,7 @@ import numpy as np
 
 from flexmodal.machining.depth import Comparison, PostureDepth
 from flexmodal.machining.report.rows import chatter
+from flexmodal.report.parts import finite
 
 
 def lobes_object(robot: str, found: PostureDepth) -> dict[str, Any]:
@@ -49,11 +50,6 @@ def comparison_object(found: Comparison) -> dict[str, Any]:
         "best": found.best,
         "gain": finite(found.gain),
     }
-
-
-def finite(value: float) -> float | None:
-    """A number for JSON; none where it is not finite."""
-    return float(value) if math.isfinite(value) else None
 
 
 def _judged(found: PostureDepth) -> dict[str, Any]:
