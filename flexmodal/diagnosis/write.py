@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 from flexmodal.diagnosis.as_json import as_json
-from flexmodal.diagnosis.extend import CARD, extend
+from flexmodal.diagnosis.extend import extend
 from flexmodal.diagnosis.outcome import Diagnosis
 from flexmodal.diagnosis.report import write_report
 from flexmodal.files import whole_folder
 from flexmodal.model import load
+from flexmodal.model.written import CARD
+from flexmodal.report import json_text
 
 JSON, REPORT, ROBOT = "diagnosis.json", "report.html", "robot"
 
@@ -30,7 +31,7 @@ def write_diagnosis(diagnosis: Diagnosis, folder: str | Path, *, overwrite: bool
         InvalidInput: the improved robot is not one that loads.
     """
     target = Path(folder)
-    text = json.dumps(as_json(diagnosis), allow_nan=False, indent=1) + "\n"
+    text = json_text(as_json(diagnosis))
     extension = extend(diagnosis)
     with whole_folder(target, known=JSON, overwrite=overwrite) as scratch:
         robot = scratch / ROBOT

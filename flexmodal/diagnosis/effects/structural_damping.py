@@ -19,7 +19,7 @@ def _act(assembly: Assembly, site: Site) -> None:
 
 def _extend(draft: Draft, site: Site) -> None:
     for joint in site.scene.robot.joints:
-        draft.joints[joint]["loss_factor"] = float(site["loss_factor"])
+        draft.loses(joint, site["loss_factor"])
     draft.loss_frequency = float(site.scene.observations.axis.middle)
 
 

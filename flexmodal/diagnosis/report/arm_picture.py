@@ -44,7 +44,7 @@ def draw_arm(diagnosis: Diagnosis) -> Any:
     axes.margins(0.1, 0.2)
     axes.set_axis_off()
     name = observations.postures[worst].name
-    axes.set_title(f"In {short(name, 30)}; other postures grey", fontsize=10)
+    axes.set_title(f"In {short(name, 30)}; other postures grey", fontsize=10, pad=16)
     return figure
 
 
