@@ -18,18 +18,17 @@ from flexmodal.campaign import Campaign, read_campaign
 from flexmodal.diagnosis import Diagnosis, diagnose
 from flexmodal.diagnosis.modes.gap import errors, figures
 from flexmodal.diagnosis.modes.likeness import mac
-from flexmodal.diagnosis.modes.page import (
+from flexmodal.diagnosis.modes.page import after_name, compared_fits
+from flexmodal.diagnosis.modes.pictures import draw_evidence, draw_frequencies, draw_shapes
+from flexmodal.diagnosis.modes.shapes import shapes_of
+from flexmodal.diagnosis.modes.tables import (
     SHAPES,
     SUMMARY,
     WEIGHING,
-    after_name,
-    compared_fits,
     shape_rows,
     summary_rows,
     weighing_rows,
 )
-from flexmodal.diagnosis.modes.pictures import draw_evidence, draw_frequencies, draw_shapes
-from flexmodal.diagnosis.modes.shapes import shapes_of
 from flexmodal.diagnosis.modes.words import named
 from flexmodal.files import whole_file
 from flexmodal.report import Cell, Column, Table

@@ -198,7 +198,7 @@ def _several(
 
 def _give_one(arm: Robot, one: PostureDepth, out: Path | None, force: bool, as_json: bool) -> None:
     from flexmodal.machining import report
-    from flexmodal.report import write_figure
+    from flexmodal.report import write_figure, write_json
 
     found = report.lobes_object(arm.name, one)
     if out is not None:
@@ -206,7 +206,7 @@ def _give_one(arm: Robot, one: PostureDepth, out: Path | None, force: bool, as_j
         if ending == ".csv":
             report.write_lobes_csv(one, out, overwrite=force)
         elif ending == ".json":
-            report.write_json(found, out, overwrite=force)
+            write_json(found, out, overwrite=force)
         elif ending == ".html":
             report.write_lobes_page(arm.name, one, out, overwrite=force)
         else:
@@ -223,7 +223,7 @@ def _give_one(arm: Robot, one: PostureDepth, out: Path | None, force: bool, as_j
 def _give_several(several: Comparison, out: Path | None, force: bool, as_json: bool) -> None:
     from flexmodal.machining import report
     from flexmodal.machining.plot import draw_comparison
-    from flexmodal.report import write_figure
+    from flexmodal.report import write_figure, write_json
 
     found = report.comparison_object(several)
     if out is not None:
@@ -231,7 +231,7 @@ def _give_several(several: Comparison, out: Path | None, force: bool, as_json: b
         if ending == ".csv":
             report.write_comparison_csv(several, out, overwrite=force)
         elif ending == ".json":
-            report.write_json(found, out, overwrite=force)
+            write_json(found, out, overwrite=force)
         elif ending == ".html":
             report.write_comparison_page(several, out, overwrite=force)
         else:

@@ -11,7 +11,7 @@ from flexmodal.diagnosis.report import write_report
 from flexmodal.files import whole_folder
 from flexmodal.model import load
 from flexmodal.model.written import CARD
-from flexmodal.report import json_text
+from flexmodal.report import write_json
 
 JSON, REPORT, ROBOT = "diagnosis.json", "report.html", "robot"
 
@@ -31,12 +31,12 @@ def write_diagnosis(diagnosis: Diagnosis, folder: str | Path, *, overwrite: bool
         InvalidInput: the improved robot is not one that loads.
     """
     target = Path(folder)
-    text = json_text(as_json(diagnosis))
+    found = as_json(diagnosis)
     extension = extend(diagnosis)
     with whole_folder(target, known=JSON, overwrite=overwrite) as scratch:
         robot = scratch / ROBOT
         robot.mkdir()
         extension.write(robot, home=target / ROBOT)
         load(robot / CARD)
-        (scratch / JSON).write_text(text, encoding="utf-8")
+        write_json(found, scratch / JSON)
         write_report(diagnosis, scratch / REPORT, notes=extension.notes)

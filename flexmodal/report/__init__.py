@@ -7,6 +7,7 @@ from flexmodal.report.figure import new_figure as new_figure
 from flexmodal.report.figure import svg_text as svg_text
 from flexmodal.report.figure import write_figure as write_figure
 from flexmodal.report.page import page_text as page_text
+from flexmodal.report.page import write_json as write_json
 from flexmodal.report.page import write_page as write_page
 from flexmodal.report.parts import Cell as Cell
 from flexmodal.report.parts import Column as Column
@@ -26,4 +27,3 @@ from flexmodal.report.parts import Task as Task
 from flexmodal.report.parts import Text as Text
 from flexmodal.report.parts import Verdict as Verdict
 from flexmodal.report.parts import columns as columns
-from flexmodal.report.parts import json_text as json_text

@@ -6,13 +6,13 @@ says so to the browser, and whatever is not made here is escaped.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 from flexmodal.files import whole_file
-from flexmodal.report.parts import Parts, Section, Verdict
+from flexmodal.report.parts import Parts, Section, Verdict, json_text
 
 _HERE = Path(__file__).parent
 
@@ -43,6 +43,20 @@ def write_page(path: Path, text: str, *, overwrite: bool = False) -> None:
     """
     with whole_file(path, overwrite=overwrite) as scratch:
         scratch.write_text(text, encoding="utf-8")
+
+
+def write_json(value: Mapping[str, Any], path: Path, *, overwrite: bool = False) -> None:
+    """Write an object as a JSON file; it may hold finite numbers only.
+
+    Args:
+        value: the object.
+        path: a new file.
+        overwrite: replace a file that stands there.
+
+    Raises:
+        OutputExists: the file exists.
+    """
+    write_page(path, json_text(value), overwrite=overwrite)
 
 
 @cache

@@ -69,7 +69,7 @@ def test_every_double_comes_back(urdf, tmp_path):
 
 @pytest.mark.parametrize("pitch", [np.pi / 2, 1.5707963, 1.5708, -np.pi / 2 + 1e-9])
 def test_angles_survive_a_pitch_of_90_degrees(urdf, tmp_path, pitch):
-    """Out of a matrix, roll and yaw would come back mixed, or 1e-9 off."""
+    """Out of a matrix, roll and yaw would come back mixed, or half a turn off."""
     rpy = np.array([0.1, pitch, 0.7])
     draft = UrdfDraft(urdf)
     draft.add_link("new")

@@ -1,7 +1,8 @@
 """Elements of a URDF, written by yourdfpy, with the numbers exactly as they were given.
 
-yourdfpy holds an origin as a matrix, from which roll, pitch and yaw come back rounded, and near a pitch of
-90° badly so. Origins are therefore put into its elements as numbers that are read back as they are.
+yourdfpy holds an origin as a matrix, from which roll, pitch and yaw come back rounded, past a pitch of 90° as
+other angles, and mixed at it. Origins are therefore put into its elements as numbers that are read back as
+they are.
 """
 
 from __future__ import annotations
