@@ -7,6 +7,7 @@
 # make studies run the thesis's optimisations again, beside its printed numbers; some minutes
 # make bench   measure engine, reading and fitting against their goals and peers; some minutes
 # make exam    120 campaigns with effects hidden in them, for the diagnosis to name; goes on where it was stopped
+# make arithmetic  the same verdicts on every processor: campaigns diagnosed under other kinds of arithmetic
 # make appendix  diagnose the thesis's measured modes: docs/appendix_c.md with its pictures; some minutes
 # make recovery  identify 300 simulated campaigns; goes on where it was stopped; half an hour
 # make fuzz    read 100000 mutated campaigns; no crash, no hang, no flood of memory
@@ -15,7 +16,7 @@
 PYTHON ?= python3.11
 BIN := .venv/bin
 .DEFAULT_GOAL := help
-.PHONY: help demo test slow check tables pictures studies exam appendix recovery bench fuzz browser clean
+.PHONY: help demo test slow check tables pictures studies exam arithmetic appendix recovery bench fuzz browser clean
 
 help:
 	@grep '^# make' Makefile | cut -c3-
@@ -76,6 +77,9 @@ studies: .venv/tested
 exam: .venv/tested
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/exam.py
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/exam.py --engine mujoco
+
+arithmetic: .venv/tested
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/arithmetic.py
 
 appendix: .venv/tested
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/appendix_c.py

@@ -17,7 +17,6 @@ import flexmodal
 from flexmodal.campaign import Campaign, read_campaign
 from flexmodal.diagnosis import Diagnosis, diagnose
 from flexmodal.diagnosis.modes.gap import errors, figures
-from flexmodal.diagnosis.modes.likeness import mac
 from flexmodal.diagnosis.modes.page import after_name, compared_fits
 from flexmodal.diagnosis.modes.pictures import draw_evidence, draw_frequencies, draw_shapes
 from flexmodal.diagnosis.modes.shapes import shapes_of
@@ -31,6 +30,7 @@ from flexmodal.diagnosis.modes.tables import (
 )
 from flexmodal.diagnosis.modes.words import named
 from flexmodal.files import whole_file
+from flexmodal.modal.mac import mac_with
 from flexmodal.report import Cell, Column, Table
 
 CAMPAIGN = ROOT / "robots" / "fanuc_s360" / "campaigns" / "thesis"
@@ -82,7 +82,9 @@ def between_postures(diagnosis: Diagnosis, number: int) -> str:
     for k, (rows, one) in enumerate(shapes):
         for others, other in shapes[k + 1 :]:
             shared = [r for r in rows if r in others]
-            found.append(mac(one[[rows.index(r) for r in shared]], other[[others.index(r) for r in shared]]))
+            found.append(
+                mac_with(one[[rows.index(r) for r in shared]], other[[others.index(r) for r in shared]])
+            )
     return f"{min(found):.2f} to {max(found):.2f}"
 
 

@@ -24,7 +24,7 @@ from flexmodal import PointDirection
 from flexmodal.diagnosis.march import integrate
 from flexmodal.diagnosis.march.law import friction, hardening
 from flexmodal.diagnosis.march.pulse import Pulse
-from flexmodal.identification.frf_route import FrfRoute
+from flexmodal.identification.evidence.frf import FrfEvidence
 from flexmodal.model.batch import gradient_batch, receptance_batch
 from flexmodal.optimisation.compiled import random_starts, search_postures
 from flexmodal.rig import nonlinear, simulate
@@ -132,9 +132,9 @@ def main() -> None:
                 )
             )  # fmt: skip
         print(rows[-1], flush=True)
-    route = measured().route
-    assert isinstance(route, FrfRoute)
-    found = solves(route, 33, ROUNDS)
+    evidence = measured().evidence
+    assert isinstance(evidence, FrfEvidence)
+    found = solves(evidence, 33, ROUNDS)
     for name, before in (("numpy form", "numpy"), ("stacked solve, as it does now", "stack")):
         rows.append(
             (

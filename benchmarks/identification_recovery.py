@@ -36,8 +36,8 @@ def one(name: str, seed: int) -> dict[str, Any]:
     start = time.perf_counter()
     problem = build_identification(replace(made.campaign, blows=()), robot)
     before = problem.identifiability
-    fitted = problem.route.fit()
-    sure = problem.route.uncertainty(fitted)
+    fitted = problem.evidence.fit()
+    sure = problem.evidence.uncertainty(fitted)
     taken = time.perf_counter() - start
     low, high = sure.interval(fitted.x)
     truth = [float(np.log(made.truth.factors[parameter])) for parameter in problem.space.names]
@@ -47,7 +47,7 @@ def one(name: str, seed: int) -> dict[str, Any]:
         "off": size,
         "time": taken,
         "steps": fitted.steps,
-        "over_noise": problem.route.over_noise(problem.route.predicted(fitted.x)),
+        "over_noise": problem.evidence.over_noise(problem.evidence.predicted(fitted.x)),
         "names": problem.space.names,
         "truth": truth,
         "found": fitted.x.tolist(),

@@ -26,9 +26,9 @@ def one(name: str, seed: int) -> dict[str, np.ndarray]:
     campaign = replace(made.campaign, blows=())
     found = []
     for source in ("frf", "modes"):
-        route = build_identification(campaign, robot, source=source).route  # type: ignore[arg-type]
-        fitted = route.fit()
-        found.append((fitted.x, route.uncertainty(fitted), route.space))
+        evidence = build_identification(campaign, robot, source=source).evidence  # type: ignore[arg-type]
+        fitted = evidence.fit()
+        found.append((fitted.x, evidence.uncertainty(fitted), evidence.space))
     (x, sure, space), (y, other, _) = found
     both = np.array([name in sure.identified and name in other.identified for name in space.names])
     truth = np.array([np.log(made.truth.factors[name]) for name in space.names])

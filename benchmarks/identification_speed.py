@@ -19,8 +19,8 @@ from flexmodal.identification import (
     predict,
     solve_identification,
 )
+from flexmodal.identification.evidence.frf import FrfEvidence
 from flexmodal.identification.frf_fit import Weighing, fit, residual
-from flexmodal.identification.frf_route import FrfRoute
 from flexmodal.rig import simulate
 from flexmodal.structure.structure import Axis, Structure
 
@@ -36,11 +36,11 @@ def measured() -> IdentificationProblem:
     return build_identification(replace(made.campaign, blows=()), robot)
 
 
-def by_scipy(route: FrfRoute) -> tuple[np.ndarray, int, bool]:
+def by_scipy(data: FrfEvidence) -> tuple[np.ndarray, int, bool]:
     """The same weights, bounds and priors from the same start; Jacobian by forward differences."""
     from scipy.optimize import least_squares
 
-    seen, space = route.observations, route.space
+    seen, space = data.observations, data.space
     root = np.sqrt(Weighing(FLOOR, np.arange(len(seen.axis))).weight(seen))
     prior = np.sqrt(space.precision)
     calls = 0
@@ -48,7 +48,7 @@ def by_scipy(route: FrfRoute) -> tuple[np.ndarray, int, bool]:
     def residuals(x: np.ndarray) -> np.ndarray:
         nonlocal calls
         calls += 1
-        r = residual(predict(route.model, x, seen), seen.value) * root
+        r = residual(predict(data.model, x, seen), seen.value) * root
         r = r[seen.used]
         return np.concatenate([r.real, r.imag, prior * x])
 
@@ -83,10 +83,10 @@ def engine_task(structure: Structure, axis: Axis) -> Task:
     )
 
 
-def solves(route: FrfRoute, steps: int, rounds: int) -> dict[str, float]:
+def solves(data: FrfEvidence, steps: int, rounds: int) -> dict[str, float]:
     """Processor time [s] of the systems of equations of as many steps, by three ways, interleaved."""
-    seen = route.observations
-    groups = route.model.groups(np.zeros(len(route.space)), seen, slopes=False)
+    seen = data.observations
+    groups = data.model.groups(np.zeros(len(data.space)), seen, slopes=False)
     given = [(group.structure, seen.axis_of(group.level)) for group in groups]
     tasks = [engine_task(*one) for one in given]
     structure, axis = given[0]
@@ -112,22 +112,22 @@ def main() -> None:
     parser.add_argument("--check", action="store_true", help="compare with the table, do not write it")
     repeats = parser.parse_args().repeats
     problem = measured()
-    route = problem.route
-    assert isinstance(route, FrfRoute)
-    seen = route.observations
-    whole = route.fit()
-    direct = fit(route.model, seen, floors=(FLOOR,))
-    x, calls, settled = by_scipy(route)
+    data = problem.evidence
+    assert isinstance(data, FrfEvidence)
+    seen = data.observations
+    whole = data.fit()
+    direct = fit(data.model, seen, floors=(FLOOR,))
+    x, calls, settled = by_scipy(data)
     works: list[Callable[[], object]] = [
-        route.fit, lambda: fit(route.model, seen, floors=(FLOOR,)), lambda: by_scipy(route),
+        data.fit, lambda: fit(data.model, seen, floors=(FLOOR,)), lambda: by_scipy(data),
         lambda: solve_identification(problem),
     ]  # fmt: skip
     rounds = np.array([[timed(work) for work in works] for _ in range(repeats)])  # [round, work, 2]
     processor, clock = np.median(rounds, axis=0).T
     ratio = np.median(rounds[:, 2:3, 0] / rounds[:, :, 0], axis=0)
     # As many evaluations as a fit has: one with derivatives and one of the cost alone for each step.
-    parts = solves(route, 2 * whole.steps + 1, 2 * repeats + 1)
-    away = np.abs(direct.x - x) / route.uncertainty(whole).deviation
+    parts = solves(data, 2 * whole.steps + 1, 2 * repeats + 1)
+    away = np.abs(direct.x - x) / data.uncertainty(whole).deviation
     work = (f"{whole.steps} steps", f"{direct.steps} steps",
             f"{calls} evaluations" + ("" if settled else ", stopped"))  # fmt: skip
     names = ("flexmodal, floors 0.2, 0.05, 0.01", "flexmodal, floor 0.01 at once",
@@ -135,7 +135,7 @@ def main() -> None:
     rows = [
         [names[k], f"{processor[k]:.2f}", f"{clock[k]:.1f}", work[k], f"{ratio[k]:.1f}"] for k in range(3)
     ]
-    folds = len(route.folds())
+    folds = len(data.folds())
     everything = "flexmodal, with intervals, and each posture and point held out"
     rows.append([everything, f"{processor[3]:.2f}", f"{clock[3]:.1f}", f"{folds + 1} fits", ""])
     whole_time = processor[0]
@@ -143,7 +143,7 @@ def main() -> None:
     write(
         "identification_speed",
         "Identification of 16 parameters, beside scipy",
-        f"Made by `make recovery`: {len(route.space)} parameters, {len(seen.postures)} postures × 6 points × "
+        f"Made by `make recovery`: {len(data.space)} parameters, {len(seen.postures)} postures × 6 points × "
         f"{len(seen.axis)} lines ({len(seen)} FRFs with a signal in them), on one core of a shared machine, "
         f"all in one run, interleaved, medians of {repeats} rounds. Processor: time of the processor; clock: "
         "time on the wall, others computing beside. scipy gets the same residuals, weights, priors, bounds, "

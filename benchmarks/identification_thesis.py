@@ -9,7 +9,7 @@ import flexmodal
 from flexmodal.campaign import read_campaign
 from flexmodal.identification import build_identification
 from flexmodal.identification.eigenvalue_method import Bounds, eigenvalue_method
-from flexmodal.identification.mode_route import ModeRoute
+from flexmodal.identification.evidence.modal import ModalEvidence
 from flexmodal.structure.poles import poles
 
 CAMPAIGN = "robots/fanuc_s360/campaigns/thesis"
@@ -29,18 +29,20 @@ STAGES = (
 Key = tuple[str, int]
 
 
-def predictions(route: ModeRoute, x: np.ndarray) -> dict[Key, tuple[float, float, float, float, float]]:
+def predictions(
+    evidence: ModalEvidence, x: np.ndarray
+) -> dict[Key, tuple[float, float, float, float, float]]:
     """By posture and mode: frequency measured and predicted [Hz], damping ratio likewise, MAC."""
     found = {}
-    partners = route.problem.partners(x)
-    for number, posture in enumerate(route.observations.postures):
-        here = route.observations.in_posture(number)
+    partners = evidence.problem.partners(x)
+    for number, posture in enumerate(evidence.observations.postures):
+        here = evidence.observations.in_posture(number)
         if not here:
             continue
-        seen = route.problem.see(x, number, slopes=False)
-        alike = route.problem.alike(number, seen)
+        seen = evidence.problem.see(x, number, slopes=False)
+        alike = evidence.problem.alike(number, seen)
         for row, k in enumerate(here):
-            mode, partner = route.observations.modes[k], partners[k]
+            mode, partner = evidence.observations.modes[k], partners[k]
             if partner >= 0:
                 numbers = (
                     seen.found.frequency[partner],
@@ -75,13 +77,13 @@ def rms(errors: list[float]) -> float:
 def main() -> None:
     campaign, robot = read_campaign(CAMPAIGN), flexmodal.load("fanuc_s360")
     problem = build_identification(campaign, robot, trust=TRUST, model_error=MODEL_ERROR)
-    route = problem.route
-    assert isinstance(route, ModeRoute)
-    card, fitted = predictions(route, np.zeros(len(problem.space))), route.fit()
-    fit = predictions(route, fitted.x)
+    evidence = problem.evidence
+    assert isinstance(evidence, ModalEvidence)
+    card, fitted = predictions(evidence, np.zeros(len(problem.space))), evidence.fit()
+    fit = predictions(evidence, fitted.x)
     apart: dict[Key, tuple[float, ...]] = {}
-    for keep in route.folds().values():
-        apart |= predictions(route.keeping(keep), route.keeping(~keep).fit().x)
+    for keep in evidence.folds().values():
+        apart |= predictions(evidence.keeping(keep), evidence.keeping(~keep).fit().x)
     baseline = {
         key: float(np.mean([fit[other][0] for other in fit if other[1] == key[1] and other[0] != key[0]]))
         for key in fit
@@ -110,10 +112,10 @@ def main() -> None:
                  *(f"{v:.0f} %" for v in damping), *(f"{v:.2f}" for v in shape)])  # fmt: skip
     one_place = [rms([100 * (one[k][1] / location[k] - 1) for k in location]) for one in (card, fit)]
     stages = eigenvalue_method(campaign, robot, bounds(), STAGES)
-    method = ModeRoute(stages[-1].model, route.observations, ("frequency", "damping"))
+    method = ModalEvidence(stages[-1].model, evidence.observations, ("frequency", "damping"))
     by_method = [rms([100 * (v[1] / v[0] - 1) for v in predictions(method, s.x).values()]) for s in stages]
     fourth = robot.at("configuration_4").modes().frequency
-    here = route.model.structure_at(fitted.x, campaign.posture("configuration_4").q, [], [])
+    here = evidence.model.structure_at(fitted.x, campaign.posture("configuration_4").q, [], [])
     lead = (
         "Made by `make tables` from robots/fanuc_s360/campaigns/thesis (Hearne, Appendix C; medians over the "
         "six locations, doubtful cells out). Natural frequencies in Hz with the deviation in per cent. "

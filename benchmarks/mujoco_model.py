@@ -19,8 +19,9 @@ from scipy.spatial.transform import Rotation
 from flexmodal.campaign import CampaignPoint
 from flexmodal.model import Robot
 from flexmodal.rig.believed import Body, TrueRobot
-from flexmodal.rig.chain import children, plane_normal, reach
+from flexmodal.rig.chain import children, reach
 from flexmodal.rig.geometry import across
+from flexmodal.structure.arm import plane_normal
 
 EFFECTS = (
     "link_flexibility", "base_flexibility", "coulomb_friction", "added_mass", "local_absorber", "sensor_mass",
@@ -130,7 +131,7 @@ class _Builder:
             angle = float(self.pose.get(joint.name, 0.0))
             frame = Rotation.from_euler("xyz", joint.rpy)
             place = np.asarray(joint.xyz) - origin
-            if joint.type == "prismatic":
+            if joint.is_prismatic:
                 place = place + frame.apply(angle * joint.axis)
             elif joint.movable:
                 frame = frame * Rotation.from_rotvec(angle * joint.axis)

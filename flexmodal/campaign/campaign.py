@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Never
@@ -11,35 +10,13 @@ from typing import Never
 from flexmodal.campaign.blow import Blow
 from flexmodal.campaign.mode_table import ModeTable
 from flexmodal.campaign.records import FrfRecords
+from flexmodal.campaign.sound import campaign_faults
+from flexmodal.campaign.tested import CampaignPoint, CampaignPosture
 from flexmodal.campaign.trial import Trial
 from flexmodal.errors import InvalidCampaign
 
 LOWEST = 2.0
 """Where the lines to compare begin when the campaign does not say [Hz]."""
-
-
-@dataclass(frozen=True)
-class CampaignPosture:
-    """A posture in which the robot was tested."""
-
-    id: int
-    """Load case number of the records; above 0."""
-    name: str
-    q: Mapping[str, float]
-    """Angles of commanded joints [rad, or m]; a joint left out is 0."""
-
-
-@dataclass(frozen=True)
-class CampaignPoint:
-    """A place where the hammer hit or a sensor sat."""
-
-    id: int
-    """Node number of the records; above 0."""
-    name: str
-    link: str
-    """The URDF link that carries it."""
-    xyz: tuple[float, float, float]
-    """Its place in the frame of that link [m]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,9 +44,7 @@ class Campaign:
     """What is odd about it but does not keep it from being used."""
 
     def __post_init__(self) -> None:
-        from flexmodal.campaign.sound import campaign_faults
-
-        faults = campaign_faults(self)
+        faults = campaign_faults(self, self.frfs, self.blows, self.modes, self.path)
         if faults:
             raise InvalidCampaign(faults)
 

@@ -22,12 +22,13 @@ from jaxtyping import Complex, Float
 from flexmodal.campaign.band_pass import band_pass_blow
 from flexmodal.campaign.blow import FORM_OF, Blow
 from flexmodal.campaign.campaign import Campaign, default_band
-from flexmodal.campaign.quality import QualityFlag, QualityLimits, check_blows, coherence_flag
+from flexmodal.campaign.quality import QualityLimits, check_blows, coherence_flag
+from flexmodal.campaign.quality_flag import QualityFlag
 from flexmodal.campaign.records import FrfRecords
 from flexmodal.campaign.trial import Trial
 from flexmodal.campaign.window import windowed
 from flexmodal.errors import Fault, InvalidCampaign, InvalidRequest
-from flexmodal.frf import Form
+from flexmodal.frf import POWER, Form
 
 Estimator = Literal["H1", "H2", "Hv"]
 
@@ -190,13 +191,11 @@ def _estimate(blows: list[Blow], known: dict[int, Trial], estimator: str) -> lis
 
 def _one_form(records: list[_Record]) -> list[_Record]:
     """All records in the form with the most derivatives among them; see `read_frf_uff`."""
-    order = ["receptance", "mobility", "inertance"]
-    target = max((record.form for record in records), key=order.index)
+    target = max((record.form for record in records), key=POWER.__getitem__)
     return [
         replace(
             record,
-            value=record.value
-            * (2j * np.pi * record.frequency) ** (order.index(target) - order.index(record.form)),
+            value=record.value * (2j * np.pi * record.frequency) ** (POWER[target] - POWER[record.form]),
             form=target,
         )
         for record in records

@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from flexmodal.campaign.schema import Id, Text, TrialId
+from flexmodal.frf import Form
 
 Place = Annotated[tuple[Id, Literal[-3, -2, -1, 1, 2, 3]], Field(strict=False)]
 Factor = Annotated[float, Field(strict=True, allow_inf_nan=False)]
@@ -54,7 +55,7 @@ class FrfMap(_Table):
     trial: TrialId
     response: Place
     reference: Place
-    form: Literal["receptance", "mobility", "inertance"]
+    form: Form
     re: Text | None = None
     im: Text | None = None
     magnitude: Text | None = None

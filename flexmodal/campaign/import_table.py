@@ -11,11 +11,13 @@ import numpy as np
 from flexmodal.campaign.abscissa import evened
 from flexmodal.campaign.blow import Blow
 from flexmodal.campaign.campaign import Campaign, default_band
-from flexmodal.campaign.read_toml import Tested, read_toml
+from flexmodal.campaign.read_toml import read_toml
 from flexmodal.campaign.records import FrfRecords
 from flexmodal.campaign.table_columns import Layout, read_columns
+from flexmodal.campaign.tested import Tested
 from flexmodal.campaign.toml_faults import key_of
 from flexmodal.errors import Fault, InvalidCampaign
+from flexmodal.frf import POWER
 from flexmodal.text.toml import parse_toml
 from flexmodal.text.words import FaultList, listing, nearest, shown
 
@@ -128,17 +130,14 @@ def _check_axis(axis: np.ndarray, columns: ColumnMap, faults: FaultList) -> None
 def _frfs(
     entries: list[FrfMap], axis: np.ndarray, values: dict[str, np.ndarray], tested: Tested
 ) -> FrfRecords:
-    forms = ["receptance", "mobility", "inertance"]
-    target = max((entry.form for entry in entries), key=forms.index)
+    target = max((entry.form for entry in entries), key=POWER.__getitem__)
     rows, coherence = [], []
     for entry in entries:
         if entry.re is not None and entry.im is not None:
             row = values[entry.re] + 1j * values[entry.im]
         else:
             row = values[entry.magnitude or ""] * np.exp(1j * np.radians(values[entry.phase or ""]))
-        rows.append(
-            entry.scale * row * (2j * np.pi * axis) ** (forms.index(target) - forms.index(entry.form))
-        )
+        rows.append(entry.scale * row * (2j * np.pi * axis) ** (POWER[target] - POWER[entry.form]))
         coherence.append(np.ones(len(axis)) if entry.coherence is None else values[entry.coherence])
     return FrfRecords(
         frequency=axis,

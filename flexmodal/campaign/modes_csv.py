@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from flexmodal.campaign.mode_table import ModeTable
-from flexmodal.campaign.read_toml import Tested
+from flexmodal.campaign.tested import Tested
 from flexmodal.errors import Fault
 from flexmodal.text.reading import read_regular
 from flexmodal.text.words import FaultList, listing, shown

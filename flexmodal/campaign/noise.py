@@ -22,8 +22,6 @@ from flexmodal.errors import Fault, InvalidRequest
 
 SMOOTH = 9
 """Lines to either side over which a variance is averaged."""
-COHERENT = 0.8
-"""Lines of less coherence do not enter the gap."""
 LARGEST = 1e100
 """Values beyond are none that can be reckoned with."""
 ZERO = 10.0
@@ -86,9 +84,7 @@ def noise_floor(frfs: FrfRecords, band: tuple[float, float]) -> float:
         InvalidRequest: no line is left, or nothing says how noisy the records are.
     """
     inside = (frfs.frequency >= band[0]) & (frfs.frequency <= band[1])
-    weight = np.ones(frfs.value.shape) if frfs.coherence is None else frfs.coherence.copy()
-    weight[weight < COHERENT] = 0.0
-    weight = weight[:, inside]
+    weight = frfs.weight[:, inside]
     if not weight.sum() > 0:
         found = f"no coherent line from {band[0]:g} to {band[1]:g} Hz"
         raise InvalidRequest(Fault("call", "band", found, "a band with lines in it"))

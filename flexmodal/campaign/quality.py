@@ -4,42 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from jaxtyping import Float
 
 from flexmodal.campaign.blow import Blow
-
-if TYPE_CHECKING:
-    from flexmodal.campaign.campaign import Campaign
-    from flexmodal.campaign.records import FrfRecords
-
-FlagKind = Literal["double hit", "overload", "low energy in band", "low coherence"]
+from flexmodal.campaign.campaign import Campaign
+from flexmodal.campaign.quality_flag import FlagKind, QualityFlag
+from flexmodal.campaign.records import COHERENT, FrfRecords
 
 EQUAL = 1e-6
 """Relative difference below which neighbouring samples count as one flat top."""
-
-
-@dataclass(frozen=True)
-class QualityFlag:
-    """One doubt about one blow or record."""
-
-    kind: FlagKind
-    posture: int
-    trial: int
-    blow: int | None
-    """Sequence number; None where the average of the blows is meant."""
-    point: tuple[int, int]
-    """Point and direction of the channel: the force's, or a response's."""
-    says: str
-    """The evidence, as a phrase."""
-
-    def __str__(self) -> str:
-        """One sentence."""
-        where = f"posture {self.posture}, trial {self.trial}"
-        where += "" if self.blow is None else f", blow {self.blow}"
-        return f"{where}, point {self.point[0]} direction {self.point[1]:+d}: {self.kind}: {self.says}"
 
 
 @dataclass(frozen=True)
@@ -55,7 +30,7 @@ class QualityLimits:
     """As many samples at the extreme value, one after the other, are an overload."""
     energy: float = 20.0
     """How far the spectrum of the force may fall below its maximum inside the band [dB]."""
-    coherence: float = 0.8
+    coherence: float = COHERENT
     """The median over the band has to reach it."""
 
 

@@ -15,8 +15,9 @@ from flexmodal.campaign.modes_csv import read_modes
 from flexmodal.campaign.read_export import is_export, read_export
 from flexmodal.campaign.read_frf_uff import read_frf_uff
 from flexmodal.campaign.read_time_uff import read_time_uff
-from flexmodal.campaign.read_toml import Tested, read_toml
+from flexmodal.campaign.read_toml import read_toml
 from flexmodal.campaign.records import FrfRecords
+from flexmodal.campaign.tested import Tested
 from flexmodal.errors import Fault, InvalidCampaign
 from flexmodal.text.words import FaultList
 

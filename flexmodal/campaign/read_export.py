@@ -7,24 +7,24 @@ from pathlib import Path
 import numpy as np
 
 from flexmodal.campaign.blow import Blow
-from flexmodal.campaign.campaign import Campaign, CampaignPoint, CampaignPosture, default_band
+from flexmodal.campaign.campaign import Campaign, default_band
 from flexmodal.campaign.read_frf_uff import read_frf_uff
 from flexmodal.campaign.read_time_uff import read_time_uff
-from flexmodal.campaign.read_toml import Tested
 from flexmodal.campaign.records import FrfRecords
+from flexmodal.campaign.tested import CampaignPoint, CampaignPosture, Tested
 from flexmodal.campaign.trial import Trial
 from flexmodal.campaign.uff_header import Header
 from flexmodal.campaign.uff_scan import scan_uff
 from flexmodal.errors import Fault, InvalidCampaign
 from flexmodal.text.words import FaultList
 
-SUFFIXES = (".uff", ".unv", ".uf", ".58")
+UNIVERSAL_SUFFIXES = (".uff", ".unv", ".uf", ".58")
 _TIME, _FRF = 1, 4
 
 
 def is_export(path: Path) -> bool:
     """Whether a path is that of a universal file, by its name."""
-    return path.suffix.lower() in SUFFIXES and path.is_file()
+    return path.suffix.lower() in UNIVERSAL_SUFFIXES and path.is_file()
 
 
 def read_export(file: Path) -> Campaign:

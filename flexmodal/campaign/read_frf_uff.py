@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 
 from flexmodal.campaign.abscissa import same_axis
-from flexmodal.campaign.read_toml import Tested
 from flexmodal.campaign.records import FrfRecords
 from flexmodal.campaign.sound import ROUNDING
+from flexmodal.campaign.tested import Tested
 from flexmodal.campaign.uff_records import ACCELERATION, DISPLACEMENT, VELOCITY, Labelled, read_records
 from flexmodal.frf import Form
 from flexmodal.text.words import FaultList

@@ -8,7 +8,7 @@ import numpy as np
 
 from flexmodal.campaign.abscissa import evened, same_axis
 from flexmodal.campaign.blow import Blow, Quantity
-from flexmodal.campaign.read_toml import Tested
+from flexmodal.campaign.tested import Tested
 from flexmodal.campaign.uff_records import (
     ACCELERATION,
     DISPLACEMENT,

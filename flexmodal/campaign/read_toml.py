@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from flexmodal.campaign.campaign import CampaignPoint, CampaignPosture
+from flexmodal.campaign.sound import add_contradictions
+from flexmodal.campaign.tested import CampaignPoint, CampaignPosture, Tested
 from flexmodal.campaign.toml_faults import ALLOWED, add_faults
 from flexmodal.campaign.trial import Trial, Window
 from flexmodal.errors import Fault, InvalidCampaign
@@ -17,18 +16,6 @@ from flexmodal.text.words import FaultList, shown
 
 if TYPE_CHECKING:
     from flexmodal.campaign.schema import CampaignTable, TrialTable
-
-
-@dataclass(frozen=True)
-class Tested:
-    """What a `campaign.toml` says."""
-
-    title: str
-    robot: str
-    band: tuple[float, float] | None
-    postures: tuple[CampaignPosture, ...]
-    points: tuple[CampaignPoint, ...]
-    trials: tuple[Trial, ...]
 
 
 def read_toml(file: Path) -> Tested:
@@ -57,38 +44,6 @@ def read_toml(file: Path) -> Tested:
     if faults.faults:
         raise InvalidCampaign(faults.faults)
     return tested
-
-
-def add_contradictions(faults: FaultList, tested: Any) -> None:
-    """Add a fault for each id or name given twice, each repeat of no trial, and a band that runs backward.
-
-    Args:
-        faults: where they go.
-        tested: anything with the fields of `Tested`.
-    """
-    for section, entries in (
-        ("posture", tested.postures),
-        ("point", tested.points),
-        ("trial", tested.trials),
-    ):
-        _add_twice(faults, section, "id", [entry.id for entry in entries])
-        if section != "trial":
-            _add_twice(faults, section, "name", [entry.name for entry in entries])
-    ids = {trial.id for trial in tested.trials}
-    for place, trial in enumerate(tested.trials):
-        if trial.repeat_of is not None and trial.repeat_of not in ids - {trial.id}:
-            faults.add(f"trial[{place}].repeat_of", str(trial.repeat_of), "the id of another trial")
-    if tested.band is not None and not 0 <= tested.band[0] < tested.band[1]:
-        faults.add("band", f"{tested.band[0]:g} to {tested.band[1]:g}", ALLOWED[""]["band"])
-
-
-def _add_twice(faults: FaultList, section: str, key: str, values: Sequence[object]) -> None:
-    for place, value in enumerate(values):
-        if value in values[:place]:
-            first = values.index(value)
-            faults.add(
-                f"{section}[{place}].{key}", f"{shown(value)}, as in {section}[{first}]", "one of its own"
-            )
 
 
 def _tested(table: CampaignTable) -> Tested:

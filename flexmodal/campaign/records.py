@@ -4,21 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from jaxtyping import Complex, Float, Int
 
+from flexmodal.campaign.quality_flag import QualityFlag
 from flexmodal.campaign.trial import Trial, repeat_groups
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.frf import Form, Frf, PointDirection
-from flexmodal.frf.form import check_form
+from flexmodal.frf.form import POWER, check_form
 
-if TYPE_CHECKING:
-    from flexmodal.campaign.quality import QualityFlag
-
-_POWER = {"receptance": 0, "mobility": 1, "inertance": 2}
 AXES = "xyz"
+COHERENT = 0.8
+"""Coherence from which on a line is used (file format, section 3)."""
 
 Place = int | tuple[int, int]
 """A point id, or a point id with a direction ±1 ±2 ±3."""
@@ -45,6 +43,13 @@ class FrfRecords:
     """What is known of the trials: averages, windows, repeats."""
     flags: tuple[QualityFlag, ...] = ()
     """What was odd about the blows that the records were estimated from."""
+
+    @property
+    def weight(self) -> Float[np.ndarray, "record line"]:
+        """What each line counts for: its coherence, 0 below `COHERENT`; 1 where there is no coherence."""
+        if self.coherence is None:
+            return np.ones(self.value.shape)
+        return np.where(self.coherence < COHERENT, 0.0, self.coherence)
 
     def __len__(self) -> int:
         """How many records there are."""
@@ -114,7 +119,7 @@ class FrfRecords:
             InvalidRequest: no such form, or a floor that is no frequency above 0.
         """
         target = check_form(form)
-        power = _POWER[target] - _POWER[self.form]
+        power = POWER[target] - POWER[self.form]
         if floor is not None and not (np.isfinite(floor) and floor > 0):
             raise InvalidRequest(Fault("call", "floor", repr(floor), "a frequency above 0 Hz"))
         if power == 0:

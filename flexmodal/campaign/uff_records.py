@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
-from flexmodal.campaign.read_toml import Tested
 from flexmodal.campaign.sound import DIRECTIONS
+from flexmodal.campaign.tested import Tested
 from flexmodal.campaign.uff_header import Character, Header
 from flexmodal.campaign.uff_scan import scan_uff
 from flexmodal.campaign.uff_values import UffRecord, read_values

@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 
 from flexmodal.campaign.blow import Blow
-from flexmodal.campaign.campaign import Campaign, CampaignPoint
+from flexmodal.campaign.campaign import Campaign
 from flexmodal.campaign.records import FrfRecords
+from flexmodal.campaign.tested import CampaignPoint
 from flexmodal.campaign.uff_frame import framed
 from flexmodal.campaign.uff_records import ACCELERATION, DISPLACEMENT, FORCE, VELOCITY
 

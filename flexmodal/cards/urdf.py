@@ -55,6 +55,11 @@ class UrdfJoint:
     """Speed limit [rad/s], or [m/s] for a prismatic joint; None where none is given."""
 
     @property
+    def is_prismatic(self) -> bool:
+        """Whether its value is a length [m] rather than an angle [rad]."""
+        return self.type == "prismatic"
+
+    @property
     def movable(self) -> bool:
         """Whether it has a degree of freedom."""
         return self.type in MOVABLE

@@ -15,7 +15,7 @@ from flexmodal.errors import Fault, OutputExists
 
 if TYPE_CHECKING:
     from flexmodal.campaign import Campaign
-    from flexmodal.identification import Outcome
+    from flexmodal.identification import Identification
     from flexmodal.model import Robot
 
 STAGES = 4
@@ -25,7 +25,10 @@ FILES = ("identification.json", "report.html", "fit.png", "fit.svg", "robot")
 @click.command()
 @click.argument("campaign", type=click.Path(path_type=Path))
 @click.option(
-    "--from", "source", type=click.Choice(["modes", "frf"]), help="What to fit; FRFs where there are any."
+    "--from",
+    "source",
+    type=click.Choice(["modes", "frf", "both"]),
+    help="What to fit; everything that was measured by default.",
 )
 @click.option(
     "--hold-out",
@@ -147,7 +150,7 @@ def _refuse_out(out: Path | None, force: bool) -> None:
         raise OutputExists(faults)
 
 
-def _write(outcome: Outcome, found: dict[str, Any], out: Path, force: bool) -> None:
+def _write(outcome: Identification, found: dict[str, Any], out: Path, force: bool) -> None:
     from flexmodal.identification.improved import write_improved
     from flexmodal.identification.page import write_identification_page
     from flexmodal.identification.plot import draw_identification
@@ -164,7 +167,7 @@ def _write(outcome: Outcome, found: dict[str, Any], out: Path, force: bool) -> N
         write_figure(figure, out / name, overwrite=force)
 
 
-def _print(outcome: Outcome) -> None:
+def _print(outcome: Identification) -> None:
     from flexmodal.identification.page import GAPS, HEADER, estimate_cells, gap_cells
 
     problem = outcome.problem

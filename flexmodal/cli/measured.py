@@ -12,8 +12,6 @@ from flexmodal.errors import Fault, InvalidCampaign
 if TYPE_CHECKING:
     from flexmodal.campaign import Campaign
 
-_UNIVERSAL = (".uff", ".unv", ".uf", ".58")
-
 
 def campaign_at(path: str | Path) -> Campaign:
     """Read a campaign, or a universal file by itself, and say what it warns of.
@@ -21,14 +19,14 @@ def campaign_at(path: str | Path) -> Campaign:
     Raises:
         InvalidCampaign: nothing there, or with every fault of every file.
     """
-    from flexmodal.campaign import read_campaign
+    from flexmodal.campaign import UNIVERSAL_SUFFIXES, read_campaign
 
     place = Path(path)
     if not place.exists():
         allowed = "a folder with a campaign.toml, or a universal file by itself"
         raise InvalidCampaign(Fault(str(path), "", "no such file or folder", allowed))
     if place.is_dir() and not (place / "campaign.toml").exists():
-        files = sorted(one.name for one in place.iterdir() if one.suffix.lower() in _UNIVERSAL)
+        files = sorted(one.name for one in place.iterdir() if one.suffix.lower() in UNIVERSAL_SUFFIXES)
         named = f", such as {place / files[0]}" if files else ""
         allowed = f"one that has; or a universal file by itself{named}"
         raise InvalidCampaign(Fault(str(path), "", "a folder without a campaign.toml", allowed))

@@ -164,7 +164,7 @@ def _print(outcome: Outcome, objective: str) -> None:
     rows = []
     for place, optimum in enumerate(outcome.optima[:10], start=1):
         angles = [
-            degrees(value, prismatic=robot.commanded[name].type == "prismatic")
+            degrees(value, prismatic=robot.commanded[name].is_prismatic)
             for name, value in optimum.posture.values.items()
         ]
         rows.append([f"optimum {place}", f"{optimum.objective:.5g}", str(optimum.hits), *angles])

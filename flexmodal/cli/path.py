@@ -242,7 +242,7 @@ def _print(arm: Robot, found: dict[str, PathOutcome]) -> None:
     rows = []
     for place, point in enumerate(best.problem.points):
         angles = [
-            degrees(value, prismatic=arm.commanded[name].type == "prismatic")
+            degrees(value, prismatic=arm.commanded[name].is_prismatic)
             for name, value in best.posture(place).values.items()
         ]
         rows.append([f"{point.time:.3g}", f"{best.values[place]:.4g}", *angles])

@@ -160,7 +160,7 @@ class Draft:
         """Put a new joint, of the same axis and kind, between a joint and the link that carries it."""
         described = self.urdf.joints[joint]
         rotor = self._dust(f"{name}_rotor")
-        kind = "prismatic" if described.type == "prismatic" else "revolute"
+        kind = "prismatic" if described.is_prismatic else "revolute"
         new = _joint(name, kind, described.parent, rotor, described.axis, described.xyz)
         self.urdf.add_joint(replace(new, rpy=described.rpy), before=joint)
         self.urdf.change_joint(joint, parent=rotor, xyz=np.zeros(3), rpy=np.zeros(3))

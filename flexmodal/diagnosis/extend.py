@@ -15,7 +15,8 @@ import numpy as np
 from flexmodal.cards import CouplingCard, FrozenDict, PointCard, RobotCard
 from flexmodal.cards.write import UrdfDraft, write_robot
 from flexmodal.diagnosis.draft import Draft
-from flexmodal.diagnosis.effects.effect import Scene, Site
+from flexmodal.diagnosis.effects.context import Context
+from flexmodal.diagnosis.effects.effect import Placement
 from flexmodal.diagnosis.hypothesis import Placed
 from flexmodal.diagnosis.outcome import Diagnosis
 from flexmodal.errors import InvalidPosture
@@ -53,18 +54,18 @@ class Extension:
 
 def extend(diagnosis: Diagnosis) -> Extension:
     """Put the parameters and effects of a diagnosis' final model into the robot."""
-    model, scene = diagnosis.model, diagnosis.model.scene
+    model, scene = diagnosis.model, diagnosis.model.context
     values = model.space.values(diagnosis.x)
     draft = Draft(scene.robot, {name: values[name] for name in model.base.names})
     for placed in model.placed:
         if placed.effect.extend is None:
             draft.notes.append(_left_out(placed, model.values_of(placed, values), scene))
         else:
-            placed.effect.extend(draft, Site(scene, placed.where, model.values_of(placed, values), 0))
+            placed.effect.extend(draft, Placement(scene, placed.where, model.values_of(placed, values), 0))
     return Extension(draft.finish(), _card(draft, diagnosis), tuple(draft.notes))
 
 
-def _left_out(placed: Placed, values: Mapping[str, float], scene: Scene) -> str:
+def _left_out(placed: Placed, values: Mapping[str, float], scene: Context) -> str:
     """Why an effect is not in the files, and what it amounts to."""
     effect = placed.effect
     if effect.read is not None or effect.turn is not None or "response" in effect.variants:

@@ -9,13 +9,14 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Float
 
-from flexmodal.diagnosis.effects.effect import Effect, Scene, Site
+from flexmodal.diagnosis.effects.context import Context, Place
+from flexmodal.diagnosis.effects.effect import Effect, Placement
 from flexmodal.diagnosis.frame import KINDS, Frame
 from flexmodal.diagnosis.march.law import Law
 from flexmodal.diagnosis.reader import Reader
 from flexmodal.diagnosis.slices import Slice, slices
 from flexmodal.identification import Observations
-from flexmodal.identification.model import Group, places
+from flexmodal.identification.model import Group
 from flexmodal.structure import ParameterSpace
 from flexmodal.structure.arm import Body
 from flexmodal.structure.assembly import Assembly, put_together
@@ -59,7 +60,7 @@ class _Shift:
 class Hypothesis:
     """A model of observations (`identification.FrfModel`)."""
 
-    scene: Scene
+    context: Context
     base: ParameterSpace
     """Of the robot itself."""
     placed: tuple[Placed, ...] = ()
@@ -72,7 +73,7 @@ class Hypothesis:
         more = [
             replace(parameter, name=f"{one.label}.{parameter.name}")
             for one in self.placed
-            for parameter in one.effect.parameters(self.scene, one.where)
+            for parameter in one.effect.parameters(self.context, one.where)
         ]
         return self.base.and_also(more)
 
@@ -88,11 +89,11 @@ class Hypothesis:
 
     def and_also(self, placed: Placed) -> Hypothesis:
         """With one more effect."""
-        return Hypothesis(self.scene, self.base, (*self.placed, placed))
+        return Hypothesis(self.context, self.base, (*self.placed, placed))
 
     def without(self, key: tuple[str, str]) -> Hypothesis:
         """With one effect less."""
-        return Hypothesis(self.scene, self.base, tuple(one for one in self.placed if one.key != key))
+        return Hypothesis(self.context, self.base, tuple(one for one in self.placed if one.key != key))
 
     def values_of(self, placed: Placed, values: Mapping[str, float]) -> dict[str, float]:
         """An effect's own parameters without prefix, among the robot's."""
@@ -120,7 +121,7 @@ class Hypothesis:
         shifts = self._shifts(x) if slopes else []
         return [
             Group(
-                self._structure(observations, one, values, shifts),
+                self._structure(one, values, shifts),
                 one.rows,
                 one.pairs,
                 one.level,
@@ -129,11 +130,42 @@ class Hypothesis:
             for one in self._sliced(observations)
         ]
 
+    def structures(
+        self,
+        x: Float[np.ndarray, " parameter"],
+        responses: Sequence[Place],
+        references: Sequence[Place],
+        *,
+        slopes: bool,
+    ) -> list[Structure]:
+        """The structure in each posture of the context, seen and struck anywhere.
+
+        Args:
+            x: coordinates.
+            responses: point ids and directions of the response rows.
+            references: likewise, of the reference rows.
+            slopes: with derivatives.
+        """
+        values = self.space.values(x)
+        shifts = self._shifts(x) if slopes else []
+        where, struck = (np.array(list(table), dtype=int).reshape(-1, 2) for table in (responses, references))
+        names = tuple(self.context.point(number).name for number, _ in responses)
+        found = []
+        for posture in range(len(self.context.postures)):
+            one = Slice(
+                posture, np.zeros(0, dtype=int), where, struck, np.zeros((0, 2), dtype=int), names, (), 0,
+                (0, 0), (0, 0),
+            )  # fmt: skip
+            found.append(self._structure(one, values, shifts))
+        return found
+
     def laws(self, posture: int, values: Mapping[str, float]) -> tuple[Law, ...]:
         """Torques of the effects that have a law, in a posture (by number) at these parameter values."""
         frame = self._frame(posture, values)
         return tuple(
-            one.effect.law(frame.assembly, Site(self.scene, one.where, self.values_of(one, values), posture))
+            one.effect.law(
+                frame.assembly, Placement(self.context, one.where, self.values_of(one, values), posture)
+            )
             for one in self.placed
             if one.effect.law is not None
         )
@@ -158,9 +190,7 @@ class Hypothesis:
 
     # structures
 
-    def _structure(
-        self, observations: Observations, one: Slice, values: Mapping[str, float], shifts: Sequence[_Shift]
-    ) -> Structure:
+    def _structure(self, one: Slice, values: Mapping[str, float], shifts: Sequence[_Shift]) -> Structure:
         frame = self._frame(one.posture, values)
         total, changes = frame.scaled(values)
         added = self._act(frame, one, values)
@@ -168,11 +198,11 @@ class Hypothesis:
             total[kind] = total[kind] + matrix
             for name in names:
                 changes[name] = changes.get(name, Change()) + changed({kind: matrix})
-        rows = self._rows(observations, frame, one, values)
+        rows = self._rows(frame, one, values)
         bare = _summed(added)
         loss = added.loss_factor
         for shift in shifts:
-            change = self._change(observations, frame, one, values, shift, bare, loss, rows)
+            change = self._change(frame, one, values, shift, bare, loss, rows)
             if change is not None:
                 changes[shift.name] = change
         return Structure(
@@ -189,7 +219,6 @@ class Hypothesis:
 
     def _change(
         self,
-        observations: Observations,
         frame: Frame,
         one: Slice,
         values: Mapping[str, float],
@@ -215,7 +244,7 @@ class Hypothesis:
             for kind in KINDS:
                 slots[kind] = slots[kind] + now[kind] - was[kind]
         if moved is not frame or effect.turn is not None:
-            others = self._rows(observations, moved, one, shift.values)
+            others = self._rows(moved, one, shift.values)
             slots["response"], slots["reference"] = others[0] - rows[0], others[1] - rows[1]
         kept = {name: slot / shift.step for name, slot in slots.items() if slot.any()}
         return changed(kept, loss or None) if kept or loss else None
@@ -232,19 +261,23 @@ class Hypothesis:
     def _build(self, posture: int, values: Mapping[str, float]) -> Frame:
         """Motions of the effects, and the card's own terms on them."""
         card = {parameter.name: parameter.card for parameter in self.base}
-        assembly = Assembly(self.scene.arm(posture))
-        sites = [
-            (one.effect, Site(self.scene, one.where, {**self.values_of(one, values), **card}, posture))
+        assembly = Assembly(self.context.arms[posture])
+        placements = [
+            (one.effect, Placement(self.context, one.where, {**self.values_of(one, values), **card}, posture))
             for one in self.placed
         ]
-        for effect, site in sites:
+        for effect, placement in placements:
             if effect.shape is not None:
-                effect.shape(assembly, site)
+                effect.shape(assembly, placement)
         bodies = assembly.arm.bodies
         taken = {
             link
             for link in bodies
-            if any(effect.bodies(assembly, site, bodies, link) for effect, site in sites if effect.bodies)
+            if any(
+                effect.bodies(assembly, placement, bodies, link)
+                for effect, placement in placements
+                if effect.bodies
+            )
         }
         left: dict[str, Body] = {link: body for link, body in bodies.items() if link not in taken}
         put_together(assembly, card, left)
@@ -253,17 +286,17 @@ class Hypothesis:
     def _act(self, frame: Frame, one: Slice, values: Mapping[str, float]) -> Assembly:
         """What the effects put on the motions, by itself."""
         assembly = frame.assembly.alike()
-        for effect, site in self._sites(one, values):
+        for effect, placement in self._placements(one, values):
             if effect.act is not None:
-                effect.act(assembly, site)
+                effect.act(assembly, placement)
         return assembly
 
-    def _sites(self, one: Slice, values: Mapping[str, float]) -> list[tuple[Effect, Site]]:
+    def _placements(self, one: Slice, values: Mapping[str, float]) -> list[tuple[Effect, Placement]]:
         return [
             (
                 placed.effect,
-                Site(
-                    self.scene,
+                Placement(
+                    self.context,
                     placed.where,
                     self.values_of(placed, values),
                     one.posture,
@@ -275,41 +308,42 @@ class Hypothesis:
             for placed in self.placed
         ]
 
-    def _rows(
-        self, observations: Observations, frame: Frame, one: Slice, values: Mapping[str, float]
-    ) -> tuple[np.ndarray, np.ndarray]:
+    def _rows(self, frame: Frame, one: Slice, values: Mapping[str, float]) -> tuple[np.ndarray, np.ndarray]:
         """Rows of responses and references."""
-        turning = [(effect, site) for effect, site in self._sites(one, values) if effect.turn is not None]
+        turning = [
+            (effect, placement)
+            for effect, placement in self._placements(one, values)
+            if effect.turn is not None
+        ]
         if turning:
-            measured = places(observations, one.where)
-            for effect, site in turning:
+            measured = self.context.places(one.where)
+            for effect, placement in turning:
                 assert effect.turn is not None
                 measured = [
-                    (link, place, effect.turn(self.scene, site, one.posture, name, way))
+                    (link, place, effect.turn(self.context, placement, one.posture, name, way))
                     for (link, place, way), name in zip(measured, one.points, strict=True)
                 ]
             response = frame.assembly.rows(measured)
         else:
-            response = _kept(frame, observations, one.where)
-        return response, _kept(frame, observations, one.struck)
+            response = self._kept(frame, one.where)
+        return response, self._kept(frame, one.struck)
+
+    def _kept(self, frame: Frame, wanted: np.ndarray) -> np.ndarray:
+        key = wanted.tobytes()
+        if key not in frame.rows:
+            frame.rows[key] = frame.assembly.rows(self.context.places(wanted))
+        return frame.rows[key]
 
     def _reader(self, one: Slice, values: Mapping[str, float], shifts: Sequence[_Shift]) -> Reader | None:
         labels = {placed.label for placed in self.placed if placed.effect.read is not None}
         if not labels:
             return None
         moved = [
-            (shift.name, shift.step, self._sites(one, shift.values))
+            (shift.name, shift.step, self._placements(one, shift.values))
             for shift in shifts
             if shift.label in labels
         ]
-        return Reader(one.read, self._sites(one, values), moved)
-
-
-def _kept(frame: Frame, observations: Observations, wanted: np.ndarray) -> np.ndarray:
-    key = wanted.tobytes()
-    if key not in frame.rows:
-        frame.rows[key] = frame.assembly.rows(places(observations, wanted))
-    return frame.rows[key]
+        return Reader(one.read, self._placements(one, values), moved)
 
 
 def _summed(assembly: Assembly) -> dict[str, np.ndarray]:

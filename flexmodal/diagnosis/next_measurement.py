@@ -14,7 +14,7 @@ import numpy as np
 from jaxtyping import Float
 
 from flexmodal.campaign import CampaignPosture
-from flexmodal.diagnosis.effects.effect import Scene
+from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.outcome import NONE, NextMeasurement
 from flexmodal.identification import Observations, predict
@@ -28,7 +28,7 @@ _WIDEST = np.radians(150)
 
 
 def next_measurement(
-    scene: Scene,
+    observations: Observations,
     one: tuple[Hypothesis, Float[np.ndarray, " parameter"]],
     other: tuple[Hypothesis, Float[np.ndarray, " parameter"]],
     seed: int = 0,
@@ -36,14 +36,14 @@ def next_measurement(
     """The posture, response, hammer point and level at which two fitted models differ most.
 
     Args:
-        scene: robot and observations.
+        observations: the campaign's.
         one: a hypothesis and its coordinates.
         other: the one it is tied with.
         seed: of the random postures.
     """
-    tried = _postures(scene, seed)
-    planned = _planned(scene.observations, tried)
-    there = Scene(scene.robot, planned, scene.every_line)
+    context = one[0].context
+    planned = _planned(observations, postures_to_try(context, seed))
+    there = replace(context, postures=planned.postures)
     stride = max(1, len(planned.axis) // LINES)
     lines = slice(stride // 2, None, stride)
     values = []
@@ -52,7 +52,7 @@ def next_measurement(
         values.append(predict(moved, x, planned, lines))
     apart = np.sqrt(np.mean(np.minimum(np.abs(residual(*values)) ** 2, 4.0), axis=1))
     best = int(np.argmax(apart))
-    floor = gap(scene.observations, scene.observations.value).noise_floor
+    floor = gap(observations, observations.value).noise_floor
     response, reference = planned.response[best].tolist(), planned.reference[best].tolist()
     return NextMeasurement(
         posture=dict(planned.postures[int(planned.posture[best])].q),
@@ -68,15 +68,15 @@ def _label(hypothesis: Hypothesis) -> str:
     return "@".join(hypothesis.keys[-1]) if hypothesis.placed else NONE
 
 
-def _postures(scene: Scene, seed: int) -> list[Mapping[str, float]]:
+def postures_to_try(context: Context, seed: int) -> list[Mapping[str, float]]:
     """The card's postures, those of the campaign, and random ones."""
-    robot, random = scene.robot, np.random.default_rng(seed)
+    robot, random = context.robot, np.random.default_rng(seed)
     found: list[Mapping[str, float]] = [dict(q) for q in robot.postures.values()]
-    found += [dict(p.q) for p in scene.observations.postures]
+    found += [dict(p.q) for p in context.postures]
     for _ in range(RANDOM):
         values = {}
         for name, joint in robot.commanded.items():
-            wide = _WIDEST if joint.type != "prismatic" else 0.5
+            wide = _WIDEST if not joint.is_prismatic else 0.5
             low, high = max(joint.lower, -wide), min(joint.upper, wide)
             values[name] = float(random.uniform(low, high)) if low < high else float(joint.lower)
         found.append(values)

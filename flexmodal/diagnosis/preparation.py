@@ -9,12 +9,12 @@ import numpy as np
 from jaxtyping import Bool
 
 from flexmodal.campaign import Campaign, CampaignPosture
-from flexmodal.diagnosis.effects import Effect, Scene, catalogue
+from flexmodal.diagnosis.effects import Context, Effect, catalogue
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.lines import COARSE, some_lines, unlimited
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.identification import Observations, fit, gap, observe, predict
-from flexmodal.identification.belong import check_belonging
+from flexmodal.identification.compatibility import check_compatible
 from flexmodal.model import Robot
 from flexmodal.structure import ParameterSpace, robot_space
 from flexmodal.structure.truncation import missing
@@ -31,7 +31,7 @@ Advance = Callable[[str, float], None]
 class Bench:
     """What a diagnosis works with."""
 
-    scene: Scene
+    scene: Context
     base: ParameterSpace
     observations: Observations
     fitted: Observations
@@ -61,14 +61,14 @@ def prepare(
     Raises:
         InvalidRequest: no data, unknown effects or postures, a campaign that does not belong to the robot.
     """
-    check_belonging(campaign, robot)
+    check_compatible(campaign, robot)
     observations = observe(campaign)
-    observations = _whole(observations, robot)
-    scene = Scene(robot, observations)
+    scene = Context.of(robot, observations)
+    observations = _whole(observations, scene)
     known = tuple(catalogue(effects).values())
     base = robot_space(robot, trust={**trust_of(robot, TRUST), **(trust or {})})
     if hold_out is None:
-        held = _middling(scene, base)
+        held = _middling(scene, base, observations)
     else:
         held = np.isin(observations.posture, numbers_of(observations.postures, hold_out, seen_by="FRFs"))
     return Bench(scene, base, observations, observations.keeping(~held), held, known, seed, advance)
@@ -85,9 +85,9 @@ def trust_of(robot: Robot, trust: Mapping[str, float]) -> dict[str, float]:
     return found
 
 
-def _whole(observations: Observations, robot: Robot) -> Observations:
+def _whole(observations: Observations, context: Context) -> Observations:
     """The observations, without the length of their records where the robot comes to rest within it."""
-    root = Hypothesis(Scene(robot, observations), robot_space(robot))
+    root = Hypothesis(context, robot_space(context.robot))
     for group in root.groups(np.zeros(len(root.space)), observations, slopes=False):
         axis = observations.axis_of(group.level)
         if axis.length > 0 and missing(group.structure, axis, group.pairs[:1]) is not None:
@@ -95,12 +95,13 @@ def _whole(observations: Observations, robot: Robot) -> Observations:
     return unlimited(observations)
 
 
-def _middling(scene: Scene, base: ParameterSpace) -> Bool[np.ndarray, " observation"]:
+def _middling(
+    scene: Context, base: ParameterSpace, observations: Observations
+) -> Bool[np.ndarray, " observation"]:
     """Observations of the postures in the middle, by how far the re-tuned robot is from each.
 
     A posture that alone shows the effect must not be held out, nor one that does not show it at all.
     """
-    observations = scene.observations
     count = len(observations.postures)
     if count < _FEWEST:
         return np.zeros(len(observations), dtype=bool)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flexmodal.diagnosis.effects.effect import Effect, Site
+from flexmodal.diagnosis.effects.effect import Effect, Placement
 from flexmodal.structure.structure import Axis
 
 
@@ -17,17 +17,19 @@ class Reader:
 
     points: Sequence[str]
     """Response point of each observation."""
-    sites: Sequence[tuple[Effect, Site]]
-    moved: Sequence[tuple[str, float, Sequence[tuple[Effect, Site]]]]
+    placements: Sequence[tuple[Effect, Placement]]
+    moved: Sequence[tuple[str, float, Sequence[tuple[Effect, Placement]]]]
 
     def __call__(self, axis: Axis) -> tuple[np.ndarray, Mapping[str, np.ndarray]]:
         """ln(reading / motion) [observation line], and its derivatives."""
-        base = self._log(axis, self.sites)
-        return base, {name: (self._log(axis, sites) - base) / step for name, step, sites in self.moved}
+        base = self._log(axis, self.placements)
+        return base, {
+            name: (self._log(axis, placements) - base) / step for name, step, placements in self.moved
+        }
 
-    def _log(self, axis: Axis, sites: Sequence[tuple[Effect, Site]]) -> np.ndarray:
+    def _log(self, axis: Axis, placements: Sequence[tuple[Effect, Placement]]) -> np.ndarray:
         total = np.zeros((len(self.points), len(axis)), dtype=complex)
-        for effect, site in sites:
+        for effect, placement in placements:
             if effect.read is not None:
-                total[[point == site.where for point in self.points]] += effect.read(site, axis)
+                total[[point == placement.where for point in self.points]] += effect.read(placement, axis)
         return total

@@ -87,9 +87,9 @@ def _start(
     for placed in hypothesis.placed:
         if placed.effect.law is None:
             continue
-        for given in placed.effect.starts(hypothesis.scene, placed.where):
+        for given in placed.effect.starts(hypothesis.context, placed.where):
             other = x.copy()
-            for name in (p.name for p in placed.effect.parameters(hypothesis.scene, placed.where)):
+            for name in (p.name for p in placed.effect.parameters(hypothesis.context, placed.where)):
                 k = space.index[f"{placed.label}.{name}"]
                 other[k] = space.parameters[k].coordinate(given[name]) if name in given else 0.0
             tried.append(np.clip(other, *space.bounds))

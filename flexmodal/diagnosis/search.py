@@ -49,15 +49,15 @@ def candidates(
     """
     found = []
     for effect in effects:
-        if effect.untestable(root.scene):
+        if effect.untestable(root.context):
             continue
-        for where in effect.places(root.scene):
+        for where in effect.places(root.context):
             if (effect.name, where) in root.keys:
                 continue
             placed = Placed(effect, where)
             hypothesis = root.and_also(placed)
             most = 1 if has_law(hypothesis) else STARTS
-            starts = effect.starts(root.scene, where)
+            starts = effect.starts(root.context, where)
             for x in set_out:
                 tried = [hypothesis.start(placed, start, x) for start in starts]
                 found += look.started(hypothesis, tried, ROUNDS[0][0], most)
@@ -100,7 +100,7 @@ def restarted(
     placed = hypothesis.placed[-1]
     starts = [
         hypothesis.start(placed, given, tail)
-        for given in placed.effect.starts(hypothesis.scene, placed.where)
+        for given in placed.effect.starts(hypothesis.context, placed.where)
         for tail in (*set_out, x[: len(set_out[0])])
     ]
     todo = look.started(hypothesis, starts, RESTARTS[0][0], TRIED)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
-from flexmodal.diagnosis.effects.effect import Scene
-from flexmodal.diagnosis.march.pulse import Pulse, haversine
+from flexmodal.diagnosis.effects.context import Context, Place
+from flexmodal.diagnosis.march.pulse import haversine
 from flexmodal.identification.model import AXES
 from flexmodal.structure.assembly import Assembly, put_together
 from flexmodal.structure.structure import Axis
@@ -25,15 +27,23 @@ class Swing:
     """Root of ∫q̇²/∫q² [rad/s]."""
 
 
-def swings(scene: Scene, posture: int, reference: tuple[int, int], pulse: Pulse) -> dict[str, Swing]:
-    """Swing of every joint in a posture for a hammer point and direction."""
-    arm = scene.arm(posture)
+@lru_cache(maxsize=4096)
+def swings(context: Context, posture: int, reference: Place, level: int) -> Mapping[str, Swing]:
+    """Swing of every joint under a blow.
+
+    Args:
+        context: the believed robot and the test.
+        posture: number in the context.
+        reference: hammer point and direction.
+        level: number of the kind of blow.
+    """
+    arm, pulse = context.arms[posture], context.pulses[level]
     assembly = Assembly(arm)
     put_together(assembly, {}, arm.bodies)
-    point = scene.observations.campaign.point(reference[0])
+    point = context.point(reference[0])
     rows = assembly.rows([(point.link, np.array(point.xyz), AXES[reference[1] - 1])])
     structure = assembly.close(np.eye(len(assembly.coordinates)), rows)
-    high = 2 * scene.band[1]
+    high = 2 * context.band[1]
     frequency = np.arange(1, _LINES) * high / _LINES
     y = structure.solve(Axis(frequency, 1.0))[1][:, :, 0]
     spectrum = pulse.peak * haversine(frequency, pulse.length)

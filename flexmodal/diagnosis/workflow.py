@@ -116,7 +116,7 @@ def _next(course: Course, final: Weighable) -> NextMeasurement | None:
     if course.runner_up is None:
         return None
     return next_measurement(
-        course.bench.scene,
+        course.bench.observations,
         (final.hypothesis, final.fitted.x),
         (course.runner_up.hypothesis, course.runner_up.fitted.x),
     )

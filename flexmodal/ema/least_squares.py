@@ -16,13 +16,14 @@ from jaxtyping import Bool, Complex, Float
 from flexmodal.ema.basis import Residuals, check_residuals
 from flexmodal.ema.covariance import noise_of, propagate
 from flexmodal.ema.judge import judged
-from flexmodal.ema.measured import POWER, Measured
+from flexmodal.ema.measured import Measured
 from flexmodal.ema.mode import EstimatedModes, ModeEstimate, fold_terms
 from flexmodal.ema.peak import Peak
 from flexmodal.ema.separable import Separable, minimise
 from flexmodal.ema.vary import Solved, moves_of
 from flexmodal.ema.weights import Weighting, by_deviation, weights_of
 from flexmodal.errors import Fault, InvalidRequest
+from flexmodal.frf import POWER
 
 DRIVEN = "the fit drives"
 """How a reason begins why a mode was left out that a fit of the whole band drives away."""

@@ -9,10 +9,7 @@ from jaxtyping import Complex, Float
 
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.frf.axis import frequency_axis
-from flexmodal.frf.form import Form, check_form, convert
-
-POWER = {"receptance": 0, "mobility": 1, "inertance": 2}
-"""Power of iω that turns a receptance into each form."""
+from flexmodal.frf.form import POWER, Form, check_form, convert
 
 FEWEST_LINES = 5
 """A mode has four real numbers in one FRF; fewer lines than this say nothing about it."""

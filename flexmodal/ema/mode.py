@@ -17,7 +17,8 @@ import numpy as np
 from jaxtyping import Complex, Float
 
 from flexmodal.ema.basis import Residuals, mode_columns, pole_of, residual_columns
-from flexmodal.ema.measured import POWER, Measured
+from flexmodal.ema.measured import Measured
+from flexmodal.frf import POWER
 from flexmodal.frf.form import Form, check_form
 
 Method = Literal["peaks", "circle", "least-squares", "lscf"]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Literal, get_args
 
 import numpy as np
@@ -12,7 +14,9 @@ from flexmodal.errors import Fault, InvalidFrequencies, InvalidRequest
 Form = Literal["receptance", "mobility", "inertance"]
 FORMS: tuple[str, ...] = get_args(Form)
 
-_POWER = {"receptance": 0, "mobility": 1, "inertance": 2}
+POWER: Mapping[Form, int] = MappingProxyType({"receptance": 0, "mobility": 1, "inertance": 2})
+"""Power of iω that a receptance is multiplied by."""
+
 _PER_SECOND = {"receptance": "", "mobility": "/s", "inertance": "/s²"}
 
 
@@ -34,7 +38,7 @@ def convert(
     Raises:
         InvalidFrequencies: integration at 0 Hz, where the constant of integration is unknown.
     """
-    power = _POWER[target] - _POWER[source]
+    power = POWER[target] - POWER[source]
     if power == 0:
         return value
     if power < 0 and frequency[0] == 0:

@@ -1,6 +1,7 @@
 """Changes parameters to match a measurement, with uncertainty."""
 
 from flexmodal.identification.eigenvalue_method import eigenvalue_method as eigenvalue_method
+from flexmodal.identification.evidence.measured_modes import ModeObservations as ModeObservations
 from flexmodal.identification.frf_fit import FrfFit as FrfFit
 from flexmodal.identification.frf_fit import fit as fit
 from flexmodal.identification.gap import Gap as Gap
@@ -13,14 +14,13 @@ from flexmodal.identification.local import LevelModels as LevelModels
 from flexmodal.identification.local import LocalModels as LocalModels
 from flexmodal.identification.local import level_models as level_models
 from flexmodal.identification.local import local_models as local_models
-from flexmodal.identification.mode_data import ModeObservations as ModeObservations
 from flexmodal.identification.model import FrfModel as FrfModel
 from flexmodal.identification.model import ReceptanceModel as ReceptanceModel
 from flexmodal.identification.model import RobotModel as RobotModel
 from flexmodal.identification.model import predict as predict
 from flexmodal.identification.observations import Observations as Observations
 from flexmodal.identification.observations import observe as observe
-from flexmodal.identification.outcome import Outcome as Outcome
+from flexmodal.identification.outcome import Identification as Identification
 from flexmodal.identification.piecewise import PiecewiseModel as PiecewiseModel
 from flexmodal.identification.piecewise import piecewise as piecewise
 from flexmodal.identification.problem import IdentificationProblem as IdentificationProblem

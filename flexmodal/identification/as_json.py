@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from flexmodal.identification.outcome import Outcome
+from flexmodal.identification.outcome import Identification
 
 
-def as_json(outcome: Outcome) -> dict[str, Any]:
+def as_json(outcome: Identification) -> dict[str, Any]:
     """Parameters, correlated pairs and gaps as documented; held-out gaps, verdict and origin besides."""
     parameters = {
         one.name: {

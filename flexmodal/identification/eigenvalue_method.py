@@ -16,11 +16,11 @@ from jaxtyping import Float
 
 from flexmodal.campaign import Campaign
 from flexmodal.errors import Fault, InvalidRequest
-from flexmodal.identification.mode_data import modes_of_table
-from flexmodal.identification.mode_route import ModeRoute
+from flexmodal.identification.evidence.evidence import refuse
+from flexmodal.identification.evidence.measured_modes import modes_of_table
+from flexmodal.identification.evidence.modal import ModalEvidence
 from flexmodal.identification.optima import search
 from flexmodal.identification.outcome import TOUCHING
-from flexmodal.identification.route import refuse
 from flexmodal.model import Robot
 from flexmodal.structure.arm import Arm, Body, moved_bodies
 from flexmodal.structure.assembly import Assembly
@@ -128,12 +128,12 @@ def eigenvalue_method(
     found: list[Stage] = []
     for number, stage in enumerate(stages):
         keep = np.array([names[mode.posture] in stage for mode in observed.modes])
-        route = ModeRoute(model, observed.keeping(keep), ("frequency", "damping"), model_error, FAR)
-        refuse(route.faults())
+        evidence = ModalEvidence(model, observed.keeping(keep), ("frequency", "damping"), model_error, FAR)
+        refuse(evidence.faults())
         if number == 0:
-            fitted, optima = search(route, starts=starts, seed=seed)
+            fitted, optima = search(evidence, starts=starts, seed=seed)
         else:
-            fitted, optima = route.fit(found[-1].x), ()
+            fitted, optima = evidence.fit(found[-1].x), ()
         found.append(Stage(tuple(stage), model, fitted.x, fitted.converged, max(len(optima), 1)))
     return tuple(found)
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Complex, Float
 
-from flexmodal.campaign.noise import COHERENT, ZERO, expected_log_square
+from flexmodal.campaign.noise import ZERO, expected_log_square
 from flexmodal.identification.frf_fit import residual
 from flexmodal.identification.observations import Observations
 
@@ -46,10 +46,7 @@ def gap(
     if keep is not None:
         rows = rows[keep[observations.of_record]]
     records, owner = observations.records, observations.of_record[rows]
-    weight = np.ones((len(rows), len(records.frequency)))
-    if records.coherence is not None:
-        weight = records.coherence[rows].copy()
-        weight[weight < COHERENT] = 0.0
+    weight = records.weight[rows]
     total = float(weight.sum())
     if not total > 0:
         return Gap(float("nan"), float("nan"))

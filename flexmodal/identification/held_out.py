@@ -10,10 +10,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from flexmodal.identification.evidence.evidence import Evidence, Fitted
 from flexmodal.identification.gap import Gap
 from flexmodal.identification.outcome import HeldOut
 from flexmodal.identification.problem import IdentificationProblem
-from flexmodal.identification.route import Fitted, Route
 
 
 @dataclass(frozen=True)
@@ -35,9 +35,9 @@ def predicted_apart(problem: IdentificationProblem, fitted: Fitted) -> Apart | N
         return _named(problem, fitted)
     found = []
     for kind in ("posture", "point"):
-        keys = [key for key in problem.route.folds() if key[0] == kind]
+        keys = [key for key in problem.evidence.folds() if key[0] == kind]
         if len(keys) > 1:
-            found.append(_in_turn(problem.route, keys, fitted))
+            found.append(_in_turn(problem.evidence, keys, fitted))
     found = [one for one in found if one.each]
     if not found:
         return None
@@ -51,22 +51,22 @@ def _named(problem: IdentificationProblem, fitted: Fitted) -> Apart:
     return Apart(away.gap(away.predicted(card)), away.gap(away.predicted(fitted.x)), tuple(each))
 
 
-def _in_turn(route: Route, keys: list[tuple[str, str]], fitted: Fitted) -> Apart:
-    card = np.zeros(len(route.space))
-    folds = route.folds()
-    after = route.predicted(fitted.x).copy()
+def _in_turn(evidence: Evidence, keys: list[tuple[str, str]], fitted: Fitted) -> Apart:
+    card = np.zeros(len(evidence.space))
+    folds = evidence.folds()
+    after = evidence.predicted(fitted.x).copy()
     each = []
     for key in keys:
-        rest = route.keeping(~folds[key])
+        rest = evidence.keeping(~folds[key])
         if rest.faults():
             continue
         x = rest.fit(fitted.x, warm=True).x
-        part = route.keeping(folds[key])
+        part = evidence.keeping(folds[key])
         after[folds[key]] = part.predicted(x)
         each.append(_judged(part, key, card, x))
-    return Apart(route.gap(route.predicted(card)), route.gap(after), tuple(each))
+    return Apart(evidence.gap(evidence.predicted(card)), evidence.gap(after), tuple(each))
 
 
-def _judged(part: Route, key: tuple[str, str], card: np.ndarray, x: np.ndarray) -> HeldOut:
+def _judged(part: Evidence, key: tuple[str, str], card: np.ndarray, x: np.ndarray) -> HeldOut:
     before, after = part.gap(part.predicted(card)), part.gap(part.predicted(x))
     return HeldOut(*key, before.value, after.value, after.noise_floor)

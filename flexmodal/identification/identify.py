@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from flexmodal.campaign import Campaign
+from flexmodal.identification.evidence.modal import MODEL_ERROR
 from flexmodal.identification.held_out import predicted_apart
-from flexmodal.identification.mode_route import MODEL_ERROR
 from flexmodal.identification.optima import search
-from flexmodal.identification.outcome import Gaps, HeldOut, Outcome
+from flexmodal.identification.outcome import Gaps, HeldOut, Identification
 from flexmodal.identification.problem import IdentificationProblem, Source, build_identification
 from flexmodal.model import Robot
 from flexmodal.structure.parameter import ParameterSpace
@@ -30,7 +30,7 @@ def identify(
     starts: int = 1,
     seed: int = 0,
     advance: Callable[[str], None] = lambda stage: None,
-) -> Outcome:
+) -> Identification:
     """Identify a robot's parameters.
 
     What is named in `hold_out` is never fitted, and the model is judged on it. Where nothing is named, every
@@ -40,7 +40,7 @@ def identify(
     Args:
         campaign: what was measured.
         robot: as its card says.
-        source: "frf" or "modes"; FRFs where there are any.
+        source: "frf", "modes" or "both"; see `build_identification`.
         space: parameters; stiffness, damping, mass and inertia of the robot if None.
         trust: standard deviations of ln(true / card) by kind or name, over the card's.
         hold_out: names or ids of postures, or names of points, that the fit is not to see.
@@ -74,7 +74,7 @@ def solve_identification(
     seed: int = 0,
     in_turn: bool = True,
     advance: Callable[[str], None] = lambda stage: None,
-) -> Outcome:
+) -> Identification:
     """Solve a problem that `build_identification` made; see `identify`.
 
     Args:
@@ -91,11 +91,11 @@ def solve_identification(
     advance("what the data can tell")
     before = problem.identifiability
     advance("fitting")
-    fitted, optima = search(problem.route, starts=starts, seed=seed)
-    sure = problem.route.uncertainty(fitted)
+    fitted, optima = search(problem.evidence, starts=starts, seed=seed)
+    sure = problem.evidence.uncertainty(fitted)
     card = np.zeros(len(problem.space))
-    shown = problem.route.predicted(fitted.x)
-    fit_gap, card_gap = problem.route.gap(shown), problem.route.gap(problem.route.predicted(card))
+    shown = problem.evidence.predicted(fitted.x)
+    fit_gap, card_gap = problem.evidence.gap(shown), problem.evidence.gap(problem.evidence.predicted(card))
     advance("holding out")
     parts = predicted_apart(problem, fitted) if in_turn or problem.held_out else None
     gaps = Gaps(
@@ -106,7 +106,7 @@ def solve_identification(
         noise_floor=fit_gap.noise_floor,
         held_out_noise_floor=None if parts is None else parts.after.noise_floor,
     )
-    return Outcome(
+    return Identification(
         problem,
         fitted,
         sure,
@@ -115,7 +115,7 @@ def solve_identification(
         () if parts is None else parts.each,
         optima,
         _provenance(problem, () if parts is None else parts.each, starts, seed),
-        problem.route.over_noise(shown),
+        problem.evidence.over_noise(shown),
     )
 
 
@@ -135,7 +135,7 @@ def _provenance(
         "fitted_to": problem.what,
         "band": [float(campaign.band[0]), float(min(campaign.band[1], 1e9))],
         "held_out": [name for _, name in problem.held_out] or in_turn,
-        "numbers": problem.route.count,
+        "numbers": problem.evidence.count,
         "starts": starts,
         "seed": seed,
         "flexmodal": version("flexmodal"),

@@ -15,9 +15,9 @@ import numpy as np
 from jaxtyping import Float
 
 from flexmodal.errors import Fault, InvalidRequest
-from flexmodal.identification.frf_route import FrfRoute
-from flexmodal.identification.outcome import Outcome
-from flexmodal.identification.route import Fitted
+from flexmodal.identification.evidence.evidence import Fitted
+from flexmodal.identification.evidence.frf import FrfEvidence
+from flexmodal.identification.outcome import Identification
 from flexmodal.identification.uncertainty import Uncertainty
 
 WIDTHS = (0.4, 0.7, 1.2, 2.0)
@@ -34,7 +34,7 @@ APART = 0.999
 class LocalModels:
     """One model for each posture of the campaign, and how they predict beside one global model."""
 
-    outcome: Outcome
+    outcome: Identification
     width: float
     """h of the best."""
     values: Mapping[str, Mapping[str, float]]
@@ -57,7 +57,7 @@ class LocalModels:
         return f"{told}: one set of parameters serves all postures"
 
 
-def local_models(outcome: Outcome, widths: Sequence[float] = WIDTHS) -> LocalModels:
+def local_models(outcome: Identification, widths: Sequence[float] = WIDTHS) -> LocalModels:
     """Fit models weighted around each posture, and compare them with one for all.
 
     Args:
@@ -65,35 +65,37 @@ def local_models(outcome: Outcome, widths: Sequence[float] = WIDTHS) -> LocalMod
         widths: to choose from.
 
     Raises:
-        InvalidRequest: another route, fewer postures, or widths that are not above 0.
+        InvalidRequest: another evidence, fewer postures, or widths that are not above 0.
     """
-    route = _frfs(outcome)
-    names = [posture.name for posture in route.observations.postures]
+    evidence = _frfs(outcome)
+    names = [posture.name for posture in evidence.observations.postures]
     if len(names) < 3 or not widths or min(widths) <= 0:
         found = f"{len(names)} postures, widths {list(widths)}"
         raise InvalidRequest(Fault("call", "local_models", found, "three postures, widths above 0"))
-    weights = {width: _weights(route, width) for width in widths}
+    weights = {width: _weights(evidence, width) for width in widths}
     weights[np.inf] = np.ones((len(names), len(names)))
-    held_out = {width: _apart(route, outcome.fitted, weight) for width, weight in weights.items()}
+    held_out = {width: _apart(evidence, outcome.fitted, weight) for width, weight in weights.items()}
     best = min(widths, key=lambda width: held_out[width])
     values = {}
     for place, name in enumerate(names):
-        near = replace(route, share=weights[best][place][route.observations.posture])
-        values[name] = route.space.values(near.fit(outcome.at, warm=True).x)
+        near = replace(evidence, share=weights[best][place][evidence.observations.posture])
+        values[name] = evidence.space.values(near.fit(outcome.at, warm=True).x)
     return LocalModels(outcome, best, values, held_out)
 
 
-def _frfs(outcome: Outcome) -> FrfRoute:
-    route = outcome.problem.route
-    if not isinstance(route, FrfRoute):
+def _frfs(outcome: Identification) -> FrfEvidence:
+    evidence = outcome.problem.evidence
+    if not isinstance(evidence, FrfEvidence):
         raise InvalidRequest(Fault("call", "outcome", "an identification from modes", "one from FRFs"))
-    return route
+    return evidence
 
 
-def _weights(route: FrfRoute, width: float) -> Float[np.ndarray, "posture posture"]:
+def _weights(evidence: FrfEvidence, width: float) -> Float[np.ndarray, "posture posture"]:
     """Of every posture's data in the model around another; rows are what is predicted."""
-    joints = list(route.model.robot.commanded) if hasattr(route.model, "robot") else []
-    q = np.array([[posture.q.get(name, 0.0) for name in joints] for posture in route.observations.postures])
+    joints = list(evidence.model.robot.commanded) if hasattr(evidence.model, "robot") else []
+    q = np.array(
+        [[posture.q.get(name, 0.0) for name in joints] for posture in evidence.observations.postures]
+    )
     spread = q.std(axis=0)
     q = q[:, spread > 0] / spread[spread > 0]
     away = ((q[:, None] - q[None]) ** 2).sum(axis=2) / max(q.shape[1], 1)
@@ -101,17 +103,17 @@ def _weights(route: FrfRoute, width: float) -> Float[np.ndarray, "posture postur
     return np.where(found < LEAST, 0.0, found)
 
 
-def _apart(route: FrfRoute, fitted: Fitted, weight: np.ndarray) -> float:
+def _apart(evidence: FrfEvidence, fitted: Fitted, weight: np.ndarray) -> float:
     """Gap over all postures, each predicted by a fit to the others weighted around it."""
-    seen = route.observations
-    predicted = route.predicted(fitted.x).copy()
+    seen = evidence.observations
+    predicted = evidence.predicted(fitted.x).copy()
     for place in range(len(seen.postures)):
         here = seen.posture == place
         share = weight[place][seen.posture]
-        rest = replace(route, share=share).keeping(~here & (share > 0))
+        rest = replace(evidence, share=share).keeping(~here & (share > 0))
         x = fitted.x if rest.faults() else rest.fit(fitted.x, warm=True).x
-        predicted[here] = route.keeping(here).predicted(x)
-    return route.gap(predicted).value
+        predicted[here] = evidence.keeping(here).predicted(x)
+    return evidence.gap(predicted).value
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,26 +153,26 @@ class LevelModels:
         return f"with the force change: {', '.join(self.different)}; the joints are not linear"
 
 
-def level_models(outcome: Outcome) -> LevelModels:
+def level_models(outcome: Identification) -> LevelModels:
     """Fit every kind of blow by itself.
 
     Raises:
-        InvalidRequest: another route, or one level only.
+        InvalidRequest: another evidence, or one level only.
     """
-    route = _frfs(outcome)
-    seen = route.observations
+    evidence = _frfs(outcome)
+    seen = evidence.observations
     levels = np.unique(seen.level).tolist()
     if len(levels) < 2:
         raise InvalidRequest(Fault("call", "outcome", "one force level", "a campaign with two or more"))
-    predicted = route.predicted(outcome.at).copy()
-    together = route.gap(predicted).value
+    predicted = evidence.predicted(outcome.at).copy()
+    together = evidence.gap(predicted).value
     at, sure = [], []
     for level in levels:
         here = seen.level == level
-        part = route.keeping(here)
+        part = evidence.keeping(here)
         fitted = part.fit(outcome.at, warm=True)
         at.append(fitted.x)
         sure.append(part.uncertainty(fitted))
         predicted[here] = part.predicted(fitted.x)
     peaks = tuple(seen.peak(level) for level in levels)
-    return LevelModels(peaks, tuple(at), tuple(sure), together, route.gap(predicted).value)
+    return LevelModels(peaks, tuple(at), tuple(sure), together, evidence.gap(predicted).value)

@@ -10,6 +10,7 @@ import numpy as np
 from jaxtyping import Bool, Complex, Float, Int, Shaped
 
 from flexmodal.campaign import (
+    COHERENT,
     Blow,
     Campaign,
     CampaignPosture,
@@ -20,9 +21,10 @@ from flexmodal.campaign import (
     record_variance,
     repeat_groups,
 )
-from flexmodal.campaign.noise import COHERENT, expected_gap_square
+from flexmodal.campaign.noise import expected_gap_square
 from flexmodal.errors import Fault, InvalidRequest
-from flexmodal.identification.heard import heard
+from flexmodal.frf.form import POWER
+from flexmodal.identification.signal import with_signal
 from flexmodal.structure.structure import Axis
 
 NOISIEST = 0.1
@@ -124,12 +126,12 @@ def observe(campaign: Campaign) -> Observations:
     Raises:
         InvalidRequest: no FRFs and no blows, no line in the band, or nothing that says how noisy they are.
     """
-    records, silent = heard(_measured(campaign), campaign)
+    records, silent = with_signal(_measured(campaign), campaign)
     absolute = _variance(records, campaign)
     with np.errstate(divide="ignore", invalid="ignore"):
         relative = np.where(records.value == 0, np.inf, absolute / np.abs(records.value) ** 2)
     noise = expected_gap_square(records.value, absolute)
-    power = {"receptance": 0, "mobility": 1, "inertance": 2}[records.form]
+    power = POWER[records.form]
     groups = repeat_groups(records.trials or campaign.trials)
     records = _receptances(records, campaign)
     postures = tuple(p for p in campaign.postures if np.any(records.posture == p.id))
@@ -226,7 +228,7 @@ def _inside(frfs: FrfRecords, band: tuple[float, float]) -> FrfRecords:
 
 def _receptances(records: FrfRecords, campaign: Campaign) -> FrfRecords:
     """Receptances; under an exponential window exp(−σt) a derivative is a factor iω + σ, not iω."""
-    power = {"receptance": 0, "mobility": 1, "inertance": 2}[records.form]
+    power = POWER[records.form]
     found = records.to("receptance")
     decay = np.array([added_decay(campaign.trial(int(trial))) for trial in found.trial])
     if not power or not decay.any():

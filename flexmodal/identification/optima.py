@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from flexmodal.errors import Fault, InvalidRequest
+from flexmodal.identification.evidence.evidence import Evidence, Fitted
 from flexmodal.identification.outcome import Optimum
-from flexmodal.identification.route import Fitted, Route
 
 MOST = 1000
 APART = 3.0
@@ -17,14 +17,14 @@ NO_BETTER = 10.0
 """Times the best quick cost beyond which a start is not followed to its end."""
 
 
-def search(route: Route, *, starts: int = 1, seed: int = 0) -> tuple[Fitted, tuple[Optimum, ...]]:
+def search(evidence: Evidence, *, starts: int = 1, seed: int = 0) -> tuple[Fitted, tuple[Optimum, ...]]:
     """Fit from the card and from points drawn from the prior.
 
     Every start is fitted to every so many lines with a high floor; those that come near the best are fitted
     to the end.
 
     Args:
-        route: what is fitted.
+        evidence: what is fitted.
         starts: how many.
         seed: of the draws.
 
@@ -37,16 +37,16 @@ def search(route: Route, *, starts: int = 1, seed: int = 0) -> tuple[Fitted, tup
     if not 1 <= starts <= MOST:
         raise InvalidRequest(Fault("call", "starts", str(starts), f"1 to {MOST}"))
     if starts == 1:
-        fitted = route.fit()
+        fitted = evidence.fit()
         return fitted, (Optimum(tuple(fitted.x.tolist()), fitted.normal.cost, 1),)
-    quick = [route.fit(start, quick=True) for start in _starts(route, starts, seed)]
+    quick = [evidence.fit(start, quick=True) for start in _starts(evidence, starts, seed)]
     best = min(one.normal.cost for one in quick)
     finals: list[tuple[Fitted, int]] = []
     seen: list[tuple[Fitted, int]] = []  # quick optimum, number of its final one
     for one in quick:
         known = next((n for other, n in seen if _same(one, other)), None)
         if known is None and one.normal.cost <= NO_BETTER * best:
-            full = route.fit(one.x)
+            full = evidence.fit(one.x)
             known = next((n for n, (other, _) in enumerate(finals) if _same(full, other)), None)
             if known is None:
                 finals.append((full, 0))
@@ -59,12 +59,12 @@ def search(route: Route, *, starts: int = 1, seed: int = 0) -> tuple[Fitted, tup
     return order[0][0], optima
 
 
-def _starts(route: Route, count: int, seed: int) -> list[np.ndarray]:
+def _starts(evidence: Evidence, count: int, seed: int) -> list[np.ndarray]:
     random = np.random.default_rng(seed)
-    low, high = route.space.bounds
-    spread = np.array([min(p.deviation, WIDEST) for p in route.space])
+    low, high = evidence.space.bounds
+    spread = np.array([min(p.deviation, WIDEST) for p in evidence.space])
     drawn = [np.clip(random.normal(0, spread), low, high) for _ in range(count - 1)]
-    return [np.zeros(len(route.space)), *drawn]
+    return [np.zeros(len(evidence.space)), *drawn]
 
 
 def _same(one: Fitted, other: Fitted) -> bool:

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from jaxtyping import Float
 
+from flexmodal.identification.evidence.evidence import Fitted
 from flexmodal.identification.identifiability import Combination, Identifiability
-from flexmodal.identification.route import Fitted
 from flexmodal.identification.uncertainty import Uncertainty
 from flexmodal.structure.parameter import Parameter
 
@@ -80,7 +80,7 @@ class Optimum:
 
 
 @dataclass(frozen=True, eq=False)
-class Outcome:
+class Identification:
     """Result of an identification."""
 
     problem: IdentificationProblem

@@ -6,7 +6,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from flexmodal.identification.outcome import Estimate, Outcome
+from flexmodal.identification.outcome import Estimate, Identification
 from flexmodal.identification.plot import draw_held_out, draw_identification
 from flexmodal.report import (
     Facts,
@@ -24,8 +24,10 @@ from flexmodal.report.words import minus
 
 HEADER = ("parameter", "value", "standard error", "95 % interval", "card", "remarks")
 GAPS = ("", "card", "fit", "noise floor")
+_LINES = "|ln(model / measured)| over all coherent lines, each weighted by its coherence"
 GAP_OF = {
-    "frf": "|ln(model / measured)| over all coherent lines, each weighted by its coherence",
+    "frf": _LINES,
+    "both": _LINES,
     "modes": "the relative errors of frequency, a tenth of those of damping ratio, and 1 − MAC",
 }
 GAP_NOTE = (
@@ -36,7 +38,7 @@ GAP_NOTE = (
 KEYS = {"fitted_to": "fitted to", "held_out": "held out", "numbers": "numbers fitted"}
 
 
-def write_identification_page(outcome: Outcome, path: Path, *, overwrite: bool = False) -> None:
+def write_identification_page(outcome: Identification, path: Path, *, overwrite: bool = False) -> None:
     """Write the page; it needs no network.
 
     Raises:
@@ -88,7 +90,7 @@ def estimate_cells(one: Estimate) -> tuple[str, ...]:
     )
 
 
-def gap_cells(outcome: Outcome) -> list[tuple[str, ...]]:
+def gap_cells(outcome: Identification) -> list[tuple[str, ...]]:
     """Rows of text under `GAPS`: what was fitted, what was held out, and each part of that."""
     gap = outcome.gap
     cells = [("fitted", gap.before, gap.after, gap.noise_floor)]

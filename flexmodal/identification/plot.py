@@ -7,9 +7,11 @@ from typing import Any
 import numpy as np
 
 from flexmodal.identification.band import banded
-from flexmodal.identification.frf_route import FrfRoute
-from flexmodal.identification.mode_route import ModeRoute
-from flexmodal.identification.outcome import Outcome
+from flexmodal.identification.evidence.both import Both
+from flexmodal.identification.evidence.frf import FrfEvidence
+from flexmodal.identification.evidence.modal import ModalEvidence
+from flexmodal.identification.observations import Observations
+from flexmodal.identification.outcome import Identification
 from flexmodal.report.figure import (
     FITTED,
     MEASURED,
@@ -28,20 +30,23 @@ MOST = 6
 
 
 @drawing
-def draw_identification(outcome: Outcome) -> Any:
+def draw_identification(outcome: Identification) -> Any:
     """Measured against model: FRFs with their band, or errors of modes.
 
     Returns:
         A matplotlib figure.
     """
-    if isinstance(outcome.problem.route, FrfRoute):
-        return _draw_frfs(outcome, outcome.problem.route)
-    assert isinstance(outcome.problem.route, ModeRoute)
-    return _draw_modes(outcome, outcome.problem.route)
+    evidence = outcome.problem.evidence
+    if isinstance(evidence, ModalEvidence):
+        return _draw_modes(outcome, evidence)
+    if isinstance(evidence, Both):
+        evidence = evidence.frfs
+    assert isinstance(evidence, FrfEvidence)
+    return _draw_frfs(outcome, evidence)
 
 
 @drawing
-def draw_held_out(outcome: Outcome) -> Any:
+def draw_held_out(outcome: Identification) -> Any:
     """Gap of card and fit on each posture and point that the fit had not seen, and the noise."""
     held = outcome.held_out
     figure = new_figure(WIDE, 1.5 + 0.32 * len(held))
@@ -63,12 +68,12 @@ def draw_held_out(outcome: Outcome) -> Any:
     return figure
 
 
-def _draw_frfs(outcome: Outcome, route: FrfRoute) -> Any:
-    seen = route.observations
+def _draw_frfs(outcome: Identification, evidence: FrfEvidence) -> Any:
+    seen = evidence.observations
     chosen = _chosen(seen)
     keep = np.isin(np.arange(len(seen)), chosen)
-    fitted = banded(route.model, outcome.at, seen, outcome.uncertainty, keep)
-    card = route.predicted(np.zeros(len(route.space)))[keep]
+    fitted = banded(evidence.model, outcome.at, seen, outcome.uncertainty, keep)
+    card = evidence.predicted(np.zeros(len(evidence.space)))[keep]
     low, high = fitted.reach()
     columns = 2 if len(chosen) > 1 else 1
     count = -(-len(chosen) // columns)
@@ -83,7 +88,7 @@ def _draw_frfs(outcome: Outcome, route: FrfRoute) -> Any:
         pane.fill_between(
             frequency, low[place], high[place], color=FITTED, alpha=0.25, linewidth=0, label="95 % band"
         )
-        pane.set_title(_title(outcome, row), fontsize=9)
+        pane.set_title(_title(seen, row), fontsize=9)
         frequency_axis(pane, frequency, wide=1.0)
     for pane in panes[len(chosen) :]:
         pane.remove()
@@ -108,16 +113,14 @@ def _chosen(seen: Any) -> list[int]:
     return found[:MOST]
 
 
-def _title(outcome: Outcome, row: int) -> str:
-    assert isinstance(outcome.problem.route, FrfRoute)
-    seen = outcome.problem.route.observations
+def _title(seen: Observations, row: int) -> str:
     posture = seen.postures[int(seen.posture[row])].name
     return f"{posture}: {seen.direction(seen.response[row])} per {seen.direction(seen.reference[row])}"
 
 
-def _draw_modes(outcome: Outcome, route: ModeRoute) -> Any:
-    observed = route.observations
-    before, after = route.predicted(np.zeros(len(route.space))), route.predicted(outcome.at)
+def _draw_modes(outcome: Identification, evidence: ModalEvidence) -> Any:
+    observed = evidence.observations
+    before, after = evidence.predicted(np.zeros(len(evidence.space))), evidence.predicted(outcome.at)
     labels = [f"{observed.postures[m.posture].name}, {m.frequency:.1f} Hz" for m in observed.modes]
     met = np.isfinite(after[: len(labels), 0])
     labels = [label if there else f"{label}, not met" for label, there in zip(labels, met, strict=True)]

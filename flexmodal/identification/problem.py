@@ -11,21 +11,22 @@ import numpy as np
 
 from flexmodal.campaign import Campaign
 from flexmodal.errors import Fault, InvalidRequest
-from flexmodal.identification.belong import check_belonging
-from flexmodal.identification.frf_route import FrfRoute
+from flexmodal.identification.compatibility import check_compatible
+from flexmodal.identification.evidence.both import Both
+from flexmodal.identification.evidence.evidence import Evidence
+from flexmodal.identification.evidence.frf import FrfEvidence
+from flexmodal.identification.evidence.measured_modes import modes_of_frfs, modes_of_table
+from flexmodal.identification.evidence.modal import MODEL_ERROR, ModalEvidence
+from flexmodal.identification.evidence.modal_residuals import USES
 from flexmodal.identification.identifiability import Identifiability
-from flexmodal.identification.mode_data import modes_of_frfs, modes_of_table
-from flexmodal.identification.mode_fit import USES
-from flexmodal.identification.mode_route import MODEL_ERROR, ModeRoute
 from flexmodal.identification.model import RobotModel
 from flexmodal.identification.observations import observe
-from flexmodal.identification.route import Route
 from flexmodal.model import Robot
 from flexmodal.structure.parameter import ParameterSpace
 from flexmodal.structure.space import robot_space
 from flexmodal.text.words import listing, nearest
 
-Source = Literal["frf", "modes"]
+Source = Literal["frf", "modes", "both"]
 OSCILLATING = 0.5
 """Damping ratio up to which a mode makes a peak."""
 
@@ -38,22 +39,17 @@ class IdentificationProblem:
     robot: Robot
     space: ParameterSpace
     source: Source
-    route: Route
+    evidence: Evidence
     """The data that are fitted."""
-    whole: Route
+    whole: Evidence
     """The same with what is held out."""
     held_out: tuple[tuple[str, str], ...] = ()
     """Kind and name of what the fit never sees."""
 
     @property
     def what(self) -> str:
-        """The data in a word."""
-        if isinstance(self.route, ModeRoute):
-            parts = {"frequency": "natural frequencies", "damping": "damping ratios", "shape": "mode shapes",
-                     "residue": "residues", "antiresonance": "antiresonances"}  # fmt: skip
-            *first, last = (parts[name] for name in self.route.use)
-            return "the " + " and ".join([", ".join(first), last] if first else [last])
-        return "the FRFs"
+        """The data in words."""
+        return self.evidence.what
 
     @property
     def postures(self) -> tuple[str, ...]:
@@ -63,7 +59,7 @@ class IdentificationProblem:
     @cached_property
     def identifiability(self) -> Identifiability:
         """What these data can tell, reckoned at the card."""
-        return Identifiability(self.space, self.route.information(), self.what)
+        return Identifiability(self.space, self.evidence.information(), self.what)
 
 
 def build_identification(
@@ -82,8 +78,8 @@ def build_identification(
     Args:
         campaign: what was measured.
         robot: as its card says.
-        source: "frf" or "modes"; FRFs where there are any. Modes come from `modes.csv`, else from fits of
-            the FRFs.
+        source: "frf", "modes" or "both"; by default both where there are FRFs and a `modes.csv`, else what
+            there is. Modes come from `modes.csv`, else from fits of the FRFs.
         space: parameters; stiffness, damping, mass and inertia of the robot if None.
         trust: standard deviations of ln(true / card) by kind or name, over the card's.
         hold_out: names or ids of postures, or names of points, that the fit is not to see.
@@ -96,44 +92,54 @@ def build_identification(
         InvalidRequest: campaign and robot do not belong together, the data are too few or nothing but noise,
             or an argument is out of its range.
     """
-    check_belonging(campaign, robot)
+    check_compatible(campaign, robot)
     if not 0 <= model_error < 1:
         raise InvalidRequest(Fault("call", "model_error", f"{model_error:g}", "0 to 1"))
-    road = source or ("modes" if campaign.frfs is None and not campaign.blows else "frf")
-    if use is not None and road == "frf":
+    source = source or _source_of(campaign)
+    if use is not None and source == "frf":
         found = f"{', '.join(use)} of modes, while FRFs are fitted"
         raise InvalidRequest(Fault("call", "use", found, "none, or modes as the source"))
     chosen = robot_space(robot, trust=trust) if space is None else space.trusting(dict(trust or {}))
     model = RobotModel(robot, chosen)
-    whole: Route
-    whole = (
-        FrfRoute(model, observe(campaign)) if road == "frf" else _of_modes(campaign, model, use, model_error)
-    )
+    whole: Evidence
+    if source == "frf":
+        whole = FrfEvidence(model, observe(campaign))
+    else:
+        whole = _of_modes(campaign, model, use, model_error)
+        if source == "both":
+            whole = Both(FrfEvidence(model, observe(campaign)), whole)
     held = _held_out(campaign, whole, hold_out)
-    route = whole
+    evidence = whole
     if held:
         folds = whole.folds()
-        route = whole.keeping(~np.any([folds[key] for key in held], axis=0))
-    faults = route.faults()
+        evidence = whole.keeping(~np.any([folds[key] for key in held], axis=0))
+    faults = evidence.faults()
     if faults:
         raise InvalidRequest(faults)
-    return IdentificationProblem(campaign, robot, chosen, road, route, whole, held)
+    return IdentificationProblem(campaign, robot, chosen, source, evidence, whole, held)
+
+
+def _source_of(campaign: Campaign) -> Source:
+    """Everything that was measured."""
+    if campaign.frfs is None and not campaign.blows:
+        return "modes"
+    return "frf" if campaign.modes is None else "both"
 
 
 def _of_modes(
     campaign: Campaign, model: RobotModel, use: Sequence[str] | None, model_error: float
-) -> ModeRoute:
+) -> ModalEvidence:
     """Modes of the table, or of fits that begin at the card's own frequencies."""
     tabled = campaign.modes is not None and "antiresonance" not in (use or ())
     chosen = _uses(use or ("frequency", "damping", *(() if tabled else ("residue",))))
     if tabled:
-        return ModeRoute(model, modes_of_table(campaign), chosen, model_error)
+        return ModalEvidence(model, modes_of_table(campaign), chosen, model_error)
     near = {}
     for posture in campaign.postures:
         modes = model.robot.at(dict(posture.q)).modes()
         near[posture.id] = modes.frequency[modes.damping_ratio < OSCILLATING].tolist()
     found = modes_of_frfs(campaign, near, antiresonances="antiresonance" in chosen)
-    return ModeRoute(model, found, chosen, model_error)
+    return ModalEvidence(model, found, chosen, model_error)
 
 
 def _uses(use: Sequence[str]) -> tuple[str, ...]:
@@ -144,7 +150,9 @@ def _uses(use: Sequence[str]) -> tuple[str, ...]:
     return tuple(use)
 
 
-def _held_out(campaign: Campaign, whole: Route, wanted: Sequence[str | int]) -> tuple[tuple[str, str], ...]:
+def _held_out(
+    campaign: Campaign, whole: Evidence, wanted: Sequence[str | int]
+) -> tuple[tuple[str, str], ...]:
     folds = whole.folds()
     ids = {str(posture.id): posture.name for posture in campaign.postures}
     found: list[tuple[str, str]] = []

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexmodal.errors import Fault, InvalidRequest
-from flexmodal.identification.outcome import Outcome
-from flexmodal.identification.route import Fitted
+from flexmodal.identification.evidence.evidence import Fitted
+from flexmodal.identification.outcome import Identification
 
 CLOSE = 0.02
 """Relative error of the rise at which an end is found."""
@@ -34,7 +34,7 @@ class Profile:
     refits: int
 
 
-def profile(outcome: Outcome, name: str, *, level: float = 0.95) -> Profile:
+def profile(outcome: Identification, name: str, *, level: float = 0.95) -> Profile:
     """Find the profile interval of a parameter.
 
     Args:
@@ -75,16 +75,18 @@ def profile(outcome: Outcome, name: str, *, level: float = 0.95) -> Profile:
     )
 
 
-def _end(outcome: Outcome, name: str, reach: float, rise: float, ridge: np.ndarray) -> tuple[float, int]:
+def _end(
+    outcome: Identification, name: str, reach: float, rise: float, ridge: np.ndarray
+) -> tuple[float, int]:
     """Coordinate at which the cost has risen by `rise`; and how many refits that took."""
-    route, base = outcome.problem.route, outcome.fitted
-    k = route.space.index[name]
-    low, high = (float(bound[k]) for bound in route.space.bounds)
+    evidence, base = outcome.problem.evidence, outcome.fitted
+    k = evidence.space.index[name]
+    low, high = (float(bound[k]) for bound in evidence.space.bounds)
     x = float(base.x[k])
     step = reach
     for refit in range(1, MOST + 1):
         at = min(max(x + step, low), high)
-        found: Fitted = route.fit(base.x + ridge * (at - x), warm=True, hold={name: at})
+        found: Fitted = evidence.fit(base.x + ridge * (at - x), warm=True, hold={name: at})
         risen = found.normal.cost - base.normal.cost
         at_bound = at in (low, high)
         if abs(risen / rise - 1) < CLOSE or (at_bound and risen < rise):

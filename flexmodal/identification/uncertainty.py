@@ -95,7 +95,21 @@ def clusters(observations: Observations) -> Int[np.ndarray, " observation"]:
 
 
 def uncertainty(space: ParameterSpace, normal: Normal, observations: Observations) -> Uncertainty:
-    """Covariance at the end of a fit.
+    """Covariance at the end of a fit of FRFs.
+
+    Raises:
+        InvalidRequest: normal equations that do not say what each observation adds.
+    """
+    return clustered(space, normal, clusters(observations))
+
+
+def clustered(space: ParameterSpace, normal: Normal, cluster: Int[np.ndarray, " observation"]) -> Uncertainty:
+    """Covariance at the end of a fit whose observations share their errors within clusters.
+
+    Args:
+        space: with priors.
+        normal: at the end of the fit, observations apart.
+        cluster: number of each observation's.
 
     Raises:
         InvalidRequest: normal equations that do not say what each observation adds.
@@ -103,7 +117,6 @@ def uncertainty(space: ParameterSpace, normal: Normal, observations: Observation
     if normal.blocks is None:
         allowed = "normal equations with the observations apart"
         raise InvalidRequest(Fault("call", "normal", "a sum over observations", allowed))
-    cluster = clusters(observations)
     count, size = int(cluster.max()) + 1, len(space)
     score, block = np.zeros((count, size)), np.zeros((count, size, size))
     np.add.at(score, cluster, normal.scores)

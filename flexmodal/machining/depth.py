@@ -17,8 +17,7 @@ from flexmodal.machining.measured_tip import MeasuredTip
 from flexmodal.machining.mode_coupling import ModeCoupling, mode_coupling
 from flexmodal.machining.solve import stability_lobes, unconditional_depth
 from flexmodal.machining.tip import tool_tip
-from flexmodal.model import PosedRobot, Posture, Robot
-from flexmodal.model.robot import Pose
+from flexmodal.model import Pose, PosedRobot, Posture, Robot
 
 SPEEDS, FEW = 200, 24
 """How many spindle speeds postures are compared at, and searched by, if nobody says."""

@@ -95,7 +95,7 @@ def _depths(axes: Any, found: Comparison) -> None:
         axes.set_ylim(0, 1.35 * both.max() if len(both) else 1)
     if family:
         card = found.robot.families[found.family or ""]
-        prismatic = found.robot.moving[card.parameter].type == "prismatic"
+        prismatic = found.robot.moving[card.parameter].is_prismatic
         label = f"{card.parameter} of family {found.family} [{'m' if prismatic else 'rad'}]"
         axes.set_xlabel(label)
     else:

@@ -7,31 +7,40 @@ pole. Poles are not all there is to the receptance of such a system; near a ligh
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import TYPE_CHECKING
-
 import numpy as np
+from jaxtyping import Complex, Float
 
 from flexmodal.modal.hysteresis import Hysteresis
-
-if TYPE_CHECKING:
-    from flexmodal.modal.modes import Modes
-    from flexmodal.modal.system import SecondOrderSystem
+from flexmodal.modal.system import SecondOrderSystem
 
 _ROUNDS = 60
 _SETTLED = 1e-12
 """Relative change of a pole that ends the rounds."""
 
 
-def with_hysteresis(system: SecondOrderSystem, plain: Modes) -> Modes:
-    """Modes with the loss of hysteretic springs, from those without.
+def with_hysteresis(
+    system: SecondOrderSystem,
+    pole: Complex[np.ndarray, " mode"],
+    shape: Complex[np.ndarray, "dof mode"],
+    condition: Float[np.ndarray, " mode"],
+) -> tuple[Complex[np.ndarray, " mode"], Complex[np.ndarray, "dof mode"], Float[np.ndarray, " mode"]]:
+    """Modes with the loss of hysteretic springs, from those without, in the order of |pole|.
 
     A mode that does not settle, as may happen to an overdamped one, stays as it is and counts as defective.
+
+    Args:
+        system: the matrices, and the springs that lose energy if it has any.
+        pole: poles without the loss [rad/s].
+        shape: their displacement shapes.
+        condition: how much a relative change of the matrices is amplified in each pole.
+
+    Returns:
+        Poles, shapes and conditions with the loss.
     """
     hysteresis = system.hysteresis
     if hysteresis is None or not np.any(hysteresis.loss_factor):
-        return plain
-    pole, shape, condition = plain.pole.copy(), plain.shape.copy(), plain.condition.copy()
+        return pole, shape, condition
+    pole, shape, condition = pole.copy(), shape.copy(), condition.copy()
     for mode in range(len(pole)):
         found = _settle(system, hysteresis, complex(pole[mode]), shape[:, mode])
         if found is None:
@@ -39,7 +48,7 @@ def with_hysteresis(system: SecondOrderSystem, plain: Modes) -> Modes:
         else:
             pole[mode], shape[:, mode] = found
     order = np.lexsort((pole.real, np.abs(pole)))
-    return replace(plain, pole=pole[order], shape=shape[:, order], condition=condition[order])
+    return pole[order], shape[:, order], condition[order]
 
 
 def _settle(

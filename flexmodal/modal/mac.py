@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
-from jaxtyping import Float, Shaped
+from jaxtyping import Complex, Float, Shaped
 
 from flexmodal.errors import Fault, InvalidRequest
 
@@ -26,6 +28,40 @@ def mac(
         raise InvalidRequest(Fault("call", "shapes", found, "the same points in both"))
     one, other = one / np.linalg.norm(one, axis=0), other / np.linalg.norm(other, axis=0)
     return np.clip(np.abs(one.conj().T @ other) ** 2, 0.0, 1.0)
+
+
+def mac_with(shape: Shaped[np.ndarray, " dof"], others: Shaped[np.ndarray, "dof *mode"]) -> Any:
+    """MAC of one shape with others, unchecked: 0 where one of the two rests.
+
+    Args:
+        shape: real or complex.
+        others: one shape, which gives a number, or several as columns.
+    """
+    size = np.sum(np.abs(shape) ** 2) * np.sum(np.abs(others) ** 2, axis=0)
+    return np.abs(shape.conj() @ others) ** 2 / np.maximum(size, 1e-300)
+
+
+def shape_residual(
+    measured: Complex[np.ndarray, " dof"],
+    model: Complex[np.ndarray, " dof"],
+    slopes: Complex[np.ndarray, "parameter dof"],
+) -> tuple[Float[np.ndarray, " twice"], Float[np.ndarray, "parameter twice"]]:
+    """A − P a, P the projection onto a model's shape: |·|² = 1 − MAC; and its derivatives.
+
+    By variable projection (Kaufman, BIT 15, 1975), real parts first.
+
+    Args:
+        measured: a, of unit length.
+        model: of any length.
+        slopes: derivatives of the model's shape.
+    """
+    length = max(float(np.linalg.norm(model)), 1e-300)
+    unit = model / length
+    factor = unit.conj() @ measured
+    away = measured - factor * unit
+    turned = slopes / length
+    turned = -factor * (turned - np.outer(turned @ unit.conj(), unit))
+    return np.concatenate([away.real, away.imag]), np.concatenate([turned.real, turned.imag], axis=1)
 
 
 def auto_mac(shapes: Shaped[np.ndarray, "dof mode"]) -> Float[np.ndarray, "mode mode"]:

@@ -98,13 +98,25 @@ def solve_modes(system: SecondOrderSystem) -> Modes:
         shapes = _straighten(poles, shapes, damping, np.isfinite(condition))
     keep = poles.imag >= 0
     order = np.lexsort((poles[keep].real, np.abs(poles[keep])))
-    plain = Modes(
-        pole=poles[keep][order] * unit,
-        shape=(root.T @ vectors @ turn @ shapes)[:, keep][:, order] / np.sqrt(unit),
-        condition=condition[keep][order],
-        coordinates=system.coordinates,
+    pole, shape, condition = with_hysteresis(
+        system,
+        poles[keep][order] * unit,
+        (root.T @ vectors @ turn @ shapes)[:, keep][:, order] / np.sqrt(unit),
+        condition[keep][order],
     )
-    return with_hysteresis(system, plain)
+    return Modes(pole, _signed(shape), condition, system.coordinates)
+
+
+def _signed(shape: np.ndarray) -> np.ndarray:
+    """Shapes with a sign that does not hang on rounding: φᵀSφ = 1 leaves it open, and LAPACKs differ.
+
+    The largest component (the first of those that are equal but for rounding) points towards −30°: shapes of
+    underdamped modes lie near −45°, of overdamped ones at 0° or −90°, well away from where the sign turns.
+    """
+    size = np.abs(shape)
+    largest = np.argmax(size >= (1 - 1e-6) * size.max(axis=0), axis=0)
+    towards = shape[largest, np.arange(shape.shape[1])] * np.exp(1j * np.pi / 6)
+    return np.where(towards.real < 0, -shape, shape)
 
 
 def _diagonalise_within_clusters(square: np.ndarray, damping: np.ndarray) -> np.ndarray:

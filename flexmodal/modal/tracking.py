@@ -45,16 +45,28 @@ def track(
     cost = 1 - np.exp(-((gap / frequency_scale) ** 2))
     if shape is not None and next_shape is not None:
         cost = shape_weight * (1 - mac(shape, next_shape)) + (1 - shape_weight) * cost
-    if cost.size == 0:
-        return np.full(len(frequency), -1)
-    from scipy.optimize import linear_sum_assignment
+    return assign(cost, worst)
 
-    # A mode may stay single at the price `worst`: as many dummy partners as modes.
-    padded = np.concatenate([cost, np.full((len(cost), len(cost)), worst)], axis=1)
-    rows, columns = linear_sum_assignment(padded)
-    partner = np.full(len(frequency), -1)
-    real = columns < cost.shape[1]
-    partner[rows[real]] = columns[real]
+
+def assign(cost: Float[np.ndarray, "mode other"], single: float) -> Int[np.ndarray, " mode"]:
+    """Partners that make the sum of costs least, by `scipy.optimize.linear_sum_assignment`.
+
+    Args:
+        cost: of each pair.
+        single: cost of staying without a partner.
+
+    Returns:
+        For each row the column of its partner, −1 where it has none.
+    """
+    partner = np.full(len(cost), -1)
+    if cost.size:
+        from scipy.optimize import linear_sum_assignment
+
+        # As many dummy partners as modes.
+        padded = np.concatenate([cost, np.full((len(cost), len(cost)), single)], axis=1)
+        rows, columns = linear_sum_assignment(padded)
+        real = columns < cost.shape[1]
+        partner[rows[real]] = columns[real]
     return partner
 
 

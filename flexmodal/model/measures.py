@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from jaxtyping import Float
 
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.frf import PointDirection
-
-if TYPE_CHECKING:
-    from flexmodal.model.posed import PosedRobot
+from flexmodal.model.posed import PosedRobot
 
 TASKS = ("full", "position")
 

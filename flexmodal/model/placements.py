@@ -6,19 +6,18 @@ import difflib
 import math
 from collections.abc import Mapping
 from types import MappingProxyType
-from typing import TYPE_CHECKING
 
 import numpy as np
 from jaxtyping import Float
 
 from flexmodal.errors import Fault, InvalidPosture
 from flexmodal.model.build import pinocchio
-
-if TYPE_CHECKING:
-    from flexmodal.model.robot import Robot
+from flexmodal.model.chain import FlexibleChain
 
 
-def link_placements(robot: Robot, values: Mapping[str, float]) -> Mapping[str, Float[np.ndarray, "4 4"]]:
+def link_placements(
+    robot: FlexibleChain, values: Mapping[str, float]
+) -> Mapping[str, Float[np.ndarray, "4 4"]]:
     """Place every link in the world, the frame of the root link.
 
     Args:

@@ -2,27 +2,25 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float
 
 from flexmodal.model.build import pinocchio
 
-if TYPE_CHECKING:
-    from flexmodal.model.robot import Robot
-
 _PARALLEL = 1e-9
 """Largest sine between axes that count as parallel."""
 
 
-def task_rows(robot: Robot) -> Float[np.ndarray, "task 6"]:
+def task_rows(model: Any) -> Float[np.ndarray, "task 6"]:
     """Rows (two in-plane translations, the angle) of a planar chain; all six of a spatial one.
 
     A chain is planar when its revolute axes are parallel and its prismatic axes lie across them. For a
-    plane spanned by coordinate axes the translations are those axes in order, such as x and z.
+    plane spanned by coordinate axes the translations are those axes in order, such as x and z. `model` is
+    Pinocchio's.
     """
-    normal = _common_normal(robot)
+    normal = _common_normal(model)
     if normal is None:
         return np.eye(6)
     size = np.abs(normal)
@@ -38,10 +36,9 @@ def task_rows(robot: Robot) -> Float[np.ndarray, "task 6"]:
     return rows
 
 
-def _common_normal(robot: Robot) -> np.ndarray | None:
+def _common_normal(model: Any) -> np.ndarray | None:
     """The one direction all revolute joints turn about, or None for a spatial chain."""
     pin = pinocchio()
-    model = robot.pinocchio
     jacobian = pin.computeJointJacobians(model, model.createData(), pin.neutral(model)).reshape(6, -1)
     linear, angular = jacobian[:3], jacobian[3:]  # at the world origin, in the world frame
     turning = np.linalg.norm(angular, axis=0) > 0.5

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float
@@ -14,10 +14,8 @@ from flexmodal.errors import Fault, InvalidPoint, InvalidSystem, InvalidUrdf
 from flexmodal.frf import Frf, PointDirection, frequency_axis, receptance
 from flexmodal.modal import Modes, SecondOrderSystem, solve_modes
 from flexmodal.model.build import pinocchio
+from flexmodal.model.chain import FlexibleChain
 from flexmodal.model.posture import Posture
-
-if TYPE_CHECKING:
-    from flexmodal.model.robot import Robot
 
 Directions = str | PointDirection | Sequence[str | PointDirection] | None
 
@@ -26,7 +24,7 @@ Directions = str | PointDirection | Sequence[str | PointDirection] | None
 class PosedRobot:
     """Mass matrix, Jacobians and everything that follows from them, at one posture."""
 
-    robot: Robot
+    robot: FlexibleChain
     posture: Posture
     _data: Any = field(init=False, repr=False)
     _mass: np.ndarray = field(init=False, repr=False)

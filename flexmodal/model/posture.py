@@ -25,6 +25,10 @@ class Posture:
         return self.name or ", ".join(f"{joint}={value:.6g}" for joint, value in self.values.items())
 
 
+Pose = str | Posture | Mapping[str, float]
+"""A posture's name, a checked posture, or values by joint name."""
+
+
 def middle(commanded: Mapping[str, UrdfJoint]) -> Posture:
     """A posture inside the limits: 0 where that is allowed, else half-way between them."""
     values = {

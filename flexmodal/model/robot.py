@@ -2,157 +2,25 @@
 
 from __future__ import annotations
 
-import difflib
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from functools import cached_property
-from typing import Any
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
 
-from flexmodal.cards import (
-    CouplingCard,
-    FamilyCard,
-    FrozenDict,
-    JointCard,
-    PointCard,
-    Urdf,
-    UrdfJoint,
-    stiffness_matrix,
-)
-from flexmodal.errors import Fault, InvalidPoint, InvalidPosture, InvalidRequest
 from flexmodal.frf import Frf, PointDirection
-from flexmodal.modal import Hysteresis, Modes
-from flexmodal.model.build import point_frame
+from flexmodal.modal import Modes
+from flexmodal.model.chain import FlexibleChain
 from flexmodal.model.measures import Measures, measure
-from flexmodal.model.planar import task_rows
-from flexmodal.model.posed import PosedRobot
-from flexmodal.model.posture import Posture, check_posture
-
-Pose = str | Posture | Mapping[str, float]
-"""A posture's name, a checked posture, or values by joint name."""
+from flexmodal.model.posed import Directions, PosedRobot
+from flexmodal.model.posture import Pose
 
 
 @dataclass(frozen=True, eq=False)
-class Robot:
+class Robot(FlexibleChain):
     """A loaded robot; `at` puts it in a posture, all else follows from there.
 
-    Get one with `flexmodal.load`. The motor side is locked: joint stiffness and damping sit between a
-    motor that stands still and its link.
+    Get one with `flexmodal.load`.
     """
-
-    name: str
-    title: str
-    urdf: Urdf
-    tool: str
-    joints: Mapping[str, JointCard]
-    """The flexible joints, in the order of the URDF's chain."""
-    points: Mapping[str, PointCard]
-    postures: Mapping[str, Mapping[str, float]]
-    families: Mapping[str, FamilyCard]
-    moving: Mapping[str, UrdfJoint]
-    """Every joint that moves, flexible or rigid, in the order of Pinocchio's velocity vector."""
-    pinocchio: Any = field(repr=False)
-    """The Pinocchio model; private to this room."""
-    couplings: Mapping[str, CouplingCard] = field(default_factory=FrozenDict)
-    """Off-diagonal stiffness, by `jointA+jointB`."""
-    loss_frequency: float | None = None
-    """Where joints with a loss factor have their stiffness [Hz]; None for K (1 + iη) at every frequency."""
-
-    @property
-    def pseudo_joints(self) -> tuple[str, ...]:
-        """Joints that stand for the bending of a link: never commanded, at rest at 0."""
-        return tuple(name for name, joint in self.joints.items() if joint.pseudo)
-
-    @cached_property
-    def commanded(self) -> Mapping[str, UrdfJoint]:
-        """The joints that a posture sets."""
-        pseudo = self.pseudo_joints
-        return FrozenDict({name: joint for name, joint in self.moving.items() if name not in pseudo})
-
-    @cached_property
-    def flexible_index(self) -> np.ndarray:
-        """Where the flexible joints stand in the velocity vector."""
-        order = list(self.moving)
-        return _fixed(np.array([order.index(name) for name in self.joints]))
-
-    @cached_property
-    def stiffness(self) -> Float[np.ndarray, "joint joint"]:
-        """K over the flexible joints, couplings off the diagonal [N·m/rad, N/m]."""
-        return _fixed(stiffness_matrix(self.joints, self.couplings))
-
-    @cached_property
-    def damping(self) -> Float[np.ndarray, "joint joint"]:
-        """B over the flexible joints [N·m·s/rad, N·s/m]."""
-        return _fixed(np.diag([float(joint.damping) for joint in self.joints.values()]))
-
-    @cached_property
-    def hysteresis(self) -> Hysteresis | None:
-        """The loss of the joints' springs; None where no joint has a loss factor."""
-        loss = np.array([float(joint.loss_factor) for joint in self.joints.values()])
-        if not loss.any():
-            return None
-        stiffness = np.array([float(joint.stiffness) for joint in self.joints.values()])
-        return Hysteresis(stiffness, loss, self.loss_frequency)
-
-    @cached_property
-    def task(self) -> Float[np.ndarray, "task 6"]:
-        """Rows of a six-row Jacobian that the stiffness measure takes: three of a planar chain, or six."""
-        return _fixed(task_rows(self))
-
-    @property
-    def is_planar(self) -> bool:
-        """Whether the chain moves in one plane only."""
-        return len(self.task) == 3
-
-    @cached_property
-    def _frames(self) -> Mapping[str, int]:
-        """Pinocchio's frames by what a user calls them: the named points, then the links."""
-        names = dict.fromkeys([*self.points, *(link.name for link in self.urdf.links)])
-        return {name: point_frame(self.pinocchio, name, named=name in self.points) for name in names}
-
-    def frame_of(self, point: str, *, source: str = "call") -> int:
-        """Pinocchio's frame of a named point or a URDF link.
-
-        Raises:
-            InvalidPoint: the robot has no such point or link.
-        """
-        if point not in self._frames:
-            near = difflib.get_close_matches(point, self._frames, n=1)
-            found = repr(point) + (f" (did you mean {near[0]}?)" if near else "")
-            raise InvalidPoint(Fault(source, "point", found, f"one of {', '.join(self._frames)}"))
-        return self._frames[point]
-
-    def posture(self, pose: Pose, *, source: str = "call") -> Posture:
-        """Look up or check a posture.
-
-        Raises:
-            InvalidPosture: unknown name, unknown joints, bad values, outside the limits.
-        """
-        if isinstance(pose, Posture):
-            return check_posture(pose.values, self.commanded, self.pseudo_joints, name=pose.name)
-        if isinstance(pose, str):
-            if pose not in self.postures:
-                near = difflib.get_close_matches(pose, self.postures, n=1)
-                found = repr(pose) + (f" (did you mean {near[0]}?)" if near else "")
-                names = ", ".join(self.postures) or "none (the robot has no named postures)"
-                raise InvalidPosture(Fault(source, "posture", found, f"a named posture: {names}; or values"))
-            name, values = pose, self.postures[pose]
-        else:
-            name, values = "", pose
-        return check_posture(values, self.commanded, self.pseudo_joints, name=name, source=source)
-
-    def family(self, name: str, *, source: str = "call") -> FamilyCard:
-        """A one-parameter family of postures of the card.
-
-        Raises:
-            InvalidRequest: the card has no such family.
-        """
-        if name not in self.families:
-            names = ", ".join(self.families) or "none (the card has no families)"
-            raise InvalidRequest(Fault(source, "family", repr(name), names))
-        return self.families[name]
 
     def at(self, pose: Pose) -> PosedRobot:
         """Put the robot in a posture.
@@ -170,8 +38,8 @@ class Robot:
         posture: Pose,
         frequencies: Sequence[float] | np.ndarray,
         *,
-        response: str | PointDirection | Sequence[str | PointDirection] | None = None,
-        reference: str | PointDirection | Sequence[str | PointDirection] | None = None,
+        response: Directions = None,
+        reference: Directions = None,
         form: str = "receptance",
     ) -> Frf:
         """FRFs at a posture; see `PosedRobot.frf`."""
@@ -191,9 +59,3 @@ class Robot:
     ) -> Measures:
         """Stiffness, mobility and receptance at a posture; see `flexmodal.model.measures.measure`."""
         return measure(self.at(posture), direction, frequency, task=task)
-
-
-def _fixed(array: np.ndarray) -> np.ndarray:
-    """The same array, read-only: everything posed from the robot shares it."""
-    array.flags.writeable = False
-    return array

@@ -63,4 +63,4 @@ class FunctionObjective:
 
 
 def _moved(posed: PosedRobot, name: str, value: float) -> PosedRobot:
-    return posed.robot.at({**posed.posture.values, name: value})
+    return PosedRobot(posed.robot, posed.robot.posture({**posed.posture.values, name: value}))

@@ -12,7 +12,7 @@ from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.frf import PointDirection
 from flexmodal.model import PosedRobot, Robot
 from flexmodal.model.gradient import jacobian_derivative
-from flexmodal.model.measures import reduced_task
+from flexmodal.model.measures import measure, reduced_task
 from flexmodal.optimisation.objective import Limit
 
 LEVER = 1e-3
@@ -30,7 +30,7 @@ class StiffnessObjective:
 
     def value(self, posed: PosedRobot) -> float:
         """ξ_K [N/m]."""
-        return posed.robot.measures(posed.posture, direction=self.direction, task=self.task).stiffness
+        return measure(posed, self.direction, task=self.task).stiffness
 
     def cost_and_gradient(self, posed: PosedRobot) -> tuple[float, Float[np.ndarray, " moving"]]:
         """−ln ξ_K, and its gradient by the derivative of the Moore–Penrose inverse at constant rank.
@@ -77,7 +77,7 @@ class MobilityObjective:
 
     def value(self, posed: PosedRobot) -> float:
         """ξ_M [m²/rad²]."""
-        return posed.robot.measures(posed.posture, direction=self.direction).mobility
+        return measure(posed, self.direction).mobility
 
     def cost_and_gradient(self, posed: PosedRobot) -> tuple[float, Float[np.ndarray, " moving"]]:
         """Ln ξ_M and its gradient."""

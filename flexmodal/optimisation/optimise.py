@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from flexmodal.cards import FamilyCard
 from flexmodal.errors import Fault, InvalidRequest, SingularResponse
-from flexmodal.model import Posture
-from flexmodal.model.robot import Pose
+from flexmodal.model import Pose, Posture
 from flexmodal.optimisation.descent import Descent
 from flexmodal.optimisation.family import search_family
 from flexmodal.optimisation.null_space import null_space_descent

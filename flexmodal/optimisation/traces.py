@@ -79,7 +79,7 @@ def draw_traces(problem: PostureProblem, traces: Mapping[str, Trace]) -> Any:
         upper.set_yscale("log")
         upper.set_title(_NAMES.get(name, name))
         for place, joint in enumerate(problem.names):
-            turning = problem.robot.commanded[joint].type != "prismatic"
+            turning = not problem.robot.commanded[joint].is_prismatic
             values = np.degrees(trace.values[:, place]) if turning else trace.values[:, place]
             middle.plot(values, label=joint if turning else f"{joint} [m]", **look(place))
         lower.plot(np.maximum(trace.astray, 1e-16), **look(0))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 
 DASH = "–"
 """Stands for a number that there is not."""
@@ -49,8 +48,3 @@ def percent(part: float) -> str:
 def minus(text: str) -> str:
     """A number with a minus sign in place of a hyphen."""
     return text.replace("-", "−")
-
-
-def joined(parts: Sequence[str]) -> str:
-    """Names with commas and an "and"."""
-    return " and ".join(filter(None, (", ".join(parts[:-1]), *parts[-1:])))

@@ -15,9 +15,9 @@ from jaxtyping import Float
 from flexmodal.model import PosedRobot
 from flexmodal.model.placements import link_placements
 from flexmodal.rig.beam import Beam
-from flexmodal.rig.chain import children, descendants, plane_normal
-from flexmodal.rig.geometry import transport
+from flexmodal.rig.chain import children
 from flexmodal.rig.plant import Branch, NonlinearElement, Plant
+from flexmodal.structure.arm import beyond, carried, plane_normal
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,8 +59,8 @@ class Assembly:
             joint = self.robot.urdf.joint_by_name[name]
             axis = self.placed[joint.child][:3, :3] @ joint.axis
             pivot = self.placed[joint.child][:3, 3]
-            for link in descendants(self.robot.urdf, joint.child):
-                if joint.type == "prismatic":
+            for link in beyond(self.robot.urdf, joint.child):
+                if joint.is_prismatic:
                     maps[link][:3, column] = axis
                 else:
                     maps[link][:3, column] = np.cross(axis, self.placed[link][:3, 3] - pivot)
@@ -89,7 +89,7 @@ class Assembly:
 
     def motion(self, link: str, place: Float[np.ndarray, "3"]) -> Float[np.ndarray, "6 dof"]:
         """Motion of a point of a link, the bending of that link included."""
-        moved = transport(self._padded(self._maps[link]), self.orientation(link) @ place)
+        moved = carried(self._padded(self._maps[link]), self.orientation(link) @ place)
         for bending in self._bending.get(link, []):
             moved[:, bending.columns] += self._bent(link, bending, place)
         return moved
@@ -100,7 +100,7 @@ class Assembly:
         deflection, slope = bending.beam.shape(along)
         turned = np.cross(bending.axis, bending.side)
         motion = np.vstack([np.outer(bending.side, deflection), np.outer(turned, slope)])
-        motion = transport(motion, place - along * bending.axis)
+        motion = carried(motion, place - along * bending.axis)
         axes = self.orientation(link)
         return np.vstack([axes @ motion[:3], axes @ motion[3:]])
 
@@ -116,7 +116,7 @@ class Assembly:
         """Let the root link move, and every link with it, by coordinates already added."""
         start = self.origin(self.robot.urdf.root)
         for link in self._maps:
-            self._widen(link)[:, columns] += transport(motion, self.origin(link) - start)
+            self._widen(link)[:, columns] += carried(motion, self.origin(link) - start)
 
     def add_beam(self, link: str, beam: Beam, axis: np.ndarray, side: np.ndarray, loss: float) -> None:
         """Let a link bend in one plane; everything beyond it is carried along.
@@ -134,10 +134,10 @@ class Assembly:
         bending = _Bending(beam, axis, side, columns)
         planes.append(bending)
         for joint in children(self.robot.urdf, link):
-            carried = self._bent(link, bending, np.asarray(joint.xyz))
-            for further in descendants(self.robot.urdf, joint.child):
+            swept = self._bent(link, bending, np.asarray(joint.xyz))
+            for further in beyond(self.robot.urdf, joint.child):
                 lever = self.origin(further) - self.origin(joint.child)
-                self._widen(further)[:, columns] += transport(carried, lever)
+                self._widen(further)[:, columns] += carried(swept, lever)
         values, vectors = np.linalg.eigh(beam.condensed_stiffness)
         for value, vector in zip(values, vectors.T, strict=True):
             row = np.zeros(len(self.coordinates))

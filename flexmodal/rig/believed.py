@@ -9,7 +9,8 @@ import numpy as np
 from jaxtyping import Float
 
 from flexmodal.model import Robot
-from flexmodal.rig.chain import moved_links, reach, rigid_with
+from flexmodal.rig.chain import reach, rigid_with
+from flexmodal.structure.arm import moved_bodies
 
 MOST = 2.5
 """A parameter is at most this many standard deviations off."""
@@ -77,7 +78,7 @@ def true_robot(robot: Robot, error: ParameterError, random: np.random.Generator)
 
     stiffness = {n: j.stiffness * factor(f"stiffness.{n}", error.stiffness) for n, j in robot.joints.items()}
     damping = {n: j.damping * factor(f"damping.{n}", error.damping) for n, j in robot.joints.items()}
-    moved = moved_links(robot)
+    moved = moved_bodies(robot)
     bodies = {}
     for name, body in believed_bodies(robot).items():
         if name not in moved:
@@ -113,7 +114,7 @@ def base_body(robot: Robot) -> Body | None:
     fixed = rigid_with(robot.urdf, robot.urdf.root, tuple(robot.joints))
     if any(robot.urdf.link_by_name[name].mass for name in fixed):
         return None
-    arm = moved_links(robot)
+    arm = moved_bodies(robot)
     mass = BASE_MASS * sum(robot.urdf.link_by_name[name].mass or 0.0 for name in arm)
     length = sum(float(np.linalg.norm(reach(robot, name))) for name in arm)
     return Body(mass, np.zeros(3), mass * (BASE_GYRATION * length) ** 2 * np.eye(3))

@@ -9,6 +9,7 @@ from jaxtyping import Float
 
 from flexmodal.cards import Urdf, UrdfJoint
 from flexmodal.model import Robot
+from flexmodal.structure.arm import moved_bodies
 
 SHORTEST = 0.05
 """Links shorter than this are blocks, not beams [m]."""
@@ -17,14 +18,6 @@ SHORTEST = 0.05
 def children(urdf: Urdf, link: str) -> tuple[UrdfJoint, ...]:
     """Joints whose parent is that link."""
     return tuple(joint for joint in urdf.joints if joint.parent == link)
-
-
-def descendants(urdf: Urdf, link: str) -> tuple[str, ...]:
-    """The link and every link beyond it."""
-    found = [link]
-    for member in found:
-        found += [joint.child for joint in children(urdf, member)]
-    return tuple(found)
 
 
 def rigid_with(urdf: Urdf, link: str, flexible: Collection[str]) -> tuple[str, ...]:
@@ -38,14 +31,6 @@ def rigid_with(urdf: Urdf, link: str, flexible: Collection[str]) -> tuple[str, .
 def commanded_joints(robot: Robot) -> tuple[str, ...]:
     """Flexible joints that are no pseudo-joints."""
     return tuple(name for name, joint in robot.joints.items() if not joint.pseudo)
-
-
-def moved_links(robot: Robot) -> tuple[str, ...]:
-    """Links with mass that at least one flexible joint moves, in the order of the URDF."""
-    moved: set[str] = set()
-    for name in robot.joints:
-        moved.update(descendants(robot.urdf, robot.urdf.joint_by_name[name].child))
-    return tuple(link.name for link in robot.urdf.links if link.name in moved and link.mass)
 
 
 def reach(robot: Robot, link: str) -> Float[np.ndarray, "3"]:
@@ -63,9 +48,6 @@ def reach(robot: Robot, link: str) -> Float[np.ndarray, "3"]:
 
 def slender_links(robot: Robot) -> tuple[str, ...]:
     """Links long enough to bend that carry something beyond themselves or have mass along them."""
-    return tuple(link for link in moved_links(robot) if float(np.linalg.norm(reach(robot, link))) >= SHORTEST)
-
-
-def plane_normal(robot: Robot) -> Float[np.ndarray, "3"] | None:
-    """Normal of the plane in which a planar chain moves; None for a spatial one."""
-    return robot.task[2, 3:].copy() if robot.is_planar else None
+    return tuple(
+        link for link in moved_bodies(robot) if float(np.linalg.norm(reach(robot, link))) >= SHORTEST
+    )

@@ -14,15 +14,6 @@ def cross_matrix(vector: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3 3"]:
     return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
 
 
-def transport(
-    motion: Float[np.ndarray, "6 dof"], lever: Float[np.ndarray, "3"]
-) -> Float[np.ndarray, "6 dof"]:
-    """Motion of a body at a point `lever` away [m]: v + ω × lever, ω; linear rows first, world axes."""
-    moved = motion.copy()
-    moved[:3] -= cross_matrix(lever) @ motion[3:]
-    return moved
-
-
 def turn(axis: Float[np.ndarray, "3"], angle: float) -> Float[np.ndarray, "3 3"]:
     """Rotation about a direction, by Rodrigues' formula; `axis` of any length above 0, `angle` [rad]."""
     k = cross_matrix(np.asarray(axis) / np.linalg.norm(axis))

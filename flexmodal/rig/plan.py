@@ -12,8 +12,8 @@ from flexmodal.errors import Fault, InvalidPosture, InvalidRequest
 from flexmodal.model import Robot
 from flexmodal.rig.analyser import RATIO, Analyser
 from flexmodal.rig.blow import TIPS
-from flexmodal.rig.chain import plane_normal
 from flexmodal.rig.positions import AXES, choose_points, choose_references
+from flexmodal.structure.arm import plane_normal
 from flexmodal.text.gather import Gathering
 
 MOST = 1000
@@ -173,7 +173,7 @@ def _postures(
 def _random_posture(robot: Robot, random: np.random.Generator) -> dict[str, float]:
     values = {}
     for name, joint in robot.commanded.items():
-        widest = _WIDEST if joint.type != "prismatic" else np.inf
+        widest = _WIDEST if not joint.is_prismatic else np.inf
         lower, upper = max(joint.lower, -widest), min(joint.upper, widest)
         if lower > upper:
             lower, upper = joint.lower, joint.upper

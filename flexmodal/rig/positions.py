@@ -10,7 +10,8 @@ from flexmodal.campaign import CampaignPoint
 from flexmodal.errors import Fault, InvalidInput, InvalidRequest
 from flexmodal.frf import PointDirection
 from flexmodal.model import Robot
-from flexmodal.rig.chain import moved_links, reach
+from flexmodal.rig.chain import reach
+from flexmodal.structure.arm import moved_bodies
 
 AXES = "xyz"
 
@@ -21,7 +22,7 @@ def choose_points(robot: Robot, count: int | None) -> tuple[CampaignPoint, ...]:
     Raises:
         InvalidRequest: not so many, or no point at all.
     """
-    moved = moved_links(robot)
+    moved = moved_bodies(robot)
     found = [(name, point.link, point.xyz) for name, point in robot.points.items()]
     if not found:
         for link in moved:

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from flexmodal.campaign import CampaignPosture
+from flexmodal.campaign import COHERENT, CampaignPosture
 from flexmodal.rig.bench import (
     Conduct,
     h1,
@@ -32,7 +32,6 @@ MOST_LINES = 250
 """Lines that it is judged at, evenly spaced in the band."""
 CLOSE = 0.08
 """Logarithm of height over target at which the search ends."""
-COHERENT = 0.8
 _ROUNDS = 9
 _LEAST = 1e-5
 

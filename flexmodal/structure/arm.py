@@ -16,6 +16,7 @@ from jaxtyping import Float
 
 from flexmodal.cards import FrozenDict, Urdf
 from flexmodal.model import Robot
+from flexmodal.model.chain import FlexibleChain
 from flexmodal.model.placements import link_placements
 
 
@@ -54,7 +55,7 @@ class Arm:
             axis = placed[joint.child][:3, :3] @ joint.axis
             pivot = placed[joint.child][:3, 3]
             for link in beyond(robot.urdf, joint.child):
-                if joint.type == "prismatic":
+                if joint.is_prismatic:
                     maps[link][:3, column] = axis
                 else:
                     maps[link][:3, column] = np.cross(axis, placed[link][:3, 3] - pivot)
@@ -95,7 +96,7 @@ def moved_bodies(robot: Robot) -> tuple[str, ...]:
     return tuple(link.name for link in robot.urdf.links if link.name in moved and link.mass)
 
 
-def plane_normal(robot: Robot) -> Float[np.ndarray, "3"] | None:
+def plane_normal(robot: FlexibleChain) -> Float[np.ndarray, "3"] | None:
     """Unit normal of the plane that a planar chain moves in; None for a spatial one."""
     return robot.task[2, 3:].copy() if robot.is_planar else None
 

@@ -84,7 +84,7 @@ def _of_joints(robot: Robot, kind: str) -> list[Parameter]:
         found.append(
             Parameter(
                 name=f"{kind}.{name}",
-                unit=_UNITS[kind, robot.urdf.joint_by_name[name].type == "prismatic"],
+                unit=_UNITS[kind, robot.urdf.joint_by_name[name].is_prismatic],
                 card=card,
                 deviation=TRUST[kind] if joint.scale is None else joint.scale,
                 lower=card * (1 / wide if joint.lower is None else max(joint.lower, 1e-6)),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -49,6 +49,11 @@ def nearest(name: str, names: Iterable[str]) -> str:
 def listing(names: Iterable[str], empty: str = "there is none") -> str:
     """Names joined by commas."""
     return ", ".join(names) or empty
+
+
+def enumeration(parts: Sequence[str]) -> str:
+    """Joined by commas and an "and"."""
+    return parts[0] if len(parts) == 1 else f"{', '.join(parts[:-1])} and {parts[-1]}"
 
 
 def safe_name(name: str) -> str:

@@ -72,7 +72,7 @@ def test_the_improved_card_has_the_fitted_receptance(folder, identified):
     lines = np.array([5.0, 30.0, 51.0, 120.0])
     q = dict(outcome.problem.campaign.postures[1].q)
     point = outcome.problem.campaign.points[0]
-    made = outcome.problem.route.model.structure_at(
+    made = outcome.problem.evidence.model.structure_at(
         outcome.at,
         q,
         [(point.link, np.array(point.xyz), np.eye(3)[2])],

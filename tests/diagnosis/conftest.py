@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import flexmodal
-from flexmodal.diagnosis.effects import Scene, catalogue
+from flexmodal.diagnosis.effects import Context, catalogue
 from flexmodal.diagnosis.hypothesis import Hypothesis, Placed
 from flexmodal.diagnosis.outcome import Diagnosis, Gaps, NextMeasurement, Region, Step, Verdict, Weighed
 from flexmodal.identification import fit, gap, observe, predict, uncertainty
@@ -26,25 +26,31 @@ def campaign():
 
 
 @pytest.fixture(scope="session")
-def scene(campaign):
-    return Scene(flexmodal.load("fanuc_s360_rigid_link"), observe(campaign))
+def observed(campaign):
+    return observe(campaign)
 
 
 @pytest.fixture(scope="session")
-def hinged(scene):
+def context(observed):
+    return Context.of(flexmodal.load("fanuc_s360_rigid_link"), observed)
+
+
+@pytest.fixture(scope="session")
+def hinged(context, observed):
     """The robot with the hinge, fitted: hypothesis and fit, and the re-tuned robot before it."""
-    root = Hypothesis(scene, robot_space(scene.robot))
-    before = fit(root, scene.observations, stride=4)
+    root = Hypothesis(context, robot_space(context.robot))
+    before = fit(root, observed, stride=4)
     placed = Placed(catalogue()[KEY[0]], KEY[1])
     hypothesis = root.and_also(placed)
     start = hypothesis.start(placed, {"stiffness": 8e5, "position": 0.55}, np.zeros(len(root.space)))
-    after = fit(hypothesis, scene.observations, start, stride=4, floors=(0.2, 0.05, 0.01))
+    after = fit(hypothesis, observed, start, stride=4, floors=(0.2, 0.05, 0.01))
     return root, before, hypothesis, after
 
 
-def diagnosis_of(scene, stages, hypothesis, made, *, steps=(), verdict=None, measurement=None, **more):
+def diagnosis_of(
+    context, observations, stages, hypothesis, made, *, steps=(), verdict=None, measurement=None, **more
+):
     """A diagnosis from models that are fitted already; `stages` are predictions by name."""
-    observations = scene.observations
     size = {name: gap(observations, value) for name, value in stages.items()}
     gaps = Gaps(
         size["before"].value,
@@ -60,7 +66,7 @@ def diagnosis_of(scene, stages, hypothesis, made, *, steps=(), verdict=None, mea
     )  # fmt: skip
     return Diagnosis(
         campaign=observations.campaign.title,
-        robot=scene.robot.name,
+        robot=context.robot.name,
         gaps=gaps,
         disagreement=(region,),
         remaining=(),
@@ -80,19 +86,18 @@ def diagnosis_of(scene, stages, hypothesis, made, *, steps=(), verdict=None, mea
 
 
 @pytest.fixture(scope="session")
-def diagnosed(scene, hinged):
+def diagnosed(context, observed, hinged):
     """One effect found, one alternative tied with it."""
     root, before, hypothesis, after = hinged
-    observations = scene.observations
     stages = {
-        "believed": predict(root, np.zeros(len(root.space)), observations),
-        "before": predict(root, before.x, observations),
-        "after": predict(hypothesis, after.x, observations),
+        "believed": predict(root, np.zeros(len(root.space)), observed),
+        "before": predict(root, before.x, observed),
+        "after": predict(hypothesis, after.x, observed),
     }
     (placed,) = hypothesis.placed
     values = hypothesis.values_of(placed, hypothesis.space.values(after.x))
     own = {name: values[name] for name in ("stiffness", "damping", "position")}
-    sizes = {name: gap(observations, value) for name, value in stages.items()}
+    sizes = {name: gap(observed, value) for name, value in stages.items()}
     step = Step(
         *KEY, own, {"stiffness": "N·m/rad", "damping": "N·m·s/rad", "position": ""}, {"stiffness": 2e4},
         0.93, Gaps(sizes["before"].value, sizes["after"].value, 0.1, 0.05, sizes["after"].noise_floor),
@@ -112,7 +117,7 @@ def diagnosed(scene, hinged):
         240.0,
     )
     return diagnosis_of(
-        scene, stages, hypothesis, after, steps=[step], measurement=measurement,
+        context, observed, stages, hypothesis, after, steps=[step], measurement=measurement,
         verdict=Verdict((KEY,), True, "Link 2 bends."),
         untestable={"coulomb_friction": "one level of force only"},
     )  # fmt: skip

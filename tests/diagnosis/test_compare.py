@@ -12,11 +12,11 @@ from flexmodal.identification import predict
 
 
 @pytest.fixture(scope="module")
-def exact(scene, hinged):
+def exact(observed, hinged):
     """Observations that the fitted model meets exactly, and that model."""
     _, _, hypothesis, made = hinged
-    value = predict(hypothesis, made.x, scene.observations)
-    observations = replace(scene.observations, value=value, used=np.ones(value.shape, dtype=bool))
+    value = predict(hypothesis, made.x, observed)
+    observations = replace(observed, value=value, used=np.ones(value.shape, dtype=bool))
     return observations, hypothesis, made.x
 
 
@@ -74,7 +74,7 @@ def test_no_peak_that_is_as_high_is_called_damped(exact):
             assert "its peak is 1.0" not in region.says
 
 
-def test_a_resonance_that_the_model_lacks_is_missing_and_one_too_many_extra(scene, exact):
+def test_a_resonance_that_the_model_lacks_is_missing_and_one_too_many_extra(observed, exact):
     observations, hypothesis, x = exact
     placed = Placed(catalogue()["local_absorber"], "link_3")
     resilient = hypothesis.and_also(placed)
@@ -87,9 +87,9 @@ def test_a_resonance_that_the_model_lacks_is_missing_and_one_too_many_extra(scen
     assert "extra resonance" in {region.kind for region in disagreement(observations, value)}
 
 
-def test_blows_of_other_force_on_one_pair_go_together(scene):
-    owner = but_for_the_blow(scene.observations)
-    seen = scene.observations
+def test_blows_of_other_force_on_one_pair_go_together(observed):
+    owner = but_for_the_blow(observed)
+    seen = observed
     for number in np.unique(owner):
         rows = np.flatnonzero(owner == number)
         assert len(np.unique(seen.level[rows])) == len(rows) == 2

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import flexmodal
-from flexmodal.diagnosis.effects import Scene, catalogue
+from flexmodal.diagnosis.effects import Context, catalogue, link_flexibility
 from flexmodal.diagnosis.effects.link_flexibility import gauss, shares
 from flexmodal.diagnosis.effects.servo_compliance import loop
 from flexmodal.diagnosis.hypothesis import Hypothesis, Placed
@@ -21,29 +21,29 @@ from flexmodal.structure import robot_space
 
 @pytest.fixture(scope="module")
 def bench():
-    """A short campaign with the card's own parameters, its scene, and the rig's stand."""
+    """A short campaign with the card's own parameters, its context, its observations, and the rig's stand."""
     robot = flexmodal.load("fanuc_s360")
     result = simulate(
         robot, postures=["configuration_1", "configuration_6"], points=3, trials=2, averages=2, seed=3,
         record_length=1.0, band=(2.0, 120.0), parameter_error=0.0,
     )  # fmt: skip
     stand = make_stand(result.robot, result.plan, ParameterError.all(0.0), 3)
-    return Scene(robot, unlimited(observe(result.campaign))), stand
+    observed = unlimited(observe(result.campaign))
+    return Context.of(robot, observed), observed, stand
 
 
-def ours(scene, effect, where, values):
+def ours(context, observed, effect, where, values):
     """Receptances of the robot with one effect, for every observation."""
     placed = Placed(catalogue()[effect], where)
-    hypothesis = Hypothesis(scene, robot_space(scene.robot)).and_also(placed)
+    hypothesis = Hypothesis(context, robot_space(context.robot)).and_also(placed)
     x = hypothesis.start(placed, values, np.zeros(len(hypothesis.base)))
     own = {p.name.rpartition(".")[2]: p.value(v) for p, v in zip(hypothesis.space, x, strict=True)}
     assert all(own[name] == pytest.approx(value, rel=1e-12) for name, value in values.items())
-    return predict(hypothesis, x, scene.observations)
+    return predict(hypothesis, x, observed)
 
 
-def theirs(scene, stand, effect, where, values):
+def theirs(observations, stand, effect, where, values):
     """The same from the plant that the rig strikes."""
-    observations = scene.observations
     value = np.zeros(observations.value.shape, dtype=complex)
     frequency = observations.axis.frequency
     for number, posture in enumerate(observations.postures):
@@ -78,9 +78,9 @@ CASES = {
 }  # fmt: skip
 
 
-def rig_values(scene, stand, effect, where, values):
+def rig_values(context, stand, effect, where, values):
     if effect == "servo_compliance":
-        k = float(scene.robot.joints[where].stiffness)
+        k = float(context.robot.joints[where].stiffness)
         inertia, derivative = loop(k, values["gain"], values["frequency"], values["damping_ratio"])
         return {"proportional_gain": values["gain"], "derivative_gain": derivative, "rotor_inertia": inertia}
     return values
@@ -88,33 +88,33 @@ def rig_values(scene, stand, effect, where, values):
 
 @pytest.mark.parametrize("effect", ["servo_compliance", "joint_coupling"])
 def test_effect_is_that_of_the_rig(bench, effect):
-    scene, stand = bench
+    context, observed, stand = bench
     where, values, _ = CASES[effect]
-    other = theirs(scene, stand, effect, where, rig_values(scene, stand, effect, where, values))
-    np.testing.assert_allclose(ours(scene, effect, where, values), other, rtol=1e-8)
+    other = theirs(observed, stand, effect, where, rig_values(context, stand, effect, where, values))
+    np.testing.assert_allclose(ours(context, observed, effect, where, values), other, rtol=1e-8)
 
 
 def test_hysteresis_is_near_the_rigs_row_of_maxwell_elements(bench):
-    scene, stand = bench
+    context, observed, stand = bench
     where, values, other = CASES["structural_damping"]
-    ratio = ours(scene, "structural_damping", where, values) / theirs(
-        scene, stand, "structural_damping", where, other
+    ratio = ours(context, observed, "structural_damping", where, values) / theirs(
+        observed, stand, "structural_damping", where, other
     )
     # nine elements hold the loss factor to a few per cent over the band: 5 % of 0.1 of a stiffness
     assert np.sqrt(np.mean(np.abs(np.log(ratio)) ** 2)) < 0.02
 
 
 def test_added_mass_is_that_of_the_rig(bench):
-    scene, stand = bench
+    context, observed, stand = bench
     values = {"mass": 3.0, "along": 0.6, "beside": 0.05, "gyration": 0.2}
-    arm = scene.arm(0)
+    arm = context.arms[0]
     from flexmodal.diagnosis.effects.added_mass import place_on
 
-    place = place_on(scene, "link_3", values, arm.placed["link_3"][:3, :3])
+    place = place_on(context, "link_3", values, arm.placed["link_3"][:3, :3])
     other = {"mass": 3.0, "x": place[0], "y": place[1], "z": place[2], "gyration": 0.2}
     np.testing.assert_allclose(
-        ours(scene, "added_mass", "link_3", values),
-        theirs(scene, stand, "added_mass", "link_3", other),
+        ours(context, observed, "added_mass", "link_3", values),
+        theirs(observed, stand, "added_mass", "link_3", other),
         rtol=1e-8,
     )
 
@@ -128,31 +128,32 @@ def slender():
         parameter_error=0.0,
     )  # fmt: skip
     stand = make_stand(result.robot, result.plan, ParameterError.all(0.0), 3)
-    return Scene(robot, unlimited(observe(result.campaign))), stand
+    observed = unlimited(observe(result.campaign))
+    return Context.of(robot, observed), observed, stand
 
 
 def test_a_slender_link_has_the_modes_of_a_beam(slender, monkeypatch):
-    scene, stand = slender
-    bending, length = 2.5e4, float(np.linalg.norm(scene.reach("link_1")))
+    context, observed, stand = slender
+    bending, length = 2.5e4, float(np.linalg.norm(context.reach("link_1")))
     beam = {"bending_stiffness": bending, "damping_ratio": 0.02}
     first = 1.875104**2 * np.sqrt(bending / (10.0 / length * length**4))
     loss = 2 * 0.02 / first  # the rig's beam: damping in proportion to stiffness
     values = {"stiffness": bending / length, "damping": loss * bending / length, "position": 0.5}
-    there = theirs(scene, stand, "link_flexibility", "link_1", beam)
+    there = theirs(observed, stand, "link_flexibility", "link_1", beam)
 
     def off(grown=1.0):
         here = ours(
-            scene, "link_flexibility", "link_1",
+            context, observed, "link_flexibility", "link_1",
             {**values, "stiffness": grown * values["stiffness"], "damping": grown * values["damping"]},
         )  # fmt: skip
         return float(np.sqrt(np.mean(np.abs(np.log(here / there)) ** 2)))
 
     assert off() < 0.4 * off(1.2), "a beam a fifth stiffer is far off"
-    assert off() < 0.2 * _with_hinges(monkeypatch, scene, 2, off), "two hinges lack modes"
+    assert off() < 0.2 * _with_hinges(monkeypatch, 2, off), "two hinges lack modes"
 
 
-def _with_hinges(monkeypatch, scene, count, then):
-    monkeypatch.setitem(scene.memory["hinges"], "link_1", gauss(count)[0])
+def _with_hinges(monkeypatch, count, then):
+    monkeypatch.setattr(link_flexibility, "hinges", lambda context, where: gauss(count)[0])
     return then()
 
 
@@ -168,38 +169,40 @@ def test_hinges_are_worth_one_of_the_stiffness_at_the_position(count, position):
 
 
 def test_bending_is_that_of_a_beam_where_it_is_slow(bench):
-    scene, stand = bench
-    length, bending = float(np.linalg.norm(scene.reach("link_1"))), 2e5
+    context, observed, stand = bench
+    length, bending = float(np.linalg.norm(context.reach("link_1"))), 2e5
     found = ours(
-        scene, "link_flexibility", "link_1",
+        context, observed, "link_flexibility", "link_1",
         {"stiffness": bending / length, "damping": 0.1, "position": 0.5},
     )  # fmt: skip
     other = theirs(
-        scene, stand, "link_flexibility", "link_1", {"bending_stiffness": bending, "damping_ratio": 1e-6}
+        observed, stand, "link_flexibility", "link_1", {"bending_stiffness": bending, "damping_ratio": 1e-6}
     )
-    low = scene.observations.axis.frequency < 15
+    low = observed.axis.frequency < 15
     # statically the two hinges are the beam; the mass between them tells at (15 Hz / 100 Hz)²
     np.testing.assert_allclose(np.abs(found[:, low] / other[:, low]), 1, atol=0.02)
-    stiff = ours(scene, "link_flexibility", "link_1", {"stiffness": 1e8, "damping": 10.0, "position": 0.5})
+    stiff = ours(
+        context, observed, "link_flexibility", "link_1", {"stiffness": 1e8, "damping": 10.0, "position": 0.5}
+    )
     assert np.max(np.abs(np.log(np.abs(stiff[:, low] / other[:, low])))) > 0.2, "the beam is not seen at all"
 
 
 @pytest.mark.parametrize("effect", sorted(set(catalogue()) - {"coulomb_friction", "nonlinear_stiffness"}))
 def test_derivatives_are_those_of_central_differences(bench, effect):
-    scene, _ = bench
+    context, observed, _ = bench
     known = catalogue()[effect]
-    where = known.places(scene)[-1]
+    where = known.places(context)[-1]
     placed = Placed(known, where)
-    root = Hypothesis(scene, robot_space(scene.robot))
+    root = Hypothesis(context, robot_space(context.robot))
     hypothesis = root.and_also(placed)
-    start = known.starts(scene, where)[0]
+    start = known.starts(context, where)[0]
     x = hypothesis.start(placed, start, np.full(len(root.space), 0.03))
     lines = np.array([4, 11, 60])
 
     def at(x, slopes=False):
-        value = np.zeros((len(scene.observations), len(lines)), dtype=complex)
+        value = np.zeros((len(observed), len(lines)), dtype=complex)
         change = np.zeros((len(x), *value.shape), dtype=complex)
-        for rows, found, moved in evaluated(hypothesis, x, scene.observations, lines, slopes=slopes):
+        for rows, found, moved in evaluated(hypothesis, x, observed, lines, slopes=slopes):
             value[rows] = found
             if slopes:
                 change[:, rows] = moved

@@ -8,7 +8,7 @@ import pytest
 import flexmodal
 from flexmodal.cards import read_urdf
 from flexmodal.diagnosis.draft import Draft
-from flexmodal.diagnosis.effects import Scene, catalogue
+from flexmodal.diagnosis.effects import Context, catalogue
 from flexmodal.diagnosis.extend import extend
 from flexmodal.diagnosis.hypothesis import Hypothesis, Placed
 from flexmodal.errors import InvalidRequest
@@ -23,29 +23,38 @@ STRUCTURAL = (
     "added_mass", "local_absorber",
 )  # fmt: skip
 ROBOTS = ("fanuc_s360", "six_link", "six_axis")
+SEEN = {}
+"""What was measured, by context."""
+
+
+def seen_by(robot, observations):
+    """The context of observations, which are kept for it."""
+    context = Context.of(robot, observations)
+    SEEN[context] = observations
+    return context
 
 
 @pytest.fixture(scope="session")
-def scene_of():
+def context_of():
     """What a short campaign on a robot shows; made once for each."""
     made = {}
 
-    def scene(name):
+    def context(name):
         if name not in made:
             campaign = simulate(
                 flexmodal.load(name), postures=2, points=3, references=2, trials=2, averages=2, seed=3,
                 record_length=1.0, band=(2.0, 120.0),
             ).campaign  # fmt: skip
             # the rig gives the base mass; so does the card it writes
-            made[name] = Scene(flexmodal.load(name), observe(campaign))
+            made[name] = seen_by(flexmodal.load(name), observe(campaign))
         return made[name]
 
-    return scene
+    return context
 
 
-def drawn(scene, placed, seed):
+def drawn(context, placed, seed):
     """A hypothesis with effects, and coordinates off the card and off the centres of the priors."""
-    hypothesis = Hypothesis(scene, robot_space(scene.robot))
+    hypothesis = Hypothesis(context, robot_space(context.robot))
     for effect, where in placed:
         hypothesis = hypothesis.and_also(Placed(catalogue()[effect], where))
     random = np.random.default_rng(seed)
@@ -76,7 +85,7 @@ def receptances(robot, observations):
 
 def written(diagnosed, hypothesis, x, folder):
     """Extend, write, check, load."""
-    observations = hypothesis.scene.observations
+    observations = SEEN[hypothesis.context]
     diagnosis = replace(
         diagnosed, model=hypothesis, x=x, deviation=np.zeros(len(x)), observations=observations,
         predicted={"after": observations.value},
@@ -90,7 +99,7 @@ def written(diagnosed, hypothesis, x, folder):
 
 def bare(hypothesis, x):
     """What the model predicts, without what the end of a record does to a measurement."""
-    observations = hypothesis.scene.observations
+    observations = SEEN[hypothesis.context]
     axis = Axis(observations.axis.frequency, observations.axis.middle)
     value = np.zeros((len(observations), len(axis)), dtype=complex)
     for group in hypothesis.groups(x, observations, slopes=False):
@@ -100,7 +109,7 @@ def bare(hypothesis, x):
 
 def agreement(loaded, hypothesis, x):
     """Largest relative difference; the smallest receptances beside a thousandth of the posture's largest."""
-    observations = hypothesis.scene.observations
+    observations = SEEN[hypothesis.context]
     truth = bare(hypothesis, x)
     found = receptances(loaded, observations)
     worst = 0.0
@@ -115,11 +124,11 @@ def agreement(loaded, hypothesis, x):
 
 @pytest.mark.parametrize("robot", ROBOTS)
 @pytest.mark.parametrize("name", STRUCTURAL)
-def test_each_effect(name, robot, scene_of, diagnosed, tmp_path):
-    scene = scene_of(robot)
-    where = catalogue()[name].places(scene)
+def test_each_effect(name, robot, context_of, diagnosed, tmp_path):
+    context = context_of(robot)
+    where = catalogue()[name].places(context)
     for number, place in enumerate(where[:: max(1, len(where) // 2)]):
-        hypothesis, x = drawn(scene, [(name, place)], seed=number)
+        hypothesis, x = drawn(context, [(name, place)], seed=number)
         folder = tmp_path / str(number)
         folder.mkdir()
         extension, loaded = written(diagnosed, hypothesis, x, folder)
@@ -127,8 +136,8 @@ def test_each_effect(name, robot, scene_of, diagnosed, tmp_path):
         # inertia is less than that of a thin rod have none that a body could have, as a note says
         allowed = 1e-3 if any("nearest that a body can have" in note for note in extension.notes) else 1e-6
         assert agreement(loaded, hypothesis, x) < allowed, (place, extension.notes)
-        assert loaded.is_planar == scene.robot.is_planar
-        plain, _ = drawn(scene, [], seed=number)
+        assert loaded.is_planar == context.robot.is_planar
+        plain, _ = drawn(context, [], seed=number)
         assert agreement(loaded, plain, x[: len(plain.space)]) > 1e-3  # the effect is there at all
 
 
@@ -139,19 +148,19 @@ ALL = {
 
 
 @pytest.mark.parametrize("robot", ALL)
-def test_all_at_once(robot, scene_of, diagnosed, tmp_path):
+def test_all_at_once(robot, context_of, diagnosed, tmp_path):
     """On top of one another: a payload beyond the hinge of a link, a coupling on a joint with a motor."""
     link, joint, pair, loaded_link, hung = ALL[robot]
-    scene = scene_of(robot)
+    context = context_of(robot)
     placed = [
         ("added_mass", loaded_link), ("link_flexibility", link), ("servo_compliance", joint),
         ("joint_coupling", pair), ("structural_damping", "joints"), ("local_absorber", hung),
         ("base_flexibility", "base"),
     ]  # fmt: skip
-    hypothesis, x = drawn(scene, placed, seed=5)
+    hypothesis, x = drawn(context, placed, seed=5)
     extension, loaded = written(diagnosed, hypothesis, x, tmp_path)
     assert agreement(loaded, hypothesis, x) < 1e-6
-    assert set(loaded.commanded) == set(scene.robot.commanded)
+    assert set(loaded.commanded) == set(context.robot.commanded)
     assert extension.card.source.count(" and ") == 6
     payload = next(j for j in loaded.urdf.joints if j.name == f"{loaded_link}_payload")
     assert payload.parent.startswith(f"{link}_beyond_")
@@ -160,36 +169,36 @@ def test_all_at_once(robot, scene_of, diagnosed, tmp_path):
     ).value.size
 
 
-def test_points_beyond_the_cut_move_with_it(scene_of, diagnosed, tmp_path):
-    scene = scene_of("fanuc_s360")
-    hypothesis, x = drawn(scene, [("link_flexibility", "link_1")], seed=1)
+def test_points_beyond_the_cut_move_with_it(context_of, diagnosed, tmp_path):
+    context = context_of("fanuc_s360")
+    hypothesis, x = drawn(context, [("link_flexibility", "link_1")], seed=1)
     _, loaded = written(diagnosed, hypothesis, x, tmp_path)
-    far = [name for name, point in scene.robot.points.items() if point.link == "link_1"]
+    far = [name for name, point in context.robot.points.items() if point.link == "link_1"]
     assert far
     last = max(link.name for link in loaded.urdf.links if link.name.startswith("link_1_beyond_"))
     for name in far:
         assert loaded.points[name].link == last
-        before, after = (robot.at("configuration_2").position(name) for robot in (scene.robot, loaded))
+        before, after = (robot.at("configuration_2").position(name) for robot in (context.robot, loaded))
         np.testing.assert_allclose(after, before, atol=1e-12)
 
 
-def test_re_tuned_parameters_are_in_the_files(scene_of, diagnosed, tmp_path):
-    scene = scene_of("fanuc_s360")
-    hypothesis, x = drawn(scene, [], seed=7)
+def test_re_tuned_parameters_are_in_the_files(context_of, diagnosed, tmp_path):
+    context = context_of("fanuc_s360")
+    hypothesis, x = drawn(context, [], seed=7)
     values = hypothesis.space.values(x)
     extension, loaded = written(diagnosed, hypothesis, x, tmp_path)
     for name, joint in loaded.joints.items():
         assert joint.stiffness == values[f"stiffness.{name}"]
         assert joint.damping == values[f"damping.{name}"]
     for name in ("link_1", "link_3"):
-        link, card = loaded.urdf.link_by_name[name], scene.robot.urdf.link_by_name[name]
+        link, card = loaded.urdf.link_by_name[name], context.robot.urdf.link_by_name[name]
         assert link.mass == values[f"mass.{name}"]
         grown = values[f"mass.{name}"] / card.mass * values[f"inertia.{name}"]
         np.testing.assert_allclose(link.inertia[1, 1], card.inertia[1, 1] * grown, rtol=1e-12)
     assert "re-tuned on the campaign" in extension.card.source
     assert loaded.name == "fanuc_s360_diagnosed"
-    assert set(loaded.postures) >= set(scene.robot.postures)
-    assert set(loaded.families) == set(scene.robot.families)
+    assert set(loaded.postures) >= set(context.robot.postures)
+    assert set(loaded.families) == set(context.robot.families)
 
 
 @pytest.mark.parametrize(
@@ -203,46 +212,46 @@ def test_re_tuned_parameters_are_in_the_files(scene_of, diagnosed, tmp_path):
         ("nonlinear_stiffness", 1, "depends on the force"),
     ],
 )
-def test_what_files_cannot_hold_is_noted(effect, place, why, scene_of, diagnosed, tmp_path):
-    scene = scene_of("fanuc_s360")
-    where = catalogue()[effect].places(scene)[place]
-    hypothesis, x = drawn(scene, [(effect, where)], seed=2)
+def test_what_files_cannot_hold_is_noted(effect, place, why, context_of, diagnosed, tmp_path):
+    context = context_of("fanuc_s360")
+    where = catalogue()[effect].places(context)[place]
+    hypothesis, x = drawn(context, [(effect, where)], seed=2)
     extension, loaded = written(diagnosed, hypothesis, x, tmp_path)
     (note,) = extension.notes
     assert note.startswith(f"{effect} at {where} (")
     assert why in note
     assert f"# {note}\n" in (tmp_path / "robot.toml").read_text(encoding="utf-8")
-    assert len(loaded.urdf.links) == len(scene.robot.urdf.links)
+    assert len(loaded.urdf.links) == len(context.robot.urdf.links)
 
 
-def test_an_effect_of_somebody_else_without_a_hook(scene_of, diagnosed, tmp_path):
-    scene = scene_of("fanuc_s360")
+def test_an_effect_of_somebody_else_without_a_hook(context_of, diagnosed, tmp_path):
+    context = context_of("fanuc_s360")
     foreign = replace(catalogue()["added_mass"], name="theirs", extend=None)
-    hypothesis = Hypothesis(scene, robot_space(scene.robot)).and_also(Placed(foreign, "link_1"))
+    hypothesis = Hypothesis(context, robot_space(context.robot)).and_also(Placed(foreign, "link_1"))
     extension, _ = written(diagnosed, hypothesis, np.zeros(len(hypothesis.space)), tmp_path)
     assert "says nothing of how it changes the files" in extension.notes[0]
 
 
-def test_names_that_are_taken(scene_of):
-    draft = Draft(scene_of("fanuc_s360").robot, {})
+def test_names_that_are_taken(context_of):
+    draft = Draft(context_of("fanuc_s360").robot, {})
     assert draft.fresh("link_1") == "link_1_2"
     assert draft.fresh("link_1") == "link_1_3"
     assert draft.fresh("location_1") == "location_1_2"
 
 
-def test_meshes_are_still_found(diagnosed, scene_of, tmp_path):
+def test_meshes_are_still_found(diagnosed, context_of, tmp_path):
     """A URDF with a mesh beside it; the new one stands in another folder."""
     source = tmp_path / "source"
     (source / "meshes").mkdir(parents=True)
     (source / "meshes" / "part.stl").write_bytes(b"solid")
-    scene = scene_of("fanuc_s360")
-    text = scene.robot.urdf.text.replace(
+    context = context_of("fanuc_s360")
+    text = context.robot.urdf.text.replace(
         '<link name="link_3">',
         '<link name="link_3"><visual><geometry><mesh filename="meshes/part.stl"/></geometry></visual>', 1,
     )  # fmt: skip
     (source / "arm.urdf").write_text(text, encoding="utf-8")
-    robot = replace(scene.robot, urdf=read_urdf(source / "arm.urdf"))
-    moved = Scene(robot, scene.observations)
+    robot = replace(context.robot, urdf=read_urdf(source / "arm.urdf"))
+    moved = seen_by(robot, SEEN[context])
     hypothesis = Hypothesis(moved, robot_space(robot))
     out = tmp_path / "a" / "robot"
     out.mkdir(parents=True)
@@ -251,17 +260,17 @@ def test_meshes_are_still_found(diagnosed, scene_of, tmp_path):
     assert loaded.urdf.warnings == ()
 
 
-def test_an_extended_robot_can_be_identified_again(scene_of, diagnosed, tmp_path):
+def test_an_extended_robot_can_be_identified_again(context_of, diagnosed, tmp_path):
     """Couplings and motors count in a fit; loss factors are refused, since a fit finds them itself."""
-    scene = scene_of("fanuc_s360")
-    hypothesis, x = drawn(scene, [("joint_coupling", "q1+q2"), ("servo_compliance", "q1")], seed=3)
+    context = context_of("fanuc_s360")
+    hypothesis, x = drawn(context, [("joint_coupling", "q1+q2"), ("servo_compliance", "q1")], seed=3)
     _, loaded = written(diagnosed, hypothesis, x, tmp_path)
-    again = Hypothesis(Scene(loaded, scene.observations), robot_space(loaded))
+    again = Hypothesis(seen_by(loaded, SEEN[context]), robot_space(loaded))
     truth, found = bare(hypothesis, x), bare(again, np.zeros(len(again.space)))
     np.testing.assert_allclose(found, truth, rtol=1e-6, atol=1e-9 * np.abs(truth).max())
     other = tmp_path / "other"
     other.mkdir()
-    hypothesis, x = drawn(scene, [("structural_damping", "joints")], seed=3)
+    hypothesis, x = drawn(context, [("structural_damping", "joints")], seed=3)
     _, loaded = written(diagnosed, hypothesis, x, other)
     with pytest.raises(InvalidRequest, match="loss_factor"):
         robot_space(loaded)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import flexmodal
-from flexmodal.diagnosis.effects import Scene, catalogue
+from flexmodal.diagnosis.effects import Context, catalogue
 from flexmodal.diagnosis.effects.joint_laws import FRICTION
 from flexmodal.diagnosis.hypothesis import Hypothesis, Placed
 from flexmodal.diagnosis.march.model import MarchedModel, has_law
@@ -19,6 +19,8 @@ from flexmodal.rig import simulate
 from flexmodal.structure import robot_space
 
 TRUST = {"stiffness": 0.08, "damping": 0.08, "mass": 0.08, "inertia": 0.08}
+SEEN = {}
+"""What was measured, by context."""
 LAWS = {
     "coulomb_friction@q2": {"torque": 0.8, "presliding_stiffness": 1.4e5},
     "nonlinear_stiffness@q1": {"change": -0.4, "deflection": 1e-4},
@@ -37,8 +39,10 @@ def written(key):
 
 
 def hypothesis_of(campaign, *keys):
-    scene = Scene(flexmodal.load("fanuc_s360"), observe(campaign))
-    hypothesis = Hypothesis(scene, robot_space(scene.robot, trust=TRUST))
+    observations = observe(campaign)
+    context = Context.of(flexmodal.load("fanuc_s360"), observations)
+    SEEN[context] = observations
+    hypothesis = Hypothesis(context, robot_space(context.robot, trust=TRUST))
     for key in keys:
         name, where = key.split("@")
         hypothesis = hypothesis.and_also(Placed(catalogue()[name], where))
@@ -47,15 +51,15 @@ def hypothesis_of(campaign, *keys):
 
 def by_describing_functions(hypothesis):
     """The best fit over the starts of the effect added first; the others start at their own first."""
-    observations = hypothesis.scene.observations
+    observations = SEEN[hypothesis.context]
     first, *others = hypothesis.placed
     fits = []
-    for given in first.effect.starts(hypothesis.scene, first.where):
-        part = Hypothesis(hypothesis.scene, hypothesis.base)
+    for given in first.effect.starts(hypothesis.context, first.where):
+        part = Hypothesis(hypothesis.context, hypothesis.base)
         x = np.zeros(len(part.space))
         for placed, values in [
             (first, given),
-            *((o, o.effect.starts(part.scene, o.where)[0]) for o in others),
+            *((o, o.effect.starts(part.context, o.where)[0]) for o in others),
         ]:
             part = part.and_also(placed)
             x = part.start(placed, values, x)
@@ -64,7 +68,7 @@ def by_describing_functions(hypothesis):
 
 
 def over_floor(predicted, hypothesis):
-    return gap(hypothesis.scene.observations, predicted).over_floor
+    return gap(SEEN[hypothesis.context], predicted).over_floor
 
 
 @pytest.fixture(scope="module", params=LAWS)
@@ -75,7 +79,7 @@ def law_hidden(request):
 
 def test_recovers_the_law_down_to_the_noise(law_hidden):
     key, hypothesis, before = law_hidden
-    observations = hypothesis.scene.observations
+    observations = SEEN[hypothesis.context]
     after = refined(hypothesis, before.x, observations)
     assert over_floor(predict(hypothesis, before.x, observations), hypothesis) > 1.6
     assert over_floor(after.predicted, hypothesis) < 1.25
@@ -91,7 +95,7 @@ def test_recovers_the_law_from_frfs_alone():
     key = "coulomb_friction@q2"
     campaign = replace(campaign_with(written(key)), blows=())
     hypothesis = hypothesis_of(campaign, key)
-    after = refined(hypothesis, by_describing_functions(hypothesis).x, hypothesis.scene.observations)
+    after = refined(hypothesis, by_describing_functions(hypothesis).x, SEEN[hypothesis.context])
     assert over_floor(after.predicted, hypothesis) < 1.25
     values = hypothesis.space.values(after.x)
     for name, true in LAWS[key].items():
@@ -103,7 +107,7 @@ def test_recovers_a_law_beside_another_effect():
     friction, mass = "coulomb_friction@q2", "added_mass@link_3"
     campaign = campaign_with(written(friction), f"{mass},mass=4,x=0.1,y=0,z=0")
     hypothesis = hypothesis_of(campaign, friction, mass)
-    after = refined(hypothesis, by_describing_functions(hypothesis).x, hypothesis.scene.observations)
+    after = refined(hypothesis, by_describing_functions(hypothesis).x, SEEN[hypothesis.context])
     assert over_floor(after.predicted, hypothesis) < 1.25
     values = hypothesis.space.values(after.x)
     assert values[f"{friction}.torque"] == pytest.approx(LAWS[friction]["torque"], rel=0.15)
@@ -116,7 +120,7 @@ def test_recovers_a_law_beside_another_effect():
 def test_play_in_the_joint_stays_unexplained(guess):
     campaign = campaign_with("clearance@q2,gap=3e-4,preload=1e-4")
     hypothesis = hypothesis_of(campaign, guess)
-    after = refined(hypothesis, by_describing_functions(hypothesis).x, hypothesis.scene.observations)
+    after = refined(hypothesis, by_describing_functions(hypothesis).x, SEEN[hypothesis.context])
     assert over_floor(after.predicted, hypothesis) > 2.0
 
 
@@ -142,7 +146,7 @@ def test_pulses_are_those_of_the_blows(plain):
 
 
 def receptances(model, x, lines, slopes=False):
-    observations = model.scene.observations if isinstance(model, Hypothesis) else observations_of(model)
+    observations = SEEN[model.context] if isinstance(model, Hypothesis) else observations_of(model)
     found = list(evaluated(model, x, observations, lines, slopes=slopes))
     value = np.zeros((len(observations), len(lines)), dtype=complex)
     for rows, part, _ in found:
@@ -151,7 +155,7 @@ def receptances(model, x, lines, slopes=False):
 
 
 def observations_of(model):
-    return model.hypothesis.scene.observations
+    return SEEN[model.hypothesis.context]
 
 
 def at(hypothesis, **values):
@@ -205,7 +209,7 @@ def test_derivatives_are_those_of_central_differences(plain):
 
 def test_effects_of_others_can_have_a_law(plain):
     ours = hypothesis_of(plain, "coulomb_friction@q2")
-    theirs = Hypothesis(ours.scene, ours.base, (Placed(replace(FRICTION, name="stiction"), "q2"),))
+    theirs = Hypothesis(ours.context, ours.base, (Placed(replace(FRICTION, name="stiction"), "q2"),))
     lines = np.arange(0, 190, 30)
     x = at(ours, torque=0.5, presliding_stiffness=1e5)
     one, other = (receptances(MarchedModel(h), x, lines)[0] for h in (ours, theirs))

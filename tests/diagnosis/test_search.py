@@ -11,8 +11,8 @@ from flexmodal.identification import predict
 from flexmodal.structure import robot_space
 
 
-def test_worst_lines_lie_where_a_model_is_off(scene):
-    observations = scene.observations
+def test_worst_lines_lie_where_a_model_is_off(observed):
+    observations = observed
     off = slice(60, 75)
     predicted = observations.value.copy()
     predicted[:, off] *= 1.5
@@ -23,8 +23,8 @@ def test_worst_lines_lie_where_a_model_is_off(scene):
     assert np.isin(20, worst_lines(observations, predicted))
 
 
-def test_a_model_that_is_off_nowhere_adds_none(scene):
-    observations = scene.observations
+def test_a_model_that_is_off_nowhere_adds_none(observed):
+    observations = observed
     assert not worst_lines(observations, observations.value).size
     plain = look_at(observations)
     assert np.array_equal(plain.lines, some_lines(observations, 48))
@@ -32,12 +32,12 @@ def test_a_model_that_is_off_nowhere_adds_none(scene):
 
 
 @pytest.mark.parametrize("mass", [0.1, 0.5])
-def test_some_start_of_an_absorber_is_nearer_than_none(scene, mass):
+def test_some_start_of_an_absorber_is_nearer_than_none(context, observed, mass):
     """A light one too: what it does must show through what the start does wrong."""
-    observations = scene.observations
+    observations = observed
     absorber = catalogue()["local_absorber"]
     placed = Placed(absorber, "link_3")
-    root = Hypothesis(scene, robot_space(scene.robot))
+    root = Hypothesis(context, robot_space(context.robot))
     hypothesis = root.and_also(placed)
     zero = np.zeros(len(root.space))
     true = {"mass": mass, "frequency": 47.0, "damping_ratio": 0.05, "along": 0.6}
@@ -46,7 +46,7 @@ def test_some_start_of_an_absorber_is_nearer_than_none(scene, mass):
     def far(value):
         return float(np.sum(np.abs(np.log(value) - there) ** 2))
 
-    starts = absorber.starts(scene, "link_3")
+    starts = absorber.starts(context, "link_3")
     costs = [far(predict(hypothesis, hypothesis.start(placed, one, zero), observations)) for one in starts]
     best = starts[int(np.argmin(costs))]
     assert min(costs) < far(predict(root, zero, observations))

@@ -68,8 +68,8 @@ def test_frfs_tell_the_scale_but_not_mass_from_inertia_of_the_first_link(campaig
 def test_expected_errors_are_those_that_a_fit_finds(campaign, fanuc):
     """Reckoned for independent lines; clusters make the errors of a fit larger, but not by decades."""
     problem = build_identification(campaign, fanuc)
-    fitted = problem.route.fit()
-    found = problem.route.uncertainty(fitted).deviation
+    fitted = problem.evidence.fit()
+    found = problem.evidence.uncertainty(fitted).deviation
     for name, error in zip(problem.space.names, found, strict=True):
         assert 0.1 < error / problem.identifiability.expected[name] < 15, name
 

@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 
 import flexmodal
-from flexmodal.campaign import noise_floor
-from flexmodal.campaign.noise import COHERENT
+from flexmodal.campaign import COHERENT, noise_floor
 from flexmodal.errors import InvalidRequest
 from flexmodal.identification import build_identification, identify, observe
-from flexmodal.identification.heard import HEARD, roughness
+from flexmodal.identification.signal import COHERENT_SHARE, roughness
 from flexmodal.rig import simulate
 from flexmodal.structure import robot_space
 
@@ -50,18 +49,18 @@ def test_gaps_are_told_fitted_and_held_out(outcome, campaign):
 
 def test_the_noise_floor_is_that_of_the_campaign(campaign, fanuc):
     """Of all records together, but for those without a signal in them, which the fit leaves out."""
-    route = build_identification(campaign, fanuc).route
-    seen = route.observations
+    evidence = build_identification(campaign, fanuc).evidence
+    seen = evidence.observations
     frfs = campaign.frfs
     keep = (frfs.frequency >= campaign.band[0]) & (frfs.frequency <= campaign.band[1])
     inside = replace(
         frfs, frequency=frfs.frequency[keep], value=frfs.value[:, keep], coherence=frfs.coherence[:, keep]
     )
-    heard = inside.take(np.flatnonzero(np.mean(inside.coherence >= COHERENT, axis=1) >= HEARD))
+    heard = inside.take(np.flatnonzero(np.mean(inside.coherence >= COHERENT, axis=1) >= COHERENT_SHARE))
     assert len(heard) == len(seen.records)
     floor = noise_floor(heard, campaign.band)
-    assert route.gap(seen.value).noise_floor == pytest.approx(floor, rel=1e-9)
-    perfect = route.gap(seen.value).value
+    assert evidence.gap(seen.value).noise_floor == pytest.approx(floor, rel=1e-9)
+    perfect = evidence.gap(seen.value).value
     assert 0 < perfect < floor * 1.1  # the mean of the repeats is closer than the truth
 
 
@@ -86,7 +85,7 @@ def test_a_point_can_be_held_out(campaign, fanuc):
 def test_provenance_says_what_was_done(outcome, campaign, fanuc):
     told = outcome.provenance
     assert (told["campaign"], told["robot"], told["source"]) == (campaign.title, fanuc.name, "frf")
-    assert told["numbers"] == outcome.problem.route.count
+    assert told["numbers"] == outcome.problem.evidence.count
 
 
 def test_the_outcome_is_frozen(outcome):
@@ -112,13 +111,13 @@ def test_outliers_do_not_carry_the_fit_away(campaign, fanuc, rig):
     value[hit] *= np.exp(random.normal(0, 3, hit.sum()))
     spoilt = replace(campaign, frfs=replace(campaign.frfs, value=value))
     # The variance from repeats notices most of them; from coherence it would not.
-    calm = build_identification(campaign, fanuc).route.observations
+    calm = build_identification(campaign, fanuc).evidence.observations
     problem = build_identification(spoilt, fanuc)
-    route = replace(
-        problem.route,
-        observations=replace(problem.route.observations, variance=calm.variance, used=calm.used),
+    evidence = replace(
+        problem.evidence,
+        observations=replace(problem.evidence.observations, variance=calm.variance, used=calm.used),
     )
-    found = route.fit()
+    found = evidence.fit()
     truth = np.array([np.log(rig.truth.factors[n]) for n in problem.space.names])
     stiff = [k for k, n in enumerate(problem.space.names) if n.startswith("stiffness")]
     assert np.abs(found.x - truth)[stiff].max() < 0.02

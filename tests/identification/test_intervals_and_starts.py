@@ -34,7 +34,7 @@ def test_along_a_profile_the_cost_has_risen_as_much_as_it_may(outcome):
     found = profile(outcome, "damping.q1", level=0.68)
     space, k = outcome.problem.space, outcome.problem.space.index["damping.q1"]
     at = float(np.log(found.interval[1] / space.parameters[k].card))
-    again = outcome.problem.route.fit(outcome.at, warm=True, hold={"damping.q1": at})
+    again = outcome.problem.evidence.fit(outcome.at, warm=True, hold={"damping.q1": at})
     assert again.x[k] == at
     inverse = np.linalg.inv(outcome.fitted.normal.curvature + np.diag(space.precision))
     factor = stdtrit(outcome.uncertainty.freedom[k], 0.84)
@@ -51,13 +51,13 @@ def test_bad_profiles_are_refused(outcome):
 
 def test_several_starts_end_in_one_place(campaign, fanuc):
     problem = build_identification(campaign, fanuc, space=robot_space(fanuc, ["stiffness", "damping"]))
-    fitted, optima = search(problem.route, starts=4, seed=1)
+    fitted, optima = search(problem.evidence, starts=4, seed=1)
     assert len(optima) >= 1
     assert sum(one.hits for one in optima) >= 2
-    card = problem.route.fit()
+    card = problem.evidence.fit()
     # the last step changed the cost by less than a millionth: some tenths of a naive standard error
-    assert np.all(np.abs(fitted.x - card.x) < 0.3 * problem.route.uncertainty(card).deviation)
-    again, same = search(problem.route, starts=4, seed=1)
+    assert np.all(np.abs(fitted.x - card.x) < 0.3 * problem.evidence.uncertainty(card).deviation)
+    again, same = search(problem.evidence, starts=4, seed=1)
     np.testing.assert_array_equal(again.x, fitted.x)
     assert [one.hits for one in same] == [one.hits for one in optima]
 
@@ -65,7 +65,7 @@ def test_several_starts_end_in_one_place(campaign, fanuc):
 def drawn(outcome, change):
     """The same campaign as if the robot's parameters were elsewhere for some observations."""
     problem = outcome.problem
-    seen, space = problem.route.observations, problem.space
+    seen, space = problem.evidence.observations, problem.space
     model = RobotModel(problem.robot, space)
     value = np.zeros_like(seen.value)
     for k in range(len(seen)):
@@ -77,8 +77,8 @@ def drawn(outcome, change):
     )
     value *= 1 + np.where(seen.used, noise, 0.0)
     records = replace(seen.records, value=value[seen.of_record])
-    route = replace(problem.route, observations=replace(seen, value=value, records=records))
-    return solve_identification(replace(problem, route=route, whole=route), in_turn=False)
+    evidence = replace(problem.evidence, observations=replace(seen, value=value, records=records))
+    return solve_identification(replace(problem, evidence=evidence, whole=evidence), in_turn=False)
 
 
 @pytest.fixture(scope="module")

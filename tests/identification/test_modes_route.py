@@ -1,4 +1,4 @@
-"""Parameters from modes: derivatives, pairing, agreement with the FRF route, zeros."""
+"""Parameters from modes: derivatives, pairing, agreement with the FRF evidence, zeros."""
 
 from dataclasses import replace
 
@@ -8,16 +8,16 @@ import pytest
 import flexmodal
 from flexmodal.campaign import read_campaign
 from flexmodal.identification import Identifiability, RobotModel, build_identification, identify
-from flexmodal.identification.dips import nearest_dip
-from flexmodal.identification.mode_data import (
+from flexmodal.identification.evidence.antiresonance import nearest_dip
+from flexmodal.identification.evidence.measured_modes import (
     Antiresonance,
     MeasuredMode,
     MeasuredShape,
     ModeObservations,
     modes_of_table,
 )
-from flexmodal.identification.mode_fit import ModeProblem
-from flexmodal.identification.mode_route import ModeRoute
+from flexmodal.identification.evidence.modal import ModalEvidence
+from flexmodal.identification.evidence.modal_residuals import ModeProblem
 from flexmodal.identification.model import places_of
 from flexmodal.structure import robot_space
 from flexmodal.structure.poles import poles
@@ -81,9 +81,9 @@ def test_perfect_modes_give_the_truth_back(made, campaign, fanuc):
     space, _, x, observed = made
 
     loose = space.trusting({name: 2.0 for name in space.names})
-    route = ModeRoute(RobotModel(fanuc, loose), observed, EVERYTHING)
-    fitted = route.fit()
-    deviation = route.uncertainty(fitted).deviation
+    evidence = ModalEvidence(RobotModel(fanuc, loose), observed, EVERYTHING)
+    fitted = evidence.fit()
+    deviation = evidence.uncertainty(fitted).deviation
     known = deviation < 0.5
     assert known.sum() >= 12
     # the data are exact: what is left is the draw of the priors, much less than the standard error
@@ -129,7 +129,7 @@ def test_both_routes_agree_within_their_intervals(campaign, fanuc, rig):
 def test_antiresonances_tell_what_frequencies_do_not(campaign, fanuc, rig):
     use = ["frequency", "antiresonance"]
     problem = build_identification(campaign, fanuc, source="modes", use=use)
-    assert len(problem.route.observations.antiresonances) >= 6
+    assert len(problem.evidence.observations.antiresonances) >= 6
     outcome = identify(campaign, fanuc, source="modes", use=use)
     x, deviation = outcome.at, outcome.uncertainty.deviation
     truth = np.array([np.log(rig.truth.factors[name]) for name in problem.space.names])
@@ -143,7 +143,7 @@ def test_antiresonances_tell_what_frequencies_do_not(campaign, fanuc, rig):
 
 
 def _frequencies_only(problem):
-    return replace(problem.route, use=("frequency",))
+    return replace(problem.evidence, use=("frequency",))
 
 
 def test_the_table_of_the_thesis_is_read_with_its_doubts():
@@ -161,8 +161,8 @@ def test_the_table_of_the_thesis_is_read_with_its_doubts():
 def test_a_mode_that_the_model_lacks_stays_single(fanuc):
     campaign = read_campaign("robots/fanuc_s360/campaigns/thesis")
     problem = build_identification(campaign, fanuc, use=["frequency", "damping"])
-    partners = problem.route.problem.partners(np.zeros(len(problem.space)))
-    single = [m for m, p in zip(problem.route.observations.modes, partners, strict=True) if p < 0]
+    partners = problem.evidence.problem.partners(np.zeros(len(problem.space)))
+    single = [m for m, p in zip(problem.evidence.observations.modes, partners, strict=True) if p < 0]
     assert {round(mode.frequency) for mode in single} <= {37, 38, 39}
     assert len(single) == 3
 

@@ -9,8 +9,8 @@ from flexmodal.campaign import read_campaign
 from flexmodal.errors import InvalidRequest
 from flexmodal.identification import build_identification
 from flexmodal.identification.eigenvalue_method import EigenvalueModel, eigenvalue_method
-from flexmodal.identification.mode_data import MeasuredMode, modes_of_table
-from flexmodal.identification.mode_route import ModeRoute
+from flexmodal.identification.evidence.measured_modes import MeasuredMode, modes_of_table
+from flexmodal.identification.evidence.modal import ModalEvidence
 from flexmodal.identification.piecewise import piecewise
 from flexmodal.structure.poles import poles
 
@@ -58,7 +58,7 @@ def test_its_model_is_the_robots_and_its_derivatives_are_right(fanuc, near):
 def test_stages_come_closer_than_the_table_they_begin_at(measured, fanuc, near):
     stages = eigenvalue_method(measured, fanuc, near, [TWO, FOUR])
     assert [stage.postures for stage in stages] == [TWO, FOUR]
-    whole = ModeRoute(stages[0].model, modes_of_table(measured), ("frequency", "damping"))
+    whole = ModalEvidence(stages[0].model, modes_of_table(measured), ("frequency", "damping"))
 
     def rms(x):
         return float(np.sqrt(np.nanmean(whole.predicted(x)[:, 0] ** 2)))
@@ -72,13 +72,13 @@ def test_stages_come_closer_than_the_table_they_begin_at(measured, fanuc, near):
 
 def test_the_card_as_prior_predicts_what_it_has_not_seen_better_than_a_mean(measured, fanuc):
     trust = {"stiffness": 0.5, "mass": 0.3, "inertia": 0.3}
-    route = build_identification(measured, fanuc, trust=trust, model_error=0.01).route
-    fitted = route.predicted(route.fit().x)[:, 0]
-    card = route.predicted(np.zeros(len(route.space)))[:, 0]
+    evidence = build_identification(measured, fanuc, trust=trust, model_error=0.01).evidence
+    fitted = evidence.predicted(evidence.fit().x)[:, 0]
+    card = evidence.predicted(np.zeros(len(evidence.space)))[:, 0]
     apart = np.full(len(card), np.nan)
-    for keep in route.folds().values():
-        apart[keep] = route.keeping(keep).predicted(route.keeping(~keep).fit().x)[:, 0]
-    modes = route.observations.modes
+    for keep in evidence.folds().values():
+        apart[keep] = evidence.keeping(keep).predicted(evidence.keeping(~keep).fit().x)[:, 0]
+    modes = evidence.observations.modes
     known = np.isfinite(fitted)
     kinds = np.array(
         [int(np.argmin(np.abs(np.array([7.6, 38, 51, 57, 93]) - mode.frequency))) for mode in modes]
@@ -129,8 +129,10 @@ def test_a_piecewise_model_needs_two_modes_with_multipliers():
 
 def test_order_of_modes_does_not_matter(measured, fanuc):
     """Pairing goes by what a mode is, not by its place in the table."""
-    route = build_identification(measured, fanuc).route
-    turned = replace(route, observations=replace(route.observations, modes=route.observations.modes[::-1]))
-    assert isinstance(route.observations.modes[0], MeasuredMode)
-    x = np.zeros(len(route.space))
-    assert route.problem.partners(x) == turned.problem.partners(x)[::-1]
+    evidence = build_identification(measured, fanuc).evidence
+    turned = replace(
+        evidence, observations=replace(evidence.observations, modes=evidence.observations.modes[::-1])
+    )
+    assert isinstance(evidence.observations.modes[0], MeasuredMode)
+    x = np.zeros(len(evidence.space))
+    assert evidence.problem.partners(x) == turned.problem.partners(x)[::-1]

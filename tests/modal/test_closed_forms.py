@@ -213,3 +213,16 @@ def test_eight_decades_uncoupled_are_exact():
     np.testing.assert_allclose(found.pole, paper, rtol=RTOL)
     # An oscillator far from critical damping has a condition of a few.
     assert np.all(found.condition < 5)
+
+
+@pytest.mark.parametrize("damping", [0.0, 0.3, 40.0])
+def test_signs_of_shapes_do_not_hang_on_rounding(damping):
+    """The largest component points towards −30°, whatever the solver made of the eigenvector."""
+    random = np.random.default_rng(1)
+    for _ in range(20):
+        n = int(random.integers(1, 7))
+        a, b = random.normal(size=(2, n, n))
+        mass, stiffness = a @ a.T + np.eye(n), 100 * (b @ b.T + np.eye(n))
+        modes = solve_modes(system(mass, damping * (mass + stiffness / 50), stiffness))
+        largest = modes.shape[np.argmax(np.abs(modes.shape), axis=0), np.arange(modes.shape.shape[1])]
+        assert np.all((largest * np.exp(1j * np.pi / 6)).real > 0.4 * np.abs(largest))

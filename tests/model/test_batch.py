@@ -9,11 +9,10 @@ import pinocchio as pin
 import pytest
 
 import flexmodal
-from flexmodal.errors import InvalidInput, InvalidRequest, MissingExtra, SingularResponse
+from flexmodal.errors import InvalidInput, InvalidRequest, MissingExtra
 from flexmodal.model.batch import gradient_batch, posture_array, receptance_batch
-from flexmodal.model.batch_chain import chain_of, places_of
-from flexmodal.model.batch_compiled import compiled_poses
-from flexmodal.model.batch_curvature import curvature_batch
+from flexmodal.model.batch.chain import chain_of, places_of
+from flexmodal.model.batch.compiled import compiled_poses
 from flexmodal.model.sensitivity import sensitivity
 
 _SPEC = importlib.util.spec_from_file_location("batch_chains", Path(__file__).with_name("batch_chains.py"))
@@ -125,63 +124,6 @@ def test_gradients_against_the_complex_step(spatial, way):
                 np.testing.assert_allclose(slope, expected, rtol=0, atol=1e-12 * np.max(np.abs(expected)))
 
 
-def complex_step(links, q, selectors, omega):
-    """Gradient of the model on paper, exact."""
-    steps = STEP * 1j * np.eye(len(q))
-    parts = [chains.on_paper(links, q + step, selectors, omega) for step in steps]
-    return np.array([complex(re.imag, im.imag) / STEP for re, im in parts])
-
-
-@pytest.mark.parametrize("way", ["plain", "compiled"])
-@pytest.mark.parametrize("slides", [(), (0,), (2,), (0, 3)], ids=str)
-def test_second_derivatives_against_the_complex_step(tmp_path, slides, way):
-    """Fourth-order differences of gradients that are exact."""
-    generator = np.random.default_rng(7)
-    links = chains.random_links(generator, 5, slides=slides)
-    robot = chains.load(links, tmp_path / "chain.urdf")
-    q = generator.uniform(-1, 1, (2, 5))
-    pairs = ["l4:+x", ("l4:+y", "l4:+rz"), ("l4:-rx", "l4:+z")]
-    picks = [(np.eye(6)[0],) * 2, (np.eye(6)[1], np.eye(6)[5]), (-np.eye(6)[3], np.eye(6)[2])]
-    found = curvature_batch(robot, q, pairs, [0.0, 7.0], way=way)
-    first = gradient_batch(robot, q, pairs, [0.0, 7.0], way="numpy")
-    np.testing.assert_allclose(found.value, first.value, rtol=1e-11)
-    assert found.route.way == way
-    h = 1e-4
-    for posture, line, place in np.ndindex(found.value.shape):
-        omega, selectors, here = 2 * np.pi * found.frequency[line], picks[place], q[posture]
-        slope = complex_step(links, here, selectors, omega)
-        scale = np.max(np.abs(slope))
-        # Both exact but for rounding through Z, near a resonance of condition 1e3.
-        np.testing.assert_allclose(found.slope[posture, line, place], slope, rtol=0, atol=1e-11 * scale)
-        for k, unit in enumerate(np.eye(5)):
-            near, far = (
-                complex_step(links, here + size * unit, selectors, omega)
-                - complex_step(links, here - size * unit, selectors, omega)
-                for size in (h, 2 * h)
-            )
-            expected = (8 * near - far) / (12 * h)
-            row = found.curvature[posture, line, place, k]
-            # rounding 1e-14 / 1e-4, truncation h⁴ times the derivatives beside a resonance
-            np.testing.assert_allclose(row, expected, rtol=0, atol=1e-9 * max(np.max(np.abs(row)), scale))
-
-
-def test_second_derivatives_refuse(spatial):
-    _, robot = spatial
-    with pytest.raises(InvalidRequest) as caught:
-        curvature_batch(robot, np.zeros((1, 5)), ["l4:+x"], [1.0], threads=0, way="fast")
-    assert sorted(fault.key for fault in caught.value.faults) == ["threads", "way"]
-
-
-def test_second_derivatives_at_a_pole(tmp_path):
-    links = chains.random_links(np.random.default_rng(8), 2)
-    for link in links:
-        link.damping = 0.0
-    robot = chains.load(links, tmp_path / "chain.urdf")
-    pole = robot.modes({"j0": 0.1, "j1": 0.2}).frequency[0]
-    with pytest.raises(SingularResponse, match="infinite at"):
-        curvature_batch(robot, np.array([[0.1, 0.2]]), ["l1:+x"], [1.0, pole])
-
-
 def test_sensitivities_against_the_complex_step(spatial):
     links, robot = spatial
     q = np.random.default_rng(6).uniform(-1, 1, 5)
@@ -286,7 +228,7 @@ def test_bad_requests_for_gradients(change):
         gradient_batch(robot, given.pop("postures"), given.pop("pairs"), given.pop("frequencies"), **given)
 
 
-@pytest.mark.parametrize("function", [receptance_batch, gradient_batch, curvature_batch])
+@pytest.mark.parametrize("function", [receptance_batch, gradient_batch])
 def test_bad_threads_and_ways_are_named_together(function):
     for threads in (0, True):
         with pytest.raises(InvalidRequest) as caught:
@@ -296,7 +238,7 @@ def test_bad_threads_and_ways_are_named_together(function):
 
 @pytest.mark.parametrize("function", [receptance_batch, gradient_batch])
 def test_without_numba(function, monkeypatch):
-    for module in ("model.batch", "model.batch_slopes", "frf.kernels.route"):
+    for module in ("model.batch.receptances", "model.batch.gradients", "frf.kernels.route"):
         monkeypatch.setattr(f"flexmodal.{module}.has_numba", lambda: False)
     robot = flexmodal.load("six_link")
     with pytest.raises(MissingExtra, match="numba"):

@@ -6,7 +6,7 @@ import pytest
 import flexmodal
 from flexmodal.frf.kernels.factor import GROWTH
 from flexmodal.model.batch import gradient_batch
-from flexmodal.model.batch_tile import TILE, factor_tile, fill_lane, solve_tile
+from flexmodal.model.batch.tile import TILE, factor_tile, fill_lane, solve_tile
 
 
 def filled(masses, stiffness, damping, loss, omega):

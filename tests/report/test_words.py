@@ -1,6 +1,6 @@
 """Numbers in words."""
 
-from flexmodal.report.words import error, figure, fixed, joined, percent, size
+from flexmodal.report.words import error, figure, fixed, percent, size
 
 
 def test_numbers():
@@ -19,9 +19,3 @@ def test_numbers():
 
 def test_parts_of_one_are_never_certain():
     assert (percent(0.999), percent(0.001), percent(0.934)) == ("> 99 %", "< 1 %", "93 %")
-
-
-def test_lists():
-    assert (joined([]), joined(["a"]), joined(["a", "b"]), joined(["a", "b", "c"])) == (
-        "", "a", "a and b", "a, b and c",
-    )  # fmt: skip

@@ -67,7 +67,7 @@ class Deflection:
         return min(bounds, default=1.0)
 
     def _turns(self, joint: str) -> bool:
-        return self.posed.robot.moving[joint].type != "prismatic"
+        return not self.posed.robot.moving[joint].is_prismatic
 
     def values(self, phase: float, scale: float) -> dict[str, float]:
         """Posture plus scaled deflection of every joint at a phase [rad, m]."""

@@ -7,64 +7,70 @@ from collections.abc import Mapping
 import numpy as np
 
 from flexmodal.diagnosis.draft import Draft
-from flexmodal.diagnosis.effects.effect import Effect, Scene, Site, along, positive, sides, signed
+from flexmodal.diagnosis.effects.context import Context
+from flexmodal.diagnosis.effects.effect import Effect, Placement, along, positive, sides, signed
 from flexmodal.structure import Parameter
 from flexmodal.structure.arm import Body
 from flexmodal.structure.assembly import Assembly
 
 
-def _parameters(scene: Scene, where: str) -> tuple[Parameter, ...]:
-    mass = scene.arm_mass
+def _parameters(context: Context, where: str) -> tuple[Parameter, ...]:
+    mass = context.arm_mass
     found = [
         positive("mass", "kg", 0.05 * mass, 1.2, 1e-4 * mass, 3 * mass),
         signed("along", "", 0.35, -0.3, 1.3, centre=0.65),
         signed("beside", "m", 0.06, -0.5, 0.5),
         positive("gyration", "m", 0.05, 0.7, 2e-3, 0.5),
     ]
-    if scene.normal is None:
+    if context.normal is None:
         found.append(signed("above", "m", 0.06, -0.5, 0.5))
     return tuple(found)
 
 
-def place_on(scene: Scene, where: str, values: Mapping[str, float], axes: np.ndarray) -> np.ndarray:
+def place_on(context: Context, where: str, values: Mapping[str, float], axes: np.ndarray) -> np.ndarray:
     """A place part of the way along a link and beside its axis, in its frame [m]."""
-    length, axis = along(scene, where)
-    across = sides(scene, where, axis, axes)
+    length, axis = along(context, where)
+    across = sides(context, where, axis, axes)
     place = values["along"] * max(length, 0.05) * axis
     for name, side in zip(("beside", "above"), across, strict=False):
         place = place + values[name] * side
     return place
 
 
-def _compact(site: Site, place: np.ndarray) -> Body:
+def _compact(placement: Placement, place: np.ndarray) -> Body:
     """With the same moment of inertia about every axis, as a ball or a cube has."""
-    return Body(site["mass"], place, site["mass"] * site["gyration"] ** 2 * np.eye(3))
+    return Body(placement["mass"], place, placement["mass"] * placement["gyration"] ** 2 * np.eye(3))
 
 
-def _act(assembly: Assembly, site: Site) -> None:
-    place = place_on(site.scene, site.where, site.values, assembly.axes(site.where))
-    assembly.add_body(site.where, _compact(site, place))
+def _act(assembly: Assembly, placement: Placement) -> None:
+    place = place_on(placement.context, placement.where, placement.values, assembly.axes(placement.where))
+    assembly.add_body(placement.where, _compact(placement, place))
 
 
-def _physical(scene: Scene, where: str, values: Mapping[str, float]) -> dict[str, float]:
-    axes = scene.arm(0).placed[where][:3, :3]
-    x, y, z = place_on(scene, where, values, axes).tolist()
+def _physical(context: Context, where: str, values: Mapping[str, float]) -> dict[str, float]:
+    axes = context.arms[0].placed[where][:3, :3]
+    x, y, z = place_on(context, where, values, axes).tolist()
     return {"mass": values["mass"], "x": x, "y": y, "z": z, "gyration": values["gyration"]}
 
 
-def _extend(draft: Draft, site: Site) -> None:
-    place = place_on(site.scene, site.where, site.values, site.scene.arm(0).placed[site.where][:3, :3])
-    draft.attach(site.where, _compact(site, place), name=f"{site.where}_payload")
+def _extend(draft: Draft, placement: Placement) -> None:
+    place = place_on(
+        placement.context,
+        placement.where,
+        placement.values,
+        placement.context.arms[0].placed[placement.where][:3, :3],
+    )
+    draft.attach(placement.where, _compact(placement, place), name=f"{placement.where}_payload")
 
 
 EFFECT = Effect(
     name="added_mass",
     says="the link carries a mass that the card lacks",
     looks_like="lower frequencies, most in postures where the link's end moves most, and a lower mass line",
-    places=lambda scene: scene.links,
+    places=lambda context: context.links,
     parameters=_parameters,
-    starts=lambda scene, where: [
-        {"mass": share * scene.arm_mass, "along": place} for share in (0.04, 0.15) for place in (0.4, 0.95)
+    starts=lambda context, where: [
+        {"mass": share * context.arm_mass, "along": place} for share in (0.04, 0.15) for place in (0.4, 0.95)
     ],
     act=_act,
     physical=_physical,

@@ -10,7 +10,8 @@ from collections.abc import Mapping
 import numpy as np
 
 from flexmodal.diagnosis.draft import Draft
-from flexmodal.diagnosis.effects.effect import Effect, Scene, Site, positive
+from flexmodal.diagnosis.effects.context import Context
+from flexmodal.diagnosis.effects.effect import Effect, Placement, positive
 from flexmodal.structure import Parameter
 from flexmodal.structure.assembly import Assembly
 
@@ -26,15 +27,15 @@ def motions(normal: np.ndarray | None) -> tuple[list[str], np.ndarray]:
     return ["base x", "base z", "base tilt"], motion
 
 
-def _sizes(scene: Scene) -> tuple[float, float]:
+def _sizes(context: Context) -> tuple[float, float]:
     """A tilt and a translational stiffness that the stiffest joint and the length of the arm suggest."""
-    tilt = 10 * max(float(joint.stiffness) for joint in scene.robot.joints.values())
-    length = sum(float(np.linalg.norm(scene.reach(link))) for link in scene.links)
+    tilt = 10 * max(float(joint.stiffness) for joint in context.robot.joints.values())
+    length = sum(float(np.linalg.norm(context.reach(link))) for link in context.links)
     return tilt, 3 * tilt / max(length, 1e-3) ** 2
 
 
-def _parameters(scene: Scene, where: str) -> tuple[Parameter, ...]:
-    tilt, shift = _sizes(scene)
+def _parameters(context: Context, where: str) -> tuple[Parameter, ...]:
+    tilt, shift = _sizes(context)
     found = [
         positive("horizontal_stiffness", "N/m", shift, 2.0, shift / 1e3, shift * 1e4),
         positive("vertical_stiffness", "N/m", shift * 1.5, 2.0, shift / 1e3, shift * 1e4),
@@ -42,13 +43,13 @@ def _parameters(scene: Scene, where: str) -> tuple[Parameter, ...]:
         positive("translation_damping", "N·s/m", shift * 3e-4, 2.0, shift * 1e-8, shift),
         positive("tilt_damping", "N·m·s/rad", tilt * 3e-4, 2.0, tilt * 1e-8, tilt),
     ]
-    if scene.normal is None:
+    if context.normal is None:
         found.append(positive("twist_stiffness", "N·m/rad", 2 * tilt, 2.0, tilt / 1e3, tilt * 1e4))
     return tuple(found)
 
 
-def _starts(scene: Scene, where: str) -> list[Mapping[str, float]]:
-    tilt, shift = _sizes(scene)
+def _starts(context: Context, where: str) -> list[Mapping[str, float]]:
+    tilt, shift = _sizes(context)
     grid = [
         (tilting * tilt, shifting * shift)
         for tilting in (0.03, 0.1, 0.3, 1.0, 5.0, 30.0, 200.0)
@@ -67,34 +68,34 @@ def _starts(scene: Scene, where: str) -> list[Mapping[str, float]]:
     ]
 
 
-def _shape(assembly: Assembly, site: Site) -> None:
-    names, motion = motions(site.scene.normal)
+def _shape(assembly: Assembly, placement: Placement) -> None:
+    names, motion = motions(placement.context.normal)
     assembly.move_root(assembly.add_coordinates(names), motion)
 
 
-def _springs(site: Site) -> list[tuple[str, np.ndarray, float, float]]:
+def _springs(placement: Placement) -> list[tuple[str, np.ndarray, float, float]]:
     """Name and motion of each coordinate, its stiffness and damping."""
-    names, motion = motions(site.scene.normal)
+    names, motion = motions(placement.context.normal)
     found = []
     for name, way in zip(names, motion.T, strict=True):
         kind = "tilt" if way[3:].any() else "vertical" if abs(way[2]) > 0.5 else "horizontal"
-        upright = site.scene.normal is None and abs(way[5]) > 0.5
-        stiffness = site["twist_stiffness" if upright else f"{kind}_stiffness"]
+        upright = placement.context.normal is None and abs(way[5]) > 0.5
+        stiffness = placement["twist_stiffness" if upright else f"{kind}_stiffness"]
         found.append(
-            (name, way, stiffness, site["tilt_damping" if kind == "tilt" else "translation_damping"])
+            (name, way, stiffness, placement["tilt_damping" if kind == "tilt" else "translation_damping"])
         )
     return found
 
 
-def _act(assembly: Assembly, site: Site) -> None:
-    for name, _, stiffness, damping in _springs(site):
+def _act(assembly: Assembly, placement: Placement) -> None:
+    for name, _, stiffness, damping in _springs(placement):
         assembly.add_spring(assembly.row(name), stiffness)
         assembly.add_damper(assembly.row(name), damping)
 
 
-def _extend(draft: Draft, site: Site) -> None:
+def _extend(draft: Draft, placement: Placement) -> None:
     motions = []
-    for name, way, stiffness, damping in _springs(site):
+    for name, way, stiffness, damping in _springs(placement):
         joint, turns = draft.fresh(name.replace(" ", "_")), bool(way[3:].any())
         motions.append((joint, way[3:] if turns else way[:3], turns))
         draft.flexible(joint, stiffness, damping)
@@ -105,7 +106,7 @@ EFFECT = Effect(
     name="base_flexibility",
     says="the foundation gives way",
     looks_like="resonances in which the whole arm moves, posture for posture as the mass above shifts",
-    places=lambda scene: ("base",),
+    places=lambda context: ("base",),
     parameters=_parameters,
     starts=_starts,
     shape=_shape,

@@ -7,18 +7,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
-from jaxtyping import Float
 
+from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.march.law import Law
-from flexmodal.diagnosis.march.pulse import Pulse, pulses
-from flexmodal.identification import Observations
-from flexmodal.model import Robot
 from flexmodal.structure import Parameter
-from flexmodal.structure.arm import Arm, Body, far_end, moved_bodies, plane_normal
+from flexmodal.structure.arm import Body
 from flexmodal.structure.assembly import Assembly
 from flexmodal.structure.structure import Axis
 
@@ -27,76 +23,10 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class Scene:
-    """What an effect may look at: the believed robot and what was measured."""
-
-    robot: Robot
-    observations: Observations
-    every_line: bool = True
-    """Whether the whole band was measured, or some modes in it only."""
-    memory: dict[str, dict[Any, Any]] = field(default_factory=dict, repr=False)
-    """What effects compute once and use again."""
-    _arms: dict[int, Arm] = field(default_factory=dict, repr=False)
-
-    @cached_property
-    def normal(self) -> np.ndarray | None:
-        """Normal of a planar chain's plane; None for a spatial one."""
-        return plane_normal(self.robot)
-
-    @cached_property
-    def joints(self) -> tuple[str, ...]:
-        """Flexible joints that are no pseudo-joints."""
-        return tuple(name for name, joint in self.robot.joints.items() if not joint.pseudo)
-
-    @cached_property
-    def links(self) -> tuple[str, ...]:
-        """Links with mass that a flexible joint moves."""
-        return moved_bodies(self.robot)
-
-    @cached_property
-    def arm_mass(self) -> float:
-        """Mass of everything that moves [kg]."""
-        return float(sum(self.robot.urdf.link_by_name[link].mass or 0.0 for link in self.links))
-
-    @cached_property
-    def sensors(self) -> tuple[str, ...]:
-        """Names of the points where something was measured."""
-        ids = np.unique(self.observations.response[:, 0]).tolist()
-        return tuple(self.observations.campaign.point(int(number)).name for number in ids)
-
-    @property
-    def band(self) -> tuple[float, float]:
-        """First and last line [Hz]."""
-        frequency = self.observations.axis.frequency
-        return float(frequency[0]), float(frequency[-1])
-
-    @cached_property
-    def pulses(self) -> tuple[Pulse, ...]:
-        """The hammer's pulse in each kind of blow."""
-        return pulses(self.observations)
-
-    @property
-    def level_count(self) -> int:
-        """How many kinds of blow differ in force."""
-        used = np.unique(self.observations.level)
-        return len({round(float(np.log(self.observations.peak(int(n)))), 1) for n in used})
-
-    def arm(self, posture: int) -> Arm:
-        """The robot in a posture of the observations; made once."""
-        if posture not in self._arms:
-            self._arms[posture] = Arm(self.robot, dict(self.observations.postures[posture].q))
-        return self._arms[posture]
-
-    def reach(self, link: str) -> Float[np.ndarray, "3"]:
-        """From the origin of a link to its far end, in its frame [m]."""
-        return far_end(self.robot, link)
-
-
-@dataclass(frozen=True, eq=False)
-class Site:
+class Placement:
     """An effect's place, its parameters' values, and the blow it is looked at under."""
 
-    scene: Scene
+    context: Context
     where: str
     values: Mapping[str, float]
     posture: int
@@ -124,38 +54,38 @@ class Effect:
     """What it is, for people; completes "the data speak for …"."""
     looks_like: str
     """What gives it away in the FRFs."""
-    places: Callable[[Scene], tuple[str, ...]]
+    places: Callable[[Context], tuple[str, ...]]
     """Where it can sit."""
-    parameters: Callable[[Scene, str], tuple[Parameter, ...]]
+    parameters: Callable[[Context, str], tuple[Parameter, ...]]
     """At a place, with priors; names without prefix."""
-    starts: Callable[[Scene, str], Sequence[Mapping[str, float]]]
+    starts: Callable[[Context, str], Sequence[Mapping[str, float]]]
     """Values to start a fit from; what is left out starts at the prior's centre."""
-    shape: Callable[[Assembly, Site], None] | None = None
+    shape: Callable[[Assembly, Placement], None] | None = None
     """New coordinates and motions. Sees of its own parameters those in `geometry` only."""
     geometry: tuple[str, ...] = ()
     """Parameters that motions and bodies depend on."""
-    bodies: Callable[[Assembly, Site, Bodies, str], bool] | None = None
+    bodies: Callable[[Assembly, Placement, Bodies, str], bool] | None = None
     """Takes over a link's body, whose name is last; says whether it did."""
-    act: Callable[[Assembly, Site], None] | None = None
+    act: Callable[[Assembly, Placement], None] | None = None
     """Masses, springs, dampers."""
-    law: Callable[[Assembly, Site], Law] | None = None
+    law: Callable[[Assembly, Placement], Law] | None = None
     """The torque itself where it depends on the swing; `act` is then its stand-in at one amplitude, for the
     search, and the law takes its place where blows are marched in time (`march`)."""
-    turn: Callable[[Scene, Site, int, str, np.ndarray], np.ndarray] | None = None
+    turn: Callable[[Context, Placement, int, str, np.ndarray], np.ndarray] | None = None
     """World direction that a sensor truly measures: posture, name of its point, the recorded direction."""
-    read: Callable[[Site, Axis], complex | np.ndarray] | None = None
+    read: Callable[[Placement, Axis], complex | np.ndarray] | None = None
     """ln(reading / motion) of the sensor at `where`."""
     simpler: Mapping[str, Sequence[str]] = field(default_factory=dict)
     """Effects that it comes down to in a limit, in the same place, and the parameters that they share."""
     variants: Sequence[str] = ()
     """What the structure depends on besides the posture: "blow" (level and hammer point) or "response"."""
-    untestable: Callable[[Scene], str | None] = lambda scene: None
+    untestable: Callable[[Context], str | None] = lambda context: None
     """Why these data cannot tell of it, if they cannot."""
-    physical: Callable[[Scene, str, Mapping[str, float]], dict[str, float]] = lambda scene, where, values: (
-        dict(values)
+    physical: Callable[[Context, str, Mapping[str, float]], dict[str, float]] = (
+        lambda context, where, values: dict(values)
     )
     """What a report gives as its parameters, from the parameters of the fit."""
-    extend: Callable[[Draft, Site], None] | None = None
+    extend: Callable[[Draft, Placement], None] | None = None
     """What it changes in the robot's URDF and card. Without it, a note says that the files do not hold it."""
     units: Mapping[str, str] = field(default_factory=dict)
     """Units of what `physical` gives beyond the parameters of the fit."""
@@ -178,17 +108,17 @@ def signed(
     return Parameter(name, unit, centre, deviation, lower, upper, log=False)
 
 
-def sides(scene: Scene, link: str, axis: np.ndarray, axes: np.ndarray) -> list[np.ndarray]:
+def sides(context: Context, link: str, axis: np.ndarray, axes: np.ndarray) -> list[np.ndarray]:
     """Unit vectors across a link's axis, in its frame: one in the plane of a planar chain, or two.
 
     Args:
-        scene: whose robot.
+        context: whose robot.
         link: which; kept for error messages of callers.
         axis: unit vector along the link, in its frame.
         axes: axes of the link in the world.
     """
-    if scene.normal is not None:
-        side = np.cross(axes.T @ scene.normal, axis)
+    if context.normal is not None:
+        side = np.cross(axes.T @ context.normal, axis)
         size = float(np.linalg.norm(side))
         return [side / size] if size > 1e-9 else []
     first = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))])
@@ -196,8 +126,8 @@ def sides(scene: Scene, link: str, axis: np.ndarray, axes: np.ndarray) -> list[n
     return [first, np.cross(axis, first)]
 
 
-def along(scene: Scene, link: str) -> tuple[float, np.ndarray]:
+def along(context: Context, link: str) -> tuple[float, np.ndarray]:
     """Length of a link and the unit vector along it, in its frame; x where it has no length."""
-    end = scene.reach(link)
+    end = context.reach(link)
     length = float(np.linalg.norm(end))
     return length, (end / length if length > 1e-6 else np.array([1.0, 0.0, 0.0]))

@@ -8,38 +8,39 @@ from itertools import combinations
 import numpy as np
 
 from flexmodal.diagnosis.draft import Draft
-from flexmodal.diagnosis.effects.effect import Effect, Scene, Site, signed
+from flexmodal.diagnosis.effects.context import Context
+from flexmodal.diagnosis.effects.effect import Effect, Placement, signed
 from flexmodal.structure.assembly import Assembly
 
 
-def _size(scene: Scene, where: str) -> float:
+def _size(context: Context, where: str) -> float:
     """√(k₁ k₂) of the card, which a coupling is a part of [N·m/rad]."""
-    one, other = (scene.robot.joints[name].stiffness for name in where.split("+"))
+    one, other = (context.robot.joints[name].stiffness for name in where.split("+"))
     return float(np.sqrt(one * other))
 
 
-def _act(assembly: Assembly, site: Site) -> None:
-    one, other = site.where.split("+")
+def _act(assembly: Assembly, placement: Placement) -> None:
+    one, other = placement.where.split("+")
     rows = assembly.stretch_of(one), assembly.stretch_of(other)
-    assembly.add_coupling(*rows, site["coupling"] * _size(site.scene, site.where))
+    assembly.add_coupling(*rows, placement["coupling"] * _size(placement.context, placement.where))
 
 
-def _physical(scene: Scene, where: str, values: Mapping[str, float]) -> dict[str, float]:
-    return {"stiffness": values["coupling"] * _size(scene, where), "coupling": values["coupling"]}
+def _physical(context: Context, where: str, values: Mapping[str, float]) -> dict[str, float]:
+    return {"stiffness": values["coupling"] * _size(context, where), "coupling": values["coupling"]}
 
 
-def _extend(draft: Draft, site: Site) -> None:
-    one, other = site.where.split("+")
-    draft.couple(one, other, _physical(site.scene, site.where, site.values)["stiffness"])
+def _extend(draft: Draft, placement: Placement) -> None:
+    one, other = placement.where.split("+")
+    draft.couple(one, other, _physical(placement.context, placement.where, placement.values)["stiffness"])
 
 
 EFFECT = Effect(
     name="joint_coupling",
     says="a mechanism couples two joints",
     looks_like="no new resonance, but frequencies and shapes that no separate joints give",
-    places=lambda scene: tuple(f"{a}+{b}" for a, b in combinations(scene.joints, 2)),
-    parameters=lambda scene, where: (signed("coupling", "", 0.3, -0.97, 0.97),),
-    starts=lambda scene, where: [{"coupling": 0.15}, {"coupling": -0.15}],
+    places=lambda context: tuple(f"{a}+{b}" for a, b in combinations(context.joints, 2)),
+    parameters=lambda context, where: (signed("coupling", "", 0.3, -0.97, 0.97),),
+    starts=lambda context, where: [{"coupling": 0.15}, {"coupling": -0.15}],
     act=_act,
     physical=_physical,
     extend=_extend,

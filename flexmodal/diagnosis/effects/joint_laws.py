@@ -12,7 +12,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from flexmodal.diagnosis.effects.effect import Effect, Scene, Site, positive, signed
+from flexmodal.diagnosis.effects.context import Context
+from flexmodal.diagnosis.effects.effect import Effect, Placement, positive, signed
 from flexmodal.diagnosis.march.law import friction, hardening
 from flexmodal.diagnosis.swing import Swing, swings
 from flexmodal.structure import Parameter
@@ -21,29 +22,24 @@ from flexmodal.structure.assembly import Assembly
 _PHASE = (np.arange(32) + 0.5) * np.pi / 32
 
 
-def _swing(site: Site) -> Swing:
-    """Of the joint at this site under this blow."""
-    scene, key = site.scene, (site.posture, site.reference, site.level)
-    table = scene.memory.setdefault("swings", {})
-    if key not in table:
-        table[key] = swings(scene, site.posture, site.reference, scene.pulses[site.level])
-    one = table[key][site.where]
-    return Swing(one.amplitude * site.values.get("reach", 1.0), one.omega)
+def _swing(placement: Placement) -> Swing:
+    """Of the joint at this placement under this blow."""
+    one = swings(placement.context, placement.posture, placement.reference, placement.level)[placement.where]
+    return Swing(one.amplitude * placement.values.get("reach", 1.0), one.omega)
 
 
-def _typical(scene: Scene, where: str) -> float:
+def _typical(context: Context, where: str) -> float:
     """Swing of a joint under the blows of the campaign, geometric mean [rad]."""
-    observations = scene.observations
-    found = []
-    for level in np.unique(observations.level).tolist():
-        for reference in np.unique(observations.reference, axis=0).tolist():
-            blank = Site(scene, where, {}, 0, int(level), (reference[0], reference[1]))
-            found.append(_swing(blank).amplitude)
+    found = [
+        _swing(Placement(context, where, {}, 0, level, reference)).amplitude
+        for level in context.levels
+        for reference in context.references
+    ]
     return float(np.exp(np.mean(np.log(np.maximum(found, 1e-300)))))
 
 
-def _one_level(scene: Scene) -> str | None:
-    return "one level of force only: what depends on it cannot be told" if scene.level_count < 2 else None
+def _one_level(context: Context) -> str | None:
+    return "one level of force only: what depends on it cannot be told" if context.level_count < 2 else None
 
 
 def dahl(amplitude: float, torque: float, presliding: float, exponent: float = 1.0) -> tuple[float, float]:
@@ -83,18 +79,18 @@ def hardened(amplitude: float) -> float:
 _FRICTION = ("torque", "presliding_stiffness", "exponent")
 
 
-def _rub(assembly: Assembly, site: Site) -> None:
-    swing = _swing(site)
-    torque, bristles, exponent = (site[name] for name in _FRICTION)
+def _rub(assembly: Assembly, placement: Placement) -> None:
+    swing = _swing(placement)
+    torque, bristles, exponent = (placement[name] for name in _FRICTION)
     stiffness, loss = dahl(swing.amplitude, torque, bristles, exponent)
-    row = assembly.stretch_of(site.where)
+    row = assembly.stretch_of(placement.where)
     assembly.add_spring(row, stiffness)
     assembly.add_damper(row, loss / swing.omega)
 
 
-def _friction_parameters(scene: Scene, where: str) -> tuple[Parameter, ...]:
-    k = float(scene.robot.joints[where].stiffness)
-    torque = 0.1 * k * _typical(scene, where)
+def _friction_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
+    k = float(context.robot.joints[where].stiffness)
+    torque = 0.1 * k * _typical(context, where)
     return (
         positive("torque", "N·m", torque, 1.2, torque / 1e3, torque * 1e3),
         positive("presliding_stiffness", "N·m/rad", 5 * k, 0.7, 0.1 * k, 200 * k),
@@ -107,41 +103,47 @@ FRICTION = Effect(
     name="coulomb_friction",
     says="the joint has dry friction",
     looks_like="resonances that are lower and less damped the harder the blow",
-    places=lambda scene: scene.joints,
+    places=lambda context: context.joints,
     parameters=_friction_parameters,
-    starts=lambda scene, where: [
-        {"torque": share * float(scene.robot.joints[where].stiffness) * _typical(scene, where)}
+    starts=lambda context, where: [
+        {"torque": share * float(context.robot.joints[where].stiffness) * _typical(context, where)}
         for share in (0.02, 0.1, 0.4)
     ],
     act=_rub,
-    law=lambda assembly, site: friction(assembly.stretch_of(site.where), *(site[name] for name in _FRICTION)),
+    law=lambda assembly, placement: friction(
+        assembly.stretch_of(placement.where), *(placement[name] for name in _FRICTION)
+    ),
     variants=("blow",),
     untestable=_one_level,
-    physical=lambda scene, where, values: {name: values[name] for name in _FRICTION},
+    physical=lambda context, where, values: {name: values[name] for name in _FRICTION},
 )
 
 
-def _stiffness(site: Site) -> float:
+def _stiffness(placement: Placement) -> float:
     """Of the joint at small swings [N·m/rad]."""
-    return site.values.get(f"stiffness.{site.where}", float(site.scene.robot.joints[site.where].stiffness))
+    return placement.values.get(
+        f"stiffness.{placement.where}", float(placement.context.robot.joints[placement.where].stiffness)
+    )
 
 
-def _stiffen(assembly: Assembly, site: Site) -> None:
-    swing = _swing(site)
-    part = hardened(swing.amplitude / site["deflection"])
-    assembly.add_spring(assembly.stretch_of(site.where), site["change"] * part * _stiffness(site))
+def _stiffen(assembly: Assembly, placement: Placement) -> None:
+    swing = _swing(placement)
+    part = hardened(swing.amplitude / placement["deflection"])
+    assembly.add_spring(
+        assembly.stretch_of(placement.where), placement["change"] * part * _stiffness(placement)
+    )
 
 
-def _hardening_parameters(scene: Scene, where: str) -> tuple[Parameter, ...]:
-    size = _typical(scene, where)
+def _hardening_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
+    size = _typical(context, where)
     return (
         signed("change", "", 0.6, -0.85, 6.0),
         positive("deflection", "rad", size, 1.0, size / 100, size * 100),
     )
 
 
-def _hardening_physical(scene: Scene, where: str, values: Mapping[str, float]) -> dict[str, float]:
-    k = values.get(f"stiffness.{where}", float(scene.robot.joints[where].stiffness))
+def _hardening_physical(context: Context, where: str, values: Mapping[str, float]) -> dict[str, float]:
+    k = values.get(f"stiffness.{where}", float(context.robot.joints[where].stiffness))
     return {
         "change": values["change"],
         "deflection": values["deflection"],
@@ -153,16 +155,18 @@ NONLINEAR = Effect(
     name="nonlinear_stiffness",
     says="the joint's spring hardens or softens",
     looks_like="resonances that move with the force of the blow, their damping unchanged",
-    places=lambda scene: scene.joints,
+    places=lambda context: context.joints,
     parameters=_hardening_parameters,
-    starts=lambda scene, where: [
-        {"change": change, "deflection": share * _typical(scene, where)}
+    starts=lambda context, where: [
+        {"change": change, "deflection": share * _typical(context, where)}
         for change in (0.3, -0.3)
         for share in (0.6, 2.0)
     ],
     act=_stiffen,
-    law=lambda assembly, site: hardening(
-        assembly.stretch_of(site.where), site["change"] * _stiffness(site), site["deflection"]
+    law=lambda assembly, placement: hardening(
+        assembly.stretch_of(placement.where),
+        placement["change"] * _stiffness(placement),
+        placement["deflection"],
     ),
     variants=("blow",),
     untestable=_one_level,

@@ -16,13 +16,14 @@ way, so that mass, mass centre and inertia of the whole link stay what they were
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import cache
+from functools import cache, lru_cache
 
 import numpy as np
 from jaxtyping import Float
 
 from flexmodal.diagnosis.draft import Draft
-from flexmodal.diagnosis.effects.effect import Bodies, Effect, Scene, Site, along, positive, sides, signed
+from flexmodal.diagnosis.effects.context import Context
+from flexmodal.diagnosis.effects.effect import Bodies, Effect, Placement, along, positive, sides, signed
 from flexmodal.structure import Parameter
 from flexmodal.structure.arm import Body, beyond, bodies_of
 from flexmodal.structure.assembly import Assembly, scaled
@@ -35,16 +36,16 @@ SOFT = 1 / 8
 """The stiffness at which that is asked, over that of the stiffest joint below."""
 
 
-def _places(scene: Scene) -> tuple[str, ...]:
-    return tuple(link for link in scene.links if along(scene, link)[0] >= SHORTEST)
+def _places(context: Context) -> tuple[str, ...]:
+    return tuple(link for link in context.links if along(context, link)[0] >= SHORTEST)
 
 
-def _stiffest(scene: Scene, link: str) -> float:
+def _stiffest(context: Context, link: str) -> float:
     """Stiffness of the stiffest joint between the base and a link [N·m/rad]."""
-    urdf = scene.robot.urdf
+    urdf = context.robot.urdf
     return max(
         float(joint.stiffness)
-        for name, joint in scene.robot.joints.items()
+        for name, joint in context.robot.joints.items()
         if link in beyond(urdf, urdf.joint_by_name[name].child)
     )
 
@@ -56,26 +57,24 @@ def gauss(count: int) -> tuple[Float[np.ndarray, " hinge"], Float[np.ndarray, " 
     return (1 + place) / 2, weight / 2
 
 
-def _hinges(scene: Scene, where: str) -> Float[np.ndarray, " hinge"]:
+@lru_cache(maxsize=128)
+def hinges(context: Context, where: str) -> Float[np.ndarray, " hinge"]:
     """Where the hinges sit, as parts of the length.
 
     A beam of stiffness k = EI/L, mass m and rotary inertia J, held at both ends, has its first modes at
     22.4 √(k/m)/L (bending) and π √(k/J) (turning) [rad/s]: modes of the link itself, whatever it carries.
     Of modes alone nobody lists those.
     """
-    known = scene.memory.setdefault("hinges", {})
-    if where not in known:
-        body, length = bodies_of(scene.robot.urdf)[where], along(scene, where)[0]
-        k, turning = SOFT * _stiffest(scene, where), float(np.linalg.eigvalsh(body.inertia)[-1])
-        first = min(22.4 * np.sqrt(k / body.mass) / length, np.pi * np.sqrt(k / max(turning, 1e-12)))
-        many = MANY_IN_SPACE if scene.normal is None else MANY_IN_PLANE
-        known[where] = gauss(many if scene.every_line and first < 2 * np.pi * scene.band[1] else FEW)[0]
-    return known[where]
+    body, length = bodies_of(context.robot.urdf)[where], along(context, where)[0]
+    k, turning = SOFT * _stiffest(context, where), float(np.linalg.eigvalsh(body.inertia)[-1])
+    first = min(22.4 * np.sqrt(k / body.mass) / length, np.pi * np.sqrt(k / max(turning, 1e-12)))
+    many = MANY_IN_SPACE if context.normal is None else MANY_IN_PLANE
+    return gauss(many if context.every_line and first < 2 * np.pi * context.band[1] else FEW)[0]
 
 
-def _parameters(scene: Scene, where: str) -> tuple[Parameter, ...]:
-    k = _stiffest(scene, where)
-    places = _hinges(scene, where)
+def _parameters(context: Context, where: str) -> tuple[Parameter, ...]:
+    k = _stiffest(context, where)
+    places = hinges(context, where)
     return (
         positive("stiffness", "N·m/rad", k, 1.5, k / 300, k * 300),
         positive("damping", "N·m·s/rad", k * 3e-4, 1.5, k * 1e-7, k * 0.03),
@@ -83,33 +82,33 @@ def _parameters(scene: Scene, where: str) -> tuple[Parameter, ...]:
     )
 
 
-def _starts(scene: Scene, where: str) -> list[Mapping[str, float]]:
-    k = _stiffest(scene, where)
+def _starts(context: Context, where: str) -> list[Mapping[str, float]]:
+    k = _stiffest(context, where)
     return [{"stiffness": factor * k} for factor in (0.2, 0.8, 3.0, 12.0, 40.0)]
 
 
-def _names(scene: Scene, where: str) -> list[str]:
-    planes = 1 if scene.normal is not None else 2
-    count = len(_hinges(scene, where))
+def _names(context: Context, where: str) -> list[str]:
+    planes = 1 if context.normal is not None else 2
+    count = len(hinges(context, where))
     return [f"{where} bend {hinge + 1}.{plane + 1}" for hinge in range(count) for plane in range(planes)]
 
 
-def _shape(assembly: Assembly, site: Site) -> None:
-    length, axis = along(site.scene, site.where)
-    axes = assembly.axes(site.where)
-    across = sides(site.scene, site.where, axis, axes)
-    columns = assembly.add_coordinates(_names(site.scene, site.where))
-    places = np.repeat(_hinges(site.scene, site.where), len(across))
+def _shape(assembly: Assembly, placement: Placement) -> None:
+    length, axis = along(placement.context, placement.where)
+    axes = assembly.axes(placement.where)
+    across = sides(placement.context, placement.where, axis, axes)
+    columns = assembly.add_coordinates(_names(placement.context, placement.where))
+    places = np.repeat(hinges(placement.context, placement.where), len(across))
     for number, place in enumerate(places.tolist()):
         turned = axes @ np.cross(axis, across[number % len(across)])
-        assembly.hinge(site.where, place * length * axis, axis, columns.start + number, turned)
+        assembly.hinge(placement.where, place * length * axis, axis, columns.start + number, turned)
 
 
-def _bodies(assembly: Assembly, site: Site, bodies: Bodies, link: str) -> bool:
-    if link != site.where:
+def _bodies(assembly: Assembly, placement: Placement, bodies: Bodies, link: str) -> bool:
+    if link != placement.where:
         return False
     body, tags = bodies[link], {"mass": f"mass.{link}"}
-    parts, whole = _rods(site, body)
+    parts, whole = _rods(placement, body)
     for section, rod in parts:
         share = rod.mass / body.mass
         turning = Body(0.0, section, share * body.inertia)
@@ -119,12 +118,12 @@ def _bodies(assembly: Assembly, site: Site, bodies: Bodies, link: str) -> bool:
     return True
 
 
-def _rods(site: Site, body: Body) -> tuple[list[tuple[np.ndarray, Body]], np.ndarray]:
+def _rods(placement: Placement, body: Body) -> tuple[list[tuple[np.ndarray, Body]], np.ndarray]:
     """Parts of a link as thin rods, each with its place along it, and the inertia of all about its centre."""
-    end, axis = along(site.scene, site.where)
+    end, axis = along(placement.context, placement.where)
     thin = np.eye(3) - np.outer(axis, axis)
-    length = min(end, _spread(site, body, axis))
-    ends = np.concatenate([[0.0], _hinges(site.scene, site.where), [1.0]])
+    length = min(end, _spread(placement, body, axis))
+    ends = np.concatenate([[0.0], hinges(placement.context, placement.where), [1.0]])
     parts, whole = [], np.zeros((3, 3))
     for share, middle in zip(np.diff(ends).tolist(), ((ends[1:] + ends[:-1]) / 2).tolist(), strict=True):
         lever = (middle - 0.5) * length * axis
@@ -134,12 +133,14 @@ def _rods(site: Site, body: Body) -> tuple[list[tuple[np.ndarray, Body]], np.nda
     return parts, whole
 
 
-def _spread(site: Site, body: Body, axis: np.ndarray) -> float:
+def _spread(placement: Placement, body: Body, axis: np.ndarray) -> float:
     """Length of the longest thin rod in the body, beside a disc with its moment about the axis [m]."""
-    across = sides(site.scene, site.where, axis, site.scene.arm(0).placed[site.where][:3, :3])
+    across = sides(
+        placement.context, placement.where, axis, placement.context.arms[0].placed[placement.where][:3, :3]
+    )
     turns = np.array([np.cross(axis, side) for side in across])
     least = float(np.linalg.eigvalsh(turns @ body.inertia @ turns.T)[0])
-    disc = 0.0 if site.scene.normal is not None else float(axis @ body.inertia @ axis) / 2
+    disc = 0.0 if placement.context.normal is not None else float(axis @ body.inertia @ axis) / 2
     return float(np.sqrt(12 * max(least - disc, 0.0) / body.mass))
 
 
@@ -160,21 +161,21 @@ def shares(stiffness: float, position: float, count: int) -> Float[np.ndarray, "
     return stiffness / part
 
 
-def _act(assembly: Assembly, site: Site) -> None:
-    count, names = len(_hinges(site.scene, site.where)), _names(site.scene, site.where)
-    springs = np.repeat(shares(site["stiffness"], site["position"], count), len(names) // count)
+def _act(assembly: Assembly, placement: Placement) -> None:
+    count, names = len(hinges(placement.context, placement.where)), _names(placement.context, placement.where)
+    springs = np.repeat(shares(placement["stiffness"], placement["position"], count), len(names) // count)
     for name, spring in zip(names, springs.tolist(), strict=True):
         row = assembly.row(name)
         assembly.add_spring(row, spring)
-        assembly.add_damper(row, site["damping"] / site["stiffness"] * spring)
+        assembly.add_damper(row, placement["damping"] / placement["stiffness"] * spring)
 
 
-def _extend(draft: Draft, site: Site) -> None:
-    link = site.where
-    length, axis = along(site.scene, link)
-    across = sides(site.scene, link, axis, site.scene.arm(0).placed[link][:3, :3])
-    places, names = _hinges(site.scene, link), [link]
-    springs = shares(site["stiffness"], site["position"], len(places)).tolist()
+def _extend(draft: Draft, placement: Placement) -> None:
+    link = placement.where
+    length, axis = along(placement.context, link)
+    across = sides(placement.context, link, axis, placement.context.arms[0].placed[link][:3, :3])
+    places, names = hinges(placement.context, link), [link]
+    springs = shares(placement["stiffness"], placement["position"], len(places)).tolist()
     for hinge, spring in enumerate(springs):
         turns = {}
         for plane, side in enumerate(across):
@@ -182,11 +183,11 @@ def _extend(draft: Draft, site: Site) -> None:
             turns[draft.fresh(f"{link}_bend_{hinge + 1}{end}")] = np.cross(axis, side)
         names.append(draft.hinge(link, places[hinge] * length * axis, axis, turns))
         for joint in turns:
-            draft.flexible(joint, spring, site["damping"] / site["stiffness"] * spring)
-    card = bodies_of(site.scene.robot.urdf)[link]
-    whole = scaled(card, link, site.values)
+            draft.flexible(joint, spring, placement["damping"] / placement["stiffness"] * spring)
+    card = bodies_of(placement.context.robot.urdf)[link]
+    whole = scaled(card, link, placement.values)
     grown = whole.mass / card.mass
-    parts, rods = _rods(site, card)
+    parts, rods = _rods(placement, card)
     for number, (_, rod) in enumerate(parts):
         inertia = grown * rod.inertia + rod.mass / card.mass * (whole.inertia - grown * rods)
         shift = places[number - 1] * length * axis if number else np.zeros(3)

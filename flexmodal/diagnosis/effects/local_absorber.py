@@ -8,15 +8,16 @@ import numpy as np
 
 from flexmodal.diagnosis.draft import Draft
 from flexmodal.diagnosis.effects.added_mass import place_on
-from flexmodal.diagnosis.effects.effect import Effect, Scene, Site, along, positive, sides, signed
+from flexmodal.diagnosis.effects.context import Context
+from flexmodal.diagnosis.effects.effect import Effect, Placement, along, positive, sides, signed
 from flexmodal.structure import Parameter
 from flexmodal.structure.arm import Body
 from flexmodal.structure.assembly import Assembly
 
 
-def _parameters(scene: Scene, where: str) -> tuple[Parameter, ...]:
-    mass = scene.arm_mass
-    low, high = scene.band
+def _parameters(context: Context, where: str) -> tuple[Parameter, ...]:
+    mass = context.arm_mass
+    low, high = context.band
     found = [
         positive("mass", "kg", 0.06 * mass, 1.0, 1e-4 * mass, 3 * mass),
         positive("frequency", "Hz", float(np.sqrt(low * high)), 1.2, 0.7 * low, 1.5 * high),
@@ -25,29 +26,29 @@ def _parameters(scene: Scene, where: str) -> tuple[Parameter, ...]:
         signed("beside", "m", 0.06, -0.5, 0.5),
         signed("angle", "rad", 0.5, -1.6, 1.6),
     ]
-    if scene.normal is None:
+    if context.normal is None:
         found += [signed("above", "m", 0.06, -0.5, 0.5), signed("turn", "rad", 2.0, -3.2, 3.2)]
     return tuple(found)
 
 
-def _starts(scene: Scene, where: str) -> list[Mapping[str, float]]:
+def _starts(context: Context, where: str) -> list[Mapping[str, float]]:
     """Heavy ones, and light ones closer together: a heavy start hides what a light absorber does."""
-    low, high = scene.band
+    low, high = context.band
     first, last = max(3 * low, 0.05 * high), 0.6 * high
-    turns: list[dict[str, float]] = [{}] if scene.normal is not None else [{"turn": 0.0}, {"turn": 1.57}]
+    turns: list[dict[str, float]] = [{}] if context.normal is not None else [{"turn": 0.0}, {"turn": 1.57}]
     grid = [(float(f), 0.06, 0.03) for f in np.geomspace(first, last, 10)]
     grid += [(float(f), 0.008, 0.06) for f in np.geomspace(first, last, 16)]
     return [
-        {"frequency": f, "mass": share * scene.arm_mass, "damping_ratio": ratio, "along": 0.75, **turn}
+        {"frequency": f, "mass": share * context.arm_mass, "damping_ratio": ratio, "along": 0.75, **turn}
         for f, share, ratio in grid
         for turn in turns
     ]
 
 
-def _way(scene: Scene, where: str, values: Mapping[str, float], axes: np.ndarray) -> np.ndarray:
+def _way(context: Context, where: str, values: Mapping[str, float], axes: np.ndarray) -> np.ndarray:
     """The direction in which it gives, in the frame of the link: across it, turned."""
-    _, axis = along(scene, where)
-    across = sides(scene, where, axis, axes)
+    _, axis = along(context, where)
+    across = sides(context, where, axis, axes)
     side = across[0]
     if len(across) == 2:
         side = np.cos(values["turn"]) * across[0] + np.sin(values["turn"]) * across[1]
@@ -60,45 +61,45 @@ def _spring(values: Mapping[str, float]) -> tuple[float, float]:
     return stiffness, 2 * values["damping_ratio"] * float(np.sqrt(stiffness * values["mass"]))
 
 
-def _shape(assembly: Assembly, site: Site) -> None:
-    assembly.add_coordinates([f"{site.where} absorber"])
+def _shape(assembly: Assembly, placement: Placement) -> None:
+    assembly.add_coordinates([f"{placement.where} absorber"])
 
 
-def _act(assembly: Assembly, site: Site) -> None:
-    axes = assembly.axes(site.where)
-    way = axes @ _way(site.scene, site.where, site.values, axes)
-    own = assembly.row(f"{site.where} absorber")
-    mass = site["mass"]
-    place = place_on(site.scene, site.where, site.values, axes)
-    for row, share in zip(assembly.motion(site.where, place)[:3], way, strict=True):
+def _act(assembly: Assembly, placement: Placement) -> None:
+    axes = assembly.axes(placement.where)
+    way = axes @ _way(placement.context, placement.where, placement.values, axes)
+    own = assembly.row(f"{placement.where} absorber")
+    mass = placement["mass"]
+    place = place_on(placement.context, placement.where, placement.values, axes)
+    for row, share in zip(assembly.motion(placement.where, place)[:3], way, strict=True):
         assembly.add_inertia(row + share * own, mass)
-    stiffness, damping = _spring(site.values)
+    stiffness, damping = _spring(placement.values)
     assembly.add_spring(own, stiffness)
     assembly.add_damper(own, damping)
 
 
-def _physical(scene: Scene, where: str, values: Mapping[str, float]) -> dict[str, float]:
-    axes = scene.arm(0).placed[where][:3, :3]
-    x, y, z = place_on(scene, where, values, axes).tolist()
-    dx, dy, dz = _way(scene, where, values, axes).tolist()
+def _physical(context: Context, where: str, values: Mapping[str, float]) -> dict[str, float]:
+    axes = context.arms[0].placed[where][:3, :3]
+    x, y, z = place_on(context, where, values, axes).tolist()
+    dx, dy, dz = _way(context, where, values, axes).tolist()
     kept = {name: values[name] for name in ("mass", "frequency", "damping_ratio")}
     return {**kept, "stiffness": _spring(values)[0], "x": x, "y": y, "z": z, "dx": dx, "dy": dy, "dz": dz}
 
 
-def _extend(draft: Draft, site: Site) -> None:
-    axes = site.scene.arm(0).placed[site.where][:3, :3]
-    place = place_on(site.scene, site.where, site.values, axes)
-    way = _way(site.scene, site.where, site.values, axes)
-    part = Body(site["mass"], place, np.zeros((3, 3)))
-    joint = draft.attach(site.where, part, name=f"{site.where}_absorber", slides=way)
-    draft.flexible(joint, *_spring(site.values))
+def _extend(draft: Draft, placement: Placement) -> None:
+    axes = placement.context.arms[0].placed[placement.where][:3, :3]
+    place = place_on(placement.context, placement.where, placement.values, axes)
+    way = _way(placement.context, placement.where, placement.values, axes)
+    part = Body(placement["mass"], place, np.zeros((3, 3)))
+    joint = draft.attach(placement.where, part, name=f"{placement.where}_absorber", slides=way)
+    draft.flexible(joint, *_spring(placement.values))
 
 
 EFFECT = Effect(
     name="local_absorber",
     says="something resilient is attached to the link",
     looks_like="a resonance at nearly the same frequency in every posture, strongest near the place",
-    places=lambda scene: scene.links,
+    places=lambda context: context.links,
     parameters=_parameters,
     starts=_starts,
     shape=_shape,

@@ -11,14 +11,15 @@ from collections.abc import Mapping
 import numpy as np
 
 from flexmodal.diagnosis.draft import Draft
-from flexmodal.diagnosis.effects.effect import Effect, Scene, Site, positive
+from flexmodal.diagnosis.effects.context import Context
+from flexmodal.diagnosis.effects.effect import Effect, Placement, positive
 from flexmodal.structure import Parameter
 from flexmodal.structure.assembly import Assembly
 
 
-def _parameters(scene: Scene, where: str) -> tuple[Parameter, ...]:
-    k = float(scene.robot.joints[where].stiffness)
-    low, high = scene.band
+def _parameters(context: Context, where: str) -> tuple[Parameter, ...]:
+    k = float(context.robot.joints[where].stiffness)
+    low, high = context.band
     return (
         positive("gain", "N·m/rad", 3 * k, 1.5, 1e-3 * k, 1e3 * k),
         positive("frequency", "Hz", float(np.sqrt(low * high)), 1.2, 0.5 * low, 10 * high),
@@ -26,9 +27,9 @@ def _parameters(scene: Scene, where: str) -> tuple[Parameter, ...]:
     )
 
 
-def _starts(scene: Scene, where: str) -> list[Mapping[str, float]]:
-    k = float(scene.robot.joints[where].stiffness)
-    low, high = scene.band
+def _starts(context: Context, where: str) -> list[Mapping[str, float]]:
+    k = float(context.robot.joints[where].stiffness)
+    low, high = context.band
     grid = np.geomspace(max(3 * low, 0.04 * high), 0.6 * high, 4)
     return [{"gain": gain * k, "frequency": float(f)} for f in grid for gain in (0.03, 0.5, 4.0)]
 
@@ -39,36 +40,36 @@ def loop(k: float, gain: float, frequency: float, ratio: float) -> tuple[float, 
     return float(inertia), float(2 * ratio * np.sqrt(gain * inertia))
 
 
-def _act(assembly: Assembly, site: Site) -> None:
-    k = float(site.scene.robot.joints[site.where].stiffness)
-    inertia, derivative = loop(k, site["gain"], site["frequency"], site["damping_ratio"])
-    row = assembly.row(f"{site.where} motor")
+def _act(assembly: Assembly, placement: Placement) -> None:
+    k = float(placement.context.robot.joints[placement.where].stiffness)
+    inertia, derivative = loop(k, placement["gain"], placement["frequency"], placement["damping_ratio"])
+    row = assembly.row(f"{placement.where} motor")
     assembly.add_inertia(row, inertia)
-    assembly.add_spring(row, site["gain"])
+    assembly.add_spring(row, placement["gain"])
     assembly.add_damper(row, derivative)
 
 
-def _shape(assembly: Assembly, site: Site) -> None:
-    link = assembly.row(site.where)
-    assembly.add_coordinates([f"{site.where} motor"])
+def _shape(assembly: Assembly, placement: Placement) -> None:
+    link = assembly.row(placement.where)
+    assembly.add_coordinates([f"{placement.where} motor"])
     wide = np.append(link, 0.0)
-    assembly.stretch[site.where] = wide - assembly.row(f"{site.where} motor")
+    assembly.stretch[placement.where] = wide - assembly.row(f"{placement.where} motor")
 
 
-def _physical(scene: Scene, where: str, values: Mapping[str, float]) -> dict[str, float]:
-    k = float(scene.robot.joints[where].stiffness)
+def _physical(context: Context, where: str, values: Mapping[str, float]) -> dict[str, float]:
+    k = float(context.robot.joints[where].stiffness)
     inertia, derivative = loop(k, values["gain"], values["frequency"], values["damping_ratio"])
     return {"proportional_gain": values["gain"], "derivative_gain": derivative, "rotor_inertia": inertia}
 
 
-def _extend(draft: Draft, site: Site) -> None:
-    if draft.robot.joints[site.where].rotor_inertia:
+def _extend(draft: Draft, placement: Placement) -> None:
+    if draft.robot.joints[placement.where].rotor_inertia:
         draft.notes.append(
-            f"the card's rotor inertia of {site.where} turns with the link but no longer with the motor"
+            f"the card's rotor inertia of {placement.where} turns with the link but no longer with the motor"
         )
-    found = _physical(site.scene, site.where, site.values)
-    motor = draft.fresh(f"{site.where}_motor")
-    draft.behind(site.where, motor)
+    found = _physical(placement.context, placement.where, placement.values)
+    motor = draft.fresh(f"{placement.where}_motor")
+    draft.behind(placement.where, motor)
     inertia = found["rotor_inertia"]
     draft.flexible(motor, found["proportional_gain"], found["derivative_gain"], rotor_inertia=inertia)
 
@@ -77,7 +78,7 @@ EFFECT = Effect(
     name="servo_compliance",
     says="the motor moves against its control loop",
     looks_like="a softer joint at low frequency and one more, well damped resonance of the rotor",
-    places=lambda scene: scene.joints,
+    places=lambda context: context.joints,
     parameters=_parameters,
     starts=_starts,
     shape=_shape,

@@ -6,30 +6,30 @@ With the stiffening that causality asks for (see `identification.structure`).
 from __future__ import annotations
 
 from flexmodal.diagnosis.draft import Draft
-from flexmodal.diagnosis.effects.effect import Effect, Site, positive
+from flexmodal.diagnosis.effects.effect import Effect, Placement, positive
 from flexmodal.structure.assembly import Assembly
 
 
-def _act(assembly: Assembly, site: Site) -> None:
-    assembly.loss_factor = site["loss_factor"]
-    for joint, card in site.scene.robot.joints.items():
+def _act(assembly: Assembly, placement: Placement) -> None:
+    assembly.loss_factor = placement["loss_factor"]
+    for joint, card in placement.context.robot.joints.items():
         name = f"stiffness.{joint}"
-        assembly.add_loss(assembly.stretch_of(joint), site.values.get(name, float(card.stiffness)), name)
+        assembly.add_loss(assembly.stretch_of(joint), placement.values.get(name, float(card.stiffness)), name)
 
 
-def _extend(draft: Draft, site: Site) -> None:
-    for joint in site.scene.robot.joints:
-        draft.loses(joint, site["loss_factor"])
-    draft.loss_frequency = float(site.scene.observations.axis.middle)
+def _extend(draft: Draft, placement: Placement) -> None:
+    for joint in placement.context.robot.joints:
+        draft.loses(joint, placement["loss_factor"])
+    draft.loss_frequency = placement.context.middle
 
 
 EFFECT = Effect(
     name="structural_damping",
     says="the joints lose energy by hysteresis",
     looks_like="damping that does not grow with frequency as viscous damping does",
-    places=lambda scene: ("joints",),
-    parameters=lambda scene, where: (positive("loss_factor", "", 0.05, 1.0, 1e-5, 2.0),),
-    starts=lambda scene, where: [{"loss_factor": 0.01}, {"loss_factor": 0.06}],
+    places=lambda context: ("joints",),
+    parameters=lambda context, where: (positive("loss_factor", "", 0.05, 1.0, 1e-5, 2.0),),
+    starts=lambda context, where: [{"loss_factor": 0.01}, {"loss_factor": 0.06}],
     act=_act,
     extend=_extend,
 )

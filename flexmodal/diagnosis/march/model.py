@@ -54,7 +54,7 @@ class MarchedModel:
     def linear(self) -> Hypothesis:
         """Without the stand-ins."""
         placed = tuple(_without_stand_in(one) for one in self.hypothesis.placed)
-        return Hypothesis(self.hypothesis.scene, self.hypothesis.base, placed)
+        return Hypothesis(self.hypothesis.context, self.hypothesis.base, placed)
 
     def receptances(
         self,
@@ -82,11 +82,11 @@ class MarchedModel:
     def _steps(self, observations: Observations) -> Steps:
         length = max(observations.lengths)
         if length > 0:  # from the middle of the pulse
-            length += float(np.mean([pulse.length for pulse in self.hypothesis.scene.pulses])) / 2
+            length += float(np.mean([pulse.length for pulse in self.hypothesis.context.pulses])) / 2
         return Steps.behind(observations.axis.frequency, length, self.fineness)
 
     def _look(self, x: np.ndarray, observations: Observations, lines: slice | np.ndarray) -> Sequence[_Look]:
-        values, pulses = self.space.values(x), self.hypothesis.scene.pulses
+        values, pulses = self.space.values(x), self.hypothesis.context.pulses
         laws: dict[int, tuple[Law, ...]] = {}
         found = []
         for group in self.linear.groups(x, observations, slopes=False):

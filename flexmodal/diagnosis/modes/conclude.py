@@ -33,7 +33,7 @@ from flexmodal.diagnosis.outcome import (
 )
 from flexmodal.diagnosis.provenance import provenance
 from flexmodal.identification import predict
-from flexmodal.identification.mode_gap import gap_of_errors
+from flexmodal.identification.evidence.modal_gap import gap_of_errors
 
 if TYPE_CHECKING:
     from flexmodal.diagnosis.modes.workflow import Round, _Course
@@ -210,7 +210,7 @@ def _step(course: _Course, scales: Scales, chosen: int) -> Step:
 def _parameters(fit: ModalFit) -> tuple[dict[str, float], dict[str, str], dict[str, float]]:
     """Physical parameters of the effect added last, their units and standard errors."""
     hypothesis = fit.explanation.hypothesis
-    placed, scene, space = hypothesis.placed[-1], hypothesis.scene, hypothesis.space
+    placed, scene, space = hypothesis.placed[-1], hypothesis.context, hypothesis.space
     own = {p.name: p.unit for p in placed.effect.parameters(scene, placed.where)}
 
     def physical(x: np.ndarray) -> dict[str, float]:
@@ -250,6 +250,7 @@ def _verdict(course: _Course, rounds: Sequence[Round], found: Findings, explaine
             says.append(tie_words(found))
         says += [shape_words(found), left_words(found)]
         return Verdict(tuple(added), explained, _joined(says))
+    says += _refused(course, scales)
     if not _significant(scales):
         if found.missing:
             says.append(f"Nothing that was tried earns its parameters: look near {hertz(found.missing)}.")
@@ -261,6 +262,23 @@ def _verdict(course: _Course, rounds: Sequence[Round], found: Findings, explaine
     )
     says += [shape_words(found), left_words(found)]
     return Verdict(((UNKNOWN, _place(found)),), False, _joined(says))
+
+
+def _refused(course: _Course, scales: Scales) -> list[str]:
+    """Why what was asked for by its place was not added."""
+    from flexmodal.diagnosis.modes.workflow import undecided
+
+    if course.asked is None:
+        return []
+    said = []
+    for k in scales.order:
+        name, where = scales.candidates[k].key
+        if k and where in course.asked.get(name, ()):
+            gain = scales.first_gain(k)
+            gained = f"{gain:.0f}".replace("-", "−")
+            what = "which leaves it undecided" if undecided(gain) else "which is a tie with nothing added"
+            said.append(f"Asked for, {named((name, where))} gains {gained} nats, {what}.")
+    return said
 
 
 def _joined(parts: Sequence[str]) -> str:

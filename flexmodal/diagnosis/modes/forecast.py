@@ -58,7 +58,7 @@ class Explanation:
     @cached_property
     def space(self) -> ParameterSpace:
         """The robot's parameters, those of effects, those of free modes."""
-        low, high = self.hypothesis.scene.band
+        low, high = self.hypothesis.context.band
         wide = float(np.log(high / low) / np.sqrt(12))
         found = list(self.hypothesis.space.parameters)
         base = len(self.hypothesis.base)

@@ -13,10 +13,10 @@ import numpy as np
 from jaxtyping import Float
 
 from flexmodal.diagnosis.modes.evidence import ModalFit
-from flexmodal.diagnosis.modes.likeness import mac
 from flexmodal.diagnosis.modes.measured import MeasuredModes
-from flexmodal.identification.mode_data import MeasuredMode
-from flexmodal.identification.mode_gap import DAMPING_SHARE, gap_of_errors, noise_of
+from flexmodal.identification.evidence.measured_modes import MeasuredMode
+from flexmodal.identification.evidence.modal_gap import DAMPING_SHARE, gap_of_errors, noise_of
+from flexmodal.modal.mac import mac_with
 
 Errors = Float[np.ndarray, "mode 3"]
 """Relative error of frequency, a tenth of that of damping, 1 − MAC; NaN where nothing was measured."""
@@ -48,7 +48,9 @@ def errors(fit: ModalFit) -> Errors:
         table[k, 0] = np.exp(seen.log_frequency[m]) / mode.frequency - 1
         table[k, 1] = DAMPING_SHARE * (np.exp(seen.log_damping[m]) / mode.damping_ratio - 1)
         alike = [
-            0.0 if np.isnan(seen.shape[0, m]) else mac(s.residue, seen.shape[fit.measured.rows(s.places), m])
+            0.0
+            if np.isnan(seen.shape[0, m])
+            else mac_with(s.residue, seen.shape[fit.measured.rows(s.places), m])
             for s in mode.shapes
             if len(s.places) > 1
         ]
@@ -115,7 +117,7 @@ def _shape_of_others(mode: MeasuredMode, others: list[MeasuredMode]) -> float:
     if not rows or len(own) < 2:
         return float("nan")
     best = np.linalg.svd(np.array(rows))[2][0].conj()
-    return 1 - mac(np.array(list(own.values())), best.conj())
+    return 1 - mac_with(np.array(list(own.values())), best.conj())
 
 
 def _rms(values: np.ndarray) -> float:

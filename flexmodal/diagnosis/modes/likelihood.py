@@ -10,7 +10,6 @@ import numpy as np
 from jaxtyping import Float
 
 from flexmodal.diagnosis.modes.forecast import Explanation, Forecast
-from flexmodal.diagnosis.modes.likeness import mac
 from flexmodal.diagnosis.modes.measured import MeasuredModes
 from flexmodal.diagnosis.modes.scatter import (
     DAMPING,
@@ -22,7 +21,8 @@ from flexmodal.diagnosis.modes.scatter import (
     log_watson_constant,
 )
 from flexmodal.identification.descent import prior_cost
-from flexmodal.identification.mode_data import MeasuredMode
+from flexmodal.identification.evidence.measured_modes import MeasuredMode
+from flexmodal.modal.mac import mac_with
 from flexmodal.structure import ParameterSpace
 
 Pairs = tuple[int, ...]
@@ -111,7 +111,7 @@ class Likelihood:
             kappa = float(np.exp(scales[f"{SHAPE}.{mode.number}"]))
             for rows, a in self.shapes[k]:
                 if len(rows) > 1:
-                    total += kappa * mac(a, seen.shape[rows, m]) - log_watson_constant(len(rows), kappa)
+                    total += kappa * mac_with(a, seen.shape[rows, m]) - log_watson_constant(len(rows), kappa)
         return total
 
     def anywhere(self, mode: MeasuredMode) -> float:

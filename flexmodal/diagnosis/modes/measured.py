@@ -11,7 +11,7 @@ from jaxtyping import Bool
 from flexmodal.campaign import Campaign
 from flexmodal.diagnosis.modes.stand_in import band_of, places_of_modes, stand_in
 from flexmodal.identification import Observations
-from flexmodal.identification.mode_data import ModeObservations
+from flexmodal.identification.evidence.measured_modes import ModeObservations
 
 
 @dataclass(frozen=True, eq=False)

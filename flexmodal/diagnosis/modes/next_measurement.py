@@ -12,15 +12,16 @@ square of what points move typically over what it moves.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
 from flexmodal.campaign import CampaignPosture
-from flexmodal.diagnosis.effects import Scene
+from flexmodal.diagnosis.effects import Context
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.modes.evidence import ModalFit
 from flexmodal.diagnosis.modes.stand_in import stand_in
-from flexmodal.diagnosis.next_measurement import _postures
+from flexmodal.diagnosis.next_measurement import postures_to_try
 from flexmodal.diagnosis.outcome import NextMeasurement
 from flexmodal.identification import Observations
 from flexmodal.identification.frf_fit import residual
@@ -38,11 +39,11 @@ def next_frf(one: ModalFit, other: ModalFit, seed: int = 0) -> NextMeasurement:
         other: the one it is tied with.
         seed: of the random postures.
     """
-    scene, campaign = one.explanation.hypothesis.scene, one.measured.campaign
+    scene, campaign = one.explanation.hypothesis.context, one.measured.campaign
     direction = one.measured.places[0][1]
     places = [(point.id, direction) for point in campaign.points]
     best: tuple[float, Mapping[str, float], np.ndarray, np.ndarray] | None = None
-    for number, q in enumerate(_postures(scene, seed)):
+    for number, q in enumerate(postures_to_try(scene, seed)):
         planned = stand_in(campaign, [CampaignPosture(1, f"planned_{number}", q)], places, places)
         values = [_predicted(fit, scene, planned) for fit in (one, other)]
         for row, worth in enumerate(_worth(values)):
@@ -63,11 +64,11 @@ def next_frf(one: ModalFit, other: ModalFit, seed: int = 0) -> NextMeasurement:
 
 
 def _predicted(
-    fit: ModalFit, scene: Scene, planned: Observations
+    fit: ModalFit, scene: Context, planned: Observations
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Receptances, slopes of their logarithm, covariance of the parameters."""
     old = fit.explanation.hypothesis
-    moved = Hypothesis(Scene(scene.robot, planned, scene.every_line), old.base, old.placed)
+    moved = Hypothesis(replace(scene, postures=planned.postures), old.base, old.placed)
     size, lines = len(moved.space), slice(None)
     value = np.zeros((len(planned), len(planned.axis.take(lines))), dtype=complex)
     slopes = np.zeros((size, *value.shape), dtype=complex)

@@ -21,10 +21,9 @@ from flexmodal.diagnosis.modes.weigh import VARIANTS
 from flexmodal.diagnosis.modes.words import left_words, named, shape_words, tie_words
 from flexmodal.diagnosis.outcome import NONE, Diagnosis, Region
 from flexmodal.diagnosis.report.arm_picture import draw_arm
-from flexmodal.diagnosis.report.page import held_out, not_testable, state
 from flexmodal.diagnosis.report.pictures import draw_descent
 from flexmodal.diagnosis.report.tables import next_task, parameters
-from flexmodal.diagnosis.report.words import placed
+from flexmodal.diagnosis.report.words import held_out, not_testable, placed, state
 from flexmodal.report import (
     Facts,
     Gallery,
@@ -38,7 +37,8 @@ from flexmodal.report import (
     Verdict,
     page_text,
 )
-from flexmodal.report.words import joined, percent, size
+from flexmodal.report.words import percent, size
+from flexmodal.text.words import enumeration
 
 _GAP = (
     "The gap is the root mean square of relative errors of natural frequency, of a tenth of those of damping "
@@ -171,7 +171,7 @@ def _not_said(diagnosis: Diagnosis, notes: Sequence[str]) -> list[str]:
 def headline(diagnosis: Diagnosis, found: Findings) -> str:
     """The verdict in a line."""
     if diagnosis.steps:
-        names = joined([placed(s.effect, s.where) for s in diagnosis.steps])
+        names = enumeration([placed(s.effect, s.where) for s in diagnosis.steps])
         return f"{'Added as asked, not decided' if found.tied else 'Missing'}: {names}"
     if diagnosis.verdict.explained:
         return "Nothing is missing that these modes could show"
@@ -196,7 +196,7 @@ def after_name(diagnosis: Diagnosis, found: Findings) -> str:
     if found.after.explanation.key[0] == NONE:
         return "re-tuned"
     if diagnosis.steps:
-        return f"with {joined([placed(s.effect, s.where) for s in diagnosis.steps])}"
+        return f"with {enumeration([placed(s.effect, s.where) for s in diagnosis.steps])}"
     return f"best of what is tied: {name}"
 
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from flexmodal.diagnosis.modes.forecast import Forecast
 from flexmodal.diagnosis.modes.likelihood import Likelihood, Pairs
+from flexmodal.modal.tracking import assign
 
 FARTHEST = -5e8
 """Ln likelihood under which two modes are no pair at all."""
@@ -16,7 +17,7 @@ FARTHEST = -5e8
 def paired(
     likelihood: Likelihood, seen: Sequence[Forecast], scales: Mapping[str, float], grant: float
 ) -> Pairs:
-    """Pair the modes of each posture by `scipy.optimize.linear_sum_assignment`.
+    """Pair the modes of each posture so that the likelihood is highest.
 
     Args:
         likelihood: of the measured modes.
@@ -24,16 +25,12 @@ def paired(
         scales: logarithms of the scales of the scatter.
         grant: relative error of frequencies that is granted besides.
     """
-    from scipy.optimize import linear_sum_assignment
-
     measured = likelihood.measured
     pairs = [-1] * len(measured.observed.modes)
     for number, here in enumerate(measured.here):
         if not here:
             continue
         gain = np.array([likelihood.gains(k, seen[number], scales, grant) for k in here])
-        padded = np.concatenate([gain, np.zeros((len(here), len(here)))], axis=1)
-        for row, column in zip(*linear_sum_assignment(-padded), strict=True):
-            if column < gain.shape[1] and gain[row, column] > FARTHEST:
-                pairs[here[row]] = int(column)
+        for k, m, row in zip(here, assign(-gain, 0.0).tolist(), gain, strict=True):
+            pairs[k] = m if m >= 0 and row[m] > FARTHEST else -1
     return tuple(pairs)

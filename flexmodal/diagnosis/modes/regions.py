@@ -7,7 +7,7 @@ import numpy as np
 from flexmodal.diagnosis.modes.evidence import ModalFit
 from flexmodal.diagnosis.modes.gap import errors
 from flexmodal.diagnosis.outcome import Region
-from flexmodal.identification.mode_gap import DAMPING_SHARE
+from flexmodal.identification.evidence.modal_gap import DAMPING_SHARE
 
 MOST = 12
 STANDS_OUT = 3.0

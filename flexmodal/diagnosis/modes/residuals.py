@@ -10,9 +10,9 @@ from jaxtyping import Float
 
 from flexmodal.diagnosis.modes.forecast import Forecast
 from flexmodal.diagnosis.modes.likelihood import DAMPING_GRANT, Likelihood, Pairs
-from flexmodal.diagnosis.modes.likeness import mac, off_shape
 from flexmodal.diagnosis.modes.scatter import DAMPING, FREQUENCY, SHAPE
 from flexmodal.errors import Fault, InvalidSystem
+from flexmodal.modal.mac import mac_with, shape_residual
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,5 +94,5 @@ def _parts(likelihood: Likelihood, k: int, seen: Forecast, m: int) -> Iterator[_
     for rows, a in likelihood.shapes[k]:
         if len(rows) > 1:
             name, model = f"{SHAPE}.{mode.number}", seen.shape[rows, m]
-            away, slopes = off_shape(a, model, seen.shape_slope[:, rows, m])
-            yield _Part(name, away, slopes.T, 0.0, (name, len(rows), mac(a, model)))
+            away, slopes = shape_residual(a, model, seen.shape_slope[:, rows, m])
+            yield _Part(name, away, slopes.T, 0.0, (name, len(rows), mac_with(a, model)))

@@ -13,7 +13,7 @@ from itertools import combinations
 import numpy as np
 from jaxtyping import Float
 
-from flexmodal.diagnosis.effects import Scene
+from flexmodal.diagnosis.effects import Context
 from flexmodal.diagnosis.hypothesis import Placed
 from flexmodal.diagnosis.modes.elsewhere import granted
 from flexmodal.diagnosis.modes.evidence import ModalFit
@@ -101,7 +101,7 @@ def effect_starts(
         states: of the robot without it: coordinates, and the measured modes that it then lacks [Hz].
         measured: all modes.
     """
-    scene = explanation.hypothesis.scene
+    scene = explanation.hypothesis.context
     own = _spread(placed, scene, list(placed.effect.starts(scene, placed.where)))
     chosen: list[Start] = []
     for x, lacks in states:
@@ -129,7 +129,7 @@ def _likely(explanation: Explanation, measured: MeasuredModes, x: np.ndarray) ->
         return None
 
 
-def _spread(placed: Placed, scene: Scene, own: Sequence[Mapping[str, float]]) -> list[Mapping[str, float]]:
+def _spread(placed: Placed, scene: Context, own: Sequence[Mapping[str, float]]) -> list[Mapping[str, float]]:
     """Starts with stiffnesses, masses and gains smaller too."""
     sizes = [
         p.name

@@ -15,9 +15,9 @@ from itertools import combinations
 import numpy as np
 
 from flexmodal.diagnosis.modes.evidence import ModalFit
-from flexmodal.diagnosis.modes.likeness import mac
 from flexmodal.diagnosis.modes.measured import MeasuredModes
 from flexmodal.diagnosis.modes.scatter import SHAPE, log_watson_constant
+from flexmodal.modal.mac import mac_with
 
 CLEAN = 100.0
 """κ of a carefully measured shape: at six places its MAC with the true one is 0.95."""
@@ -70,15 +70,15 @@ def compare_shapes(one: ModalFit, other: ModalFit) -> tuple[ModeShapes, ...]:
 
 def _mode_shapes(number: int, entries: list, log_kappa: list[float]) -> ModeShapes:  # type: ignore[type-arg]
     columns = [np.array(list(rows.values())).T for _, rows in entries]
-    alike = [mac(c[1], c[2]) for c in columns]
+    alike = [mac_with(c[1], c[2]) for c in columns]
     return ModeShapes(
         number,
         float(np.median([mode.frequency for mode, _ in entries])),
         _between(entries, 0),
         (_between(entries, 1), _between(entries, 2)),
         (
-            float(np.mean([mac(c[0], c[1]) for c in columns])),
-            float(np.mean([mac(c[0], c[2]) for c in columns])),
+            float(np.mean([mac_with(c[0], c[1]) for c in columns])),
+            float(np.mean([mac_with(c[0], c[2]) for c in columns])),
         ),
         float(np.mean(alike)),
         _likely(columns, 1, log_kappa[0]) - _likely(columns, 2, log_kappa[1]),
@@ -89,7 +89,7 @@ def _mode_shapes(number: int, entries: list, log_kappa: list[float]) -> ModeShap
 def _likely(columns: list[np.ndarray], which: int, log_kappa: float) -> float:
     """Ln likelihood of the measured shapes under one explanation."""
     kappa = float(np.exp(log_kappa))
-    return sum(kappa * mac(c[0], c[which]) - log_watson_constant(len(c[0]), kappa) for c in columns)
+    return sum(kappa * mac_with(c[0], c[which]) - log_watson_constant(len(c[0]), kappa) for c in columns)
 
 
 def _between(entries: list, column: int) -> float:  # type: ignore[type-arg]
@@ -99,7 +99,7 @@ def _between(entries: list, column: int) -> float:  # type: ignore[type-arg]
         shared = sorted(set(a) & set(b))
         if len(shared) > 1:
             found.append(
-                mac(np.array([a[r][column] for r in shared]), np.array([b[r][column] for r in shared]))
+                mac_with(np.array([a[r][column] for r in shared]), np.array([b[r][column] for r in shared]))
             )
     return float(np.mean(found)) if found else float("nan")
 

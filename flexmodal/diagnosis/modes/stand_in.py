@@ -13,7 +13,7 @@ import numpy as np
 
 from flexmodal.campaign import Campaign, CampaignPosture, FrfRecords
 from flexmodal.identification import Observations
-from flexmodal.identification.mode_data import ModeObservations
+from flexmodal.identification.evidence.measured_modes import ModeObservations
 from flexmodal.model import Robot
 
 LINES = 64

@@ -34,7 +34,7 @@ class Variant:
         """An explanation with these priors."""
         old = explanation.hypothesis
         base = old.base.trusting({p.name: p.deviation * self.trust for p in old.base})
-        return Explanation(Hypothesis(old.scene, base, old.placed), explanation.free, self.stretch)
+        return Explanation(Hypothesis(old.context, base, old.placed), explanation.free, self.stretch)
 
 
 VARIANTS = (
@@ -100,6 +100,10 @@ class Scales:
     def gain(self, number: int) -> float:
         """What a candidate gains over the robot without anything new, in the worst variant [nat]."""
         return float(np.min(self.table[number] - self.table[0]))
+
+    def first_gain(self, number: int) -> float:
+        """The same under the first beliefs."""
+        return float(self.table[number, 0] - self.table[0, 0])
 
     @property
     def tied(self) -> list[int]:

@@ -10,7 +10,7 @@ from flexmodal.diagnosis.modes.findings import Findings
 from flexmodal.diagnosis.modes.gap import errors, figures
 from flexmodal.diagnosis.modes.shapes import ModeShapes
 from flexmodal.diagnosis.outcome import NONE, UNSTRUCTURED
-from flexmodal.report.words import joined
+from flexmodal.text.words import enumeration
 
 Key = tuple[str, str]
 
@@ -27,7 +27,7 @@ def named(key: Key) -> str:
 
 def hertz(modes: Sequence[tuple[int, float]]) -> str:
     """Frequencies of modes."""
-    return f"{joined([f'{frequency:.3g}' for _, frequency in modes])} Hz"
+    return f"{enumeration([f'{frequency:.3g}' for _, frequency in modes])} Hz"
 
 
 def missing_words(found: Findings) -> str:
@@ -49,7 +49,7 @@ def tie_words(found: Findings) -> str:
     """What cannot be told apart."""
     return (
         "These data cannot say what it is: under one reasonable set of priors or another, "
-        f"{joined([named(key) for key in found.tied])} come within 5 nats of the best."
+        f"{enumeration([named(key) for key in found.tied])} come within 5 nats of the best."
     )
 
 
@@ -91,4 +91,4 @@ def left_words(found: Findings) -> str:
         parts.append(
             f"near {frequency:.3g} Hz (in {len(here)} of {len(found.measured.observed.postures)} postures)"
         )
-    return f"No partner is left for the peak{'s' if len(parts) > 1 else ''} {joined(parts)}."
+    return f"No partner is left for the peak{'s' if len(parts) > 1 else ''} {enumeration(parts)}."

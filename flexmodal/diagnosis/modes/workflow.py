@@ -8,13 +8,13 @@ the caller names effects, the best of them is added even so, with its ties.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
 from flexmodal.campaign import Campaign
-from flexmodal.diagnosis.effects import Effect, Scene, catalogue
+from flexmodal.diagnosis.effects import Context, Effect, catalogue
 from flexmodal.diagnosis.hypothesis import Hypothesis, Placed
 from flexmodal.diagnosis.modes.conclude import conclude
 from flexmodal.diagnosis.modes.elsewhere import restricted
@@ -29,8 +29,8 @@ from flexmodal.diagnosis.modes.weigh import TIED, Candidate, Scales, under_varia
 from flexmodal.diagnosis.outcome import Diagnosis
 from flexmodal.diagnosis.preparation import numbers_of, trust_of
 from flexmodal.errors import Fault, InvalidRequest
-from flexmodal.identification.belong import check_belonging
-from flexmodal.identification.mode_data import modes_of_table
+from flexmodal.identification.compatibility import check_compatible
+from flexmodal.identification.evidence.measured_modes import modes_of_table
 from flexmodal.model import Robot
 from flexmodal.structure import ParameterSpace, robot_space
 
@@ -43,6 +43,9 @@ FINALISTS = 9
 """Effects that are weighed under every variant."""
 WITHIN = 16.0
 """Margin behind the best from which on an effect is not [nat]."""
+MARGIN = 1.0
+"""On both sides of what an explanation that was asked for by its place has to gain: inside, it is undecided,
+and no rounding turns that into a name [nat]."""
 MOST_STEPS = 2
 
 Advance = Callable[[str, float], None]
@@ -80,7 +83,7 @@ def diagnose_modes(
         robot: as it is believed to be.
         hold_out: postures that no fit sees. By default each is left out in turn, with three or more.
         effects: names; what explains best among them is added if it is needed, tied or not. Or `NAME@WHERE`:
-            that is added if it explains anything at all.
+            that is added if it gains more than a tie under the first beliefs.
         trust: standard deviation of ln(true / card) by kind or name.
         seed: of the postures tried for the next measurement.
         advance: called with what is being done and the part of it that is done.
@@ -89,7 +92,7 @@ def diagnose_modes(
         InvalidRequest: no modes, unknown effects or postures, a campaign that does not belong to the robot.
     """
     placed, moved = placed_on(campaign, robot)
-    check_belonging(placed, robot)
+    check_compatible(placed, robot)
     measured = MeasuredModes(modes_of_table(placed))
     asked = _asked(effects)
     base = robot_space(robot, trust={**trust_of(robot, TRUST), **(trust or {})})
@@ -117,7 +120,7 @@ class _Course:
     ) -> None:
         self.whole, self.held = whole, held
         self.measured = whole if held is None else whole.keeping(~held)
-        self.scene = Scene(robot, whole.stand_in, every_line=False)
+        self.scene = replace(Context.of(robot, whole.stand_in), every_line=False)
         self.base, self.asked, self.moved, self.seed, self.advance = base, asked, moved, seed, advance
         self.effects = tuple(catalogue(None if asked is None else list(asked)).values())
         self.untestable = {e.name: why for e in self.effects if (why := untestable(e, self.scene))}
@@ -205,7 +208,7 @@ class _Course:
         structured.sort(key=lambda k: -scales.gain(k))
         for k in structured:
             name, where = scales.candidates[k].key
-            if needed(scales, k) or (where in self.asked[name] and scales.table[k, 0] > scales.table[0, 0]):
+            if needed(scales, k) or (where in self.asked[name] and more_than_tied(scales.first_gain(k))):
                 return k
         return None
 
@@ -225,7 +228,17 @@ def needed(scales: Scales, number: int) -> bool:
     return bool(scales.table[number, 0] - scales.table[0, 0] >= SIGNIFICANT and scales.gain(number) >= TIED)
 
 
-def untestable(effect: Effect, scene: Scene) -> str | None:
+def more_than_tied(gain: float) -> bool:
+    """Whether what was asked for by its place gains clearly more than a tie under the first beliefs [nat]."""
+    return gain > TIED + MARGIN
+
+
+def undecided(gain: float) -> bool:
+    """Whether that gain is too near to a tie's for a yes or a no."""
+    return abs(gain - TIED) <= MARGIN
+
+
+def untestable(effect: Effect, scene: Context) -> str | None:
     """Why modes alone cannot tell of an effect."""
     if effect.read is not None or effect.turn is not None:
         return "modes have no calibrated FRF of a single sensor"

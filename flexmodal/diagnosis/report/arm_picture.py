@@ -23,7 +23,7 @@ Placed = Mapping[str, Float[np.ndarray, "4 4"]]
 @drawing
 def draw_arm(diagnosis: Diagnosis) -> Any:
     """Draw the posture that disagrees most, the others behind it, with places marked and named."""
-    robot, observations = diagnosis.model.scene.robot, diagnosis.observations
+    robot, observations = diagnosis.model.context.robot, diagnosis.observations
     above = excess(observations, diagnosis.predicted["before"]).sum(axis=1)
     by_posture = np.bincount(observations.posture, above, len(observations.postures))
     worst = int(np.argmax(by_posture))
@@ -109,7 +109,7 @@ def _points(axes: Any, diagnosis: Diagnosis, placed: Placed, plane: Plane) -> No
 
 def _mark(axes: Any, diagnosis: Diagnosis, placed: Placed, plane: Plane, where: str) -> None:
     """A ring, or a thick line along a link, with the name of the place."""
-    robot = diagnosis.model.scene.robot
+    robot = diagnosis.model.context.robot
     points = {point.name: point for point in diagnosis.observations.campaign.points}
     spots: list[np.ndarray] = []
     if where in placed:

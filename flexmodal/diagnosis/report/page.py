@@ -5,13 +5,20 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
-from typing import Literal
 
 from flexmodal.diagnosis.outcome import UNKNOWN, Diagnosis
 from flexmodal.diagnosis.report.arm_picture import draw_arm
 from flexmodal.diagnosis.report.pictures import draw_descent, draw_map, draw_pair, telling_rows
 from flexmodal.diagnosis.report.tables import next_task, parameters, refused, regions, remaining, weighing
-from flexmodal.diagnosis.report.words import effect_words, pair, placed, posture_name
+from flexmodal.diagnosis.report.words import (
+    effect_words,
+    held_out,
+    not_testable,
+    pair,
+    placed,
+    posture_name,
+    state,
+)
 from flexmodal.report import (
     Facts,
     Gallery,
@@ -27,7 +34,8 @@ from flexmodal.report import (
     page_text,
     write_page,
 )
-from flexmodal.report.words import joined, percent, size
+from flexmodal.report.words import percent, size
+from flexmodal.text.words import enumeration
 
 _ARM = "Joints are rings, sensors diamonds; what the verdict names is orange."
 _EVIDENCE = (
@@ -75,25 +83,6 @@ def report_text(diagnosis: Diagnosis, notes: Sequence[str] = ()) -> str:
     return page_text(title, [_verdict(diagnosis), _gap_note(diagnosis)], sections)
 
 
-def state(diagnosis: Diagnosis) -> Literal["found", "nothing", "open"]:
-    """Whether something was found, nothing is missing, or something is left open."""
-    if not diagnosis.verdict.explained:
-        return "open"
-    return "found" if diagnosis.verdict.effects else "nothing"
-
-
-def not_testable(diagnosis: Diagnosis) -> list[str]:
-    """Sentences about effects that these data cannot tell of."""
-    return [
-        f"{name.replace('_', ' ')} could not be tested: {why}." for name, why in diagnosis.untestable.items()
-    ]
-
-
-def held_out(value: float | None) -> str:
-    """A remark on a gap."""
-    return "" if value is None else f"held out: {size(value)}"
-
-
 def _verdict(diagnosis: Diagnosis) -> Verdict:
     says = [Text(diagnosis.verdict.says)]
     if diagnosis.steps:
@@ -105,7 +94,7 @@ def _verdict(diagnosis: Diagnosis) -> Verdict:
             name = placed(step.effect, step.where)
             says.append(Text(f"These data cannot tell {name} from {others}.", tag="a tie"))
     names = [placed(effect, where) for effect, where in diagnosis.verdict.effects if effect != UNKNOWN]
-    head = f"Missing: {joined(names)}" if names else "Nothing is missing"
+    head = f"Missing: {enumeration(names)}" if names else "Nothing is missing"
     if not diagnosis.verdict.explained:
         head = "Something is missing that the catalogue does not know"
     return Verdict(state(diagnosis), head, says, _figures(diagnosis))

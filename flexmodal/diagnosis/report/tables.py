@@ -25,7 +25,7 @@ def weighing(diagnosis: Diagnosis, step: Step) -> Table:
     found = next((p for p in diagnosis.model.placed if p.key == (step.effect, step.where)), None)
     count = "–"
     if found is not None:
-        count = str(len(found.effect.parameters(diagnosis.model.scene, step.where)))
+        count = str(len(found.effect.parameters(diagnosis.model.context, step.where)))
     chosen: list[str | Cell] = [
         Cell(plain(step.effect), note=words.get(step.effect, "")), step.where or "–", count,
         size(step.gaps.after), size(step.gaps.held_out_after), "0",
@@ -118,8 +118,8 @@ def _of_effect(step: Step) -> list[list[str]]:
 
 def next_task(diagnosis: Diagnosis, measurement: NextMeasurement, why: str) -> Task:
     """What to measure next, part by part; `why` comes before how far the two models differ there."""
-    robot, observations = diagnosis.model.scene.robot, diagnosis.observations
-    sliding = [name for name, joint in robot.commanded.items() if joint.type == "prismatic"]
+    robot, observations = diagnosis.model.context.robot, diagnosis.observations
+    sliding = [name for name, joint in robot.commanded.items() if joint.is_prismatic]
     one, other = (placed(*found.partition("@")[::2]) for found in measurement.separates)
     sensor = observations.direction(measurement.response)
     if measurement.point is not None:

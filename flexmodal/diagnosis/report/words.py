@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from typing import Literal
 
 from flexmodal.diagnosis.effects import catalogue
 from flexmodal.diagnosis.outcome import NONE, UNKNOWN, UNSTRUCTURED, Diagnosis
 from flexmodal.identification import Observations
-from flexmodal.report.words import minus
+from flexmodal.report.words import minus, size
 
 _KINDS = {
     "stiffness": "stiffness of {}",
@@ -66,3 +67,22 @@ def posture_words(q: Mapping[str, float], prismatic: Sequence[str]) -> str:
         for name, value in q.items()
     }
     return ", ".join(f"{name} = {minus(value)}" for name, value in each.items())
+
+
+def state(diagnosis: Diagnosis) -> Literal["found", "nothing", "open"]:
+    """Whether something was found, nothing is missing, or something is left open."""
+    if not diagnosis.verdict.explained:
+        return "open"
+    return "found" if diagnosis.verdict.effects else "nothing"
+
+
+def not_testable(diagnosis: Diagnosis) -> list[str]:
+    """Sentences about effects that these data cannot tell of."""
+    return [
+        f"{name.replace('_', ' ')} could not be tested: {why}." for name, why in diagnosis.untestable.items()
+    ]
+
+
+def held_out(value: float | None) -> str:
+    """A remark on a gap."""
+    return "" if value is None else f"held out: {size(value)}"

@@ -7,15 +7,13 @@ frequency, so that next to nothing is left for elimination with pivoting, one po
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from jaxtyping import Complex
 
 from flexmodal.frf.kernels.factor import pack
-
-if TYPE_CHECKING:
-    from flexmodal.frf.kernels.task import Task
+from flexmodal.frf.kernels.task import Task
 
 WORTH_A_TILE = 4
 """Points from which a tile of them costs less than LAPACK on each."""

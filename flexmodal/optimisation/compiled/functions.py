@@ -8,9 +8,8 @@ from typing import Any
 
 from flexmodal.frf.kernels import pivoted
 from flexmodal.frf.kernels.compiled import compile_together, compile_with
-from flexmodal.model import batch_factor as factor
-from flexmodal.model import batch_gradient as gradient
-from flexmodal.model import batch_kinematics as kinematics
+from flexmodal.model.batch import factor, kinematics
+from flexmodal.model.batch import gradient_kernel as gradient
 from flexmodal.optimisation.compiled import (
     algebra,
     descent,

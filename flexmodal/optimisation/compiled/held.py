@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 
-from flexmodal.model.batch_kinematics import cross, place_joints, point_jacobian
+from flexmodal.model.batch.kinematics import cross, place_joints, point_jacobian
 from flexmodal.optimisation.compiled.algebra import copy_vector, orthogonal_rows, shortest_solution
 from flexmodal.optimisation.compiled.arrays import ORIENTATION, POSITION
 

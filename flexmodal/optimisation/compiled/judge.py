@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import math
 
-from flexmodal.model.batch_gradient import row_slopes
-from flexmodal.model.batch_kinematics import point_jacobian
+from flexmodal.model.batch.gradient_kernel import row_slopes
+from flexmodal.model.batch.kinematics import point_jacobian
 from flexmodal.optimisation.compiled.algebra import multipliers, orthogonal_rows, shortest_solution
 from flexmodal.optimisation.compiled.arrays import RECEPTANCE, STIFFNESS
 from flexmodal.optimisation.compiled.receptance import add_row_slopes, receptance_cost, receptance_slope

@@ -9,8 +9,8 @@ import numpy as np
 from jaxtyping import Bool
 
 from flexmodal.model import Robot
-from flexmodal.model.batch_chain import Chain, chain_of, places_of, turn_of
-from flexmodal.model.batch_springs import springs_of
+from flexmodal.model.batch.chain import Chain, chain_of, places_of, turn_of
+from flexmodal.model.batch.springs import springs_of
 from flexmodal.optimisation.compiled.arrays import (
     AXIS,
     FORCE,
@@ -55,7 +55,7 @@ def plan_of(problem: PostureProblem) -> Plan | None:
         hold=_alike(held_of(problem.robot, problem.hold)),
         box=_alike(Box(problem.columns.astype(np.int64), problem.lower, problem.upper)),
         judge=_alike(judge),
-        turning=np.array([joint.type != "prismatic" for joint in problem.robot.commanded.values()]),
+        turning=np.array(not [joint.is_prismatic for joint in problem.robot.commanded.values()]),
     )
 
 

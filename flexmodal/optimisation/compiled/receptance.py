@@ -6,8 +6,8 @@ all pairs of directions are done at once:
 
     Σ_uv G_uv dα_uv/dq_k = Σ_u 2 (∂j_u/∂q_k) z_u + ω² y_uᵀ (∂D/∂q_k) z_u,
 
-the latter by twists and momenta as in `flexmodal.model.batch_gradient`. A single direction takes one sweep
-with √G y in place of two, with y and with G y.
+the latter by twists and momenta as in `flexmodal.model.batch.gradient_kernel`. A single direction takes one
+sweep with √G y in place of two, with y and with G y.
 """
 
 # mypy: disable-error-code="no-untyped-def, no-untyped-call"
@@ -18,13 +18,13 @@ import math
 import numpy as np
 
 from flexmodal.frf.kernels.pivoted import eliminate
-from flexmodal.model.batch_gradient import (
+from flexmodal.model.batch.gradient_kernel import (
     place_arm,
     row_slopes,
     solve_rows,
     sweep_momenta,
 )
-from flexmodal.model.batch_kinematics import mass_matrix, place_bodies
+from flexmodal.model.batch.kinematics import mass_matrix, place_bodies
 from flexmodal.optimisation.compiled.matrix_norm import FLOOR, matrix_size, size_slope
 
 _NEGLIGIBLE = 1e-18

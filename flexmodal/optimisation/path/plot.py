@@ -32,7 +32,7 @@ def draw_path(found: Mapping[str, PathOutcome]) -> Any:
     upper.legend()
     for place, joint in enumerate(first.problem.robot.commanded):
         values = first.postures[:, place]
-        turning = first.problem.robot.commanded[joint].type != "prismatic"
+        turning = not first.problem.robot.commanded[joint].is_prismatic
         name = joint if turning else f"{joint} [m]"
         lower.plot(time, np.degrees(values) if turning else values, label=name, **look(place))
     lower.set_ylabel("Joint angles [°]")

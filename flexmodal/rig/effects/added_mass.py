@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from flexmodal.rig.assembly import Assembly
-from flexmodal.rig.chain import moved_links, reach
+from flexmodal.rig.chain import reach
 from flexmodal.rig.effects.effect import Effect, Site, Stand, multiplied, positive
 from flexmodal.rig.geometry import across
+from flexmodal.structure.arm import moved_bodies
 
 
 def on_link(stand: Stand, link: str, along: float, beside: float) -> np.ndarray:
@@ -18,21 +19,14 @@ def on_link(stand: Stand, link: str, along: float, beside: float) -> np.ndarray:
         return np.array([beside, 0.0, 0.0])
     axis = end / length
     side = across(axis, None)[0]
-    if stand.normal is not None:
-        inside = across(axis, _normal_in_link(stand, link))
-        side = inside[0] if inside else side
+    inside = across(axis, stand.normal_in(link))
+    side = inside[0] if inside else side
     return along * end + beside * side
-
-
-def _normal_in_link(stand: Stand, link: str) -> np.ndarray:
-    from flexmodal.model.placements import link_placements
-
-    return link_placements(stand.robot, {})[link][:3, :3].T @ stand.normal
 
 
 def arm_mass(stand: Stand) -> float:
     """Mass of everything that moves [kg]."""
-    return sum(stand.true.bodies[link].mass for link in moved_links(stand.robot))
+    return sum(stand.true.bodies[link].mass for link in moved_bodies(stand.robot))
 
 
 def _draw(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
@@ -55,7 +49,7 @@ EFFECT = Effect(
     name="added_mass",
     says="a body the card lacks",
     units={"mass": "kg", "x": "m", "y": "m", "z": "m", "gyration": "m, radius"},
-    places=lambda robot, points: moved_links(robot),
+    places=lambda robot, points: moved_bodies(robot),
     place_is="a link that moves",
     draw=_draw,
     scaled=multiplied("mass"),

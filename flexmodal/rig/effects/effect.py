@@ -9,11 +9,12 @@ import numpy as np
 
 from flexmodal.campaign import CampaignPoint
 from flexmodal.model import Robot
+from flexmodal.model.placements import link_placements
 from flexmodal.rig.assembly import Assembly
 from flexmodal.rig.believed import TrueRobot
-from flexmodal.rig.chain import plane_normal
 from flexmodal.rig.plan import Plan
 from flexmodal.rig.sensing import Sensor
+from flexmodal.structure.arm import plane_normal
 
 Parameters = Mapping[str, float]
 
@@ -34,6 +35,12 @@ class Stand:
     def normal(self) -> np.ndarray | None:
         """Normal of a planar chain's plane."""
         return plane_normal(self.robot)
+
+    def normal_in(self, link: str) -> np.ndarray | None:
+        """The same in the frame of a link."""
+        if self.normal is None:
+            return None
+        return link_placements(self.robot, {})[link][:3, :3].T @ self.normal
 
 
 @dataclass(frozen=True)

@@ -60,9 +60,9 @@ def _draw(stand: Stand, where: str, random: np.random.Generator) -> dict[str, fl
 
 
 def _beyond(stand: Stand, joint: str) -> tuple[str, ...]:
-    from flexmodal.rig.chain import descendants
+    from flexmodal.structure.arm import beyond
 
-    return descendants(stand.robot.urdf, stand.robot.urdf.joint_by_name[joint].child)
+    return beyond(stand.robot.urdf, stand.robot.urdf.joint_by_name[joint].child)
 
 
 def _shape(assembly: Assembly, site: Site) -> None:

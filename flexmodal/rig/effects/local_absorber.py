@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from flexmodal.rig.assembly import Assembly
-from flexmodal.rig.chain import moved_links, reach
-from flexmodal.rig.effects.added_mass import _normal_in_link, arm_mass, on_link
+from flexmodal.rig.chain import reach
+from flexmodal.rig.effects.added_mass import arm_mass, on_link
 from flexmodal.rig.effects.effect import Effect, Parameters, Site, Stand, multiplied
 from flexmodal.rig.geometry import across
+from flexmodal.structure.arm import moved_bodies
 
 
 def _draw(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
@@ -17,7 +18,7 @@ def _draw(stand: Stand, where: str, random: np.random.Generator) -> dict[str, fl
     low, high = stand.plan.band
     end = reach(stand.robot, where)
     axis = end / np.linalg.norm(end) if np.linalg.norm(end) > 1e-6 else np.array([1.0, 0.0, 0.0])
-    sides = across(axis, None if stand.normal is None else _normal_in_link(stand, where))
+    sides = across(axis, stand.normal_in(where))
     angle = random.uniform(0, 2 * np.pi)
     way = sides[0] if len(sides) == 1 else np.cos(angle) * sides[0] + np.sin(angle) * sides[1]
     frequency = np.exp(random.uniform(np.log(max(3 * low, 0.05 * high)), np.log(0.5 * high)))
@@ -67,7 +68,7 @@ EFFECT = Effect(
         "mass": "kg", "frequency": "Hz, on a link held still", "damping_ratio": "",
         "x": "m", "y": "m", "z": "m", "dx": "", "dy": "", "dz": "",
     },
-    places=lambda robot, points: moved_links(robot),
+    places=lambda robot, points: moved_bodies(robot),
     place_is="a link that moves",
     draw=_draw,
     scaled=multiplied("mass"),

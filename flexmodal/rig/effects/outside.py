@@ -6,12 +6,13 @@ import numpy as np
 
 from flexmodal.model import Robot
 from flexmodal.rig.assembly import Assembly
-from flexmodal.rig.chain import commanded_joints, descendants, moved_links, reach
+from flexmodal.rig.chain import commanded_joints, reach
 from flexmodal.rig.effects.base_flexibility import base_directions
 from flexmodal.rig.effects.effect import Effect, Parameters, Site, Stand, divided, multiplied, positive
 from flexmodal.rig.effects.sensors import points_that_move
 from flexmodal.rig.plant import BACKLASH, NonlinearElement
 from flexmodal.rig.sensing import Sensor
+from flexmodal.structure.arm import beyond, moved_bodies
 
 
 def _draw_clearance(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
@@ -47,14 +48,14 @@ CLEARANCE = Effect(
 def _hose_links(robot: Robot) -> tuple[str, ...]:
     """Links that at least two joints move."""
     counts = {
-        link: sum(link in descendants(robot.urdf, robot.urdf.joint_by_name[j].child) for j in robot.joints)
-        for link in moved_links(robot)
+        link: sum(link in beyond(robot.urdf, robot.urdf.joint_by_name[j].child) for j in robot.joints)
+        for link in moved_bodies(robot)
     }
-    return tuple(link for link, count in counts.items() if count >= 2) or moved_links(robot)
+    return tuple(link for link, count in counts.items() if count >= 2) or moved_bodies(robot)
 
 
 def _draw_hose(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
-    length = sum(float(np.linalg.norm(reach(stand.robot, link))) for link in moved_links(stand.robot))
+    length = sum(float(np.linalg.norm(reach(stand.robot, link))) for link in moved_bodies(stand.robot))
     k = max(stand.true.stiffness.values())
     slack = random.uniform(0.3, 0.7) * length
     return {

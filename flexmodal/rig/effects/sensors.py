@@ -8,16 +8,16 @@ import numpy as np
 
 from flexmodal.campaign import CampaignPoint
 from flexmodal.model import Robot
-from flexmodal.rig.chain import moved_links
-from flexmodal.rig.effects.added_mass import _normal_in_link, arm_mass
+from flexmodal.rig.effects.added_mass import arm_mass
 from flexmodal.rig.effects.effect import Effect, Parameters, Site, Stand, multiplied, positive
 from flexmodal.rig.geometry import turn
 from flexmodal.rig.sensing import Sensor
+from flexmodal.structure.arm import moved_bodies
 
 
 def points_that_move(robot: Robot, points: Sequence[CampaignPoint]) -> tuple[str, ...]:
     """Points with a sensor on links that move."""
-    moved = moved_links(robot)
+    moved = moved_bodies(robot)
     return tuple(point.name for point in points if point.link in moved)
 
 
@@ -46,9 +46,9 @@ def _turn(sensors: dict[str, Sensor], site: Site) -> None:
 
 def _draw_turn(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
     axis = random.standard_normal(3)
-    if stand.normal is not None:
-        link = next(point.link for point in stand.plan.points if point.name == where)
-        axis = _normal_in_link(stand, link)
+    link = next(point.link for point in stand.plan.points if point.name == where)
+    normal = stand.normal_in(link)
+    axis = axis if normal is None else normal
     axis = axis / np.linalg.norm(axis)
     angle = _signed(random, np.radians(8), np.radians(25))
     return {"angle": angle, "ax": float(axis[0]), "ay": float(axis[1]), "az": float(axis[2])}

@@ -8,7 +8,7 @@ import pytest
 
 import flexmodal
 from flexmodal.campaign import Campaign, CampaignPoint, CampaignPosture, ModeTable, Trial
-from flexmodal.diagnosis.effects import Scene, catalogue
+from flexmodal.diagnosis.effects import Context, catalogue
 from flexmodal.diagnosis.hypothesis import Hypothesis, Placed
 from flexmodal.diagnosis.modes.forecast import Explanation
 from flexmodal.diagnosis.modes.stand_in import stand_in
@@ -55,7 +55,7 @@ def explained_by(rigid, tested):
 
 def explanation_of(rigid, tested, key=None):
     observations = stand_in(tested, tested.postures, PLACES, [STRUCK])
-    hypothesis = Hypothesis(Scene(rigid, observations), robot_space(rigid))
+    hypothesis = Hypothesis(Context.of(rigid, observations), robot_space(rigid))
     if key is not None:
         hypothesis = hypothesis.and_also(Placed(catalogue([key[0]])[key[0]], key[1]))
     return Explanation(hypothesis), observations
@@ -78,6 +78,8 @@ def measured(explanation, observations, x, *, frequency, damping, shape, seed, h
                 ratio * np.exp(damping * random.normal()),
             )
             u = seen.shape[:, m]
+            largest = u[np.argmax(np.abs(u))]
+            u = u * (np.abs(largest) / largest)  # an eigenvector's sign is LAPACK's choice, the noise is not
             noise = (
                 shape
                 * np.linalg.norm(u)

@@ -8,21 +8,25 @@ from scipy.special import hyp1f1
 from flexmodal.diagnosis.modes.evidence import hessian
 from flexmodal.diagnosis.modes.fit import fit_modes
 from flexmodal.diagnosis.modes.likelihood import Likelihood
-from flexmodal.diagnosis.modes.likeness import off_shape
 from flexmodal.diagnosis.modes.measured import MeasuredModes
 from flexmodal.diagnosis.modes.residuals import residuals
 from flexmodal.diagnosis.modes.scatter import Beliefs, log_anywhere, log_watson_constant
 from flexmodal.diagnosis.modes.spectrum import spectrum
-from flexmodal.identification.mode_data import modes_of_table
+from flexmodal.identification.evidence.measured_modes import modes_of_table
+from flexmodal.modal.mac import shape_residual
 from flexmodal.structure.poles import poles
 
 
 @pytest.mark.parametrize("key", [None, ("local_absorber", "link_2"), ("link_flexibility", "link_3")])
-def test_all_postures_at_once_are_what_each_is_by_itself(explained_by, key):
+def test_all_postures_at_once_are_what_each_is_by_itself(explained_by, places, key):
     explanation, observations = explained_by(key)
     x = np.random.default_rng(1).normal(0, 0.05, len(explanation.space))
     names = explanation.hypothesis.space.names
-    structures = [g.structure for g in explanation.hypothesis.groups(x, observations, slopes=True)]
+    structures = explanation.hypothesis.structures(x, places, places[:1], slopes=True)
+    groups = explanation.hypothesis.groups(x, observations, slopes=True)
+    for structure, group in zip(structures, groups, strict=True):
+        np.testing.assert_array_equal(structure.mass, group.structure.mass)
+        np.testing.assert_array_equal(structure.response, group.structure.response)
     rows = np.array([3, 0])
     found = spectrum(structures, [rows] * len(structures), names)
     for number, structure in enumerate(structures):
@@ -49,7 +53,7 @@ def test_slopes_of_forecasts_are_those_of_differences(explained_by, places):
     (seen, *_) = explanation.forecasts(x, observations, places, slopes=True)
     a = seen.shape[:, 1] / np.linalg.norm(seen.shape[:, 1]) + 0.1
     a /= np.linalg.norm(a)
-    _, turned = off_shape(a, seen.shape[:, 1], seen.shape_slope[:, :, 1])
+    _, turned = shape_residual(a, seen.shape[:, 1], seen.shape_slope[:, :, 1])
     for k in range(len(x)):
         step = 1e-5 * np.eye(len(x))[k]
         up, down = (
@@ -59,8 +63,10 @@ def test_slopes_of_forecasts_are_those_of_differences(explained_by, places):
         for name, slope in (("log_frequency", seen.frequency_slope), ("log_damping", seen.damping_slope)):
             numeric = (getattr(up, name)[:3] - getattr(down, name)[:3]) / 2e-5
             np.testing.assert_allclose(slope[k, :3], numeric, rtol=1e-3, atol=2e-5)
-        away = [np.sum(off_shape(a, s.shape[:, 1], seen.shape_slope[:, :, 1])[0] ** 2) for s in (up, down)]
-        residual = off_shape(a, seen.shape[:, 1], seen.shape_slope[:, :, 1])[0]
+        away = [
+            np.sum(shape_residual(a, s.shape[:, 1], seen.shape_slope[:, :, 1])[0] ** 2) for s in (up, down)
+        ]
+        residual = shape_residual(a, seen.shape[:, 1], seen.shape_slope[:, :, 1])[0]
         assert 2 * turned[k] @ residual == pytest.approx((away[0] - away[1]) / 2e-5, abs=2e-4)
 
 

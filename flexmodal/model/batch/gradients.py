@@ -12,12 +12,13 @@ from flexmodal.errors import Fault, InvalidRequest, MissingExtra
 from flexmodal.frf import PointDirection, frequency_axis
 from flexmodal.frf.kernels.factor import Pairs
 from flexmodal.frf.kernels.route import Route, available_cores, has_numba, in_parts, thread_faults
-from flexmodal.model.batch_chain import Chain, chain_of, places_of
-from flexmodal.model.batch_poser import FEW, enough_to_compile
-from flexmodal.model.batch_request import DirectionPair, ReceptanceBatch, expand, posture_array, read_pairs
-from flexmodal.model.batch_springs import springs_of
+from flexmodal.model.batch.chain import Chain, chain_of, places_of
+from flexmodal.model.batch.poser import FEW, enough_to_compile
+from flexmodal.model.batch.request import DirectionPair, ReceptanceBatch, expand, posture_array, read_pairs
+from flexmodal.model.batch.springs import springs_of
 from flexmodal.model.gradient import receptance_and_gradient
-from flexmodal.model.robot import Pose, Robot
+from flexmodal.model.posture import Pose
+from flexmodal.model.robot import Robot
 
 
 def gradient_batch(
@@ -82,7 +83,7 @@ def _compiled(
     cores: int,
 ) -> None:
     """Compiled code; the few points whose pivots are not to be trusted once more by LAPACK."""
-    from flexmodal.model.batch_compiled import compiled_gradient
+    from flexmodal.model.batch.compiled import compiled_gradient
 
     places = places_of(robot, tuple((d.point, d.selector) for d in rows))
     matrices, lag = springs_of(robot, axis)

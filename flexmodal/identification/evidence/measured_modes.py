@@ -10,7 +10,7 @@ from jaxtyping import Complex, Float, Int
 
 from flexmodal.campaign import Campaign, CampaignPosture, ModeTable
 from flexmodal.errors import Fault, InvalidRequest
-from flexmodal.identification.heard import heard
+from flexmodal.identification.signal import with_signal
 
 FINEST_FREQUENCY, FINEST_DAMPING, FINEST_RESIDUE = 1e-4, 5e-3, 1e-2
 """Relative errors below which no modal parameter is taken to be known."""
@@ -192,7 +192,7 @@ def modes_of_frfs(
     """
     from flexmodal.ema import records_of
 
-    records, _ = heard(records_of(campaign), campaign)
+    records, _ = with_signal(records_of(campaign), campaign)
     measured = replace(campaign, frfs=records, blows=())
     postures = tuple(p for p in campaign.postures if np.any(records.posture == p.id))
     modes = []

@@ -12,10 +12,10 @@ from flexmodal.frf.kernels.planar import PLANAR
 from flexmodal.frf.kernels.recursion import RIGID, SLIDING, TURNING
 from flexmodal.frf.kernels.route import has_numba
 from flexmodal.frf.kernels.spatial import SPATIAL
-from flexmodal.model.batch_chain import chain_of, places_of
-from flexmodal.model.batch_planar import empty_plane
-from flexmodal.model.batch_request import expand
-from flexmodal.model.batch_spatial import empty_space
+from flexmodal.model.batch.chain import chain_of, places_of
+from flexmodal.model.batch.planar import empty_plane
+from flexmodal.model.batch.request import expand
+from flexmodal.model.batch.spatial import empty_space
 from flexmodal.model.robot import Robot
 
 
@@ -46,7 +46,7 @@ def recursion_of(
 
     def fill(systems: slice, lines: slice, out: np.ndarray) -> int:
         from flexmodal.frf.kernels.compiled import compiled_sweep_along
-        from flexmodal.model.batch_compiled import compiled_planes, compiled_spaces
+        from flexmodal.model.batch.compiled import compiled_planes, compiled_spaces
 
         moved, here = expand(robot, values[systems]), omega[lines]
         if robot.is_planar:

@@ -9,7 +9,7 @@ from flexmodal.structure.arm import beyond
 from flexmodal.text.words import listing
 
 
-def check_belonging(campaign: Campaign, robot: Robot) -> None:
+def check_compatible(campaign: Campaign, robot: Robot) -> None:
     """Check postures and points of a campaign against a robot.
 
     Raises:

@@ -4,16 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
 from weakref import WeakKeyDictionary
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from flexmodal.model.build import pinocchio
-
-if TYPE_CHECKING:
-    from flexmodal.model.robot import Robot
+from flexmodal.model.robot import Robot
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,6 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import Float
 
+from flexmodal.modal.mac import mac_with
+from flexmodal.modal.tracking import assign
 from flexmodal.structure.poles import Poles
 from flexmodal.structure.structure import Structure
 
@@ -37,21 +39,13 @@ def pair(
     Returns:
         For each measured mode its number in `found`, −1 where there is none.
     """
-    from scipy.optimize import linear_sum_assignment
-
     if not len(frequency):
         return []
     away = 1 - np.exp(-((np.log(found.frequency[None, :] / frequency[:, None]) / scale) ** 2))
     if alike is not None:
         away = np.where(np.isnan(alike), away, shape_weight * (1 - alike) + (1 - shape_weight) * away)
     away[:, found.pole[: found.count].imag == 0] = 10.0  # does not oscillate: nobody measured it
-    padded = np.concatenate([away, np.full((len(away), len(away)), SINGLE)], axis=1)
-    rows, columns = linear_sum_assignment(padded)
-    partner = [-1] * len(frequency)
-    for row, column in zip(rows.tolist(), columns.tolist(), strict=True):
-        if column < away.shape[1]:
-            partner[row] = column
-    return partner
+    return assign(away, SINGLE).tolist()
 
 
 def mac_table(
@@ -73,11 +67,7 @@ def mac_table(
         for rows, residue in some:
             if len(rows) < 2:
                 continue
-            model = structure.response[rows] @ found.shape[:, : found.count]
-            top = np.abs(residue.conj() @ model) ** 2
-            values.append(
-                top / np.maximum(np.sum(np.abs(model) ** 2, axis=0) * np.sum(np.abs(residue) ** 2), 1e-300)
-            )
+            values.append(mac_with(residue, structure.response[rows] @ found.shape[:, : found.count]))
         if values:
             table[k] = np.mean(values, axis=0)
     return table

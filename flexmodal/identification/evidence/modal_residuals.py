@@ -25,10 +25,11 @@ from jaxtyping import Float, Int
 
 from flexmodal.errors import InvalidSystem
 from flexmodal.identification.descent import Normal, prior_cost, robust, robust_weight
-from flexmodal.identification.dips import nearest_dip
-from flexmodal.identification.mode_data import Antiresonance, MeasuredMode, ModeObservations
+from flexmodal.identification.evidence.antiresonance import nearest_dip
+from flexmodal.identification.evidence.measured_modes import Antiresonance, MeasuredMode, ModeObservations
+from flexmodal.identification.evidence.pairing import mac_table, pair
 from flexmodal.identification.model import places_of
-from flexmodal.identification.pairing import mac_table, pair
+from flexmodal.modal.mac import shape_residual
 from flexmodal.model import Robot
 from flexmodal.structure.parameter import ParameterSpace
 from flexmodal.structure.poles import Poles, poles
@@ -253,19 +254,12 @@ def _model_residue(seen: Seen, rows: np.ndarray, struck: int, partner: int) -> t
 
 
 def _shape_entries(residue: np.ndarray, error: np.ndarray, model: np.ndarray, slopes: np.ndarray) -> Entries:
-    """A − P a with a of unit length; derivative by variable projection (Kaufman, BIT 15, 1975)."""
-    size = np.linalg.norm(residue)
-    a, length = residue / size, max(float(np.linalg.norm(model)), 1e-300)
-    unit = model / length
-    factor = unit.conj() @ a
-    away = a - factor * unit
-    turned = slopes / length
-    turned = -factor * (turned - np.outer(turned @ unit.conj(), unit))
+    """A − P a with a of unit length."""
+    a = residue / np.linalg.norm(residue)
     variance = (np.abs(a) * error) ** 2
     # Each part has half the variance.
     return Entries(
-        np.concatenate([away.real, away.imag]),
-        np.concatenate([turned.real, turned.imag], axis=1),
+        *shape_residual(a, model, slopes),
         np.concatenate([variance, variance]) / 2,
         np.full(2 * len(a), TENTH / np.sqrt(2 * len(a))),
     )

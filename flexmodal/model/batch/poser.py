@@ -7,8 +7,8 @@ import sys
 import numpy as np
 
 from flexmodal.frf import PointDirection
-from flexmodal.model.batch_chain import chain_of, places_of
-from flexmodal.model.batch_request import expand
+from flexmodal.model.batch.chain import chain_of, places_of
+from flexmodal.model.batch.request import expand
 from flexmodal.model.build import pinocchio
 from flexmodal.model.robot import Robot
 
@@ -43,7 +43,7 @@ class Poser:
         masses = np.empty((len(values), len(pick), len(pick)))
         rows = np.empty((len(values), len(self.rows), len(pick)))
         if self.chain is not None:
-            from flexmodal.model.batch_compiled import compiled_poses
+            from flexmodal.model.batch.compiled import compiled_poses
 
             places = self.places
             compiled_poses()(

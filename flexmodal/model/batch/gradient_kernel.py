@@ -21,14 +21,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from flexmodal.model.batch_factor import factor_symmetric, solve_factored
-from flexmodal.model.batch_kinematics import (
+from flexmodal.model.batch.factor import factor_symmetric, solve_factored
+from flexmodal.model.batch.kinematics import (
     mass_matrix,
     place_bodies,
     place_joints,
     point_jacobian,
 )
-from flexmodal.model.batch_tile import TILE, factor_tile, fill_lane, solve_tile
+from flexmodal.model.batch.tile import TILE, factor_tile, fill_lane, solve_tile
 
 
 def place_arm(turns, origin, first, axis, out):

@@ -5,21 +5,20 @@ from __future__ import annotations
 import numpy as np
 from jaxtyping import Float
 
-from flexmodal.campaign import Campaign, FrfRecords
-from flexmodal.campaign.noise import COHERENT
+from flexmodal.campaign import COHERENT, Campaign, FrfRecords
 from flexmodal.errors import Fault, InvalidRequest
 
-HEARD = 0.15
+COHERENT_SHARE = 0.15
 """Part of the lines that have to be coherent for a record to count as a measurement."""
 ROUGH = 0.5
 """Part of the power that is not shared with the lines beside, from which on a record is nothing but noise."""
 RANGE = 1e-9
-"""Of the largest response what no analyser hears beside it, 180 dB: a zero but for rounding."""
+"""Part of the largest response that no analyser resolves beside it, 180 dB: a zero but for rounding."""
 ENOUGH = 20
 """Lines from which that can be told."""
 
 
-def heard(frfs: FrfRecords, campaign: Campaign) -> tuple[FrfRecords, tuple[str, ...]]:
+def with_signal(frfs: FrfRecords, campaign: Campaign) -> tuple[FrfRecords, tuple[str, ...]]:
     """Records with a signal in them, and the names of the others.
 
     A sensor that sits where nothing moves along its axis records noise. With few averages some lines of noise
@@ -30,7 +29,7 @@ def heard(frfs: FrfRecords, campaign: Campaign) -> tuple[FrfRecords, tuple[str, 
     """
     coherent = np.ones(len(frfs), dtype=bool)
     if frfs.coherence is not None:
-        coherent = np.mean(frfs.coherence >= COHERENT, axis=1) >= HEARD
+        coherent = np.mean(frfs.coherence >= COHERENT, axis=1) >= COHERENT_SHARE
     size = np.abs(frfs.value).max(axis=1)
     there = size > RANGE * size.max()
     kept = coherent & there & (roughness(frfs) < ROUGH)

@@ -1,8 +1,8 @@
 """Z y = jᵀ at a tile of points side by side: written for the compiler, which makes vectors of the lanes.
 
-LDLᵀ without pivoting as in `flexmodal.model.batch_gradient`, one lane a point, be it another posture or
-another frequency. One point alone leaves most of a core idle: a division waits for the one before it.
-An entry's real lanes come before its imaginary ones.
+LDLᵀ without pivoting as in `flexmodal.model.batch.gradient_kernel`, one lane a point, be it another
+posture or another frequency. One point alone leaves most of a core idle: a division waits for the one before
+it. An entry's real lanes come before its imaginary ones.
 """
 
 # mypy: disable-error-code="no-untyped-def, no-untyped-call"

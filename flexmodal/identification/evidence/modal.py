@@ -1,36 +1,61 @@
-"""Modes as a route to parameters."""
+"""Modes as evidence on parameters."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from jaxtyping import Bool, Float, Shaped
+from jaxtyping import Bool, Float, Int, Shaped
 
 from flexmodal.errors import Fault
-from flexmodal.identification.descent import descend
-from flexmodal.identification.frf_fit import FINE, SETTLED
+from flexmodal.identification.descent import Normal
+from flexmodal.identification.evidence.evidence import Evidence, Fitted, Key, Misfit, few
+from flexmodal.identification.evidence.measured_modes import ModeObservations
+from flexmodal.identification.evidence.modal_gap import errors_of, gap_of_errors, noise_of
+from flexmodal.identification.evidence.modal_residuals import ModeProblem, PosedModel
 from flexmodal.identification.gap import Gap
-from flexmodal.identification.mode_data import ModeObservations
-from flexmodal.identification.mode_fit import ModeProblem, PosedModel
-from flexmodal.identification.mode_gap import errors_of, gap_of_errors, noise_of
-from flexmodal.identification.route import Advance, Fitted, few
 from flexmodal.identification.uncertainty import Uncertainty, laplace
 from flexmodal.structure.parameter import ParameterSpace
+from flexmodal.text.words import enumeration
 
 FLOORS_OF_MODES = (0.1, 0.02, 0.003)
 """Relative model error of a natural frequency, in the order in which it is lowered."""
 MODEL_ERROR = 0.0005
 """Where that ends, unless it is said otherwise."""
+WORDS = {"frequency": "natural frequencies", "damping": "damping ratios", "shape": "mode shapes",
+         "residue": "residues", "antiresonance": "antiresonances"}  # fmt: skip
 WIDE, CLOSE = 0.3, 0.1
 """Relative differences of frequency that pairing counts as large, at first and then."""
 
 
 @dataclass(frozen=True, eq=False)
-class ModeRoute:
+class ModalMisfit:
+    """Of a model on modes, pairs held; see `Misfit`."""
+
+    problem: ModeProblem
+    partners: tuple[int, ...]
+    floor: float
+
+    def cost(self, x: Float[np.ndarray, " parameter"]) -> float:
+        """See `Misfit`."""
+        return self.problem.cost(x, self.partners, self.floor)
+
+    def equations(self, x: Float[np.ndarray, " parameter"], *, apart: bool = False) -> Normal:
+        """See `Misfit`."""
+        return self.problem.equations(x, self.partners, self.floor)
+
+    def same_pairs(self, other: Misfit) -> bool:
+        """Whether both have the same partners."""
+        return isinstance(other, ModalMisfit) and other.partners == self.partners
+
+
+@dataclass(frozen=True, eq=False)
+class ModalEvidence(Evidence):
     """Modes, posture by posture."""
+
+    most = 60
 
     model: PosedModel
     observations: ModeObservations
@@ -41,11 +66,6 @@ class ModeRoute:
     """Relative difference of frequency that the first pairing counts as large."""
 
     @property
-    def floors(self) -> tuple[float, ...]:
-        """Those of the steps, the last one the model's own."""
-        return (*(floor for floor in FLOORS_OF_MODES if floor > self.model_error), self.model_error)
-
-    @property
     def space(self) -> ParameterSpace:
         """What is fitted."""
         return self.model.space
@@ -54,6 +74,11 @@ class ModeRoute:
     def problem(self) -> ModeProblem:
         """Model and modes."""
         return ModeProblem(self.model, self.observations, self.use)
+
+    @property
+    def what(self) -> str:
+        """The data in words."""
+        return f"the {enumeration([WORDS[name] for name in self.use])}"
 
     @property
     def count(self) -> int:
@@ -74,39 +99,16 @@ class ModeRoute:
         source = str(self.observations.campaign.path or "campaign")
         return few(source, self.count, len(self.space), f"numbers ({', '.join(self.use)}) of modes")
 
-    def fit(
-        self,
-        start: Float[np.ndarray, " parameter"] | None = None,
-        *,
-        quick: bool = False,
-        warm: bool = False,
-        hold: Mapping[str, float] | None = None,
-        advance: Advance = lambda step, cost: None,
-    ) -> Fitted:
-        """See `Route`; modes are paired anew whenever a round has ended."""
-        x = np.zeros(len(self.space)) if start is None else np.array(start, dtype=float)
-        floors = self.floors[:2] if quick else self.floors[-1:] if warm else self.floors
-        problem, steps, scale = self.problem, 0, CLOSE if warm else self.reach
-        for number, floor in enumerate(floors):
-            last = number == len(floors) - 1
-            partners = problem.partners(x, scale=scale)
-            for _ in range(4):
-                found = descend(
-                    self.space,
-                    lambda x, p=partners, f=floor: problem.equations(x, p, f),  # type: ignore[misc]
-                    lambda x, p=partners, f=floor: problem.cost(x, p, f),  # type: ignore[misc]
-                    x,
-                    most=60,
-                    settled=FINE if last else SETTLED,
-                    hold=hold,
-                    advance=lambda step, cost, before=steps: advance(before + step, cost),  # type: ignore[misc]
-                )
-                x, steps, before = found.x, steps + found.steps, partners
-                partners = problem.partners(x, scale=CLOSE)
-                if partners == before:
-                    break
-            scale = CLOSE
-        return Fitted(x, found.normal, found.converged, steps)
+    def floors(self, *, quick: bool = False, warm: bool = False) -> Sequence[float]:
+        """Of natural frequencies, the last one the model's own."""
+        every = (*(floor for floor in FLOORS_OF_MODES if floor > self.model_error), self.model_error)
+        return every[:2] if quick else every[-1:] if warm else every
+
+    def misfit(
+        self, x: Float[np.ndarray, " parameter"], floor: float, *, near: bool = True, quick: bool = False
+    ) -> ModalMisfit:
+        """Each measured mode paired with one of the model's at x."""
+        return ModalMisfit(self.problem, self.problem.partners(x, scale=CLOSE if near else self.reach), floor)
 
     def information(self) -> Float[np.ndarray, "parameter parameter"]:
         """Of modes with these errors, exactly where the card has them."""
@@ -120,6 +122,10 @@ class ModeRoute:
                 total += (one.slopes * weight) @ one.slopes.T
         return total
 
+    def clusters(self) -> Int[np.ndarray, " observation"]:
+        """Each mode by itself."""
+        return np.arange(len(self.observations))
+
     def uncertainty(self, fitted: Fitted) -> Uncertainty:
         """Of the curvature, widened where the misfit is larger than the errors."""
         partners = self.problem.partners(fitted.x, scale=CLOSE)
@@ -127,19 +133,19 @@ class ModeRoute:
         count = sum(len(one.residual) for one in entries if one is not None)
         return laplace(self.space, fitted.normal, count)
 
-    def predicted(self, x: Float[np.ndarray, " parameter"]) -> Shaped[np.ndarray, "observation entry"]:
+    def predicted(self, x: Float[np.ndarray, " parameter"]) -> Shaped[np.ndarray, "observation *entry"]:
         """Relative errors of frequency and damping, and 1 − MAC."""
         return errors_of(self.problem, x)
 
-    def gap(self, predicted: Shaped[np.ndarray, "observation entry"]) -> Gap:
+    def gap(self, predicted: Shaped[np.ndarray, "observation *entry"]) -> Gap:
         """Of the file formats."""
         return Gap(gap_of_errors(predicted), noise_of(self.observations, predicted))
 
-    def over_noise(self, predicted: Shaped[np.ndarray, "observation entry"]) -> float:
+    def over_noise(self, predicted: Shaped[np.ndarray, "observation *entry"]) -> float:
         """The gap over its noise."""
         return self.gap(predicted).over_floor
 
-    def folds(self) -> Mapping[tuple[str, str], Bool[np.ndarray, " observation"]]:
+    def folds(self) -> Mapping[Key, Bool[np.ndarray, " observation"]]:
         """Postures."""
         zeros = [zero.posture for zero in self.observations.antiresonances]
         posture = np.array([mode.posture for mode in self.observations.modes] + zeros)
@@ -149,6 +155,6 @@ class ModeRoute:
             if np.any(posture == number)
         }
 
-    def keeping(self, keep: Bool[np.ndarray, " observation"]) -> ModeRoute:
-        """See `Route`."""
+    def keeping(self, keep: Bool[np.ndarray, " observation"]) -> ModalEvidence:
+        """See `Evidence`."""
         return replace(self, observations=self.observations.keeping(keep))

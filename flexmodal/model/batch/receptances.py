@@ -13,29 +13,18 @@ from flexmodal.frf import PointDirection, frequency_axis
 from flexmodal.frf.kernels.route import choose, has_numba, run
 from flexmodal.frf.kernels.task import Task
 from flexmodal.frf.receptance import hysteretic_addition
-from flexmodal.model.batch_poser import Poser, enough_to_compile
-from flexmodal.model.batch_recursion import recursion_of
-from flexmodal.model.batch_request import (
+from flexmodal.model.batch.poser import Poser, enough_to_compile
+from flexmodal.model.batch.recursion import recursion_of
+from flexmodal.model.batch.request import (
     DirectionPair,
     ReceptanceBatch,
     check_addition,
     check_loss,
-    expand,
     posture_array,
     read_pairs,
 )
-from flexmodal.model.batch_slopes import gradient_batch
-from flexmodal.model.robot import Pose, Robot
-
-__all__ = [
-    "DirectionPair",
-    "ReceptanceBatch",
-    "expand",
-    "gradient_batch",
-    "posture_array",
-    "read_pairs",
-    "receptance_batch",
-]
+from flexmodal.model.posture import Pose
+from flexmodal.model.robot import Robot
 
 _LOG = logging.getLogger("flexmodal.engine")
 

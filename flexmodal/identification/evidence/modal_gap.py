@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from jaxtyping import Float
 
-from flexmodal.identification.mode_data import ModeObservations
-from flexmodal.identification.mode_fit import ModeProblem
+from flexmodal.identification.evidence.measured_modes import ModeObservations
+from flexmodal.identification.evidence.modal_residuals import ModeProblem
 
 DAMPING_SHARE = 0.1
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 from flexmodal.frf.kernels.planar import ENTRIES
-from flexmodal.model.batch_kinematics import place_bodies, place_joints
+from flexmodal.model.batch.kinematics import place_bodies, place_joints
 
 
 def plane_batch(chain, places, plane, springs, postures, joints, wrenches):

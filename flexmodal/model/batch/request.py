@@ -12,8 +12,8 @@ from flexmodal.errors import Fault, InvalidPosture, InvalidRequest
 from flexmodal.frf import PointDirection
 from flexmodal.frf.kernels.factor import Pairs
 from flexmodal.frf.kernels.route import Route
-from flexmodal.model.posture import check_posture
-from flexmodal.model.robot import Pose, Robot
+from flexmodal.model.posture import Pose, check_posture
+from flexmodal.model.robot import Robot
 
 _SLACK = 1e-9
 """How far outside a limit rounding may put a joint [rad, m]."""
@@ -35,8 +35,6 @@ class ReceptanceBatch:
     """How they were computed, and why so."""
     slope: Complex[np.ndarray, "posture line pair moving"] | None = None
     """Derivative along every moving joint [1/rad or 1/m times the unit of `value`], if asked for."""
-    curvature: Complex[np.ndarray, "posture line pair moving moving"] | None = None
-    """Second derivative along every two of them, if asked for."""
 
 
 def posture_array(
