@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flexmodal.ema import Choices, EstimatedModes, fit_campaign
+from flexmodal.ema import Choices, EstimatedModes, fit
 from flexmodal.model import Robot, load
 from flexmodal.rig import Hide, RigResult, simulate
-from flexmodal.rig.structure import build
+from flexmodal.rig.plant.build import build
 
 CAMPAIGNS = (
     ("fanuc_s360", "local_absorber"),
@@ -105,7 +105,7 @@ def counted(found: EstimatedModes, true: Sequence[tuple[float, float]]) -> Count
 
 def counts(result: RigResult, method: str) -> list[Count]:
     """One for each posture, its FRFs fitted together, nothing chosen by hand."""
-    fits = fit_campaign(result.campaign, method, per="posture", choices=Choices(vary=False))
+    fits = fit(result.campaign, method, per="posture", choices=Choices(vary=False))
     return [counted(one.modes, true_modes(result, one.posture)) for one in fits]
 
 

@@ -30,7 +30,7 @@ from tables import TABLES, write
 import flexmodal
 from flexmodal import PointDirection
 from flexmodal.files import whole_file
-from flexmodal.frf.kernels.compiled import OPTIONS, compile_source
+from flexmodal.frf.kernels.compiled import OPTIONS, from_source
 from flexmodal.frf.kernels.factor import LANES as LANE_COUNT
 from flexmodal.frf.kernels.factor import write_kernel
 from flexmodal.frf.kernels.planar import PLANAR
@@ -100,7 +100,7 @@ def reference(task: Task, systems: int) -> tuple[Callable[[], object], int]:
 
 def tile_alone(task: Task) -> tuple[Callable[[], object], int]:
     """The generated kernel on one tile that stays in the cache: nothing filled in, nothing handed out."""
-    kernel = compile_source(write_kernel(task.shape)[0], "kernel")
+    kernel = from_source(write_kernel(task.shape)[0], "kernel").compiled
 
     def loop(tile, rows, out, pairs, work, times):  # type: ignore[no-untyped-def]
         for _ in range(times):

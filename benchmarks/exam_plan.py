@@ -10,7 +10,7 @@ import numpy as np
 
 import flexmodal
 from flexmodal.campaign import write_campaign
-from flexmodal.rig import EFFECTS, draw_secret, simulate
+from flexmodal.rig import EFFECTS, draw_scenario, simulate
 from flexmodal.rig.robot_folder import write_robot
 
 ROBOTS = ("fanuc_s360", "six_link", "six_axis")
@@ -71,13 +71,15 @@ def pose(question: Question, folder: Path, truth: Path, engine: str = "rig") -> 
     robot = flexmodal.load(question.robot)
     count = len(question.effects)
     points = min(POINTS, len(robot.points))
-    secret = draw_secret(robot, question.seed, count=count, effects=question.effects or None, points=points)
+    scenario = draw_scenario(
+        robot, question.seed, count=count, effects=question.effects or None, points=points
+    )
     result = simulated(
         robot,
         postures=POSTURES,
         points=points,
-        hide=secret.hide,
-        parameter_error=secret.parameter_error,
+        hide=scenario.hide,
+        parameter_error=scenario.parameter_error,
         seed=question.seed,
         time=False,
     )

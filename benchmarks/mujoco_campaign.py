@@ -45,10 +45,10 @@ from flexmodal.campaign import (
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.model import Robot
 from flexmodal.rig import RigResult, simulate
-from flexmodal.rig.bench import world_axis
 from flexmodal.rig.blow import Strike, strike
 from flexmodal.rig.effects import Stand
-from flexmodal.rig.placing import put_in
+from flexmodal.rig.hammer_test import world_axis
+from flexmodal.rig.hidden.placement import put_in
 from flexmodal.rig.request import prepare
 from flexmodal.rig.robot_folder import CARD
 from flexmodal.rig.simulate import make_stand

@@ -19,8 +19,8 @@ from scipy.spatial.transform import Rotation
 from flexmodal.campaign import CampaignPoint
 from flexmodal.model import Robot
 from flexmodal.rig.believed import Body, TrueRobot
-from flexmodal.rig.chain import children, reach
-from flexmodal.rig.geometry import across
+from flexmodal.rig.plant.chain import children, reach
+from flexmodal.rig.plant.geometry import across
 from flexmodal.structure.arm import plane_normal
 
 EFFECTS = (

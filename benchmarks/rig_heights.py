@@ -2,7 +2,7 @@
 
     python benchmarks/rig_heights.py
 
-Thirty secrets drawn from seeds of their own: nothing hidden once, each of the seventeen effects, then
+Thirty scenarios drawn from seeds of their own: nothing hidden once, each of the seventeen effects, then
 pairs; the three robots in turn. Nothing here is tuned to: an exam takes other seeds.
 """
 
@@ -19,8 +19,8 @@ import numpy as np
 from tables import write
 
 import flexmodal
-from flexmodal.rig import EFFECTS, draw_secret, simulate
-from flexmodal.rig.secret import HEIGHTS
+from flexmodal.rig import EFFECTS, draw_scenario, simulate
+from flexmodal.rig.hidden.scenario import HEIGHTS
 
 CAMPAIGNS = 30
 ROBOTS = ("fanuc_s360", "six_link", "six_axis")
@@ -42,10 +42,10 @@ def main() -> None:
     rows, heights, spent = [], [], []
     for number, (count, effects) in enumerate(asked()):
         robot, seed = robots[number % len(robots)], FIRST_SEED + number
-        secret = draw_secret(robot, seed, count=count, effects=effects, points=POINTS)
+        scenario = draw_scenario(robot, seed, count=count, effects=effects, points=POINTS)
         start = time.process_time()
         result = simulate(
-            robot, postures=5, points=POINTS, hide=secret.hide, parameter_error=secret.parameter_error,
+            robot, postures=5, points=POINTS, hide=scenario.hide, parameter_error=scenario.parameter_error,
             seed=seed, time=False,
         )  # fmt: skip
         spent.append(time.process_time() - start)
@@ -56,7 +56,7 @@ def main() -> None:
         heights += [height for *_, height in found]
         hidden = " and ".join(f"{name}@{where}" for name, where, _ in found) or "nothing"
         stood = " and ".join(f"{height:.1f}" for *_, height in found) or "–"
-        rows.append([str(seed), robot.name, hidden, stood, f"{100 * secret.parameter_error:.1f}"])
+        rows.append([str(seed), robot.name, hidden, stood, f"{100 * scenario.parameter_error:.1f}"])
     low, high = HEIGHTS
     inside = sum(low <= height <= high for height in heights)
     end = f"{inside} of {len(heights)} heights lie between {low:g} and {high:g}; "

@@ -21,8 +21,9 @@ import numpy as np
 from tables import write
 
 import flexmodal
-from flexmodal.campaign import uff_frame
-from flexmodal.rig import Hide, RigResult, placing, simulate
+from flexmodal.campaign.uff import frame as uff_frame
+from flexmodal.rig import Hide, RigResult, simulate
+from flexmodal.rig.hidden import placement as placing
 
 EXAM = {"postures": 5, "points": 5, "time": False}
 RUNS = 3

@@ -18,7 +18,7 @@ from flexmodal.campaign import (
     Trial,
     write_campaign,
 )
-from flexmodal.campaign.receptances_csv import write_receptances
+from flexmodal.campaign.tables.receptances import write_receptances
 from flexmodal.cards import read_card
 from flexmodal.files import whole_file
 

@@ -1,7 +1,14 @@
+from .campaign import Campaign as Campaign
+from .campaign import read_campaign as read_campaign
+from .diagnosis import diagnose as diagnose
+from .ema import fit as fit
 from .errors import FlexmodalError as FlexmodalError
 from .errors import InvalidInput as InvalidInput
 from .frf import Frf as Frf
 from .frf import PointDirection as PointDirection
+from .identification import identify as identify
+from .machining import lobes as lobes
+from .machining import read_cut as read_cut
 from .modal import Modes as Modes
 from .modal import SecondOrderSystem as SecondOrderSystem
 from .model import Measures as Measures
@@ -18,3 +25,7 @@ from .optimisation import PostureProblem as PostureProblem
 from .optimisation import ReceptanceObjective as ReceptanceObjective
 from .optimisation import StiffnessObjective as StiffnessObjective
 from .optimisation import optimise as optimise
+from .optimisation import tune as tune
+from .optimisation.path import plan_path as plan_path
+from .optimisation.studies import run_study as run_study
+from .rig import simulate as simulate

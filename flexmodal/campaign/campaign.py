@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import Never
 
 from flexmodal.campaign.blow import Blow
+from flexmodal.campaign.consistency import campaign_faults
+from flexmodal.campaign.description.tested import CampaignPoint, CampaignPosture
 from flexmodal.campaign.mode_table import ModeTable
 from flexmodal.campaign.records import FrfRecords
-from flexmodal.campaign.sound import campaign_faults
-from flexmodal.campaign.tested import CampaignPoint, CampaignPosture
 from flexmodal.campaign.trial import Trial
 from flexmodal.errors import InvalidCampaign
 

@@ -23,7 +23,7 @@ from flexmodal.errors import Fault, InvalidRequest
 SMOOTH = 9
 """Lines to either side over which a variance is averaged."""
 LARGEST = 1e100
-"""Values beyond are none that can be reckoned with."""
+"""Values beyond overflow when they are squared and multiplied."""
 ZERO = 10.0
 """What |ln| counts as where a line is exactly zero."""
 

@@ -10,14 +10,14 @@ import numpy as np
 
 from flexmodal.campaign.blow import Blow
 from flexmodal.campaign.campaign import Campaign, default_band
+from flexmodal.campaign.description.read import read_toml
+from flexmodal.campaign.description.tested import Tested
 from flexmodal.campaign.mode_table import ModeTable
-from flexmodal.campaign.modes_csv import read_modes
-from flexmodal.campaign.read_export import is_export, read_export
-from flexmodal.campaign.read_frf_uff import read_frf_uff
-from flexmodal.campaign.read_time_uff import read_time_uff
-from flexmodal.campaign.read_toml import read_toml
 from flexmodal.campaign.records import FrfRecords
-from flexmodal.campaign.tested import Tested
+from flexmodal.campaign.tables.modes import read_modes
+from flexmodal.campaign.uff.export import is_export, read_export
+from flexmodal.campaign.uff.read_blows import read_time_uff
+from flexmodal.campaign.uff.read_frfs import read_frf_uff
 from flexmodal.errors import Fault, InvalidCampaign
 from flexmodal.text.words import FaultList
 

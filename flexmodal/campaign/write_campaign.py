@@ -11,10 +11,10 @@ import tempfile
 from pathlib import Path
 
 from flexmodal.campaign.campaign import Campaign
-from flexmodal.campaign.modes_csv import write_modes
 from flexmodal.campaign.read_campaign import FRF, MODES, TIME, TOML
+from flexmodal.campaign.tables.modes import write_modes
 from flexmodal.campaign.trial import Trial, Window
-from flexmodal.campaign.write_uff import blow_datasets, frf_datasets, has_data, write_uff
+from flexmodal.campaign.uff.write import blow_datasets, frf_datasets, has_data, write_uff
 from flexmodal.errors import Fault, InvalidCampaign, OutputExists
 
 _BARE = re.compile(r"[A-Za-z0-9_-]+")

@@ -71,7 +71,7 @@ class FamilyCard:
 
 @dataclass(frozen=True)
 class RobotCard:
-    """One `robot.toml`, sound in itself; `check_together` says whether it belongs to its URDF."""
+    """One `robot.toml`, sound in itself; `check_consistency` says whether it belongs to its URDF."""
 
     name: str
     title: str

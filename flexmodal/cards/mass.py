@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
-from flexmodal.cards.urdf import Urdf
+from flexmodal.cards.urdf.urdf import Urdf
 from flexmodal.errors import Fault, InvalidUrdf
 
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from flexmodal.cards.card import CouplingCard, FamilyCard, JointCard, PointCard, RobotCard
 from flexmodal.cards.card_faults import ALLOWED, add_faults
 from flexmodal.cards.coupling import couplings_of
-from flexmodal.cards.packages import PREFIX, resolve_package
+from flexmodal.cards.urdf.packages import PREFIX, resolve_package
 from flexmodal.errors import Fault, InvalidCard
 from flexmodal.text.frozen import FrozenDict
 from flexmodal.text.toml import parse_toml

@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING
 import click
 
 from flexmodal.cli.measured import campaign_at
-from flexmodal.cli.options import SOURCE, force_option, json_option, number, quiet_option
+from flexmodal.cli.options import force_option, json_option, quiet_option, trust_of, trust_option
 from flexmodal.cli.printing import print_json, print_table, stages
-from flexmodal.errors import Fault, InvalidRequest
 
 if TYPE_CHECKING:
     from flexmodal.diagnosis import Diagnosis
@@ -32,9 +31,7 @@ if TYPE_CHECKING:
     metavar="NAME,…",
     help="Look for these effects only; with modes alone NAME@WHERE adds it if it explains anything.",
 )
-@click.option(
-    "--trust", metavar="NAME=X,…", help="Relative standard deviation of a kind or parameter of the card."
-)
+@trust_option
 @click.option(
     "--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Of what is drawn in weighing."
 )
@@ -47,7 +44,7 @@ def diagnose(
     robot: str | None,
     hold_out: tuple[str, ...],
     effects: str | None,
-    trust: str | None,
+    trust: tuple[str, ...],
     seed: int,
     force: bool,
     quiet: bool,
@@ -64,7 +61,7 @@ def diagnose(
     from flexmodal.files import refuse_folder
 
     refuse_folder(out, known=JSON, overwrite=force)
-    wanted, trusted = _names(effects), _trust(trust)
+    wanted, trusted = _names(effects), trust_of(trust)
     measured = campaign_at(campaign)
     arm = robot_of(measured, robot)
     with stages(quiet=quiet) as advance:
@@ -89,16 +86,6 @@ def diagnose(
 
 def _names(text: str | None) -> list[str] | None:
     return None if text is None else [name.strip() for name in text.split(",") if name.strip()]
-
-
-def _trust(text: str | None) -> dict[str, float]:
-    found: dict[str, float] = {}
-    for part in [] if text is None else text.split(","):
-        name, equals, value = part.partition("=")
-        if not equals or not name.strip():
-            raise InvalidRequest(Fault(SOURCE, "--trust", repr(part), "NAME=X, such as mass=0.1"))
-        found[name.strip()] = number(value, f"--trust {name.strip()}", "a relative standard deviation")
-    return found
 
 
 def _print(diagnosis: Diagnosis) -> None:

@@ -97,12 +97,13 @@ def fit(
     """Modal parameters of measured FRFs, each with its uncertainty; exit 1 if no mode is found."""
     from flexmodal.campaign import check_campaign_quality
     from flexmodal.ema import as_json as as_object
-    from flexmodal.ema import fit_campaign, records_of
+    from flexmodal.ema import fit as find
+    from flexmodal.ema import records_of
 
     refuse_existing(out, force, _ENDINGS)
     measured = campaign_at(campaign)
     choices = _choices(**wanted)
-    fits = fit_campaign(measured, method, per=per, trials=trials, estimator=estimator, choices=choices)
+    fits = find(measured, method, per=per, trials=trials, estimator=estimator, choices=choices)
     records = records_of(measured, estimator)
     flags = check_campaign_quality(measured, records)
     found = as_object(fits, flags)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from flexmodal.cli.measured import campaign_at
-from flexmodal.cli.options import SOURCE, force_option, json_option, quiet_option
+from flexmodal.cli.options import SOURCE, force_option, json_option, quiet_option, trust_of, trust_option
 from flexmodal.cli.printing import print_json, print_table, progress
 from flexmodal.errors import Fault, OutputExists
 
@@ -44,12 +44,7 @@ FILES = ("identification.json", "report.html", "fit.png", "fit.svg", "robot")
     show_default=True,
     help="Kinds of parameters; mass_centre, position (of pseudo-joints) and payload besides.",
 )
-@click.option(
-    "--trust",
-    multiple=True,
-    metavar="NAME=X",
-    help="Relative standard deviation of a kind or parameter of the card.",
-)
+@trust_option
 @click.option(
     "--starts", type=int, default=1, show_default=True, help="Starting points: the card, then random."
 )
@@ -78,7 +73,7 @@ def identify(
     as_json: bool,
 ) -> None:
     """Stiffness, damping and inertia from a campaign, with uncertainty; exit 1 if the fit does not settle."""
-    from flexmodal.identification import build_identification, solve_identification
+    from flexmodal.identification import identify as find
     from flexmodal.identification.as_json import as_json as as_object
     from flexmodal.structure import robot_space
 
@@ -87,18 +82,19 @@ def identify(
     arm = robot_of(measured, robot)
     wanted = [kind.strip() for kind in kinds.split(",") if kind.strip()]
     with progress(STAGES, "identifying", quiet=quiet) as advance:
-        problem = build_identification(
+        outcome = find(
             measured,
             arm,
             source=source,  # type: ignore[arg-type]  # click has seen to it
-            space=robot_space(arm, wanted, trust=_trust(trust)),
+            space=robot_space(arm, wanted, trust=trust_of(trust)),
             hold_out=hold_out,
             use=None if use is None else [part.strip() for part in use.split(",")],
+            starts=starts,
+            seed=seed,
+            advance=lambda _: advance(),
         )
-        advance()
-        if not as_json:
-            click.echo(f"before the fit: {problem.identifiability.verdict}", err=True)
-        outcome = solve_identification(problem, starts=starts, seed=seed, advance=lambda _: advance())
+    if not as_json:
+        click.echo(f"before the fit: {outcome.problem.identifiability.verdict}", err=True)
     found = as_object(outcome)
     if out is not None:
         _write(outcome, found, out, force)
@@ -118,17 +114,6 @@ def robot_of(campaign: Campaign, given: str | None) -> Robot:
         return load(given)
     beside = None if campaign.path is None else campaign.path / campaign.robot
     return load(beside if beside is not None and beside.is_file() else campaign.robot)
-
-
-def _trust(texts: tuple[str, ...]) -> dict[str, float]:
-    from flexmodal.cli.options import per_joint
-
-    found: dict[str, float] = {}
-    for text in texts:
-        given = per_joint(text if "=" in text else f"={text}", "--trust")
-        if isinstance(given, dict):
-            found |= given
-    return found
 
 
 def _refuse_out(out: Path | None, force: bool) -> None:

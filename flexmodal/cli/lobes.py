@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from flexmodal.cli.holding import hold_of, orientation_options
+from flexmodal.cli.holds import hold_of, orientation_options
 from flexmodal.cli.options import (
     SOURCE,
     force_option,
@@ -141,13 +141,13 @@ def _single(
     speeds: int | None,
     quiet: bool,
 ) -> PostureDepth:
-    from flexmodal.machining.depth import posture_depth
-    from flexmodal.machining.solve import SPEEDS
+    from flexmodal.machining import lobes as find
+    from flexmodal.machining.stability.solve import SPEEDS
 
     where = posture_of(arm, posture)
     hidden = quiet or method == "zero-order"
     with progress(speeds or SPEEDS[method], "speeds", quiet=hidden) as advance:
-        return posture_depth(arm, where, cut, method=method, speeds=speeds, added=added, advance=advance)
+        return find(arm, where, cut, method=method, speeds=speeds, added=added, advance=advance)
 
 
 def _searched(

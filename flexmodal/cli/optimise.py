@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
-from flexmodal.cli.holding import hold_of, orientation_options
-from flexmodal.cli.judging import judging_options, objective_of
+from flexmodal.cli.holds import hold_of, orientation_options
+from flexmodal.cli.objectives import judging_options, objective_of
 from flexmodal.cli.options import (
     SOURCE,
     force_option,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -46,6 +46,13 @@ def robot_options(command: Command) -> Command:
 json_option = click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
 force_option = click.option("--force", is_flag=True, help="Replace the output file if it exists.")
 quiet_option = click.option("--quiet", is_flag=True, help="No progress bar.")
+trust_option = click.option(
+    "--trust",
+    multiple=True,
+    metavar="GROUP=FACTOR",
+    help="How far the card may be off: relative standard deviation of a kind (mass=0.1) or of a parameter "
+    "(mass.link_2=0.1); may be repeated.",
+)
 posture_option = click.option(
     "--posture", required=True, metavar="POSTURE", help="A named posture, or q1=50deg,q2=-0.8."
 )
@@ -75,8 +82,19 @@ def per_joint(text: str | None, option: str) -> float | dict[str, float] | None:
     return {name: number(value, f"{option} {name}") for name, value in _pairs(text, option).items()}
 
 
+def trust_of(texts: Sequence[str]) -> dict[str, float]:
+    """Read every "mass=0.1" of `trust_option`; several may stand in one text, separated by commas."""
+    found: dict[str, float] = {}
+    for part in (part.strip() for text in texts for part in text.split(",")):
+        name, equals, value = (piece.strip() for piece in part.partition("="))
+        if not equals or not name:
+            raise InvalidRequest(Fault(SOURCE, "--trust", repr(part), "GROUP=FACTOR, such as mass=0.1"))
+        found[name] = number(value, f"--trust {name}", "a relative standard deviation")
+    return found
+
+
 def number(text: str, key: str, what: str = "a number") -> float:
-    """A finite number of a size that can be reckoned with, or InvalidRequest."""
+    """A finite number whose square and cube are finite too, or InvalidRequest."""
     try:
         value = float(text)
     except ValueError:

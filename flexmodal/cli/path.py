@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from flexmodal.cli.holding import at, orientation_options
+from flexmodal.cli.holds import at, orientation_options
 from flexmodal.cli.options import (
     SOURCE,
     force_option,

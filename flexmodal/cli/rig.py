@@ -25,7 +25,7 @@ from flexmodal.errors import Fault, InvalidInput, InvalidRequest
 if TYPE_CHECKING:
     from flexmodal.model import Robot
     from flexmodal.rig import Hide, RigResult
-    from flexmodal.rig.plan import Plan
+    from flexmodal.rig.plan import HammerPlan
     from flexmodal.text.gather import Gathering
 
 
@@ -195,7 +195,7 @@ def _json(result: RigResult, out: Path, truth: Path) -> dict[str, Any]:
     }
 
 
-def _blows(plan: Plan) -> int:
+def _blows(plan: HammerPlan) -> int:
     averages = sum(trial.averages for trial in plan.trials)
     return len(plan.postures) * len(plan.points) * len(plan.references) * averages
 

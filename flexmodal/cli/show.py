@@ -116,9 +116,9 @@ def _robot_of(measured: Campaign) -> str:
 
 def _shapes(measured: Campaign) -> tuple[FittedShapes, ...]:
     """Shapes of the modes that a fit of each posture finds by itself; none without FRFs."""
-    from flexmodal.ema import Choices, fit_campaign
+    from flexmodal.ema import Choices, fit
     from flexmodal.ema.shapes import fitted_shapes
 
     if measured.frfs is None and not measured.blows:
         return ()
-    return fitted_shapes(fit_campaign(measured, per="posture", choices=Choices(vary=False)))
+    return fitted_shapes(fit(measured, per="posture", choices=Choices(vary=False)))

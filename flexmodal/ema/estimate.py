@@ -8,25 +8,25 @@ from typing import get_args
 
 import numpy as np
 
-from flexmodal.ema.basis import check_residuals
-from flexmodal.ema.circle import CircleFit, fit_circle
-from flexmodal.ema.judge import judged
-from flexmodal.ema.least_squares import (
+from flexmodal.ema.measured import Measured
+from flexmodal.ema.methods.basis import check_residuals
+from flexmodal.ema.methods.choice_variance import moved
+from flexmodal.ema.methods.circle import CircleFit, fit_circle
+from flexmodal.ema.methods.least_squares import (
     LeastSquaresProblem,
     build_least_squares,
     solve_least_squares,
     solve_many,
 )
-from flexmodal.ema.measured import Measured
+from flexmodal.ema.methods.local_refit import refit_locally
+from flexmodal.ema.methods.noise import with_variance
+from flexmodal.ema.methods.peak import Peak
+from flexmodal.ema.methods.picking import pick_peak
+from flexmodal.ema.methods.select import choose_peaks
+from flexmodal.ema.methods.stabilisation import Stabilisation, Tolerances, stabilise
 from flexmodal.ema.mode import EstimatedModes, Method, ModeEstimate, with_residual_terms
-from flexmodal.ema.noise import with_variance
-from flexmodal.ema.peak import Peak
-from flexmodal.ema.picking import pick_peak
 from flexmodal.ema.pooling import pooled
-from flexmodal.ema.select import choose_peaks
-from flexmodal.ema.stabilisation import Stabilisation, Tolerances, stabilise
-from flexmodal.ema.strays import with_strays
-from flexmodal.ema.vary import moved
+from flexmodal.ema.quality import with_quality
 from flexmodal.errors import Fault, InvalidRequest
 
 
@@ -85,7 +85,7 @@ def estimate(
     if name == "least-squares":
         problem = _problem(part, peaks, wanted)
         found = solve_least_squares(problem)
-        return found if wanted.at is not None else with_strays(problem, found)
+        return found if wanted.at is not None else refit_locally(problem, found)
     return by_reading(part, peaks, name, wanted)
 
 
@@ -148,7 +148,7 @@ def by_reading(measured: Measured, peaks: Sequence[Peak], method: Method, choice
     zero = np.zeros(measured.value.shape[1], dtype=complex)
     modes.sort(key=lambda mode: mode.frequency)
     plain = EstimatedModes(tuple(modes), measured, method, zero, zero.copy(), tuple(refused))
-    return judged(with_residual_terms(plain, check_residuals(choices.residuals))) if modes else plain
+    return with_quality(with_residual_terms(plain, check_residuals(choices.residuals))) if modes else plain
 
 
 def _beside(parts: Sequence[Measured], peaks: Sequence[Peak]) -> list[Sequence[ModeEstimate]]:
@@ -225,7 +225,7 @@ def modes_of(diagram: Stabilisation, choices: Choices) -> EstimatedModes:
     problem = _problem(measured, start, choices)
     found = solve_least_squares(problem)
     if choices.at is None and choices.refine:
-        found = with_strays(problem, found)
+        found = refit_locally(problem, found)
     modes = [replace(mode, method="lscf") for mode in found.modes]
     if not choices.refine:
         modes = [_with_scatter(mode, diagram) for mode in modes]

@@ -1,4 +1,4 @@
-"""`fit`: the modes of every posture of a campaign, FRF by FRF or all FRFs of a posture together."""
+"""`fit_records`: the modes of every posture of a campaign, FRF by FRF or all FRFs of a posture together."""
 
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ def _errors(errors: Float[np.ndarray, " number"], frf: int) -> dict[str, float]:
     }
 
 
-def fit(
+def fit_records(
     records: Records,
     method: str = "least-squares",
     *,
@@ -95,26 +95,7 @@ def fit(
     variance: Float[np.ndarray, "record line"] | None = None,
     choices: Choices | None = None,
 ) -> tuple[Fit, ...]:
-    """Find the modes in measured FRFs.
-
-    The peaks are chosen for each posture from all its FRFs together, so that a mode keeps its number from
-    one FRF to the next; `choices` can name them by hand.
-
-    Args:
-        records: FRFs of a campaign.
-        method: peaks, circle, least-squares or lscf.
-        per: "frf" for poles of each FRF's own, "posture" for poles common to the FRFs of a posture.
-        trials: "average" them, or fit each one "separate"ly.
-        variance: E|noise|² of each record's values; from the scatter of trials where it is not given and
-            there are several, else from what the fit leaves over.
-        choices: what a person decides; the band among it.
-
-    Returns:
-        A `Fit` for each FRF, or for each posture.
-
-    Raises:
-        InvalidRequest: no records, or a choice that does not exist or does not suit the lines.
-    """
+    """Find the modes in measured FRFs; arguments, answer and errors as of `fit`."""
     name = check_method(method)
     for key, given, allowed in (
         ("per", per, ("frf", "posture")),

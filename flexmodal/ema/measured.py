@@ -15,7 +15,7 @@ FEWEST_LINES = 5
 """A mode has four real numbers in one FRF; fewer lines than this say nothing about it."""
 
 LARGEST = 1e100
-"""Values beyond, or below its inverse, are none that can be reckoned with."""
+"""Values beyond, or below its inverse, overflow or vanish when they are squared and multiplied."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,8 +16,8 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Complex, Float
 
-from flexmodal.ema.basis import Residuals, mode_columns, pole_of, residual_columns
 from flexmodal.ema.measured import Measured
+from flexmodal.ema.methods.basis import Residuals, mode_columns, pole_of, residual_columns
 from flexmodal.frf import POWER
 from flexmodal.frf.form import Form, check_form
 

@@ -17,7 +17,8 @@ from flexmodal.campaign import (
     record_variance,
 )
 from flexmodal.ema.estimate import Choices
-from flexmodal.ema.fit import Fit, fit
+from flexmodal.ema.fit import Fit, fit_records
+from flexmodal.ema.records import Records
 from flexmodal.ema.window import without_window
 from flexmodal.errors import Fault, InvalidRequest
 
@@ -47,36 +48,49 @@ def known_variance(records: FrfRecords) -> Float[np.ndarray, "record line"] | No
     return np.maximum(variance, np.maximum(floor, np.finfo(float).tiny))
 
 
-def fit_campaign(
-    campaign: Campaign,
+def fit(
+    measured: Campaign | Records,
     method: str = "least-squares",
     *,
     per: str = "frf",
     trials: str = "average",
     estimator: str = "H1",
+    variance: Float[np.ndarray, "record line"] | None = None,
     choices: Choices | None = None,
 ) -> tuple[Fit, ...]:
-    """Find the modes of a campaign; damping that exponential windows added is taken out again.
+    """Find the modes of a campaign, or of FRFs by themselves.
 
-    How noisy the FRFs are is taken from repeats or coherence, where every record has one of them.
+    Of a campaign the FRFs are those measured or, without, those its blows give; how noisy they are is taken
+    from repeats or coherence, where every record has one of them; damping that exponential windows added is
+    taken out again. The peaks are chosen for each posture from all its FRFs together, so that a mode keeps
+    its number from one FRF to the next; `choices` can name them by hand.
 
     Args:
-        campaign: what was measured; its band is used unless `choices` has one.
+        measured: the campaign, whose band is used unless `choices` has one; or FRFs.
         method: peaks, circle, least-squares or lscf.
         per: "frf" for poles of each FRF's own, "posture" for poles common to the FRFs of a posture.
         trials: "average" them, or fit each one "separate"ly.
-        estimator: H1, H2 or Hv, where FRFs are estimated from blows.
-        choices: what a person decides.
+        estimator: H1, H2 or Hv, where FRFs are estimated from the blows of a campaign.
+        variance: E|noise|² of each record's values, in their unit squared; see above for a campaign. Of FRFs
+            alone from the scatter of trials where there are several, else from what the fit leaves over.
+        choices: what a person decides; the band among it.
+
+    Returns:
+        A `Fit` for each FRF, or for each posture.
 
     Raises:
-        InvalidRequest: no FRFs and no blows, or trials with different windows to be averaged.
+        InvalidRequest: no FRFs and no blows, trials with different windows to be averaged, or a choice that
+            does not exist or does not suit the lines.
     """
+    if not isinstance(measured, Campaign):
+        return fit_records(measured, method, per=per, trials=trials, variance=variance, choices=choices)
     wanted = choices or Choices()
-    if wanted.band is None and campaign.band is not None:
-        wanted = replace(wanted, band=campaign.band)
-    records = records_of(campaign, estimator)
-    fits = fit(records, method, per=per, trials=trials, variance=known_variance(records), choices=wanted)
-    decays = {trial.id: added_decay(trial) for trial in campaign.trials}
+    if wanted.band is None and measured.band is not None:
+        wanted = replace(wanted, band=measured.band)
+    records = records_of(measured, estimator)
+    noise = known_variance(records) if variance is None else variance
+    fits = fit_records(records, method, per=per, trials=trials, variance=noise, choices=wanted)
+    decays = {trial.id: added_decay(trial) for trial in measured.trials}
     if not any(decays.values()):
         return fits
     return tuple(_without_window(one, decays) for one in fits)

@@ -28,7 +28,7 @@ def write_fit_page(
     """Write the page; names are escaped, and it needs no network.
 
     Args:
-        fits: what `fit_campaign` found.
+        fits: what `fit` found.
         drawn: its pictures, as `pictures` gives them.
         flags: what is odd about the data.
         campaign: for its title.

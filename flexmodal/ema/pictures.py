@@ -12,17 +12,17 @@ import numpy as np
 
 from flexmodal import report
 from flexmodal.campaign import Campaign, FrfRecords
-from flexmodal.ema.circle import CircleFit, fit_circle
 from flexmodal.ema.estimate import Choices, peaks_of
 from flexmodal.ema.fit import Fit
 from flexmodal.ema.measured import Measured
+from flexmodal.ema.methods.circle import CircleFit, fit_circle
+from flexmodal.ema.methods.stabilisation import stabilise
 from flexmodal.ema.of_campaign import known_variance
 from flexmodal.ema.plot import draw_coherence, draw_fit, draw_nyquist
 from flexmodal.ema.plot_poles import draw_circle, draw_stabilisation
 from flexmodal.ema.plot_shapes import draw_mac, draw_shapes, fixed_place
 from flexmodal.ema.records import Place, Trials, by_posture, grouped
 from flexmodal.ema.shapes import FittedShapes, fitted_shapes
-from flexmodal.ema.stabilisation import stabilise
 from flexmodal.errors import Fault, OutputExists
 from flexmodal.modal import mac
 
@@ -52,7 +52,7 @@ def pictures(
     """All pictures of some fits, section by section.
 
     Args:
-        fits: what `fit_campaign` found.
+        fits: what `fit` found.
         records: the FRFs it was found in.
         campaign: for names.
         choices: under which it was found.

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from flexmodal.ema.circle import CircleFit
-from flexmodal.ema.select import mode_indicator
-from flexmodal.ema.stabilisation import Stabilisation
+from flexmodal.ema.methods.circle import CircleFit
+from flexmodal.ema.methods.select import mode_indicator
+from flexmodal.ema.methods.stabilisation import Stabilisation
 from flexmodal.frf.form import unit
 from flexmodal.report.figure import (
     DASHED,

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import sys
-
 import numpy as np
 from jaxtyping import Complex, Float
 
 from flexmodal.errors import DefectiveModes
-from flexmodal.frf.kernels.route import FEW, WORTH_A_CALL, choose, is_ready, run
+from flexmodal.frf.kernels.route import WORTH_A_CALL, choose, has_numba, run
 from flexmodal.frf.kernels.task import SINGULAR, Task, is_damped, refuse_singular, singular
 from flexmodal.modal import Hysteresis, Modes, SecondOrderSystem
 
@@ -16,7 +14,7 @@ _MOST_PAIRS = 36
 """Most receptances that elimination with the rows pays for; beyond, one factorisation serves them all."""
 
 _FEW_LINES = 1000
-"""Lines up to which one factorisation of the stack is quicker than starting anything else."""
+"""Lines up to which one factorisation of the stack is quicker than elimination in numpy."""
 
 _BLOCK = 4096
 """Frequencies solved at once there: bounds the memory for the stacked matrices."""
@@ -57,7 +55,7 @@ def receptance(
         SingularResponse: an undamped mode is driven at its natural frequency, or a free one at 0 Hz.
     """
     lines = len(frequency)
-    few = (lines < FEW * system.dof**2 and "numba" not in sys.modules) or lines < WORTH_A_CALL
+    few = lines < WORTH_A_CALL or (lines < _FEW_LINES and not has_numba())
     if few or len(response) * len(reference) > _MOST_PAIRS:
         return _by_factorisation(system, response, reference, frequency)
     same = response.shape == reference.shape and np.array_equal(response, reference)
@@ -77,9 +75,10 @@ def receptance(
         omega=2 * np.pi * frequency,
         addition=hysteretic_addition(system.hysteresis, frequency),
     )
-    if lines < _FEW_LINES and not is_ready(task):
+    route = choose(task, None)
+    if route.way == "LAPACK" or (route.way == "numpy" and lines < _FEW_LINES):
         return _by_factorisation(system, response, reference, frequency)
-    values = run(task, choose(task, None))[0]
+    values = run(task, route)[0]
     result = np.empty((len(frequency), len(response), len(reference)), dtype=complex)
     for place, (i, j) in enumerate(pairs):
         column = j if same else j - len(response)

@@ -12,10 +12,10 @@ from flexmodal.cards import FamilyCard
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.machining.cut import Cut
 from flexmodal.machining.forced import ForcedSweep, forced_sweep
-from flexmodal.machining.lobes import Lobes
 from flexmodal.machining.measured_tip import MeasuredTip
-from flexmodal.machining.mode_coupling import ModeCoupling, mode_coupling
-from flexmodal.machining.solve import stability_lobes, unconditional_depth
+from flexmodal.machining.stability.lobes import Lobes
+from flexmodal.machining.stability.mode_coupling import ModeCoupling, mode_coupling
+from flexmodal.machining.stability.solve import stability_lobes, unconditional_depth
 from flexmodal.machining.tip import tool_tip
 from flexmodal.model import Pose, PosedRobot, Posture, Robot
 
@@ -114,7 +114,7 @@ def depth_over(
     return depth
 
 
-def posture_depth(
+def lobes(
     robot: Robot,
     pose: Pose,
     cut: Cut,
@@ -126,7 +126,7 @@ def posture_depth(
     forced: bool = True,
     advance: Callable[[], None] = lambda: None,
 ) -> PostureDepth:
-    """Everything a posture allows a cut.
+    """Stability lobes of a cut in a posture, with everything else that the posture allows it.
 
     Args:
         robot: the robot.
@@ -144,13 +144,13 @@ def posture_depth(
     """
     posed = robot.at(pose)
     tip = tool_tip(posed, cut, added)
-    lobes = stability_lobes(tip, cut, method=method, speeds=speeds, advance=advance)
+    found = stability_lobes(tip, cut, method=method, speeds=speeds, advance=advance)
     return PostureDepth(
         posture=posed.posture,
-        lobes=lobes,
+        lobes=found,
         unconditional=unconditional_depth(tip, cut),
         coupling=mode_coupling(tip, cut),
-        forced=forced_sweep(tip, cut, lobes.speed) if forced and cut.engagement.depth else None,
+        forced=forced_sweep(tip, cut, found.speed) if forced and cut.engagement.depth else None,
         parameter=parameter,
     )
 
@@ -183,7 +183,7 @@ def compare_postures(
     checked = [robot.posture(pose) for pose in poses]  # all of them, before the work
     found = []
     for pose in checked:
-        found.append(posture_depth(robot, pose, cut, speeds=speeds, added=added, forced=False))
+        found.append(lobes(robot, pose, cut, speeds=speeds, added=added, forced=False))
         advance()
     return Comparison(robot, cut, tuple(found))
 
@@ -219,7 +219,7 @@ def compare_family(
     found = []
     for parameter in np.linspace(card.start, card.stop, members).tolist():
         values = family_member(card, parameter)
-        one = posture_depth(robot, values, cut, speeds=speeds, added=added, parameter=parameter, forced=False)
+        one = lobes(robot, values, cut, speeds=speeds, added=added, parameter=parameter, forced=False)
         found.append(one)
         advance()
     return Comparison(robot, cut, tuple(found), family)

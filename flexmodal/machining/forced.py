@@ -17,7 +17,7 @@ from jaxtyping import Complex, Float
 
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.machining.cut import Cut
-from flexmodal.machining.directional import helix_lag, static_force_harmonics
+from flexmodal.machining.stability.directional import helix_lag, static_force_harmonics
 from flexmodal.machining.tip_receptance import TipReceptance
 
 _HARMONICS = 60

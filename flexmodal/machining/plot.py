@@ -9,7 +9,7 @@ import numpy as np
 
 from flexmodal.machining.depth import Comparison, PostureDepth
 from flexmodal.machining.forced import ForcedSweep
-from flexmodal.machining.lobes import LINEAR_RATIO, Lobes
+from flexmodal.machining.stability.lobes import LINEAR_RATIO, Lobes
 from flexmodal.report.figure import PALETTE, SOFT, WIDE, drawing, log_axis, look, new_figure, short
 
 _DEEP = 40

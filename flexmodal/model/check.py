@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from flexmodal.cards import check_together, find, gripper_joints, read_card, read_urdf
+from flexmodal.cards import check_consistency, find, gripper_joints, read_card, read_urdf
 from flexmodal.errors import Fault, InvalidInput
 from flexmodal.model.load import load
 from flexmodal.model.posture import middle
@@ -43,7 +43,7 @@ def check(path: Path) -> Report:
             card = read_card(file)
             urdf = read_urdf(card.urdf)
             warnings += urdf.warnings
-            check_together(card, urdf)
+            check_consistency(card, urdf)
             robot = load(file)
         for posture in robot.postures or [middle(robot.commanded)]:
             robot.at(posture)

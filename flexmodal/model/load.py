@@ -10,8 +10,8 @@ from flexmodal.cards import (
     JointCard,
     RobotCard,
     Urdf,
+    check_consistency,
     check_masses,
-    check_together,
     find,
     gripper_joints,
     read_card,
@@ -58,7 +58,7 @@ def load(
         card = read_card(path)
         _refuse_beside_card(path, stiffness=stiffness, damping=damping, fixed=fixed or None)
         urdf = read_urdf(card.urdf)
-        check_together(card, urdf)
+        check_consistency(card, urdf)
     return _assemble(card, urdf, tool)
 
 

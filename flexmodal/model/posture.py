@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from flexmodal.cards import FrozenDict, UrdfJoint
-from flexmodal.cards.together import TOLERANCE
+from flexmodal.cards.consistency import TOLERANCE
 from flexmodal.errors import Fault, InvalidPosture
 
 

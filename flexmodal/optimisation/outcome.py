@@ -96,7 +96,7 @@ def distinct(
     problem: PostureProblem, found: list[tuple[float, np.ndarray]]
 ) -> list[tuple[float, np.ndarray, int]]:
     """Merge results that are the same posture, whole turns apart or not; best (lowest cost) first."""
-    turning = np.array(not [joint.is_prismatic for joint in problem.robot.commanded.values()])
+    turning = np.array([not joint.is_prismatic for joint in problem.robot.commanded.values()])
     groups: list[tuple[float, np.ndarray, int]] = []
     for cost, values in sorted(found, key=lambda item: item[0]):
         for place, (best, centre, hits) in enumerate(groups):

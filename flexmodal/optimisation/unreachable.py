@@ -57,7 +57,7 @@ def _limits_in_the_way(problem: PostureProblem) -> str:
         values = free.retract(problem.random_vector(generator))
         if values is None:
             continue
-        turning = np.array(not [joint.is_prismatic for joint in problem.robot.commanded.values()])
+        turning = np.array([not joint.is_prismatic for joint in problem.robot.commanded.values()])
         turns = np.round((values - np.clip(values, problem.lower, problem.upper)) / (2 * np.pi))
         values = values - np.where(turning, turns * 2 * np.pi, 0.0)
         beyond = np.abs(values - np.clip(values, problem.lower, problem.upper))

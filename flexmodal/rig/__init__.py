@@ -2,11 +2,11 @@
 
 from flexmodal.rig.believed import ParameterError as ParameterError
 from flexmodal.rig.effects import EFFECTS as EFFECTS
-from flexmodal.rig.hide import Hide as Hide
-from flexmodal.rig.hide import hide_places as hide_places
+from flexmodal.rig.hidden.hide import Hide as Hide
+from flexmodal.rig.hidden.hide import hide_places as hide_places
+from flexmodal.rig.hidden.scenario import Scenario as Scenario
+from flexmodal.rig.hidden.scenario import draw_scenario as draw_scenario
 from flexmodal.rig.result import RigResult as RigResult
-from flexmodal.rig.secret import Secret as Secret
-from flexmodal.rig.secret import draw_secret as draw_secret
 from flexmodal.rig.simulate import simulate as simulate
 from flexmodal.rig.truth import HiddenEffect as HiddenEffect
 from flexmodal.rig.truth import Truth as Truth

@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Float
 
 from flexmodal.model import Robot
-from flexmodal.rig.chain import reach, rigid_with
+from flexmodal.rig.plant.chain import reach, rigid_with
 from flexmodal.structure.arm import moved_bodies
 
 MOST = 2.5

@@ -75,7 +75,7 @@ def strike(
 
 def _tilt(angles: np.ndarray, heading: float) -> np.ndarray:
     """A small rotation about a random pair of world axes."""
-    from flexmodal.rig.geometry import turn
+    from flexmodal.rig.plant.geometry import turn
 
     size = float(np.hypot(*angles))
     if size == 0:

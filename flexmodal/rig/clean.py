@@ -9,13 +9,13 @@ import numpy as np
 from jaxtyping import Complex
 
 from flexmodal.campaign import CampaignPosture, Trial
-from flexmodal.rig.bench import force_records, reference_rows, response_rows
 from flexmodal.rig.blow import strike
 from flexmodal.rig.effects import EFFECTS, Stand
-from flexmodal.rig.linear import Outputs, records
-from flexmodal.rig.nonlinear import fine_records
+from flexmodal.rig.hammer_test import force_records, reference_rows, response_rows
+from flexmodal.rig.integration.linear import Outputs, records
+from flexmodal.rig.integration.nonlinear import fine_records
+from flexmodal.rig.plant.build import Hidden, build, sensors
 from flexmodal.rig.sensing import Sensor
-from flexmodal.rig.structure import Hidden, build, sensors
 
 
 def peaks(stand: Stand, posture: CampaignPosture) -> tuple[dict[str, float], dict[str, float]]:
@@ -43,7 +43,7 @@ def peaks(stand: Stand, posture: CampaignPosture) -> tuple[dict[str, float], dic
     return deflection, dict(zip([p.name for p in plan.points], by_point.tolist(), strict=True))
 
 
-def strike_together(
+def strike_all_points(
     stand: Stand, posture: CampaignPosture, hidden: Sequence[Hidden], trials: Sequence[Trial]
 ) -> Complex[np.ndarray, "trial reference point axis line"]:
     """FRFs from one clean blow a trial and reference, measured at every point at once."""

@@ -25,7 +25,7 @@ _WIDEST = np.radians(150.0)
 
 
 @dataclass(frozen=True, eq=False)
-class Plan:
+class HammerPlan:
     """What is struck and measured, where and how often."""
 
     postures: tuple[CampaignPosture, ...]
@@ -58,8 +58,8 @@ def make_plan(
     band: tuple[float, float],
     record_length: float,
     random: np.random.Generator,
-) -> Plan:
-    """Plan a campaign; see `simulate` for the arguments.
+) -> HammerPlan:
+    """HammerPlan a campaign; see `simulate` for the arguments.
 
     Raises:
         InvalidRequest, InvalidPosture, InvalidPoint: every argument out of its range at once.
@@ -82,7 +82,7 @@ def make_plan(
             struck = choose_references(robot, chosen, references, measured)
     gathering.done()
     rate = RATIO * band[1]
-    return Plan(
+    return HammerPlan(
         postures=stood,
         points=chosen,
         references=struck,

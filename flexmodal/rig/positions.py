@@ -10,7 +10,7 @@ from flexmodal.campaign import CampaignPoint
 from flexmodal.errors import Fault, InvalidInput, InvalidRequest
 from flexmodal.frf import PointDirection
 from flexmodal.model import Robot
-from flexmodal.rig.chain import reach
+from flexmodal.rig.plant.chain import reach
 from flexmodal.structure.arm import moved_bodies
 
 AXES = "xyz"

@@ -10,9 +10,9 @@ import numpy as np
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.model import Robot
 from flexmodal.rig.believed import ParameterError
-from flexmodal.rig.bench import Conduct
-from flexmodal.rig.hide import Hide, check_hides
-from flexmodal.rig.plan import Plan, make_plan
+from flexmodal.rig.hammer_test import Conduct
+from flexmodal.rig.hidden.hide import Hide, check_hides
+from flexmodal.rig.plan import HammerPlan, make_plan
 from flexmodal.rig.positions import choose_points
 from flexmodal.text.gather import Gathering
 
@@ -24,7 +24,7 @@ class Prepared:
     """A request found sound: what will be struck, and what is to be hidden."""
 
     robot: Robot
-    plan: Plan
+    plan: HammerPlan
     wanted: tuple[Hide, ...]
     error: ParameterError
     conduct: Conduct

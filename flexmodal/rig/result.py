@@ -11,9 +11,9 @@ from flexmodal.campaign import Campaign
 from flexmodal.errors import Fault, OutputExists
 from flexmodal.model import Robot
 from flexmodal.rig.effects import Stand
-from flexmodal.rig.plan import Plan
+from flexmodal.rig.plan import HammerPlan
+from flexmodal.rig.plant.build import Hidden
 from flexmodal.rig.robot_folder import write_robot
-from flexmodal.rig.structure import Hidden
 from flexmodal.rig.truth import Truth, truth_path
 
 
@@ -25,7 +25,7 @@ class RigResult:
     truth: Truth
     robot: Robot
     """As the tester believes it to be."""
-    plan: Plan
+    plan: HammerPlan
     stand: Stand
     hidden: tuple[Hidden, ...]
 

@@ -10,12 +10,12 @@ import numpy as np
 from flexmodal.campaign import Blow, Campaign
 from flexmodal.model import Robot
 from flexmodal.rig.believed import ParameterError, true_robot
-from flexmodal.rig.bench import Struck, each_posture
 from flexmodal.rig.clean import peaks as clean_peaks
 from flexmodal.rig.effects import Stand
-from flexmodal.rig.hide import Hide
-from flexmodal.rig.placing import put_in
-from flexmodal.rig.plan import Plan
+from flexmodal.rig.hammer_test import Struck, each_posture
+from flexmodal.rig.hidden.hide import Hide
+from flexmodal.rig.hidden.placement import put_in
+from flexmodal.rig.plan import HammerPlan
 from flexmodal.rig.request import Prepared, prepare
 from flexmodal.rig.result import RigResult
 from flexmodal.rig.robot_folder import CARD
@@ -90,7 +90,7 @@ def _run(prepared: Prepared, time: bool, workers: int, advance: Callable[[], Non
     return RigResult(_campaign(robot, plan, blows, time), truth, robot, plan, stand, tuple(hidden))
 
 
-def make_stand(robot: Robot, plan: Plan, error: ParameterError, seed: int) -> Stand:
+def make_stand(robot: Robot, plan: HammerPlan, error: ParameterError, seed: int) -> Stand:
     """The true robot, and how far it moves when it is struck."""
     true = true_robot(robot, error, np.random.default_rng([seed, 4]))
     bare = Stand(robot, true, plan, {}, {})
@@ -104,7 +104,7 @@ def make_stand(robot: Robot, plan: Plan, error: ParameterError, seed: int) -> St
     return Stand(robot, true, plan, deflection, acceleration)  # type: ignore[arg-type]
 
 
-def _blows(plan: Plan, posture: int, struck: Struck) -> list[Blow]:
+def _blows(plan: HammerPlan, posture: int, struck: Struck) -> list[Blow]:
     """One blow after the other: by trial, and in it by reference, point and average."""
     blows = []
     time = plan.analyser.time
@@ -130,7 +130,7 @@ def _blows(plan: Plan, posture: int, struck: Struck) -> list[Blow]:
     return blows
 
 
-def _campaign(robot: Robot, plan: Plan, blows: list[Blow], time: bool) -> Campaign:
+def _campaign(robot: Robot, plan: HammerPlan, blows: list[Blow], time: bool) -> Campaign:
     from flexmodal.campaign import estimate_frfs
 
     campaign = Campaign(

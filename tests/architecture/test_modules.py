@@ -156,3 +156,19 @@ def test_imports_for_typing_and_inside_functions_count() -> None:
     text = "from x import a\nif TYPE_CHECKING:\n    from .y import b\ndef f():\n    import z\n"
     found = set(imported(ast.parse(text), "flexmodal.room.module", Path("module.py")))
     assert found == {("x", "a"), ("flexmodal.room.y", "b"), ("z", "")}
+
+
+@pytest.mark.parametrize(
+    ("library", "room"),
+    [("pinocchio", "flexmodal.model"), ("pyuff", "flexmodal.campaign.uff")],
+)
+def test_a_library_has_one_door(library: str, room: str) -> None:
+    paths = modules()
+    found = {
+        name
+        for name, path in paths.items()
+        for source, _ in imported(ast.parse(path.read_text()), name, path)
+        if source.split(".")[0] == library
+    }
+    assert found
+    assert {name for name in found if not name.startswith(room)} == set()

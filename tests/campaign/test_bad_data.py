@@ -14,7 +14,7 @@ import pytest
 import pyuff
 
 from flexmodal.campaign import Campaign, check_campaign, read_campaign, write_campaign
-from flexmodal.campaign.write_uff import frf_datasets
+from flexmodal.campaign.uff.write import frf_datasets
 from flexmodal.errors import InvalidCampaign
 
 HEADER = 13

@@ -143,7 +143,7 @@ def test_faults_are_sentences(folder: Path, file: str, old: str, new: str, says:
 
 
 def test_a_bomb_and_a_broken_workbook_are_refused(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    import flexmodal.campaign.table_columns as columns
+    import flexmodal.campaign.tables.columns as columns
 
     (folder / "map.toml").write_text(MAP.replace("frf.csv", "frf.xlsx"))
     (folder / "frf.xlsx").write_bytes(b"PK\3\4 not a workbook")

@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 import pyuff
 
-from flexmodal.campaign import Campaign, uff_frame, write_campaign
-from flexmodal.campaign.uff_frame import framed, splice, with_size
-from flexmodal.campaign.write_uff import blow_datasets, frf_datasets
+from flexmodal.campaign import Campaign, write_campaign
+from flexmodal.campaign.uff import frame as uff_frame
+from flexmodal.campaign.uff.frame import framed, splice, with_size
+from flexmodal.campaign.uff.write import blow_datasets, frf_datasets
 
 
 def alone(dataset: dict, piece: Path) -> bytes:

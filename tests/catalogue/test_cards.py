@@ -8,8 +8,8 @@ import yourdfpy
 from lxml import etree
 
 from flexmodal.cards import (
+    check_consistency,
     check_masses,
-    check_together,
     example_arms,
     gripper_joints,
     read_card,
@@ -33,7 +33,7 @@ def test_the_five_cards_ship():
 def test_card_belongs_to_its_urdf(name):
     card = read_card(CARDS[name])
     urdf = read_urdf(card.urdf)
-    check_together(card, urdf)
+    check_consistency(card, urdf)
     assert urdf.warnings == ()
     assert card.name == urdf.name == name
 

@@ -77,7 +77,7 @@ def test_not_explained(cli, campaign, tmp_path):
         (["--effects", "added_mas"], "added_mas"),
         (["--effects", ","], "effects"),
         (["--hold-out", "nowhere"], "nowhere"),
-        (["--trust", "mass"], "NAME=X"),
+        (["--trust", "mass"], "GROUP=FACTOR"),
         (["--trust", "mass=-1"], "-1"),
         (["--trust", "weight=0.1"], "weight"),
         (["--robot", "no_such_robot"], "no_such_robot"),

@@ -147,7 +147,7 @@ def test_people_get_a_table(cli, folder):
 def test_what_is_wrong_is_said(cli, folder, tmp_path):
     cli("identify", folder, "--hold-out", "configuration_9").refused("configuration_9", "configuration_1")
     cli("identify", folder, "--kinds", "colour").refused("colour")
-    cli("identify", folder, "--trust", "0.3").refused("--trust")
+    cli("identify", folder, "--trust", "0.3").refused("--trust", "GROUP=FACTOR")
     cli("identify", folder, "--robot", "six_link").refused("unknown link")
     cli("identify", THESIS, "--from", "frf").refused("no FRFs and no blows")
     cli("identify", tmp_path / "nowhere").refused("nowhere")

@@ -14,8 +14,8 @@ from flexmodal.identification import observe, predict
 from flexmodal.identification.model import evaluated
 from flexmodal.rig import ParameterError, simulate
 from flexmodal.rig.effects.effect import Site
+from flexmodal.rig.plant.build import build
 from flexmodal.rig.simulate import make_stand
-from flexmodal.rig.structure import build
 from flexmodal.structure import robot_space
 
 

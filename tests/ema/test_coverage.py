@@ -15,7 +15,7 @@ from flexmodal.ema import (
     choose_peaks,
     estimate,
 )
-from flexmodal.ema.least_squares import solve_many
+from flexmodal.ema.methods.least_squares import solve_many
 from flexmodal.ema.mode import ModeEstimate
 
 from .truth import Truth, noisy, real_modes

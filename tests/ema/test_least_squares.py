@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from flexmodal.ema import Choices, Measured, build_least_squares, choose_peaks, estimate, solve_least_squares
-from flexmodal.ema.separable import Separable, eliminate, minimise
+from flexmodal.ema.methods.separable import Separable, eliminate, minimise
 from flexmodal.errors import InvalidRequest
 
 from .truth import Truth, measured, real_modes

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from flexmodal.campaign import Blow, Campaign, CampaignPoint, CampaignPosture, Trial, Window
-from flexmodal.ema import Choices, fit_campaign, mode_table, records_of
+from flexmodal.ema import Choices, fit, mode_table, records_of
 from flexmodal.ema.of_campaign import known_variance
 from flexmodal.ema.records import by_posture
 from flexmodal.errors import InvalidRequest
@@ -51,7 +51,7 @@ def campaign(trials: int, blows: int, noise: float, decay: float = 0.0, jump: fl
 
 def test_the_damping_of_the_window_is_taken_out_and_the_picture_stays_that_of_the_measurement() -> None:
     """14 Hz damped by 1 % has decayed to a sixth after 2 s: it leaks, or its damping is the window's."""
-    (found,) = fit_campaign(campaign(2, 3, 1e-3, decay=5.0), per="posture", choices=CHOICES)
+    (found,) = fit(campaign(2, 3, 1e-3, decay=5.0), per="posture", choices=CHOICES)
     for mode, frequency, damping in zip(found.modes, FREQUENCY, DAMPING, strict=True):
         assert mode.frequency == pytest.approx(frequency, rel=1e-3)
         # The window adds 5/(2π·14) = 5.7 % to the first and 1.7 % to the second; what leaks is e⁻¹⁰ of it.
@@ -67,8 +67,8 @@ def test_windows_that_differ_cannot_be_averaged() -> None:
     mixed = campaign(2, 3, 1e-3, decay=5.0)
     trials = (mixed.trials[0], replace(mixed.trials[1], window="none"))
     with pytest.raises(InvalidRequest, match="separate"):
-        fit_campaign(replace(mixed, trials=trials), choices=CHOICES)
-    apart = fit_campaign(replace(mixed, trials=trials), trials="separate", choices=CHOICES)
+        fit(replace(mixed, trials=trials), choices=CHOICES)
+    apart = fit(replace(mixed, trials=trials), trials="separate", choices=CHOICES)
     assert {one.modes.decay for one in apart} == {5.0, 0.0}
 
 
@@ -98,7 +98,5 @@ def test_trials_that_scatter_more_than_their_noise_raise_it() -> None:
 
 def test_each_estimator_finds_the_modes() -> None:
     for estimator in ("H1", "H2", "Hv"):
-        (found,) = fit_campaign(
-            campaign(1, 4, 1e-3, decay=5.0), per="posture", estimator=estimator, choices=CHOICES
-        )
+        (found,) = fit(campaign(1, 4, 1e-3, decay=5.0), per="posture", estimator=estimator, choices=CHOICES)
         np.testing.assert_allclose(found.modes.frequency, FREQUENCY, rtol=1e-3)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from flexmodal.ema import Choices, Peak, choose_peaks, estimate, fit_circle, pick_peak
-from flexmodal.ema.noise import scatter
+from flexmodal.ema.methods.noise import scatter
 from flexmodal.errors import InvalidRequest
 
 from .truth import Truth, measured, real_modes

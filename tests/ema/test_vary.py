@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from flexmodal.ema import Choices, Measured, ModeEstimate, as_json, estimate, fit
-from flexmodal.ema.least_squares import build_least_squares, solve_many
-from flexmodal.ema.select import choose_peaks
+from flexmodal.ema.methods.least_squares import build_least_squares, solve_many
+from flexmodal.ema.methods.select import choose_peaks
 
 from .truth import Truth, measured, noisy, real_modes
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from flexmodal.machining import Cut, CutFrame, Cutter, CuttingForce, Engagement, average
-from flexmodal.machining.directional import (
+from flexmodal.machining.stability.directional import (
     at,
     edge_vectors,
     harmonics,

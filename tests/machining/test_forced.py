@@ -6,7 +6,7 @@ import pytest
 from flexmodal.errors import InvalidRequest
 from flexmodal.machining import ModelTip, forced_sweep, forced_vibration, modal_tip, simulate
 from flexmodal.machining.cut import Cut, ToolMode
-from flexmodal.machining.directional import static_force_harmonics
+from flexmodal.machining.stability.directional import static_force_harmonics
 
 from .conftest import rpm
 

@@ -10,8 +10,7 @@ import pytest
 from PIL import Image
 
 from flexmodal.errors import OutputExists
-from flexmodal.machining import ToolMode, compare_family, compare_postures, report, stability_lobes
-from flexmodal.machining.depth import posture_depth
+from flexmodal.machining import ToolMode, compare_family, compare_postures, lobes, report, stability_lobes
 from flexmodal.machining.plot import draw_comparison, draw_lobes
 from flexmodal.report import svg_text, write_figure
 
@@ -28,7 +27,7 @@ def fed(across):
 
 @pytest.fixture(scope="module")
 def one(fanuc, fed):
-    return posture_depth(fanuc, "configuration_1", fed, speeds=60)
+    return lobes(fanuc, "configuration_1", fed, speeds=60)
 
 
 @pytest.fixture(scope="module")
@@ -53,7 +52,7 @@ def test_object_of_one(one):
 def test_no_limit_is_null_and_in_words(fanuc, across):
     """So fast that the teeth damp every mode of the arm."""
     cut = across(speeds=(90000.0, 100000.0))
-    found = posture_depth(fanuc, "configuration_1", cut, speeds=10)
+    found = lobes(fanuc, "configuration_1", cut, speeds=10)
     text = report.lobes_object("f", found)
     json.dumps(text, allow_nan=False)
     assert text["depth"] == [None] * 10

@@ -12,7 +12,7 @@ import flexmodal
 from flexmodal.errors import InvalidInput, InvalidRequest, MissingExtra
 from flexmodal.model.batch import gradient_batch, posture_array, receptance_batch
 from flexmodal.model.batch.chain import chain_of, places_of
-from flexmodal.model.batch.compiled import compiled_poses
+from flexmodal.model.batch.compiled import pose_kernel
 from flexmodal.model.sensitivity import sensitivity
 
 _SPEC = importlib.util.spec_from_file_location("batch_chains", Path(__file__).with_name("batch_chains.py"))
@@ -49,7 +49,7 @@ def test_kinematics_agree_with_pinocchio(name, request):
     postures = np.random.default_rng(0).uniform(-3, 3, (20, model.nv))
     masses = np.empty((20, model.nv, model.nv))
     rows = np.empty((20, 6 * len(points), model.nv))
-    compiled_poses()(
+    pose_kernel().compiled(
         chain_of(robot).arrays, places.joint, places.offset, places.selector, np.arange(model.nv), postures,
         masses, rows,
     )  # fmt: skip

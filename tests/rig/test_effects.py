@@ -7,13 +7,13 @@ import pytest
 import scipy.linalg
 
 import flexmodal
-from flexmodal.rig.bench import Conduct, h1, strike_posture
 from flexmodal.rig.blow import Strike
-from flexmodal.rig.clean import strike_together
+from flexmodal.rig.clean import strike_all_points
 from flexmodal.rig.effects.structural_damping import maxwell
-from flexmodal.rig.linear import Outputs
-from flexmodal.rig.nonlinear import fine_records
-from flexmodal.rig.structure import build
+from flexmodal.rig.hammer_test import Conduct, h1, strike_posture
+from flexmodal.rig.integration.linear import Outputs
+from flexmodal.rig.integration.nonlinear import fine_records
+from flexmodal.rig.plant.build import build
 
 QUIET = Conduct(noise=0.0, scatter=0.0)
 K, B, I = 4e4, 4.0, 4.0 / 3  # the bar: joint stiffness and damping, moment about the joint  # noqa: E741
@@ -326,7 +326,7 @@ def test_effects_combine(pair, stand, hidden):
     }
     specs = [hidden(bench, name, places[name]) for name in pair]
     both, one, other = (
-        strike_together(bench, bench.plan.postures[0], s, bench.plan.trials)
+        strike_all_points(bench, bench.plan.postures[0], s, bench.plan.trials)
         for s in (specs, specs[:1], specs[1:])
     )
     for alone in (one, other):

@@ -9,11 +9,11 @@ from scipy.integrate import solve_ivp
 import flexmodal
 from flexmodal.rig import simulate
 from flexmodal.rig.analyser import Analyser
-from flexmodal.rig.bench import Conduct, h1, strike_posture
 from flexmodal.rig.blow import Strike, strike
-from flexmodal.rig.linear import Outputs, records
-from flexmodal.rig.nonlinear import fine_records
-from flexmodal.rig.structure import build
+from flexmodal.rig.hammer_test import Conduct, h1, strike_posture
+from flexmodal.rig.integration.linear import Outputs, records
+from flexmodal.rig.integration.nonlinear import fine_records
+from flexmodal.rig.plant.build import build
 
 CLEAN = {"noise": 0.0, "scatter": 0.0, "parameter_error": 0.0}
 
@@ -194,7 +194,7 @@ def test_marching_a_linear_plant_is_the_exact_propagation(stand):
 
 def test_compiled_and_plain_loops_agree(stand, hidden, monkeypatch):
     pytest.importorskip("numba")
-    from flexmodal.rig import nonlinear
+    from flexmodal.rig.integration import nonlinear
 
     bench = stand(flexmodal.load("fanuc_s360"), points=1, trials=2, record_length=0.4)
     posture = bench.plan.postures[0]

@@ -1,4 +1,4 @@
-"""What is asked for: all faults at once, places listed, secrets drawn, and options that change no number."""
+"""What is asked for: all faults at once, places listed, scenarios drawn, options that change no number."""
 
 import numpy as np
 import pytest
@@ -8,7 +8,7 @@ import flexmodal
 from flexmodal.campaign import read_campaign
 from flexmodal.cli.rig import rig
 from flexmodal.errors import InvalidInput, InvalidPosture, InvalidRequest
-from flexmodal.rig import EFFECTS, Hide, draw_secret, hide_places, simulate
+from flexmodal.rig import EFFECTS, Hide, draw_scenario, hide_places, simulate
 
 SMALL = {"postures": 3, "points": 2, "references": 1, "trials": 2, "averages": 2, "record_length": 1.0}
 
@@ -162,30 +162,30 @@ def test_heights_that_make_no_range(fanuc, height):
 
 
 def test_secrets_are_drawn_alike_from_a_seed_and_evenly_over_the_effects(spatial):
-    drawn = [draw_secret(spatial, seed, count=2) for seed in range(1000)]
-    assert drawn[:50] == [draw_secret(spatial, seed, count=2) for seed in range(50)]
+    drawn = [draw_scenario(spatial, seed, count=2) for seed in range(1000)]
+    assert drawn[:50] == [draw_scenario(spatial, seed, count=2) for seed in range(50)]
     counts = {name: 0 for name, effect in EFFECTS.items() if effect.catalogued}
-    for secret in drawn:
-        assert len({hide.effect for hide in secret.hide}) == 2
-        assert 0.02 <= secret.parameter_error <= 0.08
-        for hide in secret.hide:
+    for scenario in drawn:
+        assert len({hide.effect for hide in scenario.hide}) == 2
+        assert 0.02 <= scenario.parameter_error <= 0.08
+        for hide in scenario.hide:
             counts[hide.effect] += 1
             assert hide.height == (3.0, 30.0)
     assert len(counts) == 13
     assert min(counts.values()) > 100  # 154 expected of each, standard deviation 11
-    errors = [secret.parameter_error for secret in drawn]
+    errors = [scenario.parameter_error for scenario in drawn]
     assert np.mean(errors) == pytest.approx(0.05, abs=0.0025)  # four standard errors
 
 
 def test_a_secret_can_be_nothing_or_from_outside_the_catalogue(fanuc):
-    assert draw_secret(fanuc, 1, count=0).hide == ()
+    assert draw_scenario(fanuc, 1, count=0).hide == ()
     outside = [name for name, effect in EFFECTS.items() if not effect.catalogued]
-    assert draw_secret(fanuc, 1, effects=outside).hide[0].effect in outside
+    assert draw_scenario(fanuc, 1, effects=outside).hide[0].effect in outside
 
 
 def test_secrets_out_of_range_are_refused_all_at_once(bars):
     with pytest.raises(InvalidRequest) as caught:
-        draw_secret(
+        draw_scenario(
             bars(1),
             -1,
             count=9,

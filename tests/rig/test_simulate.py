@@ -13,7 +13,7 @@ from flexmodal.campaign import read_campaign
 from flexmodal.cli.rig import rig
 from flexmodal.errors import InvalidPosture, InvalidRequest, OutputExists
 from flexmodal.rig import EFFECTS, Hide, hide_places, simulate
-from flexmodal.rig.severity import height, limit, noise_floor, severity_for
+from flexmodal.rig.hidden.severity import height, limit, noise_floor, severity_for
 
 SMALL = {"postures": 2, "points": 2, "references": 1, "trials": 2, "averages": 2, "record_length": 1.0}
 NAMES = [
@@ -105,7 +105,7 @@ def test_severity_brings_an_effect_to_the_height_asked_for(effect, target, fanuc
 
 
 def replace_conduct(result):
-    from flexmodal.rig.bench import Conduct
+    from flexmodal.rig.hammer_test import Conduct
 
     return Conduct(result.truth.noise, result.truth.scatter, result.truth.seed)
 

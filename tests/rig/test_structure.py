@@ -5,11 +5,11 @@ import pytest
 import scipy.linalg
 
 import flexmodal
-from flexmodal.rig.beam import ELEMENTS, Beam, sections
-from flexmodal.rig.chain import reach
 from flexmodal.rig.effects.link_flexibility import spread
-from flexmodal.rig.exponential import exponential, polynomial
-from flexmodal.rig.structure import build
+from flexmodal.rig.integration.exponential import exponential, polynomial
+from flexmodal.rig.plant.beam import ELEMENTS, Beam, sections
+from flexmodal.rig.plant.build import build
+from flexmodal.rig.plant.chain import reach
 
 FIRST, SECOND = 1.875104068711961, 4.694091132974174  # roots of cos x cosh x = -1
 

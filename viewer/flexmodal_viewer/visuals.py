@@ -11,7 +11,7 @@ from jaxtyping import Float
 from lxml import etree
 
 from flexmodal.cards import Urdf, mesh_path
-from flexmodal.cards.urdf_link import rotation
+from flexmodal.cards.urdf.link import rotation
 from flexmodal_viewer.meshfile import load_mesh
 from flexmodal_viewer.palette import PLAIN, Colour
 from flexmodal_viewer.shapes import Box, Cylinder, Mesh, Shape, Sphere

@@ -13,7 +13,7 @@ import numpy as np
 from jaxtyping import Float
 from lxml import etree
 
-from flexmodal.cards.urdf import UrdfJoint, UrdfLink
+from flexmodal.cards.urdf.urdf import UrdfJoint, UrdfLink
 
 Vector = Float[np.ndarray, "3"]
 

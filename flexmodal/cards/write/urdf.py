@@ -17,9 +17,9 @@ import numpy as np
 from jaxtyping import Float
 from lxml import etree
 
-from flexmodal.cards.meshes import mesh_path
-from flexmodal.cards.read_urdf import read_urdf
-from flexmodal.cards.urdf import Urdf, UrdfJoint, UrdfLink
+from flexmodal.cards.urdf.meshes import mesh_path
+from flexmodal.cards.urdf.read import read_urdf
+from flexmodal.cards.urdf.urdf import Urdf, UrdfJoint, UrdfLink
 from flexmodal.cards.write.elements import joint_element, link_element, origin_of, set_origin
 from flexmodal.errors import Fault, InvalidUrdf
 from flexmodal.files import whole_file

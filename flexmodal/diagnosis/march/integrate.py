@@ -258,6 +258,6 @@ def _loop(compiled: bool | None = None) -> Callable[..., None]:
 
 @cache
 def _compiled() -> Any:
-    from flexmodal.frf.kernels.compiled import compile_together
+    from flexmodal.frf.kernels.compiled import together
 
-    return compile_together(kernel.law, last=kernel.march)
+    return together(kernel.law, last=kernel.march).compiled

@@ -25,9 +25,8 @@ def kernel(tile, rows, out, n, pairs, work):
     more = len(rows) // (n * LANES)
     columns, column = n + more, 2 * n * LANES
     factor = work[columns * column : (columns + 1) * column]
-    inverse = work[(columns + 1) * column : (columns + 2) * column]
+    inverse, trust = work[(columns + 1) * column : (columns + 2) * column], work[len(work) - LANES :]
     size = work[(columns + 2) * column : (columns + 2) * column + n * LANES]
-    trust = work[len(work) - LANES :]
     fill(tile, rows, n, work, size)
     for e in range(2 * len(pairs) * LANES):
         out[e] = 0.0
@@ -67,24 +66,30 @@ def kernel(tile, rows, out, n, pairs, work):
                     w[p], w[LANES + p] = x, y
         w, d = row[2 * k * LANES : 2 * (k + 1) * LANES], inverse[2 * k * LANES : 2 * (k + 1) * LANES]
         least = SMALLEST_PIVOT**2 if k == n - 1 else 0.0
+        own = size[k * LANES : (k + 1) * LANES]
         for p in range(LANES):
-            square = w[p] * w[p] + w[LANES + p] * w[LANES + p]
-            limit = size[k * LANES + p] * size[k * LANES + p]
+            square, limit = w[p] * w[p] + w[LANES + p] * w[LANES + p], own[p] * own[p]
             d[p], d[LANES + p] = w[p] / square, -w[LANES + p] / square
             trust[p] = min(trust[p], GROWTH**2 * limit - square, square - least * limit)
-        for place in range(len(pairs)):
-            start = (n + pairs[place, 0]) * column + 2 * k * LANES
-            u = work[start : start + 2 * LANES]
-            start = (n + pairs[place, 1]) * column + 2 * k * LANES
-            v = work[start : start + 2 * LANES]
-            w = out[2 * place * LANES : 2 * (place + 1) * LANES]
-            for p in range(LANES):
-                a = u[p] * d[p] - u[LANES + p] * d[LANES + p]
-                b = u[p] * d[LANES + p] + u[LANES + p] * d[p]
-                w[p] += a * v[p] - b * v[LANES + p]
-                w[LANES + p] += a * v[LANES + p] + b * v[p]
+        add_products(k, n, pairs, work, d, out)
     for p in range(LANES):
         out[2 * len(pairs) * LANES + p] = trust[p]
+
+
+def add_products(k, n, pairs, work, d, out):
+    """Add coordinate k's share of every receptance, u_k v_k / D_k; `d` is 1/D_k."""
+    column = 2 * n * LANES
+    for place in range(len(pairs)):
+        start = (n + pairs[place, 0]) * column + 2 * k * LANES
+        u = work[start : start + 2 * LANES]
+        start = (n + pairs[place, 1]) * column + 2 * k * LANES
+        v = work[start : start + 2 * LANES]
+        w = out[2 * place * LANES : 2 * (place + 1) * LANES]
+        for p in range(LANES):
+            a = u[p] * d[p] - u[LANES + p] * d[LANES + p]
+            b = u[p] * d[LANES + p] + u[LANES + p] * d[p]
+            w[p] += a * v[p] - b * v[LANES + p]
+            w[LANES + p] += a * v[LANES + p] + b * v[p]
 
 
 def fill(tile, rows, n, work, size):

@@ -3,16 +3,19 @@
 numba keeps a compiled function beside the file it comes from and looks only at that file to tell whether it
 is still good. But a function has those it calls inside it, and a generated one comes from no file. So each
 gets a name with a digest of its own code and of the names of all that is compiled into it: whatever changes
-anywhere makes another entry.
+anywhere makes another entry. Only what is called from Python is kept; what it calls is inside it.
 """
 
 from __future__ import annotations
 
 import hashlib
+import os
 from collections.abc import Callable, Mapping
-from functools import cache
+from dataclasses import dataclass, field
+from functools import cache, cached_property
 from inspect import unwrap
-from types import CodeType, FunctionType
+from pathlib import Path
+from types import FunctionType
 from typing import Any
 
 from flexmodal.frf.kernels import any_size, pivoted, recursion, sweep
@@ -22,122 +25,137 @@ from flexmodal.frf.kernels.recursion import KINDS, Algebra, write_step
 OPTIONS: dict[str, Any] = {"nogil": True, "error_model": "numpy", "fastmath": {"contract"}}
 """Multiply-adds may fuse; nothing may be reordered. The interpreter's lock is released."""
 
+UNCOUNTED, MERGED, INSIDE = "_nrt", "forceinline", "no_cpython_wrapper"
+"""Flags of numba, where it has them: no reference counting, which takes most of the time of a call with many
+arrays; the code put in the place of each call, of use where many small functions pass many arrays on, at the
+price of a longer compilation; no door to Python, which takes time to compile."""
 
-@cache
-def compiled_sweep(shape: Shape) -> Any:
-    """The compiled loops over points, with the kernel of this shape inside."""
-    kernel = compile_source(write_kernel(shape)[0], "kernel")
-    return compile_with(sweep.sweep, {**_around_tiles(), "kernel": kernel})
-
-
-@cache
-def compiled_sweep_any() -> Any:
-    """The compiled loops over points with the kernel for any number of coordinates."""
-    kernel = compile_together(any_size.fill, last=any_size.kernel, allocates=False)
-    return compile_with(sweep.sweep, {**_around_tiles(), "kernel": kernel})
+_INNER = (INSIDE, UNCOUNTED)
 
 
-@cache
-def compiled_sweep_along(algebra: Algebra, pairs: Pairs, kinds: frozenset[str]) -> Any:
-    """The compiled loops over postures of a chain, with the elimination of its kinds of joints inside."""
-    steps = {
-        kind: compile_source(write_step(algebra, pairs, kind), "step") for kind in KINDS if kind in kinds
-    }
-    never = next(iter(steps.values()))
-    scope = {f"step_{kind}": steps.get(kind, never) for kind in KINDS}
-    return compile_with(recursion.sweep_along, {**scope, "spread": _around_tiles()["spread"]})
+@dataclass(frozen=True, eq=False)
+class Kernel:
+    """A function to be compiled, with those that are compiled into it."""
+
+    function: Callable[..., Any]
+    calls: Mapping[str, Kernel] = field(default_factory=dict)
+    """By the names under which it calls them."""
+    flags: tuple[str, ...] = ()
+
+    @cached_property
+    def plain(self) -> FunctionType:
+        """The function itself, without the type checks of the tests."""
+        function = unwrap(self.function)
+        assert isinstance(function, FunctionType)
+        return function
+
+    @cached_property
+    def name(self) -> str:
+        """Its name, with a digest of its code, of the constants it reads, and of what it calls."""
+        code, scope = self.plain.__code__, self.plain.__globals__
+        parts = [code.co_code.hex(), repr(code.co_consts), repr(code.co_varnames), repr(self.flags)]
+        for name in code.co_names:
+            value = scope.get(name)
+            if name in self.calls:
+                parts.append(f"{name}={self.calls[name].name}")
+            elif isinstance(value, bool | int | float | str | tuple):
+                parts.append(f"{name}={value!r}")
+        digest = hashlib.sha256("\n".join(parts).encode()).hexdigest()[:16]
+        return f"{self.plain.__name__}_{digest}"
+
+    def is_stored(self) -> bool:
+        """Whether numba has it on disk; looked up without loading numba."""
+        pattern, beside = f"*.{self.name}-*.nbi", Path(self.plain.__code__.co_filename).parent
+        chosen = os.environ.get("NUMBA_CACHE_DIR")
+        if chosen:
+            return any(Path(chosen).glob(f"*/{pattern}"))
+        user = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "numba"
+        return any((beside / "__pycache__").glob(pattern)) or any(user.glob(f"*/{pattern}"))
+
+    @cached_property
+    def compiled(self) -> Any:
+        """The compiled function; numba compiles it, or takes it from disk, when it is called first."""
+        import numba
+        from numba.core.options import DefaultOptions
+
+        own = {**self.plain.__globals__, **{name: inner.compiled for name, inner in self.calls.items()}}
+        code = self.plain.__code__.replace(co_name=self.name, co_qualname=self.name)
+        copy = FunctionType(code, own, self.name)
+        copy.__module__ = self.plain.__module__
+        known = {flag: flag != UNCOUNTED for flag in self.flags if hasattr(DefaultOptions, flag)}
+        options = OPTIONS | known | ({"no_cfunc_wrapper": True} if INSIDE in known else {})
+        if INSIDE not in self.flags:
+            try:
+                return numba.njit(cache=True, **options)(copy)
+            except RuntimeError:  # no writable place on disk
+                pass
+        return numba.njit(**options)(copy)
 
 
-@cache
-def compiled_repair() -> Any:
-    """`flexmodal.frf.kernels.pivoted.repair`, compiled."""
-    return compile_together(pivoted.eliminate, last=pivoted.repair)
-
-
-@cache
-def _around_tiles() -> dict[str, Any]:
-    return {"spread": compile_with(sweep.spread), "room": compile_with(any_size.room)}
-
-
-def compile_together(
+def together(
     *functions: Callable[..., Any], last: Callable[..., Any], allocates: bool = True, merged: bool = False
-) -> Any:
-    """Compile a function with those that it calls, lowest first; plain functions stay plain.
+) -> Kernel:
+    """A function with those that it calls, lowest first.
 
-    Functions that allocate nothing do without counting references, which takes most of the time of a call
-    with many arrays. Those before the last have to be of that kind. `merged` puts their code in the place of
-    each call: of use where many small ones pass many arrays on, at the price of a longer compilation.
+    Args:
+        functions: those that it calls, or that they call; they allocate nothing.
+        last: the one to be called.
+        allocates: whether it allocates anything; its references are counted then.
+        merged: put the code of the others in the place of each call.
     """
-    scope: dict[str, Any] = {}
-    inner = {**_uncounted(), **_inside(), **(_merged() if merged else {})}
+    calls: dict[str, Kernel] = {}
+    flags = (*_INNER, MERGED) if merged else _INNER
     for function in functions:
-        scope[function.__name__] = compile_with(function, scope, **inner)
-    return compile_with(last, scope, **({} if allocates else _uncounted()))
+        calls[function.__name__] = Kernel(function, _called(function, calls), flags)
+    return Kernel(last, _called(last, calls), () if allocates else (UNCOUNTED,))
 
 
-def compile_source(source: str, name: str) -> Any:
-    """Compile a generated function."""
+def _called(function: Callable[..., Any], known: Mapping[str, Kernel]) -> dict[str, Kernel]:
+    """Those of the kernels known so far that a function calls."""
+    names = unwrap(function).__code__.co_names
+    return {name: known[name] for name in names if name in known}
+
+
+def from_source(source: str, name: str) -> Kernel:
+    """A generated function, for others to call."""
     scope: dict[str, Any] = {}
     exec(compile(source, __file__, "exec"), scope)
     function = scope[name]
     function.__module__ = __name__
-    return compile_with(function)
-
-
-def compile_with(function: Callable[..., Any], scope: Mapping[str, Any] | None = None, **options: Any) -> Any:
-    """Compile a copy of a function that finds compiled functions among its globals."""
-    function = unwrap(function)  # from the type checks of the tests
-    own = {**function.__globals__, **(scope or {})}
-    name = f"{function.__name__}_{_digest(function.__code__, own, options)}"
-    code = function.__code__.replace(co_name=name, co_qualname=name)
-    copy = FunctionType(code, own, name)
-    copy.__module__ = function.__module__
-    return _compile(copy, options)
-
-
-def _compile(function: FunctionType, options: Mapping[str, Any]) -> Any:
-    """With the disk cache, or without where nothing can be written."""
-    import numba
-
-    try:
-        return numba.njit(cache=True, **OPTIONS, **options)(function)
-    except RuntimeError:  # no writable place for the cache
-        return numba.njit(**OPTIONS, **options)(function)
-
-
-def _digest(code: CodeType, scope: Mapping[str, Any], options: Mapping[str, Any]) -> str:
-    """Of a function's code, of the constants it reads, and of the functions that it calls."""
-    parts: list[str] = [code.co_code.hex(), repr(code.co_consts), repr(code.co_varnames)]
-    parts.append(repr(sorted(options.items())))
-    for name in code.co_names:
-        value = scope.get(name)
-        if isinstance(value, bool | int | float | str | tuple):
-            parts.append(f"{name}={value!r}")
-        elif value is not None and hasattr(value, "py_func"):
-            parts.append(f"{name}={value.py_func.__name__}")
-    return hashlib.sha256("\n".join(parts).encode()).hexdigest()[:16]
+    return Kernel(function, flags=(INSIDE,))
 
 
 @cache
-def _inside() -> dict[str, Any]:
-    """Options of functions that only compiled ones call: a door to Python takes time to compile."""
-    from numba.core.options import DefaultOptions
-
-    doors = ("no_cpython_wrapper", "no_cfunc_wrapper")
-    return {door: True for door in doors if hasattr(DefaultOptions, door)}
+def sweep_of(shape: Shape) -> Kernel:
+    """The loops over points, with the kernel of this shape inside."""
+    return Kernel(sweep.sweep, {**_around_tiles(), "kernel": from_source(write_kernel(shape)[0], "kernel")})
 
 
 @cache
-def _uncounted() -> dict[str, Any]:
-    """The option that turns reference counting off, where this numba has it."""
-    from numba.core.options import DefaultOptions
-
-    return {"_nrt": False} if hasattr(DefaultOptions, "_nrt") else {}
+def sweep_of_any_size() -> Kernel:
+    """The loops over points with the kernel for any number of coordinates."""
+    inner = {part.__name__: Kernel(part, flags=_INNER) for part in (any_size.fill, any_size.add_products)}
+    kernel = Kernel(any_size.kernel, inner, _INNER)
+    return Kernel(sweep.sweep, {**_around_tiles(), "kernel": kernel})
 
 
 @cache
-def _merged() -> dict[str, Any]:
-    """The option that puts a function's code in the place of each call, where this numba has it."""
-    from numba.core.options import DefaultOptions
+def sweep_along(algebra: Algebra, pairs: Pairs, kinds: frozenset[str]) -> Kernel:
+    """The loops over postures of a chain, with the elimination of its kinds of joints inside."""
+    steps = {kind: from_source(write_step(algebra, pairs, kind), "step") for kind in KINDS if kind in kinds}
+    never = next(iter(steps.values()))
+    scope = {f"step_{kind}": steps.get(kind, never) for kind in KINDS}
+    return Kernel(recursion.sweep_along, {**scope, "spread": _around_tiles()["spread"]})
 
-    return {"forceinline": True} if hasattr(DefaultOptions, "forceinline") else {}
+
+@cache
+def repair() -> Kernel:
+    """`flexmodal.frf.kernels.pivoted.repair`."""
+    return together(pivoted.eliminate, last=pivoted.repair)
+
+
+@cache
+def _around_tiles() -> dict[str, Kernel]:
+    return {
+        function.__name__: Kernel(function, flags=(INSIDE,)) for function in (sweep.spread, any_size.room)
+    }

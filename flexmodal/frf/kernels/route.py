@@ -19,6 +19,7 @@ from flexmodal.errors import Fault, InvalidRequest, MissingExtra
 from flexmodal.frf.kernels.factor import LANES, Shape
 from flexmodal.frf.kernels.reordered import solve_from_base
 from flexmodal.frf.kernels.task import Task
+from flexmodal.frf.kernels.worth import is_worth_it
 
 Result = TypeVar("Result")
 
@@ -31,7 +32,11 @@ LONG = {"planar": 12, "spatial": 12, "": 0}
 """Joints from which the recursion along a chain beats elimination."""
 
 WORTH_A_CALL = 200
-"""Points from which a compiled kernel that is loaded already is quicker than anything else."""
+"""Points from which a compiled kernel that is loaded already is quicker than anything else; calls with
+fewer do not count towards loading one."""
+
+COMPILATION = 4.0
+"""Seconds to compile one [s]; 2.5 to 5 measured."""
 
 _LOADED: set[Shape] = set()
 """Shapes whose kernels this process has used."""
@@ -57,9 +62,10 @@ class Route:
 def choose(task: Task, threads: int | None, way: str = "auto") -> Route:
     """Choose a route; every route gives the same numbers but for rounding.
 
-    Elimination in numpy costs some calls for each pair of coordinates, however few the points. numba pays
-    its import (about half a second) and, the first time a shape is met on a machine, its compilation
-    (seconds); the numpy form costs about a microsecond a point for six joints and grows with the cube.
+    Elimination in numpy costs some calls for each pair of coordinates, however few the points, and about a
+    microsecond a point for six joints, which grows with the cube. All points asked for so far count: once
+    they have cost what loading a compiled kernel would have, or compiling it where it is not on disk, it is
+    loaded.
 
     Raises:
         InvalidRequest: a number of threads below 1, or no such way.
@@ -72,31 +78,45 @@ def choose(task: Task, threads: int | None, way: str = "auto") -> Route:
         raise InvalidRequest(faults)
     if way in ("LAPACK", "numpy"):
         return Route(way, 1, "asked for")
-    ready = way != "auto" or (task.points >= WORTH_A_CALL and is_ready(task))
-    if not ready and task.points < FEW * task.dof**2:
-        return Route("LAPACK", 1, f"few points ({task.points})")
-    along = way == "recursion" or (way == "auto" and task.dof >= LONG[task.chain])
     if way == "recursion" and task.recursion is None:
         allowed = "another: this wants a serial chain with diagonal K and B and no addition"
         raise InvalidRequest(Fault("call", "way", repr(way), allowed))
-    fixed = "compiled" if task.fits_fixed and way != "compiled any n" else "compiled any n"
-    if not has_numba():
-        if way != "auto":
-            raise MissingExtra("the compiled routes need numba: pip install flexmodal[fast]")
-        return Route("numpy", 1, "numba is not installed")
-    if not ready and _seconds_in_numpy(task) < (0.05 if "numba" in sys.modules else 1.0):
-        reason = f"{task.points} points are done before a compiled kernel would be loaded"
-        return Route("numpy", 1, reason)
+    if way == "auto":
+        interpreted = _interpreted(task)
+        if interpreted is not None:
+            return interpreted
+    elif not has_numba():
+        raise MissingExtra("the compiled routes need numba: pip install flexmodal[fast]")
     cores = 1 if threads == 1 else min(threads or available_cores(), sum(1 for _ in blocks_of(task)))
-    if along and task.recursion is not None:
+    if way == "recursion" or (way == "auto" and _goes_along(task)):
         return Route("recursion", cores, f"a {task.chain} chain of {task.dof} joints")
     why = f"{task.points} points, n = {task.dof}, {len(task.pairs)} pairs"
     why += ", K and B diagonal" if task.shape.diagonal else ", K and B symmetric"
-    return Route(fixed, cores, why)
+    return Route("compiled" if task.fits_fixed and way != "compiled any n" else "compiled any n", cores, why)
 
 
-def _seconds_in_numpy(task: Task) -> float:
-    return task.points * (0.3e-6 + 3e-9 * task.dof**3 + 0.05e-6 * len(task.pairs))
+def _interpreted(task: Task) -> Route | None:
+    """The way without a compiled kernel, unless one is loaded or has become worth loading."""
+    reason = "numba is not installed"
+    if has_numba():
+        reason = f"{task.points} points are done before a compiled kernel would be loaded"
+        if task.points >= WORTH_A_CALL and (is_ready(task) or _is_worth_it(task)):
+            return None
+    if task.points < FEW * task.dof**2:
+        return Route("LAPACK", 1, f"few points ({task.points})")
+    return Route("numpy", 1, reason)
+
+
+def _is_worth_it(task: Task) -> bool:
+    from flexmodal.frf.kernels import compiled
+
+    kernel = compiled.sweep_of(task.shape) if task.fits_fixed else compiled.sweep_of_any_size()
+    seconds = task.points * (0.3e-6 + 3e-9 * task.dof**3 + 0.05e-6 * len(task.pairs))
+    return is_worth_it(task.shape, seconds, COMPILATION, kernel.is_stored)
+
+
+def _goes_along(task: Task) -> bool:
+    return task.recursion is not None and task.dof >= LONG[task.chain]
 
 
 def is_ready(task: Task) -> bool:
@@ -145,10 +165,10 @@ def run(task: Task, route: Route) -> Complex[np.ndarray, "system line pair"]:
             solve_block(systems, lines, out[systems, lines])
         return out
     recursion = task.recursion
-    from flexmodal.frf.kernels.compiled import compiled_repair, compiled_sweep, compiled_sweep_any
+    from flexmodal.frf.kernels import compiled
 
     if route.way == "recursion" and recursion is not None:
-        other = compiled_sweep_any()
+        other = compiled.sweep_of_any_size().compiled
 
         def solve(place: tuple[slice, slice]) -> None:
             if recursion(*place, out[place]):
@@ -156,11 +176,12 @@ def run(task: Task, route: Route) -> Complex[np.ndarray, "system line pair"]:
                 if solve_from_base(task, posed, place[1], other, out[place]):
                     task.solve_pivoting(*place, out[place], posed)
     else:
-        sweep = compiled_sweep(task.shape) if route.way == "compiled" else compiled_sweep_any()
+        kernel = compiled.sweep_of(task.shape) if route.way == "compiled" else compiled.sweep_of_any_size()
+        sweep, repair = kernel.compiled, compiled.repair().compiled
         _LOADED.add(task.shape)
 
         def solve(place: tuple[slice, slice]) -> None:
-            task.solve_compiled(*place, sweep, compiled_repair(), out[place])
+            task.solve_compiled(*place, sweep, repair, out[place])
 
     if route.threads == 1:
         for place in blocks_of(task):

@@ -208,15 +208,16 @@ def modes_of_frfs(
 
 def _fitted(campaign: Campaign, posture: int, place: int, start: list[float]) -> list[MeasuredMode]:
     """Modes of one posture; without those whose damping is none."""
-    from flexmodal.ema import Choices, fit_campaign
+    from flexmodal.ema import Choices
+    from flexmodal.ema import fit as fit_modes
 
     assert campaign.frfs is not None
     part = replace(campaign, frfs=campaign.frfs.select(posture=posture))
     choices = Choices(band=campaign.band, at=sorted(start) or None)
     try:
-        fits = fit_campaign(part, "least-squares", per="posture", choices=choices)
+        fits = fit_modes(part, "least-squares", per="posture", choices=choices)
     except InvalidRequest:  # a frequency of the model that these lines cannot hold
-        fits = fit_campaign(part, "least-squares", per="posture")
+        fits = fit_modes(part, "least-squares", per="posture")
     found = []
     for number, (fit, mode) in enumerate(((one, mode) for one in fits for mode in one.modes), start=1):
         if not 0 < mode.damping_ratio - 2 * mode.damping_error < 1:

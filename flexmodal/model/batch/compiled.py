@@ -1,13 +1,11 @@
-"""The compiled functions for batches of postures, made when first asked for."""
+"""The functions for batches of postures that are compiled."""
 
 from __future__ import annotations
 
 from functools import cache
-from typing import Any
 
-from flexmodal.frf.kernels.compiled import compile_together
-from flexmodal.model.batch import gradient_kernel as gradient
-from flexmodal.model.batch import kinematics, planar, spatial, tile
+from flexmodal.frf.kernels.compiled import Kernel, together
+from flexmodal.model.batch import gradient_kernel, kinematics, planar, spatial, tile
 
 _KINEMATICS = (
     kinematics.cross,
@@ -20,43 +18,44 @@ _KINEMATICS = (
 
 
 @cache
-def compiled_poses() -> Any:
-    """`flexmodal.model.batch.kinematics.pose_batch`, compiled."""
-    return compile_together(*_KINEMATICS, last=kinematics.pose_batch, merged=True)
+def pose_kernel() -> Kernel:
+    """`flexmodal.model.batch.kinematics.pose_batch`."""
+    return together(*_KINEMATICS, last=kinematics.pose_batch, merged=True)
 
 
 @cache
-def compiled_gradient() -> Any:
-    """`flexmodal.model.batch.gradient_kernel.gradient_batch`, compiled."""
-    return compile_together(
+def slope_kernel() -> Kernel:
+    """`flexmodal.model.batch.gradient_kernel.gradient_batch`."""
+    return together(
         *_KINEMATICS,
         tile.fill_lane,
         tile.subtract_product,
         tile.factor_tile,
         tile.solve_tile,
-        gradient.place_arm,
-        gradient.sweep_momenta,
-        gradient.mass_slope,
-        gradient.row_slopes,
-        gradient.pose_rows,
-        gradient.fill_rows,
-        gradient.sweep_rows,
-        gradient.gradients,
-        last=gradient.gradient_batch,
+        gradient_kernel.place_arm,
+        gradient_kernel.sweep_momenta,
+        gradient_kernel.mass_slope,
+        gradient_kernel.row_slopes,
+        gradient_kernel.pose_rows,
+        gradient_kernel.fill_rows,
+        gradient_kernel.sweep_rows,
+        gradient_kernel.gradients,
+        gradient_kernel.hand_out,
+        last=gradient_kernel.gradient_batch,
         merged=True,
     )
 
 
 @cache
-def compiled_planes() -> Any:
-    """`flexmodal.model.batch.planar.plane_batch`, compiled."""
-    return compile_together(*_KINEMATICS[:4], last=planar.plane_batch)
+def plane_kernel() -> Kernel:
+    """`flexmodal.model.batch.planar.plane_batch`."""
+    return together(*_KINEMATICS[:4], planar.plane_wrench, last=planar.plane_batch)
 
 
 @cache
-def compiled_spaces() -> Any:
-    """`flexmodal.model.batch.spatial.space_batch`, compiled."""
-    inner = (gradient.place_arm, spatial.apply_inertia, spatial.gather_inertias)
-    return compile_together(
+def space_kernel() -> Kernel:
+    """`flexmodal.model.batch.spatial.space_batch`."""
+    inner = (gradient_kernel.place_arm, spatial.apply_inertia, spatial.gather_inertias)
+    return together(
         *_KINEMATICS[:4], *inner, spatial.fill_joint, spatial.fill_wrench, last=spatial.space_batch
     )

@@ -159,8 +159,7 @@ def gradient_batch(
         np.zeros((many, 2, count)), np.empty((many, 2, count, 6)), np.empty((many, 2, count, 6)),
         np.empty((2, count)), np.empty(9),
     )  # fmt: skip
-    trust, solved, y = matrix_room[2], matrix_room[3], sweep_room[0]
-    lines = len(omega)
+    trust, solved, lines = matrix_room[2], matrix_room[3], len(omega)
     points = len(postures) * lines
     posed, doubtful = -1, 0
     for start in range(0, points, TILE):
@@ -174,18 +173,31 @@ def gradient_batch(
         factor_tile(matrix_room[0], matrix_room[1], trust)
         for r in range(many):
             solve_tile(matrix_room[0], solved[r])
-        for point in range(start, min(start + TILE, points)):
-            s, f, lane = point // lines, point % lines, point - start
-            for r in range(many):
-                for i in range(n):
-                    y[r, 0, pick[i]], y[r, 1, pick[i]] = solved[r, i, 0, lane], solved[r, i, 1, lane]
-            trusted = trust[lane] >= 0.0
-            doubtful += not trusted
-            sweep_rows(chain, s % TILE, bodies, sweep_room)
-            gradients(
-                chain, selectors, pairs, omega[f], trusted, s % TILE, bodies, row_room, sweep_room,
-                values[s, f], slopes[s, f],
-            )  # fmt: skip
+        doubtful += hand_out(
+            chain, selectors, pick, pairs, omega, start, bodies, row_room, matrix_room, sweep_room,
+            values, slopes,
+        )  # fmt: skip
+    return doubtful
+
+
+def hand_out(
+    chain, selectors, pick, pairs, omega, start, bodies, row_room, matrix_room, sweep_room, values, slopes
+):
+    """Receptances and derivatives of a tile's points; returns how many are not trusted."""
+    trust, solved, y = matrix_room[2], matrix_room[3], sweep_room[0]
+    lines, doubtful = len(omega), 0
+    for point in range(start, min(start + TILE, len(values) * lines)):
+        s, f, lane = point // lines, point % lines, point - start
+        for r in range(len(solved)):
+            for i in range(len(pick)):
+                y[r, 0, pick[i]], y[r, 1, pick[i]] = solved[r, i, 0, lane], solved[r, i, 1, lane]
+        trusted = trust[lane] >= 0.0
+        doubtful += not trusted
+        sweep_rows(chain, s % TILE, bodies, sweep_room)
+        gradients(
+            chain, selectors, pairs, omega[f], trusted, s % TILE, bodies, row_room, sweep_room,
+            values[s, f], slopes[s, f],
+        )  # fmt: skip
     return doubtful
 
 

@@ -12,13 +12,20 @@ from flexmodal.errors import Fault, InvalidRequest, MissingExtra
 from flexmodal.frf import PointDirection, frequency_axis
 from flexmodal.frf.kernels.factor import Pairs
 from flexmodal.frf.kernels.route import Route, available_cores, has_numba, in_parts, thread_faults
+from flexmodal.frf.kernels.worth import is_worth_it
 from flexmodal.model.batch.chain import Chain, chain_of, places_of
-from flexmodal.model.batch.poser import FEW, enough_to_compile
+from flexmodal.model.batch.compiled import slope_kernel
 from flexmodal.model.batch.request import DirectionPair, ReceptanceBatch, expand, posture_array, read_pairs
 from flexmodal.model.batch.springs import springs_of
 from flexmodal.model.gradient import receptance_and_gradient
 from flexmodal.model.posture import Pose
 from flexmodal.model.robot import Robot
+
+_POSTURE, _POINT, _COMPILATION = 3e-4, 2e-5, 20.0
+"""Seconds that Pinocchio and LAPACK take for a posture and for each of its lines; and the compilation [s]."""
+
+_EACH = 64
+"""Postures that a thread is worth."""
 
 
 def gradient_batch(
@@ -57,18 +64,23 @@ def gradient_batch(
         raise InvalidRequest(faults)
     result = np.empty((len(values), len(axis), len(numbers)), dtype=complex)
     slopes = np.empty((*result.shape, len(robot.moving)), dtype=complex)
-    pays = len(values) * len(axis) >= enough_to_compile() and has_numba() and chain is not None
-    if way == "numpy" or (way == "auto" and not pays):
+    if way == "numpy" or (way == "auto" and not _is_worth_compiling(chain, len(values), len(axis))):
         for place in range(len(values)):
             _gradient_of_one(robot, values[place], rows, axis, numbers, result[place], slopes[place])
         return ReceptanceBatch(axis, read, result, Route("numpy", 1, "few points, or as asked"), slopes)
     if not has_numba():
         raise MissingExtra("the compiled gradient needs numba: pip install flexmodal[fast]")
     assert chain is not None
-    cores = min(threads or available_cores(), max(1, len(values) // FEW))
+    cores = min(threads or available_cores(), max(1, len(values) // _EACH))
     _compiled(robot, chain, values, rows, axis, numbers, result, slopes, cores)
     reason = f"{len(values)} postures at {len(axis)} frequencies"
     return ReceptanceBatch(axis, read, result, Route("compiled", cores, reason), slopes)
+
+
+def _is_worth_compiling(chain: Chain | None, postures: int, lines: int) -> bool:
+    seconds = postures * (_POSTURE + lines * _POINT)
+    ready = chain is not None and has_numba()
+    return ready and is_worth_it("slopes", seconds, _COMPILATION, slope_kernel().is_stored)
 
 
 def _compiled(
@@ -83,11 +95,9 @@ def _compiled(
     cores: int,
 ) -> None:
     """Compiled code; the few points whose pivots are not to be trusted once more by LAPACK."""
-    from flexmodal.model.batch.compiled import compiled_gradient
-
     places = places_of(robot, tuple((d.point, d.selector) for d in rows))
     matrices, lag = springs_of(robot, axis)
-    function = compiled_gradient()
+    function = slope_kernel().compiled
 
     def solve(part: slice) -> None:
         doubtful = function(

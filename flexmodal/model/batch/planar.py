@@ -26,7 +26,7 @@ def plane_batch(chain, places, plane, springs, postures, joints, wrenches):
     count = postures.shape[1]
     frames, origins, axes = np.empty((count, 3, 3)), np.empty((count, 3)), np.empty((count, 3))
     centres, inertias = np.empty((count, 3)), np.empty((count, 3, 3))
-    lever, force = np.empty(2), np.empty(3)
+    lever = np.empty(2)
     wrenches[:] = 0.0
     for s in range(len(postures)):
         place_joints(chain, postures[s], frames, origins, axes)
@@ -61,19 +61,21 @@ def plane_batch(chain, places, plane, springs, postures, joints, wrenches):
             entry[13] = 0.0 if springs[i, 3] == 0.0 else (1.0 if turns[i] else 2.0)
         for r in range(len(carriers)):
             i = carriers[r]
-            if i < 0:
-                continue
-            for a in range(2):
-                lever[a] = force[a] = 0.0
-                for c in range(3):
-                    force[a] += plane[a, c] * selectors[r, c]
-                    for d in range(3):
-                        lever[a] += plane[a, c] * frames[i, c, d] * offsets[r, d]
-            force[2] = lever[0] * force[1] - lever[1] * force[0]
-            for c in range(3):
-                force[2] += plane[2, c] * selectors[r, 3 + c]
-            for a in range(3):
-                wrenches[s, i, 3 * r + a] = force[a]
+            if i >= 0:
+                plane_wrench(plane, frames[i], offsets[r], selectors[r], lever, wrenches[s, i, 3 * r :])
+
+
+def plane_wrench(plane, frame, offset, selector, lever, out):
+    """A unit force along a row's direction, about the joint that carries its point; `lever` is for work."""
+    for a in range(2):
+        lever[a] = out[a] = 0.0
+        for c in range(3):
+            out[a] += plane[a, c] * selector[c]
+            for d in range(3):
+                lever[a] += plane[a, c] * frame[c, d] * offset[d]
+    out[2] = lever[0] * out[1] - lever[1] * out[0]
+    for c in range(3):
+        out[2] += plane[2, c] * selector[3 + c]
 
 
 def empty_plane(postures: int, joints: int, rows: int) -> tuple[np.ndarray, np.ndarray]:

@@ -2,23 +2,29 @@
 
 from __future__ import annotations
 
-import sys
-
 import numpy as np
 
 from flexmodal.frf import PointDirection
+from flexmodal.frf.kernels.route import has_numba
+from flexmodal.frf.kernels.worth import is_worth_it
 from flexmodal.model.batch.chain import chain_of, places_of
+from flexmodal.model.batch.compiled import pose_kernel
 from flexmodal.model.batch.request import expand
 from flexmodal.model.build import pinocchio
 from flexmodal.model.robot import Robot
 
-FEW, _MANY = 64, 4000
-"""Postures from which compiled kinematics pay, with numba loaded already and without."""
+FEW = 64
+"""Postures up to which Pinocchio is as quick as the call of compiled kinematics."""
+
+_SECONDS, _COMPILATION = 2e-5, 6.0
+"""Seconds that Pinocchio takes for a posture, and that the compilation takes [s]."""
 
 
-def enough_to_compile() -> int:
-    """Postures, or points, from which compiled kinematics pay in this process."""
-    return FEW if "numba" in sys.modules else _MANY
+def is_worth_compiling(count: int) -> bool:
+    """Whether compiled kinematics pay in this process for so many postures more."""
+    if count < FEW or not has_numba():
+        return False
+    return is_worth_it("poses", count * _SECONDS, _COMPILATION, pose_kernel().is_stored)
 
 
 class Poser:
@@ -43,10 +49,8 @@ class Poser:
         masses = np.empty((len(values), len(pick), len(pick)))
         rows = np.empty((len(values), len(self.rows), len(pick)))
         if self.chain is not None:
-            from flexmodal.model.batch.compiled import compiled_poses
-
             places = self.places
-            compiled_poses()(
+            pose_kernel().compiled(
                 self.chain.arrays, places.joint, places.offset, places.selector, pick,
                 expand(self.robot, values), masses, rows,
             )  # fmt: skip

@@ -13,7 +13,7 @@ from flexmodal.frf import PointDirection, frequency_axis
 from flexmodal.frf.kernels.route import choose, has_numba, run
 from flexmodal.frf.kernels.task import Task
 from flexmodal.frf.receptance import hysteretic_addition
-from flexmodal.model.batch.poser import Poser, enough_to_compile
+from flexmodal.model.batch.poser import Poser, is_worth_compiling
 from flexmodal.model.batch.recursion import recursion_of
 from flexmodal.model.batch.request import (
     DirectionPair,
@@ -68,9 +68,9 @@ def receptance_batch(
     lag = hysteretic_addition(robot.hysteresis, axis)
     if lag is not None:
         addition = lag if addition is None else addition + lag
-    pays = way == "auto" and len(values) >= enough_to_compile()
     asked = way.startswith("compiled") or way == "recursion"
-    poser = Poser(robot, values, rows, compiled=has_numba() and (pays or asked))
+    pays = is_worth_compiling(len(values)) if way == "auto" else asked and has_numba()
+    poser = Poser(robot, values, rows, compiled=pays)
     task = Task(
         count=len(values),
         block=poser,

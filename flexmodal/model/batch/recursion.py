@@ -45,21 +45,21 @@ def recursion_of(
     )
 
     def fill(systems: slice, lines: slice, out: np.ndarray) -> int:
-        from flexmodal.frf.kernels.compiled import compiled_sweep_along
-        from flexmodal.model.batch.compiled import compiled_planes, compiled_spaces
+        from flexmodal.frf.kernels.compiled import sweep_along
+        from flexmodal.model.batch.compiled import plane_kernel, space_kernel
 
         moved, here = expand(robot, values[systems]), omega[lines]
         if robot.is_planar:
             algebra, across = PLANAR, robot.task[:2, :3]
             joints, wrenches = empty_plane(moved.shape[0], moved.shape[1], len(rows))
             plane = np.array([*across, np.cross(across[0], across[1])])
-            compiled_planes()(chain.arrays, where, plane, springs, moved, joints, wrenches)
+            plane_kernel().compiled(chain.arrays, where, plane, springs, moved, joints, wrenches)
         else:
             algebra = SPATIAL
             joints, wrenches = empty_space(moved.shape[0], moved.shape[1], len(rows))
-            compiled_spaces()(chain.arrays, where, springs, moved, joints, wrenches)
+            space_kernel().compiled(chain.arrays, where, springs, moved, joints, wrenches)
         padded = np.pad(here, (0, -len(here) % LANES), mode="edge")
-        sweep = compiled_sweep_along(algebra, numbers, kinds)
+        sweep = sweep_along(algebra, numbers, kinds).compiled
         return int(sweep(joints, wrenches, padded, algebra.before(len(rows)), out))
 
     return fill

@@ -7,7 +7,7 @@ from inspect import unwrap
 from typing import Any
 
 from flexmodal.frf.kernels import pivoted
-from flexmodal.frf.kernels.compiled import compile_together, compile_with
+from flexmodal.frf.kernels.compiled import Kernel, together
 from flexmodal.model.batch import factor, kinematics
 from flexmodal.model.batch import gradient_kernel as gradient
 from flexmodal.optimisation.compiled import (
@@ -89,10 +89,10 @@ def descents(compiled: bool) -> Any:
     """`flexmodal.optimisation.compiled.descent.descend_all`."""
     if not compiled:
         return unwrap(descent.descend_all)
-    return compile_together(*_LOWEST_FIRST, last=descent.descend_all, allocates=False)
+    return together(*_LOWEST_FIRST, last=descent.descend_all, allocates=False).compiled
 
 
 @cache
 def merging(compiled: bool) -> Any:
     """`flexmodal.optimisation.compiled.merge.merge`."""
-    return compile_with(merge.merge) if compiled else unwrap(merge.merge)
+    return Kernel(merge.merge).compiled if compiled else unwrap(merge.merge)

@@ -55,7 +55,7 @@ def plan_of(problem: PostureProblem) -> Plan | None:
         hold=_alike(held_of(problem.robot, problem.hold)),
         box=_alike(Box(problem.columns.astype(np.int64), problem.lower, problem.upper)),
         judge=_alike(judge),
-        turning=np.array(not [joint.is_prismatic for joint in problem.robot.commanded.values()]),
+        turning=np.array([not joint.is_prismatic for joint in problem.robot.commanded.values()]),
     )
 
 

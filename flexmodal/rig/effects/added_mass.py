@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from flexmodal.rig.assembly import Assembly
-from flexmodal.rig.chain import reach
 from flexmodal.rig.effects.effect import Effect, Site, Stand, multiplied, positive
-from flexmodal.rig.geometry import across
+from flexmodal.rig.plant.assembly import PlantAssembly
+from flexmodal.rig.plant.chain import reach
+from flexmodal.rig.plant.geometry import across
 from flexmodal.structure.arm import moved_bodies
 
 
@@ -40,7 +40,7 @@ def _draw(stand: Stand, where: str, random: np.random.Generator) -> dict[str, fl
     }
 
 
-def _act(assembly: Assembly, site: Site) -> None:
+def _act(assembly: PlantAssembly, site: Site) -> None:
     inertia = site["mass"] * site["gyration"] ** 2 * np.eye(3)
     assembly.add_body(site.where, site.vector("x", "y", "z"), site["mass"], inertia)
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from flexmodal.rig.assembly import Assembly
 from flexmodal.rig.effects.effect import Effect, Parameters, Site, Stand, divided, positive
+from flexmodal.rig.plant.assembly import PlantAssembly
 
 
 def base_directions(normal: np.ndarray | None) -> tuple[list[str], np.ndarray]:
@@ -46,13 +46,13 @@ def _distance(stand: Stand, link: str) -> float:
     return total
 
 
-def _shape(assembly: Assembly, site: Site) -> None:
+def _shape(assembly: PlantAssembly, site: Site) -> None:
     names, motion = base_directions(assembly.normal)
     columns = assembly.add_coordinates(names)
     assembly.add_root_motion(columns, motion)
 
 
-def _act(assembly: Assembly, site: Site) -> None:
+def _act(assembly: PlantAssembly, site: Site) -> None:
     names, motion = base_directions(assembly.normal)
     mass = sum(body.mass for body in site.stand.true.bodies.values())
     shift = site["translation_stiffness"]

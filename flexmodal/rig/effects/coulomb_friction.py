@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from flexmodal.rig.assembly import Assembly
-from flexmodal.rig.chain import commanded_joints
 from flexmodal.rig.effects.effect import Effect, Site, Stand, multiplied, positive
-from flexmodal.rig.plant import FRICTION, NonlinearElement
+from flexmodal.rig.plant.assembly import PlantAssembly
+from flexmodal.rig.plant.chain import commanded_joints
+from flexmodal.rig.plant.plant import FRICTION, NonlinearElement
 
 
 def _draw(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
@@ -19,7 +19,7 @@ def _draw(stand: Stand, where: str, random: np.random.Generator) -> dict[str, fl
     }
 
 
-def _act(assembly: Assembly, site: Site) -> None:
+def _act(assembly: PlantAssembly, site: Site) -> None:
     law = (site["torque"], site["presliding_stiffness"], 0.0)
     assembly.elements.append(NonlinearElement(assembly.stretch(site.where), FRICTION, law))
 

@@ -10,9 +10,9 @@ import numpy as np
 from flexmodal.campaign import CampaignPoint
 from flexmodal.model import Robot
 from flexmodal.model.placements import link_placements
-from flexmodal.rig.assembly import Assembly
 from flexmodal.rig.believed import TrueRobot
-from flexmodal.rig.plan import Plan
+from flexmodal.rig.plan import HammerPlan
+from flexmodal.rig.plant.assembly import PlantAssembly
 from flexmodal.rig.sensing import Sensor
 from flexmodal.structure.arm import plane_normal
 
@@ -25,7 +25,7 @@ class Stand:
 
     robot: Robot
     true: TrueRobot
-    plan: Plan
+    plan: HammerPlan
     deflection: Mapping[str, tuple[float, float]]
     """Peak deflection of each joint under the weakest and the hardest kind of blow, nothing hidden [rad]."""
     acceleration: Mapping[str, float]
@@ -81,11 +81,11 @@ class Effect:
     """The highest severity that still makes sense."""
     check: Callable[[Parameters], str | None] = lambda parameters: None
     """What is wrong with given parameters, if anything."""
-    shape: Callable[[Assembly, Site], None] | None = None
+    shape: Callable[[PlantAssembly, Site], None] | None = None
     """New coordinates: done first, since they change how everything moves."""
-    body: Callable[[Assembly, Site], bool] | None = None
+    body: Callable[[PlantAssembly, Site], bool] | None = None
     """Takes over putting in the mass of the link `where`; says whether it did."""
-    act: Callable[[Assembly, Site], None] | None = None
+    act: Callable[[PlantAssembly, Site], None] | None = None
     """Masses, springs, laws."""
     sense: Callable[[dict[str, Sensor], Site], None] | None = None
     """What the sensors make of the motion."""

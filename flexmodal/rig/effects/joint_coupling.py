@@ -7,9 +7,9 @@ from itertools import combinations
 import numpy as np
 
 from flexmodal.model import Robot
-from flexmodal.rig.assembly import Assembly
-from flexmodal.rig.chain import commanded_joints
 from flexmodal.rig.effects.effect import Effect, Parameters, Site, Stand, multiplied
+from flexmodal.rig.plant.assembly import PlantAssembly
+from flexmodal.rig.plant.chain import commanded_joints
 
 
 def _places(robot: Robot) -> tuple[str, ...]:
@@ -21,7 +21,7 @@ def _draw(stand: Stand, where: str, random: np.random.Generator) -> dict[str, fl
     return {"coupling": float(sign * random.uniform(0.15, 0.45))}
 
 
-def _act(assembly: Assembly, site: Site) -> None:
+def _act(assembly: PlantAssembly, site: Site) -> None:
     one, other = site.where.split("+")
     size = np.sqrt(site.stand.true.stiffness[one] * site.stand.true.stiffness[other])
     assembly.add_coupling(one, other, float(site["coupling"] * size))

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from flexmodal.rig.assembly import Assembly
-from flexmodal.rig.beam import Beam, sections
 from flexmodal.rig.believed import Body
-from flexmodal.rig.chain import reach, slender_links
 from flexmodal.rig.effects.effect import Effect, Parameters, Site, Stand, divided
-from flexmodal.rig.geometry import across
+from flexmodal.rig.plant.assembly import PlantAssembly
+from flexmodal.rig.plant.beam import Beam, sections
+from flexmodal.rig.plant.chain import reach, slender_links
+from flexmodal.rig.plant.geometry import across
 
 _FIRST = 1.875104068711961
 """First root of cos βL cosh βL = −1, for the clamped-free beam."""
@@ -65,7 +65,7 @@ def _beyond(stand: Stand, joint: str) -> tuple[str, ...]:
     return beyond(stand.robot.urdf, stand.robot.urdf.joint_by_name[joint].child)
 
 
-def _shape(assembly: Assembly, site: Site) -> None:
+def _shape(assembly: PlantAssembly, site: Site) -> None:
     length, axis = _span(site.where, site.stand)
     mass, _ = spread(site.stand.true.bodies[site.where], length, axis)
     beam = Beam(length, site["bending_stiffness"], mass / length)
@@ -78,7 +78,7 @@ def _shape(assembly: Assembly, site: Site) -> None:
         assembly.add_beam(site.where, beam, axis, side, loss)
 
 
-def _body(assembly: Assembly, site: Site) -> bool:
+def _body(assembly: PlantAssembly, site: Site) -> bool:
     """The beam's own mass and the rest's moment along its length, the rest's mass at its centre."""
     length, axis = _span(site.where, site.stand)
     mass, rest = spread(site.stand.true.bodies[site.where], length, axis)

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from flexmodal.rig.assembly import Assembly
-from flexmodal.rig.chain import reach
 from flexmodal.rig.effects.added_mass import arm_mass, on_link
 from flexmodal.rig.effects.effect import Effect, Parameters, Site, Stand, multiplied
-from flexmodal.rig.geometry import across
+from flexmodal.rig.plant.assembly import PlantAssembly
+from flexmodal.rig.plant.chain import reach
+from flexmodal.rig.plant.geometry import across
 from flexmodal.structure.arm import moved_bodies
 
 
@@ -35,7 +35,7 @@ def _draw(stand: Stand, where: str, random: np.random.Generator) -> dict[str, fl
     }
 
 
-def _act(assembly: Assembly, site: Site) -> None:
+def _act(assembly: PlantAssembly, site: Site) -> None:
     """The mass moves with its link, and besides along its own direction: three rows of (motion + way · y)."""
     place, mass = site.vector("x", "y", "z"), site["mass"]
     way = site.vector("dx", "dy", "dz")

@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from flexmodal.rig.assembly import Assembly
-from flexmodal.rig.chain import commanded_joints
 from flexmodal.rig.effects.effect import Effect, Parameters, Site, Stand, multiplied
-from flexmodal.rig.plant import HARDENING, NonlinearElement
+from flexmodal.rig.plant.assembly import PlantAssembly
+from flexmodal.rig.plant.chain import commanded_joints
+from flexmodal.rig.plant.plant import HARDENING, NonlinearElement
 
 
 def _draw(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
@@ -22,7 +22,7 @@ def _draw(stand: Stand, where: str, random: np.random.Generator) -> dict[str, fl
     }
 
 
-def _act(assembly: Assembly, site: Site) -> None:
+def _act(assembly: PlantAssembly, site: Site) -> None:
     law = (site["change"] * site.stand.true.stiffness[site.where], site["deflection"], 0.0)
     assembly.elements.append(NonlinearElement(assembly.stretch(site.where), HARDENING, law))
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from flexmodal.model import Robot
-from flexmodal.rig.assembly import Assembly
-from flexmodal.rig.chain import commanded_joints, reach
 from flexmodal.rig.effects.base_flexibility import base_directions
 from flexmodal.rig.effects.effect import Effect, Parameters, Site, Stand, divided, multiplied, positive
 from flexmodal.rig.effects.sensors import points_that_move
-from flexmodal.rig.plant import BACKLASH, NonlinearElement
+from flexmodal.rig.plant.assembly import PlantAssembly
+from flexmodal.rig.plant.chain import commanded_joints, reach
+from flexmodal.rig.plant.plant import BACKLASH, NonlinearElement
 from flexmodal.rig.sensing import Sensor
 from flexmodal.structure.arm import beyond, moved_bodies
 
@@ -24,7 +24,7 @@ def _draw_clearance(stand: Stand, where: str, random: np.random.Generator) -> di
     }
 
 
-def _clear(assembly: Assembly, site: Site) -> None:
+def _clear(assembly: PlantAssembly, site: Site) -> None:
     k = site.stand.true.stiffness[site.where]
     law = (k, site["gap"], k * site["preload"])
     assembly.elements.append(NonlinearElement(assembly.stretch(site.where), BACKLASH, law))
@@ -68,7 +68,7 @@ def _draw_hose(stand: Stand, where: str, random: np.random.Generator) -> dict[st
     }
 
 
-def _hose(assembly: Assembly, site: Site) -> None:
+def _hose(assembly: PlantAssembly, site: Site) -> None:
     """From a hook in the world to the end of a link; stiffer the farther it is stretched."""
     end = reach(site.stand.robot, site.where)
     at = assembly.origin(site.where) + assembly.orientation(site.where) @ end
@@ -131,14 +131,14 @@ def _draw_neighbour(stand: Stand, where: str, random: np.random.Generator) -> di
     }
 
 
-def _shape_neighbour(assembly: Assembly, site: Site) -> None:
+def _shape_neighbour(assembly: PlantAssembly, site: Site) -> None:
     _, motion = base_directions(assembly.normal)
     upright = motion[:, [int(np.argmax(np.abs(motion[2])))]]
     assembly.add_root_motion(assembly.add_coordinates(["floor"]), upright)
     assembly.add_coordinates(["neighbour"])
 
 
-def _neighbour(assembly: Assembly, site: Site) -> None:
+def _neighbour(assembly: PlantAssembly, site: Site) -> None:
     floor, other = assembly.row("floor"), assembly.row("neighbour")
     loss, k = site["damping_ratio"], site["mass"] * (2 * np.pi * site["frequency"]) ** 2
     damper = 2 * loss * float(np.sqrt(site["floor_stiffness"] * site["floor_mass"]))

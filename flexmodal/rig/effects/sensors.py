@@ -10,7 +10,7 @@ from flexmodal.campaign import CampaignPoint
 from flexmodal.model import Robot
 from flexmodal.rig.effects.added_mass import arm_mass
 from flexmodal.rig.effects.effect import Effect, Parameters, Site, Stand, multiplied, positive
-from flexmodal.rig.geometry import turn
+from flexmodal.rig.plant.geometry import turn
 from flexmodal.rig.sensing import Sensor
 from flexmodal.structure.arm import moved_bodies
 

@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from flexmodal.rig.assembly import Assembly
-from flexmodal.rig.chain import commanded_joints
 from flexmodal.rig.effects.effect import Effect, Parameters, Site, Stand, positive
+from flexmodal.rig.plant.assembly import PlantAssembly
+from flexmodal.rig.plant.chain import commanded_joints
 
 
 def _draw(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
@@ -28,7 +28,7 @@ def _draw(stand: Stand, where: str, random: np.random.Generator) -> dict[str, fl
     }
 
 
-def _act(assembly: Assembly, site: Site) -> None:
+def _act(assembly: PlantAssembly, site: Site) -> None:
     joint = site.where
     k, b = site.stand.true.stiffness[joint], site.stand.true.damping[joint]
     assembly.add_coordinates([f"{joint} motor"])

@@ -10,9 +10,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from flexmodal.rig.assembly import Assembly
 from flexmodal.rig.effects.effect import Effect, Parameters, Site, Stand, multiplied
-from flexmodal.rig.plant import Branch
+from flexmodal.rig.plant.assembly import PlantAssembly
+from flexmodal.rig.plant.plant import Branch
 
 ELEMENTS = 9
 
@@ -45,7 +45,7 @@ def _draw(stand: Stand, where: str, random: np.random.Generator) -> dict[str, fl
     return {"loss_factor": float(random.uniform(0.03, 0.12)), "viscous": 1.0}
 
 
-def _act(assembly: Assembly, site: Site) -> None:
+def _act(assembly: PlantAssembly, site: Site) -> None:
     static, strengths, times = maxwell(site["loss_factor"], site.stand.plan.band)
     for joint in site.stand.robot.joints:
         k, b = site.stand.true.stiffness[joint], site.stand.true.damping[joint]

@@ -30,7 +30,7 @@ def task(n=9, systems=3, lines=40):
 
 @pytest.mark.parametrize("holes", [0, WORTH_A_TILE - 1, 50])
 def test_only_what_stands_as_nan_is_solved(holes):
-    from flexmodal.frf.kernels.compiled import compiled_sweep_any
+    from flexmodal.frf.kernels.compiled import sweep_of_any_size
 
     whole = task()
     systems, lines = slice(0, 3), slice(10, 40)
@@ -40,7 +40,7 @@ def test_only_what_stands_as_nan_is_solved(holes):
     found = expected.copy()
     found.reshape(90, 2)[places] = np.nan
     marked = np.isnan(found[..., 0])
-    left = solve_from_base(whole, whole.block(systems), lines, compiled_sweep_any(), found)
+    left = solve_from_base(whole, whole.block(systems), lines, sweep_of_any_size().compiled, found)
     assert left == np.count_nonzero(np.isnan(found[..., 0]))
     assert left == holes if holes < WORTH_A_TILE else left < holes / 5
     solved = marked & ~np.isnan(found[..., 0])

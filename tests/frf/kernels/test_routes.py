@@ -100,9 +100,9 @@ def test_the_choice_and_its_reason():
     assert choose(task, None).way == "LAPACK"
     assert "few points (3)" in str(choose(task, None))
     large, _ = random_task(np.random.default_rng(0), 2, 1, 10, 1)
-    large = Task(400_000, large.block, *[large.stiffness] * 3, ((0, 0),), large.omega)
+    large = Task(4_000_000, large.block, *[large.stiffness] * 3, ((0, 0),), large.omega)
     assert choose(large, 1).way == "compiled"
-    assert str(choose(large, 2)).startswith("compiled on 2 threads: 4000000 points, n = 2")
+    assert str(choose(large, 2)).startswith("compiled on 2 threads: 40000000 points, n = 2")
 
 
 def test_without_numba(monkeypatch):

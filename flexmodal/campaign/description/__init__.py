@@ -1,0 +1,1 @@
+"""What was tested, as a `campaign.toml` says it."""

@@ -1,0 +1,65 @@
+"""From the text of a `campaign.toml` to what was tested."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from flexmodal.campaign.consistency import add_contradictions
+from flexmodal.campaign.description.faults import ALLOWED, add_faults
+from flexmodal.campaign.description.tested import CampaignPoint, CampaignPosture, Tested
+from flexmodal.campaign.trial import Trial, Window
+from flexmodal.errors import Fault, InvalidCampaign
+from flexmodal.text.frozen import FrozenDict
+from flexmodal.text.toml import parse_toml
+from flexmodal.text.words import FaultList, shown
+
+if TYPE_CHECKING:
+    from flexmodal.campaign.description.schema import CampaignTable, TrialTable
+
+
+def read_toml(file: Path) -> Tested:
+    """Read a `campaign.toml`.
+
+    Raises:
+        InvalidCampaign: with every fault of the file at once.
+    """
+    from pydantic import ValidationError
+
+    from flexmodal.campaign.description.schema import CampaignTable
+
+    content = parse_toml(file, kind="a campaign.toml")
+    if isinstance(content, Fault):
+        raise InvalidCampaign(content)
+    faults = FaultList(file)
+    try:
+        table = CampaignTable.model_validate(content)
+    except ValidationError as error:
+        add_faults(faults, error.errors(include_url=False))
+        raise InvalidCampaign(faults.faults) from None
+    if type(content["format"]) is not int:  # true and 1.0 equal 1
+        faults.add("format", shown(content["format"]), ALLOWED[""]["format"])
+    tested = _tested(table)
+    add_contradictions(faults, tested)
+    if faults.faults:
+        raise InvalidCampaign(faults.faults)
+    return tested
+
+
+def _tested(table: CampaignTable) -> Tested:
+    return Tested(
+        title=table.title,
+        robot=table.robot,
+        band=None if table.band is None else (table.band[0], table.band[1]),
+        postures=tuple(CampaignPosture(p.id, p.name, FrozenDict(p.q)) for p in table.posture),
+        points=tuple(
+            CampaignPoint(p.id, p.name, p.link, (p.xyz[0], p.xyz[1], p.xyz[2])) for p in table.point
+        ),
+        trials=tuple(_trial(trial) for trial in table.trial),
+    )
+
+
+def _trial(table: TrialTable) -> Trial:
+    fields = table.model_dump(exclude={"window"})
+    window = table.window
+    return Trial(**fields, window="none" if window == "none" else Window(window.kind, window.decay))

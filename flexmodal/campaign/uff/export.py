@@ -1,0 +1,98 @@
+"""An analyser's export: a universal file without a campaign.toml, described from its own records."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from flexmodal.campaign.blow import Blow
+from flexmodal.campaign.campaign import Campaign, default_band
+from flexmodal.campaign.description.tested import CampaignPoint, CampaignPosture, Tested
+from flexmodal.campaign.records import FrfRecords
+from flexmodal.campaign.trial import Trial
+from flexmodal.campaign.uff.header import Header
+from flexmodal.campaign.uff.read_blows import read_time_uff
+from flexmodal.campaign.uff.read_frfs import read_frf_uff
+from flexmodal.campaign.uff.scan import scan_uff
+from flexmodal.errors import Fault, InvalidCampaign
+from flexmodal.text.words import FaultList
+
+UNIVERSAL_SUFFIXES = (".uff", ".unv", ".uf", ".58")
+_TIME, _FRF = 1, 4
+
+
+def is_export(path: Path) -> bool:
+    """Whether a path is that of a universal file, by its name."""
+    return path.suffix.lower() in UNIVERSAL_SUFFIXES and path.is_file()
+
+
+def read_export(file: Path) -> Campaign:
+    """Read a universal file as a campaign: FRFs if it has any, else blows.
+
+    Postures are its load cases, trials its versions (0 is taken for 1 where there is no other), points its
+    nodes. What such a file does not say stays open: robot, places, angles, tip, and how many blows were
+    averaged, so that coherence cannot be turned into noise.
+
+    Raises:
+        InvalidCampaign: with every fault.
+    """
+    faults: list[Fault] = []
+    found = FaultList(file, faults)
+    headers = [one.header for one in scan_uff(file, found).datasets]
+    used = [one for one in headers if one.function == _FRF]
+    has_frfs = bool(used)
+    used = used or [one for one in headers if one.function == _TIME]
+    if not used and not faults:
+        found.add("", "neither FRFs nor time histories", "datasets 58 of function type 4 or 1")
+    if faults:
+        raise InvalidCampaign(faults)
+    tested = _described(file, used)
+    warnings = [f"{file}: no campaign.toml; described from the records alone"]
+    frfs: FrfRecords | None = None
+    blows: tuple[Blow, ...] = ()
+    if has_frfs:
+        frfs = read_frf_uff(file, tested, found, warnings)
+    else:
+        blows = read_time_uff(file, tested, found, warnings)
+    if faults:
+        raise InvalidCampaign(faults)
+    return Campaign(
+        title=tested.title,
+        robot=tested.robot,
+        band=default_band(frfs, blows),
+        postures=tested.postures,
+        points=tested.points,
+        trials=_with_peaks(tested.trials, blows),
+        frfs=frfs,
+        blows=blows,
+        path=file.parent,
+        warnings=tuple(warnings),
+    )
+
+
+def _described(file: Path, headers: list[Header]) -> Tested:
+    """What the records say of postures, points and trials; the reader refuses ids that cannot be."""
+    cases = sorted({one.load_case for one in headers if one.load_case > 0}) or [1]
+    versions = sorted({one.version for one in headers if one.version > 0}) or [1]
+    nodes = sorted({node for one in headers for node, _ in (one.response, one.reference) if node > 0})
+    return Tested(
+        title=file.name,
+        robot="none",
+        band=None,
+        postures=tuple(CampaignPosture(case, f"load case {case}", {}) for case in cases),
+        points=tuple(CampaignPoint(node, f"node {node}", "unknown", (0.0, 0.0, 0.0)) for node in nodes),
+        trials=tuple(Trial(version, 1.0, 1, "unknown") for version in versions),
+    )
+
+
+def _with_peaks(trials: tuple[Trial, ...], blows: tuple[Blow, ...]) -> tuple[Trial, ...]:
+    """With the median peak of their blows, where there are blows."""
+    peaks = {
+        trial.id: [float(np.abs(blow.force).max()) for blow in blows if blow.trial == trial.id]
+        for trial in trials
+    }
+    return tuple(
+        Trial(trial.id, float(np.median(peaks[trial.id])), 1, trial.tip) if peaks[trial.id] else trial
+        for trial in trials
+    )

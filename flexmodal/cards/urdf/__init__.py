@@ -1,0 +1,1 @@
+"""URDF text to a checked tree of links and joints, without Pinocchio."""

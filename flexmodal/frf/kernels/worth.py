@@ -1,0 +1,35 @@
+"""When a compiled function is worth its start: it is rented from Python until the rent has reached its price.
+
+Interpreted code is at hand at once. Compiled code costs the import of numba and, where the function is not on
+disk, its compilation, and nobody knows how much work is still to come. Who goes on without it until that has
+cost as much as compiling would have, and only then compiles, never takes more than twice as long as one who
+knew (ski rental; Karlin, Manasse, Rudolph and Sleator, Algorithmica 3, 1988, section 2).
+"""
+
+from __future__ import annotations
+
+import sys
+from collections import defaultdict
+from collections.abc import Callable, Hashable
+
+IMPORT, LOAD = 0.7, 0.05
+"""Seconds to import numba, and to read a function from disk; processor time of a core of 2020."""
+
+_spent: defaultdict[Hashable, float] = defaultdict(float)
+"""Seconds that compiled code would have saved this process so far, by kind of work."""
+
+
+def is_worth_it(kind: Hashable, seconds: float, compilation: float, is_stored: Callable[[], bool]) -> bool:
+    """Count work that is about to be done, and say whether to do it by compiled code.
+
+    Args:
+        kind: of work; each is counted by itself.
+        seconds: that the work takes interpreted; what compiled code takes is next to nothing.
+        compilation: seconds that it takes to compile that code.
+        is_stored: says whether it is on disk already.
+    """
+    _spent[kind] += seconds
+    price = LOAD + (0.0 if "numba" in sys.modules else IMPORT)
+    if _spent[kind] < price:
+        return False
+    return _spent[kind] >= price + compilation or is_stored()

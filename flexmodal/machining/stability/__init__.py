@@ -1,0 +1,1 @@
+"""Stability of a cut: zero order, several harmonics, semi-discretisation, one direction, mode coupling."""

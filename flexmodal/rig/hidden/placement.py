@@ -1,0 +1,100 @@
+"""Putting effects in: at a place, as strong as asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from flexmodal.errors import Fault, InvalidRequest
+from flexmodal.rig.effects import EFFECTS, Site, Stand
+from flexmodal.rig.hammer_test import Conduct
+from flexmodal.rig.hidden.hide import Hide, canonical
+from flexmodal.rig.hidden.severity import CLOSE, Floor, noise_floor, severity_for
+from flexmodal.rig.plant.build import Hidden
+from flexmodal.rig.truth import HiddenEffect
+
+NEAR = 0.2
+"""Relative distance from the height asked for at which a place will do."""
+_MOST_PLACES = 4
+"""Places tried for an effect that may choose where it sits, one height being asked for."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Placed:
+    """An effect put in."""
+
+    site: Site
+    severity: float
+    height: float | None
+
+
+def put_in(
+    stand: Stand, wanted: Sequence[Hide], conduct: Conduct
+) -> tuple[list[Hidden], tuple[HiddenEffect, ...], float | None]:
+    """Put effects in, one after the other, each as if it were alone.
+
+    Returns:
+        Their sites, how they came out, and the noise floor where it was needed.
+
+    Raises:
+        InvalidRequest: parameters out of the range of their effect.
+    """
+    searched = any(item.height is not None for item in wanted)
+    floor = noise_floor(stand, conduct) if searched else None
+    hidden, effects = [], []
+    for number, item in enumerate(wanted):
+        effect = EFFECTS[item.effect]
+        random = np.random.default_rng([conduct.seed, 5, number, list(EFFECTS).index(item.effect)])
+        placed = _place(stand, item, random, floor)
+        site = placed.site
+        wrong = effect.check(site.parameters)
+        if wrong:
+            raise InvalidRequest(Fault("call", f"hide {item.effect}", wrong, "parameters in their range"))
+        hidden.append((item.effect, site))
+        effects.append(
+            HiddenEffect(
+                item.effect, site.where, dict(site.parameters), effect.units, placed.severity, placed.height,
+                effect.catalogued,
+            )
+        )  # fmt: skip
+    return hidden, tuple(effects), None if floor is None else floor.height
+
+
+def _place(stand: Stand, item: Hide, random: np.random.Generator, floor: Floor | None) -> _Placed:
+    """Of several places, drawn in turn, the first where the effect can stand as high as asked for.
+
+    Where there is none, the one where it comes nearest.
+    """
+    effect, span = EFFECTS[item.effect], item.range
+    places = effect.places(stand.robot, stand.plan.points)
+    order = [canonical(item.where, places)] if item.where else list(map(str, random.permutation(places)))
+    if span is None or floor is None:
+        return _at(stand, item, order[0], random, None, None)
+    target = span[0]
+    if isinstance(item.height, tuple):
+        low, high = np.log(span) + np.array([CLOSE, -CLOSE])  # the search may end that far off
+        target = float(np.exp(random.uniform(low, high) if low < high else (low + high) / 2))
+    else:
+        order, span = order[:_MOST_PLACES], (target * (1 - NEAR), target * (1 + NEAR))
+    tried = []
+    for where in order:
+        tried.append(_at(stand, item, where, random, target, floor))
+        if span[0] <= (tried[-1].height or 0.0) <= span[1]:
+            return tried[-1]
+    return min(tried, key=lambda one: abs(float(np.log((one.height or 1e-9) / target))))
+
+
+def _at(
+    stand: Stand, item: Hide, where: str, random: np.random.Generator, target: float | None,
+    floor: Floor | None,
+) -> _Placed:  # fmt: skip
+    effect = EFFECTS[item.effect]
+    site = Site(stand, where, {**effect.draw(stand, where, random), **item.parameters})
+    severity, reached = item.severity, None
+    if target is not None and floor is not None:
+        severity, reached = severity_for(stand, item.effect, site, target, floor)
+    if severity != 1:
+        site = Site(stand, where, effect.scaled(site.parameters, severity))
+    return _Placed(site, severity, reached)
