@@ -9,9 +9,9 @@ import flexmodal
 from flexmodal import Hold, PointDirection, PostureProblem, ReceptanceObjective
 from flexmodal.optimisation.path import PathProblem, greedy_path, line, plan_path
 from flexmodal.optimisation.path.plot import draw_path
-from flexmodal.optimisation.plot import draw_postures, draw_receptances, draw_self_motion
-from flexmodal.optimisation.traces import draw_traces, follow
-from flexmodal.optimisation.workspace import draw_workspace, workspace_map
+from flexmodal.optimisation.pictures.plot import draw_postures, draw_receptances, draw_self_motion
+from flexmodal.optimisation.pictures.traces import draw_traces, follow
+from flexmodal.optimisation.pictures.workspace import draw_workspace, workspace_map
 from flexmodal.report import write_figure
 
 PICTURES = ROOT / "docs" / "pictures"

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from flexmodal.cli.options import (
+    RobotOptions,
     force_option,
     frequencies_of,
     json_option,
-    load_robot,
     posture_of,
     posture_option,
     refuse_existing,
@@ -43,11 +43,7 @@ _MOST_ROWS = 40
 @force_option
 @json_option
 def frf(
-    robot: str,
-    stiffness: str | None,
-    damping: str | None,
-    tool: str | None,
-    fix: str | None,
+    robot: RobotOptions,
     posture: str,
     frequencies: str,
     response: tuple[str, ...],
@@ -60,7 +56,7 @@ def frf(
     """Frequency response functions at a posture, between any points and directions."""
     refuse_existing(out, force, _ENDINGS)
     axis = frequencies_of(frequencies)
-    arm = load_robot(robot, stiffness, damping, tool, fix)
+    arm = robot.load()
     where = posture_of(arm, posture)
     found = arm.frf(where, axis, response=response or None, reference=reference or None, form=form)
     if out is not None:

@@ -8,15 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from flexmodal.cli.measured import campaign_at
+from flexmodal.cli.measured import campaign_at, robot_of
 from flexmodal.cli.options import SOURCE, force_option, json_option, quiet_option, trust_of, trust_option
 from flexmodal.cli.printing import print_json, print_table, progress
 from flexmodal.errors import Fault, OutputExists
 
 if TYPE_CHECKING:
-    from flexmodal.campaign import Campaign
     from flexmodal.identification import Identification
-    from flexmodal.model import Robot
 
 STAGES = 4
 FILES = ("identification.json", "report.html", "fit.png", "fit.svg", "robot")
@@ -104,16 +102,6 @@ def identify(
     else:
         _print(outcome)
     sys.exit(0 if outcome.fitted.converged else 1)
-
-
-def robot_of(campaign: Campaign, given: str | None) -> Robot:
-    """The robot asked for, or the one the campaign names: a card, or a path relative to it."""
-    from flexmodal.model import load
-
-    if given is not None:
-        return load(given)
-    beside = None if campaign.path is None else campaign.path / campaign.robot
-    return load(beside if beside is not None and beside.is_file() else campaign.robot)
 
 
 def _refuse_out(out: Path | None, force: bool) -> None:

@@ -11,9 +11,9 @@ import click
 from flexmodal.cli.holds import hold_of, orientation_options
 from flexmodal.cli.options import (
     SOURCE,
+    RobotOptions,
     force_option,
     json_option,
-    load_robot,
     posture_of,
     quiet_option,
     refuse_existing,
@@ -64,11 +64,7 @@ _METHODS = ("zero-order", "multi-frequency", "semi-discretisation")
 @quiet_option
 @json_option
 def lobes(
-    robot: str,
-    stiffness: str | None,
-    damping: str | None,
-    tool: str | None,
-    fix: str | None,
+    robot: RobotOptions,
     postures: tuple[str, ...],
     family: str | None,
     members: int,
@@ -92,7 +88,7 @@ def lobes(
 
     _one_way(postures, family, hold)
     refuse_existing(out, force, _ENDINGS)
-    arm = load_robot(robot, stiffness, damping, tool, fix)
+    arm = robot.load()
     cut = read_cut(cut_file)
     added = None if spindle is None else read_measured_tip(spindle)
     _mention(cut, added)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import wraps
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -24,8 +26,44 @@ SMALLEST, LARGEST = 1e-100, 1e100
 Command = TypeVar("Command", bound=Callable[..., Any])
 
 
+@dataclass(frozen=True)
+class RobotOptions:
+    """ROBOT and what a bare URDF needs beside it, as they were given."""
+
+    robot: str
+    stiffness: str | None
+    damping: str | None
+    tool: str | None
+    fix: str | None
+
+    def load(self) -> Robot:
+        """The robot they describe."""
+        from flexmodal.model import load
+
+        return load(
+            self.robot,
+            stiffness=per_joint(self.stiffness, "--stiffness"),
+            damping=per_joint(self.damping, "--damping"),
+            tool=self.tool,
+            fixed=[name.strip() for name in self.fix.split(",")] if self.fix else (),
+        )
+
+
 def robot_options(command: Command) -> Command:
-    """ROBOT and what a bare URDF needs beside it."""
+    """ROBOT and what a bare URDF needs beside it, given to the command as one `RobotOptions`."""
+
+    @wraps(command)
+    def gathered(
+        robot: str,
+        stiffness: str | None,
+        damping: str | None,
+        tool: str | None,
+        fix: str | None,
+        **others: Any,
+    ) -> Any:
+        return command(robot=RobotOptions(robot, stiffness, damping, tool, fix), **others)
+
+    wrapped: Any = gathered
     for decorate in (
         click.option(
             "--fix", metavar="JOINT,…", help="For a bare URDF: joints that stay at 0, as a gripper's."
@@ -39,8 +77,8 @@ def robot_options(command: Command) -> Command:
         ),
         click.argument("robot"),
     ):
-        command = decorate(command)
-    return command
+        wrapped = decorate(wrapped)
+    return wrapped
 
 
 json_option = click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
@@ -56,21 +94,6 @@ trust_option = click.option(
 posture_option = click.option(
     "--posture", required=True, metavar="POSTURE", help="A named posture, or q1=50deg,q2=-0.8."
 )
-
-
-def load_robot(
-    robot: str, stiffness: str | None, damping: str | None, tool: str | None, fix: str | None
-) -> Robot:
-    """The robot that the options of `robot_options` describe."""
-    from flexmodal.model import load
-
-    return load(
-        robot,
-        stiffness=per_joint(stiffness, "--stiffness"),
-        damping=per_joint(damping, "--damping"),
-        tool=tool,
-        fixed=[name.strip() for name in fix.split(",")] if fix else (),
-    )
 
 
 def per_joint(text: str | None, option: str) -> float | dict[str, float] | None:

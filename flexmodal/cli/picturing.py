@@ -76,7 +76,7 @@ def draw_pictures(
 
 
 def _draw(kind: str, outcome: Outcome, start: Posture | None, quiet: bool) -> Any:
-    from flexmodal.optimisation import plot, traces
+    from flexmodal.optimisation.pictures import plot, traces
 
     problem, best = outcome.problem, outcome.best.posture
     if kind == "receptance":
@@ -96,7 +96,7 @@ def _draw(kind: str, outcome: Outcome, start: Posture | None, quiet: bool) -> An
 def _workspace(outcome: Outcome, quiet: bool) -> Any:
     import numpy as np
 
-    from flexmodal.optimisation import workspace
+    from flexmodal.optimisation.pictures import workspace
 
     problem = outcome.problem
     axes = [np.linspace(low, high, _PLACES) for low, high in workspace.extent(problem)[:2]]

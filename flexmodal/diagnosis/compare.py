@@ -86,7 +86,6 @@ def disagreement(
     seen: dict[tuple[int, ...], int] = {}
     frequency = observations.axis.frequency
     for share, row, first, last in found:
-        kind, says = kind_of(observations, predicted, row, first, last)
         pair = (*observations.response[row].tolist(), *observations.reference[row].tolist())
         middle = round(20 * float(np.log(frequency[(first + last) // 2])))
         key = (int(observations.posture[row]), *pair, middle)
@@ -97,6 +96,7 @@ def disagreement(
         if len(regions) >= MOST:
             continue
         seen[key] = len(regions)
+        kind, says = kind_of(observations, predicted, row, first, last)
         response, reference = observations.response[row].tolist(), observations.reference[row].tolist()
         regions.append(
             Region(

@@ -61,7 +61,7 @@ def extend(diagnosis: Diagnosis) -> Extension:
         if placed.effect.extend is None:
             draft.notes.append(_left_out(placed, model.values_of(placed, values), scene))
         else:
-            placed.effect.extend(draft, Placement(scene, placed.where, model.values_of(placed, values), 0))
+            placed.effect.extend(draft, Placement.still(scene, placed.where, model.values_of(placed, values)))
     return Extension(draft.finish(), _card(draft, diagnosis), tuple(draft.notes))
 
 

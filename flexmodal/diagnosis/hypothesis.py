@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -11,21 +11,19 @@ from jaxtyping import Float
 
 from flexmodal.diagnosis.effects.context import Context, Place
 from flexmodal.diagnosis.effects.effect import Effect, Placement
-from flexmodal.diagnosis.frame import KINDS, Frame
 from flexmodal.diagnosis.march.law import Law
 from flexmodal.diagnosis.reader import Reader
-from flexmodal.diagnosis.slices import Slice, slices
 from flexmodal.identification import Observations
+from flexmodal.identification.layout import Part, unmeasured
 from flexmodal.identification.model import Group
 from flexmodal.structure import ParameterSpace
-from flexmodal.structure.arm import Body
-from flexmodal.structure.assembly import Assembly, put_together
-from flexmodal.structure.structure import Change, Structure, changed
+from flexmodal.structure.assembly import KINDS, Assembly, put_together
+from flexmodal.structure.frame import Frame, Frames
+from flexmodal.structure.stack import Slopes, Structures, joined
+from flexmodal.structure.structure import Structure
 
 STEP = 1e-6
 """Of the forward differences along an effect's own parameters."""
-_FRAMES = 64
-"""Frames kept at most."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,8 +48,8 @@ class Placed:
 class _Shift:
     """The parameters a step further along one of an effect's own."""
 
-    name: str
-    label: str
+    number: int
+    placed: Placed
     step: float
     values: Mapping[str, float]
 
@@ -64,8 +62,6 @@ class Hypothesis:
     base: ParameterSpace
     """Of the robot itself."""
     placed: tuple[Placed, ...] = ()
-    _slices: dict[int, list[Slice]] = field(default_factory=dict, repr=False)
-    _frames: dict[tuple[object, ...], Frame] = field(default_factory=dict, repr=False)
 
     @cached_property
     def space(self) -> ParameterSpace:
@@ -118,16 +114,11 @@ class Hypothesis:
     ) -> Sequence[Group]:
         """See `identification.FrfModel`."""
         values = self.space.values(x)
-        shifts = self._shifts(x) if slopes else []
+        shifts = self._shifts(x, values) if slopes else []
+        wanted = {variant for one in self.placed for variant in one.effect.variants}
         return [
-            Group(
-                self._structure(one, values, shifts),
-                one.rows,
-                one.pairs,
-                one.level,
-                self._reader(one, values, shifts),
-            )
-            for one in self._sliced(observations)
+            Group(self._structures(part, values, shifts), part, self._reader(part, values, shifts))
+            for part in observations.layout.parts(wanted)
         ]
 
     def structures(
@@ -147,65 +138,65 @@ class Hypothesis:
             slopes: with derivatives.
         """
         values = self.space.values(x)
-        shifts = self._shifts(x) if slopes else []
         where, struck = (np.array(list(table), dtype=int).reshape(-1, 2) for table in (responses, references))
-        names = tuple(self.context.point(number).name for number, _ in responses)
-        found = []
-        for posture in range(len(self.context.postures)):
-            one = Slice(
-                posture, np.zeros(0, dtype=int), where, struck, np.zeros((0, 2), dtype=int), names, (), 0,
-                (0, 0), (0, 0),
-            )  # fmt: skip
-            found.append(self._structure(one, values, shifts))
-        return found
+        part = unmeasured(len(self.context.postures), where, struck)
+        found = self._structures(part, values, self._shifts(x, values) if slopes else [])
+        return [found[k] for k in range(len(found))]
 
-    def laws(self, posture: int, values: Mapping[str, float]) -> tuple[Law, ...]:
-        """Torques of the effects that have a law, in a posture (by number) at these parameter values."""
-        frame = self._frame(posture, values)
-        return tuple(
-            one.effect.law(
-                frame.assembly, Placement(self.context, one.where, self.values_of(one, values), posture)
-            )
+    def laws(self, part: Part, values: Mapping[str, float]) -> list[tuple[Law, ...]]:
+        """Torques of the effects that have a law, in each system of a part at these parameter values."""
+        assembly = self._frame(part, values).assembly
+        found = [
+            one.effect.law(assembly, self._placement(one, part, values))
             for one in self.placed
             if one.effect.law is not None
-        )
+        ]
+        return [tuple(law.of_system(k) for law in found) for k in range(len(part.posture))]
 
-    def _shifts(self, x: np.ndarray) -> list[_Shift]:
+    def _shifts(self, x: np.ndarray, values: Mapping[str, float]) -> list[_Shift]:
         _, high = self.space.bounds
         found = []
-        for k, name in enumerate(self.space.names[len(self.base) :], start=len(self.base)):
+        for k, parameter in enumerate(self.space.parameters[len(self.base) :], start=len(self.base)):
             step = STEP if x[k] + STEP <= high[k] else -STEP
-            moved = x.copy()
-            moved[k] += step
-            label = next(one.label for one in self.placed if name.startswith(f"{one.label}."))
-            found.append(_Shift(name, label, step, self.space.values(moved)))
+            placed = next(one for one in self.placed if parameter.name.startswith(f"{one.label}."))
+            moved = {**values, parameter.name: parameter.value(float(x[k]) + step)}
+            found.append(_Shift(k, placed, step, moved))
         return found
-
-    def _sliced(self, observations: Observations) -> list[Slice]:
-        key = id(observations)
-        if key not in self._slices:
-            wanted = {variant for one in self.placed for variant in one.effect.variants}
-            self._slices[key] = slices(observations, wanted)
-        return self._slices[key]
 
     # structures
 
-    def _structure(self, one: Slice, values: Mapping[str, float], shifts: Sequence[_Shift]) -> Structure:
-        frame = self._frame(one.posture, values)
-        total, changes = frame.scaled(values)
-        added = self._act(frame, one, values)
-        for kind, matrix, names in added.terms:
-            total[kind] = total[kind] + matrix
-            for name in names:
-                changes[name] = changes.get(name, Change()) + changed({kind: matrix})
-        rows = self._rows(frame, one, values)
-        bare = _summed(added)
-        loss = added.loss_factor
+    def _structures(self, part: Part, values: Mapping[str, float], shifts: Sequence[_Shift]) -> Structures:
+        frame = self._frame(part, values)
+        total, slopes = frame.scaled(values)
+        acted = {
+            one: self._act(frame, one, part, values) for one in self.placed if one.effect.act is not None
+        }
+        sums = {one: assembly.summed() for one, assembly in acted.items()}
+        found = [slopes] if shifts or not self.placed else []
+        for one, assembly in acted.items():
+            for kind in KINDS:
+                total[kind] = total[kind] + sums[one][kind]
+            if found:
+                found.append(self._proportional(assembly, total["mass"].shape))
+        rows = self._rows(frame, part, values)
+        turned: dict[int, tuple[np.ndarray, np.ndarray]] = {}
+        loss: dict[int, float] = {}
         for shift in shifts:
-            change = self._change(frame, one, values, shift, bare, loss, rows)
-            if change is not None:
-                changes[shift.name] = change
-        return Structure(
+            moved = self._frame(part, shift.values)
+            change = dict.fromkeys(KINDS, np.zeros(total["mass"].shape))
+            if shift.placed in acted:
+                other = self._act(moved, shift.placed, part, shift.values)
+                summed = other.summed()
+                change = {kind: summed[kind] - sums[shift.placed][kind] for kind in KINDS}
+                loss[shift.number] = (other.loss_factor - acted[shift.placed].loss_factor) / shift.step
+            if moved is not frame:
+                was, now = frame.scaled(values)[0], moved.scaled(shift.values)[0]
+                change = {kind: change[kind] + now[kind] - was[kind] for kind in KINDS}
+            if moved is not frame or shift.placed.effect.turn is not None:
+                others = self._rows(moved, part, shift.values)
+                turned[shift.number] = (others[0] - rows[0]) / shift.step, (others[1] - rows[1]) / shift.step
+            found.append(_along(shift, change, total["mass"].shape))
+        return Structures(
             coordinates=tuple(frame.assembly.coordinates),
             mass=total["mass"],
             damping=total["damping"],
@@ -213,59 +204,43 @@ class Hypothesis:
             loss=total["loss"],
             response=rows[0],
             reference=rows[1],
-            changes=changes,
-            loss_factor=loss,
+            names=self.space.names,
+            slopes=joined(found),
+            turned=turned,
+            loss_factor=float(sum(assembly.loss_factor for assembly in acted.values())),
+            loss_slopes={number: slope for number, slope in loss.items() if slope},
         )
 
-    def _change(
-        self,
-        frame: Frame,
-        one: Slice,
-        values: Mapping[str, float],
-        shift: _Shift,
-        bare: Mapping[str, np.ndarray],
-        bare_loss: float,
-        rows: tuple[np.ndarray, np.ndarray],
-    ) -> Change | None:
-        """Derivative along one of an effect's own parameters, by differences of what depends on it."""
-        effect = next(placed.effect for placed in self.placed if placed.label == shift.label)
-        slots: dict[str, np.ndarray] = {}
-        loss = 0.0
-        moved = self._frame(one.posture, shift.values)
-        if effect.act is not None or moved is not frame:
-            acted = self._act(moved, one, shift.values)
-            other = _summed(acted)
-            loss = (acted.loss_factor - bare_loss) / shift.step
-            for kind in KINDS:
-                slots[kind] = other[kind] - bare[kind]
-        if moved is not frame:
-            was, _ = frame.scaled(values)
-            now, _ = moved.scaled(shift.values)
-            for kind in KINDS:
-                slots[kind] = slots[kind] + now[kind] - was[kind]
-        if moved is not frame or effect.turn is not None:
-            others = self._rows(moved, one, shift.values)
-            slots["response"], slots["reference"] = others[0] - rows[0], others[1] - rows[1]
-        kept = {name: slot / shift.step for name, slot in slots.items() if slot.any()}
-        return changed(kept, loss or None) if kept or loss else None
+    def _proportional(self, assembly: Assembly, shape: tuple[int, ...]) -> Slopes:
+        """Derivatives along the parameters that an effect's terms are named after."""
+        return joined(
+            [
+                {
+                    kind: (
+                        np.array([self.space.index[name]]),
+                        np.broadcast_to(assembly.full(matrix), shape)[None],
+                    )
+                }
+                for kind, matrix, names in assembly.terms
+                for name in names
+                if name in self.space.index
+            ]
+        )
 
-    def _frame(self, posture: int, values: Mapping[str, float]) -> Frame:
+    def _frame(self, part: Part, values: Mapping[str, float]) -> Frame:
         geometry = tuple(values[f"{one.label}.{name}"] for one in self.placed for name in one.effect.geometry)
-        key = (posture, geometry)
-        if key not in self._frames:
-            if len(self._frames) >= _FRAMES:
-                self._frames.clear()
-            self._frames[key] = self._build(posture, values)
-        return self._frames[key]
+        key = (part.posture.tobytes(), part.where.tobytes(), part.struck.tobytes(), geometry)
+        return self._frames.get(key, lambda: self._build(part, values))
 
-    def _build(self, posture: int, values: Mapping[str, float]) -> Frame:
+    @cached_property
+    def _frames(self) -> Frames:
+        return Frames()
+
+    def _build(self, part: Part, values: Mapping[str, float]) -> Frame:
         """Motions of the effects, and the card's own terms on them."""
         card = {parameter.name: parameter.card for parameter in self.base}
-        assembly = Assembly(self.context.arms[posture])
-        placements = [
-            (one.effect, Placement(self.context, one.where, {**self.values_of(one, values), **card}, posture))
-            for one in self.placed
-        ]
+        assembly = Assembly(self.context.stacked.take(part.posture))
+        placements = [(one.effect, self._placement(one, part, {**values, **card})) for one in self.placed]
         for effect, placement in placements:
             if effect.shape is not None:
                 effect.shape(assembly, placement)
@@ -279,77 +254,57 @@ class Hypothesis:
                 if effect.bodies
             )
         }
-        left: dict[str, Body] = {link: body for link, body in bodies.items() if link not in taken}
-        put_together(assembly, card, left)
-        return Frame(assembly, self.base.names, np.array([p.card for p in self.base]), {})
+        put_together(assembly, card, {link: body for link, body in bodies.items() if link not in taken})
+        rows = [assembly.rows(self.context.places(table)) for table in (part.where, part.struck)]
+        return Frame(assembly, self.base.names, np.array([p.card for p in self.base]), *rows)
 
-    def _act(self, frame: Frame, one: Slice, values: Mapping[str, float]) -> Assembly:
-        """What the effects put on the motions, by itself."""
+    def _act(self, frame: Frame, one: Placed, part: Part, values: Mapping[str, float]) -> Assembly:
+        """What an effect puts on the motions, by itself."""
         assembly = frame.assembly.alike()
-        for effect, placement in self._placements(one, values):
-            if effect.act is not None:
-                effect.act(assembly, placement)
+        assert one.effect.act is not None
+        one.effect.act(assembly, self._placement(one, part, values))
         return assembly
 
-    def _placements(self, one: Slice, values: Mapping[str, float]) -> list[tuple[Effect, Placement]]:
-        return [
-            (
-                placed.effect,
-                Placement(
-                    self.context,
-                    placed.where,
-                    self.values_of(placed, values),
-                    one.posture,
-                    one.level,
-                    one.reference,
-                    one.response,
-                ),
-            )
-            for placed in self.placed
-        ]
+    def _placement(self, one: Placed, part: Part, values: Mapping[str, float]) -> Placement:
+        own = self.values_of(one, values)
+        return Placement(self.context, one.where, own, part.posture, part.blow, part.reference, part.response)
 
-    def _rows(self, frame: Frame, one: Slice, values: Mapping[str, float]) -> tuple[np.ndarray, np.ndarray]:
+    def _rows(
+        self, frame: Frame, part: Part, values: Mapping[str, float]
+    ) -> tuple[Float[np.ndarray, "system response dof"], Float[np.ndarray, "system reference dof"]]:
         """Rows of responses and references."""
-        turning = [
-            (effect, placement)
-            for effect, placement in self._placements(one, values)
-            if effect.turn is not None
-        ]
-        if turning:
-            measured = self.context.places(one.where)
-            for effect, placement in turning:
-                assert effect.turn is not None
-                measured = [
-                    (link, place, effect.turn(self.context, placement, one.posture, name, way))
-                    for (link, place, way), name in zip(measured, one.points, strict=True)
-                ]
-            response = frame.assembly.rows(measured)
-        else:
-            response = self._kept(frame, one.where)
-        return response, self._kept(frame, one.struck)
+        turning = [one for one in self.placed if one.effect.turn is not None]
+        if not turning:
+            return frame.response, frame.reference
+        names = [self.context.point(number).name for number in part.where[:, 0].tolist()]
+        measured = self.context.places(part.where)
+        for one in turning:
+            assert one.effect.turn is not None
+            placement = self._placement(one, part, values)
+            measured = [
+                (link, place, one.effect.turn(frame.assembly, placement, name, way))
+                for (link, place, way), name in zip(measured, names, strict=True)
+            ]
+        return frame.assembly.rows(measured), frame.reference
 
-    def _kept(self, frame: Frame, wanted: np.ndarray) -> np.ndarray:
-        key = wanted.tobytes()
-        if key not in frame.rows:
-            frame.rows[key] = frame.assembly.rows(self.context.places(wanted))
-        return frame.rows[key]
-
-    def _reader(self, one: Slice, values: Mapping[str, float], shifts: Sequence[_Shift]) -> Reader | None:
-        labels = {placed.label for placed in self.placed if placed.effect.read is not None}
-        if not labels:
+    def _reader(self, part: Part, values: Mapping[str, float], shifts: Sequence[_Shift]) -> Reader | None:
+        reading = [one for one in self.placed if one.effect.read is not None]
+        if not reading:
             return None
+        points = np.array([self.context.point(number).name for number in part.read.tolist()])
         moved = [
-            (shift.name, shift.step, self._placements(one, shift.values))
+            (shift.number, shift.step, shift.placed.effect, self._placement(shift.placed, part, shift.values))
             for shift in shifts
-            if shift.label in labels
+            if shift.placed in reading
         ]
-        return Reader(one.read, self._placements(one, values), moved)
+        return Reader(points, [(one.effect, self._placement(one, part, values)) for one in reading], moved)
 
 
-def _summed(assembly: Assembly) -> dict[str, np.ndarray]:
-    """Sum of an assembly's terms by kind."""
-    n = len(assembly.coordinates)
-    total = {kind: np.zeros((n, n)) for kind in KINDS}
-    for kind, matrix, _ in assembly.terms:
-        total[kind] += matrix
-    return total
+def _along(shift: _Shift, change: Mapping[str, np.ndarray], shape: tuple[int, ...]) -> Slopes:
+    """Differences over a step as derivatives; of what does not change, none."""
+    number = np.array([shift.number])
+    return {
+        kind: (number, np.broadcast_to(matrix / shift.step, shape)[None])
+        for kind, matrix in change.items()
+        if matrix.any()
+    }

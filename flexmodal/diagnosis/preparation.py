@@ -89,8 +89,10 @@ def _whole(observations: Observations, context: Context) -> Observations:
     """The observations, without the length of their records where the robot comes to rest within it."""
     root = Hypothesis(context, robot_space(context.robot))
     for group in root.groups(np.zeros(len(root.space)), observations, slopes=False):
-        axis = observations.axis_of(group.level)
-        if axis.length > 0 and missing(group.structure, axis, group.pairs[:1]) is not None:
+        axis, pairs = observations.axis_of(group.part.level), group.part.entries.table[:1, 1:]
+        if axis.length > 0 and any(
+            missing(group.structures[k], axis, pairs) is not None for k in range(len(group.structures))
+        ):
             return replace(observations, cut_slopes=False)  # steps need not be exact, and are much faster so
     return unlimited(observations)
 

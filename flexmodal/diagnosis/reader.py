@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from jaxtyping import Complex, Shaped
 
 from flexmodal.diagnosis.effects.effect import Effect, Placement
 from flexmodal.structure.structure import Axis
@@ -15,21 +16,29 @@ from flexmodal.structure.structure import Axis
 class Reader:
     """What sensors make of the motion at their points."""
 
-    points: Sequence[str]
-    """Response point of each observation."""
+    points: Shaped[np.ndarray, " entry"]
+    """Name of the response point of each receptance."""
     placements: Sequence[tuple[Effect, Placement]]
-    moved: Sequence[tuple[str, float, Sequence[tuple[Effect, Placement]]]]
+    """Effects that read."""
+    moved: Sequence[tuple[int, float, Effect, Placement]]
+    """Number of a parameter, a step along it, the effect it is of, and that a step further."""
 
-    def __call__(self, axis: Axis) -> tuple[np.ndarray, Mapping[str, np.ndarray]]:
-        """ln(reading / motion) [observation line], and its derivatives."""
-        base = self._log(axis, self.placements)
-        return base, {
-            name: (self._log(axis, placements) - base) / step for name, step, placements in self.moved
+    def __call__(
+        self, axis: Axis
+    ) -> tuple[Complex[np.ndarray, "entry line"], Mapping[int, Complex[np.ndarray, "entry line"]]]:
+        """ln(reading / motion), and its derivatives by number of the parameter."""
+        before = {
+            effect.name + placement.where: self._log(axis, effect, placement)
+            for effect, placement in self.placements
         }
+        slopes = {
+            number: (self._log(axis, effect, placement) - before[effect.name + placement.where]) / step
+            for number, step, effect, placement in self.moved
+        }
+        return np.asarray(sum(before.values())), slopes
 
-    def _log(self, axis: Axis, placements: Sequence[tuple[Effect, Placement]]) -> np.ndarray:
-        total = np.zeros((len(self.points), len(axis)), dtype=complex)
-        for effect, placement in placements:
-            if effect.read is not None:
-                total[[point == placement.where for point in self.points]] += effect.read(placement, axis)
-        return total
+    def _log(self, axis: Axis, effect: Effect, placement: Placement) -> Complex[np.ndarray, "entry line"]:
+        found = np.zeros((len(self.points), len(axis)), dtype=complex)
+        assert effect.read is not None
+        found[self.points == placement.where] = effect.read(placement, axis)
+        return found

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Complex, Float
 
-from flexmodal.identification.model import FrfModel, group_receptance
+from flexmodal.identification.model import FrfModel, predictions
 from flexmodal.identification.observations import Observations
 from flexmodal.identification.uncertainty import Uncertainty
 
@@ -37,13 +37,11 @@ def banded(
 ) -> Banded:
     """Predict some observations with their error, to first order: √(∂ ln|α| cov ∂ ln|α|ᵀ)."""
     some = observations.keeping(keep)
-    names = model.space.names
     value = np.zeros(some.value.shape, dtype=complex)
     error = np.zeros(some.value.shape)
-    for group in model.groups(x, some, slopes=True):
-        found, slopes = group_receptance(group, some.axis_of(group.level), names)
-        relative = (slopes / np.where(found == 0, np.inf, found)).real
-        value[group.observations] = found
+    for seen in predictions(model, x, some, slice(None), slopes=True):
+        relative = seen.slopes(1 / np.where(seen.value == 0, np.inf, seen.value))[:, :, 0]
         spread = np.einsum("pnl,pq,qnl->nl", relative, sure.covariance, relative)
-        error[group.observations] = np.sqrt(np.maximum(spread, 0.0))
+        value[seen.observations] = seen.value[seen.entry]
+        error[seen.observations] = np.sqrt(np.maximum(spread, 0.0))[seen.entry]
     return Banded(value, error)

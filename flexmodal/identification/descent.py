@@ -20,7 +20,7 @@ FIRST, LAST = 1e-3, 1e8
 
 @dataclass(frozen=True, eq=False)
 class Normal:
-    """Cost and normal equations at one point, and each observation's share in them."""
+    """Cost and normal equations at one point, and each observation's share in them if it was asked for."""
 
     cost: float
     data_cost: float

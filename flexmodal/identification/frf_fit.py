@@ -18,7 +18,8 @@ from jaxtyping import Complex, Float, Int
 
 from flexmodal.errors import Fault, InvalidRequest, SingularResponse
 from flexmodal.identification.descent import Normal, descend, prior_cost, robust, robust_weight
-from flexmodal.identification.model import Model, evaluated
+from flexmodal.identification.layout import summed
+from flexmodal.identification.model import Model, predictions
 from flexmodal.identification.observations import Observations
 
 FLOORS = (0.2, 0.05, 0.01)
@@ -87,8 +88,9 @@ def cost_of(
     weight = weighing.weight(observations)
     total = 0.0
     try:
-        for rows, value, _ in evaluated(model, x, observations, weighing.lines, slopes=False):
-            r = residual(value, observations.value[rows][:, weighing.lines])
+        for seen in predictions(model, x, observations, weighing.lines, slopes=False):
+            rows = seen.observations
+            r = residual(seen.value[seen.entry], observations.value[rows][:, weighing.lines])
             total += float(np.sum(robust(weight[rows] * _square(r))))
     except (np.linalg.LinAlgError, SingularResponse):
         return float("inf")
@@ -105,37 +107,35 @@ def normal_equations(
 ) -> Normal:
     """Cost, gradient and curvature at x; `apart`: with what each observation adds to the curvature."""
     weight = weighing.weight(observations)
-    names = model.space.names
-    size = len(names)
-    curvature = np.zeros((size, size))
-    blocks = np.zeros((len(observations), size, size)) if apart else None
-    scores, squared = np.zeros((len(observations), size)), np.zeros(len(observations))
+    size, count = len(model.space), len(observations) if apart else 0
+    curvature, gradient = np.zeros((size, size)), model.space.precision * x
+    blocks = np.zeros((count, size, size)) if apart else None
+    scores, squared = np.zeros((count, size)), np.zeros(count)
     data_cost = 0.0
-    for rows, value, slopes in evaluated(model, x, observations, weighing.lines, slopes=True):
-        r = residual(value, observations.value[rows][:, weighing.lines])
+    for seen in predictions(model, x, observations, weighing.lines, slopes=True):
+        rows, value = seen.observations, np.where(seen.value == 0, np.inf, seen.value)
+        r = residual(seen.value[seen.entry], observations.value[rows][:, weighing.lines])
         scaled = weight[rows] * _square(r)
         data_cost += float(np.sum(robust(scaled)))
-        squared[rows] = scaled.sum(axis=1)
-        root = np.sqrt(weight[rows] * robust_weight(scaled))
-        relative = slopes * (root / np.where(value == 0, np.inf, value))
-        real = np.ascontiguousarray(relative).view(float)  # real and imaginary parts in turn
-        scores[rows] = np.matmul(real.transpose(1, 0, 2), (r * root).view(float)[:, :, None])[:, :, 0]
-        if blocks is None:
-            flat = real.reshape(size, -1)
+        w = weight[rows] * robust_weight(scaled)
+        if blocks is None:  # observations of one receptance have their derivatives in common
+            together = summed(w, seen.entry, len(value))
+            root = np.sqrt(together)
+            pull = summed(w * r, seen.entry, len(value)) / np.where(root > 0, root, np.inf)
+            flat = seen.slopes(root / value).reshape(size, -1)
             curvature += flat @ flat.T
-        else:
-            each = real.transpose(1, 0, 2)
-            blocks[rows] = each @ np.swapaxes(each, 1, 2)
-    precision = model.space.precision
-    gradient = scores.sum(axis=0) + precision * x
+            gradient = gradient + flat @ np.stack([pull.real, pull.imag], axis=1).ravel()
+            continue
+        squared[rows] = scaled.sum(axis=1)
+        relative, root = seen.slopes(1 / value), np.sqrt(w)
+        for row, entry, half, own in zip(rows.tolist(), seen.entry.tolist(), root, r, strict=True):
+            each = (relative[:, entry] * half).reshape(size, -1)
+            scores[row] = each @ np.concatenate([own.real * half, own.imag * half])
+            blocks[row] = each @ each.T
+    if blocks is not None:
+        curvature, gradient = blocks.sum(axis=0), gradient + scores.sum(axis=0)
     return Normal(
-        data_cost + prior_cost(model.space, x),
-        data_cost,
-        gradient,
-        curvature if blocks is None else blocks.sum(axis=0),
-        scores,
-        squared,
-        blocks,
+        data_cost + prior_cost(model.space, x), data_cost, gradient, curvature, scores, squared, blocks
     )
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Protocol, runtime_checkable
 
@@ -11,31 +11,49 @@ import numpy as np
 from jaxtyping import Complex, Float, Int
 
 from flexmodal.campaign import Campaign, CampaignPoint
+from flexmodal.identification.layout import Part
 from flexmodal.identification.observations import Observations
 from flexmodal.model import Robot
-from flexmodal.structure.arm import Arm
-from flexmodal.structure.assembly import Assembly
+from flexmodal.structure.arm import Arm, Arms
+from flexmodal.structure.frame import Frame, Frames
 from flexmodal.structure.parameter import ParameterSpace
-from flexmodal.structure.shape import KINDS, assembled, with_slopes
-from flexmodal.structure.structure import Axis, Structure, receptance
+from flexmodal.structure.shape import KINDS, STEPS, assembled
+from flexmodal.structure.solution import solved
+from flexmodal.structure.stack import Structures, joined
+from flexmodal.structure.structure import Axis, Structure
 from flexmodal.structure.truncation import missing
 
 AXES = np.eye(3)
 
+Spot = tuple[str, np.ndarray, np.ndarray]
+"""Link, place in its frame [m], direction in the world."""
+
+
+Reading = Callable[[Axis], tuple[np.ndarray, Mapping[int, np.ndarray]]]
+"""What sensors make of motion: ln(reading / motion) [entry line], and its derivatives by parameter number."""
+
 
 @dataclass(frozen=True, eq=False)
 class Group:
-    """Observations of one posture that share a structure."""
+    """Observations on one axis, and the structures they are of."""
 
-    structure: Structure
+    structures: Structures
+    part: Part
+    reading: Reading | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Seen:
+    """What a model predicts of some observations."""
+
     observations: Int[np.ndarray, " observation"]
     """Their numbers."""
-    pairs: Int[np.ndarray, "observation 2"]
-    """Rows of each in `structure.response` and `structure.reference`."""
-    level: int
-    """Whose axis they are measured on."""
-    reading: Callable[[Axis], tuple[np.ndarray, Mapping[str, np.ndarray]]] | None = None
-    """What the sensors make of it: ln(reading / motion) [observation line], and its derivatives by name."""
+    entry: Int[np.ndarray, " observation"]
+    """The receptance of each."""
+    value: Complex[np.ndarray, "entry line"]
+    """[m/N]"""
+    slopes: Callable[[np.ndarray], np.ndarray]
+    """Derivatives times a scale [entry line] as real and imaginary parts [parameter entry 2 line]."""
 
 
 @runtime_checkable
@@ -84,86 +102,83 @@ class RobotModel:
 
     robot: Robot
     space: ParameterSpace
-    _arms: dict[tuple[tuple[str, float], ...], Arm] = field(default_factory=dict, repr=False)
-
-    def arm(self, q: Mapping[str, float]) -> Arm:
-        """The robot in a posture; made once."""
-        key = tuple(sorted(q.items()))
-        if key not in self._arms:
-            self._arms[key] = Arm(self.robot, dict(q))
-        return self._arms[key]
 
     def groups(
         self, x: Float[np.ndarray, " parameter"], observations: Observations, *, slopes: bool
     ) -> Sequence[Group]:
         """See `FrfModel`; every term is its own derivative."""
         made = []
-        for number, posture in enumerate(observations.postures):
-            rows = np.flatnonzero(observations.posture == number)
-            if not rows.size:
-                continue
-            made += self._groups(x, self.arm(posture.q), observations, rows, slopes)
+        for part in observations.layout.parts():
+            rows = places(observations, part.where), places(observations, part.struck)
+            postures = [observations.postures[k].q for k in part.posture.tolist()]
+            made.append(Group(self._structures(x, postures, *rows, slopes=slopes), part))
         return made
-
-    def _groups(
-        self,
-        x: Float[np.ndarray, " parameter"],
-        arm: Arm,
-        observations: Observations,
-        rows: Int[np.ndarray, " some"],
-        slopes: bool,
-    ) -> list[Group]:
-        """Of one posture."""
-        found = close(assembled(arm, self.space.values(x)), observations, rows)
-        if not slopes or not self._of_shape:
-            return found
-        structure = with_slopes(
-            lambda values: close(assembled(arm, values), observations, rows)[0].structure, self.space, x
-        )
-        return [replace(group, structure=structure) for group in found]
-
-    @cached_property
-    def _of_shape(self) -> bool:
-        return any(name.partition(".")[0] in KINDS for name in self.space.names)
 
     def structure_at(
         self,
         x: Float[np.ndarray, " parameter"],
         q: Mapping[str, float],
-        responses: Sequence[tuple[str, np.ndarray, np.ndarray]],
-        references: Sequence[tuple[str, np.ndarray, np.ndarray]],
+        responses: Sequence[Spot],
+        references: Sequence[Spot],
     ) -> Structure:
-        """The robot in one posture, seen at any places: link, place in its frame [m], world direction."""
-        arm = self.arm(q)
+        """The robot in one posture with its derivatives, seen and struck at any places."""
+        return self._structures(x, [q], responses, references, slopes=True)[0]
 
-        def make(values: Mapping[str, float]) -> Structure:
-            assembly = assembled(arm, values)
-            return assembly.close(assembly.rows(responses), assembly.rows(references))
+    def _structures(
+        self,
+        x: Float[np.ndarray, " parameter"],
+        postures: Sequence[Mapping[str, float]],
+        responses: Sequence[Spot],
+        references: Sequence[Spot],
+        *,
+        slopes: bool,
+    ) -> Structures:
+        values = self.space.values(x)
+        names = [name for name in self.space.names if name.partition(".")[0] not in KINDS]
+        card = {name: self.space.parameters[self.space.index[name]].card for name in names}
+        where = tuple(
+            (link, *place.tolist(), *way.tolist()) for link, place, way in (*responses, *references)
+        )
+        key = (tuple(tuple(sorted(q.items())) for q in postures), len(responses), where)
 
-        return with_slopes(make, self.space, x)
+        def frame_at(shape: Mapping[str, float]) -> Frame:
+            def build() -> Frame:
+                arms = Arms.of([Arm(self.robot, dict(q)) for q in postures])
+                assembly = assembled(arms, {**card, **shape})
+                rows = assembly.rows(responses), assembly.rows(references)
+                return Frame(assembly, tuple(names), np.array(list(card.values())), *rows)
+
+            return self._frames.get((*key, tuple(shape.values())), build)
+
+        shape = {name: value for name, value in values.items() if name not in card}
+        frame = frame_at(shape)
+        total, found = frame.scaled(values)
+        place = np.array([self.space.index[name] for name in names], dtype=int)
+        own = {kind: (place[numbers], matrices) for kind, (numbers, matrices) in found.items()}
+        turned: dict[int, tuple[np.ndarray, np.ndarray]] = {}
+        for name in shape if slopes else ():
+            number = self.space.index[name]
+            step = STEPS[name.partition(".")[0]]
+            up, down = (frame_at({**shape, name: shape[name] + side * step}) for side in (1, -1))
+            scale = self.space.parameters[number].slope(float(x[number])) / (2 * step)
+            mass = (up.scaled(values)[0]["mass"] - down.scaled(values)[0]["mass"]) * scale
+            own = joined([own, {"mass": (np.array([number]), mass[None])}])
+            turned[number] = (
+                (up.response - down.response) * scale,
+                (up.reference - down.reference) * scale,
+            )
+        return Structures(
+            tuple(frame.assembly.coordinates), mass=total["mass"], damping=total["damping"],
+            stiffness=total["stiffness"], loss=total["loss"], response=frame.response, reference=frame.reference,
+            names=self.space.names, slopes=own, turned=turned,
+        )  # fmt: skip
+
+    @cached_property
+    def _frames(self) -> Frames:
+        return Frames()
 
 
-def close(
-    assembly: Assembly, observations: Observations, rows: Int[np.ndarray, " observation"]
-) -> list[Group]:
-    """Close an assembly for some observations of its posture: a group for each decay of the window."""
-    where, response = np.unique(observations.response[rows], axis=0, return_inverse=True)
-    struck, reference = np.unique(observations.reference[rows], axis=0, return_inverse=True)
-    structure = assembly.close(
-        assembly.rows(places(observations, where)), assembly.rows(places(observations, struck))
-    )
-    pairs = np.stack([response.ravel(), reference.ravel()], axis=1)
-    level = observations.level[rows]
-    decay = np.array(observations.decays)[level]
-    return [
-        Group(structure, rows[decay == d], pairs[decay == d], int(level[decay == d][0]))
-        for d in np.unique(decay)
-    ]
-
-
-def places_of(
-    campaign: Campaign, given: Iterable[tuple[int, int]]
-) -> list[tuple[str, np.ndarray, np.ndarray]]:
+def places_of(campaign: Campaign, given: Iterable[tuple[int, int]]) -> list[Spot]:
     """Link, place and world direction of point ids and directions."""
     found = []
     for number, direction in given:
@@ -172,9 +187,7 @@ def places_of(
     return found
 
 
-def places(
-    observations: Observations, given: Int[np.ndarray, "place 2"]
-) -> list[tuple[str, np.ndarray, np.ndarray]]:
+def places(observations: Observations, given: Int[np.ndarray, "place 2"]) -> list[Spot]:
     """Link, place and world direction of point ids and directions."""
     return places_of(observations.campaign, [(int(n), int(d)) for n, d in given])
 
@@ -186,8 +199,8 @@ def predict(
     """Receptances that the model gives for every observation [m/N]."""
     count = len(observations.axis.take(lines))
     value = np.zeros((len(observations), count), dtype=complex)
-    for rows, found, _ in evaluated(model, x, observations, lines, slopes=False):
-        value[rows] = found
+    for seen in predictions(model, x, observations, lines, slopes=False):
+        value[seen.observations] = seen.value[seen.entry]
     return value
 
 
@@ -196,34 +209,66 @@ def evaluated(
     *, slopes: bool,
 ) -> Iterator[tuple[Int[np.ndarray, " some"], np.ndarray, np.ndarray]]:  # fmt: skip
     """Numbers of some observations, their receptances [some line] and derivatives [parameter some line]."""
+    for seen in predictions(model, x, observations, lines, slopes=slopes):
+        changes = np.zeros((0, len(seen.observations), seen.value.shape[1]), dtype=complex)
+        if slopes:
+            found = seen.slopes(np.ones_like(seen.value))[:, seen.entry]
+            changes = found[:, :, 0] + 1j * found[:, :, 1]
+        yield seen.observations, seen.value[seen.entry], changes
+
+
+def predictions(
+    model: Model, x: Float[np.ndarray, " parameter"], observations: Observations, lines: slice | np.ndarray,
+    *, slopes: bool,
+) -> Iterator[Seen]:  # fmt: skip
+    """What a model predicts, group by group; with derivatives if asked."""
     if isinstance(model, ReceptanceModel):
-        yield np.arange(len(observations)), *model.receptances(x, observations, lines, slopes=slopes)
+        value, changes = model.receptances(x, observations, lines, slopes=slopes)
+        every = np.arange(len(observations))
+        yield Seen(every, every, value, lambda scale: _parts_of(changes * scale))
         return
-    names = model.space.names if slopes else ()
     for group in model.groups(x, observations, slopes=slopes):
-        axis = observations.axis_of(group.level).take(lines)
-        yield group.observations, *group_receptance(group, axis, names)
+        yield seen_in(group, observations.axis_of(group.part.level).take(lines))
 
 
-def group_receptance(
-    group: Group, axis: Axis, names: tuple[str, ...]
-) -> tuple[Complex[np.ndarray, "observation line"], Complex[np.ndarray, "name observation line"]]:
-    """Receptances of a group as the sensors read them, and their derivatives.
+def _parts_of(value: np.ndarray) -> np.ndarray:
+    return np.stack([value.real, value.imag], axis=-2)
 
-    Pairs that occur twice, at several levels, are computed once.
-    """
-    distinct, back = np.unique(group.pairs, axis=0, return_inverse=True)
-    value, slopes = receptance(group.structure, axis, distinct, names)
-    looked = names if axis.cut_slopes else ()
-    if axis.length > 0 and (cut := missing(group.structure, axis, distinct, looked)) is not None:
+
+def seen_in(group: Group, axis: Axis) -> Seen:
+    """Receptances of a group as the sensors read them, and their derivatives."""
+    part, structures = group.part, group.structures
+    found = solved(structures, axis, part.entries)
+    value, factor = found.value, None
+    cut = _cut(structures, axis, part) if axis.length > 0 else None
+    if cut is not None:
         value = value + cut[0]
-        slopes = slopes + cut[1] if looked else slopes
-    value, slopes = value[back.ravel()], slopes[:, back.ravel()]
-    if group.reading is not None:
-        log, changes = group.reading(axis)
+    log, changes = group.reading(axis) if group.reading is not None else (None, {})
+    if log is not None:
         factor = np.exp(log)
-        value, slopes = value * factor, slopes * factor
-        for number, name in enumerate(names):
-            if name in changes:
-                slopes[number] += value * changes[name]
-    return value, slopes
+        value = value * factor
+
+    def slopes(scale: np.ndarray) -> np.ndarray:
+        inner = scale if factor is None else scale * factor
+        made = found.slopes(inner)
+        if cut is not None and axis.cut_slopes:
+            made += _parts_of(cut[1] * inner)
+        for number, change in changes.items():
+            made[number] += _parts_of(value * change * scale)
+        return made
+
+    return Seen(part.observations, part.entry, value, slopes)
+
+
+def _cut(structures: Structures, axis: Axis, part: Part) -> tuple[np.ndarray, np.ndarray] | None:
+    """What the ends of the records take away, and its derivatives; None where it is nothing."""
+    table, names = part.entries.table, structures.names if axis.cut_slopes else ()
+    value = np.zeros((len(table), len(axis)), dtype=complex)
+    slopes = np.zeros((len(names), *value.shape), dtype=complex)
+    some = False
+    for k in range(len(structures)):
+        rows = np.flatnonzero(table[:, 0] == k)
+        lost = missing(structures[k], axis, table[rows, 1:], names)
+        if lost is not None:
+            value[rows], slopes[:, rows], some = *lost, True
+    return (value, slopes) if some else None

@@ -24,6 +24,7 @@ from flexmodal.campaign import (
 from flexmodal.campaign.noise import expected_gap_square
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.frf.form import POWER
+from flexmodal.identification.layout import Layout
 from flexmodal.identification.signal import with_signal
 from flexmodal.structure.structure import Axis
 
@@ -77,6 +78,11 @@ class Observations:
         """The lines, as if without a window."""
         frequency = self.records.frequency
         return Axis(frequency, float(np.sqrt(frequency[0] * frequency[-1])))
+
+    @cached_property
+    def layout(self) -> Layout:
+        """Which of them share structures and receptances."""
+        return Layout(self.posture, self.response, self.reference, self.level, self.decays)
 
     def axis_of(self, level: int) -> Axis:
         """The lines for one kind of blow."""

@@ -13,16 +13,19 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from jaxtyping import Float
 
-from flexmodal.structure.arm import Arm, Body, beyond, carried, plane_normal
+from flexmodal.structure.arm import Arm, Arms, Body, beyond, carried, crossed, plane_normal
 from flexmodal.structure.structure import Structure, changed
 
-_KINDS = ("mass", "damping", "stiffness", "loss")
+KINDS = ("mass", "damping", "stiffness", "loss")
+
+Size = float | Float[np.ndarray, " posture"]
+"""A number, the same in every posture or one for each."""
 
 
 class Assembly:
     """A structure in the making."""
 
-    def __init__(self, arm: Arm) -> None:
+    def __init__(self, arm: Arm | Arms) -> None:
         self.arm = arm
         self.robot = arm.robot
         self.placed = arm.placed
@@ -63,21 +66,21 @@ class Assembly:
         picked[self.coordinates.index(coordinate)] = 1.0
         return picked
 
-    def stretch_of(self, joint: str) -> Float[np.ndarray, " dof"]:
+    def stretch_of(self, joint: str) -> Float[np.ndarray, "*posture dof"]:
         """The row of what stretches a joint's spring."""
         return self._padded(self.stretch[joint]) if joint in self.stretch else self.row(joint)
 
-    def origin(self, link: str) -> Float[np.ndarray, "3"]:
+    def origin(self, link: str) -> Float[np.ndarray, "*posture 3"]:
         """Where the frame of a link stands in the world [m]."""
-        return self.placed[link][:3, 3]
+        return self.placed[link][..., :3, 3]
 
-    def axes(self, link: str) -> Float[np.ndarray, "3 3"]:
+    def axes(self, link: str) -> Float[np.ndarray, "*posture 3 3"]:
         """Axes of a link in the world."""
-        return self.placed[link][:3, :3]
+        return self.placed[link][..., :3, :3]
 
     def motion(
         self, link: str, place: Float[np.ndarray, "3"], section: Float[np.ndarray, "3"] | None = None
-    ) -> Float[np.ndarray, "6 dof"]:
+    ) -> Float[np.ndarray, "*posture 6 dof"]:
         """Motion of a point of a link, with the hinges in that link that lie before it.
 
         Args:
@@ -93,13 +96,13 @@ class Assembly:
                 moved = moved + carried(self._padded(maps[link]), lever)
         return moved
 
-    def move_pivot(self, joint: str, shift: Float[np.ndarray, "3"]) -> None:
+    def move_pivot(self, joint: str, shift: Float[np.ndarray, "*posture 3"]) -> None:
         """Let a revolute joint turn what it carries about another place, `shift` [m] away in the world."""
         column, child = self.coordinates.index(joint), self.robot.urdf.joint_by_name[joint].child
-        less = np.cross(self.axes(child) @ self.robot.urdf.joint_by_name[joint].axis, shift)
+        less = crossed(self.axes(child) @ self.robot.urdf.joint_by_name[joint].axis, shift)
         for link in beyond(self.robot.urdf, child):
             moved = self._maps[link].copy()
-            moved[:3, column] -= less
+            moved[..., :3, column] -= less
             self._maps[link] = moved
 
     def move_root(self, columns: slice, motion: Float[np.ndarray, "6 added"]) -> None:
@@ -107,7 +110,7 @@ class Assembly:
         start = self.origin(self.robot.urdf.root)
         for link in self._maps:
             wide = self._padded(self._maps[link]).copy()
-            wide[:, columns] += carried(motion, self.origin(link) - start)
+            wide[..., columns] += carried(motion, self.origin(link) - start)
             self._maps[link] = wide
 
     def hinge(
@@ -125,14 +128,14 @@ class Assembly:
             cut: where, in its frame [m].
             way: unit vector towards its far end; points of the link beyond `cut` along it turn.
             column: the coordinate.
-            axis: unit vector in the world.
+            axis: unit vector in the world, in each posture.
         """
         pivot = self.origin(link) + self.axes(link) @ cut
         turned: dict[str, np.ndarray] = {}
         for member in beyond(self.robot.urdf, link):
-            extra = np.zeros((6, len(self.coordinates)))
-            extra[:3, column] = np.cross(axis, self.origin(member) - pivot)
-            extra[3:, column] = axis
+            extra = np.zeros((*pivot.shape[:-1], 6, len(self.coordinates)))
+            extra[..., :3, column] = crossed(axis, self.origin(member) - pivot)
+            extra[..., 3:, column] = axis
             if member == link:
                 turned[link] = extra
             else:
@@ -156,42 +159,59 @@ class Assembly:
         motion = self.motion(link, body.centre, section)
         axes = self.axes(link)
         tags = (mass,) if mass else ()
-        self._add("mass", body.mass * (motion[:3].T @ motion[:3]), tags)
+        shift, turn = motion[..., :3, :], motion[..., 3:, :]
+        self._add("mass", _times(body.mass, np.swapaxes(shift, -1, -2) @ shift), tags)
         if body.inertia.any():
-            turned = motion[3:].T @ (axes @ body.inertia @ axes.T) @ motion[3:]
+            along = np.swapaxes(axes, -1, -2) @ turn  # the turning in the frame of the link
+            turned = np.swapaxes(along, -1, -2) @ body.inertia @ along
             self._add("mass", turned, (*tags, inertia) if inertia else tags)
 
-    def add_inertia(self, row: np.ndarray, inertia: float, *names: str) -> None:
+    def add_inertia(self, row: np.ndarray, inertia: Size, *names: str) -> None:
         """An inertia that moves along `row` [kg, kg·m²]."""
-        self._add("mass", inertia * np.outer(row, row), names)
+        self._add("mass", _times(inertia, _outer(row, row)), names)
 
-    def add_spring(self, row: np.ndarray, stiffness: float, *names: str) -> None:
+    def add_spring(self, row: np.ndarray, stiffness: Size, *names: str) -> None:
         """A spring along `row` [N/m, N·m/rad]."""
-        self._add("stiffness", stiffness * np.outer(row, row), names)
+        self._add("stiffness", _times(stiffness, _outer(row, row)), names)
 
-    def add_damper(self, row: np.ndarray, damping: float, *names: str) -> None:
+    def add_damper(self, row: np.ndarray, damping: Size, *names: str) -> None:
         """A damper along `row` [N·s/m, N·m·s/rad]."""
-        self._add("damping", damping * np.outer(row, row), names)
+        self._add("damping", _times(damping, _outer(row, row)), names)
 
-    def add_loss(self, row: np.ndarray, stiffness: float, *names: str) -> None:
+    def add_loss(self, row: np.ndarray, stiffness: Size, *names: str) -> None:
         """Make a spring along `row`, put in already, hysteretic [N/m, N·m/rad]; see `loss_factor`."""
-        self._add("loss", stiffness * np.outer(row, row), names)
+        self._add("loss", _times(stiffness, _outer(row, row)), names)
 
-    def add_coupling(self, one: np.ndarray, other: np.ndarray, stiffness: float, *names: str) -> None:
+    def add_coupling(self, one: np.ndarray, other: np.ndarray, stiffness: Size, *names: str) -> None:
         """An off-diagonal stiffness between two rows [N·m/rad]."""
-        self._add("stiffness", stiffness * (np.outer(one, other) + np.outer(other, one)), names)
+        self._add("stiffness", _times(stiffness, _outer(one, other) + _outer(other, one)), names)
 
     def _add(self, kind: str, matrix: np.ndarray, names: tuple[str, ...]) -> None:
         self._terms.append((kind, matrix, names))
 
     # closing
 
+    def summed(self) -> dict[str, Float[np.ndarray, "*posture dof dof"]]:
+        """Sum of all terms by kind."""
+        n = len(self.coordinates)
+        total: dict[str, np.ndarray] = {kind: np.zeros((n, n)) for kind in KINDS}
+        for kind, matrix, _ in self._terms:
+            total[kind] = total[kind] + self.full(matrix)
+        return total
+
+    def full(self, matrix: np.ndarray) -> Float[np.ndarray, "*posture dof dof"]:
+        """A matrix from before the last coordinates were added, with zeros for these."""
+        missing = len(self.coordinates) - matrix.shape[-1]
+        if not missing:
+            return matrix
+        return np.pad(matrix, [(0, 0)] * (matrix.ndim - 2) + [(0, missing)] * 2)
+
     def close(
         self, response: Float[np.ndarray, "response dof"], reference: Float[np.ndarray, "reference dof"]
     ) -> Structure:
         """The structure, once everything is added, with the rows that are measured and struck."""
         n = len(self.coordinates)
-        total = {kind: np.zeros((n, n)) for kind in _KINDS}
+        total = {kind: np.zeros((n, n)) for kind in KINDS}
         slopes: dict[str, dict[str, np.ndarray]] = {}
         for kind, matrix, names in self._terms:
             size = len(matrix)
@@ -213,16 +233,33 @@ class Assembly:
             self.loss_factor,
         )
 
-    def rows(self, places: Sequence[tuple[str, np.ndarray, np.ndarray]]) -> Float[np.ndarray, "place dof"]:
-        """Rows of points: link, place in its frame [m], direction in the world."""
-        found = [way @ self.motion(link, place)[:3] for link, place, way in places]
-        return np.array(found).reshape(len(found), len(self.coordinates))
+    def rows(
+        self, places: Sequence[tuple[str, np.ndarray, np.ndarray]]
+    ) -> Float[np.ndarray, "*posture place dof"]:
+        """Rows of points: link, place in its frame [m], direction in the world, perhaps in each posture."""
+        if not places:
+            return np.zeros((*self.placed[self.robot.urdf.root].shape[:-2], 0, len(self.coordinates)))
+        return np.stack(
+            [
+                (way[..., None, :] @ self.motion(link, place)[..., :3, :])[..., 0, :]
+                for link, place, way in places
+            ],
+            axis=-2,
+        )
 
     def _padded(self, rows: np.ndarray) -> np.ndarray:
         missing = len(self.coordinates) - rows.shape[-1]
         if not missing:
             return rows
         return np.concatenate([rows, np.zeros((*rows.shape[:-1], missing))], axis=-1)
+
+
+def _times(size: Size, matrix: np.ndarray) -> np.ndarray:
+    return np.asarray(np.asarray(size)[..., None, None] * matrix)
+
+
+def _outer(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+    return np.asarray(one[..., :, None] * other[..., None, :])
 
 
 def put_together(assembly: Assembly, values: Mapping[str, float], bodies: Mapping[str, Body]) -> None:

@@ -6,17 +6,16 @@ central differences of both are their derivatives but for rounding, whatever the
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
 from jaxtyping import Float
 
 from flexmodal.model import Robot
-from flexmodal.structure.arm import Arm, Body, far_end, moved_bodies
+from flexmodal.structure.arm import Arm, Arms, Body, far_end, moved_bodies
 from flexmodal.structure.assembly import Assembly, put_together
-from flexmodal.structure.parameter import Parameter, ParameterSpace
-from flexmodal.structure.structure import Change, Structure
+from flexmodal.structure.parameter import Parameter
 
 KINDS = ("mass_centre", "position", "payload")
 TRUST = {"mass_centre": 0.05, "position": 0.1, "payload": 0.1}
@@ -63,7 +62,7 @@ def _position(robot: Robot, name: str) -> Parameter:
     return Parameter(f"position.{name}", "m", 0.0, spread, -kept * before, kept * after, log=False)
 
 
-def assembled(arm: Arm, values: Mapping[str, float]) -> Assembly:
+def assembled(arm: Arm | Arms, values: Mapping[str, float]) -> Assembly:
     """The robot in a posture at these parameter values, to be closed."""
     assembly = Assembly(arm)
     robot = arm.robot
@@ -80,27 +79,3 @@ def assembled(arm: Arm, values: Mapping[str, float]) -> Assembly:
 def _moved(body: Body, link: str, values: Mapping[str, float]) -> Body:
     factor = values.get(f"mass_centre.{link}", 1.0)
     return body if factor == 1.0 else replace(body, centre=factor * body.centre)
-
-
-def with_slopes(
-    make: Callable[[Mapping[str, float]], Structure],
-    space: ParameterSpace,
-    x: Float[np.ndarray, " parameter"],
-) -> Structure:
-    """A structure at coordinates x, with its derivatives along parameters of shape too."""
-    values = space.values(x)
-    structure = make(values)
-    changes = dict(structure.changes)
-    for p, coordinate in zip(space, x, strict=True):
-        kind = p.name.partition(".")[0]
-        if kind not in KINDS:
-            continue
-        step = STEPS[kind]
-        up, down = (make({**values, p.name: values[p.name] + side * step}) for side in (1, -1))
-        scale = p.slope(float(coordinate)) / (2 * step)
-        changes[p.name] = Change(
-            mass=(up.mass - down.mass) * scale,
-            response=(up.response - down.response) * scale,
-            reference=(up.reference - down.reference) * scale,
-        )
-    return replace(structure, changes=changes)

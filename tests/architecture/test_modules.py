@@ -40,13 +40,10 @@ KNOWN_CIRCLES = frozenset(
         ("flexmodal.diagnosis.modes.conclude", "flexmodal.diagnosis.modes.workflow"),
     }
 )
-KNOWN_LONG_MODULES = frozenset({"flexmodal.diagnosis.hypothesis"})
+KNOWN_LONG_MODULES = frozenset({"flexmodal.diagnosis.hypothesis", "flexmodal.diagnosis.modes.conclude"})
 KNOWN_LONG_FUNCTIONS = frozenset({"flexmodal.diagnosis.march.kernel.march"})
 KNOWN_PRIVATE_IMPORTS = frozenset(
-    {
-        "flexmodal.diagnosis.modes.conclude takes flexmodal.diagnosis.modes.workflow._Course",
-        "flexmodal.diagnosis.modes.next_measurement takes flexmodal.diagnosis.next_measurement._postures",
-    }
+    {"flexmodal.diagnosis.modes.conclude takes flexmodal.diagnosis.modes.workflow._Course"}
 )
 
 KERNELS = ("flexmodal.frf.kernels", "flexmodal.model.batch")

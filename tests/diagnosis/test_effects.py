@@ -107,10 +107,9 @@ def test_hysteresis_is_near_the_rigs_row_of_maxwell_elements(bench):
 def test_added_mass_is_that_of_the_rig(bench):
     context, observed, stand = bench
     values = {"mass": 3.0, "along": 0.6, "beside": 0.05, "gyration": 0.2}
-    arm = context.arms[0]
     from flexmodal.diagnosis.effects.added_mass import place_on
 
-    place = place_on(context, "link_3", values, arm.placed["link_3"][:3, :3])
+    place = place_on(context, "link_3", values)
     other = {"mass": 3.0, "x": place[0], "y": place[1], "z": place[2], "gyration": 0.2}
     np.testing.assert_allclose(
         ours(context, observed, "added_mass", "link_3", values),

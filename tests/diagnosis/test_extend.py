@@ -16,7 +16,8 @@ from flexmodal.identification import observe
 from flexmodal.model import check
 from flexmodal.rig import simulate
 from flexmodal.structure import robot_space
-from flexmodal.structure.structure import Axis, receptance
+from flexmodal.structure.solution import solved
+from flexmodal.structure.structure import Axis
 
 STRUCTURAL = (
     "link_flexibility", "base_flexibility", "servo_compliance", "structural_damping", "joint_coupling",
@@ -103,7 +104,8 @@ def bare(hypothesis, x):
     axis = Axis(observations.axis.frequency, observations.axis.middle)
     value = np.zeros((len(observations), len(axis)), dtype=complex)
     for group in hypothesis.groups(x, observations, slopes=False):
-        value[group.observations], _ = receptance(group.structure, axis, group.pairs)
+        part = group.part
+        value[part.observations] = solved(group.structures, axis, part.entries).value[part.entry]
     return value
 
 

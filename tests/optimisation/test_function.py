@@ -16,7 +16,7 @@ from flexmodal.optimisation import (
     StiffnessObjective,
     optimise,
 )
-from flexmodal.optimisation.objective import Limit
+from flexmodal.optimisation.objectives import Limit
 
 pytestmark = pytest.mark.usefixtures("types_unchecked")
 

@@ -27,10 +27,10 @@ def _parameters(context: Context, where: str) -> tuple[Parameter, ...]:
     return tuple(found)
 
 
-def place_on(context: Context, where: str, values: Mapping[str, float], axes: np.ndarray) -> np.ndarray:
+def place_on(context: Context, where: str, values: Mapping[str, float]) -> np.ndarray:
     """A place part of the way along a link and beside its axis, in its frame [m]."""
     length, axis = along(context, where)
-    across = sides(context, where, axis, axes)
+    across = sides(context, where, axis)
     place = values["along"] * max(length, 0.05) * axis
     for name, side in zip(("beside", "above"), across, strict=False):
         place = place + values[name] * side
@@ -43,23 +43,17 @@ def _compact(placement: Placement, place: np.ndarray) -> Body:
 
 
 def _act(assembly: Assembly, placement: Placement) -> None:
-    place = place_on(placement.context, placement.where, placement.values, assembly.axes(placement.where))
+    place = place_on(placement.context, placement.where, placement.values)
     assembly.add_body(placement.where, _compact(placement, place))
 
 
 def _physical(context: Context, where: str, values: Mapping[str, float]) -> dict[str, float]:
-    axes = context.arms[0].placed[where][:3, :3]
-    x, y, z = place_on(context, where, values, axes).tolist()
+    x, y, z = place_on(context, where, values).tolist()
     return {"mass": values["mass"], "x": x, "y": y, "z": z, "gyration": values["gyration"]}
 
 
 def _extend(draft: Draft, placement: Placement) -> None:
-    place = place_on(
-        placement.context,
-        placement.where,
-        placement.values,
-        placement.context.arms[0].placed[placement.where][:3, :3],
-    )
+    place = place_on(placement.context, placement.where, placement.values)
     draft.attach(placement.where, _compact(placement, place), name=f"{placement.where}_payload")
 
 

@@ -14,7 +14,7 @@ from flexmodal.diagnosis.march.pulse import Pulse, pulses
 from flexmodal.identification import Observations
 from flexmodal.identification.model import AXES
 from flexmodal.model import Robot
-from flexmodal.structure.arm import Arm, far_end, moved_bodies, plane_normal
+from flexmodal.structure.arm import Arm, Arms, far_end, moved_bodies, plane_normal
 
 Place = tuple[int, int]
 """Point id, and direction 1, 2, 3."""
@@ -99,6 +99,15 @@ class Context:
     def arms(self) -> tuple[Arm, ...]:
         """The robot in each of the postures."""
         return tuple(Arm(self.robot, dict(posture.q)) for posture in self.postures)
+
+    @cached_property
+    def stacked(self) -> Arms:
+        """The same, side by side."""
+        return Arms.of(self.arms)
+
+    def axes(self, link: str) -> Float[np.ndarray, "3 3"]:
+        """Axes of a link in the first posture."""
+        return self.arms[0].placed[link][:3, :3]
 
     @cached_property
     def _points(self) -> Mapping[int | str, CampaignPoint]:

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
+from jaxtyping import Int
 
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.march.law import Law
@@ -24,17 +25,24 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Placement:
-    """An effect's place, its parameters' values, and the blow it is looked at under."""
+    """An effect's place, its parameters' values, and the postures and blows it is looked at under."""
 
     context: Context
     where: str
     values: Mapping[str, float]
-    posture: int
-    level: int = 0
+    posture: Int[np.ndarray, " system"]
+    """Number of the posture of each system."""
+    level: Int[np.ndarray, " system"]
     """Number of the kind of blow; of the first of the group for effects that do not depend on it."""
-    reference: tuple[int, int] = (0, 0)
-    response: tuple[int, int] = (0, 0)
+    reference: Int[np.ndarray, "system 2"]
+    response: Int[np.ndarray, "system 2"]
     """Point id and direction, likewise."""
+
+    @classmethod
+    def still(cls, context: Context, where: str, values: Mapping[str, float]) -> Placement:
+        """In the first posture, whatever the blow."""
+        none, blank = np.zeros(1, dtype=int), np.zeros((1, 2), dtype=int)
+        return cls(context, where, values, none, none, blank, blank)
 
     def __getitem__(self, name: str) -> float:
         """A parameter."""
@@ -71,8 +79,8 @@ class Effect:
     law: Callable[[Assembly, Placement], Law] | None = None
     """The torque itself where it depends on the swing; `act` is then its stand-in at one amplitude, for the
     search, and the law takes its place where blows are marched in time (`march`)."""
-    turn: Callable[[Context, Placement, int, str, np.ndarray], np.ndarray] | None = None
-    """World direction that a sensor truly measures: posture, name of its point, the recorded direction."""
+    turn: Callable[[Assembly, Placement, str, np.ndarray], np.ndarray] | None = None
+    """World directions that a sensor truly measures: name of its point, the recorded direction."""
     read: Callable[[Placement, Axis], complex | np.ndarray] | None = None
     """ln(reading / motion) of the sensor at `where`."""
     simpler: Mapping[str, Sequence[str]] = field(default_factory=dict)
@@ -108,17 +116,16 @@ def signed(
     return Parameter(name, unit, centre, deviation, lower, upper, log=False)
 
 
-def sides(context: Context, link: str, axis: np.ndarray, axes: np.ndarray) -> list[np.ndarray]:
+def sides(context: Context, link: str, axis: np.ndarray) -> list[np.ndarray]:
     """Unit vectors across a link's axis, in its frame: one in the plane of a planar chain, or two.
 
     Args:
         context: whose robot.
-        link: which; kept for error messages of callers.
+        link: which.
         axis: unit vector along the link, in its frame.
-        axes: axes of the link in the world.
     """
     if context.normal is not None:
-        side = np.cross(axes.T @ context.normal, axis)
+        side = np.cross(context.axes(link).T @ context.normal, axis)
         size = float(np.linalg.norm(side))
         return [side / size] if size > 1e-9 else []
     first = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))])

@@ -11,27 +11,34 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
+from jaxtyping import Float
 
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Effect, Placement, positive, signed
 from flexmodal.diagnosis.march.law import friction, hardening
-from flexmodal.diagnosis.swing import Swing, swings
+from flexmodal.diagnosis.swing import swings
 from flexmodal.structure import Parameter
 from flexmodal.structure.assembly import Assembly
 
 _PHASE = (np.arange(32) + 0.5) * np.pi / 32
 
 
-def _swing(placement: Placement) -> Swing:
-    """Of the joint at this placement under this blow."""
-    one = swings(placement.context, placement.posture, placement.reference, placement.level)[placement.where]
-    return Swing(one.amplitude * placement.values.get("reach", 1.0), one.omega)
+def _swing(placement: Placement) -> tuple[Float[np.ndarray, " system"], Float[np.ndarray, " system"]]:
+    """Amplitude and frequency of the joint's swing in each system, see `Swing`."""
+    found = [
+        swings(placement.context, posture, (struck[0], struck[1]), level)[placement.where]
+        for posture, struck, level in zip(
+            placement.posture.tolist(), placement.reference.tolist(), placement.level.tolist(), strict=True
+        )
+    ]
+    amplitude, omega = np.array([(one.amplitude, one.omega) for one in found]).T
+    return amplitude * placement.values.get("reach", 1.0), omega
 
 
 def _typical(context: Context, where: str) -> float:
     """Swing of a joint under the blows of the campaign, geometric mean [rad]."""
     found = [
-        _swing(Placement(context, where, {}, 0, level, reference)).amplitude
+        swings(context, 0, reference, level)[where].amplitude
         for level in context.levels
         for reference in context.references
     ]
@@ -42,50 +49,50 @@ def _one_level(context: Context) -> str | None:
     return "one level of force only: what depends on it cannot be told" if context.level_count < 2 else None
 
 
-def dahl(amplitude: float, torque: float, presliding: float, exponent: float = 1.0) -> tuple[float, float]:
+def dahl(
+    amplitude: Float[np.ndarray, "*many"], torque: float, presliding: float, exponent: float = 1.0
+) -> tuple[Float[np.ndarray, "*many"], Float[np.ndarray, "*many"]]:
     """Stiffness and loss (torque a radian, in and out of phase) of Dahl's friction at an amplitude.
 
     On the way up from −A the part of the way to sliding that is left, r = 1 − F/F_c, falls as
     dr/dq = −(σ/F_c) rⁱ; where it starts is found by bisection, so that loops close.
     """
-    size = min(presliding * amplitude / torque, 300.0)
+    size = np.minimum(presliding * amplitude / torque, 300.0)
+    power = 1 - exponent
 
-    def left(start: float, way: np.ndarray) -> np.ndarray:
-        power = 1 - exponent
+    def left(start: np.ndarray, way: np.ndarray) -> np.ndarray:
         if abs(power) < 1e-9:
             return np.asarray(start * np.exp(-way))
-        if start <= 0:
-            return np.zeros_like(way)
         return np.asarray(np.maximum(start**power - power * way, 0.0) ** (1 / power))
 
-    low, high = 1.0, 2.0  # r starts at 1 + F₀/F_c and ends at 1 − F₀/F_c
+    low, high = np.ones_like(size), np.full_like(size, 2.0)  # r starts at 1 + F₀/F_c and ends at 1 − F₀/F_c
     for _ in range(50):
         middle = (low + high) / 2
-        ends = float(left(middle, np.array([2 * size]))[0])
-        low, high = (middle, high) if middle + ends < 2 else (low, middle)
+        short = middle + left(middle, 2 * size) < 2
+        low, high = np.where(short, middle, low), np.where(short, high, middle)
     q = -np.cos(_PHASE)  # from −A to A
-    force = torque * (1 - left((low + high) / 2, size * (q + 1)))
-    stiffness = 2 / len(_PHASE) * float(np.sum(force * q)) / amplitude
-    loss = 2 / len(_PHASE) * float(np.sum(force * np.sin(_PHASE))) / amplitude
+    force = torque * (1 - left(((low + high) / 2)[..., None], size[..., None] * (q + 1)))
+    stiffness = 2 / len(_PHASE) * np.sum(force * q, axis=-1) / amplitude
+    loss = 2 / len(_PHASE) * np.sum(force * np.sin(_PHASE), axis=-1) / amplitude
     return stiffness, loss
 
 
-def hardened(amplitude: float) -> float:
+def hardened(amplitude: Float[np.ndarray, "*many"]) -> Float[np.ndarray, "*many"]:
     """Part of the change of stiffness that an amplitude sees, 0 to 1: for u³/(1 + u²), amplitude over q_r."""
-    a = max(amplitude, 1e-4)
-    return float(1 - 2 / a**2 * (1 - 1 / np.sqrt(1 + a**2)))
+    a = np.maximum(amplitude, 1e-4)
+    return np.asarray(1 - 2 / a**2 * (1 - 1 / np.sqrt(1 + a**2)))
 
 
 _FRICTION = ("torque", "presliding_stiffness", "exponent")
 
 
 def _rub(assembly: Assembly, placement: Placement) -> None:
-    swing = _swing(placement)
+    amplitude, omega = _swing(placement)
     torque, bristles, exponent = (placement[name] for name in _FRICTION)
-    stiffness, loss = dahl(swing.amplitude, torque, bristles, exponent)
+    stiffness, loss = dahl(amplitude, torque, bristles, exponent)
     row = assembly.stretch_of(placement.where)
     assembly.add_spring(row, stiffness)
-    assembly.add_damper(row, loss / swing.omega)
+    assembly.add_damper(row, loss / omega)
 
 
 def _friction_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
@@ -127,8 +134,7 @@ def _stiffness(placement: Placement) -> float:
 
 
 def _stiffen(assembly: Assembly, placement: Placement) -> None:
-    swing = _swing(placement)
-    part = hardened(swing.amplitude / placement["deflection"])
+    part = hardened(_swing(placement)[0] / placement["deflection"])
     assembly.add_spring(
         assembly.stretch_of(placement.where), placement["change"] * part * _stiffness(placement)
     )

@@ -96,7 +96,7 @@ def _names(context: Context, where: str) -> list[str]:
 def _shape(assembly: Assembly, placement: Placement) -> None:
     length, axis = along(placement.context, placement.where)
     axes = assembly.axes(placement.where)
-    across = sides(placement.context, placement.where, axis, axes)
+    across = sides(placement.context, placement.where, axis)
     columns = assembly.add_coordinates(_names(placement.context, placement.where))
     places = np.repeat(hinges(placement.context, placement.where), len(across))
     for number, place in enumerate(places.tolist()):
@@ -135,9 +135,7 @@ def _rods(placement: Placement, body: Body) -> tuple[list[tuple[np.ndarray, Body
 
 def _spread(placement: Placement, body: Body, axis: np.ndarray) -> float:
     """Length of the longest thin rod in the body, beside a disc with its moment about the axis [m]."""
-    across = sides(
-        placement.context, placement.where, axis, placement.context.arms[0].placed[placement.where][:3, :3]
-    )
+    across = sides(placement.context, placement.where, axis)
     turns = np.array([np.cross(axis, side) for side in across])
     least = float(np.linalg.eigvalsh(turns @ body.inertia @ turns.T)[0])
     disc = 0.0 if placement.context.normal is not None else float(axis @ body.inertia @ axis) / 2
@@ -173,7 +171,7 @@ def _act(assembly: Assembly, placement: Placement) -> None:
 def _extend(draft: Draft, placement: Placement) -> None:
     link = placement.where
     length, axis = along(placement.context, link)
-    across = sides(placement.context, link, axis, placement.context.arms[0].placed[link][:3, :3])
+    across = sides(placement.context, link, axis)
     places, names = hinges(placement.context, link), [link]
     springs = shares(placement["stiffness"], placement["position"], len(places)).tolist()
     for hinge, spring in enumerate(springs):

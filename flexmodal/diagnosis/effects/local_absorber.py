@@ -45,10 +45,10 @@ def _starts(context: Context, where: str) -> list[Mapping[str, float]]:
     ]
 
 
-def _way(context: Context, where: str, values: Mapping[str, float], axes: np.ndarray) -> np.ndarray:
+def _way(context: Context, where: str, values: Mapping[str, float]) -> np.ndarray:
     """The direction in which it gives, in the frame of the link: across it, turned."""
     _, axis = along(context, where)
-    across = sides(context, where, axis, axes)
+    across = sides(context, where, axis)
     side = across[0]
     if len(across) == 2:
         side = np.cos(values["turn"]) * across[0] + np.sin(values["turn"]) * across[1]
@@ -66,30 +66,28 @@ def _shape(assembly: Assembly, placement: Placement) -> None:
 
 
 def _act(assembly: Assembly, placement: Placement) -> None:
-    axes = assembly.axes(placement.where)
-    way = axes @ _way(placement.context, placement.where, placement.values, axes)
+    way = assembly.axes(placement.where) @ _way(placement.context, placement.where, placement.values)
     own = assembly.row(f"{placement.where} absorber")
     mass = placement["mass"]
-    place = place_on(placement.context, placement.where, placement.values, axes)
-    for row, share in zip(assembly.motion(placement.where, place)[:3], way, strict=True):
-        assembly.add_inertia(row + share * own, mass)
+    place = place_on(placement.context, placement.where, placement.values)
+    motion = assembly.motion(placement.where, place)
+    for k in range(3):
+        assembly.add_inertia(motion[..., k, :] + way[..., k, None] * own, mass)
     stiffness, damping = _spring(placement.values)
     assembly.add_spring(own, stiffness)
     assembly.add_damper(own, damping)
 
 
 def _physical(context: Context, where: str, values: Mapping[str, float]) -> dict[str, float]:
-    axes = context.arms[0].placed[where][:3, :3]
-    x, y, z = place_on(context, where, values, axes).tolist()
-    dx, dy, dz = _way(context, where, values, axes).tolist()
+    x, y, z = place_on(context, where, values).tolist()
+    dx, dy, dz = _way(context, where, values).tolist()
     kept = {name: values[name] for name in ("mass", "frequency", "damping_ratio")}
     return {**kept, "stiffness": _spring(values)[0], "x": x, "y": y, "z": z, "dx": dx, "dy": dy, "dz": dz}
 
 
 def _extend(draft: Draft, placement: Placement) -> None:
-    axes = placement.context.arms[0].placed[placement.where][:3, :3]
-    place = place_on(placement.context, placement.where, placement.values, axes)
-    way = _way(placement.context, placement.where, placement.values, axes)
+    place = place_on(placement.context, placement.where, placement.values)
+    way = _way(placement.context, placement.where, placement.values)
     part = Body(placement["mass"], place, np.zeros((3, 3)))
     joint = draft.attach(placement.where, part, name=f"{placement.where}_absorber", slides=way)
     draft.flexible(joint, *_spring(placement.values))

@@ -6,18 +6,22 @@ from collections.abc import Mapping
 from itertools import product
 
 import numpy as np
+from jaxtyping import Float
 
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Effect, Placement, positive, signed
 from flexmodal.structure import Parameter
-from flexmodal.structure.arm import Body
 from flexmodal.structure.assembly import Assembly
 from flexmodal.structure.structure import Axis
 
 
 def _weigh(assembly: Assembly, placement: Placement) -> None:
-    point = placement.context.point(placement.response[0])
-    assembly.add_body(point.link, Body(placement["mass"], np.array(point.xyz), np.zeros((3, 3))))
+    for number in np.unique(placement.response[:, 0]).tolist():
+        point = placement.context.point(number)
+        here = placement["mass"] * (placement.response[:, 0] == number)
+        motion = assembly.motion(point.link, np.array(point.xyz))
+        for k in range(3):
+            assembly.add_inertia(motion[..., k, :], here)
 
 
 SENSOR_MASS = Effect(
@@ -71,13 +75,14 @@ SENSOR_DELAY = Effect(
 )
 
 
-def turned(vector: np.ndarray, way: np.ndarray) -> np.ndarray:
-    """A direction turned by a rotation vector [rad], by Rodrigues' formula."""
-    angle = float(np.linalg.norm(vector))
-    if angle < 1e-12:
-        return way + np.cross(vector, way)
-    k = vector / angle
-    return way * np.cos(angle) + np.cross(k, way) * np.sin(angle) + k * (k @ way) * (1 - np.cos(angle))
+def turned(vector: Float[np.ndarray, "*many 3"], way: Float[np.ndarray, "3"]) -> Float[np.ndarray, "*many 3"]:
+    """A direction turned by rotation vectors [rad], by Rodrigues' formula."""
+    angle = np.linalg.norm(vector, axis=-1, keepdims=True)
+    k = vector / np.maximum(angle, 1e-300)
+    along = (k @ way)[..., None]
+    return np.asarray(
+        way * np.cos(angle) + np.cross(k, way) * np.sin(angle) + k * along * (1 - np.cos(angle))
+    )
 
 
 def _tilt(context: Context, where: str) -> tuple[Parameter, ...]:
@@ -86,13 +91,14 @@ def _tilt(context: Context, where: str) -> tuple[Parameter, ...]:
     return tuple(signed(f"angle_{axis}", "rad", 0.2, -1.4, 1.4) for axis in "xyz")
 
 
-def _turn(context: Context, placement: Placement, posture: int, point: str, way: np.ndarray) -> np.ndarray:
+def _turn(assembly: Assembly, placement: Placement, point: str, way: np.ndarray) -> np.ndarray:
     """Fixed to its link, so that it turns with the posture."""
     if point != placement.where:
         return way
+    context = placement.context
     if context.normal is not None:
         return turned(placement["angle"] * context.normal, way)
-    axes = context.arms[posture].placed[context.point(point).link][:3, :3]
+    axes = assembly.axes(context.point(point).link)
     return turned(axes @ np.array([placement[f"angle_{axis}"] for axis in "xyz"]), way)
 
 

@@ -12,7 +12,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
-from typing import Any
 
 import numpy as np
 from jaxtyping import Complex, Float
@@ -22,6 +21,9 @@ from flexmodal.diagnosis.march.kernel import LANES
 from flexmodal.diagnosis.march.law import Law
 from flexmodal.diagnosis.march.pulse import Pulse
 from flexmodal.diagnosis.march.spectrum import WHOLE, spectrum
+from flexmodal.frf.kernels.compiled import Kernel, together
+from flexmodal.frf.kernels.route import has_numba
+from flexmodal.frf.kernels.worth import is_worth_it
 from flexmodal.structure.structure import Axis, Structure
 
 Blow = tuple[int, Pulse]
@@ -29,6 +31,8 @@ Blow = tuple[int, Pulse]
 
 FINENESS = 10.0
 """Steps in a period of the highest line, at least."""
+_STEP_SECONDS, _BLOW_SECONDS, _COMPILATION = 1.5e-4, 1e-6, 4.0
+"""What numpy takes for a step, and for each blow in it, and what compiling takes [s]."""
 _TOGETHER = 4_000_000
 """Torques kept at once."""
 
@@ -119,7 +123,7 @@ def march(struck: Sequence[Struck], steps: Steps, *, compiled: bool | None = Non
     most = _TOGETHER // (steps.count * max(len(one.laws) for one in first))
     made: list[March] = []
     for some in _batches(first, most):
-        made += _marched(some, steps, _loop(compiled))
+        made += _marched(some, steps, _loop(some, steps, compiled))
     return [made[number] for number in numbers]
 
 
@@ -248,16 +252,14 @@ def _batches(struck: Sequence[Struck], most: int) -> Iterator[list[Struck]]:
     yield batch
 
 
-def _loop(compiled: bool | None = None) -> Callable[..., None]:
-    from flexmodal.frf.kernels.route import has_numba
-
+def _loop(struck: Sequence[Struck], steps: Steps, compiled: bool | None) -> Callable[..., None]:
     if compiled is None:
-        compiled = has_numba()
-    return _compiled() if compiled else numpy_form.march
+        blows = sum(len(one.blows) for one in struck)
+        seconds = steps.count * (_STEP_SECONDS + _BLOW_SECONDS * blows)
+        compiled = has_numba() and is_worth_it("time steps", seconds, _COMPILATION, _kernel().is_stored)
+    return _kernel().compiled if compiled else numpy_form.march
 
 
 @cache
-def _compiled() -> Any:
-    from flexmodal.frf.kernels.compiled import together
-
-    return together(kernel.law, last=kernel.march).compiled
+def _kernel() -> Kernel:
+    return together(kernel.law, last=kernel.march)

@@ -12,7 +12,7 @@ direction holds and stays bounded by T_c at any step.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float
@@ -25,14 +25,18 @@ HARDENING, FRICTION = 0, 1
 class Law:
     """A torque along one row of a structure."""
 
-    row: Float[np.ndarray, " dof"]
+    row: Float[np.ndarray, "*system dof"]
     """Elongation = row · coordinates [rad, m]."""
     kind: int
     parameters: tuple[float, float, float]
 
+    def of_system(self, k: int) -> Law:
+        """In one of the systems, if its row is not the same in all."""
+        return self if self.row.ndim == 1 else replace(self, row=self.row[k])
+
 
 def friction(
-    row: Float[np.ndarray, " dof"], torque: float, presliding_stiffness: float, exponent: float = 1.0
+    row: Float[np.ndarray, "*system dof"], torque: float, presliding_stiffness: float, exponent: float = 1.0
 ) -> Law:
     """Dry friction.
 
@@ -45,7 +49,7 @@ def friction(
     return Law(row, FRICTION, (torque, presliding_stiffness, exponent))
 
 
-def hardening(row: Float[np.ndarray, " dof"], stiffness: float, deflection: float) -> Law:
+def hardening(row: Float[np.ndarray, "*system dof"], stiffness: float, deflection: float) -> Law:
     """What a spring that hardens has beyond a linear one.
 
     Args:

@@ -15,11 +15,9 @@ from jaxtyping import Complex, Float, Int
 
 from flexmodal.diagnosis.hypothesis import Hypothesis, Placed
 from flexmodal.diagnosis.march.integrate import FINENESS, March, Steps, Struck, march
-from flexmodal.diagnosis.march.law import Law
 from flexmodal.diagnosis.march.record import record_receptance, struck_by
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.identification import Observations
-from flexmodal.identification.model import Group
 from flexmodal.structure import ParameterSpace
 
 STEP = 1e-5
@@ -75,7 +73,7 @@ class MarchedModel:
         number = 0
         for value, look in zip(found, looks, strict=True):
             for one in look:
-                value[one.group.observations] = one.read(marched[number], steps)
+                value[one.observations] = one.read(marched[number], steps)
                 number += 1
         return found[0], (found[1:] - found[0]) / sizes[:, None, None]
 
@@ -87,13 +85,17 @@ class MarchedModel:
 
     def _look(self, x: np.ndarray, observations: Observations, lines: slice | np.ndarray) -> Sequence[_Look]:
         values, pulses = self.space.values(x), self.hypothesis.context.pulses
-        laws: dict[int, tuple[Law, ...]] = {}
         found = []
         for group in self.linear.groups(x, observations, slopes=False):
-            posture = int(observations.posture[group.observations[0]])
-            if posture not in laws:
-                laws[posture] = self.linear.laws(posture, values)
-            found.append(_Look(group, *struck_by(group, observations, pulses, lines, laws[posture])))
+            part, axis = group.part, observations.axis_of(group.part.level).take(lines)
+            log = None if group.reading is None else group.reading(axis)[0]
+            laws = self.linear.laws(part, values)
+            for k, members in enumerate(part.members):
+                struck, wanted = struck_by(
+                    group.structures[k], part, members, observations, pulses, axis, laws[k]
+                )
+                factor = None if log is None else np.exp(log[part.entry[members]])
+                found.append(_Look(part.observations[members], struck, wanted, factor))
         return found
 
 
@@ -101,16 +103,16 @@ class MarchedModel:
 class _Look:
     """Observations that share a structure, as blows on it."""
 
-    group: Group
+    observations: Int[np.ndarray, " observation"]
     struck: Struck
     wanted: Int[np.ndarray, "observation 2"]
+    factor: Complex[np.ndarray, "observation line"] | None
+    """What the sensors make of the motion."""
 
     def read(self, marched: March, steps: Steps) -> Complex[np.ndarray, "observation line"]:
-        """What the sensors make of it."""
+        """As the sensors read it."""
         value = record_receptance(self.struck, marched, steps, self.wanted)
-        if self.group.reading is not None:
-            value = value * np.exp(self.group.reading(self.struck.axis)[0])
-        return value
+        return value if self.factor is None else value * self.factor
 
 
 def has_law(hypothesis: Hypothesis) -> bool:

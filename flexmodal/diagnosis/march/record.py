@@ -20,7 +20,8 @@ from flexmodal.diagnosis.march.integrate import March, Steps, Struck
 from flexmodal.diagnosis.march.law import Law
 from flexmodal.diagnosis.march.pulse import Pulse
 from flexmodal.identification import Observations
-from flexmodal.identification.model import Group
+from flexmodal.identification.layout import Part
+from flexmodal.structure.structure import Axis, Structure
 
 
 def record_receptance(
@@ -58,20 +59,27 @@ def record_receptance(
 
 
 def struck_by(
-    group: Group,
+    structure: Structure,
+    part: Part,
+    members: Int[np.ndarray, " some"],
     observations: Observations,
     pulses: Sequence[Pulse],
-    lines: slice | Int[np.ndarray, " line"],
+    axis: Axis,
     laws: tuple[Law, ...] = (),
-) -> tuple[Struck, Int[np.ndarray, "observation 2"]]:
-    """A group of observations as blows on its structure, and the row and the blow of each."""
-    level = observations.level[group.observations]
-    table = np.stack([group.pairs[:, 1], level], axis=1)
+) -> tuple[Struck, Int[np.ndarray, "some 2"]]:
+    """Observations of one system as blows on its structure, and the row and the blow of each.
+
+    Args:
+        structure: of the system.
+        part: that it belongs to.
+        members: which observations of the part are of the system.
+        observations: all of them.
+        pulses: the hammer's, by kind of blow.
+        axis: lines that are wanted.
+        laws: torques that are not linear.
+    """
+    _, rows, references = part.entries.table[part.entry[members]].T
+    table = np.stack([references, observations.level[part.observations[members]]], axis=1)
     blows, number = np.unique(table, axis=0, return_inverse=True)
-    struck = Struck(
-        group.structure,
-        laws,
-        observations.axis_of(group.level).take(lines),
-        tuple((int(row), pulses[int(kind)]) for row, kind in blows),
-    )
-    return struck, np.stack([group.pairs[:, 0], number.ravel()], axis=1)
+    hit = tuple((int(row), pulses[int(kind)]) for row, kind in blows)
+    return Struck(structure, laws, axis, hit), np.stack([rows, number.ravel()], axis=1)

@@ -17,7 +17,6 @@ from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.modes.spectrum import spectrum
 from flexmodal.diagnosis.outcome import NONE, UNSTRUCTURED
 from flexmodal.identification import Observations
-from flexmodal.identification.model import Group
 from flexmodal.structure import Parameter, ParameterSpace
 
 USUAL_DAMPING, DAMPING_SPREAD = 0.05, 1.0
@@ -90,10 +89,9 @@ class Explanation:
         count = len(self.space) if slopes else 0
         inner = x[: len(self.hypothesis.space)]
         names = self.hypothesis.space.names if slopes else ()
-        groups = self.hypothesis.groups(inner, observations, slopes=slopes)
-        made = spectrum(
-            [g.structure for g in groups], [_rows(g, observations, places) for g in groups], names
-        )
+        structures = self.hypothesis.structures(inner, places, places[:1], slopes=slopes)
+        rows = np.arange(len(places))
+        made = spectrum(structures, [rows] * len(structures), names)
         own, found = len(names), []
         for number, n in enumerate(made.count):
             pole = made.pole[number, :n]
@@ -130,12 +128,3 @@ class Explanation:
         return Forecast(
             *(np.concatenate([getattr(p, name) for p in parts], axis=-1) for name in Forecast.__annotations__)
         )
-
-
-def _rows(group: Group, observations: Observations, places: Sequence[tuple[int, int]]) -> np.ndarray:
-    """Where places stand among the response rows of a group's structure."""
-    wanted = {
-        (int(p), int(d)): int(row)
-        for (p, d), row in zip(observations.response[group.observations], group.pairs[:, 0], strict=True)
-    }
-    return np.array([wanted[place] for place in places], dtype=int)

@@ -52,7 +52,7 @@ def draw_frequencies(found: Findings, after_name: str) -> Any:
         low, high = axes.get_ylim()
         wide = max(high - low, 0.06 * middle)
         axes.set_ylim((low + high - wide) / 2, (low + high + wide) / 2)
-    panels[-1].set_xticks(range(len(names)), [cut(name, 14) for name in names])
+    panels[-1].set_xticks(range(len(names)), [cut(name) for name in names])
     if len(names) > 3:
         panels[-1].tick_params(axis="x", labelrotation=30)
     panels[-1].set_xlim(-0.5, len(names) - 0.5)

@@ -23,10 +23,10 @@ def test_all_postures_at_once_are_what_each_is_by_itself(explained_by, places, k
     x = np.random.default_rng(1).normal(0, 0.05, len(explanation.space))
     names = explanation.hypothesis.space.names
     structures = explanation.hypothesis.structures(x, places, places[:1], slopes=True)
-    groups = explanation.hypothesis.groups(x, observations, slopes=True)
-    for structure, group in zip(structures, groups, strict=True):
-        np.testing.assert_array_equal(structure.mass, group.structure.mass)
-        np.testing.assert_array_equal(structure.response, group.structure.response)
+    (group,) = explanation.hypothesis.groups(x, observations, slopes=True)
+    for k, structure in enumerate(structures):
+        np.testing.assert_array_equal(structure.mass, group.structures[k].mass)
+        np.testing.assert_array_equal(structure.response, group.structures[k].response)
     rows = np.array([3, 0])
     found = spectrum(structures, [rows] * len(structures), names)
     for number, structure in enumerate(structures):

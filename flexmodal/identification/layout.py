@@ -1,0 +1,127 @@
+"""Which observations share a structure, an axis and a receptance; found once for some observations."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from jaxtyping import Int, Shaped
+
+from flexmodal.structure.solution import Entries
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """Observations on one axis: systems, a structure each, and receptances of them."""
+
+    level: int
+    """Kind of blow whose axis they are measured on."""
+    posture: Int[np.ndarray, " system"]
+    """Number of the posture of each system."""
+    blow: Int[np.ndarray, " system"]
+    """Kind of blow, for structures that depend on it."""
+    reference: Int[np.ndarray, "system 2"]
+    """Hammer point and direction, likewise."""
+    response: Int[np.ndarray, "system 2"]
+    """Response point and direction, for structures that depend on it."""
+    where: Int[np.ndarray, "row 2"]
+    """Point id and direction of the response rows, the same in every system."""
+    struck: Int[np.ndarray, "struck 2"]
+    entries: Entries
+    """Receptances; those of several kinds of blow are one where the structure is."""
+    observations: Int[np.ndarray, " observation"]
+    """Their numbers."""
+    entry: Int[np.ndarray, " observation"]
+    """The receptance of each."""
+
+    @cached_property
+    def read(self) -> Int[np.ndarray, " entry"]:
+        """Id of the response point of each entry."""
+        return self.where[self.entries.table[:, 1], 0]
+
+    @cached_property
+    def members(self) -> tuple[Int[np.ndarray, " some"], ...]:
+        """Of each system, which of the observations."""
+        system = self.entries.table[self.entry, 0]
+        return tuple(np.flatnonzero(system == k) for k in range(len(self.posture)))
+
+
+def unmeasured(
+    count: int, responses: Int[np.ndarray, "row 2"], references: Int[np.ndarray, "struck 2"]
+) -> Part:
+    """A system for each of so many postures with nothing measured on it."""
+    none = np.zeros(0, dtype=int)
+    blank = np.zeros((count, 2), dtype=int)
+    entries = Entries(np.zeros((0, 3), dtype=int), (len(responses), len(references)))
+    still = np.zeros(count, dtype=int)
+    return Part(0, np.arange(count), still, blank, blank, responses, references, entries, none, none)
+
+
+@dataclass(frozen=True, eq=False)
+class Layout:
+    """What observations are of."""
+
+    posture: Int[np.ndarray, " observation"]
+    response: Int[np.ndarray, "observation 2"]
+    reference: Int[np.ndarray, "observation 2"]
+    level: Int[np.ndarray, " observation"]
+    decays: tuple[float, ...]
+
+    def parts(self, variants: Collection[str] = ()) -> tuple[Part, ...]:
+        """For structures that depend, besides the posture, on "blow", "response", both or neither."""
+        return self._made[frozenset(variants) & {"blow", "response"}]
+
+    @cached_property
+    def _made(self) -> Mapping[frozenset[str], tuple[Part, ...]]:
+        kinds = (
+            frozenset[str](),
+            frozenset({"blow"}),
+            frozenset({"response"}),
+            frozenset({"blow", "response"}),
+        )
+        return {kind: self._parts(kind) for kind in kinds}
+
+    def _parts(self, variants: frozenset[str]) -> tuple[Part, ...]:
+        decay = np.array(self.decays)[self.level]
+        return tuple(self._part(np.flatnonzero(decay == one), variants) for one in np.unique(decay))
+
+    def _part(self, rows: Int[np.ndarray, " some"], variants: frozenset[str]) -> Part:
+        posture, response = self.posture[rows], self.response[rows]
+        reference, level = self.reference[rows], self.level[rows]
+        key = [posture[:, None]]
+        if "blow" in variants:
+            key += [level[:, None], reference]
+        if "response" in variants:
+            key.append(response[:, :1])
+        _, first, system = np.unique(np.hstack(key), axis=0, return_index=True, return_inverse=True)
+        where, u = np.unique(response, axis=0, return_inverse=True)
+        struck, v = np.unique(reference, axis=0, return_inverse=True)
+        every = np.column_stack([system.ravel(), u.ravel(), v.ravel()])
+        table, entry = np.unique(every, axis=0, return_inverse=True)
+        return Part(
+            level=int(level[0]),
+            posture=posture[first],
+            blow=level[first],
+            reference=reference[first],
+            response=response[first],
+            where=where,
+            struck=struck,
+            entries=Entries(table, (len(where), len(struck))),
+            observations=rows,
+            entry=entry.ravel(),
+        )
+
+
+def summed(
+    value: Shaped[np.ndarray, "observation line"], entry: Int[np.ndarray, " observation"], count: int
+) -> Shaped[np.ndarray, "entry line"]:
+    """Sums over the observations of each entry."""
+    if len(entry) == count:  # one each
+        found = np.empty_like(value)
+        found[entry] = value
+        return found
+    found = np.zeros((count, value.shape[1]), dtype=value.dtype)
+    np.add.at(found, entry, value)
+    return found
