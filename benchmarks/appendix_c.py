@@ -89,8 +89,8 @@ def between_postures(diagnosis: Diagnosis, number: int) -> str:
 
 
 def measured_38(diagnosis: Diagnosis) -> str:
-    modes = [m for m in diagnosis.modal.measured.observed.modes if m.number == PEAK_38]
-    postures = diagnosis.modal.measured.observed.postures
+    modes = [m for m in diagnosis.modal.measured.modes if m.number == PEAK_38]
+    postures = diagnosis.modal.measured.postures
     return "; ".join(
         f"{postures[m.posture].name.replace('_', ' ')} {m.frequency:.1f} Hz, ζ {m.damping_ratio:.3f}, "
         f"{sum(len(s.places) for s in m.shapes)} amplitudes"
@@ -102,7 +102,7 @@ def next_words(diagnosis: Diagnosis) -> str:
     one = diagnosis.next_measurement
     if one is None:
         return "No two explanations with structure are tied, so none is named."
-    point = diagnosis.observations.campaign.point
+    point = diagnosis.model.context.point
     posture = ", ".join(f"{name} = {np.degrees(value):.0f}°" for name, value in one.posture.items())
     posture = posture.replace("-", "−")
     pair = " and ".join(named(tuple(key.split("@"))) for key in one.separates)
@@ -140,7 +140,7 @@ def main() -> None:
     four = diagnose(without(campaign, PEAK_38), rigid)
     left = diagnose(campaign, flexible)
     fits = compared_fits(everything.modal)
-    card = np.subtract(*(one.modal.scales.candidates[0].evidence for one in (left, everything)))
+    card = np.subtract(*(one.modal.comparison.models[0].evidence for one in (left, everything)))
     pictures = {
         "frequencies": picture(
             draw_frequencies(told.modal, after_name(told, told.modal)), "appendix_c_frequencies"

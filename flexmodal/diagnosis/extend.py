@@ -105,7 +105,7 @@ def _card(draft: Draft, diagnosis: Diagnosis) -> RobotCard:
 def _points(draft: Draft, diagnosis: Diagnosis) -> dict[str, PointCard]:
     """The card's points and those of the campaign that it lacks, on the halves where they sit."""
     places = {name: (point.link, point.xyz) for name, point in draft.robot.points.items()}
-    for point in diagnosis.observations.campaign.points:
+    for point in diagnosis.model.context.points:
         if is_card_name(point.name):
             places.setdefault(point.name, (point.link, point.xyz))
     found = {}
@@ -119,7 +119,7 @@ def _points(draft: Draft, diagnosis: Diagnosis) -> dict[str, PointCard]:
 def _postures(robot: Robot, diagnosis: Diagnosis) -> dict[str, FrozenDict[float]]:
     """Postures of the campaign that the card lacks."""
     found = {}
-    for posture in diagnosis.observations.postures:
+    for posture in diagnosis.model.context.postures:
         if posture.name in robot.postures or not is_card_name(posture.name):
             continue
         try:

@@ -169,8 +169,8 @@ class RobotModel:
             )
         return Structures(
             tuple(frame.assembly.coordinates), mass=total["mass"], damping=total["damping"],
-            stiffness=total["stiffness"], loss=total["loss"], response=frame.response, reference=frame.reference,
-            names=self.space.names, slopes=own, turned=turned,
+            stiffness=total["stiffness"], loss=total["loss"], response=frame.response,
+            reference=frame.reference, names=self.space.names, slopes=own, turned=turned,
         )  # fmt: skip
 
     @cached_property

@@ -7,7 +7,8 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
-from flexmodal.diagnosis.outcome import UNKNOWN, Verdict, Weighed
+from flexmodal.diagnosis.names import UNKNOWN
+from flexmodal.diagnosis.outcome import Verdict, Weighed
 from flexmodal.diagnosis.report import write_report
 from flexmodal.diagnosis.report.page import report_text
 from flexmodal.diagnosis.report.pictures import over_noise, telling_rows

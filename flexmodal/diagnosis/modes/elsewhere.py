@@ -11,12 +11,14 @@ from flexmodal.diagnosis.modes.evidence import ModalFit
 from flexmodal.diagnosis.modes.fit import COARSE
 from flexmodal.diagnosis.modes.forecast import Explanation
 from flexmodal.diagnosis.modes.likelihood import Likelihood
-from flexmodal.diagnosis.modes.measured import MeasuredModes
 from flexmodal.diagnosis.modes.pairing import paired
 from flexmodal.diagnosis.modes.scatter import Beliefs
+from flexmodal.identification.evidence.measured_modes import ModeObservations
 
 
-def granted(explanation: Explanation, measured: MeasuredModes, x: Float[np.ndarray, " parameter"]) -> float:
+def granted(
+    explanation: Explanation, measured: ModeObservations, x: Float[np.ndarray, " parameter"]
+) -> float:
     """Ln likelihood over that of peaks from anywhere, of a model that is granted to be far off.
 
     Raises:
@@ -54,7 +56,7 @@ def predictive(fit: ModalFit) -> float:
     return total
 
 
-def restricted(fit: ModalFit, measured: MeasuredModes, grant: float = 0.0) -> ModalFit:
+def restricted(fit: ModalFit, measured: ModeObservations, grant: float = 0.0) -> ModalFit:
     """The same parameters and scales looked at with other modes; pairs may be off by `grant` besides."""
     likelihood = Likelihood(fit.explanation, measured, fit.beliefs)
     seen = likelihood.see(fit.x, slopes=True)

@@ -17,9 +17,10 @@ from flexmodal.diagnosis.modes.tables import (
     summary_rows,
     weighing_rows,
 )
-from flexmodal.diagnosis.modes.weigh import VARIANTS
+from flexmodal.diagnosis.modes.variants import VARIANTS
 from flexmodal.diagnosis.modes.words import left_words, named, shape_words, tie_words
-from flexmodal.diagnosis.outcome import NONE, Diagnosis, Region
+from flexmodal.diagnosis.names import NONE
+from flexmodal.diagnosis.outcome import Diagnosis, Region
 from flexmodal.diagnosis.report.arm_picture import draw_arm
 from flexmodal.diagnosis.report.pictures import draw_descent
 from flexmodal.diagnosis.report.tables import next_task, parameters
@@ -121,7 +122,7 @@ def _disagreement(diagnosis: Diagnosis) -> Parts:
 
 def _weighed(diagnosis: Diagnosis, found: Findings) -> Parts:
     pictures = []
-    if len(found.scales.candidates) > 1:
+    if len(found.comparison.models) > 1:
         pictures.append(Picture(partial(draw_evidence, found), "Evidence of each explanation"))
     if diagnosis.steps:
         pictures.append(Picture(partial(draw_descent, diagnosis), "The gap step by step"))
@@ -204,5 +205,5 @@ def compared_fits(found: Findings) -> tuple[ModalFit, ModalFit] | None:
     """The two explanations whose shapes are compared."""
     if found.compared is None:
         return None
-    table = {one.key: one.fit for one in found.scales.candidates}
+    table = {one.key: one.fit for one in found.comparison.models}
     return table[found.compared[0]], table[found.compared[1]]

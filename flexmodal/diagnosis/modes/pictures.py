@@ -11,7 +11,7 @@ from flexmodal.diagnosis.modes.findings import Findings
 from flexmodal.diagnosis.modes.held_out import HeldOut
 from flexmodal.diagnosis.modes.shapes import shapes_of
 from flexmodal.diagnosis.modes.words import most_telling
-from flexmodal.diagnosis.outcome import UNSTRUCTURED
+from flexmodal.diagnosis.names import UNSTRUCTURED
 from flexmodal.diagnosis.report.pictures import AFTER, BEFORE, MEASURED
 from flexmodal.diagnosis.report.words import placed
 from flexmodal.report.figure import NARROW, SOFT, drawing, new_figure
@@ -28,18 +28,16 @@ def draw_frequencies(found: Findings, after_name: str) -> Any:
     """Each measured mode over the postures, with what the models have there: one panel a mode."""
     measured, numbers = found.measured, found.measured.numbers
     numbers = tuple(
-        sorted(
-            numbers, key=lambda n: np.median([m.frequency for m in measured.observed.modes if m.number == n])
-        )
+        sorted(numbers, key=lambda n: np.median([m.frequency for m in measured.modes if m.number == n]))
     )
     figure = new_figure(NARROW, 1.45 * len(numbers) + 1.0)
     panels = np.atleast_1d(figure.subplots(len(numbers), 1, sharex=True))
-    names = [p.name for p in measured.observed.postures]
+    names = [p.name for p in measured.postures]
     for axes, number in zip(panels, numbers, strict=True):
-        rows = [k for k, m in enumerate(measured.observed.modes) if m.number == number]
-        at = np.array([measured.observed.modes[k].posture for k in rows])
-        f = np.array([measured.observed.modes[k].frequency for k in rows])
-        bars = f * np.array([measured.observed.modes[k].frequency_error for k in rows])
+        rows = [k for k, m in enumerate(measured.modes) if m.number == number]
+        at = np.array([measured.modes[k].posture for k in rows])
+        f = np.array([measured.modes[k].frequency for k in rows])
+        bars = f * np.array([measured.modes[k].frequency_error for k in rows])
         axes.errorbar(
             at, f, yerr=2 * bars, fmt="o", color=MEASURED, capsize=3, label="measured, ±2 standard errors"
         )
@@ -69,7 +67,7 @@ def _partners(
     axes: Any, fit: ModalFit, rows: list[int], x: np.ndarray, colour: str, marker: str, label: str
 ) -> None:
     y = [
-        np.exp(fit.forecasts[fit.measured.observed.modes[k].posture].log_frequency[fit.pairs[k]])
+        np.exp(fit.forecasts[fit.measured.modes[k].posture].log_frequency[fit.pairs[k]])
         if fit.pairs[k] >= 0
         else np.nan
         for k in rows
@@ -98,18 +96,18 @@ def _predicted(
 @drawing
 def draw_evidence(found: Findings) -> Any:
     """What each explanation gains over the robot re-tuned, and how far that moves with the priors."""
-    scales = found.scales
-    order = [k for k in scales.order if k]
-    gain = scales.table - scales.table[0]
+    comparison = found.comparison
+    order = [k for k in comparison.order if k]
+    gain = comparison.table - comparison.table[0]
     figure = new_figure(NARROW, 0.36 * len(order) + 1.3)
     axes = figure.subplots()
     for place, k in enumerate(order):
-        tied = scales.candidates[k].key in found.tied
+        tied = comparison.models[k].key in found.tied
         colour = AFTER if tied else SOFT
         axes.plot([gain[k].min(), gain[k].max()], [place, place], color=colour, linewidth=2, alpha=0.6)
         axes.plot(gain[k, 0], place, "o" if tied else "D", color=colour, markersize=7)
     axes.axvline(0, color=SOFT, linewidth=1)
-    axes.set_yticks(range(len(order)), [cut(short(scales.candidates[k].key), 32) for k in order])
+    axes.set_yticks(range(len(order)), [cut(short(comparison.models[k].key), 32) for k in order])
     axes.set_ylim(len(order) - 0.4, -0.6)
     axes.set_xlabel("Evidence over nothing added [nat]")
     figure.suptitle("● as believed, — other priors; blue: tied", x=0.01, ha="left", fontsize=10)
@@ -123,13 +121,13 @@ def draw_shapes(found: Findings, one: ModalFit, other: ModalFit) -> Any:
     measured = found.measured
     figure = new_figure(NARROW, 4.2)
     axes = figure.subplots()
-    rows = list(range(len(measured.places)))
+    rows = list(range(len(measured.responses)))
     seen_by = shapes_of(measured, chosen.number)
     models = [_shape(fit, chosen.number, next(iter(seen_by))) for fit in (one, other)]
     first = next((_turned(model) for model in models if model is not None), None)
     for number, (posture, (seen, residue)) in enumerate(seen_by.items()):
         turned = _turned(residue, None if first is None else first[seen])
-        name = cut(measured.observed.postures[posture].name)
+        name = cut(measured.postures[posture].name)
         axes.plot(
             seen, turned.real, color=SOFT, linewidth=1, marker="osD^vP<>"[number % 8], markersize=5,
             label=f"measured, {name}",
@@ -141,7 +139,7 @@ def draw_shapes(found: Findings, one: ModalFit, other: ModalFit) -> Any:
                 rows, _turned(model, first).real, color=colour, linestyle=style, linewidth=2.4,
                 label=short(fit.explanation.key),
             )  # fmt: skip
-    names = [cut(measured.campaign.point(number).name, 12) for number, _ in measured.places]
+    names = [cut(measured.campaign.point(number).name, 12) for number, _ in measured.responses]
     axes.set_xticks(rows, names, rotation=30 if len(names) > 4 else 0)
     axes.set_ylabel("Shape, real part, largest = 1 [–]")
     axes.set_title(f"The mode near {chosen.frequency:.3g} Hz")
@@ -157,7 +155,7 @@ def _turned(shape: np.ndarray, like: np.ndarray | None = None) -> np.ndarray:
 
 
 def _shape(fit: ModalFit, number: int, posture: int) -> np.ndarray | None:
-    for k, mode in enumerate(fit.measured.observed.modes):
+    for k, mode in enumerate(fit.measured.modes):
         if mode.number == number and mode.posture == posture and fit.pairs[k] >= 0:
             shape = fit.forecasts[posture].shape[:, fit.pairs[k]]
             return None if np.isnan(shape).any() else shape

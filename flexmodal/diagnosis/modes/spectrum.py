@@ -38,12 +38,11 @@ class Spectrum:
     """How many of each structure's poles oscillate."""
 
 
-def spectrum(structures: Sequence[Structure], rows: Sequence[np.ndarray], names: tuple[str, ...]) -> Spectrum:
+def spectrum(structures: Sequence[Structure], names: tuple[str, ...]) -> Spectrum:
     """Solve.
 
     Args:
         structures: one for each posture, all with the same coordinates; hysteresis is left out.
-        rows: of each, the response rows to be seen.
         names: parameters to differentiate along.
 
     Raises:
@@ -53,14 +52,14 @@ def spectrum(structures: Sequence[Structure], rows: Sequence[np.ndarray], names:
         np.array([getattr(s, kind) for s in structures]) for kind in ("mass", "damping", "stiffness")
     )
     pole, shape = _solve(mass, damping, stiffness)
-    response = np.array([s.response[r] for s, r in zip(structures, rows, strict=True)])
+    response = np.array([s.response for s in structures])
     slopes = {kind: _slopes(structures, names, kind) for kind in ("mass", "damping", "stiffness")}
     turned_rows = np.zeros((len(structures), len(names), *response.shape[1:]))
-    for p, (one, picked) in enumerate(zip(structures, rows, strict=True)):
+    for p, one in enumerate(structures):
         for k, name in enumerate(names):
             change = one.changes.get(name)
             if change is not None and change.response is not None:
-                turned_rows[p, k] = change.response[picked]
+                turned_rows[p, k] = change.response
     # Matrices of the derivatives between all shapes: [posture, name, q, p].
     across = {k: np.swapaxes(shape, 1, 2)[:, None] @ slopes[k] @ shape[:, None] for k in slopes}
     at = pole[:, None, None, :]

@@ -8,7 +8,7 @@ from flexmodal.diagnosis.modes.evidence import ModalFit
 from flexmodal.diagnosis.modes.findings import Findings
 from flexmodal.diagnosis.modes.gap import Errors, errors, figures
 from flexmodal.diagnosis.modes.pictures import short
-from flexmodal.diagnosis.outcome import NONE, UNSTRUCTURED
+from flexmodal.diagnosis.names import NONE, UNSTRUCTURED
 from flexmodal.report import Cell, Column, Table
 from flexmodal.report.words import fixed, percent, size
 
@@ -71,12 +71,12 @@ def _figures(name: str, fitted: Errors | None, held: Errors | None) -> list[str]
 
 def weighing_rows(found: Findings) -> list[list[str | Cell]]:
     """Everything that was weighed, under `WEIGHING`, the most probable first."""
-    scales, rows = found.scales, list[list[str | Cell]]()
-    base = len(scales.candidates[0].fit.explanation.space)
-    gain = scales.table - scales.table[0]
-    nothing = scales.candidates[0].held
-    for k in scales.order:
-        one = scales.candidates[k]
+    comparison, rows = found.comparison, list[list[str | Cell]]()
+    base = len(comparison.models[0].fit.explanation.space)
+    gain = comparison.table - comparison.table[0]
+    nothing = comparison.models[0].held
+    for k in comparison.order:
+        one = comparison.models[k]
         held = None if one.held is None or nothing is None else one.held.score - nothing.score
         rows.append([
             Cell("nothing added" if k == 0 else short(one.key), tag="tie" if one.key in found.tied else ""),
@@ -85,7 +85,7 @@ def weighing_rows(found: Findings) -> list[list[str | Cell]]:
             fixed(gain[k, 0], 1),
             f"{fixed(gain[k].min(), 0)} … {fixed(gain[k].max(), 0)}",
             fixed(held, 1, "+"),
-            Cell(percent(scales.probability[k]), bar=float(scales.probability[k])),
+            Cell(percent(comparison.probability[k]), bar=float(comparison.probability[k])),
         ])  # fmt: skip
     return rows
 
@@ -106,11 +106,11 @@ def mode_table(found: Findings, name: str) -> Table:
     heads = [Column("posture", words=True), *(Column(one, group="natural frequency") for one in names)]
     heads += [Column(one, group="damping ratio") for one in ("measured", "re-tuned", name)]
     rows = []
-    for k, mode in enumerate(found.measured.observed.modes):
+    for k, mode in enumerate(found.measured.modes):
         held = None if found.held_after is None else found.held_after.frequency[k]
         mean = mode.frequency * (1 + found.mean[k, 0]) if found.mean[k, 0] != 1 else None
         rows.append([
-            found.measured.observed.postures[mode.posture].name,
+            found.measured.postures[mode.posture].name,
             f"{mode.frequency:.2f} ± {mode.frequency * mode.frequency_error:.2f}",
             _frequency(found.before, k), _frequency(found.after, k), fixed(held, 2), fixed(mean, 2),
             fixed(mode.damping_ratio, 3), _damping(found.before, k), _damping(found.after, k),
@@ -119,10 +119,10 @@ def mode_table(found: Findings, name: str) -> Table:
 
 
 def _frequency(fit: ModalFit, k: int) -> str:
-    seen = fit.forecasts[fit.measured.observed.modes[k].posture]
+    seen = fit.forecasts[fit.measured.modes[k].posture]
     return f"{np.exp(seen.log_frequency[fit.pairs[k]]):.2f}" if fit.pairs[k] >= 0 else "–"
 
 
 def _damping(fit: ModalFit, k: int) -> str:
-    seen = fit.forecasts[fit.measured.observed.modes[k].posture]
+    seen = fit.forecasts[fit.measured.modes[k].posture]
     return f"{np.exp(seen.log_damping[fit.pairs[k]]):.3f}" if fit.pairs[k] >= 0 else "–"

@@ -23,11 +23,12 @@ Placed = Mapping[str, Float[np.ndarray, "4 4"]]
 @drawing
 def draw_arm(diagnosis: Diagnosis) -> Any:
     """Draw the posture that disagrees most, the others behind it, with places marked and named."""
-    robot, observations = diagnosis.model.context.robot, diagnosis.observations
-    above = excess(observations, diagnosis.predicted["before"]).sum(axis=1)
-    by_posture = np.bincount(observations.posture, above, len(observations.postures))
-    worst = int(np.argmax(by_posture))
-    placed = [link_placements(robot, dict(p.q)) for p in observations.postures]
+    context, seen = diagnosis.model.context, diagnosis.frfs
+    robot, worst = context.robot, 0
+    if seen is not None:
+        above = excess(seen, diagnosis.predicted["before"]).sum(axis=1)
+        worst = int(np.argmax(np.bincount(seen.posture, above, len(seen.postures))))
+    placed = [link_placements(robot, dict(p.q)) for p in context.postures]
     plane = _plane(robot, placed[worst])
     figure = new_figure(NARROW, _height([plane @ place[:3, 3] for one in placed for place in one.values()]))
     axes = figure.subplots()
@@ -43,7 +44,7 @@ def draw_arm(diagnosis: Diagnosis) -> Any:
     axes.set_aspect("equal", adjustable="datalim")
     axes.margins(0.1, 0.2)
     axes.set_axis_off()
-    name = observations.postures[worst].name
+    name = context.postures[worst].name
     axes.set_title(f"In {short(name, 30)}; other postures grey", fontsize=10, pad=16)
     return figure
 
@@ -94,8 +95,8 @@ def _joints(axes: Any, robot: Robot, placed: Placed, plane: Plane) -> None:
 
 
 def _points(axes: Any, diagnosis: Diagnosis, placed: Placed, plane: Plane) -> None:
-    used = {int(number) for number in np.unique(diagnosis.observations.response[:, 0])}
-    for point in diagnosis.observations.campaign.points:
+    used = {number for number, _ in diagnosis.model.context.responses}
+    for point in diagnosis.model.context.points:
         if point.id in used and point.link in placed:
             place = placed[point.link] @ np.array([*point.xyz, 1.0])
             x, y = plane @ place[:3]
@@ -110,7 +111,7 @@ def _points(axes: Any, diagnosis: Diagnosis, placed: Placed, plane: Plane) -> No
 def _mark(axes: Any, diagnosis: Diagnosis, placed: Placed, plane: Plane, where: str) -> None:
     """A ring, or a thick line along a link, with the name of the place."""
     robot = diagnosis.model.context.robot
-    points = {point.name: point for point in diagnosis.observations.campaign.points}
+    points = {point.name: point for point in diagnosis.model.context.points}
     spots: list[np.ndarray] = []
     if where in placed:
         start = placed[where][:3, 3]

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 
-from flexmodal.diagnosis.outcome import UNKNOWN, Diagnosis
+from flexmodal.diagnosis.names import UNKNOWN
+from flexmodal.diagnosis.outcome import Diagnosis
 from flexmodal.diagnosis.report.arm_picture import draw_arm
 from flexmodal.diagnosis.report.pictures import draw_descent, draw_map, draw_pair, telling_rows
 from flexmodal.diagnosis.report.tables import next_task, parameters, refused, regions, remaining, weighing

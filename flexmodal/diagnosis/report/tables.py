@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from flexmodal.diagnosis.outcome import NONE, Diagnosis, NextMeasurement, Region, Step, Weighed
+from flexmodal.diagnosis.names import NONE
+from flexmodal.diagnosis.outcome import Diagnosis, NextMeasurement, Region, Step, Weighed
 from flexmodal.diagnosis.report.words import effect_words, parameter_words, placed, plain, posture_words
 from flexmodal.report import Cell, Column, Facts, Heading, Part, Table, Task
 from flexmodal.report.words import error, figure, fixed, minus, percent, size
@@ -118,13 +119,13 @@ def _of_effect(step: Step) -> list[list[str]]:
 
 def next_task(diagnosis: Diagnosis, measurement: NextMeasurement, why: str) -> Task:
     """What to measure next, part by part; `why` comes before how far the two models differ there."""
-    robot, observations = diagnosis.model.context.robot, diagnosis.observations
-    sliding = [name for name, joint in robot.commanded.items() if joint.is_prismatic]
+    context = diagnosis.model.context
+    sliding = [name for name, joint in context.robot.commanded.items() if joint.is_prismatic]
     one, other = (placed(*found.partition("@")[::2]) for found in measurement.separates)
-    sensor = observations.direction(measurement.response)
+    sensor = context.direction(measurement.response)
     if measurement.point is not None:
         sensor = f"a new sensor at {measurement.point}, along {sensor.partition(':')[2]}"
-    hammer = f"{observations.direction(measurement.reference)}, about {measurement.force_peak:.3g} N"
+    hammer = f"{context.direction(measurement.reference)}, about {measurement.force_peak:.3g} N"
     says = f"To tell {one} from {other}, {why.format(measurement.expected)}"
     posture = posture_words(measurement.posture, sliding)
     return Task(says, Facts({"posture": posture, "hammer": hammer, "sensor": sensor}))

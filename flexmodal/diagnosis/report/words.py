@@ -7,7 +7,8 @@ from collections.abc import Mapping, Sequence
 from typing import Literal
 
 from flexmodal.diagnosis.effects import catalogue
-from flexmodal.diagnosis.outcome import NONE, UNKNOWN, UNSTRUCTURED, Diagnosis
+from flexmodal.diagnosis.names import NONE, UNKNOWN, UNSTRUCTURED
+from flexmodal.diagnosis.outcome import Diagnosis
 from flexmodal.identification import Observations
 from flexmodal.report.words import minus, size
 

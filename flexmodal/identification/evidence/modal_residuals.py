@@ -99,7 +99,7 @@ class ModeProblem:
         for number in range(len(self.observations.postures)):
             responses: dict[tuple[int, int], None] = {}
             references: dict[tuple[int, int], None] = {}
-            for mode in (self.observations.modes[k] for k in self.observations.in_posture(number)):
+            for mode in (self.observations.modes[k] for k in self.observations.here[number]):
                 for shape in mode.shapes:
                     responses |= dict.fromkeys((int(p), int(d)) for p, d in shape.places)
                     references[shape.reference] = None
@@ -132,7 +132,7 @@ class ModeProblem:
 
     def alike(self, number: int, seen: Seen) -> Float[np.ndarray, "measured mode"]:
         """MAC of the measured modes of a posture with the model's."""
-        modes = [self.observations.modes[k] for k in self.observations.in_posture(number)]
+        modes = [self.observations.modes[k] for k in self.observations.here[number]]
         shapes = [[(self.rows(number, s.places), s.residue) for s in mode.shapes] for mode in modes]
         return mac_table(seen.structure, seen.found, shapes)
 
@@ -140,7 +140,7 @@ class ModeProblem:
         """The mode of the model that each measured mode is; −1 where there is none."""
         partner = [-1] * len(self.observations.modes)
         for number in range(len(self.observations.postures)):
-            here = self.observations.in_posture(number)
+            here = self.observations.here[number]
             if not here:
                 continue
             seen = self.see(x, number, slopes=False)
@@ -158,10 +158,10 @@ class ModeProblem:
         count = len(self.model.space) if slopes else 0
         struck = {zero.posture for zero in self.observations.antiresonances}
         for number in range(len(self.observations.postures)):
-            if not self.observations.in_posture(number) and number not in struck:
+            if not self.observations.here[number] and number not in struck:
                 continue
             seen = self.see(x, number, slopes=slopes)
-            for k in self.observations.in_posture(number):
+            for k in self.observations.here[number]:
                 if partners[k] >= 0:
                     found[k] = self._of_mode(self.observations.modes[k], seen, partners[k], count)
             if "antiresonance" in self.use:

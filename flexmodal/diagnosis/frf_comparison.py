@@ -22,8 +22,9 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Complex, Float
 
+from flexmodal.diagnosis.comparison import Comparison
 from flexmodal.diagnosis.hypothesis import Hypothesis
-from flexmodal.diagnosis.outcome import NONE
+from flexmodal.diagnosis.names import NONE
 from flexmodal.identification import Observations, predict
 from flexmodal.identification.descent import prior_cost, robust
 from flexmodal.identification.frf_fit import FrfFit, Weighing, residual
@@ -31,11 +32,13 @@ from flexmodal.identification.uncertainty import clusters
 
 DRAWS = 400
 """Of the bootstrap."""
+MISSED = 0.05
+"""Part of them in which an effect may gain less than it has to."""
 _MOST_LAG = 60
 
 
 @dataclass(frozen=True, eq=False)
-class Weighable:
+class FittedFrfs:
     """A fitted hypothesis with what it leaves."""
 
     key: tuple[str, str]
@@ -57,33 +60,22 @@ class Weighable:
     """What the prior adds to the sum of squares."""
 
     @property
+    def x(self) -> Float[np.ndarray, " parameter"]:
+        """Coordinates of the hypothesis."""
+        return self.fitted.x
+
+    @property
     def cost(self) -> float:
         """Sum of squares of the fit, the prior's among them."""
         return self.fitted.normal.cost
 
 
-@dataclass(frozen=True, eq=False)
-class Scales:
-    """Scores and probabilities of several explanations."""
-
-    scores: Float[np.ndarray, " hypothesis"]
-    """ln evidence over that of the best [nat]."""
-    probability: Float[np.ndarray, " hypothesis"]
-    """Under the bootstrap."""
-    gain: Float[np.ndarray, " hypothesis"]
-    """5 % quantile, under the bootstrap, of the score of each over that of the first given [nat]."""
-    kept: float
-    """κ: part of the lines that count as independent."""
-    spread: float
-    """s² of the best."""
-
-
-def weighable(
+def fitted_model(
     hypothesis: Hypothesis,
     fitted: FrfFit,
     observations: Observations,
     predicted: Complex[np.ndarray, "observation line"] | None = None,
-) -> Weighable:
+) -> FittedFrfs:
     """Look at a fit on all observations, the held out ones included.
 
     Args:
@@ -100,7 +92,7 @@ def weighable(
     curvature = fitted.normal.curvature * share / np.outer(root, root)
     sign, log = np.linalg.slogdet(np.eye(len(root)) + curvature)
     occam = 0.5 * float(log) if sign > 0 else np.inf
-    return Weighable(
+    return FittedFrfs(
         key=hypothesis.keys[-1] if hypothesis.placed else (NONE, ""),
         hypothesis=hypothesis,
         fitted=fitted,
@@ -138,27 +130,28 @@ def independence(
     return 1 / total
 
 
-def weigh(found: Sequence[Weighable], observations: Observations, seed: int = 0) -> Scales:
-    """Weigh fitted hypotheses against each other, the first being the one without the new effect."""
-    floor = found[0].fitted.weighing.floor
-    totals = np.array([one.costs.sum() for one in found])
+def compare_models(
+    models: Sequence[FittedFrfs], observations: Observations, seed: int = 0
+) -> Comparison[FittedFrfs]:
+    """Compare fitted hypotheses, the first being the one without the new effect.
+
+    Args:
+        models: on all observations.
+        observations: fitted and held out.
+        seed: of the bootstrap.
+    """
+    totals = np.array([one.costs.sum() for one in models])
     best = int(np.argmin(totals))
-    kept = independence(observations, found[best].predicted, floor)
+    kept = independence(observations, models[best].predicted, models[0].fitted.weighing.floor)
     lines = max(int(observations.used.sum()), 1)
-    spread = max(1.0, totals[best] / lines)
-    temper = kept / spread
-    costs = np.array([one.costs for one in found]) * temper / 2
-    occam = np.array([_tempered(one, temper) + one.prior / 2 for one in found])
-    scores = -costs.sum(axis=1) - occam
-    random = np.random.default_rng(seed)
-    draws = random.dirichlet(np.ones(costs.shape[1]), DRAWS) * costs.shape[1]
-    drawn = -draws @ costs.T - occam  # draw, hypothesis
-    weights = np.exp(drawn - drawn.max(axis=1, keepdims=True))
-    weights /= weights.sum(axis=1, keepdims=True)
-    gain = np.quantile(drawn - drawn[:, :1], 0.05, axis=0)
-    return Scales(scores - scores.max(), weights.mean(axis=0), gain, kept, spread)
+    temper = kept / max(1.0, totals[best] / lines)
+    costs = np.array([one.costs for one in models]) * temper / 2
+    occam = np.array([_tempered(one, temper) + one.prior / 2 for one in models])
+    draws = np.random.default_rng(seed).dirichlet(np.ones(costs.shape[1]), DRAWS) * costs.shape[1]
+    drawn = -costs @ draws.T - occam[:, None]
+    return Comparison(models, -costs.sum(axis=1) - occam, drawn, MISSED)
 
 
-def _tempered(one: Weighable, temper: float) -> float:
+def _tempered(one: FittedFrfs, temper: float) -> float:
     """The Occam factor at the tempered curvature: each well measured parameter loses ½ ln(1/temper)."""
     return one.occam + 0.5 * one.strong * np.log(temper)

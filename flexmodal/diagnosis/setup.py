@@ -28,10 +28,10 @@ Advance = Callable[[str, float], None]
 
 
 @dataclass(frozen=True, eq=False)
-class Bench:
+class Setup:
     """What a diagnosis works with."""
 
-    scene: Context
+    context: Context
     base: ParameterSpace
     observations: Observations
     fitted: Observations
@@ -44,7 +44,7 @@ class Bench:
     @property
     def untestable(self) -> dict[str, str]:
         """Effects that these data cannot tell of, and why."""
-        return {effect.name: why for effect in self.effects if (why := effect.untestable(self.scene))}
+        return {effect.name: why for effect in self.effects if (why := effect.untestable(self.context))}
 
 
 def prepare(
@@ -55,7 +55,7 @@ def prepare(
     trust: Mapping[str, float] | None,
     seed: int,
     advance: Advance,
-) -> Bench:
+) -> Setup:
     """Lay everything out (see `diagnose`).
 
     Raises:
@@ -63,15 +63,15 @@ def prepare(
     """
     check_compatible(campaign, robot)
     observations = observe(campaign)
-    scene = Context.of(robot, observations)
-    observations = _whole(observations, scene)
+    context = Context.of(robot, observations)
+    observations = _whole(observations, context)
     known = tuple(catalogue(effects).values())
     base = robot_space(robot, trust={**trust_of(robot, TRUST), **(trust or {})})
     if hold_out is None:
-        held = _middling(scene, base, observations)
+        held = _middling(context, base, observations)
     else:
         held = np.isin(observations.posture, numbers_of(observations.postures, hold_out, seen_by="FRFs"))
-    return Bench(scene, base, observations, observations.keeping(~held), held, known, seed, advance)
+    return Setup(context, base, observations, observations.keeping(~held), held, known, seed, advance)
 
 
 def trust_of(robot: Robot, trust: Mapping[str, float]) -> dict[str, float]:
@@ -98,7 +98,7 @@ def _whole(observations: Observations, context: Context) -> Observations:
 
 
 def _middling(
-    scene: Context, base: ParameterSpace, observations: Observations
+    context: Context, base: ParameterSpace, observations: Observations
 ) -> Bool[np.ndarray, " observation"]:
     """Observations of the postures in the middle, by how far the re-tuned robot is from each.
 
@@ -107,7 +107,7 @@ def _middling(
     count = len(observations.postures)
     if count < _FEWEST:
         return np.zeros(len(observations), dtype=bool)
-    root = Hypothesis(scene, base)
+    root = Hypothesis(context, base)
     lines = some_lines(observations, COARSE)
     tuned = fit(root, observations, floors=(0.2, 0.05), steps=10, lines=lines, apart=False)
     value = predict(root, tuned.x, observations)
