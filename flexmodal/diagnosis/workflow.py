@@ -83,7 +83,7 @@ def _conclude(selection: FrfSelection) -> Diagnosis:
     explained = over <= FLOOR_REACHED or (over <= EXPLAINED and left(setup, selection.root, final) <= LEFT)
     if selection.force_matters and not final.hypothesis.by_force:
         explained = False  # nothing linear changes with the force
-    lacking = selection.lacking(final)
+    lacking = selection.lacking(selection.current)
     explained = explained and not lacking
     everything = gap(setup.observations, selection.believed)
     gaps = replace(

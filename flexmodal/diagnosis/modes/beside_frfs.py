@@ -4,8 +4,8 @@ By the chain rule the evidence of both is that of the FRFs times the density of 
 
     ln p(F, M) = ln p(F) + ln p(M | F),
 
-the latter predicted by the fit, what is unsure of its parameters included to first order. Damping ratios
-count only where no model has hysteretic losses, which the modes of viscous structures leave out.
+the latter predicted by the fit, what is unsure of its parameters included to first order. Damping counts only
+where no model has hysteretic losses, which the modes of viscous structures leave out.
 """
 
 from __future__ import annotations
