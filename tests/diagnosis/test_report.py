@@ -116,7 +116,7 @@ def test_hostile_names_are_only_text(diagnosed):
     )  # fmt: skip
     region = replace(diagnosed.disagreement[0], kind=HOSTILE, says=HOSTILE)
     hostile = replace(
-        diagnosed, campaign=HOSTILE, robot=HOSTILE, observations=changed, disagreement=(region,),
+        diagnosed, campaign=HOSTILE, robot=HOSTILE, frfs=changed, disagreement=(region,),
         remaining=(region,), verdict=replace(diagnosed.verdict, says=HOSTILE), left_out=(HOSTILE,),
         untestable={HOSTILE: HOSTILE}, provenance={HOSTILE: HOSTILE},
     )  # fmt: skip

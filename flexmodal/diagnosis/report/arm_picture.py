@@ -12,7 +12,7 @@ from flexmodal.diagnosis.compare import excess
 from flexmodal.diagnosis.outcome import Diagnosis
 from flexmodal.model import Robot
 from flexmodal.model.placements import link_placements
-from flexmodal.report.figure import NARROW, NOISE, PALETTE, PAPER, SOFT, drawing, new_figure, short
+from flexmodal.report.figure import INK, NARROW, NOISE, PALETTE, PAPER, SOFT, drawing, new_figure, short
 
 FOUND, POINT, LINK, GHOST = PALETTE[1], PALETTE[2], SOFT, NOISE
 
@@ -103,7 +103,7 @@ def _points(axes: Any, diagnosis: Diagnosis, placed: Placed, plane: Plane) -> No
             axes.plot(x, y, "D", markersize=5, color=POINT, zorder=5)
             axes.annotate(
                 short(point.name, 24), (x, y), xytext=(3, -7), textcoords="offset points", fontsize=8,
-                color=POINT, zorder=6, rotation=-40, rotation_mode="anchor",
+                color=INK, zorder=6, rotation=-40, rotation_mode="anchor",
                 va="top",  # aslant, so that names of points side by side do not run into each other
             )  # fmt: skip
 
@@ -142,7 +142,7 @@ def _mark(axes: Any, diagnosis: Diagnosis, placed: Placed, plane: Plane, where: 
         if number == 0:
             axes.annotate(
                 short(where, 30), (x, y), xytext=(16, 22), textcoords="offset points", fontsize=11,
-                fontweight="bold", color=FOUND, arrowprops={"arrowstyle": "-", "color": FOUND}, zorder=6,
+                fontweight="bold", color=INK, arrowprops={"arrowstyle": "-", "color": FOUND}, zorder=6,
             )  # fmt: skip
 
 
