@@ -46,7 +46,8 @@ def optimise(
         start: a posture to compare with and to start from as well.
         starts: how many starts in all, the given one included; the rest are random. If none, 64; where the
             descents run compiled, 256 at a time until five ended in the best, 4096 at most.
-        seed: of the random starts; the same seed gives the same answer.
+        seed: of the random starts; the same seed gives the same answer, but for rounding where one search is
+            compiled and the other is not.
         method: "newton" (feasible quasi-Newton, many starts) or "null-space" (the thesis's descent, from
             the given start only).
         way: "compiled" (a serial chain judged by receptance, stiffness or mobility, with numba installed),

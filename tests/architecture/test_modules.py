@@ -22,7 +22,7 @@ KNOWN_LONG_MODULES = frozenset({"flexmodal.diagnosis.hypothesis"})
 KNOWN_LONG_FUNCTIONS = frozenset({"flexmodal.diagnosis.march.kernel.march"})
 KNOWN_PRIVATE_IMPORTS: frozenset[str] = frozenset()
 
-KERNELS = ("flexmodal.frf.kernels", "flexmodal.model.batch")
+KERNELS = ("flexmodal.frf.kernels", "flexmodal.model.batch", "flexmodal.structure.kernel")
 """Rooms of loops written out for the compiler, in which a function may be longer."""
 
 

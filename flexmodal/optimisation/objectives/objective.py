@@ -59,7 +59,12 @@ class Objective(Protocol):
         ...
 
     def limit(self, cost: float, robot: Robot) -> Limit:
-        """Whether nothing is left to gain, or the measure grows without bound here."""
+        """Whether nothing is left to gain, or the measure grows without bound here.
+
+        Args:
+            cost: as `cost_and_gradient` gives it.
+            robot: whose stiffness may say what counts as boundless.
+        """
         ...
 
 

@@ -20,6 +20,9 @@ from flexmodal.optimisation.search.ends import LIMITS, Basins, Descent, Ends, te
 
 WAYS = ("auto", "compiled", "plain")
 
+_MANY = 16
+"""Starts up to which descents in Python are as quick as loading the compiled ones."""
+
 _AT_ONCE = 64
 """Compiled descents between two reports of progress."""
 
@@ -67,11 +70,13 @@ def search_postures(
 def choose_way(problem: PostureProblem, starts: int) -> str:
     """Whether descents are made the "compiled" or the "plain" way, all searches of this process counted.
 
+    A few descents are always made in Python and do not count.
+
     Args:
         problem: a serial chain judged by receptance, stiffness or mobility can be compiled.
         starts: descents that are about to be made.
     """
-    if not is_compilable(problem):
+    if starts < _MANY or not is_compilable(problem):
         return "plain"
     lines = len(problem.objective.frequency) if isinstance(problem.objective, ReceptanceObjective) else 1
     seconds = starts * (_SECONDS + (lines - 1) * _LINE)
@@ -93,7 +98,16 @@ def descend_from(
     way: str = "auto",
     progress: Progress | None = None,
 ) -> Ends:
-    """Where descents from many starts end; arguments and errors as for `search_postures`."""
+    """Where descents from many starts end.
+
+    Args:
+        problem: as for `search_postures`, as all below.
+        starts: start × commanded joint.
+        iterations: most of each descent.
+        threads: most of them.
+        way: "auto", "compiled" or "plain".
+        progress: told of every batch.
+    """
     starts = _checked(problem, starts, iterations, threads, way)
     way = choose_way(problem, len(starts)) if way == "auto" else way
     cores = min(threads or available_cores(), -(-len(starts) // _AT_ONCE)) if way == "compiled" else 1

@@ -71,7 +71,7 @@ def search(
         given: a start, before the random ones.
         starts: how many in all.
         seed: of the random ones.
-        way: as for `flexmodal.optimisation.search.descents.search_postures`.
+        way: as for `flexmodal.optimisation.search.search_postures`.
         advance: called once a start.
         improved: called with every better value.
         doing: told of a compilation.
