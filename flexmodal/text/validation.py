@@ -15,7 +15,9 @@ from flexmodal.text.words import FaultList, listing, nearest, shown
 if TYPE_CHECKING:
     from pydantic import BaseModel
 
-Model = TypeVar("Model", bound="BaseModel")
+    Model = TypeVar("Model", bound=BaseModel)
+else:
+    Model = TypeVar("Model")
 
 
 class Contradiction(ValueError):
