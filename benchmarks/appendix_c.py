@@ -17,12 +17,21 @@ import flexmodal
 from flexmodal.campaign import Campaign, read_campaign
 from flexmodal.diagnosis import Diagnosis, diagnose
 from flexmodal.diagnosis.modes.gap import errors, figures
-from flexmodal.diagnosis.modes.page import after_name, compared_fits, shape_rows, summary_rows, weighing_rows
+from flexmodal.diagnosis.modes.page import after_name, compared_fits
 from flexmodal.diagnosis.modes.pictures import draw_evidence, draw_frequencies, draw_shapes
 from flexmodal.diagnosis.modes.shapes import shapes_of
+from flexmodal.diagnosis.modes.tables import (
+    SHAPES,
+    SUMMARY,
+    WEIGHING,
+    shape_rows,
+    summary_rows,
+    weighing_rows,
+)
 from flexmodal.diagnosis.modes.words import named
 from flexmodal.files import whole_file
 from flexmodal.modal.mac import mac_with
+from flexmodal.report import Cell, Column, Table
 
 CAMPAIGN = ROOT / "robots" / "fanuc_s360" / "campaigns" / "thesis"
 PAGE = ROOT / "docs" / "appendix_c.md"
@@ -30,16 +39,6 @@ PICTURES = ROOT / "docs" / "pictures"
 TOLD = "link_flexibility@link_2"
 PEAK_38 = 2
 """Number of the 38 Hz peak among the modes."""
-HEADER = [
-    "explanation", "adds", "without a partner", "evidence [nat]", "under other priors", "held out [nat]",
-    "probability",
-]  # fmt: skip
-FIGURES = ["", *(f"{part}: {what}" for part in ("fitted", "held out")
-                 for what in ("without a partner", "frequency", "damping", "mean MAC", "gap"))]  # fmt: skip
-SHAPES = [
-    "mode", "measured between postures", "predicted between postures", "one prediction with the other",
-    "predicted with measured", "as measured [nat]", "if careful [nat]",
-]  # fmt: skip
 
 
 def without(campaign: Campaign, number: int) -> Campaign:
@@ -52,23 +51,21 @@ def without(campaign: Campaign, number: int) -> Campaign:
     return replace(campaign, modes=replace(table, **columns, flag=tuple(table.flag[k] for k in keep)))
 
 
-def table(header: list[str], rows: list[list[str]]) -> str:
-    lines = ["| " + " | ".join(header) + " |", "|" + "---|" * len(header)]
-    return "\n".join([*lines, *("| " + " | ".join(row) + " |" for row in rows)])
+def table(columns: Sequence[Column], rows: Sequence[Sequence[str | Cell]]) -> str:
+    found = Table(columns, rows)
+    heads = [f"{one.group}: {one.head}" if one.group else one.head for one in columns]
+    lines = ["| " + " | ".join(heads) + " |", "|" + "---|" * len(heads)]
+    cells = ([one.text + (f" ({one.tag})" if one.tag else "") for one in line] for line in found.lines)
+    return "\n".join([*lines, *("| " + " | ".join(line) + " |" for line in cells)])
 
 
 def weighing(diagnosis: Diagnosis) -> str:
-    rows = [
-        [one["name"] + (" (tie)" if one["tied"] else ""), str(one["adds"]), str(one["missing"]), one["gain"],
-         one["range"], one["held"], one["probability"]]
-        for one in weighing_rows(diagnosis.modal)
-    ]  # fmt: skip
-    return table(HEADER, rows)
+    return table(WEIGHING, weighing_rows(diagnosis.modal))
 
 
 def gaps(diagnosis: Diagnosis) -> str:
     found = diagnosis.modal
-    return table(FIGURES, summary_rows(found, after_name(diagnosis, found)))
+    return table(SUMMARY, summary_rows(found, after_name(diagnosis, found)))
 
 
 def picture(figure: Any, name: str) -> str:
@@ -92,8 +89,8 @@ def between_postures(diagnosis: Diagnosis, number: int) -> str:
 
 
 def measured_38(diagnosis: Diagnosis) -> str:
-    modes = [m for m in diagnosis.modal.measured.observed.modes if m.number == PEAK_38]
-    postures = diagnosis.modal.measured.observed.postures
+    modes = [m for m in diagnosis.modal.measured.modes if m.number == PEAK_38]
+    postures = diagnosis.modal.measured.postures
     return "; ".join(
         f"{postures[m.posture].name.replace('_', ' ')} {m.frequency:.1f} Hz, ζ {m.damping_ratio:.3f}, "
         f"{sum(len(s.places) for s in m.shapes)} amplitudes"
@@ -105,7 +102,7 @@ def next_words(diagnosis: Diagnosis) -> str:
     one = diagnosis.next_measurement
     if one is None:
         return "No two explanations with structure are tied, so none is named."
-    point = diagnosis.observations.campaign.point
+    point = diagnosis.model.context.point
     posture = ", ".join(f"{name} = {np.degrees(value):.0f}°" for name, value in one.posture.items())
     posture = posture.replace("-", "−")
     pair = " and ".join(named(tuple(key.split("@"))) for key in one.separates)
@@ -143,7 +140,7 @@ def main() -> None:
     four = diagnose(without(campaign, PEAK_38), rigid)
     left = diagnose(campaign, flexible)
     fits = compared_fits(everything.modal)
-    card = np.subtract(*(one.modal.scales.candidates[0].evidence for one in (left, everything)))
+    card = np.subtract(*(one.modal.comparison.models[0].evidence for one in (left, everything)))
     pictures = {
         "frequencies": picture(
             draw_frequencies(told.modal, after_name(told, told.modal)), "appendix_c_frequencies"

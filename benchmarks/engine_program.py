@@ -26,7 +26,7 @@ from flexmodal.diagnosis.march.law import friction, hardening
 from flexmodal.diagnosis.march.pulse import Pulse
 from flexmodal.identification.evidence.frf import FrfEvidence
 from flexmodal.model.batch import gradient_batch, receptance_batch
-from flexmodal.optimisation.compiled import random_starts, search_postures
+from flexmodal.optimisation.search import random_starts, search_postures
 from flexmodal.rig import simulate
 from flexmodal.rig.integration import nonlinear
 from flexmodal.structure.structure import Axis, Structure

@@ -15,8 +15,7 @@ from scipy.optimize import minimize
 
 import flexmodal
 from flexmodal import Hold, PointDirection, PostureProblem, ReceptanceObjective
-from flexmodal.optimisation.compiled import random_starts, search_postures
-from flexmodal.optimisation.descent import descend
+from flexmodal.optimisation.search import descend, random_starts, search_postures
 
 HERTZ, TARGET = 5.0, (-2.0, 2.0)
 OURS, THEIRS, BEFORE = 256, 64, 16
@@ -89,7 +88,7 @@ def variants(task: PostureProblem) -> dict[str, tuple[Callable[[], float], int]]
     starts = random_starts(task, OURS, np.random.default_rng(0))
 
     def ours() -> float:
-        return float(search_postures(task, starts, threads=1).cost[0])
+        return float(search_postures(task, starts, threads=1, way="compiled").cost[0])
 
     def before() -> float:
         ends = [descend(task, start) for start in starts[:BEFORE]]

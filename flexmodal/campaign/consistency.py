@@ -9,8 +9,7 @@ import numpy as np
 
 from flexmodal.campaign.abscissa import evened
 from flexmodal.campaign.blow import Blow
-from flexmodal.campaign.description.faults import ALLOWED
-from flexmodal.campaign.description.tested import Described
+from flexmodal.campaign.description.tested import BAND, Described
 from flexmodal.campaign.mode_table import ModeTable
 from flexmodal.campaign.records import FrfRecords
 from flexmodal.campaign.trial import MOST_DIGITS, MOST_TRIAL
@@ -69,7 +68,7 @@ def add_contradictions(faults: FaultList, tested: Described) -> None:
         if trial.repeat_of is not None and trial.repeat_of not in ids - {trial.id}:
             faults.add(f"trial[{place}].repeat_of", str(trial.repeat_of), "the id of another trial")
     if tested.band is not None and not 0 <= tested.band[0] < tested.band[1]:
-        faults.add("band", f"{tested.band[0]:g} to {tested.band[1]:g}", ALLOWED[""]["band"])
+        faults.add("band", f"{tested.band[0]:g} to {tested.band[1]:g}", BAND)
 
 
 def _add_twice(faults: FaultList, section: str, key: str, values: Sequence[object]) -> None:

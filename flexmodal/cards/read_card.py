@@ -8,12 +8,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from flexmodal.cards.card import CouplingCard, FamilyCard, JointCard, PointCard, RobotCard
-from flexmodal.cards.card_faults import ALLOWED, add_faults
 from flexmodal.cards.coupling import couplings_of
 from flexmodal.cards.urdf.packages import PREFIX, resolve_package
 from flexmodal.errors import Fault, InvalidCard
 from flexmodal.text.frozen import FrozenDict
 from flexmodal.text.toml import parse_toml
+from flexmodal.text.validation import allowed, validated
 from flexmodal.text.words import FaultList, shown
 
 if TYPE_CHECKING:
@@ -32,10 +32,12 @@ def read_card(path: str | os.PathLike[str]) -> RobotCard:
     Raises:
         InvalidCard: with every fault of the file at once.
     """
+    from flexmodal.cards.schema import CardTable
+
     file = Path(os.path.abspath(path))
     content = _parse(file)
     faults = FaultList(file)
-    table = _validate(content, faults)
+    table = validated(CardTable, content, faults)
     urdf = _find_urdf(content.get("urdf"), faults)
     joints = {} if table is None else {n: JointCard(**joint.model_dump()) for n, joint in table.joint.items()}
     stiffness = {} if table is None else {name: one.stiffness for name, one in table.coupling.items()}
@@ -52,23 +54,10 @@ def _parse(file: Path) -> dict[str, Any]:
     return content
 
 
-def _validate(content: dict[str, Any], faults: FaultList) -> CardTable | None:
-    from pydantic import ValidationError
-
-    from flexmodal.cards.schema import CardTable
-
-    try:
-        table = CardTable.model_validate(content)
-    except ValidationError as error:
-        add_faults(faults, error.errors(include_url=False))
-        return None
-    if type(content["format"]) is not int:  # true and 1.0 equal 1
-        faults.add("format", shown(content["format"]), ALLOWED[""]["format"])
-    return table
-
-
 def _find_urdf(address: object, faults: FaultList) -> Path | None:
     """The URDF that the card names; a fault where there is none."""
+    from flexmodal.cards.schema import CardTable
+
     if not isinstance(address, str) or not address:
         return None  # the schema has said so
     found: Path | str
@@ -81,14 +70,16 @@ def _find_urdf(address: object, faults: FaultList) -> Path | None:
         except (OSError, ValueError):
             found = f"{shown(address)}, which is no path"
     if isinstance(found, str):
-        faults.add("urdf", found, ALLOWED[""]["urdf"])
+        faults.add("urdf", found, allowed(CardTable, ["urdf"]))
         return None
     return found
 
 
 def _in_order(faults: Sequence[Fault]) -> list[Fault]:
     """The faults in the order in which a card is written."""
-    sections = list(ALLOWED[""])
+    from flexmodal.cards.schema import CardTable
+
+    sections = list(CardTable.model_fields)
 
     def place(fault: Fault) -> int:
         section = fault.key.split(".")[0]

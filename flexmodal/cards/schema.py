@@ -1,85 +1,102 @@
-"""What a `robot.toml` may say, for pydantic.
+"""What a `robot.toml` may say, for pydantic: what is valid, and the sentence for where it is not.
 
-Imported only while a card is read, since pydantic is slow to load. The models say what is valid;
-`card_faults` says in words what is not.
+Imported only while a card is read, since pydantic is slow to load.
 """
 
 from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import Field, model_validator
 
-Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
+from flexmodal.text.schema import TEXT, Number, Table, Text, Triple
+from flexmodal.text.validation import Contradiction
+from flexmodal.text.words import shown
+
+_CARD_NAME = "a name of letters, digits, _ . and -"
+_ANGLE = "a finite number in rad (m for a prismatic joint)"
+
 Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0, le=1e18)]
 NotNegative = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0, le=1e18)]
 LossFactor = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0, le=10)]
 Signed = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-1e18, le=1e18)]
 Above1 = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=1)]
 Below1 = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0, lt=1)]
-Text = Annotated[str, Field(strict=True, min_length=1)]
-Name = Annotated[str, Field(strict=True, pattern=r"\A[A-Za-z0-9_.-]+\z")]
+Angle = Annotated[float, Field(strict=True, allow_inf_nan=False, description=_ANGLE)]
+Factor = Annotated[float, Field(strict=True, allow_inf_nan=False, description="a finite factor")]
+Name = Annotated[str, Field(strict=True, pattern=r"\A[A-Za-z0-9_.-]+\z", description=_CARD_NAME)]
+Pair = Annotated[str, Field(strict=True, min_length=1, description=_CARD_NAME)]
+JointName = Annotated[str, Field(strict=True, min_length=1, description="the name of a joint")]
+Angles = Annotated[dict[JointName, Angle], Field(description="a table of joint = angle")]
 
 
-class _Table(BaseModel):
-    model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
-
-
-class JointTable(_Table):
+class JointTable(Table):
     """`[joint.<name>]`."""
 
-    stiffness: Positive
-    damping: NotNegative
-    pseudo: bool = False
-    rotor_inertia: NotNegative = 0.0
-    loss_factor: LossFactor = 0.0
-    lower: Below1 | None = None
-    upper: Above1 | None = None
-    scale: Positive | None = None
+    stiffness: Positive = Field(
+        description="a number in N·m/rad (N/m for a prismatic joint), above 0 and at most 1e18"
+    )
+    damping: NotNegative = Field(
+        description="a number in N·m·s/rad (N·s/m for a prismatic joint), from 0 to 1e18"
+    )
+    pseudo: bool = Field(default=False, description="true or false")
+    rotor_inertia: NotNegative = Field(
+        default=0.0, description="a number in kg·m² (kg for a prismatic joint), from 0 to 1e18"
+    )
+    loss_factor: LossFactor = Field(default=0.0, description="a number from 0 to 10")
+    lower: Below1 | None = Field(
+        default=None, description="a factor on the values of the card, above 0 and below 1"
+    )
+    upper: Above1 | None = Field(default=None, description="a factor on the values of the card, above 1")
+    scale: Positive | None = Field(default=None, description="a relative standard deviation, above 0")
 
 
-class CouplingTable(_Table):
+class CouplingTable(Table):
     """`[coupling."jointA+jointB"]`."""
 
-    stiffness: Signed
+    stiffness: Signed = Field(description="a number in N·m/rad, of either sign, of at most 1e18")
 
 
-class PointTable(_Table):
+class PointTable(Table):
     """`[point.<name>]`."""
 
-    link: Text
-    xyz: Annotated[list[Number], Field(min_length=3, max_length=3)]
+    link: Text = Field(description="the name of a URDF link")
+    xyz: Triple = Field(description="three finite numbers in m")
 
 
-class FamilyTable(_Table):
+class FamilyTable(Table):
     """`[family.<name>]`."""
 
-    parameter: Text
-    start: Number = Field(alias="from")
-    stop: Number = Field(alias="to")
-    follow: dict[Text, Number] = {}
+    parameter: Text = Field(description="the name of a joint")
+    start: Number = Field(alias="from", description=_ANGLE)
+    stop: Number = Field(alias="to", description=_ANGLE)
+    follow: dict[JointName, Factor] = Field(default={}, description="a table of joint = finite factor")
 
     @model_validator(mode="after")
     def _runs_forward(self) -> FamilyTable:
         if self.start >= self.stop:
-            raise ValueError("from")
+            raise Contradiction("from", shown(self.start), f"less than to, which is {shown(self.stop)}")
         if self.parameter in self.follow:
-            raise ValueError("follow")
+            key = f"follow.{self.parameter}"
+            raise Contradiction(key, "the parameter itself", "other joints that follow it")
         return self
 
 
-class CardTable(_Table):
+class CardTable(Table):
     """The whole file."""
 
-    format: Literal[1]
+    format: Literal[1] = Field(description="1")
     name: Name
-    title: Text
-    urdf: Text
-    tool: Text
-    source: Text
-    loss_frequency: Positive | None = None
-    joint: Annotated[dict[Text, JointTable], Field(min_length=1)]
-    coupling: dict[Text, CouplingTable] = {}
-    point: dict[Name, PointTable] = {}
-    posture: dict[Name, dict[Text, Number]] = {}
-    family: dict[Name, FamilyTable] = {}
+    title: Text = Field(description=TEXT)
+    urdf: Text = Field(description="a path to a URDF: relative to this file, absolute, or package://")
+    tool: Text = Field(description="the name of a URDF link")
+    source: Text = Field(description=f"{TEXT}: where the numbers come from")
+    loss_frequency: Positive | None = Field(
+        default=None,
+        description="a number in Hz, above 0, at most 1e18, where lossy joints have their stiffness",
+    )
+    joint: dict[JointName, JointTable] = Field(min_length=1, description="at least one table [joint.<name>]")
+    coupling: dict[Pair, CouplingTable] = Field(default={}, description='tables [coupling."jointA+jointB"]')
+    point: dict[Name, PointTable] = Field(default={}, description="tables [point.<name>]")
+    posture: dict[Name, Angles] = Field(default={}, description="tables [posture.<name>]")
+    family: dict[Name, FamilyTable] = Field(default={}, description="tables [family.<name>]")

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from flexmodal.cli.measured import campaign_at
+from flexmodal.cli.measured import campaign_at, robot_of
 from flexmodal.cli.options import force_option, json_option, quiet_option, trust_of, trust_option
 from flexmodal.cli.printing import print_json, print_table, stages
 
@@ -54,7 +54,6 @@ def diagnose(
 
     Writes OUT/diagnosis.json, OUT/report.html and OUT/robot, the improved robot, all of them or none.
     """
-    from flexmodal.cli.identify import robot_of
     from flexmodal.diagnosis import diagnose as find
     from flexmodal.diagnosis.as_json import as_json as as_object
     from flexmodal.diagnosis.write import JSON, write_diagnosis

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from flexmodal.cli.options import (
+    RobotOptions,
     force_option,
     frequencies_of,
     json_option,
-    load_robot,
     posture_of,
     posture_option,
     refuse_existing,
@@ -43,11 +43,7 @@ _MOST_ROWS = 40
 @force_option
 @json_option
 def frf(
-    robot: str,
-    stiffness: str | None,
-    damping: str | None,
-    tool: str | None,
-    fix: str | None,
+    robot: RobotOptions,
     posture: str,
     frequencies: str,
     response: tuple[str, ...],
@@ -60,7 +56,7 @@ def frf(
     """Frequency response functions at a posture, between any points and directions."""
     refuse_existing(out, force, _ENDINGS)
     axis = frequencies_of(frequencies)
-    arm = load_robot(robot, stiffness, damping, tool, fix)
+    arm = robot.load()
     where = posture_of(arm, posture)
     found = arm.frf(where, axis, response=response or None, reference=reference or None, form=form)
     if out is not None:
@@ -96,6 +92,7 @@ def _json(found: Frf, arm: Robot, where: Posture) -> dict[str, Any]:
 def _write(found: Frf, arm: Robot, where: Posture, out: Path, force: bool) -> None:
     from flexmodal.campaign import write_frf
     from flexmodal.frf import export, page, plot
+    from flexmodal.report import write_figure
 
     title = f"{arm.name} at {where}"
     ending = out.suffix.lower()
@@ -111,7 +108,7 @@ def _write(found: Frf, arm: Robot, where: Posture, out: Path, force: bool) -> No
     elif ending == ".html":
         page.write_page({"": found}, out, title=title, overwrite=force)
     else:
-        plot.write_plot(plot.draw_frf({"": found}, title=title), out, overwrite=force)
+        write_figure(plot.draw_frf({"": found}, title=title), out, overwrite=force)
 
 
 def _print(found: Frf, arm: Robot, where: Posture) -> None:

@@ -8,15 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from flexmodal.cli.measured import campaign_at
+from flexmodal.cli.measured import campaign_at, robot_of
 from flexmodal.cli.options import SOURCE, force_option, json_option, quiet_option, trust_of, trust_option
 from flexmodal.cli.printing import print_json, print_table, progress
 from flexmodal.errors import Fault, OutputExists
 
 if TYPE_CHECKING:
-    from flexmodal.campaign import Campaign
     from flexmodal.identification import Identification
-    from flexmodal.model import Robot
 
 STAGES = 4
 FILES = ("identification.json", "report.html", "fit.png", "fit.svg", "robot")
@@ -106,16 +104,6 @@ def identify(
     sys.exit(0 if outcome.fitted.converged else 1)
 
 
-def robot_of(campaign: Campaign, given: str | None) -> Robot:
-    """The robot asked for, or the one the campaign names: a card, or a path relative to it."""
-    from flexmodal.model import load
-
-    if given is not None:
-        return load(given)
-    beside = None if campaign.path is None else campaign.path / campaign.robot
-    return load(beside if beside is not None and beside.is_file() else campaign.robot)
-
-
 def _refuse_out(out: Path | None, force: bool) -> None:
     """Complain about the folder before the work starts."""
     if out is None:
@@ -136,24 +124,20 @@ def _refuse_out(out: Path | None, force: bool) -> None:
 
 
 def _write(outcome: Identification, found: dict[str, Any], out: Path, force: bool) -> None:
-    import json
-
-    from flexmodal.files import whole_file
-    from flexmodal.frf.plot import write_plot
     from flexmodal.identification.improved import write_improved
     from flexmodal.identification.page import write_identification_page
     from flexmodal.identification.plot import draw_identification
+    from flexmodal.report import write_figure, write_json
 
     out.mkdir(exist_ok=True)
     campaign, robot = outcome.problem.campaign, outcome.problem.robot
     source = f"the card {robot.name}, identified from the campaign: {campaign.title}. {outcome.verdict}"
     write_improved(robot, outcome.values, out / "robot", source=source, overwrite=force)
-    with whole_file(out / "identification.json", overwrite=force) as scratch:
-        scratch.write_text(json.dumps(found, allow_nan=False, indent=1) + "\n", encoding="utf-8")
+    write_json(found, out / "identification.json", overwrite=force)
     write_identification_page(outcome, out / "report.html", overwrite=force)
     figure = draw_identification(outcome)
     for name in ("fit.png", "fit.svg"):
-        write_plot(figure, out / name, overwrite=force)
+        write_figure(figure, out / name, overwrite=force)
 
 
 def _print(outcome: Identification) -> None:

@@ -11,9 +11,9 @@ import click
 from flexmodal.cli.holds import hold_of, orientation_options
 from flexmodal.cli.options import (
     SOURCE,
+    RobotOptions,
     force_option,
     json_option,
-    load_robot,
     posture_of,
     quiet_option,
     refuse_existing,
@@ -64,11 +64,7 @@ _METHODS = ("zero-order", "multi-frequency", "semi-discretisation")
 @quiet_option
 @json_option
 def lobes(
-    robot: str,
-    stiffness: str | None,
-    damping: str | None,
-    tool: str | None,
-    fix: str | None,
+    robot: RobotOptions,
     postures: tuple[str, ...],
     family: str | None,
     members: int,
@@ -92,7 +88,7 @@ def lobes(
 
     _one_way(postures, family, hold)
     refuse_existing(out, force, _ENDINGS)
-    arm = load_robot(robot, stiffness, damping, tool, fix)
+    arm = robot.load()
     cut = read_cut(cut_file)
     added = None if spindle is None else read_measured_tip(spindle)
     _mention(cut, added)
@@ -197,8 +193,8 @@ def _several(
 
 
 def _give_one(arm: Robot, one: PostureDepth, out: Path | None, force: bool, as_json: bool) -> None:
-    from flexmodal.frf.plot import write_plot
     from flexmodal.machining import report
+    from flexmodal.report import write_figure, write_json
 
     found = report.lobes_object(arm.name, one)
     if out is not None:
@@ -206,11 +202,11 @@ def _give_one(arm: Robot, one: PostureDepth, out: Path | None, force: bool, as_j
         if ending == ".csv":
             report.write_lobes_csv(one, out, overwrite=force)
         elif ending == ".json":
-            report.write_json(found, out, overwrite=force)
+            write_json(found, out, overwrite=force)
         elif ending == ".html":
             report.write_lobes_page(arm.name, one, out, overwrite=force)
         else:
-            write_plot(report.lobes_picture(arm.name, one), out, overwrite=force)
+            write_figure(report.lobes_picture(arm.name, one), out, overwrite=force)
         click.echo(f"wrote {out}", err=True)
     if as_json:
         print_json(found)
@@ -221,9 +217,9 @@ def _give_one(arm: Robot, one: PostureDepth, out: Path | None, force: bool, as_j
 
 
 def _give_several(several: Comparison, out: Path | None, force: bool, as_json: bool) -> None:
-    from flexmodal.frf.plot import write_plot
     from flexmodal.machining import report
     from flexmodal.machining.plot import draw_comparison
+    from flexmodal.report import write_figure, write_json
 
     found = report.comparison_object(several)
     if out is not None:
@@ -231,11 +227,11 @@ def _give_several(several: Comparison, out: Path | None, force: bool, as_json: b
         if ending == ".csv":
             report.write_comparison_csv(several, out, overwrite=force)
         elif ending == ".json":
-            report.write_json(found, out, overwrite=force)
+            write_json(found, out, overwrite=force)
         elif ending == ".html":
             report.write_comparison_page(several, out, overwrite=force)
         else:
-            write_plot(draw_comparison(several), out, overwrite=force)
+            write_figure(draw_comparison(several), out, overwrite=force)
         click.echo(f"wrote {out}", err=True)
     if as_json:
         print_json(found)

@@ -11,6 +11,7 @@ from flexmodal.errors import Fault, InvalidCampaign
 
 if TYPE_CHECKING:
     from flexmodal.campaign import Campaign
+    from flexmodal.model import Robot
 
 
 def campaign_at(path: str | Path) -> Campaign:
@@ -34,3 +35,24 @@ def campaign_at(path: str | Path) -> Campaign:
     for warning in measured.warnings:
         click.echo(f"warning: {warning}", err=True)
     return measured
+
+
+def card_of(campaign: Campaign) -> str:
+    """The card that a campaign names: a file beside it, or a name."""
+    beside = None if campaign.path is None else campaign.path / campaign.robot
+    return str(beside) if beside is not None and beside.is_file() else campaign.robot
+
+
+def robot_of(campaign: Campaign, given: str | None) -> Robot:
+    """The robot asked for, or the one the campaign names.
+
+    Args:
+        campaign: what was measured.
+        given: a card's name or a path; None for the campaign's own.
+
+    Raises:
+        RobotNotFound: nothing answers to that.
+    """
+    from flexmodal.model import load
+
+    return load(card_of(campaign) if given is None else given)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from flexmodal.cli.options import hertz, json_option, load_robot, posture_of, posture_option, robot_options
+from flexmodal.cli.options import RobotOptions, hertz, json_option, posture_of, posture_option, robot_options
 from flexmodal.cli.printing import print_json, print_table
 
 
@@ -22,11 +22,7 @@ from flexmodal.cli.printing import print_json, print_table
 )
 @json_option
 def measures(
-    robot: str,
-    stiffness: str | None,
-    damping: str | None,
-    tool: str | None,
-    fix: str | None,
+    robot: RobotOptions,
     posture: str,
     direction: str | None,
     frequency: float | None,
@@ -36,7 +32,7 @@ def measures(
     """Stiffness, mobility, static and dynamic receptance along one direction."""
     from flexmodal.frf import PointDirection
 
-    arm = load_robot(robot, stiffness, damping, tool, fix)
+    arm = robot.load()
     where = posture_of(arm, posture)
     found = arm.measures(where, direction=direction, frequency=frequency, task=task)
     dynamic = found.receptance

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from flexmodal.cli.options import json_option, load_robot, posture_of, posture_option, robot_options
+from flexmodal.cli.options import RobotOptions, json_option, posture_of, posture_option, robot_options
 from flexmodal.cli.printing import print_json, print_table
 
 
@@ -14,17 +14,13 @@ from flexmodal.cli.printing import print_json, print_table
 @json_option
 @click.option("--show", is_flag=True, help="Animate the mode shapes in the browser.")
 def modes(
-    robot: str,
-    stiffness: str | None,
-    damping: str | None,
-    tool: str | None,
-    fix: str | None,
+    robot: RobotOptions,
     posture: str,
     as_json: bool,
     show: bool,
 ) -> None:
     """Natural frequencies, damping ratios, poles and shapes at a posture."""
-    arm = load_robot(robot, stiffness, damping, tool, fix)
+    arm = robot.load()
     where = posture_of(arm, posture)
     found = arm.modes(where)
     if found.is_defective:

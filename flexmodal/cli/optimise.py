@@ -12,9 +12,9 @@ from flexmodal.cli.holds import hold_of, orientation_options
 from flexmodal.cli.objectives import judging_options, objective_of
 from flexmodal.cli.options import (
     SOURCE,
+    RobotOptions,
     force_option,
     json_option,
-    load_robot,
     posture_of,
     quiet_option,
     robot_options,
@@ -57,11 +57,7 @@ if TYPE_CHECKING:
 @json_option
 @click.option("--show", is_flag=True, help="Start and optimum in the browser.")
 def optimise(
-    robot: str,
-    stiffness: str | None,
-    damping: str | None,
-    tool: str | None,
-    fix: str | None,
+    robot: RobotOptions,
     hold: str | None,
     family: str | None,
     free: bool,
@@ -82,18 +78,19 @@ def optimise(
     """The posture that resists best, holding the end-effector, along a family, or free."""
     from flexmodal.optimisation import PostureProblem
     from flexmodal.optimisation import optimise as search
-    from flexmodal.optimisation.searches import is_compiled
+    from flexmodal.optimisation.search import BLOCK, DEFAULT_STARTS, choose_way
 
     _one_of(hold, family, free)
     pictures = pictures_of(
         plots, force=force, hold=hold is not None, start=start is not None, family=family is not None
     )
-    arm = load_robot(robot, stiffness, damping, tool, fix)
+    arm = robot.load()
     judge = objective_of(arm, seed=seed, **judging)
     problem = PostureProblem(arm, judge, hold_of(arm, hold, orientation, axis, tool_axis))
     chosen = None if family is None else arm.family(family, source=f"{SOURCE} --family")
     where = None if start is None else posture_of(arm, start, "--start")
-    total = 401 if chosen else starts or (256 if is_compiled(problem) else 64)
+    way = "plain" if chosen or method != "newton" else choose_way(problem, starts or DEFAULT_STARTS)
+    total = 401 if chosen else starts or (BLOCK if way == "compiled" else DEFAULT_STARTS)
     with noted_progress(total, "searching", quiet=quiet) as (advance, note):
         outcome = search(
             problem,
@@ -102,8 +99,10 @@ def optimise(
             starts=starts,
             seed=seed,
             method=method,
+            way=way,
             advance=advance,
             improved=lambda value: note(f"best {value:.4g} {judge.unit}"),
+            doing=note,
         )
     if as_json:
         print_json(_json(outcome))

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass, fields
+from functools import wraps
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -24,8 +26,38 @@ SMALLEST, LARGEST = 1e-100, 1e100
 Command = TypeVar("Command", bound=Callable[..., Any])
 
 
+@dataclass(frozen=True)
+class RobotOptions:
+    """ROBOT and what a bare URDF needs beside it, as they were given."""
+
+    robot: str
+    stiffness: str | None
+    damping: str | None
+    tool: str | None
+    fix: str | None
+
+    def load(self) -> Robot:
+        """The robot they describe."""
+        from flexmodal.model import load
+
+        return load(
+            self.robot,
+            stiffness=per_joint(self.stiffness, "--stiffness"),
+            damping=per_joint(self.damping, "--damping"),
+            tool=self.tool,
+            fixed=[name.strip() for name in self.fix.split(",")] if self.fix else (),
+        )
+
+
 def robot_options(command: Command) -> Command:
-    """ROBOT and what a bare URDF needs beside it."""
+    """ROBOT and what a bare URDF needs beside it, given to the command as one `RobotOptions`."""
+
+    @wraps(command)
+    def gathered(**given: Any) -> Any:
+        own = {field.name: given.pop(field.name) for field in fields(RobotOptions)}
+        return command(robot=RobotOptions(**own), **given)
+
+    wrapped: Any = gathered
     for decorate in (
         click.option(
             "--fix", metavar="JOINT,…", help="For a bare URDF: joints that stay at 0, as a gripper's."
@@ -39,8 +71,8 @@ def robot_options(command: Command) -> Command:
         ),
         click.argument("robot"),
     ):
-        command = decorate(command)
-    return command
+        wrapped = decorate(wrapped)
+    return wrapped
 
 
 json_option = click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
@@ -58,23 +90,13 @@ posture_option = click.option(
 )
 
 
-def load_robot(
-    robot: str, stiffness: str | None, damping: str | None, tool: str | None, fix: str | None
-) -> Robot:
-    """The robot that the options of `robot_options` describe."""
-    from flexmodal.model import load
-
-    return load(
-        robot,
-        stiffness=per_joint(stiffness, "--stiffness"),
-        damping=per_joint(damping, "--damping"),
-        tool=tool,
-        fixed=[name.strip() for name in fix.split(",")] if fix else (),
-    )
-
-
 def per_joint(text: str | None, option: str) -> float | dict[str, float] | None:
-    """Read "5e5" or "q1=5e5,q2=2e4"."""
+    """Read "5e5" or "q1=5e5,q2=2e4".
+
+    Args:
+        text: what was given, if anything.
+        option: whose value it is, for the error.
+    """
     if text is None:
         return None
     if "=" not in text:
@@ -94,7 +116,13 @@ def trust_of(texts: Sequence[str]) -> dict[str, float]:
 
 
 def number(text: str, key: str, what: str = "a number") -> float:
-    """A finite number whose square and cube are finite too, or InvalidRequest."""
+    """A finite number whose square and cube are finite too, or InvalidRequest.
+
+    Args:
+        text: what was given.
+        key: whose value it is, for the error.
+        what: what may stand there, for the error.
+    """
     try:
         value = float(text)
     except ValueError:
@@ -123,7 +151,13 @@ def _pairs(text: str, key: str) -> dict[str, str]:
 
 
 def posture_of(robot: Robot, text: str, option: str = "--posture") -> Posture:
-    """Read a posture's name or "q1=50deg,q2=-0.8"."""
+    """Read a posture's name or "q1=50deg,q2=-0.8".
+
+    Args:
+        robot: whose posture.
+        text: what was given.
+        option: whose value it is, for the error.
+    """
     if "=" not in text:
         return robot.posture(text, source=f"{SOURCE} {option}")
     values: dict[str, float] = {}
@@ -173,7 +207,14 @@ def band_of(text: str) -> tuple[float, float]:
 def refuse_existing(
     out: Path | None, force: bool, endings: tuple[str, ...], *, option: str = "--out"
 ) -> None:
-    """Complain about an output file before the work starts, not after."""
+    """Complain about an output file before the work starts, not after.
+
+    Args:
+        out: the file, if one was asked for.
+        force: whether it may be replaced.
+        endings: those allowed.
+        option: which option named it, for the error.
+    """
     from flexmodal.errors import OutputExists
 
     if out is None:

@@ -13,10 +13,10 @@ import click
 from flexmodal.cli.holds import at, orientation_options
 from flexmodal.cli.options import (
     SOURCE,
+    RobotOptions,
     force_option,
     hertz,
     json_option,
-    load_robot,
     number,
     per_joint,
     quiet_option,
@@ -64,11 +64,7 @@ _ENDINGS = (".csv", ".png", ".svg")
 @quiet_option
 @json_option
 def path(
-    robot: str,
-    stiffness: str | None,
-    damping: str | None,
-    tool: str | None,
-    fix: str | None,
+    robot: RobotOptions,
     toolpath: Path | None,
     line: str | None,
     arc: str | None,
@@ -95,7 +91,7 @@ def path(
     from flexmodal.optimisation.path import PathProblem
 
     refuse_existing(out, force, _ENDINGS)
-    arm = load_robot(robot, stiffness, damping, tool, fix)
+    arm = robot.load()
     problem = partial(
         PathProblem.along,
         arm,
@@ -232,7 +228,7 @@ def _summary(outcome: PathOutcome) -> dict[str, Any]:
         "sum": outcome.total,
         "worst": outcome.worst,
         "fastest": outcome.fastest,
-        "astray": outcome.astray,
+        "deviation": outcome.deviation,
     }
 
 
@@ -248,7 +244,7 @@ def _print(arm: Robot, found: dict[str, PathOutcome]) -> None:
         rows.append([f"{point.time:.3g}", f"{best.values[place]:.4g}", *angles])
     print_table(f"{arm.name}: a posture for each point", ["time [s]", f"[{unit}]", *arm.commanded], rows)
     rows = [
-        [name, f"{one.total:.4g}", f"{one.worst:.4g}", f"{100 * one.fastest:.1f} %", f"{one.astray:.2g}"]
+        [name, f"{one.total:.4g}", f"{one.worst:.4g}", f"{100 * one.fastest:.1f} %", f"{one.deviation:.2g}"]
         for name, one in found.items()
     ]
     print_table(
@@ -260,11 +256,11 @@ def _print(arm: Robot, found: dict[str, PathOutcome]) -> None:
 
 def _write(found: dict[str, PathOutcome], out: Path, overwrite: bool) -> None:
     from flexmodal.files import whole_file
-    from flexmodal.frf.plot import write_plot
     from flexmodal.optimisation.path.plot import draw_path
+    from flexmodal.report import write_figure
 
     if out.suffix.lower() != ".csv":
-        write_plot(draw_path(found), out, overwrite=overwrite)
+        write_figure(draw_path(found), out, overwrite=overwrite)
         return
     best = next(iter(found.values()))
     robot = best.problem.robot

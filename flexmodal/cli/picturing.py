@@ -63,7 +63,7 @@ def draw_pictures(
     outcome: Outcome, start: Posture | None, pictures: dict[str, Path], *, force: bool, quiet: bool
 ) -> None:
     """Draw and write them; one that cannot be drawn is said, and the others are drawn."""
-    from flexmodal.frf.plot import write_plot
+    from flexmodal.report import write_figure
 
     for kind, path in pictures.items():
         try:
@@ -71,12 +71,12 @@ def draw_pictures(
         except FlexmodalError as error:
             click.echo(f"flexmodal: no picture of the {kind}: {error}", err=True)
             continue
-        write_plot(figure, path, overwrite=force)
+        write_figure(figure, path, overwrite=force)
         click.echo(f"wrote {path}", err=True)
 
 
 def _draw(kind: str, outcome: Outcome, start: Posture | None, quiet: bool) -> Any:
-    from flexmodal.optimisation import plot, traces
+    from flexmodal.optimisation.pictures import plot, traces
 
     problem, best = outcome.problem, outcome.best.posture
     if kind == "receptance":
@@ -96,7 +96,7 @@ def _draw(kind: str, outcome: Outcome, start: Posture | None, quiet: bool) -> An
 def _workspace(outcome: Outcome, quiet: bool) -> Any:
     import numpy as np
 
-    from flexmodal.optimisation import workspace
+    from flexmodal.optimisation.pictures import workspace
 
     problem = outcome.problem
     axes = [np.linspace(low, high, _PLACES) for low, high in workspace.extent(problem)[:2]]

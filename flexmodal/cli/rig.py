@@ -12,9 +12,9 @@ import click
 
 from flexmodal.cli.options import (
     SOURCE,
+    RobotOptions,
     band_of,
     json_option,
-    load_robot,
     number,
     quiet_option,
     robot_options,
@@ -69,11 +69,7 @@ if TYPE_CHECKING:
 @quiet_option
 @json_option
 def rig(
-    robot: str,
-    stiffness: str | None,
-    damping: str | None,
-    tool: str | None,
-    fix: str | None,
+    robot: RobotOptions,
     out: Path,
     no_time: bool,
     as_text: bool,
@@ -93,7 +89,7 @@ def rig(
         refuse_existing(out)
     request = _read(gathering, **asked)
     with gathering.step():
-        arm = load_robot(robot, stiffness, damping, tool, fix)
+        arm = robot.load()
         with _as_options():
             if request.get("references", 2) is None:
                 alone = request["points"] == 1 and len(request["axes"] or default_axes(arm)) == 1

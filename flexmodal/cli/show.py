@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from flexmodal.cli.measured import campaign_at
+from flexmodal.cli.measured import campaign_at, card_of
 from flexmodal.cli.options import (
     SOURCE,
+    RobotOptions,
     force_option,
     hertz,
-    load_robot,
     posture_of,
     refuse_existing,
     robot_options,
@@ -40,11 +41,7 @@ if TYPE_CHECKING:
 @click.option("--port", type=click.IntRange(0, 65535), help="Port on 127.0.0.1; a free one if none.")
 @force_option
 def show(
-    robot: str,
-    stiffness: str | None,
-    damping: str | None,
-    tool: str | None,
-    fix: str | None,
+    robot: RobotOptions,
     posture: str | None,
     modes: bool,
     response: str | None,
@@ -64,14 +61,13 @@ def show(
     refuse_existing(out, force, (".html",))
     deliver: dict[str, Any] = {"out": out, "port": port, "overwrite": force}
     deliver["announce"] = lambda text: click.echo(text, err=True)
-    if campaign is not None or is_campaign(robot):
+    if campaign is not None or is_campaign(robot.robot):
         _refuse_beside(modes=modes, response=response, frequency=frequency)
-        measured = _campaign(Path(robot) if campaign is None else campaign, posture)
-        named = robot if campaign is not None else _robot_of(measured)
-        arm = load_robot(named, stiffness, damping, tool, fix)
+        measured = _campaign(Path(robot.robot) if campaign is None else campaign, posture)
+        arm = (robot if campaign is not None else replace(robot, robot=card_of(measured))).load()
         viewer("show_campaign")(arm, measured, shapes=_shapes(measured), **deliver)
         return
-    arm = load_robot(robot, stiffness, damping, tool, fix)
+    arm = robot.load()
     where = arm.posture(next(iter(arm.postures), {})) if posture is None else posture_of(arm, posture)
     viewer("show_robot")(arm, where, modes=modes, response=response, frequency=frequency, **deliver)
 
@@ -88,8 +84,6 @@ def _refuse_beside(**given: object) -> None:
 
 def _campaign(folder: Path, posture: str | None) -> Campaign:
     """The campaign, or one posture of it by name or number."""
-    from dataclasses import replace
-
     measured = campaign_at(folder)
     if posture is None:
         return measured
@@ -106,12 +100,6 @@ def _campaign(folder: Path, posture: str | None) -> Campaign:
         blows=tuple(blow for blow in measured.blows if blow.posture in ids),
         modes=None,
     )
-
-
-def _robot_of(measured: Campaign) -> str:
-    """The card that a campaign names: beside it, or by name."""
-    beside = None if measured.path is None else measured.path / measured.robot
-    return str(beside) if beside is not None and beside.exists() else measured.robot
 
 
 def _shapes(measured: Campaign) -> tuple[FittedShapes, ...]:

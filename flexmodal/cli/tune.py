@@ -6,7 +6,14 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from flexmodal.cli.options import band_of, json_option, load_robot, posture_of, posture_option, robot_options
+from flexmodal.cli.options import (
+    RobotOptions,
+    band_of,
+    json_option,
+    posture_of,
+    posture_option,
+    robot_options,
+)
 from flexmodal.cli.printing import print_json, print_table
 
 if TYPE_CHECKING:
@@ -21,11 +28,7 @@ if TYPE_CHECKING:
 @click.option("--reference", metavar="POINT:AXIS", help="Of the force; as --response if none.")
 @json_option
 def tune(
-    robot: str,
-    stiffness: str | None,
-    damping: str | None,
-    tool: str | None,
-    fix: str | None,
+    robot: RobotOptions,
     posture: str,
     band: str,
     response: str | None,
@@ -36,7 +39,7 @@ def tune(
     from flexmodal.optimisation import tune as search
 
     limits = band_of(band)
-    arm = load_robot(robot, stiffness, damping, tool, fix)
+    arm = robot.load()
     where = posture_of(arm, posture)
     found = search(arm.at(where), limits, response=response, reference=reference)
     if as_json:

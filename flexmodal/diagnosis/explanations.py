@@ -9,13 +9,13 @@ from jaxtyping import Float
 
 from flexmodal.diagnosis.coarse import Candidate, Look, look_at
 from flexmodal.diagnosis.effects import Effect
-from flexmodal.diagnosis.figures import over_noise
+from flexmodal.diagnosis.frf_comparison import FittedFrfs
+from flexmodal.diagnosis.gaps import over_noise
 from flexmodal.diagnosis.lines import worst_lines
 from flexmodal.diagnosis.looking import looked_at
 from flexmodal.diagnosis.march.model import has_law
-from flexmodal.diagnosis.preparation import Bench
 from flexmodal.diagnosis.search import candidates, narrowed, restarted, simpler
-from flexmodal.diagnosis.weigh import Weighable
+from flexmodal.diagnosis.setup import Setup
 
 FINALISTS = 4
 """Candidates that are fitted closely and weighed."""
@@ -26,18 +26,18 @@ AGAIN = 2
 
 
 def explanations(
-    bench: Bench,
-    before: Weighable,
+    setup: Setup,
+    before: FittedFrfs,
     set_out: Sequence[Float[np.ndarray, " before"]],
     *,
     loud: bool,
     enough: float,
     advance: Callable[[float], None],
-) -> list[Weighable]:
+) -> list[FittedFrfs]:
     """Candidates for the next step, fitted closely and looked at, the best first.
 
     Args:
-        bench: what the diagnosis works with.
+        setup: what the diagnosis works with.
         before: the model that something is added to.
         set_out: its parameters, from which the search sets out.
         loud: whether effects that depend on the force of the blow are among them.
@@ -45,27 +45,27 @@ def explanations(
         advance: called with the part that is done.
     """
     advance(0.0)
-    seen = look_at(bench.fitted, worst_lines(bench.fitted, before.predicted[~bench.held]))
+    seen = look_at(setup.fitted, worst_lines(setup.fitted, before.predicted[~setup.held]))
     finalists: list[Candidate] = []
-    for some, most in _kinds(bench.effects, loud=loud):
+    for some, most in _kinds(setup.effects, loud=loud):
         found = candidates(before.hypothesis, set_out, some, seen)
         finalists += narrowed(found, seen, lambda part: advance(0.6 * part))[:most]
     looked = []
     for number, one in enumerate(finalists, start=1):
-        looked.append(_close(bench, one))
+        looked.append(_close(setup, one))
         advance(0.6 + 0.3 * number / len(finalists))
     looked.sort(key=lambda one: one.cost)
-    if looked and over_noise(bench, looked[0]) > enough:
-        looked = [_elsewhere(bench, seen, one, set_out) if k < AGAIN else one for k, one in enumerate(looked)]
+    if looked and over_noise(setup, looked[0]) > enough:
+        looked = [_elsewhere(setup, seen, one, set_out) if k < AGAIN else one for k, one in enumerate(looked)]
         looked.sort(key=lambda one: one.cost)
     if looked:
-        found = simpler(looked[0].hypothesis, looked[0].fitted.x, bench.effects, seen)
-        looked = _best_of_each([*looked, *(_close(bench, one) for one in found)])
+        found = simpler(looked[0].hypothesis, looked[0].fitted.x, setup.effects, seen)
+        looked = _best_of_each([*looked, *(_close(setup, one) for one in found)])
     return looked
 
 
-def _best_of_each(looked: Sequence[Weighable]) -> list[Weighable]:
-    best: dict[tuple[str, str], Weighable] = {}
+def _best_of_each(looked: Sequence[FittedFrfs]) -> list[FittedFrfs]:
+    best: dict[tuple[str, str], FittedFrfs] = {}
     for one in sorted(looked, key=lambda one: one.cost):
         best.setdefault(one.key, one)
     return list(best.values())
@@ -78,15 +78,15 @@ def _kinds(effects: Sequence[Effect], *, loud: bool) -> list[tuple[list[Effect],
     return [(others, FINALISTS), (by_force if loud else [], MARCHED)]
 
 
-def _close(bench: Bench, one: Candidate) -> Weighable:
-    return looked_at(bench, one.hypothesis, one.x, near=True)
+def _close(setup: Setup, one: Candidate) -> FittedFrfs:
+    return looked_at(setup, one.hypothesis, one.x, near=True)
 
 
 def _elsewhere(
-    bench: Bench, seen: Look, one: Weighable, set_out: Sequence[Float[np.ndarray, " before"]]
-) -> Weighable:
+    setup: Setup, seen: Look, one: FittedFrfs, set_out: Sequence[Float[np.ndarray, " before"]]
+) -> FittedFrfs:
     """The same explanation from all the starts of its effect, if one of them leads further down."""
     if has_law(one.hypothesis):
         return one
-    other = _close(bench, restarted(one.hypothesis, one.fitted.x, set_out, seen))
+    other = _close(setup, restarted(one.hypothesis, one.fitted.x, set_out, seen))
     return other if other.cost < one.cost else one

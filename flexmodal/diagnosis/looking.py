@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 from jaxtyping import Float
 
+from flexmodal.diagnosis.frf_comparison import FittedFrfs, fitted_model
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.lines import CLOSE, some_lines
 from flexmodal.diagnosis.march.model import has_law
-from flexmodal.diagnosis.preparation import Bench
 from flexmodal.diagnosis.refine import refined
-from flexmodal.diagnosis.weigh import Weighable, weighable
+from flexmodal.diagnosis.setup import Setup
 from flexmodal.identification import Observations, fit, predict
 
 FAR, NEAR = (0.2, 0.05, 0.01), (0.05, 0.01)
@@ -20,26 +20,26 @@ STEPS = 25
 
 
 def looked_at(
-    bench: Bench,
+    setup: Setup,
     hypothesis: Hypothesis,
     start: Float[np.ndarray, " parameter"],
     *,
     near: bool = False,
     fitted_to: Observations | None = None,
-) -> Weighable:
+) -> FittedFrfs:
     """Fit a hypothesis closely; torques that are not linear are marched in time.
 
     Args:
-        bench: what the diagnosis works with.
+        setup: what the diagnosis works with.
         hypothesis: what is fitted.
         start: where the fit sets out.
         near: whether that is near its end.
         fitted_to: by default the observations that are not held out.
     """
-    few, every = bench.fitted if fitted_to is None else fitted_to, bench.observations
+    few, every = setup.fitted if fitted_to is None else fitted_to, setup.observations
     if has_law(hypothesis):
         close = refined(hypothesis, start, few)
-        return weighable(hypothesis, close.fitted, every, predict(close.model, close.x, every))
+        return fitted_model(hypothesis, close.fitted, every, predict(close.model, close.x, every))
     lines = some_lines(few, CLOSE)
     fitted = fit(hypothesis, few, start, floors=NEAR if near else FAR, lines=lines, steps=STEPS)
-    return weighable(hypothesis, fitted, every)
+    return fitted_model(hypothesis, fitted, every)

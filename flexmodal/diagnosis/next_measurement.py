@@ -3,27 +3,41 @@
 Over the robot's own postures and random ones within the limits, every response and hammer point of the
 campaign and every level of force, the two fitted models' receptances are compared: root mean square of
 |ln(α₁/α₂)| over the noise of the campaign, which is taken to be as it was.
+
+Where modes alone were measured, the difference of the two predictions is weighed by all that could hide it:
+the noise of the FRF and what is unsure of both models' parameters, to first order,
+
+    d² = Δᵀ (J₁C₁J₁ᵀ + J₂C₂J₂ᵀ + σ²)⁻¹ Δ,    Δ = ln(α₁/α₂),
+
+over real and imaginary parts of all lines. A point that hardly moves has a noisier FRF: σ² grows with the
+square of what points move typically over what it moves.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float
 
-from flexmodal.campaign import CampaignPosture
+from flexmodal.campaign import Campaign, CampaignPosture
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.hypothesis import Hypothesis
-from flexmodal.diagnosis.outcome import NONE, NextMeasurement
+from flexmodal.diagnosis.names import NONE
+from flexmodal.diagnosis.outcome import NextMeasurement
 from flexmodal.identification import Observations, predict
 from flexmodal.identification.frf_fit import residual
 from flexmodal.identification.gap import Gap, gap
+from flexmodal.structure.structure import Axis, receptance
 
 RANDOM = 24
 """Random postures that are tried beside the card's."""
 LINES = 80
+NOISE = 0.05
+"""Relative noise of a line of the FRF at a point that moves as points typically do; with modes alone."""
+FEW_LINES = 64
+"""Of such an FRF."""
 _WIDEST = np.radians(150)
 
 
@@ -62,6 +76,73 @@ def next_measurement(
         expected=float(Gap(float(apart[best]), floor).over_floor),
         force_peak=planned.peak(int(planned.level[best])),
     )
+
+
+@dataclass(frozen=True, eq=False)
+class Sure:
+    """A fitted hypothesis and how sure its parameters are."""
+
+    hypothesis: Hypothesis
+    x: Float[np.ndarray, " parameter"]
+    covariance: Float[np.ndarray, "parameter parameter"]
+
+
+def next_frf(campaign: Campaign, direction: int, one: Sure, other: Sure, seed: int = 0) -> NextMeasurement:
+    """Look through the card's and random postures, every point as sensor and every point as hammer point.
+
+    Args:
+        campaign: of modes, whose points there are.
+        direction: of sensor and hammer, 1, 2 or 3.
+        one: a fitted hypothesis.
+        other: the one it is tied with.
+        seed: of the random postures.
+    """
+    context = one.hypothesis.context
+    places = [(point.id, direction) for point in context.points]
+    pairs = np.array([(u, v) for v in range(len(places)) for u in range(len(places))])
+    axis = Axis(np.linspace(*context.band, FEW_LINES), context.middle)
+    best = (-np.inf, {}, 0)  # type: tuple[float, Mapping[str, float], int]
+    for number, q in enumerate(postures_to_try(context, seed), start=1):
+        there = replace(context, postures=(CampaignPosture(number, f"planned_{number}", q),))
+        values = []
+        for fit in (one, other):
+            moved = Hypothesis(there, fit.hypothesis.base, fit.hypothesis.placed)
+            (structure,) = moved.structures(fit.x, places, places, slopes=True)
+            value, slopes = receptance(structure, axis, pairs, moved.space.names)
+            values.append((value, slopes / np.where(value == 0, 1e-300, value), fit.covariance))
+        apart = _worth(values)
+        row = int(np.argmax(apart))
+        best = max(best, (float(apart[row]), q, row), key=lambda found: found[0])
+    expected, q, row = best
+    response, reference = (places[k] for k in pairs[row].tolist())
+    peaks = [trial.force_peak for trial in campaign.trials]
+    return NextMeasurement(
+        posture=dict(q),
+        response=response,
+        reference=reference,
+        separates=(_label(one.hypothesis), _label(other.hypothesis)),
+        expected=expected,
+        force_peak=float(np.mean(peaks)) if peaks else 0.0,
+    )
+
+
+def _worth(values: list[tuple[np.ndarray, np.ndarray, np.ndarray]]) -> np.ndarray:
+    """D of every response and hammer point, a line: how many times what could hide it."""
+    away = residual(values[0][0], values[1][0])
+    size = np.minimum(*(np.abs(value) for value, _, _ in values))
+    typical = np.median(size, axis=0)
+    found = np.zeros(len(away))
+    for row in range(len(away)):
+        if not np.isfinite(away[row]).all() or size[row].min() == 0:
+            continue  # a point that stands still
+        delta = np.concatenate([away[row].real, away[row].imag])
+        noise = NOISE**2 / 2 * (1 + (typical / size[row]) ** 2)
+        spread = np.diag(np.concatenate([noise, noise]))
+        for _, slopes, covariance in values:
+            j = np.concatenate([slopes[:, row].real, slopes[:, row].imag], axis=1)
+            spread += j.T @ covariance @ j
+        found[row] = np.sqrt(float(delta @ np.linalg.solve(spread, delta)) / len(delta))
+    return found
 
 
 def _label(hypothesis: Hypothesis) -> str:

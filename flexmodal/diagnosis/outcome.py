@@ -4,21 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 import numpy as np
 from jaxtyping import Complex, Float
 
 from flexmodal.diagnosis.hypothesis import Hypothesis
+from flexmodal.diagnosis.modes.findings import Findings
 from flexmodal.identification import Observations
-
-if TYPE_CHECKING:
-    from flexmodal.diagnosis.modes.findings import Findings
-
-UNKNOWN = "unknown"
-"""Name of an effect that the catalogue does not have."""
-NONE, UNSTRUCTURED = "none", "unstructured_mode"
-"""Names of the explanations that add no effect: the robot re-tuned, and one more mode with no structure."""
 
 
 @dataclass(frozen=True)
@@ -58,7 +50,7 @@ class Weighed:
     """One explanation on the scales."""
 
     effect: str
-    """Name of the effect, or `NONE` or `UNSTRUCTURED`."""
+    """Name of the effect, or `NONE` or `UNSTRUCTURED` (`names`)."""
     where: str
     gap: float
     held_out_gap: float | None
@@ -138,8 +130,9 @@ class Diagnosis:
     """Coordinates of its parameters."""
     deviation: Float[np.ndarray, " parameter"] = field(repr=False)
     """Their standard errors."""
-    observations: Observations = field(repr=False)
-    predicted: Mapping[str, Complex[np.ndarray, "observation line"]] = field(repr=False)
+    frfs: Observations | None = field(repr=False, default=None)
+    """None where modes alone were measured."""
+    predicted: Mapping[str, Complex[np.ndarray, "observation line"]] = field(repr=False, default_factory=dict)
     """Receptances by stage: "believed", "before", "after"."""
     refused: tuple[Weighed, ...] = ()
     """What was weighed last and not found worth adding, the best first; `NONE` among them."""
@@ -147,3 +140,14 @@ class Diagnosis:
     """Versions, hashes of the inputs, seed, settings, seconds."""
     modal: Findings | None = None
     """What a diagnosis from modes alone knows besides; None of one from FRFs."""
+
+    @property
+    def observations(self) -> Observations:
+        """The FRFs.
+
+        Raises:
+            ValueError: modes alone were measured.
+        """
+        if self.frfs is None:
+            raise ValueError("a diagnosis from modes alone has no FRFs")
+        return self.frfs

@@ -18,9 +18,9 @@ import numpy as np
 from jaxtyping import Complex, Float, Int
 from scipy.optimize import minimize
 
-from flexmodal.diagnosis.outcome import UNSTRUCTURED
-from flexmodal.diagnosis.preparation import Bench
-from flexmodal.diagnosis.weigh import Weighable, cluster_costs
+from flexmodal.diagnosis.frf_comparison import FittedFrfs, cluster_costs
+from flexmodal.diagnosis.names import UNSTRUCTURED
+from flexmodal.diagnosis.setup import Setup
 from flexmodal.identification import Observations
 from flexmodal.identification.frf_fit import Weighing
 
@@ -43,17 +43,17 @@ class _Mode:
     """½ ln of what its parameters are known better after the fit than before."""
 
 
-def unstructured_mode(bench: Bench, before: Weighable) -> Weighable:
+def unstructured_mode(setup: Setup, before: FittedFrfs) -> FittedFrfs:
     """One more mode in each posture, on top of a model.
 
     Args:
-        bench: what the diagnosis works with; the postures held out get the mean of the modes of the others.
+        setup: what the diagnosis works with; the postures held out get the mean of the modes of the others.
         before: the model.
     """
-    observations = bench.observations
+    observations = setup.observations
     modes = {
         k: _fitted(observations, before, np.flatnonzero(observations.posture == k))
-        for k in np.unique(observations.posture[~bench.held]).tolist()
+        for k in np.unique(observations.posture[~setup.held]).tolist()
     }
     predicted = before.predicted.copy()
     for k in np.unique(observations.posture).tolist():
@@ -80,7 +80,7 @@ def _resonance(omega: Float[np.ndarray, " line"], x: Float[np.ndarray, " 2"]) ->
     return 1 / (at**2 - omega**2 + 2j * ratio * at * omega)
 
 
-def _fitted(observations: Observations, before: Weighable, rows: Int[np.ndarray, " row"]) -> _Mode:
+def _fitted(observations: Observations, before: FittedFrfs, rows: Int[np.ndarray, " row"]) -> _Mode:
     """The mode of a posture that takes most of the sum of squares away."""
     omega = 2 * np.pi * observations.axis.frequency
     every = Weighing(before.fitted.weighing.floor, np.arange(len(omega)))

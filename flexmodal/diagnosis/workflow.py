@@ -10,17 +10,19 @@ from threadpoolctl import threadpool_limits
 
 from flexmodal.campaign import Campaign
 from flexmodal.diagnosis.compare import disagreement
-from flexmodal.diagnosis.course import FLOOR_REACHED, Course
-from flexmodal.diagnosis.figures import gaps_of, left, over_noise
+from flexmodal.diagnosis.frf_comparison import FittedFrfs
+from flexmodal.diagnosis.frf_selection import FLOOR_REACHED, FrfSelection
+from flexmodal.diagnosis.gaps import gaps_of, left, over_noise
 from flexmodal.diagnosis.looking import looked_at
+from flexmodal.diagnosis.modes.beside_frfs import ModesBeside
 from flexmodal.diagnosis.modes.workflow import diagnose_modes, is_modal
 from flexmodal.diagnosis.next_measurement import next_measurement
 from flexmodal.diagnosis.outcome import Diagnosis, NextMeasurement
-from flexmodal.diagnosis.preparation import Advance, prepare
 from flexmodal.diagnosis.provenance import provenance
+from flexmodal.diagnosis.setup import Advance, prepare
 from flexmodal.diagnosis.verdict import verdict
-from flexmodal.diagnosis.weigh import Weighable
 from flexmodal.identification import gap, uncertainty
+from flexmodal.identification.evidence.mode_sources import modes_of_table
 from flexmodal.model import Robot
 
 EXPLAINED = 2.0
@@ -42,7 +44,7 @@ def diagnose(
     """Find what is missing between a robot and a campaign of hammer tests on it.
 
     Args:
-        campaign: with FRFs, or blows to estimate them from; with modes alone they are diagnosed (`modes`).
+        campaign: with FRFs, blows to estimate them from, modes, or FRFs and modes, which both count then.
         robot: as it is believed to be.
         hold_out: postures (ids or names) that no weighed fit sees. By default one in four, at least one,
             those on which the re-tuned robot is neither best nor worst; with fewer than three postures none.
@@ -59,64 +61,68 @@ def diagnose(
             campaign, robot, hold_out=hold_out, effects=effects, trust=trust, seed=seed, advance=advance
         )
     with threadpool_limits(1):  # matrices this small only wait for the threads of a BLAS
-        course = Course(prepare(campaign, robot, hold_out, effects, trust, seed, advance))
-        course.run()
-        return _conclude(course)
+        setup = prepare(campaign, robot, hold_out, effects, trust, seed, advance)
+        modes = None if campaign.modes is None else ModesBeside(modes_of_table(campaign), setup.fitted)
+        selection = FrfSelection(setup, modes)
+        selection.run()
+        return _diagnosis_of(selection)
 
 
-def _conclude(course: Course) -> Diagnosis:
-    bench = course.bench
-    bench.advance("fitting everything once more", 0.0)
-    held_pair = gaps_of(bench, course.before, course.current)
-    final = course.current
-    if bench.held.any():
-        every = bench.observations
-        final = looked_at(bench, final.hypothesis, final.fitted.x, fitted_to=every)
-        before = looked_at(bench, course.root, course.before.fitted.x, fitted_to=every)
+def _diagnosis_of(selection: FrfSelection) -> Diagnosis:
+    setup = selection.setup
+    setup.advance("fitting everything once more", 0.0)
+    held_pair = gaps_of(setup, selection.root, selection.current)
+    final = selection.current
+    if setup.held.any():
+        every = setup.observations
+        final = looked_at(setup, final.hypothesis, final.x, fitted_to=every)
+        before = looked_at(setup, selection.root.hypothesis, selection.root.x, fitted_to=every)
     else:
-        before = course.before
-    over = over_noise(bench, final)
-    explained = over <= FLOOR_REACHED or (over <= EXPLAINED and left(bench, course.before, final) <= LEFT)
-    if course.force_matters and not final.hypothesis.by_force:
+        before = selection.root
+    over = over_noise(setup, final)
+    explained = over <= FLOOR_REACHED or (over <= EXPLAINED and left(setup, selection.root, final) <= LEFT)
+    if selection.force_matters and not final.hypothesis.by_force:
         explained = False  # nothing linear changes with the force
-    everything = gap(bench.observations, course.believed)
+    lacking = selection.lacking(selection.current)
+    explained = explained and not lacking
+    everything = gap(setup.observations, selection.believed)
     gaps = replace(
-        gaps_of(bench, before, final, everything.value),
+        gaps_of(setup, before, final, everything.value),
         held_out_before=held_pair.held_out_before,
         held_out_after=held_pair.held_out_after,
     )
-    says = verdict(bench, course.steps, final, gaps, over, explained=explained)
-    sure = uncertainty(final.hypothesis.space, final.fitted.normal, bench.observations)
-    bench.advance("what to measure next", 0.5)
+    says = verdict(setup, selection.steps, final, gaps, over, explained=explained, lacking=lacking)
+    sure = uncertainty(final.hypothesis.space, final.fitted.normal, setup.observations)
+    setup.advance("what to measure next", 0.5)
     return Diagnosis(
-        campaign=bench.observations.campaign.title,
-        robot=bench.scene.robot.name,
+        campaign=setup.observations.campaign.title,
+        robot=setup.context.robot.name,
         gaps=gaps,
-        disagreement=disagreement(bench.observations, before.predicted),
-        remaining=disagreement(bench.observations, final.predicted),
-        steps=tuple(course.steps) if explained else (),
+        disagreement=disagreement(setup.observations, before.predicted),
+        remaining=disagreement(setup.observations, final.predicted),
+        steps=tuple(selection.steps) if explained else (),
         verdict=says,
-        next_measurement=_next(course, final),
-        untestable=bench.untestable,
-        left_out=bench.observations.silent,
+        next_measurement=_next(selection, final),
+        untestable=setup.untestable,
+        left_out=setup.observations.silent,
         held_out=tuple(
-            bench.observations.postures[int(k)].id for k in np.unique(bench.observations.posture[bench.held])
+            setup.observations.postures[int(k)].id for k in np.unique(setup.observations.posture[setup.held])
         ),
         model=final.hypothesis,
-        x=final.fitted.x,
+        x=final.x,
         deviation=sure.deviation,
-        observations=bench.observations,
-        predicted={"believed": course.believed, "before": before.predicted, "after": final.predicted},
-        refused=tuple(course.refused),
-        provenance=provenance(bench.observations.campaign, bench.scene.robot, bench.seed),
+        frfs=setup.observations,
+        predicted={"believed": selection.believed, "before": before.predicted, "after": final.predicted},
+        refused=tuple(selection.refused),
+        provenance=provenance(setup.observations.campaign, setup.context.robot, setup.seed),
     )
 
 
-def _next(course: Course, final: Weighable) -> NextMeasurement | None:
-    if course.runner_up is None:
+def _next(selection: FrfSelection, final: FittedFrfs) -> NextMeasurement | None:
+    if selection.runner_up is None:
         return None
     return next_measurement(
-        course.bench.observations,
-        (final.hypothesis, final.fitted.x),
-        (course.runner_up.hypothesis, course.runner_up.fitted.x),
+        selection.setup.observations,
+        (final.hypothesis, final.x),
+        (selection.runner_up.hypothesis, selection.runner_up.x),
     )

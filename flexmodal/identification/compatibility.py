@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from flexmodal.campaign import Campaign
 from flexmodal.errors import Fault, InvalidPosture, InvalidRequest
 from flexmodal.model import Robot
@@ -62,3 +64,27 @@ def _is_used(campaign: Campaign, point: int) -> bool:
     if campaign.modes is not None:
         places += [*campaign.modes.response.tolist(), *campaign.modes.reference.tolist()]
     return point in places
+
+
+def placed_on(campaign: Campaign, robot: Robot) -> tuple[Campaign, tuple[str, ...]]:
+    """The campaign with points on links that the robot lacks put where its card has a point of that name.
+
+    A campaign names links of one card; a card with fewer links, the same arm without a pseudo-joint, say,
+    keeps its points under the same names elsewhere.
+
+    Returns:
+        The campaign, and a sentence for each point that was moved.
+    """
+    points, said = [], []
+    for point in campaign.points:
+        known = robot.points.get(point.name)
+        if point.link in robot.urdf.link_by_name or known is None:
+            points.append(point)
+            continue
+        x, y, z = (float(value) for value in known.xyz)
+        points.append(replace(point, link=known.link, xyz=(x, y, z)))
+        said.append(
+            f"{point.name} sits on {point.link!r}, which {robot.name} does not have; "
+            f"its card has a point of that name on {known.link!r}, which was taken"
+        )
+    return (replace(campaign, points=tuple(points)) if said else campaign), tuple(said)

@@ -17,8 +17,8 @@ from jaxtyping import Float
 from flexmodal.campaign import Campaign
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.identification.evidence.evidence import refuse
-from flexmodal.identification.evidence.measured_modes import modes_of_table
 from flexmodal.identification.evidence.modal import ModalEvidence
+from flexmodal.identification.evidence.mode_sources import modes_of_table
 from flexmodal.identification.optima import search
 from flexmodal.identification.outcome import TOUCHING
 from flexmodal.model import Robot

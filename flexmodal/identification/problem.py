@@ -15,9 +15,9 @@ from flexmodal.identification.compatibility import check_compatible
 from flexmodal.identification.evidence.both import Both
 from flexmodal.identification.evidence.evidence import Evidence
 from flexmodal.identification.evidence.frf import FrfEvidence
-from flexmodal.identification.evidence.measured_modes import modes_of_frfs, modes_of_table
 from flexmodal.identification.evidence.modal import MODEL_ERROR, ModalEvidence
 from flexmodal.identification.evidence.modal_residuals import USES
+from flexmodal.identification.evidence.mode_sources import modes_of_frfs, modes_of_table
 from flexmodal.identification.identifiability import Identifiability
 from flexmodal.identification.model import RobotModel
 from flexmodal.identification.observations import observe
@@ -58,7 +58,7 @@ class IdentificationProblem:
 
     @cached_property
     def identifiability(self) -> Identifiability:
-        """What these data can tell, reckoned at the card."""
+        """What these data can tell, computed at the card."""
         return Identifiability(self.space, self.evidence.information(), self.what)
 
 

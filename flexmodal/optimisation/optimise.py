@@ -5,24 +5,24 @@ from __future__ import annotations
 from flexmodal.cards import FamilyCard
 from flexmodal.errors import Fault, InvalidRequest, SingularResponse
 from flexmodal.model import Pose, Posture
-from flexmodal.optimisation.descent import Descent
-from flexmodal.optimisation.family import search_family
-from flexmodal.optimisation.null_space import null_space_descent
 from flexmodal.optimisation.outcome import Optimum, Outcome
 from flexmodal.optimisation.problem import PostureProblem
-from flexmodal.optimisation.searches import (
+from flexmodal.optimisation.search import (
+    WAYS,
     Advance,
-    Found,
+    Basins,
+    Descent,
+    Doing,
+    Ends,
     Improved,
-    all_at_once,
-    gathered,
-    is_compiled,
-    one_by_one,
+    is_compilable,
+    null_space_descent,
+    search,
+    search_family,
+    tell_apart,
 )
 
-METHODS, WAYS = ("newton", "null-space"), ("auto", "compiled", "plain")
-_MANY = 16
-"""Starts from which the compiled search pays, whose start-up takes as long as a dozen descents in Python."""
+METHODS = ("newton", "null-space")
 
 
 def optimise(
@@ -36,6 +36,7 @@ def optimise(
     way: str = "auto",
     advance: Advance = lambda: None,
     improved: Improved = lambda value: None,
+    doing: Doing = lambda text: None,
 ) -> Outcome:
     """Search for the best posture.
 
@@ -44,15 +45,18 @@ def optimise(
         family: search only along this family; excludes a hold.
         start: a posture to compare with and to start from as well.
         starts: how many starts in all, the given one included; the rest are random. If none, 64; where the
-            compiled search applies, 256 at a time until five ended in the best, 4096 at most.
-        seed: of the random starts; the same seed gives the same answer.
+            descents run compiled, 256 at a time until five ended in the best, 4096 at most.
+        seed: of the random starts; the same seed gives the same answer, but for rounding where one search is
+            compiled and the other is not.
         method: "newton" (feasible quasi-Newton, many starts) or "null-space" (the thesis's descent, from
             the given start only).
-        way: "compiled" searches from all starts at once (a serial chain judged by receptance, stiffness or
-            mobility, with numba installed), "plain" one by one in Python; "auto" takes the former where it
-            applies and pays, from 16 starts. They find the same optima but for rounding on the way.
+        way: "compiled" (a serial chain judged by receptance, stiffness or mobility, with numba installed),
+            "plain" (one by one in Python) or "auto": compiled where that applies and the code is on disk, or
+            where the searches of this process would have paid for its compilation. The descents are the same
+            but for rounding.
         advance: called once a start, for a progress bar.
         improved: called with the objective of the best so far, whenever it is better than before.
+        doing: told of a compilation, which takes half a minute.
 
     Returns:
         All distinct optima found, best first. Interrupted by Ctrl-C, what was found until then.
@@ -69,14 +73,13 @@ def optimise(
     given = None if posture is None else problem.vector(posture)
     if family is not None:
         found = [Descent(values, cost, True, 0) for cost, values in search_family(problem, family, advance)]
-        return _outcome(problem, gathered(problem, found, len(found)), before, "family")
+        return _outcome(problem, tell_apart(problem, Ends.of(found)), before, "family")
     if method == "null-space":
         assert given is not None
-        return _outcome(problem, gathered(problem, [null_space_descent(problem, given)], 1), before, method)
-    pays = starts is None or starts >= _MANY
-    compiled = way == "compiled" or (way == "auto" and pays and is_compiled(problem))
-    search = all_at_once if compiled else one_by_one
-    return _outcome(problem, search(problem, given, starts, seed, advance, improved), before, method)
+        alone = tell_apart(problem, Ends.of([null_space_descent(problem, given)]))
+        return _outcome(problem, alone, before, method)
+    basins = search(problem, given, starts, seed, way, advance=advance, improved=improved, doing=doing)
+    return _outcome(problem, basins, before, method)
 
 
 def _value(problem: PostureProblem, posture: Posture) -> float:
@@ -102,7 +105,7 @@ def _check(
         faults.append(Fault("call", "method", repr(method), " or ".join(METHODS)))
     if way not in WAYS:
         faults.append(Fault("call", "way", repr(way), ", ".join(WAYS)))
-    if way == "compiled" and not is_compiled(problem):
+    if way == "compiled" and not is_compilable(problem):
         allowed = "a serial chain judged by receptance, stiffness or mobility, and numba installed"
         faults.append(Fault("call", "way", "compiled, which does not apply here", allowed))
     if method == "null-space" and start is None:
@@ -115,10 +118,11 @@ def _check(
         raise InvalidRequest(faults)
 
 
-def _outcome(problem: PostureProblem, found: Found, before: float | None, method: str) -> Outcome:
+def _outcome(problem: PostureProblem, found: Basins, before: float | None, method: str) -> Outcome:
     optima = tuple(
-        Optimum(problem.posture(values), problem.objective.value(problem.posed(values)), hits)
-        for _, values, hits in found.optima
+        Optimum(problem.posture(values), problem.objective.value(problem.posed(values)), int(hits))
+        for values, hits in zip(found.values, found.hits, strict=True)
     )
-    counts = (found.reached, found.unbounded, method, found.tried)
-    return Outcome(problem, optima, before, found.converged, *counts, found.interrupted)
+    ends = found.ends
+    counts = (ends.reached, ends.unbounded, method, len(ends.cost))
+    return Outcome(problem, optima, before, found.settled, *counts, ends.interrupted)

@@ -7,11 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexmodal.model import Posture
-from flexmodal.optimisation.objective import Limit
+from flexmodal.optimisation.objectives import Limit
 from flexmodal.optimisation.problem import PostureProblem
-
-_SAME = 1e-3
-"""Two optima whose joints all agree within this are one [rad, m]."""
 
 
 @dataclass(frozen=True)
@@ -90,21 +87,3 @@ class Outcome:
         cost = float(np.log(max(optimum.objective, np.finfo(float).tiny)))
         cost = -cost if judge.larger_is_better else cost
         return judge.limit(cost, self.problem.robot) is Limit.PERFECT
-
-
-def distinct(
-    problem: PostureProblem, found: list[tuple[float, np.ndarray]]
-) -> list[tuple[float, np.ndarray, int]]:
-    """Merge results that are the same posture, whole turns apart or not; best (lowest cost) first."""
-    turning = np.array([not joint.is_prismatic for joint in problem.robot.commanded.values()])
-    groups: list[tuple[float, np.ndarray, int]] = []
-    for cost, values in sorted(found, key=lambda item: item[0]):
-        for place, (best, centre, hits) in enumerate(groups):
-            gap = values - centre
-            gap = np.where(turning, (gap + np.pi) % (2 * np.pi) - np.pi, gap)
-            if np.max(np.abs(gap)) <= _SAME:
-                groups[place] = (best, centre, hits + 1)
-                break
-        else:
-            groups.append((cost, values, 1))
-    return groups

@@ -6,13 +6,14 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
 from flexmodal.cards import FrozenDict
+from flexmodal.errors import FlexmodalError
 from flexmodal.model import PosedRobot, Posture, Robot
-from flexmodal.optimisation.function import FunctionObjective
-from flexmodal.optimisation.hold import TOLERANCE, Hold
-from flexmodal.optimisation.objective import Objective
+from flexmodal.optimisation.descent import PERFECT, UNBOUNDED, UNSETTLED, Box, retract, work_for
+from flexmodal.optimisation.hold import Hold
+from flexmodal.optimisation.objectives import FunctionObjective, Limit, Objective
 
 _TURN = np.pi
 """Continuous joints, and limits wider than a turn, are sampled over one turn [rad]."""
@@ -56,6 +57,21 @@ class PostureProblem:
             return self.limits[1]
         return np.array([joint.upper for joint in self.robot.commanded.values()])
 
+    @cached_property
+    def box(self) -> Box:
+        """Lower and upper limits."""
+        return Box(self.lower, self.upper)
+
+    @cached_property
+    def turning(self) -> Bool[np.ndarray, " commanded"]:
+        """Whether a commanded joint turns: whole turns are the same posture then."""
+        return np.array([not joint.is_prismatic for joint in self.robot.commanded.values()])
+
+    @property
+    def held_components(self) -> int:
+        """How many components the hold's error has."""
+        return 0 if self.hold is None else self.hold.components
+
     def posture(self, values: Float[np.ndarray, " commanded"]) -> Posture:
         """A posture from a vector."""
         return Posture(FrozenDict(dict(zip(self.names, values.tolist(), strict=True))))
@@ -81,15 +97,6 @@ class PostureProblem:
             return self.objective.cost(self.posed(values))
         return self.cost_and_gradient(values)[0]
 
-    def if_below(
-        self, values: Float[np.ndarray, " commanded"], bound: float
-    ) -> tuple[float, Float[np.ndarray, " commanded"]] | None:
-        """Cost and gradient if the cost is at most `bound`; differences are not taken in vain."""
-        if isinstance(self.objective, FunctionObjective) and not self.cost(values) <= bound:
-            return None
-        cost, gradient = self.cost_and_gradient(values)
-        return (cost, gradient) if cost <= bound else None
-
     def held(self, values: Float[np.ndarray, " commanded"]) -> tuple[np.ndarray, np.ndarray]:
         """Error of the hold and its Jacobian; without a hold, empty ones."""
         if self.hold is None:
@@ -101,31 +108,13 @@ class PostureProblem:
         """Bring a vector back onto the hold by Newton steps inside the limits; None if it cannot.
 
         Joints at a limit stay there if the others can do it.
-        """
-        values = np.clip(values, self.lower, self.upper)
-        if self.hold is None:
-            return values
-        inside = (values > self.lower) & (values < self.upper)
-        found = None if np.all(inside) else self._newton(values, inside, steps)
-        return self._newton(values, np.ones(len(values), dtype=bool), steps) if found is None else found
 
-    def _newton(self, values: np.ndarray, allowed: np.ndarray, steps: int) -> np.ndarray | None:
-        """Newton steps with the joints allowed to move; one that meets its limit sits the next step out."""
-        free = allowed
-        for _ in range(steps):
-            error, jacobian = self.held(values)
-            if np.linalg.norm(error) <= TOLERANCE:
-                return values
-            step = np.zeros(len(values))
-            step[free] = np.linalg.lstsq(jacobian[:, free], -error, rcond=1e-9)[0]  # the shortest there is
-            longest = np.max(np.abs(step))
-            if longest < 1e-14:
-                return None
-            wanted = values + step * min(1.0, 0.7 / longest)
-            values = np.clip(wanted, self.lower, self.upper)
-            inward = values == wanted
-            free = allowed if np.all(inward) else free & inward
-        return None
+        Args:
+            values: from where [rad, m].
+            steps: most steps, and as many again with all joints.
+        """
+        here, work = np.array(values, dtype=float), work_for(self.held_components, len(self.names))
+        return here if retract(Evaluation(self), self.box, here, steps, work, work.constraint) else None
 
     def random_vector(self, generator: np.random.Generator) -> Float[np.ndarray, " commanded"]:
         """A vector drawn evenly between the limits, over one turn at most, not on the hold yet."""
@@ -134,6 +123,51 @@ class PostureProblem:
         low = np.where(wide, middle - _TURN, self.lower)
         high = np.where(wide, middle + _TURN, self.upper)
         return generator.uniform(low, high)
+
+
+class Evaluation:
+    """A problem at one vector after another, as `flexmodal.optimisation.descent` asks for it."""
+
+    def __init__(self, problem: PostureProblem) -> None:
+        self.problem = problem
+        self.trouble: FlexmodalError | None = None
+        """Why there was no cost where there was none last."""
+        self._values = problem.lower
+        self._gradient: np.ndarray | None = None
+
+    def hold_at(self, values: np.ndarray, error: np.ndarray, constraint: np.ndarray) -> float:
+        """Go to a vector; the size of the hold's error, which with its derivative is filled in.
+
+        Args:
+            values: of the commanded joints [rad, m].
+            error: receives what is off target [m, rad].
+            constraint: receives its derivative; held × commanded.
+        """
+        self._values = values.copy()
+        error[:], constraint[:] = self.problem.held(self._values)
+        return float(np.linalg.norm(error))
+
+    def cost_at(self) -> float:
+        """The cost there; infinite where there is none. Differences for a gradient are not taken yet."""
+        self._gradient = None
+        try:
+            if isinstance(self.problem.objective, FunctionObjective):
+                return self.problem.cost(self._values)
+            cost, self._gradient = self.problem.cost_and_gradient(self._values)
+        except FlexmodalError as error:
+            self.trouble = error
+            return float("inf")
+        return cost
+
+    def slope_at(self, gradient: np.ndarray) -> None:
+        """Fill in the derivative of the cost taken last."""
+        known = self._gradient
+        gradient[:] = self.problem.cost_and_gradient(self._values)[1] if known is None else known
+
+    def limit_at(self, cost: float) -> int:
+        """PERFECT or UNBOUNDED where a cost says so, else UNSETTLED."""
+        limit = self.problem.objective.limit(cost, self.problem.robot)
+        return {Limit.PERFECT: PERFECT, Limit.UNBOUNDED: UNBOUNDED}.get(limit, UNSETTLED)
 
 
 @lru_cache(maxsize=8)

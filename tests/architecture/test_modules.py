@@ -17,39 +17,12 @@ PACKAGES = (ROOT / "flexmodal", ROOT / "viewer" / "flexmodal_viewer")
 LONGEST_MODULE = 300
 LONGEST_FUNCTION = 60
 
-KNOWN_CIRCLES = frozenset(
-    {
-        (
-            "flexmodal.diagnosis.modes.elsewhere",
-            "flexmodal.diagnosis.modes.evidence",
-            "flexmodal.diagnosis.modes.findings",
-            "flexmodal.diagnosis.modes.fit",
-            "flexmodal.diagnosis.modes.forecast",
-            "flexmodal.diagnosis.modes.gap",
-            "flexmodal.diagnosis.modes.held_out",
-            "flexmodal.diagnosis.modes.likelihood",
-            "flexmodal.diagnosis.modes.pairing",
-            "flexmodal.diagnosis.modes.residuals",
-            "flexmodal.diagnosis.modes.scales",
-            "flexmodal.diagnosis.modes.scatter",
-            "flexmodal.diagnosis.modes.search",
-            "flexmodal.diagnosis.modes.shapes",
-            "flexmodal.diagnosis.modes.weigh",
-            "flexmodal.diagnosis.outcome",
-        ),
-        ("flexmodal.diagnosis.modes.conclude", "flexmodal.diagnosis.modes.workflow"),
-    }
-)
+KNOWN_CIRCLES: frozenset[tuple[str, ...]] = frozenset()
 KNOWN_LONG_MODULES = frozenset({"flexmodal.diagnosis.hypothesis"})
 KNOWN_LONG_FUNCTIONS = frozenset({"flexmodal.diagnosis.march.kernel.march"})
-KNOWN_PRIVATE_IMPORTS = frozenset(
-    {
-        "flexmodal.diagnosis.modes.conclude takes flexmodal.diagnosis.modes.workflow._Course",
-        "flexmodal.diagnosis.modes.next_measurement takes flexmodal.diagnosis.next_measurement._postures",
-    }
-)
+KNOWN_PRIVATE_IMPORTS: frozenset[str] = frozenset()
 
-KERNELS = ("flexmodal.frf.kernels", "flexmodal.model.batch")
+KERNELS = ("flexmodal.frf.kernels", "flexmodal.model.batch", "flexmodal.structure.kernel")
 """Rooms of loops written out for the compiler, in which a function may be longer."""
 
 

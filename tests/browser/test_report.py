@@ -21,11 +21,11 @@ def from_modes():
     import flexmodal
     from flexmodal.campaign import read_campaign
     from flexmodal.diagnosis import diagnose
-    from flexmodal.diagnosis.modes import weigh
+    from flexmodal.diagnosis.modes import variants
 
     effects = ["link_flexibility@link_2", "local_absorber@link_1"]
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(weigh, "VARIANTS", weigh.VARIANTS[:1])
+        patch.setattr(variants, "VARIANTS", variants.VARIANTS[:1])
         campaign = read_campaign("robots/fanuc_s360/campaigns/thesis")
         return diagnose(campaign, flexmodal.load("fanuc_s360_rigid_link"), effects=effects)
 

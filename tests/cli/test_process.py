@@ -86,8 +86,8 @@ LONG = ("optimise", "six_link", "--hold=-2,2", "--frequency", "5", "--starts", "
     ("number", "status", "says"), [(signal.SIGINT, 130, "interrupted"), (signal.SIGTERM, 143, "")]
 )
 def test_stopped_in_the_midst_of_a_search(program, number, status, says):
-    # The first search on a machine compiles its kernels; only from then on does time go into searching.
-    subprocess.run((program, *LONG[:-1], "32"), capture_output=True, check=True, timeout=300)
+    # The first large search on a machine compiles its kernels; only from then on does time go into searching.
+    subprocess.run((program, *LONG[:-1], "4096"), capture_output=True, check=True, timeout=300)
     with subprocess.Popen(
         [program, *LONG], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     ) as process:

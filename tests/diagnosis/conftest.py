@@ -79,7 +79,7 @@ def diagnosis_of(
         model=hypothesis,
         x=made.x,
         deviation=uncertainty(hypothesis.space, made.normal, observations).deviation,
-        observations=observations,
+        frfs=observations,
         predicted=stages,
         provenance=more.pop("provenance", {"flexmodal": "0.1.0", "seed": "1"}),
     )

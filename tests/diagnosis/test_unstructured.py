@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 import flexmodal
+from flexmodal.diagnosis.frf_comparison import cluster_costs, compare_models
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.looking import looked_at
-from flexmodal.diagnosis.outcome import UNSTRUCTURED
-from flexmodal.diagnosis.preparation import prepare
+from flexmodal.diagnosis.names import UNSTRUCTURED
+from flexmodal.diagnosis.setup import prepare
 from flexmodal.diagnosis.unstructured import unstructured_mode
-from flexmodal.diagnosis.weigh import cluster_costs, weigh
 from flexmodal.identification.uncertainty import clusters
 from flexmodal.rig import simulate
 
@@ -24,7 +24,7 @@ def mode(omega, frequency):
 
 
 @pytest.fixture(scope="module")
-def bench():
+def setup():
     """Three postures of a robot with nothing hidden, one of them held out."""
     made = simulate(
         flexmodal.load("fanuc_s360"), postures=3, points=2, references=2, trials=4, seed=5, record_length=2.0,
@@ -34,11 +34,11 @@ def bench():
 
 
 @pytest.fixture(scope="module")
-def planted(bench):
+def planted(setup):
     """The re-tuned robot less a mode that each posture has a little elsewhere: what a missing mode leaves."""
-    root = Hypothesis(bench.scene, bench.base)
-    fitted = looked_at(bench, root, np.zeros(len(bench.base)))
-    observations = bench.observations
+    root = Hypothesis(setup.context, setup.base)
+    fitted = looked_at(setup, root, np.zeros(len(setup.base)))
+    observations = setup.observations
     omega = 2 * np.pi * observations.axis.frequency
     frequencies = FREQUENCY * (1 + 0.1 * observations.posture)
     size = np.median(np.abs(observations.value), axis=1) * (2 * np.pi * FREQUENCY) ** 2 * 0.2
@@ -48,35 +48,35 @@ def planted(bench):
     return replace(fitted, predicted=predicted, costs=costs), missing
 
 
-def test_finds_the_mode_that_is_missing(bench, planted):
+def test_finds_the_mode_that_is_missing(setup, planted):
     before, missing = planted
-    found = unstructured_mode(bench, before)
+    found = unstructured_mode(setup, before)
     assert found.key == (UNSTRUCTURED, "")
-    fitted = ~bench.held
+    fitted = ~setup.held
     away = np.linalg.norm(found.predicted - before.predicted - missing, axis=1)
     assert np.all((away / np.linalg.norm(missing, axis=1))[fitted] < 0.02)
-    seen = np.unique(clusters(bench.observations)[fitted])
+    seen = np.unique(clusters(setup.observations)[fitted])
     assert np.all(found.costs[seen] < 0.01 * before.costs[seen])
-    observations = bench.observations
+    observations = setup.observations
     table = np.hstack([observations.posture[:, None], observations.response, observations.reference])[fitted]
     postures = len(np.unique(table[:, 0]))
     assert found.parameters - before.parameters == 2 * postures + len(np.unique(table, axis=0))
 
 
-def test_foretells_the_mean_for_a_posture_held_out(bench, planted):
+def test_foretells_the_mean_for_a_posture_held_out(setup, planted):
     before, _ = planted
-    found = unstructured_mode(bench, before)
-    held = np.flatnonzero(bench.held)
+    found = unstructured_mode(setup, before)
+    held = np.flatnonzero(setup.held)
     assert held.size
     added = np.abs((found.predicted - before.predicted)[held[0]])
-    others = np.unique(bench.observations.posture[~bench.held])
+    others = np.unique(setup.observations.posture[~setup.held])
     middle = FREQUENCY * np.exp(np.mean(np.log1p(0.1 * others)))
-    assert bench.observations.axis.frequency[np.argmax(added)] == pytest.approx(middle, rel=0.02)
+    assert setup.observations.axis.frequency[np.argmax(added)] == pytest.approx(middle, rel=0.02)
 
 
-def test_is_no_better_than_nothing_where_nothing_is_missing(bench):
-    before = looked_at(bench, Hypothesis(bench.scene, bench.base), np.zeros(len(bench.base)))
-    found = unstructured_mode(bench, before)
+def test_is_no_better_than_nothing_where_nothing_is_missing(setup):
+    before = looked_at(setup, Hypothesis(setup.context, setup.base), np.zeros(len(setup.base)))
+    found = unstructured_mode(setup, before)
     assert found.occam > before.occam
-    scales = weigh([before, found], bench.observations)
-    assert scales.gain[1] < 8.0
+    comparison = compare_models([before, found], setup.observations)
+    assert comparison.gain(1) < 8.0

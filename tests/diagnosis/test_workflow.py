@@ -10,15 +10,16 @@ import flexmodal
 from flexmodal.diagnosis import diagnose
 from flexmodal.diagnosis.coarse import Candidate, look_at
 from flexmodal.diagnosis.compare import disagreement, force_dependence
-from flexmodal.diagnosis.course import FLOOR_REACHED, SIGNIFICANT, Course
-from flexmodal.diagnosis.figures import over_noise
+from flexmodal.diagnosis.frf_comparison import compare_models
+from flexmodal.diagnosis.frf_selection import FLOOR_REACHED, FrfSelection
+from flexmodal.diagnosis.gaps import over_noise
 from flexmodal.diagnosis.hypothesis import Hypothesis, Placed
 from flexmodal.diagnosis.looking import looked_at
 from flexmodal.diagnosis.outcome import Gaps, Step
-from flexmodal.diagnosis.preparation import prepare
 from flexmodal.diagnosis.search import restarted, simpler
+from flexmodal.diagnosis.selection import SIGNIFICANT
+from flexmodal.diagnosis.setup import prepare
 from flexmodal.diagnosis.verdict import verdict
-from flexmodal.diagnosis.weigh import weigh
 from flexmodal.errors import InvalidRequest
 from flexmodal.identification import RobotModel, observe, predict
 from flexmodal.rig import Hide, simulate
@@ -79,12 +80,12 @@ def test_one_level_of_force_leaves_friction_untestable(clean):
 
 
 def test_ties_are_said_in_words(loaded):
-    bench = prepare(*loaded, None, ["added_mass"], None, 0, lambda doing, part: None)
+    setup = prepare(*loaded, None, ["added_mass"], None, 0, lambda doing, part: None)
     ties = (("unstructured_mode", ""), ("none", ""), ("local_absorber", "link_2"))
-    course = Course(bench)
+    selection = FrfSelection(setup)
     gaps = Gaps(0.2, 0.1, None, None, 0.1)
     step = Step("added_mass", "link_3", {}, {}, {}, 0.9, gaps, (), ties)
-    says = verdict(bench, [step], course.current, gaps, 1.0, explained=True).says
+    says = verdict(setup, [step], selection.current, gaps, 1.0, explained=True).says
     assert "from a mode with no structure, nothing added, local_absorber at link_2." in says
 
 
@@ -136,49 +137,49 @@ def test_a_mode_with_no_structure_is_always_weighed(clean, loaded):
 
 def test_parameters_beyond_belief_count_against_whoever_needs_them(loaded):
     """A heavy payload that a re-tuned mass could take up as well: nobody believes that mass."""
-    bench = prepare(*loaded, None, ["added_mass"], None, 0, lambda doing, part: None)
-    root = Hypothesis(bench.scene, bench.base)
-    here = looked_at(bench, root, np.zeros(len(bench.base)))
+    setup = prepare(*loaded, None, ["added_mass"], None, 0, lambda doing, part: None)
+    root = Hypothesis(setup.context, setup.base)
+    here = looked_at(setup, root, np.zeros(len(setup.base)))
     far = replace(here, prior=here.prior + 2 * SIGNIFICANT + 1)
-    scales = weigh([far, here], bench.observations)
-    assert scales.gain[1] > SIGNIFICANT
+    comparison = compare_models([far, here], setup.observations)
+    assert comparison.gain(1) > SIGNIFICANT
     assert here.prior == pytest.approx(float(np.sum(root.space.precision * here.fitted.x**2)))
 
 
 def test_started_from_everywhere_it_leaves_a_local_minimum():
     """A soft foundation: from a stiff tilt a fit ends beside the truth, from all starts it ends on it."""
     measured, robot = campaign("base_flexibility@base", seed=4)
-    bench = prepare(measured, robot, None, ["base_flexibility"], None, 0, lambda doing, part: None)
-    placed = Placed(bench.effects[0], "base")
-    hypothesis = Hypothesis(bench.scene, bench.base).and_also(placed)
-    card = np.zeros(len(bench.base))
-    lost = max(placed.effect.starts(bench.scene, "base"), key=lambda one: one["tilt_stiffness"])
+    setup = prepare(measured, robot, None, ["base_flexibility"], None, 0, lambda doing, part: None)
+    placed = Placed(setup.effects[0], "base")
+    hypothesis = Hypothesis(setup.context, setup.base).and_also(placed)
+    card = np.zeros(len(setup.base))
+    lost = max(placed.effect.starts(setup.context, "base"), key=lambda one: one["tilt_stiffness"])
     stiff = {**lost, "horizontal_stiffness": lost["horizontal_stiffness"] * 100}
-    seen = look_at(bench.fitted)
+    seen = look_at(setup.fitted)
     beside = seen.fitted(Candidate(hypothesis, hypothesis.start(placed, stiff, card), np.inf), 0.1, 10)
     again = restarted(hypothesis, beside.x, [card], seen)
     assert again.cost < 0.5 * beside.cost
-    assert over_noise(bench, looked_at(bench, hypothesis, again.x, near=True)) < FLOOR_REACHED
+    assert over_noise(setup, looked_at(setup, hypothesis, again.x, near=True)) < FLOOR_REACHED
 
 
 @pytest.mark.parametrize("last", ["local_absorber@link_1", "added_mass@link_3"])
 def test_an_effect_that_nobody_misses_goes_whether_found_first_or_last(loaded, last):
-    bench = prepare(*loaded, None, ["added_mass", "local_absorber"], None, 0, lambda doing, part: None)
-    course = Course(bench)
+    setup = prepare(*loaded, None, ["added_mass", "local_absorber"], None, 0, lambda doing, part: None)
+    selection = FrfSelection(setup)
     names = sorted(["local_absorber@link_1", "added_mass@link_3"], key=lambda name: name == last)
-    effects = {effect.name: effect for effect in bench.effects}
-    hypothesis, start = course.root, np.zeros(len(bench.base))
+    effects = {effect.name: effect for effect in setup.effects}
+    hypothesis, start = selection.root.hypothesis, np.zeros(len(setup.base))
     for name in names:
         effect, where = name.split("@")
         placed = Placed(effects[effect], where)
         hypothesis = hypothesis.and_also(placed)
-        start = hypothesis.start(placed, placed.effect.starts(bench.scene, where)[0], start)
-        course.steps.append(SimpleNamespace(effect=effect, where=where))
-    course.current = looked_at(bench, hypothesis, start)
-    course._still_needed()
-    assert [(step.effect, step.where) for step in course.steps] == [("added_mass", "link_3")]
-    assert course.current.hypothesis.keys == (("added_mass", "link_3"),)
-    assert over_noise(bench, course.current) < FLOOR_REACHED
+        start = hypothesis.start(placed, placed.effect.starts(setup.context, where)[0], start)
+        selection.steps.append(SimpleNamespace(effect=effect, where=where))
+    selection.current = looked_at(setup, hypothesis, start)
+    selection.drop_needless()
+    assert [(step.effect, step.where) for step in selection.steps] == [("added_mass", "link_3")]
+    assert selection.current.hypothesis.keys == (("added_mass", "link_3"),)
+    assert over_noise(setup, selection.current) < FLOOR_REACHED
 
 
 @pytest.fixture(scope="module")
@@ -189,46 +190,46 @@ def two():
 def test_the_first_of_two_effects_is_looked_for_again_beside_the_second(two):
     """Alone it may have been put in the wrong place."""
     names = ["local_absorber", "sensor_gain"]
-    bench = prepare(*two, None, names, None, 0, lambda doing, part: None)
-    course = Course(bench)
-    absorber, gain = (next(one for one in bench.effects if one.name == name) for name in names)
+    setup = prepare(*two, None, names, None, 0, lambda doing, part: None)
+    selection = FrfSelection(setup)
+    absorber, gain = (next(one for one in setup.effects if one.name == name) for name in names)
     wrong, second = Placed(absorber, "link_1"), Placed(gain, "location_3")
-    beside = course.root.and_also(wrong)
-    x = beside.start(wrong, absorber.starts(bench.scene, "link_1")[0], np.zeros(len(bench.base)))
+    beside = selection.root.hypothesis.and_also(wrong)
+    x = beside.start(wrong, absorber.starts(setup.context, "link_1")[0], np.zeros(len(setup.base)))
     pair = beside.and_also(second)
-    course.current = looked_at(bench, pair, pair.start(second, {"gain": 1.1}, x))
-    assert over_noise(bench, course.current) > FLOOR_REACHED
-    course._exchanged(course.current)
-    assert {(step.effect, step.where) for step in course.steps} == {
+    selection.current = looked_at(setup, pair, pair.start(second, {"gain": 1.1}, x))
+    assert over_noise(setup, selection.current) > FLOOR_REACHED
+    selection.exchange(selection.current)
+    assert {(step.effect, step.where) for step in selection.steps} == {
         ("sensor_gain", "location_3"), ("local_absorber", "link_2"),
     }  # fmt: skip
-    assert over_noise(bench, course.current) < FLOOR_REACHED
+    assert over_noise(setup, selection.current) < FLOOR_REACHED
 
 
 def test_an_exchange_that_does_not_help_is_taken_back(loaded):
-    bench = prepare(*loaded, None, ["sensor_gain"], None, 0, lambda doing, part: None)
-    course = Course(bench)
-    hypothesis, x = course.root, np.zeros(len(bench.base))
-    for where in bench.scene.sensors[:2]:
-        placed = Placed(bench.effects[0], where)
+    setup = prepare(*loaded, None, ["sensor_gain"], None, 0, lambda doing, part: None)
+    selection = FrfSelection(setup)
+    hypothesis, x = selection.root.hypothesis, np.zeros(len(setup.base))
+    for where in setup.context.sensors[:2]:
+        placed = Placed(setup.effects[0], where)
         hypothesis = hypothesis.and_also(placed)
         x = hypothesis.start(placed, {"gain": 1.1}, x)
-    course.current = was = looked_at(bench, hypothesis, x)
-    course._exchanged(was)
-    assert course.current is was
-    assert course.steps == []
+    selection.current = was = looked_at(setup, hypothesis, x)
+    selection.exchange(was)
+    assert selection.current is was
+    assert selection.steps == []
 
 
 def test_an_absorber_too_stiff_to_be_told_from_a_mass_is_a_mass(loaded):
     """Its rigid limit is looked at from where the fit of the absorber ended."""
-    bench = prepare(*loaded, None, ["added_mass", "local_absorber"], None, 0, lambda doing, part: None)
-    absorber = next(one for one in bench.effects if one.name == "local_absorber")
+    setup = prepare(*loaded, None, ["added_mass", "local_absorber"], None, 0, lambda doing, part: None)
+    absorber = next(one for one in setup.effects if one.name == "local_absorber")
     placed = Placed(absorber, "link_3")
-    hypothesis = Hypothesis(bench.scene, bench.base).and_also(placed)
-    start = {"frequency": 1.4 * bench.scene.band[1], "along": 0.6}
-    at = looked_at(bench, hypothesis, hypothesis.start(placed, start, np.zeros(len(bench.base))))
-    (less,) = simpler(hypothesis, at.fitted.x, bench.effects, look_at(bench.fitted))
+    hypothesis = Hypothesis(setup.context, setup.base).and_also(placed)
+    start = {"frequency": 1.4 * setup.context.band[1], "along": 0.6}
+    at = looked_at(setup, hypothesis, hypothesis.start(placed, start, np.zeros(len(setup.base))))
+    (less,) = simpler(hypothesis, at.fitted.x, setup.effects, look_at(setup.fitted))
     assert less.key == ("added_mass", "link_3")
-    assert over_noise(bench, looked_at(bench, less.hypothesis, less.x, near=True)) < FLOOR_REACHED
-    assert not simpler(less.hypothesis, less.x, bench.effects, look_at(bench.fitted))
-    assert not simpler(hypothesis, at.fitted.x, [absorber], look_at(bench.fitted))
+    assert over_noise(setup, looked_at(setup, less.hypothesis, less.x, near=True)) < FLOOR_REACHED
+    assert not simpler(less.hypothesis, less.x, setup.effects, look_at(setup.fitted))
+    assert not simpler(hypothesis, at.fitted.x, [absorber], look_at(setup.fitted))

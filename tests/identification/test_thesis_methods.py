@@ -9,8 +9,9 @@ from flexmodal.campaign import read_campaign
 from flexmodal.errors import InvalidRequest
 from flexmodal.identification import build_identification
 from flexmodal.identification.eigenvalue_method import EigenvalueModel, eigenvalue_method
-from flexmodal.identification.evidence.measured_modes import MeasuredMode, modes_of_table
+from flexmodal.identification.evidence.measured_modes import MeasuredMode
 from flexmodal.identification.evidence.modal import ModalEvidence
+from flexmodal.identification.evidence.mode_sources import modes_of_table
 from flexmodal.identification.piecewise import piecewise
 from flexmodal.structure.poles import poles
 

@@ -23,9 +23,9 @@ from flexmodal.optimisation import (
     sample_robots,
     tooth_passing,
 )
-from flexmodal.optimisation.combined import _WAYS
-from flexmodal.optimisation.objective import COMBINE, OVER
-from flexmodal.optimisation.robust import _JUDGED
+from flexmodal.optimisation.objectives.combined import _WAYS
+from flexmodal.optimisation.objectives.objective import COMBINE, OVER
+from flexmodal.optimisation.objectives.robust import _JUDGED
 
 from .optimality import difference
 from .test_objectives import OBJECTIVES as SINGLE

@@ -11,8 +11,8 @@ from flexmodal.optimisation import (
     ReceptanceObjective,
     StiffnessObjective,
 )
-from flexmodal.optimisation.descent import descend
-from flexmodal.optimisation.objective import Limit
+from flexmodal.optimisation.objectives import Limit
+from flexmodal.optimisation.search import descend
 
 from .optimality import directions, gain_left
 

@@ -16,7 +16,8 @@ from flexmodal.optimisation import (
     StiffnessObjective,
     optimise,
 )
-from flexmodal.optimisation.objective import Limit
+from flexmodal.optimisation.objectives import Limit
+from flexmodal.optimisation.problem import Evaluation
 
 pytestmark = pytest.mark.usefixtures("types_unchecked")
 
@@ -61,13 +62,13 @@ def test_a_step_that_is_refused_costs_no_differences(arm):
     cost, gradient = PostureProblem(arm, judge).cost_and_gradient(values)
     assert problem.cost(values) == pytest.approx(cost, abs=1e-12)
     assert len(calls) == 1
-    assert problem.if_below(values, cost - 0.1) is None
-    assert len(calls) == 2
-    found = problem.if_below(values, cost + 0.1)
-    assert found is not None
-    assert found[0] == problem.cost(values)
-    np.testing.assert_allclose(found[1], gradient, atol=1e-6 * (1 + np.linalg.norm(gradient)) ** 3)
-    assert len(calls) == 3 + 13 + 1
+    at, found = Evaluation(problem), np.empty(6)
+    at.hold_at(values, np.empty(2), np.empty((2, 6)))
+    assert at.cost_at() == problem.cost(values)
+    assert len(calls) == 1 + 2
+    at.slope_at(found)
+    np.testing.assert_allclose(found, gradient, atol=1e-6 * (1 + np.linalg.norm(gradient)) ** 3)
+    assert len(calls) == 3 + 13
 
 
 def test_the_same_optimum(arm):

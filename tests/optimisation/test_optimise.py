@@ -18,9 +18,7 @@ from flexmodal.optimisation import (
     StiffnessObjective,
     optimise,
 )
-from flexmodal.optimisation.descent import Descent, descend
-from flexmodal.optimisation.null_space import null_space_descent
-from flexmodal.optimisation.outcome import distinct
+from flexmodal.optimisation.search import Descent, Ends, descend, null_space_descent, tell_apart
 
 from ..agreement.planar_chain import FANUC, FANUC_DAMPING, FANUC_STIFFNESS, PlanarChain
 from ..model.writing import planar
@@ -198,8 +196,9 @@ def test_whole_turns_are_one_posture(arm):
     problem = PostureProblem(arm, receptance(5.0))
     values = np.array([0.1, 0.2, 0.3, 0.4, 0.5, 0.6])
     turned = values + 2 * np.pi * np.array([0, -1, 0, 1, 0, 0])
-    merged = distinct(problem, [(1.0, values), (1.0, turned), (2.0, values + 0.01)])
-    assert [(cost, hits) for cost, _, hits in merged] == [(1.0, 2), (2.0, 1)]
+    found = [(1.0, values), (1.0, turned), (2.0, values + 0.01)]
+    merged = tell_apart(problem, Ends.of([Descent(place, cost, True, 9) for cost, place in found]))
+    assert (merged.cost.tolist(), merged.hits.tolist()) == ([1.0, 2.0], [2, 1])
 
 
 # Families.

@@ -14,7 +14,7 @@ from flexmodal.optimisation import (
     SeparationObjective,
     optimise,
 )
-from flexmodal.optimisation.orientation import FixedOrientation, aligned
+from flexmodal.optimisation.hold.orientation import FixedOrientation, aligned
 
 from ..model.writing import body, joint, planar, save
 from .optimality import difference, gain_left

@@ -225,7 +225,7 @@ def test_with_the_tool_held_upright(arm):
 def test_between_points(three):
     """Joints that go straight leave the path by its curvature, the less the closer the points."""
     coarse, fine = (greedy_path(straight(three, points), starts=3) for points in (4, 16))
-    assert 0 < fine.astray < coarse.astray / 4
+    assert 0 < fine.deviation < coarse.deviation / 4
 
 
 # Lines, arcs, tables.
@@ -332,7 +332,7 @@ def test_command(capsys, tmp_path):
         main([*words, "--frequency", "5", "--compare", "--json", "--out", str(out)])
     assert left.value.code == 0
     found = json.loads(capsys.readouterr().out)
-    assert set(found) == {"unit", "sum", "worst", "fastest", "astray", "points", "compare"}
+    assert set(found) == {"unit", "sum", "worst", "fastest", "deviation", "points", "compare"}
     assert set(found["compare"]) <= {"greedy", "static stiffness"}
     assert len(found["points"]) == 3
     assert sum(point["value"] for point in found["points"]) == pytest.approx(found["sum"])

@@ -16,8 +16,8 @@ from flexmodal.optimisation import (
     TunedObjective,
     optimise,
 )
-from flexmodal.optimisation.plot import draw_postures, draw_receptances, draw_self_motion
-from flexmodal.optimisation.robust import RobustObjective, sample_robots
+from flexmodal.optimisation.objectives import RobustObjective, sample_robots
+from flexmodal.optimisation.pictures.plot import draw_postures, draw_receptances, draw_self_motion
 
 pytestmark = pytest.mark.usefixtures("types_unchecked")
 

@@ -6,7 +6,7 @@ import pytest
 from flexmodal.errors import Unreachable
 from flexmodal.frf import PointDirection
 from flexmodal.optimisation import Hold, PostureProblem, ReceptanceObjective, StiffnessObjective, optimise
-from flexmodal.optimisation.traces import draw_traces, follow
+from flexmodal.optimisation.pictures.traces import draw_traces, follow
 
 pytestmark = pytest.mark.usefixtures("types_unchecked")
 
@@ -30,8 +30,8 @@ def test_traces(arm, held):
     np.testing.assert_array_equal(theirs.values[0], held.vector(start))
     assert len(theirs.values) == 20
     gap = arm.at("start_2").position("tool")[[0, 2]] - [-2.0, 2.0]
-    assert theirs.astray[0] == pytest.approx(np.linalg.norm(gap))
-    assert np.all(ours.astray <= 1e-9)
+    assert theirs.deviation[0] == pytest.approx(np.linalg.norm(gap))
+    assert np.all(ours.deviation <= 1e-9)
     figure = draw_traces(held, traces)
     np.testing.assert_array_equal(figure.axes[0].lines[0].get_ydata(), ours.objective)
     assert figure.axes[0].get_ylabel() == "Objective [m/N]"
@@ -48,7 +48,7 @@ def test_a_value_to_be_large_is_shown_as_itself(arm, held):
 def test_a_stretched_arm_is_led_off(arm, held):
     """Stretched along the way to the target no first step leads there: a small kick does."""
     stretched = arm.posture({"q1": np.radians(135)})
-    assert follow(held, stretched).astray[-1] <= 1e-9
+    assert follow(held, stretched).deviation[-1] <= 1e-9
     far = PostureProblem(arm, held.objective, Hold.at(arm, (7.0, 0.0)))
     with pytest.raises(Unreachable, match="the nearest was"):
         follow(far, stretched)

@@ -24,8 +24,12 @@ from flexmodal.optimisation import (
     optimise,
     tune,
 )
-from flexmodal.optimisation.rational import Steepness, antiresonances, steepness
-from flexmodal.optimisation.stationary import roots
+from flexmodal.optimisation.frequency.partial_fractions import (
+    LogarithmicSlope,
+    antiresonances,
+    logarithmic_slope,
+)
+from flexmodal.optimisation.frequency.roots import roots
 
 from ..model.writing import planar
 from .optimality import difference, directions
@@ -58,7 +62,7 @@ def sampled(posed, band, response, reference, count=40001):
     return found
 
 
-def by_eigenvalues(slope: Steepness) -> np.ndarray:
+def by_eigenvalues(slope: LogarithmicSlope) -> np.ndarray:
     """Roots of Σ c/(x − w): x Σ c/(x − w) = Σ c + Σ cw/(x − w) vanishes at eigenvalues of W − 1 (cw)ᵀ/Σc."""
     places, weights = [], []
     for centre, width, weight in zip(slope.centre, slope.width, slope.weight, strict=True):
@@ -99,7 +103,7 @@ def test_roots_are_the_eigenvalues_of_a_matrix(robots, name, seed):
     robot = robots[name]
     (z,) = directions(f"{robot.tool}:+z")
     posed = random_posture(robot, 10 + seed)
-    slope = steepness(posed, z, z)
+    slope = logarithmic_slope(posed, z, z)
     everything = by_eigenvalues(slope)
     low, high = (2 * np.pi * 0.3) ** 2, (2 * np.pi * 1000) ** 2
     real = everything[np.abs(everything.imag) <= 1e-7 * np.abs(everything)].real
@@ -129,7 +133,7 @@ def test_the_slope_is_that_of_the_receptance(robots):
         posed = random_posture(robot, 3)
         for a, b in PAIRS:
             response, reference = directions(f"{robot.tool}:{a}", f"{robot.tool}:{b}")
-            slope = steepness(posed, response, reference)
+            slope = logarithmic_slope(posed, response, reference)
             for f in (0.7, 4.0, 33.0, 180.0):
 
                 def log_square(x, posed=posed, response=response, reference=reference):
@@ -145,7 +149,7 @@ def test_the_slope_is_that_of_the_receptance(robots):
 def test_bounds_hold_and_close_in(fanuc):
     """Values inside an interval lie between the bounds, and halving it brings them together."""
     (z,) = directions("tool:+z")
-    slope = steepness(fanuc.at("configuration_1"), z, z)
+    slope = logarithmic_slope(fanuc.at("configuration_1"), z, z)
     generator = np.random.default_rng(5)
     centre = generator.uniform(10, 4e5, 200)
     last = np.inf
@@ -168,7 +172,9 @@ def test_bounds_hold_and_close_in(fanuc):
 
 def test_a_needle_between_two_samples_is_found():
     """Two fractions so narrow that a scan of 10⁵ lines passes them by."""
-    needle = Steepness(np.array([1e4, 1e4 + 1e-3, 5e4]), np.array([1e-4, 1e-4, 1e3]), np.array([2.0, -2, -2]))
+    needle = LogarithmicSlope(
+        np.array([1e4, 1e4 + 1e-3, 5e4]), np.array([1e-4, 1e-4, 1e3]), np.array([2.0, -2, -2])
+    )
     found, rising = roots(needle, np.array([1.0, 1e5]))
     assert np.any(np.abs(found - 1e4) < 1e-3)
     assert np.any(np.abs(found - 1e4 - 1e-3) < 1e-3)
@@ -291,7 +297,7 @@ def test_a_joint_without_loss_beside_one_with(tmp_path):
 def test_causal_hysteresis_has_no_fractions(lossy):
     (z,) = directions("tool:+z")
     with pytest.raises(InvalidRequest, match="loss_frequency"):
-        steepness(lossy.at("configuration_1"), z, z)
+        logarithmic_slope(lossy.at("configuration_1"), z, z)
 
 
 # Table 3.6: where the thesis's descents ended.

@@ -8,7 +8,7 @@ import pytest
 from flexmodal.errors import InvalidRequest
 from flexmodal.frf import PointDirection
 from flexmodal.optimisation import Hold, PostureProblem, ReceptanceObjective, StiffnessObjective, optimise
-from flexmodal.optimisation.workspace import draw_workspace, extent, workspace_map
+from flexmodal.optimisation.pictures.workspace import draw_workspace, extent, workspace_map
 
 pytestmark = pytest.mark.usefixtures("types_unchecked")
 

@@ -6,13 +6,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from flexmodal.campaign.consistency import add_contradictions
-from flexmodal.campaign.description.faults import ALLOWED, add_faults
 from flexmodal.campaign.description.tested import CampaignPoint, CampaignPosture, Tested
 from flexmodal.campaign.trial import Trial, Window
 from flexmodal.errors import Fault, InvalidCampaign
 from flexmodal.text.frozen import FrozenDict
 from flexmodal.text.toml import parse_toml
-from flexmodal.text.words import FaultList, shown
+from flexmodal.text.validation import validated
+from flexmodal.text.words import FaultList
 
 if TYPE_CHECKING:
     from flexmodal.campaign.description.schema import CampaignTable, TrialTable
@@ -24,21 +24,15 @@ def read_toml(file: Path) -> Tested:
     Raises:
         InvalidCampaign: with every fault of the file at once.
     """
-    from pydantic import ValidationError
-
     from flexmodal.campaign.description.schema import CampaignTable
 
     content = parse_toml(file, kind="a campaign.toml")
     if isinstance(content, Fault):
         raise InvalidCampaign(content)
     faults = FaultList(file)
-    try:
-        table = CampaignTable.model_validate(content)
-    except ValidationError as error:
-        add_faults(faults, error.errors(include_url=False))
-        raise InvalidCampaign(faults.faults) from None
-    if type(content["format"]) is not int:  # true and 1.0 equal 1
-        faults.add("format", shown(content["format"]), ALLOWED[""]["format"])
+    table = validated(CampaignTable, content, faults)
+    if table is None:
+        raise InvalidCampaign(faults.faults)
     tested = _tested(table)
     add_contradictions(faults, tested)
     if faults.faults:

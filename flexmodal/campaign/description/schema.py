@@ -1,63 +1,60 @@
-"""What a `campaign.toml` may say, for pydantic.
+"""What a `campaign.toml` may say, for pydantic: what is valid, and the sentence for where it is not.
 
-Imported only while a campaign is read, since pydantic is slow to load. The models say what is valid;
-`toml_faults` says in words what is not.
+Imported only while a campaign is read, since pydantic is slow to load.
 """
 
 from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, field_validator
+from pydantic import Field, field_validator
 
+from flexmodal.campaign.description.tested import BAND
 from flexmodal.campaign.trial import MOST_DIGITS, MOST_TRIAL
+from flexmodal.text.schema import TEXT, NotNegative, Number, Positive, Table, Text, Triple
 
-Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
-Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0)]
-NotNegative = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0)]
-Text = Annotated[str, Field(strict=True, min_length=1)]
+_ID = f"a whole number from 1 to {MOST_DIGITS}"
+_TRIAL_ID = f"a whole number from 1 to {MOST_TRIAL}"
+_WINDOW = '"none", or { kind = "force" or "exponential", decay = a number in 1/s, 0 or more }'
+
 Id = Annotated[int, Field(strict=True, ge=1, le=MOST_DIGITS)]
 TrialId = Annotated[int, Field(strict=True, ge=1, le=MOST_TRIAL)]
 
 
-class _Table(BaseModel):
-    model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
-
-
-class PostureTable(_Table):
+class PostureTable(Table):
     """`[[posture]]`."""
 
-    id: Id
-    name: Text
-    q: dict[Text, Number]
+    id: Id = Field(description=_ID)
+    name: Text = Field(description=TEXT)
+    q: dict[Text, Number] = Field(description="a table of joint = finite angle in rad")
 
 
-class PointTable(_Table):
+class PointTable(Table):
     """`[[point]]`."""
 
-    id: Id
-    name: Text
-    link: Text
-    xyz: Annotated[list[Number], Field(min_length=3, max_length=3)]
+    id: Id = Field(description=_ID)
+    name: Text = Field(description=TEXT)
+    link: Text = Field(description="the name of a URDF link")
+    xyz: Triple = Field(description="three finite numbers in m")
 
 
-class WindowTable(_Table):
+class WindowTable(Table):
     """`window = { kind = …, decay = … }`."""
 
     kind: Literal["force", "exponential"]
     decay: NotNegative
 
 
-class TrialTable(_Table):
+class TrialTable(Table):
     """`[[trial]]`."""
 
-    id: TrialId
-    force_peak: Positive
-    averages: Annotated[int, Field(strict=True, ge=1, le=1_000_000)]
-    tip: Text
-    record_length: Positive | None = None
-    window: Literal["none"] | WindowTable = "none"
-    repeat_of: TrialId | None = None
+    id: TrialId = Field(description=_TRIAL_ID)
+    force_peak: Positive = Field(description="a number in N, above 0")
+    averages: int = Field(strict=True, ge=1, le=1_000_000, description="a whole number, 1 or more")
+    tip: Text = Field(description=TEXT)
+    record_length: Positive | None = Field(default=None, description="a number in s, above 0")
+    window: Literal["none"] | WindowTable = Field(default="none", description=_WINDOW)
+    repeat_of: TrialId | None = Field(default=None, description="the id of another trial")
 
     @field_validator("window", mode="before")
     @classmethod
@@ -72,13 +69,15 @@ class TrialTable(_Table):
         return window
 
 
-class CampaignTable(_Table):
+class CampaignTable(Table):
     """The whole file."""
 
-    format: Literal[1]
-    title: Text
-    robot: Text
-    band: Annotated[list[NotNegative], Field(min_length=2, max_length=2)] | None = None
-    posture: Annotated[list[PostureTable], Field(min_length=1)]
-    point: Annotated[list[PointTable], Field(min_length=1)]
-    trial: Annotated[list[TrialTable], Field(min_length=1)]
+    format: Literal[1] = Field(description="1")
+    title: Text = Field(description=TEXT)
+    robot: Text = Field(description="a card's name, or a path relative to this file")
+    band: Annotated[list[NotNegative], Field(min_length=2, max_length=2)] | None = Field(
+        default=None, description=BAND
+    )
+    posture: list[PostureTable] = Field(min_length=1, description="at least one table [[posture]]")
+    point: list[PointTable] = Field(min_length=1, description="at least one table [[point]]")
+    trial: list[TrialTable] = Field(min_length=1, description="at least one table [[trial]]")

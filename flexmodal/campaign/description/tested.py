@@ -8,6 +8,9 @@ from typing import Protocol, runtime_checkable
 
 from flexmodal.campaign.trial import Trial
 
+BAND = "two frequencies in Hz, the lower first"
+"""What the band of a campaign may be."""
+
 
 @dataclass(frozen=True)
 class CampaignPosture:

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from flexmodal.campaign.abscissa import evened
 from flexmodal.campaign.blow import Blow
 from flexmodal.campaign.campaign import Campaign, default_band
-from flexmodal.campaign.description.faults import key_of
 from flexmodal.campaign.description.read import read_toml
 from flexmodal.campaign.description.tested import Tested
 from flexmodal.campaign.records import FrfRecords
@@ -19,7 +18,8 @@ from flexmodal.campaign.tables.columns import Layout, read_columns
 from flexmodal.errors import Fault, InvalidCampaign
 from flexmodal.frf import POWER
 from flexmodal.text.toml import parse_toml
-from flexmodal.text.words import FaultList, listing, nearest, shown
+from flexmodal.text.validation import validated
+from flexmodal.text.words import FaultList, shown
 
 if TYPE_CHECKING:
     from flexmodal.campaign.tables.schema import BlowMap, ColumnMap, FrfMap
@@ -68,39 +68,19 @@ def import_table(path: str | os.PathLike[str]) -> Campaign:
 
 
 def _column_map(file: Path) -> ColumnMap:
-    from pydantic import ValidationError
-
     from flexmodal.campaign.tables.schema import ColumnMap
 
     content = parse_toml(file, kind="a column map")
     if isinstance(content, Fault):
         raise InvalidCampaign(content)
     faults = FaultList(file)
-    try:
-        columns = ColumnMap.model_validate(content)
-    except ValidationError as error:
-        for one in error.errors(include_url=False):
-            _add_fault(faults, one)
-        raise InvalidCampaign(faults.faults) from None
+    columns = validated(ColumnMap, content, faults)
+    if columns is None or faults.faults:
+        raise InvalidCampaign(faults.faults)
     if bool(columns.frf) == bool(columns.blow):
         found = "both [[frf]] and [[blow]]" if columns.frf else "neither [[frf]] nor [[blow]]"
         raise InvalidCampaign(Fault(str(file), "", found, "one of the two: they have different abscissas"))
     return columns
-
-
-def _add_fault(faults: FaultList, error: Any) -> None:
-    from flexmodal.campaign.tables.schema import ALLOWED
-
-    location = list(error["loc"])
-    name = next((str(part) for part in reversed(location) if isinstance(part, str)), "")
-    if error["type"] == "extra_forbidden":
-        hint = f"{nearest(name, ALLOWED)}the keys are {listing(ALLOWED)}"
-        faults.add(key_of(location), "an unknown key", hint)
-    elif error["type"] == "value_error":
-        faults.add(key_of(location), "no one way to the values", "re and im, or magnitude and phase")
-    else:
-        found = "nothing" if error["type"] == "missing" else shown(error["input"])
-        faults.add(key_of(location), found, ALLOWED.get(name, "what docs/campaign.md says"))
 
 
 def _beside(file: Path, address: str, key: str) -> Path:

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Float, Int
 
-from flexmodal.campaign import CampaignPoint, CampaignPosture
+from flexmodal.campaign import CampaignPoint, CampaignPosture, named_direction
 from flexmodal.diagnosis.march.pulse import Pulse, pulses
 from flexmodal.identification import Observations
 from flexmodal.identification.model import AXES
@@ -116,6 +116,11 @@ class Context:
     def point(self, key: int | str) -> CampaignPoint:
         """A point by its id or name."""
         return self._points[key]
+
+    def direction(self, place: Place) -> str:
+        """A point and a direction as text, such as tip:+z."""
+        number, way = place
+        return str(named_direction((number, way), {number: self.point(number).name}))
 
     def places(
         self, table: Int[np.ndarray, "place 2"]

@@ -10,10 +10,10 @@ from jaxtyping import Float
 
 from flexmodal.diagnosis.modes.forecast import Explanation, Forecast
 from flexmodal.diagnosis.modes.likelihood import Likelihood, Pairs
-from flexmodal.diagnosis.modes.measured import MeasuredModes
 from flexmodal.diagnosis.modes.residuals import Residuals, residuals
 from flexmodal.diagnosis.modes.scales import scale_term
 from flexmodal.diagnosis.modes.scatter import Beliefs
+from flexmodal.identification.evidence.measured_modes import ModeObservations
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,7 +21,7 @@ class ModalFit:
     """An explanation at its best."""
 
     explanation: Explanation
-    measured: MeasuredModes
+    measured: ModeObservations
     beliefs: Beliefs
     x: Float[np.ndarray, " parameter"]
     scales: Mapping[str, float]

@@ -4,26 +4,27 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from flexmodal.diagnosis.comparison import Comparison
 from flexmodal.diagnosis.modes.evidence import ModalFit
 from flexmodal.diagnosis.modes.gap import Errors
 from flexmodal.diagnosis.modes.held_out import HeldOut
-from flexmodal.diagnosis.modes.measured import MeasuredModes
 from flexmodal.diagnosis.modes.shapes import ModeShapes
-from flexmodal.diagnosis.modes.weigh import Scales
+from flexmodal.diagnosis.modes.variants import FittedModes
+from flexmodal.identification.evidence.measured_modes import ModeObservations
 
 
 @dataclass(frozen=True, eq=False)
 class Findings:
     """Fits and comparisons of the last round of weighing, and the baselines."""
 
-    measured: MeasuredModes
+    measured: ModeObservations
     before: ModalFit
     """The robot re-tuned, nothing added."""
     after: ModalFit
     """The final model; without a step the best of what was weighed."""
     held_before: HeldOut | None
     held_after: HeldOut | None
-    scales: Scales
+    comparison: Comparison[FittedModes]
     """Of the first round."""
     free: ModalFit | None
     """With one more mode that has no structure."""

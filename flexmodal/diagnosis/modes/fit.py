@@ -14,13 +14,13 @@ from jaxtyping import Float
 from flexmodal.diagnosis.modes.evidence import ModalFit, integrated
 from flexmodal.diagnosis.modes.forecast import Explanation
 from flexmodal.diagnosis.modes.likelihood import Likelihood, Pairs
-from flexmodal.diagnosis.modes.measured import MeasuredModes
 from flexmodal.diagnosis.modes.pairing import paired
 from flexmodal.diagnosis.modes.residuals import residuals
 from flexmodal.diagnosis.modes.scales import rescaled
 from flexmodal.diagnosis.modes.scatter import Beliefs
 from flexmodal.errors import InvalidSystem
 from flexmodal.identification.descent import Normal, descend, prior_cost
+from flexmodal.identification.evidence.measured_modes import ModeObservations
 
 COARSE = (0.12, 0.03)
 """Relative errors of frequencies that the first rounds grant a model, so that pairs can find each other."""
@@ -30,7 +30,7 @@ SETTLED = 1e-6
 
 def fit_modes(
     explanation: Explanation,
-    measured: MeasuredModes,
+    measured: ModeObservations,
     start: Float[np.ndarray, " parameter"],
     beliefs: Beliefs,
     *,

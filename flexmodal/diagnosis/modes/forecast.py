@@ -15,8 +15,8 @@ from jaxtyping import Complex, Float
 
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.modes.spectrum import spectrum
-from flexmodal.diagnosis.outcome import NONE, UNSTRUCTURED
-from flexmodal.identification import Observations
+from flexmodal.diagnosis.names import NONE, UNSTRUCTURED
+from flexmodal.identification.evidence.measured_modes import Place
 from flexmodal.structure import Parameter, ParameterSpace
 
 USUAL_DAMPING, DAMPING_SPREAD = 0.05, 1.0
@@ -76,12 +76,11 @@ class Explanation:
     def forecasts(
         self,
         x: Float[np.ndarray, " parameter"],
-        observations: Observations,
-        places: Sequence[tuple[int, int]],
+        places: Sequence[Place],
         *,
         slopes: bool,
     ) -> list[Forecast]:
-        """Modes of every posture of the observations, seen at these places.
+        """Modes of every posture of the context, seen at these places.
 
         Raises:
             InvalidSystem: a mass matrix that is not positive definite.
@@ -89,9 +88,8 @@ class Explanation:
         count = len(self.space) if slopes else 0
         inner = x[: len(self.hypothesis.space)]
         names = self.hypothesis.space.names if slopes else ()
-        structures = self.hypothesis.structures(inner, places, places[:1], slopes=slopes)
-        rows = np.arange(len(places))
-        made = spectrum(structures, [rows] * len(structures), names)
+        structures = self.hypothesis.structures(inner, places, (), slopes=slopes)
+        made = spectrum(structures, names)
         own, found = len(names), []
         for number, n in enumerate(made.count):
             pole = made.pole[number, :n]

@@ -13,9 +13,8 @@ import numpy as np
 from jaxtyping import Float
 
 from flexmodal.diagnosis.modes.evidence import ModalFit
-from flexmodal.diagnosis.modes.measured import MeasuredModes
-from flexmodal.identification.evidence.measured_modes import MeasuredMode
-from flexmodal.identification.evidence.modal_gap import DAMPING_SHARE, gap_of_errors, noise_of
+from flexmodal.identification.evidence.measured_modes import MeasuredMode, ModeObservations
+from flexmodal.identification.evidence.modal_gap import DAMPING_SHARE, gap_of_errors
 from flexmodal.modal.mac import mac_with
 
 Errors = Float[np.ndarray, "mode 3"]
@@ -38,8 +37,8 @@ class Figures:
 
 def errors(fit: ModalFit) -> Errors:
     """Of every measured mode of a fit."""
-    table = np.full((len(fit.measured.observed.modes), 3), np.nan)
-    for k, mode in enumerate(fit.measured.observed.modes):
+    table = np.full((len(fit.measured.modes), 3), np.nan)
+    for k, mode in enumerate(fit.measured.modes):
         m = fit.pairs[k]
         if m < 0:
             table[k] = lacking(mode)
@@ -78,14 +77,9 @@ def figures(table: Errors) -> Figures:
     )
 
 
-def noise_floor(measured: MeasuredModes, table: Errors) -> float:
-    """The gap that the scatter over places alone makes."""
-    return noise_of(measured.observed, table)
-
-
-def mean_of_others(measured: MeasuredModes) -> Errors:
+def mean_of_others(measured: ModeObservations) -> Errors:
     """Errors of a baseline without any model: each mode is what it is on average in the other postures."""
-    modes = measured.observed.modes
+    modes = measured.modes
     table = np.full((len(modes), 3), np.nan)
     for k, mode in enumerate(modes):
         others = [m for m in modes if m.number == mode.number and m.posture != mode.posture]

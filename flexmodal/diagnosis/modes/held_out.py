@@ -8,12 +8,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Bool
 
-from flexmodal.diagnosis.modes.elsewhere import predictive, restricted
 from flexmodal.diagnosis.modes.evidence import ModalFit
 from flexmodal.diagnosis.modes.fit import fit_modes
 from flexmodal.diagnosis.modes.gap import Errors, errors
-from flexmodal.diagnosis.modes.measured import MeasuredModes
+from flexmodal.diagnosis.modes.predictive import predictive, restricted
 from flexmodal.errors import InvalidSystem
+from flexmodal.identification.evidence.measured_modes import ModeObservations
 
 FEWEST = 3
 """Postures from which on each is held out in turn."""
@@ -33,7 +33,7 @@ class HeldOut:
 
 def in_turn(fit: ModalFit) -> HeldOut | None:
     """Leave out each posture in turn, fit to the others from where the fit to all ended, and predict."""
-    observed = fit.measured.observed
+    observed = fit.measured
     posture = np.array([mode.posture for mode in observed.modes])
     folds = [posture == k for k in np.unique(posture)]
     if len(folds) < FEWEST:
@@ -53,7 +53,7 @@ def in_turn(fit: ModalFit) -> HeldOut | None:
 
 def together(
     fits: Sequence[ModalFit],
-    whole: MeasuredModes,
+    whole: ModeObservations,
     folds: Sequence[Bool[np.ndarray, " mode"]],
     usual: ModalFit,
 ) -> HeldOut:
@@ -65,7 +65,7 @@ def together(
         folds: which of them each fit did not see.
         usual: scales for modes that a fit has never seen the like of.
     """
-    table = np.full((len(whole.observed.modes), 3), np.nan)
+    table = np.full((len(whole.modes), 3), np.nan)
     frequency = np.full(len(table), np.nan)
     score = 0.0
     for one, fold in zip(fits, folds, strict=True):
@@ -73,7 +73,7 @@ def together(
         table[fold] = errors(there)
         frequency[fold] = [
             np.exp(there.forecasts[mode.posture].log_frequency[m]) if m >= 0 else np.nan
-            for mode, m in zip(there.measured.observed.modes, there.pairs, strict=True)
+            for mode, m in zip(there.measured.modes, there.pairs, strict=True)
         ]
         score += predictive(there)
     return HeldOut(table, score, tuple(frequency.tolist()))

@@ -10,7 +10,6 @@ import numpy as np
 from jaxtyping import Float
 
 from flexmodal.diagnosis.modes.forecast import Explanation, Forecast
-from flexmodal.diagnosis.modes.measured import MeasuredModes
 from flexmodal.diagnosis.modes.scatter import (
     DAMPING,
     FREQUENCY,
@@ -21,7 +20,7 @@ from flexmodal.diagnosis.modes.scatter import (
     log_watson_constant,
 )
 from flexmodal.identification.descent import prior_cost
-from flexmodal.identification.evidence.measured_modes import MeasuredMode
+from flexmodal.identification.evidence.measured_modes import MeasuredMode, ModeObservations
 from flexmodal.modal.mac import mac_with
 from flexmodal.structure import ParameterSpace
 
@@ -36,7 +35,7 @@ class Likelihood:
     """Of one set of measured modes, under one explanation and one set of beliefs."""
 
     explanation: Explanation
-    measured: MeasuredModes
+    measured: ModeObservations
     beliefs: Beliefs
 
     @cached_property
@@ -49,7 +48,7 @@ class Likelihood:
         """Of each measured mode its shapes, of unit length, and where their places stand."""
         return tuple(
             tuple((self.measured.rows(s.places), s.residue / np.linalg.norm(s.residue)) for s in mode.shapes)
-            for mode in self.measured.observed.modes
+            for mode in self.measured.modes
         )
 
     def usual(self) -> dict[str, float]:
@@ -60,7 +59,7 @@ class Likelihood:
 
     def see(self, x: Float[np.ndarray, " parameter"], *, slopes: bool) -> list[Forecast]:
         """What the explanation predicts in each posture."""
-        return self.explanation.forecasts(x, self.measured.stand_in, self.measured.places, slopes=slopes)
+        return self.explanation.forecasts(x, self.measured.responses, slopes=slopes)
 
     def gains(
         self,
@@ -79,7 +78,7 @@ class Likelihood:
             grant: relative error of frequencies that is granted besides.
             spread: variances of the model's logarithms of frequency and damping ratio.
         """
-        elsewhere = self.anywhere(self.measured.observed.modes[k])
+        elsewhere = self.anywhere(self.measured.modes[k])
         return np.array(
             [
                 self.as_mode(k, seen, m, scales, grant, spread) - elsewhere - self.overlooked(seen, m)
@@ -97,7 +96,7 @@ class Likelihood:
         spread: Float[np.ndarray, "2 mode"] | None = None,
     ) -> float:
         """Ln likelihood of measured mode k that is the model's mode m; arguments as of `gains`."""
-        mode = self.measured.observed.modes[k]
+        mode = self.measured.modes[k]
         more = np.zeros(2) if spread is None else spread[:, m]
         s, z = np.exp(2 * scales[FREQUENCY]), np.exp(2 * scales[DAMPING])
         variance = mode.frequency_error**2 + s + grant**2 + more[0]
@@ -135,7 +134,7 @@ class Likelihood:
             if not here:
                 continue
             for k in here:
-                mode = self.measured.observed.modes[k]
+                mode = self.measured.modes[k]
                 total += self.as_mode(k, one, pairs[k], scales, 0.0) if pairs[k] >= 0 else self.anywhere(mode)
             taken = {pairs[k] for k in here if pairs[k] >= 0}
             total += sum(self.overlooked(one, m) for m in range(len(one.log_frequency)) if m not in taken)
@@ -146,10 +145,12 @@ class Likelihood:
         p = self.space.precision
         known = p > 0
         total = -0.5 * prior_cost(self.space, x) + 0.5 * float(np.sum(np.log(p[known] / (2 * np.pi))))
-        for name, value in scales.items():
-            mean, deviation = self.beliefs.scales[name.partition(".")[0]]
-            total += log_normal(value - mean, deviation**2)
-        return total
+        return total + self.log_prior_of_scales(scales)
+
+    def log_prior_of_scales(self, scales: Mapping[str, float]) -> float:
+        """Of the scales alone."""
+        priors = ((value, self.beliefs.scales[name.partition(".")[0]]) for name, value in scales.items())
+        return sum(log_normal(value - mean, deviation**2) for value, (mean, deviation) in priors)
 
     def log_posterior(
         self, x: Float[np.ndarray, " parameter"], scales: Mapping[str, float], pairs: Pairs

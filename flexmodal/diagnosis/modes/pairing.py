@@ -26,7 +26,7 @@ def paired(
         grant: relative error of frequencies that is granted besides.
     """
     measured = likelihood.measured
-    pairs = [-1] * len(measured.observed.modes)
+    pairs = [-1] * len(measured.modes)
     for number, here in enumerate(measured.here):
         if not here:
             continue

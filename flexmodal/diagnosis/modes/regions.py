@@ -19,15 +19,15 @@ def regions(fit: ModalFit) -> tuple[Region, ...]:
     table = errors(fit)
     total = float(np.nansum(table**2))
     found = []
-    for k, mode in enumerate(fit.measured.observed.modes):
+    for k, mode in enumerate(fit.measured.modes):
         named = _kind(fit, k, table[k])
         if named is None:
             continue
         kind, says = named
-        posture = fit.measured.observed.postures[mode.posture]
+        posture = fit.measured.postures[mode.posture]
         width = mode.damping_ratio if np.isfinite(mode.damping_ratio) else 0.05
         shape = max(mode.shapes, key=lambda s: len(s.places), default=None)
-        places = fit.measured.places if shape is None else shape.places.tolist()
+        places = fit.measured.responses if shape is None else shape.places.tolist()
         reference = places[0] if shape is None else shape.reference
         found.append(
             Region(
@@ -41,7 +41,7 @@ def regions(fit: ModalFit) -> tuple[Region, ...]:
 
 
 def _kind(fit: ModalFit, k: int, table: np.ndarray) -> tuple[str, str] | None:
-    mode = fit.measured.observed.modes[k]
+    mode = fit.measured.modes[k]
     if fit.pairs[k] < 0:
         return (
             "missing resonance",

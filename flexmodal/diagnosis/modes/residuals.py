@@ -81,7 +81,7 @@ def residuals(likelihood: Likelihood, seen: Sequence[Forecast], pairs: Pairs) ->
 
 def _parts(likelihood: Likelihood, k: int, seen: Forecast, m: int) -> Iterator[_Part]:
     """Of measured mode k as the model's mode m."""
-    mode = likelihood.measured.observed.modes[k]
+    mode = likelihood.measured.modes[k]
     if m >= len(seen.log_frequency):
         raise InvalidSystem(Fault("model", f"mode {m + 1}", "overdamped", "one that oscillates"))
     away = seen.log_frequency[[m]] - np.log(mode.frequency)

@@ -15,15 +15,15 @@ from jaxtyping import Float
 
 from flexmodal.diagnosis.effects import Context
 from flexmodal.diagnosis.hypothesis import Placed
-from flexmodal.diagnosis.modes.elsewhere import granted
 from flexmodal.diagnosis.modes.evidence import ModalFit
 from flexmodal.diagnosis.modes.fit import fit_modes
 from flexmodal.diagnosis.modes.forecast import Explanation, Forecast
 from flexmodal.diagnosis.modes.likelihood import Pairs
-from flexmodal.diagnosis.modes.measured import MeasuredModes
+from flexmodal.diagnosis.modes.predictive import granted
 from flexmodal.diagnosis.modes.scatter import Beliefs
-from flexmodal.diagnosis.outcome import UNSTRUCTURED
+from flexmodal.diagnosis.names import UNSTRUCTURED
 from flexmodal.errors import InvalidSystem
+from flexmodal.identification.evidence.measured_modes import ModeObservations
 
 WAYS = 5
 """Ways to pair that are tried from each start."""
@@ -47,7 +47,7 @@ Start = tuple[Float[np.ndarray, " parameter"], Pairs | None]
 
 
 def best_fits(
-    explanation: Explanation, measured: MeasuredModes, starts: Sequence[Start], beliefs: Beliefs
+    explanation: Explanation, measured: ModeObservations, starts: Sequence[Start], beliefs: Beliefs
 ) -> list[ModalFit]:
     """Fits from several starts, the highest posterior first; none where no start is a model at all."""
     quick = []
@@ -61,7 +61,7 @@ def best_fits(
 
 
 def followed(
-    explanation: Explanation, measured: MeasuredModes, near: Sequence[ModalFit], beliefs: Beliefs
+    explanation: Explanation, measured: ModeObservations, near: Sequence[ModalFit], beliefs: Beliefs
 ) -> list[ModalFit]:
     """Fits that begin where others ended, the highest posterior first."""
     found = []
@@ -82,7 +82,7 @@ def _distinct(fits: Sequence[ModalFit]) -> list[ModalFit]:
     return kept
 
 
-def bare_starts(explanation: Explanation, measured: MeasuredModes, x: np.ndarray) -> list[Start]:
+def bare_starts(explanation: Explanation, measured: ModeObservations, x: np.ndarray) -> list[Start]:
     """Of the robot as it is, from given coordinates."""
     return _nearest([(shift, (x, pairs)) for shift, pairs in ways(explanation, measured, x)])
 
@@ -91,7 +91,7 @@ def effect_starts(
     placed: Placed,
     explanation: Explanation,
     states: Sequence[tuple[Float[np.ndarray, " before"], Mapping[int, float]]],
-    measured: MeasuredModes,
+    measured: ModeObservations,
 ) -> list[Start]:
     """Of one effect more: its own starts, a frequency of its own where modes are missing.
 
@@ -121,7 +121,7 @@ def effect_starts(
     return chosen
 
 
-def _likely(explanation: Explanation, measured: MeasuredModes, x: np.ndarray) -> float | None:
+def _likely(explanation: Explanation, measured: ModeObservations, x: np.ndarray) -> float | None:
     """Ln likelihood at a start that is granted to be far off; None where there is no model."""
     try:
         return granted(explanation, measured, x)
@@ -145,7 +145,7 @@ def _spread(placed: Placed, scene: Context, own: Sequence[Mapping[str, float]]) 
     return found
 
 
-def free_starts(explanation: Explanation, measured: MeasuredModes, x: np.ndarray) -> list[Start]:
+def free_starts(explanation: Explanation, measured: ModeObservations, x: np.ndarray) -> list[Start]:
     """Of one mode without structure more, at each of the measured modes in turn."""
     name = f"{UNSTRUCTURED}.{explanation.free}.frequency"
     parameter = explanation.space.parameters[explanation.space.index[name]]
@@ -165,7 +165,7 @@ def _nearest(found: Sequence[tuple[float, Start]]) -> list[Start]:
 def unmatched(fit: ModalFit) -> dict[int, float]:
     """Measured modes that the robot itself lacks in at least half the postures, frequencies [Hz]."""
     found: dict[int, list[tuple[float, bool]]] = {}
-    for mode, partner in zip(fit.measured.observed.modes, fit.pairs, strict=True):
+    for mode, partner in zip(fit.measured.modes, fit.pairs, strict=True):
         structured = len(fit.forecasts[mode.posture].log_frequency) - fit.explanation.free
         found.setdefault(mode.number, []).append((mode.frequency, not 0 <= partner < structured))
     return {
@@ -175,9 +175,9 @@ def unmatched(fit: ModalFit) -> dict[int, float]:
     }
 
 
-def _centres(measured: MeasuredModes) -> dict[int, float]:
+def _centres(measured: ModeObservations) -> dict[int, float]:
     return {
-        number: float(np.median([m.frequency for m in measured.observed.modes if m.number == number]))
+        number: float(np.median([m.frequency for m in measured.modes if m.number == number]))
         for number in measured.numbers
     }
 
@@ -193,7 +193,7 @@ def _at_peaks(given: Sequence[Mapping[str, float]], peaks: Mapping[int, float]) 
 
 
 def ways(
-    explanation: Explanation, measured: MeasuredModes, x: np.ndarray, *, taken: int | None = None
+    explanation: Explanation, measured: ModeObservations, x: np.ndarray, *, taken: int | None = None
 ) -> list[tuple[float, Pairs]]:
     """Pairs in order of frequency, the smallest shifts first; one without a posture's measured mode has −1.
 
@@ -207,7 +207,7 @@ def ways(
         The sum of squared logarithmic shifts, and the pairs; nothing where there is no model.
     """
     try:
-        seen = explanation.forecasts(x, measured.stand_in, measured.places, slopes=False)
+        seen = explanation.forecasts(x, measured.responses, slopes=False)
     except (InvalidSystem, np.linalg.LinAlgError):
         return []
     numbers = [n for n in _ordered(measured) if n != taken]
@@ -226,16 +226,16 @@ def ways(
     return [(shift, _pairs(measured, seen, table, taken)) for shift, table in tried[:WAYS]]
 
 
-def _ordered(measured: MeasuredModes) -> list[int]:
+def _ordered(measured: ModeObservations) -> list[int]:
     centre = _centres(measured)
     return sorted(centre, key=lambda number: centre[number])
 
 
 def _pairs(
-    measured: MeasuredModes, seen: Sequence[Forecast], table: Mapping[int, int], taken: int | None
+    measured: ModeObservations, seen: Sequence[Forecast], table: Mapping[int, int], taken: int | None
 ) -> Pairs:
     found = []
-    for mode in measured.observed.modes:
+    for mode in measured.modes:
         count = len(seen[mode.posture].log_frequency)
         m = count - 1 if mode.number == taken else table.get(mode.number, -1)
         found.append(m if m < count else -1)

@@ -15,8 +15,8 @@ from itertools import combinations
 import numpy as np
 
 from flexmodal.diagnosis.modes.evidence import ModalFit
-from flexmodal.diagnosis.modes.measured import MeasuredModes
 from flexmodal.diagnosis.modes.scatter import SHAPE, log_watson_constant
+from flexmodal.identification.evidence.measured_modes import ModeObservations
 from flexmodal.modal.mac import mac_with
 
 CLEAN = 100.0
@@ -49,7 +49,7 @@ def compare_shapes(one: ModalFit, other: ModalFit) -> tuple[ModeShapes, ...]:
     measured, found = one.measured, []
     for number in measured.numbers:
         entries = []
-        for k, mode in enumerate(measured.observed.modes):
+        for k, mode in enumerate(measured.modes):
             partners = one.pairs[k], other.pairs[k]
             if mode.number != number or min(partners) < 0 or not mode.shapes:
                 continue
@@ -104,10 +104,10 @@ def _between(entries: list, column: int) -> float:  # type: ignore[type-arg]
     return float(np.mean(found)) if found else float("nan")
 
 
-def shapes_of(measured: MeasuredModes, number: int) -> dict[int, tuple[list[int], np.ndarray]]:
-    """Measured shapes of one mode by posture number: rows in `measured.places`, residues of unit size."""
+def shapes_of(measured: ModeObservations, number: int) -> dict[int, tuple[list[int], np.ndarray]]:
+    """Measured shapes of one mode by posture number: rows in `measured.responses`, residues of unit size."""
     found = {}
-    for mode in measured.observed.modes:
+    for mode in measured.modes:
         if mode.number == number and mode.shapes:
             shape = max(mode.shapes, key=lambda s: len(s.places))
             found[mode.posture] = (measured.rows(shape.places), shape.residue / np.linalg.norm(shape.residue))

@@ -9,7 +9,7 @@ import numpy as np
 from flexmodal.diagnosis.modes.findings import Findings
 from flexmodal.diagnosis.modes.gap import errors, figures
 from flexmodal.diagnosis.modes.shapes import ModeShapes
-from flexmodal.diagnosis.outcome import NONE, UNSTRUCTURED
+from flexmodal.diagnosis.names import NONE, UNSTRUCTURED
 from flexmodal.text.words import enumeration
 
 Key = tuple[str, str]
@@ -33,7 +33,7 @@ def hertz(modes: Sequence[tuple[int, float]]) -> str:
 def missing_words(found: Findings) -> str:
     """What the measurement has and the robot lacks."""
     before = figures(errors(found.before))
-    total = len(found.measured.observed.modes)
+    total = len(found.measured.modes)
     says = (
         f"The robot re-tuned meets {total - before.missing} of the {total} measured modes"
         f" ({100 * before.frequency:.1f} % in frequency)"
@@ -87,8 +87,6 @@ def left_words(found: Findings) -> str:
         return ""
     parts = []
     for number, frequency in found.left:
-        here = [m.posture for m in found.measured.observed.modes if m.number == number]
-        parts.append(
-            f"near {frequency:.3g} Hz (in {len(here)} of {len(found.measured.observed.postures)} postures)"
-        )
+        here = [m.posture for m in found.measured.modes if m.number == number]
+        parts.append(f"near {frequency:.3g} Hz (in {len(here)} of {len(found.measured.postures)} postures)")
     return f"No partner is left for the peak{'s' if len(parts) > 1 else ''} {enumeration(parts)}."

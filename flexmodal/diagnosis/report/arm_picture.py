@@ -10,26 +10,27 @@ from jaxtyping import Float
 
 from flexmodal.diagnosis.compare import excess
 from flexmodal.diagnosis.outcome import Diagnosis
-from flexmodal.diagnosis.report.pictures import FONT, WIDTH, new_figure
-from flexmodal.frf.plot import PALETTE
 from flexmodal.model import Robot
 from flexmodal.model.placements import link_placements
+from flexmodal.report.figure import INK, NARROW, NOISE, PALETTE, PAPER, SOFT, drawing, new_figure, short
 
-FOUND, POINT, LINK, GHOST = PALETTE[1], PALETTE[2], "#4b5058", "#c9ccd1"
+FOUND, POINT, LINK, GHOST = PALETTE[1], PALETTE[2], SOFT, NOISE
 
 Plane = Float[np.ndarray, "2 3"]
 Placed = Mapping[str, Float[np.ndarray, "4 4"]]
 
 
+@drawing
 def draw_arm(diagnosis: Diagnosis) -> Any:
     """Draw the posture that disagrees most, the others behind it, with places marked and named."""
-    robot, observations = diagnosis.model.context.robot, diagnosis.observations
-    above = excess(observations, diagnosis.predicted["before"]).sum(axis=1)
-    by_posture = np.bincount(observations.posture, above, len(observations.postures))
-    worst = int(np.argmax(by_posture))
-    placed = [link_placements(robot, dict(p.q)) for p in observations.postures]
+    context, seen = diagnosis.model.context, diagnosis.frfs
+    robot, worst = context.robot, 0
+    if seen is not None:
+        above = excess(seen, diagnosis.predicted["before"]).sum(axis=1)
+        worst = int(np.argmax(np.bincount(seen.posture, above, len(seen.postures))))
+    placed = [link_placements(robot, dict(p.q)) for p in context.postures]
     plane = _plane(robot, placed[worst])
-    figure = new_figure(_height([plane @ place[:3, 3] for one in placed for place in one.values()]))
+    figure = new_figure(NARROW, _height([plane @ place[:3, 3] for one in placed for place in one.values()]))
     axes = figure.subplots()
     for number, one in enumerate(placed):
         if number != worst:
@@ -43,15 +44,15 @@ def draw_arm(diagnosis: Diagnosis) -> Any:
     axes.set_aspect("equal", adjustable="datalim")
     axes.margins(0.1, 0.2)
     axes.set_axis_off()
-    name = observations.postures[worst].name
-    axes.set_title(f"In {name[:30]}; other postures grey", loc="left", fontsize=FONT, parse_math=False)
+    name = context.postures[worst].name
+    axes.set_title(f"In {short(name, 30)}; other postures grey", fontsize=10, pad=16)
     return figure
 
 
 def _height(spots: list[np.ndarray]) -> float:
     """Height of the picture that the arm fills [in]."""
     width, height = np.ptp(np.array(spots), axis=0) + 1e-6
-    return float(np.clip(WIDTH * 1.25 * height / width, 0.4 * WIDTH, WIDTH)) + 0.4
+    return float(np.clip(NARROW * 1.25 * height / width, 0.4 * NARROW, NARROW)) + 0.4
 
 
 def _plane(robot: Robot, placed: Placed) -> Plane:
@@ -90,19 +91,19 @@ def _ground(axes: Any, robot: Robot, placed: Placed, plane: Plane) -> None:
 def _joints(axes: Any, robot: Robot, placed: Placed, plane: Plane) -> None:
     for name in robot.joints:
         x, y = plane @ placed[robot.urdf.joint_by_name[name].child][:3, 3]
-        axes.plot(x, y, "o", markersize=8, markerfacecolor="white", markeredgecolor=LINK, zorder=4)
+        axes.plot(x, y, "o", markersize=8, markerfacecolor=PAPER, markeredgecolor=LINK, zorder=4)
 
 
 def _points(axes: Any, diagnosis: Diagnosis, placed: Placed, plane: Plane) -> None:
-    used = {int(number) for number in np.unique(diagnosis.observations.response[:, 0])}
-    for point in diagnosis.observations.campaign.points:
+    used = {number for number, _ in diagnosis.model.context.responses}
+    for point in diagnosis.model.context.points:
         if point.id in used and point.link in placed:
             place = placed[point.link] @ np.array([*point.xyz, 1.0])
             x, y = plane @ place[:3]
             axes.plot(x, y, "D", markersize=5, color=POINT, zorder=5)
             axes.annotate(
-                point.name[:24], (x, y), xytext=(3, -7), textcoords="offset points", fontsize=FONT - 2,
-                color="#055a43", parse_math=False, zorder=6, rotation=-40, rotation_mode="anchor",
+                short(point.name, 24), (x, y), xytext=(3, -7), textcoords="offset points", fontsize=8,
+                color=INK, zorder=6, rotation=-40, rotation_mode="anchor",
                 va="top",  # aslant, so that names of points side by side do not run into each other
             )  # fmt: skip
 
@@ -110,7 +111,7 @@ def _points(axes: Any, diagnosis: Diagnosis, placed: Placed, plane: Plane) -> No
 def _mark(axes: Any, diagnosis: Diagnosis, placed: Placed, plane: Plane, where: str) -> None:
     """A ring, or a thick line along a link, with the name of the place."""
     robot = diagnosis.model.context.robot
-    points = {point.name: point for point in diagnosis.observations.campaign.points}
+    points = {point.name: point for point in diagnosis.model.context.points}
     spots: list[np.ndarray] = []
     if where in placed:
         start = placed[where][:3, 3]
@@ -140,9 +141,8 @@ def _mark(axes: Any, diagnosis: Diagnosis, placed: Placed, plane: Plane, where: 
             )
         if number == 0:
             axes.annotate(
-                where[:30], (x, y), xytext=(16, 22), textcoords="offset points", fontsize=FONT + 1,
-                fontweight="bold", color="#8a3b00", parse_math=False,
-                arrowprops={"arrowstyle": "-", "color": "#8a3b00"}, zorder=6,
+                short(where, 30), (x, y), xytext=(16, 22), textcoords="offset points", fontsize=11,
+                fontweight="bold", color=INK, arrowprops={"arrowstyle": "-", "color": FOUND}, zorder=6,
             )  # fmt: skip
 
 

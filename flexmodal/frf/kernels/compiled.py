@@ -43,11 +43,9 @@ class Kernel:
     flags: tuple[str, ...] = ()
 
     @cached_property
-    def plain(self) -> FunctionType:
+    def plain(self) -> Any:
         """The function itself, without the type checks of the tests."""
-        function = unwrap(self.function)
-        assert isinstance(function, FunctionType)
-        return function
+        return unwrap(self.function)
 
     @cached_property
     def name(self) -> str:
@@ -64,13 +62,13 @@ class Kernel:
         return f"{self.plain.__name__}_{digest}"
 
     def is_stored(self) -> bool:
-        """Whether numba has it on disk; looked up without loading numba."""
-        pattern, beside = f"*.{self.name}-*.nbi", Path(self.plain.__code__.co_filename).parent
-        chosen = os.environ.get("NUMBA_CACHE_DIR")
-        if chosen:
-            return any(Path(chosen).glob(f"*/{pattern}"))
+        """Whether numba has it on disk, for the source as it is; looked up without loading numba."""
+        source = Path(self.plain.__code__.co_filename)
+        pattern, chosen = f"*.{self.name}-*.nbi", os.environ.get("NUMBA_CACHE_DIR")
         user = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "numba"
-        return any((beside / "__pycache__").glob(pattern)) or any(user.glob(f"*/{pattern}"))
+        folders = [source.parent / "__pycache__", *user.glob("*/")] if not chosen else Path(chosen).glob("*/")
+        written = source.stat().st_mtime
+        return any(file.stat().st_mtime >= written for folder in folders for file in folder.glob(pattern))
 
     @cached_property
     def compiled(self) -> Any:
@@ -117,7 +115,12 @@ def _called(function: Callable[..., Any], known: Mapping[str, Kernel]) -> dict[s
 
 
 def from_source(source: str, name: str) -> Kernel:
-    """A generated function, for others to call."""
+    """A generated function, for others to call.
+
+    Args:
+        source: its code.
+        name: of the function in it.
+    """
     scope: dict[str, Any] = {}
     exec(compile(source, __file__, "exec"), scope)
     function = scope[name]
@@ -141,7 +144,13 @@ def sweep_of_any_size() -> Kernel:
 
 @cache
 def sweep_along(algebra: Algebra, pairs: Pairs, kinds: frozenset[str]) -> Kernel:
-    """The loops over postures of a chain, with the elimination of its kinds of joints inside."""
+    """The loops over postures of a chain, with the elimination of its kinds of joints inside.
+
+    Args:
+        algebra: of the plane or of space.
+        pairs: of rows that make a receptance.
+        kinds: of joints that occur.
+    """
     steps = {kind: from_source(write_step(algebra, pairs, kind), "step") for kind in KINDS if kind in kinds}
     never = next(iter(steps.values()))
     scope = {f"step_{kind}": steps.get(kind, never) for kind in KINDS}

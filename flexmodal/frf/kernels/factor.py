@@ -41,7 +41,13 @@ Pairs = tuple[tuple[int, int], ...]
 
 
 def packed(i: int, j: int, n: int) -> int:
-    """Place of entry (i, j), i ≤ j, of a symmetric matrix whose upper half is stored row by row."""
+    """Place of entry (i, j), i ≤ j, of a symmetric matrix whose upper half is stored row by row.
+
+    Args:
+        i: row.
+        j: column, not below i.
+        n: size of the matrix.
+    """
     return i * n - i * (i - 1) // 2 + j - i
 
 
@@ -85,6 +91,10 @@ def write_kernel(shape: Shape, *, lanes: int = LANES) -> tuple[str, int]:
     (packed, or their diagonals), then the real and the imaginary half of the addition. `rows` holds row
     r's entry i at (r·n + i)·lanes; `out` receives for each pair the real and the imaginary part, and last
     the trust. The three last arguments are for the kernel of any size and are not looked at.
+
+    Args:
+        shape: what the kernel is for.
+        lanes: points worked on together.
 
     Returns:
         The source, and the floating-point operations of one point.

@@ -67,6 +67,11 @@ def choose(task: Task, threads: int | None, way: str = "auto") -> Route:
     they have cost what loading a compiled kernel would have, or compiling it where it is not on disk, it is
     loaded.
 
+    Args:
+        task: what is to be solved.
+        threads: most threads; all cores of the process if none.
+        way: "auto" or one of the others of `WAYS`.
+
     Raises:
         InvalidRequest: a number of threads below 1, or no such way.
         MissingExtra: a compiled route was asked for and numba is not installed.
@@ -138,7 +143,13 @@ def thread_faults(threads: int | None) -> list[Fault]:
 
 
 def in_parts(count: int, cores: int, solve: Callable[[slice], Result]) -> list[Result]:
-    """Work on a range cut into as many parts as there are cores, each in a thread of its own."""
+    """Work on a range cut into as many parts as there are cores, each in a thread of its own.
+
+    Args:
+        count: length of the range.
+        cores: how many parts.
+        solve: called with each part.
+    """
     edges = np.linspace(0, count, cores + 1).astype(int).tolist()
     parts = [slice(first, last) for first, last in pairwise(edges)]
     if cores == 1:
@@ -154,6 +165,10 @@ def available_cores() -> int:
 
 def run(task: Task, route: Route) -> Complex[np.ndarray, "system line pair"]:
     """Take a route.
+
+    Args:
+        task: what is to be solved.
+        route: from `choose`.
 
     Raises:
         SingularResponse: an undamped mode is driven at its natural frequency.

@@ -80,7 +80,15 @@ class Task:
         return pack(np.stack(parts)).ravel()
 
     def solve_compiled(self, systems: slice, lines: slice, sweep: Any, repair: Any, out: np.ndarray) -> None:
-        """Fill `out` for some systems and lines with a compiled sweep, and repair what it did not trust."""
+        """Fill `out` for some systems and lines with a compiled sweep, and repair what it did not trust.
+
+        Args:
+            systems: which of them.
+            lines: which frequencies.
+            sweep: the compiled loops.
+            repair: compiled, for the points not trusted.
+            out: of these systems and lines.
+        """
         masses, rows = self.block(systems)
         omega = self.omega[lines]
         own, here = len(masses), len(omega)
@@ -103,7 +111,13 @@ class Task:
             self.solve_pivoting(systems, lines, out)
 
     def solve_numpy(self, systems: slice, lines: slice, out: np.ndarray) -> None:
-        """Fill `out` for some systems and lines with the numpy form."""
+        """Fill `out` for some systems and lines with the numpy form.
+
+        Args:
+            systems: which of them.
+            lines: which frequencies.
+            out: of these systems and lines.
+        """
         masses, rows = self.block(systems)
         here = len(self.omega[lines])
         masses, rows = np.moveaxis(masses, 0, -1), np.moveaxis(rows, 0, -1)
@@ -117,7 +131,13 @@ class Task:
             self.solve_pivoting(systems, lines, out)
 
     def solve_lapack(self, systems: slice, lines: slice, out: np.ndarray) -> None:
-        """Fill `out` for some systems and lines one matrix at a time, with pivoting."""
+        """Fill `out` for some systems and lines one matrix at a time, with pivoting.
+
+        Args:
+            systems: which of them.
+            lines: which frequencies.
+            out: of these systems and lines.
+        """
         out[...] = np.nan
         self.solve_pivoting(systems, lines, out)
 
@@ -148,6 +168,12 @@ class Task:
         posed: tuple[np.ndarray, np.ndarray] | None = None,
     ) -> None:
         """Solve the points that stand as NaN with pivoting; `posed` if mass matrices and rows are known.
+
+        Args:
+            systems: which of them.
+            lines: which frequencies.
+            out: of these systems and lines.
+            posed: mass matrices and rows, where they are known.
 
         Raises:
             SingularResponse: Z is singular at one of them.

@@ -87,7 +87,7 @@ class ModalEvidence(Evidence):
         shapes = len({"shape", "residue"} & set(self.use))
         for number in range(len(observed.postures)):
             numbers = []
-            for mode in (observed.modes[k] for k in observed.in_posture(number)):
+            for mode in (observed.modes[k] for k in observed.here[number]):
                 damped = "damping" in self.use and bool(np.isfinite(mode.damping_ratio))
                 size = int("frequency" in self.use) + int(damped)
                 numbers.append(size + sum(2 * shapes * len(shape.places) for shape in mode.shapes))

@@ -22,7 +22,7 @@ def errors_of(problem: ModeProblem, x: Float[np.ndarray, " parameter"]) -> Float
     table = np.full((len(observed), 3), np.nan)
     shapes = "shape" in problem.use or "residue" in problem.use
     for number in range(len(observed.postures)):
-        here = observed.in_posture(number)
+        here = observed.here[number]
         seen = problem.see(x, number, slopes=False)
         alike = problem.alike(number, seen)
         for row, k in enumerate(here):

@@ -27,9 +27,9 @@ from flexmodal.errors import InvalidSystem
 from flexmodal.identification.descent import Normal, prior_cost, robust, robust_weight
 from flexmodal.identification.evidence.antiresonance import nearest_dip
 from flexmodal.identification.evidence.measured_modes import Antiresonance, MeasuredMode, ModeObservations
-from flexmodal.identification.evidence.pairing import mac_table, pair
+from flexmodal.identification.evidence.pairing import pair
 from flexmodal.identification.model import places_of
-from flexmodal.modal.mac import shape_residual
+from flexmodal.modal.mac import mac_with, shape_residual
 from flexmodal.model import Robot
 from flexmodal.structure.parameter import ParameterSpace
 from flexmodal.structure.poles import Poles, poles
@@ -99,7 +99,7 @@ class ModeProblem:
         for number in range(len(self.observations.postures)):
             responses: dict[tuple[int, int], None] = {}
             references: dict[tuple[int, int], None] = {}
-            for mode in (self.observations.modes[k] for k in self.observations.in_posture(number)):
+            for mode in (self.observations.modes[k] for k in self.observations.here[number]):
                 for shape in mode.shapes:
                     responses |= dict.fromkeys((int(p), int(d)) for p, d in shape.places)
                     references[shape.reference] = None
@@ -131,16 +131,26 @@ class ModeProblem:
         return np.array([responses.index((int(p), int(d))) for p, d in places], dtype=int)
 
     def alike(self, number: int, seen: Seen) -> Float[np.ndarray, "measured mode"]:
-        """MAC of the measured modes of a posture with the model's."""
-        modes = [self.observations.modes[k] for k in self.observations.in_posture(number)]
-        shapes = [[(self.rows(number, s.places), s.residue) for s in mode.shapes] for mode in modes]
-        return mac_table(seen.structure, seen.found, shapes)
+        """MAC of the measured modes of a posture with the model's, of several hammer positions the mean.
+
+        NaN where a mode has no shape.
+        """
+        shape, here = seen.found.shape[:, : seen.found.count], self.observations.here[number]
+        table = np.full((len(here), seen.found.count), np.nan)
+        for row, k in enumerate(here):
+            some = [one for one in self.observations.modes[k].shapes if len(one.places) > 1]
+            if some:
+                rows = [self.rows(number, one.places) for one in some]
+                models = [seen.structure.response[picked] @ shape for picked in rows]
+                pairs = zip(some, models, strict=True)
+                table[row] = np.mean([mac_with(one.residue, model) for one, model in pairs], axis=0)
+        return table
 
     def partners(self, x: Float[np.ndarray, " parameter"], *, scale: float = 0.1) -> tuple[int, ...]:
         """The mode of the model that each measured mode is; −1 where there is none."""
         partner = [-1] * len(self.observations.modes)
         for number in range(len(self.observations.postures)):
-            here = self.observations.in_posture(number)
+            here = self.observations.here[number]
             if not here:
                 continue
             seen = self.see(x, number, slopes=False)
@@ -158,10 +168,10 @@ class ModeProblem:
         count = len(self.model.space) if slopes else 0
         struck = {zero.posture for zero in self.observations.antiresonances}
         for number in range(len(self.observations.postures)):
-            if not self.observations.in_posture(number) and number not in struck:
+            if not self.observations.here[number] and number not in struck:
                 continue
             seen = self.see(x, number, slopes=slopes)
-            for k in self.observations.in_posture(number):
+            for k in self.observations.here[number]:
                 if partners[k] >= 0:
                     found[k] = self._of_mode(self.observations.modes[k], seen, partners[k], count)
             if "antiresonance" in self.use:

@@ -91,7 +91,12 @@ def _extract(robot: Robot) -> Chain | None:
 
 
 def places_of(robot: Robot, directions: tuple[tuple[str, np.ndarray], ...]) -> Places:
-    """Points, by name, and selectors of six entries, as a compiled function wants them."""
+    """Points, by name, and selectors of six entries, as a compiled function wants them.
+
+    Args:
+        robot: the robot.
+        directions: name of the point and selector of each.
+    """
     frames = [robot.pinocchio.frames[robot.frame_of(point)] for point, _ in directions]
     return Places(
         joint=np.array([frame.parentJoint - 1 for frame in frames], dtype=np.int64),
@@ -101,5 +106,10 @@ def places_of(robot: Robot, directions: tuple[tuple[str, np.ndarray], ...]) -> P
 
 
 def turn_of(robot: Robot, point: str) -> Float[np.ndarray, "3 3"]:
-    """Axes of a point's frame in the frame of the joint that carries it, column by column."""
+    """Axes of a point's frame in the frame of the joint that carries it, column by column.
+
+    Args:
+        robot: the robot.
+        point: name of the point.
+    """
     return np.array(robot.pinocchio.frames[robot.frame_of(point)].placement.rotation)

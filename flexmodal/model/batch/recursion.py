@@ -28,7 +28,17 @@ def recursion_of(
     loss_factor: float,
     addition: np.ndarray | None,
 ) -> Callable[[slice, slice, np.ndarray], int] | None:
-    """The recursion along a chain; none where the robot is no such chain or numba is missing."""
+    """The recursion along a chain; none where the robot is no such chain or numba is missing.
+
+    Args:
+        robot: the robot.
+        values: posture × commanded joint [rad, m].
+        rows: directions at its points.
+        numbers: pairs of them.
+        omega: angular frequencies [rad/s].
+        loss_factor: structural damping η.
+        addition: what is added to Z, if anything; there is no recursion then.
+    """
     plain = addition is None and not robot.couplings
     chain = chain_of(robot) if plain and has_numba() else None
     if chain is None:

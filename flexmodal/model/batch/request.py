@@ -42,6 +42,10 @@ def posture_array(
 ) -> Float[np.ndarray, "posture commanded"]:
     """Postures as an array over the commanded joints, checked.
 
+    Args:
+        robot: the robot.
+        postures: names, mappings, checked postures, or an array already [rad, m].
+
     Raises:
         InvalidPosture: none at all, the wrong number of columns, values that are not finite or outside the
             limits, unknown names.
@@ -71,6 +75,10 @@ def read_pairs(
 ) -> tuple[tuple[tuple[PointDirection, PointDirection], ...], tuple[PointDirection, ...], Pairs]:
     """Pairs of directions, the distinct directions among them, and the pairs as numbers of those.
 
+    Args:
+        robot: the robot.
+        pairs: response and reference, or one direction for a drive point.
+
     Raises:
         InvalidPoint: bad text, or a point the robot does not have.
         InvalidRequest: no pair.
@@ -91,7 +99,12 @@ def read_pairs(
 def expand(
     robot: Robot, values: Float[np.ndarray, "posture commanded"]
 ) -> Float[np.ndarray, "posture moving"]:
-    """Values of all moving joints, pseudo-joints at 0."""
+    """Values of all moving joints, pseudo-joints at 0.
+
+    Args:
+        robot: the robot.
+        values: of the commanded joints [rad, m].
+    """
     moved = np.zeros((len(values), len(robot.moving)))
     order = list(robot.moving)
     moved[:, [order.index(name) for name in robot.commanded]] = values
@@ -110,6 +123,11 @@ def check_loss(loss_factor: float) -> None:
 
 def check_addition(addition: np.ndarray | None, lines: int, dof: int) -> None:
     """Refuse additions to Z that are no symmetric matrices, one for each line.
+
+    Args:
+        addition: what is added to Z, if anything.
+        lines: number of frequencies.
+        dof: number of flexible joints.
 
     Raises:
         InvalidRequest: another shape, entries that are not finite, not symmetric.

@@ -15,6 +15,10 @@ def springs_of(
 
     The latter is K(iω) − K of each joint's own spring, real and imaginary part [N·m/rad, N/m]: zeros where
     no joint has a loss factor. A coupling between joints loses nothing.
+
+    Args:
+        robot: the robot.
+        frequency: [Hz].
     """
     matrices = np.array([robot.stiffness, robot.damping])
     lag = np.zeros((len(frequency), 2, len(robot.joints)))

@@ -1,6 +1,7 @@
-"""The posture search from hundreds of starts at once, compiled where numba is installed."""
+"""Holds and objectives as arrays and functions for the compiler, where a problem can be one."""
 
-from flexmodal.optimisation.compiled.search import Basins as Basins
-from flexmodal.optimisation.compiled.search import Ends as Ends
-from flexmodal.optimisation.compiled.search import random_starts as random_starts
-from flexmodal.optimisation.compiled.search import search_postures as search_postures
+from flexmodal.optimisation.compiled.arm import arm_of as arm_of
+from flexmodal.optimisation.compiled.arm import box_of as box_of
+from flexmodal.optimisation.compiled.arrays import Arm as Arm
+from flexmodal.optimisation.compiled.functions import COMPILATION as COMPILATION
+from flexmodal.optimisation.compiled.functions import descents as descents

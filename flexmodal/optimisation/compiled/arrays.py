@@ -20,15 +20,6 @@ PAIR, FORCE, LARGEST = 0, 1, 2
 singular values."""
 
 
-class Box(NamedTuple):
-    """The commanded joints."""
-
-    columns: np.ndarray
-    """Where they stand among all joints."""
-    lower: np.ndarray
-    upper: np.ndarray
-
-
 class Held(NamedTuple):
     """What is held; no rows if nothing is."""
 
@@ -143,75 +134,35 @@ class Scratch(NamedTuple):
     spread: np.ndarray
 
 
-class Tangent(NamedTuple):
-    """The hold's tangent space, and where an iteration works."""
+class Arm(NamedTuple):
+    """All that a compiled descent asks of the posture at hand."""
 
-    constraint: np.ndarray
-    """Derivative of the hold's error; held × commanded."""
-    trial_constraint: np.ndarray
-    error: np.ndarray
-    rows: np.ndarray
-    """ΣVᵀ of the constraint, U and Σ beside it."""
-    left: np.ndarray
-    sizes: np.ndarray
-    basis: np.ndarray
-    """Rows that span what the constraint fixes, then what it leaves free."""
-    factors: np.ndarray
-    model: np.ndarray
-    gradient: np.ndarray
-    trial: np.ndarray
-    trial_gradient: np.ndarray
-    step: np.ndarray
-    below: np.ndarray
-    above: np.ndarray
-    change: np.ndarray
-    image: np.ndarray
-    allowed: np.ndarray
-    """Joints that a retraction may move, and those that a Newton step does."""
-    free: np.ndarray
-    kept: np.ndarray
-    reach: np.ndarray
-    """For the quadratic program, as all below."""
-    root: np.ndarray
-    centre: np.ndarray
-    away: np.ndarray
+    chain: tuple[np.ndarray, ...]
+    """Arrays of a `Chain`."""
+    hold: Held
     columns: np.ndarray
-    residual: np.ndarray
-    x: np.ndarray
-    triangle: np.ndarray
-    unit: np.ndarray
-    solved: np.ndarray
-    chosen: np.ndarray
-    inside: np.ndarray
-    barred: np.ndarray
+    """Where the commanded joints stand among all."""
+    judge: Judge
+    places: Places
+    room: Scratch
 
 
-def room_for(joints: int, held: int, width: int) -> tuple[Places, Tangent]:
-    """Working arrays for a chain of so many joints, so many of them commanded, and so many held rows."""
-    places = Places(
+def places_for(joints: int) -> Places:
+    """Arrays for a chain of so many joints."""
+    return Places(
         moved=np.zeros(joints), frames=np.zeros((joints, 3, 3)), origins=np.zeros((joints, 3)),
         axes=np.zeros((joints, 3)), position=np.zeros(3), jacobian=np.zeros((6, joints)),
         turned=np.zeros((3, 3)), turn=np.zeros(3),
     )  # fmt: skip
-    tangent = Tangent(
-        constraint=np.zeros((held, width)), trial_constraint=np.zeros((held, width)), error=np.zeros(held),
-        rows=np.zeros((held, width)), left=np.zeros((held, held)), sizes=np.zeros(held),
-        basis=np.zeros((width, width)), factors=np.zeros(held), model=np.zeros((width, width)),
-        gradient=np.zeros(width), trial=np.zeros(width), trial_gradient=np.zeros(width),
-        step=np.zeros(width), below=np.zeros(width), above=np.zeros(width), change=np.zeros(width),
-        image=np.zeros(width), allowed=np.zeros(width, dtype=bool), free=np.zeros(width, dtype=bool),
-        kept=np.zeros(width), reach=np.zeros((width, width)), root=np.zeros((width, width)),
-        centre=np.zeros(width), away=np.zeros(width), columns=np.zeros((2 * width, width + 1)),
-        residual=np.zeros(width + 1), x=np.zeros(2 * width), triangle=np.zeros((width + 1, width + 1)),
-        unit=np.zeros((width + 1, width + 1)), solved=np.zeros(width + 1),
-        chosen=np.zeros(width + 1, dtype=np.int64), inside=np.zeros(2 * width, dtype=bool),
-        barred=np.zeros(2 * width, dtype=bool),
-    )  # fmt: skip
-    return places, tangent
 
 
 def scratch_for(joints: int, judge: Judge) -> Scratch:
-    """Working arrays of a judge for a chain of so many joints."""
+    """Working arrays of a judge for a chain of so many joints.
+
+    Args:
+        joints: number of joints.
+        judge: what is judged.
+    """
     n, lines, task = len(judge.pick), len(judge.omega), len(judge.task)
     points, rows = len(judge.joint), 1 + int(judge.row.max())
     return Scratch(

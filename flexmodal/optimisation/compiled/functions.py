@@ -1,25 +1,18 @@
-"""The compiled functions of the search, made when first asked for; plain Python without numba."""
+"""The functions of a descent that is compiled, and that of them which is called."""
 
 from __future__ import annotations
 
 from functools import cache
-from inspect import unwrap
-from typing import Any
 
 from flexmodal.frf.kernels import pivoted
 from flexmodal.frf.kernels.compiled import Kernel, together
 from flexmodal.model.batch import factor, kinematics
 from flexmodal.model.batch import gradient_kernel as gradient
-from flexmodal.optimisation.compiled import (
-    algebra,
-    descent,
-    held,
-    judge,
-    matrix_norm,
-    merge,
-    quadratic,
-    receptance,
-)
+from flexmodal.optimisation.compiled import held, judge, matrix_norm, receptance
+from flexmodal.optimisation.descent import algebra, descend, quadratic_step, retraction
+
+COMPILATION = 40.0
+"""Seconds to compile them [s]; 38 to 54 measured."""
 
 _LOWEST_FIRST = (
     kinematics.cross,
@@ -42,19 +35,19 @@ _LOWEST_FIRST = (
     algebra.null_space,
     algebra.shortest_solution,
     algebra.multipliers,
-    quadratic.whiten,
-    quadratic.leave,
-    quadratic.least_squares,
-    quadratic.step_back,
-    quadratic.nonnegative,
-    quadratic.least_distance,
-    quadratic.quadratic_step,
+    quadratic_step.whiten,
+    quadratic_step.leave,
+    quadratic_step.least_squares,
+    quadratic_step.step_back,
+    quadratic_step.nonnegative,
+    quadratic_step.least_distance,
+    quadratic_step.quadratic_step,
     held.row_product,
     held.rotation_vector,
     held.axis_vector,
-    held.held_error,
-    held.newton,
-    held.retract,
+    held.hold_at,
+    retraction.newton,
+    retraction.retract,
     matrix_norm.square_sum,
     matrix_norm.multiply,
     matrix_norm.gram_power,
@@ -74,25 +67,18 @@ _LOWEST_FIRST = (
     judge.stiffness_cost,
     judge.add_task_slopes,
     judge.stiffness_slope,
-    judge.cost_of,
-    judge.gradient_of,
-    descent.first_model,
-    descent.lagrangian_change,
-    descent.update,
-    descent.line_search,
-    descent.descend_one,
+    judge.cost_at,
+    judge.slope_at,
+    judge.limit_at,
+    descend.first_model,
+    descend.lagrangian_change,
+    descend.update,
+    descend.line_search,
+    descend.descend_one,
 )
 
 
 @cache
-def descents(compiled: bool) -> Any:
-    """`flexmodal.optimisation.compiled.descent.descend_all`."""
-    if not compiled:
-        return unwrap(descent.descend_all)
-    return together(*_LOWEST_FIRST, last=descent.descend_all, allocates=False).compiled
-
-
-@cache
-def merging(compiled: bool) -> Any:
-    """`flexmodal.optimisation.compiled.merge.merge`."""
-    return Kernel(merge.merge).compiled if compiled else unwrap(merge.merge)
+def descents() -> Kernel:
+    """`flexmodal.optimisation.descent.descend.descend_all` on an `Arm`."""
+    return together(*_LOWEST_FIRST, last=descend.descend_all, allocates=False)

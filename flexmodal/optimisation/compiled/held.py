@@ -1,4 +1,4 @@
-"""Holding a point, its orientation or its axis while the joints move; the way back onto the hold.
+"""Holding a point, its orientation or its axis while the joints move: written for the compiler.
 
 What is held is given by rows that pick from the six components of the error: where the point is off its
 target, and the rotation vector that would turn its target orientation (or axis) into the present one. On the
@@ -11,17 +11,7 @@ from __future__ import annotations
 import math
 
 from flexmodal.model.batch.kinematics import cross, place_joints, point_jacobian
-from flexmodal.optimisation.compiled.algebra import copy_vector, orthogonal_rows, shortest_solution
 from flexmodal.optimisation.compiled.arrays import ORIENTATION, POSITION
-
-TOLERANCE = 1e-10
-"""How near the target counts as on it [m, rad]."""
-
-_AT_LIMIT = 1e-12
-"""A joint this near its limit is on it [rad, m]: limit minus value plus value is not always the limit."""
-
-_CLIPPED = 0.7
-"""Longest Newton step of one joint [rad, m]."""
 
 
 def rotation_vector(turned, target, out):
@@ -74,22 +64,23 @@ def axis_vector(turned, target, out):
         out[a] *= scale
 
 
-def held_error(chain, hold, columns, places, error, constraint):
+def hold_at(arm, values, error, constraint):
     """Place the joints; error of the hold and its derivative along the commanded joints.
 
     Args:
-        chain: arrays of a `Chain`.
-        hold: a `Held`.
-        columns: where the commanded joints stand among all.
-        places: the joints at `places.moved`; receives where they are.
+        arm: an `Arm`, whose `places` receive where the joints are.
+        values: of the commanded joints.
         error: receives what is off target.
         constraint: receives its derivative; held × commanded.
 
     Returns:
         The size of the error.
     """
+    chain, hold, columns, places = arm.chain, arm.hold, arm.columns, arm.places
     frames, jacobian, position, turn = places.frames, places.jacobian, places.position, places.turn
     rows, target, joint = hold.rows, hold.target, hold.joint
+    for k in range(len(columns)):
+        places.moved[columns[k]] = values[k]
     place_joints(chain, places.moved, frames, places.origins, places.axes)
     if len(rows) == 0:
         return 0.0
@@ -121,69 +112,3 @@ def held_error(chain, hold, columns, places, error, constraint):
                 value += rows[r, a] * jacobian[a, columns[k]]
             constraint[r, k] = value
     return math.sqrt(total)
-
-
-def newton(chain, hold, box, values, allowed, steps, places, tangent, constraint):
-    """Newton steps onto the hold with the joints allowed to move, inside the limits; whether it got there.
-
-    A joint that meets its limit sits the next step out.
-    """
-    held, width = constraint.shape
-    work, left, sizes = tangent.rows, tangent.left, tangent.sizes
-    error, step, moved = tangent.error, tangent.image, places.moved
-    columns, lower, upper = box.columns, box.lower, box.upper
-    free = tangent.free
-    copy_vector(allowed, free)
-    for _ in range(steps):
-        for k in range(width):
-            moved[columns[k]] = values[k]
-        if held_error(chain, hold, columns, places, error, constraint) <= TOLERANCE:
-            return True
-        for r in range(held):
-            error[r] = -error[r]
-            for k in range(width):
-                work[r, k] = constraint[r, k] if free[k] else 0.0
-        orthogonal_rows(work, left, sizes)
-        shortest_solution(work, left, sizes, error, step)
-        longest = 0.0
-        for k in range(width):
-            longest = max(longest, abs(step[k]))
-        if longest < 1e-14:
-            return False
-        share = min(1.0, _CLIPPED / longest)
-        met = False
-        for k in range(width):
-            goal = values[k] + share * step[k]
-            values[k] = min(max(goal, lower[k]), upper[k])
-            if values[k] != goal:
-                met = True
-                free[k] = False
-        if not met:
-            copy_vector(allowed, free)
-    return False
-
-
-def retract(chain, hold, box, values, steps, places, tangent, constraint):
-    """Bring a vector back onto the hold inside the limits; whether it got there.
-
-    Joints at a limit stay there if the others can do it.
-    """
-    width, lower, upper = len(values), box.lower, box.upper
-    free, kept = tangent.allowed, tangent.kept
-    inside = True
-    for k in range(width):
-        if not values[k] > lower[k] + _AT_LIMIT:
-            values[k] = lower[k]
-        elif not values[k] < upper[k] - _AT_LIMIT:
-            values[k] = upper[k]
-        free[k] = lower[k] < values[k] < upper[k]
-        inside = inside and free[k]
-    if len(constraint) == 0 or inside:
-        free[:] = True
-        return newton(chain, hold, box, values, free, steps, places, tangent, constraint)
-    copy_vector(values, kept)
-    if newton(chain, hold, box, values, free, steps, places, tangent, constraint):
-        return True
-    copy_vector(kept, values)
-    free[:] = True
-    return newton(chain, hold, box, values, free, steps, places, tangent, constraint)

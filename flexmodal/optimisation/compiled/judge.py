@@ -1,7 +1,7 @@
 """What a posture is judged by, and its derivative along the commanded joints: written for the compiler.
 
-The costs are those of `flexmodal.optimisation.objective`, logarithms throughout. The joints are placed
-before, by `flexmodal.optimisation.compiled.held.held_error`.
+The costs are those of `flexmodal.optimisation.objectives`, logarithms throughout. The joints are placed
+before, by `flexmodal.optimisation.compiled.held.hold_at`.
 """
 
 # mypy: disable-error-code="no-untyped-def, no-untyped-call"
@@ -11,16 +11,18 @@ import math
 
 from flexmodal.model.batch.gradient_kernel import row_slopes
 from flexmodal.model.batch.kinematics import point_jacobian
-from flexmodal.optimisation.compiled.algebra import multipliers, orthogonal_rows, shortest_solution
 from flexmodal.optimisation.compiled.arrays import RECEPTANCE, STIFFNESS
 from flexmodal.optimisation.compiled.receptance import add_row_slopes, receptance_cost, receptance_slope
+from flexmodal.optimisation.descent.algebra import multipliers, orthogonal_rows, shortest_solution
+from flexmodal.optimisation.descent.work import PERFECT, UNBOUNDED, UNSETTLED
 
 _TINY = 2.2250738585072014e-308
 """Keeps the logarithm of a mobility finite."""
 
 
-def cost_of(chain, judge, places, room):
+def cost_at(arm):
     """Cost at the joints as placed; infinite where there is none."""
+    chain, judge, places, room = arm.chain, arm.judge, arm.places, arm.room
     frames, origins, axes, position = places.frames, places.origins, places.axes, places.position
     joint, offset, selector, row = judge.joint, judge.offset, judge.selector, judge.row
     jacobians, rows = room.jacobians, room.rows
@@ -39,10 +41,18 @@ def cost_of(chain, judge, places, room):
     return math.log(mobility(judge, room))
 
 
-def gradient_of(chain, judge, columns, places, room, gradient):
+def limit_at(arm, cost):
+    """Whether a cost says that nothing is left to gain, or that the measure grows without bound."""
+    if cost < arm.judge.goal:
+        return PERFECT if arm.judge.bounded else UNBOUNDED
+    return UNSETTLED
+
+
+def slope_at(arm, gradient):
     """Derivative of the cost along the commanded joints, at the posture whose cost was taken last."""
+    judge, columns, room = arm.judge, arm.columns, arm.room
     if judge.kind == RECEPTANCE:
-        receptance_slope(chain, judge, columns, places, room)
+        receptance_slope(arm.chain, judge, columns, arm.places, room)
     elif judge.kind == STIFFNESS:
         stiffness_slope(judge, room)
     else:

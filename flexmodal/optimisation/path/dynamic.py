@@ -18,6 +18,10 @@ def best_sequence(problem: PathProblem, nodes: Nodes) -> Float[np.ndarray, "poin
     Of sequences that are equally good the smoother one: `smoothness` times the mean square of the shares of
     speed is added, in units of the least value that any sequence must have.
 
+    Args:
+        problem: the path.
+        nodes: postures for each point.
+
     Raises:
         Unreachable: no sequence keeps within speeds and stride; says by how much.
     """

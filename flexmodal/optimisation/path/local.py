@@ -64,7 +64,12 @@ def improve(
 
 
 def path_cost(problem: PathProblem, postures: Postures) -> float:
-    """Ln Σ v or ln max v, plus the smoothness term."""
+    """Ln Σ v or ln max v, plus the smoothness term.
+
+    Args:
+        problem: the path.
+        postures: one for each point.
+    """
     return _cost(problem, postures)[0]
 
 

@@ -13,10 +13,9 @@ import numpy as np
 from jaxtyping import Float
 
 from flexmodal.errors import FlexmodalError
-from flexmodal.optimisation.descent import descend
 from flexmodal.optimisation.path.problem import PathProblem
 from flexmodal.optimisation.problem import PostureProblem
-from flexmodal.optimisation.unreachable import unreachable
+from flexmodal.optimisation.search import descend, unreachable
 
 _APART = 1e-2
 """Postures nearer than this at every joint are one node [rad, m]."""
@@ -134,7 +133,12 @@ def _thinned(postures: Float[np.ndarray, "node commanded"]) -> Float[np.ndarray,
 
 
 def cost_of(at: PostureProblem, values: np.ndarray) -> float:
-    """Logarithm of the objective without its gradient; infinite where there is none."""
+    """Logarithm of the objective without its gradient; infinite where there is none.
+
+    Args:
+        at: problem of one point.
+        values: of the commanded joints [rad, m].
+    """
     try:
         value = at.objective.value(at.posed(values))
     except FlexmodalError:

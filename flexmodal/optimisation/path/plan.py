@@ -10,12 +10,12 @@ from jaxtyping import Float
 
 from flexmodal.errors import Unreachable
 from flexmodal.model import Posture
-from flexmodal.optimisation.descent import descend
 from flexmodal.optimisation.optimise import optimise
 from flexmodal.optimisation.path.dynamic import best_sequence
 from flexmodal.optimisation.path.local import improve, path_cost
 from flexmodal.optimisation.path.nodes import nodes_of
 from flexmodal.optimisation.path.problem import PathProblem
+from flexmodal.optimisation.search import descend
 
 DEFAULT_NODES = 60
 
@@ -59,9 +59,9 @@ class PathOutcome:
         return float((speeds / self.problem.speeds).max())
 
     @property
-    def astray(self) -> float:
+    def deviation(self) -> float:
         """How far the tool leaves the path between points where the joints go straight [m]."""
-        return self.problem.astray(self.postures)
+        return self.problem.deviation(self.postures)
 
     def posture(self, point: int) -> Posture:
         """The posture of a point, counted from 0."""
@@ -144,6 +144,11 @@ class _Best:
 
 def greedy_path(problem: PathProblem, *, seed: int = 0, starts: int = 16) -> PathOutcome:
     """The best posture at the first point, then point by point the best beside the last within reach.
+
+    Args:
+        problem: the path.
+        seed: of the search at the first point.
+        starts: of that search.
 
     Raises:
         Unreachable: it runs into a limit or a speed and cannot go on.

@@ -13,7 +13,7 @@ from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.frf import PointDirection
 from flexmodal.model import Robot
 from flexmodal.optimisation.hold import Hold
-from flexmodal.optimisation.objective import Objective, ReceptanceObjective
+from flexmodal.optimisation.objectives import Objective, ReceptanceObjective
 from flexmodal.optimisation.path.toolpath import Toolpath
 from flexmodal.optimisation.problem import PostureProblem
 
@@ -95,7 +95,7 @@ class PathProblem:
         """Step of each joint between neighbouring points as a share of what it may go."""
         return np.abs(np.diff(postures, axis=0)) / self.reach
 
-    def astray(self, postures: Float[np.ndarray, "point commanded"]) -> float:
+    def deviation(self, postures: Float[np.ndarray, "point commanded"]) -> float:
         """How far the tool is half-way between points from the middle of their targets [m]."""
         middles = (postures[:-1] + postures[1:]) / 2
         gaps = []

@@ -9,11 +9,10 @@ import numpy as np
 
 from flexmodal.frf import PointDirection
 from flexmodal.model import Robot, load
-from flexmodal.optimisation.fixed_gain import fixed_gain_descent
+from flexmodal.optimisation.frequency import Tuning, fixed_gain_descent, tune
 from flexmodal.optimisation.optimise import optimise
 from flexmodal.optimisation.outcome import Outcome
 from flexmodal.optimisation.studies.study import Study
-from flexmodal.optimisation.tune import Tuning, tune
 
 _GAIN = 20.0
 """Gain of the fixed-gain descents [Hz²], so large that some hop."""

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from flexmodal.frf import PointDirection
 from flexmodal.model import Robot
 from flexmodal.optimisation.hold import Hold
-from flexmodal.optimisation.measures import StiffnessObjective
-from flexmodal.optimisation.objective import Objective, ReceptanceObjective
+from flexmodal.optimisation.objectives import Objective, ReceptanceObjective, StiffnessObjective
 from flexmodal.optimisation.problem import PostureProblem
 
 KINDS = ("posture", "sweep", "frequency")

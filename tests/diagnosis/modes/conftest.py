@@ -11,7 +11,6 @@ from flexmodal.campaign import Campaign, CampaignPoint, CampaignPosture, ModeTab
 from flexmodal.diagnosis.effects import Context, catalogue
 from flexmodal.diagnosis.hypothesis import Hypothesis, Placed
 from flexmodal.diagnosis.modes.forecast import Explanation
-from flexmodal.diagnosis.modes.stand_in import stand_in
 from flexmodal.structure import robot_space
 
 PLACES = [(number, 3) for number in range(1, 7)]
@@ -54,21 +53,19 @@ def explained_by(rigid, tested):
 
 
 def explanation_of(rigid, tested, key=None):
-    observations = stand_in(tested, tested.postures, PLACES, [STRUCK])
-    hypothesis = Hypothesis(Context.of(rigid, observations), robot_space(rigid))
+    context = Context(rigid, tested.postures, tested.points, tuple(PLACES), (STRUCK,), BAND, every_line=False)
+    hypothesis = Hypothesis(context, robot_space(rigid))
     if key is not None:
         hypothesis = hypothesis.and_also(Placed(catalogue([key[0]])[key[0]], key[1]))
-    return Explanation(hypothesis), observations
+    return Explanation(hypothesis)
 
 
-def measured(explanation, observations, x, *, frequency, damping, shape, seed, highest=200.0):
+def measured(explanation, campaign, x, *, frequency, damping, shape, seed, highest=200.0):
     """The campaign with the modes of a model at x: relative scatter of frequencies and damping, and of
     shapes."""
     random = np.random.default_rng(seed)
     rows = []
-    for posture, seen in zip(
-        observations.postures, explanation.forecasts(x, observations, PLACES, slopes=False), strict=True
-    ):
+    for posture, seen in zip(campaign.postures, explanation.forecasts(x, PLACES, slopes=False), strict=True):
         for m in np.argsort(seen.log_frequency):
             f, ratio = np.exp(seen.log_frequency[m]), np.exp(seen.log_damping[m])
             if f > highest or ratio > 0.3:
@@ -100,21 +97,21 @@ def measured(explanation, observations, x, *, frequency, damping, shape, seed, h
         *(np.array(column, dtype=int) for column in columns[:4]), np.array(columns[4]), np.array(columns[5]),
         np.array(columns[6], dtype=complex), ("",) * len(rows),
     )  # fmt: skip
-    return replace(observations.campaign, modes=table)
+    return replace(campaign, modes=table)
 
 
 @pytest.fixture(scope="session")
 def as_believed(rigid, tested):
     """The robot as its card says but a few per cent, with the scatter of a fair test."""
-    explanation, observations = explanation_of(rigid, tested)
+    explanation = explanation_of(rigid, tested)
     x = np.random.default_rng(3).normal(0, 0.05, len(explanation.space))
-    return measured(explanation, observations, x, frequency=0.004, damping=0.05, shape=0.1, seed=4)
+    return measured(explanation, tested, x, frequency=0.004, damping=0.05, shape=0.1, seed=4)
 
 
 @pytest.fixture(scope="session")
 def bending(rigid, tested):
     """A function: the robot with a second link that bends, its shapes scattering as asked."""
-    explanation, observations = explanation_of(rigid, tested, ("link_flexibility", "link_2"))
+    explanation = explanation_of(rigid, tested, ("link_flexibility", "link_2"))
     space = explanation.space
     x = np.zeros(len(space))
     x[: len(space) - 3] = np.random.default_rng(5).normal(0, 0.04, len(space) - 3)
@@ -125,7 +122,7 @@ def bending(rigid, tested):
     def made(shape, frequency=0.01, damping=0.25, seed=6):
         return measured(
             explanation,
-            observations,
+            tested,
             x,
             frequency=frequency,
             damping=damping,

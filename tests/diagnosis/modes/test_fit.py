@@ -8,27 +8,21 @@ from scipy.special import hyp1f1
 from flexmodal.diagnosis.modes.evidence import hessian
 from flexmodal.diagnosis.modes.fit import fit_modes
 from flexmodal.diagnosis.modes.likelihood import Likelihood
-from flexmodal.diagnosis.modes.measured import MeasuredModes
 from flexmodal.diagnosis.modes.residuals import residuals
 from flexmodal.diagnosis.modes.scatter import Beliefs, log_anywhere, log_watson_constant
 from flexmodal.diagnosis.modes.spectrum import spectrum
-from flexmodal.identification.evidence.measured_modes import modes_of_table
+from flexmodal.identification.evidence.mode_sources import modes_of_table
 from flexmodal.modal.mac import shape_residual
 from flexmodal.structure.poles import poles
 
 
 @pytest.mark.parametrize("key", [None, ("local_absorber", "link_2"), ("link_flexibility", "link_3")])
 def test_all_postures_at_once_are_what_each_is_by_itself(explained_by, places, key):
-    explanation, observations = explained_by(key)
+    explanation = explained_by(key)
     x = np.random.default_rng(1).normal(0, 0.05, len(explanation.space))
     names = explanation.hypothesis.space.names
-    structures = explanation.hypothesis.structures(x, places, places[:1], slopes=True)
-    (group,) = explanation.hypothesis.groups(x, observations, slopes=True)
-    for k, structure in enumerate(structures):
-        np.testing.assert_array_equal(structure.mass, group.structures[k].mass)
-        np.testing.assert_array_equal(structure.response, group.structures[k].response)
-    rows = np.array([3, 0])
-    found = spectrum(structures, [rows] * len(structures), names)
+    structures = explanation.hypothesis.structures(x, [places[3], places[0]], places[:1], slopes=True)
+    found = spectrum(structures, names)
     for number, structure in enumerate(structures):
         one = poles(structure, names)
         n = found.count[number]
@@ -43,22 +37,20 @@ def test_all_postures_at_once_are_what_each_is_by_itself(explained_by, places, k
             atol=1e-7 * np.abs(pole).max(),
         )
         # shapes have a sign of their own: compare what does not
-        seen, whole = found.seen[number, :, :n], structure.response[rows] @ one.shape[:, still]
+        seen, whole = found.seen[number, :, :n], structure.response @ one.shape[:, still]
         np.testing.assert_allclose(seen[0] * seen[1], whole[0] * whole[1], rtol=1e-6, atol=1e-12)
 
 
 def test_slopes_of_forecasts_are_those_of_differences(explained_by, places):
-    explanation, observations = explained_by(("link_flexibility", "link_2"))
+    explanation = explained_by(("link_flexibility", "link_2"))
     x = np.random.default_rng(2).normal(0, 0.03, len(explanation.space))
-    (seen, *_) = explanation.forecasts(x, observations, places, slopes=True)
+    (seen, *_) = explanation.forecasts(x, places, slopes=True)
     a = seen.shape[:, 1] / np.linalg.norm(seen.shape[:, 1]) + 0.1
     a /= np.linalg.norm(a)
     _, turned = shape_residual(a, seen.shape[:, 1], seen.shape_slope[:, :, 1])
     for k in range(len(x)):
         step = 1e-5 * np.eye(len(x))[k]
-        up, down = (
-            explanation.forecasts(x + s * step, observations, places, slopes=False)[0] for s in (1, -1)
-        )
+        up, down = (explanation.forecasts(x + s * step, places, slopes=False)[0] for s in (1, -1))
         # central differences: h² and rounding over h; an effect's own slopes are forward differences of 1e-6
         for name, slope in (("log_frequency", seen.frequency_slope), ("log_damping", seen.damping_slope)):
             numeric = (getattr(up, name)[:3] - getattr(down, name)[:3]) / 2e-5
@@ -89,8 +81,8 @@ def test_a_peak_from_anywhere_has_the_density_of_that_many_peaks():
 
 def test_the_evidence_is_that_of_importance_sampling(explained_by, as_believed):
     """Laplace's integral against a sum over draws from a wider bell around the same place."""
-    explanation, _ = explained_by()
-    modes = MeasuredModes(modes_of_table(as_believed))
+    explanation = explained_by()
+    modes = modes_of_table(as_believed)
     beliefs = Beliefs()
     fit = fit_modes(explanation, modes, np.zeros(len(explanation.space)), beliefs)
     assert min(fit.pairs) >= 0

@@ -10,7 +10,8 @@ from flexmodal.campaign import read_campaign, write_campaign
 from flexmodal.diagnosis import diagnose
 from flexmodal.diagnosis.as_json import as_json
 from flexmodal.diagnosis.effects import catalogue
-from flexmodal.diagnosis.modes import weigh, workflow
+from flexmodal.diagnosis.modes import selection, variants
+from flexmodal.diagnosis.modes.decision import more_than_tied, undecided
 from flexmodal.diagnosis.modes.gap import errors, figures, mean_of_others
 from flexmodal.diagnosis.modes.workflow import diagnose_modes
 from flexmodal.diagnosis.write import write_diagnosis
@@ -24,7 +25,7 @@ THESIS = "robots/fanuc_s360/campaigns/thesis"
 def fewer_beliefs():
     """Three sets of beliefs, the card trusted more and less among them: the others only take longer."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(weigh, "VARIANTS", weigh.VARIANTS[:3])
+        patch.setattr(variants, "VARIANTS", variants.VARIANTS[:3])
         yield
 
 
@@ -42,7 +43,7 @@ def test_the_believed_model_with_noise_lacks_nothing(nothing):
     assert nothing.modal.missing == ()
     assert nothing.gaps.believed < 0.3  # no mode is lacking in the card either
     assert nothing.gaps.after == nothing.gaps.before <= 2 * nothing.gaps.noise_floor
-    assert max(nothing.modal.scales.table[1:, 0]) < 8  # nobody gains what it takes
+    assert max(nothing.modal.comparison.table[1:, 0]) < 8  # nobody gains what it takes
     json.dumps(as_json(nothing), allow_nan=False)
 
 
@@ -51,7 +52,7 @@ def poor(bending, rigid):
     """Asked for nothing in particular, with a catalogue of two so that it takes less long."""
     with pytest.MonkeyPatch.context() as patch:
         few = [catalogue([name])[name] for name in ("link_flexibility", "local_absorber")]
-        patch.setattr(workflow, "catalogue", lambda names=None: {one.name: one for one in few})
+        patch.setattr(selection, "catalogue", lambda names=None: {one.name: one for one in few})
         return diagnose_modes(bending(shape=1.5), rigid)
 
 
@@ -63,9 +64,9 @@ def test_a_bending_link_with_poor_shapes_is_not_named_surer_than_the_data(poor):
     assert poor.steps == ()
     assert poor.verdict.effects[0][0] == "unknown"
     assert len(found.tied) > 1
-    truth = next((k for k, c in enumerate(found.scales.candidates) if c.key == KEY), None)
+    truth = next((k for k, c in enumerate(found.comparison.models) if c.key == KEY), None)
     assert truth is not None
-    assert found.scales.probability.max() < 0.98
+    assert found.comparison.probability.max() < 0.98
     assert "cannot say" in poor.verdict.says
     assert found.shapes  # and why the shapes do not decide
     assert poor.next_measurement is not None
@@ -103,7 +104,7 @@ def test_the_improved_robot_loads_and_has_the_modes_of_the_model(told, tmp_path)
     robot = flexmodal.load(out / "robot" / "robot.toml")
     fit = told.modal.after
     seen = np.sort(np.exp(fit.forecasts[0].log_frequency))
-    posture = told.observations.postures[0]
+    posture = told.model.context.postures[0]
     frequencies = np.sort(robot.at(dict(posture.q)).modes().frequency)
     np.testing.assert_allclose(frequencies[:4], seen[:4], rtol=1e-5)  # links between joints weigh 1e-12
     text = (out / "report.html").read_text(encoding="utf-8")
@@ -117,9 +118,9 @@ def test_the_improved_robot_loads_and_has_the_modes_of_the_model(told, tmp_path)
 @pytest.mark.slow
 def test_what_modes_cannot_tell_of_is_said_to_be_untestable(nothing):
     for name in ("coulomb_friction", "sensor_gain", "structural_damping", "sensor_mass", "time_delay"):
-        assert workflow.untestable(catalogue([name])[name], nothing.model.context)
+        assert selection.untestable(catalogue([name])[name], nothing.model.context)
     assert (
-        workflow.untestable(catalogue(["base_flexibility"])["base_flexibility"], nothing.model.context)
+        selection.untestable(catalogue(["base_flexibility"])["base_flexibility"], nothing.model.context)
         is None
     )
 
@@ -139,7 +140,7 @@ def test_a_lacking_mode_counts_in_the_gap(told):
 def test_the_mean_of_the_others_by_hand(told):
     measured = told.modal.measured
     table = mean_of_others(measured)
-    modes = measured.observed.modes
+    modes = measured.modes
     first = [m.frequency for m in modes if m.number == modes[0].number]
     mean = np.exp(np.mean(np.log(first[1:])))
     assert table[0, 0] == pytest.approx(mean / first[0] - 1, rel=1e-12)
@@ -151,13 +152,13 @@ def test_the_mean_of_the_others_by_hand(told):
 )
 def test_what_is_asked_for_needs_more_than_a_tie_and_no_rounding_decides(gained, added, open_):
     for rounding in (-1e-9, 1e-9):
-        assert workflow.more_than_tied(gained + rounding) == added
-        assert workflow.undecided(gained + rounding) == open_
+        assert more_than_tied(gained + rounding) == added
+        assert undecided(gained + rounding) == open_
 
 
 def test_points_of_another_card_are_found_by_name(rigid):
     campaign = read_campaign(THESIS)
-    from flexmodal.diagnosis.modes.stand_in import placed_on
+    from flexmodal.identification.compatibility import placed_on
 
     moved, said = placed_on(campaign, rigid)
     assert len(said) == 4
@@ -185,8 +186,8 @@ def test_postures_that_are_held_out_are_not_fitted(as_believed, rigid):
     assert found.verdict.effects == ()
     assert "Asked for, joint coupling at q1+q2 gains" in found.verdict.says
     assert "a tie with nothing added" in found.verdict.says
-    fit = found.modal.scales.candidates[0].fit
-    assert all(mode.posture != 2 for mode in fit.measured.observed.modes)
+    fit = found.modal.comparison.models[0].fit
+    assert all(mode.posture != 2 for mode in fit.measured.modes)
     assert found.gaps.held_out_before is not None
 
 

@@ -11,15 +11,12 @@ from flexmodal.optimisation import (
     ReceptanceObjective,
     StiffnessObjective,
 )
-from flexmodal.optimisation.compiled import random_starts, search_postures
-from flexmodal.optimisation.compiled.arrays import room_for, scratch_for
-from flexmodal.optimisation.compiled.descent import PERFECT, SETTLED, UNBOUNDED
-from flexmodal.optimisation.compiled.held import held_error
-from flexmodal.optimisation.compiled.judge import cost_of, gradient_of
-from flexmodal.optimisation.compiled.plan import plan_of
-from flexmodal.optimisation.compiled.search import descend_from
-from flexmodal.optimisation.descent import descend
-from flexmodal.optimisation.objective import Limit
+from flexmodal.optimisation.compiled import arm_of, box_of, descents
+from flexmodal.optimisation.compiled.held import hold_at
+from flexmodal.optimisation.compiled.judge import cost_at, limit_at, slope_at
+from flexmodal.optimisation.descent import PERFECT, SETTLED, UNBOUNDED, UNSETTLED, work_for
+from flexmodal.optimisation.objectives import Limit
+from flexmodal.optimisation.search import descend_from, random_starts, search_postures
 
 from ..optimality import directions, gain_left
 
@@ -88,53 +85,50 @@ def case(request):
 @pytest.mark.parametrize("case", CASES, indirect=True)
 def test_cost_and_gradient_are_the_objective_s(case):
     """And the hold's error and Jacobian are the problem's; as ordinary Python, without the compiler."""
-    plan = plan_of(case)
-    places, tangent = room_for(len(plan.chain.mass), len(plan.hold.rows), len(case.names))
-    room = scratch_for(len(plan.chain.mass), plan.judge)
+    arm = arm_of(case)
+    error, constraint = np.empty(case.held_components), np.empty((case.held_components, len(case.names)))
     found = np.empty(len(case.names))
     for values in random_starts(case, 5, np.random.default_rng(2)):
-        places.moved[plan.box.columns] = values
-        size = held_error(
-            plan.chain.arrays, plan.hold, plan.box.columns, places, tangent.error, tangent.constraint
-        )
-        cost = cost_of(plan.chain.arrays, plan.judge, places, room)
-        gradient_of(plan.chain.arrays, plan.judge, plan.box.columns, places, room, found)
-        error, constraint = case.held(values)
+        size = hold_at(arm, values, error, constraint)
+        cost = cost_at(arm)
+        slope_at(arm, found)
+        off, jacobian = case.held(values)
         expected, gradient = case.cost_and_gradient(values)
-        assert size == pytest.approx(np.linalg.norm(error), abs=1e-12)
-        np.testing.assert_allclose(tangent.constraint, constraint, rtol=0, atol=1e-12)
+        assert size == pytest.approx(np.linalg.norm(off), abs=1e-12)
+        np.testing.assert_allclose(constraint, jacobian, rtol=0, atol=1e-12)
         assert cost == pytest.approx(expected, abs=1e-11)
         # a stiffness measure near a singular posture loses digits on both sides
         np.testing.assert_allclose(found, gradient, rtol=1e-8, atol=1e-9 * np.max(np.abs(gradient)))
+        limit = case.objective.limit(cost, case.robot)
+        assert limit_at(arm, cost) == ENDS.get(limit, UNSETTLED)
 
 
 @pytest.mark.parametrize("case", CASES, indirect=True)
 def test_one_compilation_serves_every_problem(case, arm):
     """The compiler tells arrays apart by layout and by whether they are read-only; half a minute for each."""
     numba = pytest.importorskip("numba")
-    usual = plan_of(PostureProblem(arm, receptance(arm, 5), Hold.at(arm, (-2.0, 2.0))))
-    plan = plan_of(case)
-    for name in ("hold", "box", "judge"):
-        assert numba.typeof(getattr(plan, name)) == numba.typeof(getattr(usual, name)), name
-    assert numba.typeof(plan.chain.arrays) == numba.typeof(usual.chain.arrays)
+    usual = PostureProblem(arm, receptance(arm, 5), Hold.at(arm, (-2.0, 2.0)))
+    assert numba.typeof(arm_of(case)) == numba.typeof(arm_of(usual))
+    assert numba.typeof(box_of(case)) == numba.typeof(box_of(usual))
+    works = [numba.typeof(work_for(one.held_components, len(one.names))) for one in (case, usual)]
+    assert works[0] == works[1]
 
 
 @pytest.mark.parametrize("case", [name for name in CASES if "limits" not in name], indirect=True)
 def test_the_same_descent(case):
     """The first steps agree but for rounding, which grows on the way, and decides what is at a limit."""
     starts = random_starts(case, 12, np.random.default_rng(3))
-    few = descend_from(plan_of(case), starts, iterations=3)
-    for place, start in enumerate(starts):
-        expected = descend(case, start, iterations=3)
-        assert (few.cost[place] < np.inf) == (expected is not None)
-        if expected is not None:
-            assert few.cost[place] == pytest.approx(expected.cost, abs=1e-4)
-            assert case.cost_and_gradient(few.values[place])[0] == pytest.approx(few.cost[place], abs=1e-11)
+    few, expected = (descend_from(case, starts, iterations=3, way=way) for way in ("compiled", "plain"))
+    reached = expected.cost < np.inf
+    np.testing.assert_array_equal(few.cost < np.inf, reached)
+    np.testing.assert_allclose(few.cost[reached], expected.cost[reached], rtol=0, atol=1e-4)
+    for cost, values in zip(few.cost[reached], few.values[reached], strict=True):
+        assert case.cost_and_gradient(values)[0] == pytest.approx(cost, abs=1e-11)
 
 
 @pytest.mark.parametrize("case", CASES, indirect=True)
 def test_every_end_is_a_local_optimum(case):
-    found = search_postures(case, random_starts(case, 24, np.random.default_rng(4)))
+    found = search_postures(case, random_starts(case, 24, np.random.default_rng(4)), way="compiled")
     ends = found.ends
     assert found.settled == (len(found.cost) > 0)
     assert ends.reached >= 2
@@ -162,8 +156,10 @@ def test_threads_and_batches_change_nothing(arm):
     problem = PostureProblem(arm, receptance(arm, 5), Hold.at(arm, (-2.0, 2.0)))
     starts = random_starts(problem, 150, np.random.default_rng(6))
     told = []
-    one = search_postures(problem, starts, threads=1)
-    two = search_postures(problem, starts, threads=2, progress=lambda done, best: told.append((done, best)))
+    one = search_postures(problem, starts, threads=1, way="compiled")
+    two = search_postures(
+        problem, starts, threads=2, way="compiled", progress=lambda done, best: told.append((done, best))
+    )
     np.testing.assert_array_equal(one.ends.values, two.ends.values)
     assert [done for done, _ in told] == [128, 150]
     assert told[-1][1] == two.cost[0]
@@ -176,7 +172,7 @@ def test_interrupted_keeps_the_best(arm):
     def stop(done, best):
         raise KeyboardInterrupt
 
-    found = search_postures(problem, starts, threads=1, progress=stop)
+    found = search_postures(problem, starts, threads=1, way="compiled", progress=stop)
     assert found.ends.reached == 64
     assert len(found.cost) > 0
 
@@ -202,7 +198,19 @@ def test_bad_arguments_are_named_together(arm):
     assert sorted(fault.key for fault in caught.value.faults) == ["iterations", "starts", "threads", "way"]
 
 
+def test_all_searches_are_one_piece_of_code(arm):
+    """One specialisation of one function: what it calls is inside it."""
+    pytest.importorskip("numba")
+    for hold, objective in (
+        (Hold.at(arm, (-2.0, 2.0)), receptance(arm, 5)),
+        (None, receptance(arm, 5, "xz", "worst")),
+    ):
+        problem = PostureProblem(arm, objective, hold)
+        descend_from(problem, random_starts(problem, 2, np.random.default_rng(1)), way="compiled")
+    assert len(descents().compiled.signatures) == 1
+
+
 def test_good_starts_settle(arm):
     problem = PostureProblem(arm, receptance(arm, 5), Hold.at(arm, (-2.0, 2.0)))
-    found = search_postures(problem, random_starts(problem, 200, np.random.default_rng(9)))
+    found = search_postures(problem, random_starts(problem, 200, np.random.default_rng(9)), way="compiled")
     assert np.all(found.ends.end == SETTLED)
