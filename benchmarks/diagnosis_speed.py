@@ -2,8 +2,8 @@
 
     python benchmarks/diagnosis_speed.py --against DIR [--rounds N] [--most N]
 
-Campaigns are simulated once by this checkout. Each round lets the two checkouts answer in turn, every answer in
-a process of its own on one thread; processor time counts, imports and loading of compiled code included.
+Campaigns are simulated once by this checkout. Each round lets the two checkouts answer in turn, every answer
+in a process of its own on one thread; processor time counts, with imports and the loading of compiled code.
 """
 
 from __future__ import annotations
@@ -78,7 +78,7 @@ def answer(task: str, folder: Path, *, profiled: bool) -> dict[str, object]:
         says: object = [list(map(list, found.verdict.effects)), round(found.gaps.after, 6)]
     else:
         outcome = run(identify, campaign, robot)
-        says = [round(float(value), 6) for value in outcome.x]
+        says = [round(float(value), 5) for value in outcome.fitted.x]
     made: dict[str, object] = {
         "start": before, "seconds": time.process_time() - before, "says": says,
     }  # fmt: skip
@@ -148,8 +148,8 @@ def compare(
     end = [
         f"Median ratio: {found}.",
         "",
-        "Where the time of a diagnosis goes, % under the profiler. The last column is what solving all structures",
-        "takes: what no code around it could go below.",
+        "Where the time of a diagnosis goes, % under the profiler. The last column is what solving all",
+        "structures takes: what no code around it could go below.",
         "",
         f"| {' | '.join(header)} |",
         "|---" * len(header) + "|",
@@ -158,9 +158,8 @@ def compare(
     write(
         "diagnosis_speed",
         "How long a diagnosis and an identification take",
-        "By `python benchmarks/diagnosis_speed.py --against DIR`: processor time of one core, imports included, and "
-        "its ratio to another checkout's; rounds interleaved, medians; whether both gave the same answer to six "
-        "digits.",
+        "By `python benchmarks/diagnosis_speed.py --against DIR`: processor time of one core with imports, and "
+        "its ratio to another checkout's; rounds interleaved, medians; whether both gave the same answer.",
         ["campaign", "s", "× faster", "same answer"],
         rows,
         "\n".join(end),
