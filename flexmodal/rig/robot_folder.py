@@ -19,7 +19,14 @@ CARD = "robot/robot.toml"
 def write_robot(
     robot: Robot, folder: Path, postures: Sequence[CampaignPosture], points: Sequence[CampaignPoint]
 ) -> None:
-    """Write the believed robot into a new folder `robot/` inside `folder`."""
+    """Write the believed robot into a new folder `robot/` inside `folder`.
+
+    Args:
+        robot: as the card says.
+        folder: where `robot/` goes.
+        postures: of the campaign.
+        points: of the campaign.
+    """
     place = folder / "robot"
     place.mkdir()
     (place / f"{_safe(robot.name)}.urdf").write_text(_urdf(robot), encoding="utf-8")
