@@ -27,12 +27,11 @@ def write_csv(frf: Frf, path: Path, *, overwrite: bool = False) -> None:
     with whole_file(path, overwrite=overwrite) as scratch, scratch.open("w", newline="") as file:
         writer = csv.writer(file)
         writer.writerow(COLUMNS)
-        for row, response in enumerate(frf.response):
-            for column, reference in enumerate(frf.reference):
-                pair = (str(response), str(reference), frf.form, frf.unit(row, column))
-                for frequency, value in zip(frf.frequency, frf.value[:, row, column], strict=True):
-                    numbers = (float(frequency), float(value.real), float(value.imag))
-                    writer.writerow([repr(numbers[0]), *pair, repr(numbers[1]), repr(numbers[2])])
+        for row, column, _ in frf.pairs():
+            pair = (frf.response[row], frf.reference[column], frf.form, frf.unit(row, column))
+            for frequency, value in zip(frf.frequency, frf.value[:, row, column], strict=True):
+                first, real, imaginary = (repr(float(one)) for one in (frequency, value.real, value.imag))
+                writer.writerow([first, *pair, real, imaginary])
 
 
 def write_npz(frf: Frf, path: Path, *, overwrite: bool = False) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -47,6 +48,12 @@ class Frf:
         row = _index(self.response, response, "response")
         column = _index(self.reference, reference, "reference")
         return self.value[:, row, column]
+
+    def pairs(self) -> Iterator[tuple[int, int, str]]:
+        """Rows and columns of `value`, with what they are of, such as "tool:+x per tip:+z"."""
+        for row, response in enumerate(self.response):
+            for column, reference in enumerate(self.reference):
+                yield row, column, f"{response} per {reference}"
 
     def unit(self, response: int = 0, reference: int = 0) -> str:
         """Unit of one entry, such as "m/N".
