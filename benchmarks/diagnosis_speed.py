@@ -159,7 +159,7 @@ def compare(
         "diagnosis_speed",
         "How long a diagnosis and an identification take",
         "By `python benchmarks/diagnosis_speed.py --against DIR`: processor time of one core with imports, "
-        "and its ratio to another checkout's; rounds interleaved, medians; whether both answered the same.",
+        "its ratio to another checkout's; rounds interleaved, medians; whether both answered the same.",
         ["campaign", "s", "× faster", "same answer"],
         rows,
         "\n".join(end),
