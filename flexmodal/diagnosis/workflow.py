@@ -65,10 +65,10 @@ def diagnose(
         modes = None if campaign.modes is None else ModesBeside(modes_of_table(campaign), setup.fitted)
         selection = FrfSelection(setup, modes)
         selection.run()
-        return _conclude(selection)
+        return _diagnosis_of(selection)
 
 
-def _conclude(selection: FrfSelection) -> Diagnosis:
+def _diagnosis_of(selection: FrfSelection) -> Diagnosis:
     setup = selection.setup
     setup.advance("fitting everything once more", 0.0)
     held_pair = gaps_of(setup, selection.root, selection.current)

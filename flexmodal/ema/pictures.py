@@ -12,7 +12,8 @@ import numpy as np
 
 from flexmodal import report
 from flexmodal.campaign import Campaign, FrfRecords
-from flexmodal.ema.estimate import Choices, peaks_of
+from flexmodal.ema.choices import Choices
+from flexmodal.ema.estimate import peaks_of
 from flexmodal.ema.fit import Fit
 from flexmodal.ema.measured import Measured
 from flexmodal.ema.methods.circle import CircleFit, fit_circle

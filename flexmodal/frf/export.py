@@ -16,6 +16,11 @@ COLUMNS = ("frequency_hz", "response", "reference", "form", "unit", "re", "im")
 def write_csv(frf: Frf, path: Path, *, overwrite: bool = False) -> None:
     """One row for each line and pair, full precision; the header names the columns.
 
+    Args:
+        frf: what to write.
+        path: the file; written whole or not at all.
+        overwrite: replace an existing file.
+
     Raises:
         OutputExists: the file exists.
     """
@@ -31,6 +36,11 @@ def write_csv(frf: Frf, path: Path, *, overwrite: bool = False) -> None:
 
 def write_npz(frf: Frf, path: Path, *, overwrite: bool = False) -> None:
     """Arrays `frequency` [Hz] and `value` (line, response, reference), with the labels as text.
+
+    Args:
+        frf: what to write.
+        path: the file; written whole or not at all.
+        overwrite: replace an existing file.
 
     Raises:
         OutputExists: the file exists.

@@ -38,6 +38,10 @@ class Frf:
     def between(self, response: str | PointDirection, reference: str | PointDirection) -> np.ndarray:
         """The complex values of one pair, by line.
 
+        Args:
+            response: point and direction of the motion.
+            reference: point and direction of the force.
+
         Raises:
             InvalidPoint: the pair is not among these FRFs.
         """
@@ -52,7 +56,12 @@ class Frf:
                 yield row, column, f"{response} per {reference}"
 
     def unit(self, response: int = 0, reference: int = 0) -> str:
-        """Unit of one entry, such as "m/N"."""
+        """Unit of one entry, such as "m/N".
+
+        Args:
+            response: which response; the first by default.
+            reference: which reference; the first by default.
+        """
         return unit(
             self.form,
             response_rotates=self.response[response].is_rotation,

@@ -87,7 +87,7 @@ class Identification:
     fitted: Fitted
     uncertainty: Uncertainty
     before_fit: Identifiability
-    """What the data could tell, reckoned at the card."""
+    """What the data could tell, computed at the card."""
     gap: Gaps
     held_out: tuple[HeldOut, ...]
     optima: tuple[Optimum, ...]

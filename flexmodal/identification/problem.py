@@ -58,7 +58,7 @@ class IdentificationProblem:
 
     @cached_property
     def identifiability(self) -> Identifiability:
-        """What these data can tell, reckoned at the card."""
+        """What these data can tell, computed at the card."""
         return Identifiability(self.space, self.evidence.information(), self.what)
 
 

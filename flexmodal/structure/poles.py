@@ -11,6 +11,7 @@ whatever depends on the modes through sums over the repeated ones.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,7 +19,7 @@ from jaxtyping import Complex, Float
 
 from flexmodal.modal import SecondOrderSystem
 from flexmodal.modal.modes import solve_modes
-from flexmodal.structure.structure import Change, Structure
+from flexmodal.structure.structure import Structure
 
 REPEATED = 1e-7
 """Distance of poles, relative to the larger, below which they count as one."""
@@ -69,35 +70,53 @@ def poles(structure: Structure, names: tuple[str, ...] = ()) -> Poles:
     system = SecondOrderSystem(structure.mass, structure.damping, structure.stiffness, structure.coordinates)
     modes = solve_modes(system)
     pole, shape = modes.expanded()
-    slope = np.zeros((len(names), len(pole)), dtype=complex)
-    turned = np.zeros((len(names), *shape.shape), dtype=complex)
-    apart = pole[None, :] - pole[:, None]  # λ_q − λ_p at [p, q]
-    near = np.abs(apart) <= REPEATED * np.maximum(np.abs(pole)[None, :], np.abs(pole)[:, None])
-    factor = np.where(near, 0.0, 1 / np.where(near, 1.0, apart))
-    for number, name in enumerate(names):
-        if name in structure.changes:
-            _differentiate(structure.changes[name], pole, shape, factor, slope[number], turned[number])
+    matrices = {kind: slopes_of([structure], names, kind)[0] for kind in ("mass", "damping", "stiffness")}
+    slope, turned = eigen_slopes(pole, shape, **matrices)
     return Poles(pole, shape, slope, turned, len(modes.pole))
 
 
-def _differentiate(
-    change: Change,
-    pole: np.ndarray,
-    shape: np.ndarray,
-    factor: np.ndarray,
-    slope: np.ndarray,
-    turned: np.ndarray,
-) -> None:
-    """Fill in the derivatives along one parameter."""
-    seen = np.zeros((len(pole), len(pole)), dtype=complex)  # u_qᵀ Q_p u_p at [q, p]
-    own = np.zeros(len(pole), dtype=complex)
-    for matrix, power in ((change.stiffness, 0), (change.damping, 1), (change.mass, 2)):
-        if matrix is None:
-            continue
-        size = len(matrix)
-        part = shape[:size].T @ matrix @ shape[:size]
-        seen += part * pole**power
-        if power:
-            own += power * pole ** (power - 1) * np.diag(part)
-    slope[:] = -np.diag(seen)
-    turned[:] = shape @ (seen * factor.T) - 0.5 * shape * own
+def eigen_slopes(
+    pole: Complex[np.ndarray, "*posture pole"],
+    shape: Complex[np.ndarray, "*posture dof pole"],
+    *,
+    mass: Float[np.ndarray, "*posture name dof dof"],
+    damping: Float[np.ndarray, "*posture name dof dof"],
+    stiffness: Float[np.ndarray, "*posture name dof dof"],
+) -> tuple[Complex[np.ndarray, "*posture name pole"], Complex[np.ndarray, "*posture name dof pole"]]:
+    """Derivatives of poles and shapes along some parameters, of several postures at once.
+
+    Args:
+        pole: all 2n of them.
+        shape: scaled as above.
+        mass: ∂M.
+        damping: ∂C.
+        stiffness: ∂K.
+    """
+    each = shape[..., None, :, :]
+    left = np.swapaxes(each, -1, -2)
+    m, c, k = (left @ matrix @ each for matrix in (mass, damping, stiffness))
+    at = pole[..., None, None, :]
+    between = k + at * (c + at * m)  # u_qᵀ Q_p u_p at [q, p]
+    own = np.diagonal(c + 2 * at * m, axis1=-2, axis2=-1)
+    apart = pole[..., None, :] - pole[..., :, None]  # λ_q − λ_p at [p, q]
+    size = np.abs(pole)
+    near = np.abs(apart) <= REPEATED * np.maximum(size[..., None, :], size[..., :, None])
+    factor = np.where(near, 0.0, 1 / np.where(near, 1.0, apart))
+    mixed = between * np.swapaxes(factor, -1, -2)[..., None, :, :]
+    turned = each @ mixed - 0.5 * each * own[..., None, :]
+    return -np.diagonal(between, axis1=-2, axis2=-1), turned
+
+
+def slopes_of(
+    structures: Sequence[Structure], names: Sequence[str], kind: str
+) -> Float[np.ndarray, "posture name dof dof"]:
+    """Derivatives of one kind of matrix of some structures, zero where nothing changes."""
+    n = structures[0].dof
+    table = np.zeros((len(structures), len(names), n, n))
+    for p, one in enumerate(structures):
+        for k, name in enumerate(names):
+            change = one.changes.get(name)
+            matrix = None if change is None else getattr(change, kind)
+            if matrix is not None:
+                table[p, k, : len(matrix), : len(matrix)] = matrix
+    return table

@@ -114,9 +114,11 @@ def test_hostile_names_are_only_text(diagnosed):
         observations, campaign=campaign,
         postures=tuple(replace(p, name=f"{HOSTILE}{p.id}") for p in observations.postures),
     )  # fmt: skip
+    context = replace(diagnosed.model.context, points=campaign.points, postures=changed.postures)
     region = replace(diagnosed.disagreement[0], kind=HOSTILE, says=HOSTILE)
     hostile = replace(
         diagnosed, campaign=HOSTILE, robot=HOSTILE, frfs=changed, disagreement=(region,),
+        model=replace(diagnosed.model, context=context),
         remaining=(region,), verdict=replace(diagnosed.verdict, says=HOSTILE), left_out=(HOSTILE,),
         untestable={HOSTILE: HOSTILE}, provenance={HOSTILE: HOSTILE},
     )  # fmt: skip

@@ -66,7 +66,7 @@ def test_frfs_tell_the_scale_but_not_mass_from_inertia_of_the_first_link(campaig
 
 
 def test_expected_errors_are_those_that_a_fit_finds(campaign, fanuc):
-    """Reckoned for independent lines; clusters make the errors of a fit larger, but not by decades."""
+    """Computed for independent lines; clusters make the errors of a fit larger, but not by decades."""
     problem = build_identification(campaign, fanuc)
     fitted = problem.evidence.fit()
     found = problem.evidence.uncertainty(fitted).deviation

@@ -18,11 +18,11 @@ from jaxtyping import Float
 
 from flexmodal.diagnosis.comparison import Comparison
 from flexmodal.diagnosis.frf_comparison import FittedFrfs
-from flexmodal.diagnosis.modes.elsewhere import predictive
 from flexmodal.diagnosis.modes.evidence import ModalFit
 from flexmodal.diagnosis.modes.forecast import Explanation
 from flexmodal.diagnosis.modes.likelihood import Likelihood
 from flexmodal.diagnosis.modes.pairing import paired
+from flexmodal.diagnosis.modes.predictive import predictive
 from flexmodal.diagnosis.modes.residuals import residuals
 from flexmodal.diagnosis.modes.scales import rescaled
 from flexmodal.diagnosis.modes.scatter import Beliefs

@@ -14,7 +14,7 @@ from jaxtyping import Float
 
 from flexmodal.diagnosis.modes.evidence import ModalFit
 from flexmodal.identification.evidence.measured_modes import MeasuredMode, ModeObservations
-from flexmodal.identification.evidence.modal_gap import DAMPING_SHARE, gap_of_errors, noise_of
+from flexmodal.identification.evidence.modal_gap import DAMPING_SHARE, gap_of_errors
 from flexmodal.modal.mac import mac_with
 
 Errors = Float[np.ndarray, "mode 3"]
@@ -75,11 +75,6 @@ def figures(table: Errors) -> Figures:
         int(np.sum(~there)),
         gap_of_errors(table),
     )
-
-
-def noise_floor(measured: ModeObservations, table: Errors) -> float:
-    """The gap that the scatter over places alone makes."""
-    return noise_of(measured, table)
 
 
 def mean_of_others(measured: ModeObservations) -> Errors:

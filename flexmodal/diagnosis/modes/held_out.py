@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Bool
 
-from flexmodal.diagnosis.modes.elsewhere import predictive, restricted
 from flexmodal.diagnosis.modes.evidence import ModalFit
 from flexmodal.diagnosis.modes.fit import fit_modes
 from flexmodal.diagnosis.modes.gap import Errors, errors
+from flexmodal.diagnosis.modes.predictive import predictive, restricted
 from flexmodal.errors import InvalidSystem
 from flexmodal.identification.evidence.measured_modes import ModeObservations
 

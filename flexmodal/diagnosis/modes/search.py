@@ -15,11 +15,11 @@ from jaxtyping import Float
 
 from flexmodal.diagnosis.effects import Context
 from flexmodal.diagnosis.hypothesis import Placed
-from flexmodal.diagnosis.modes.elsewhere import granted
 from flexmodal.diagnosis.modes.evidence import ModalFit
 from flexmodal.diagnosis.modes.fit import fit_modes
 from flexmodal.diagnosis.modes.forecast import Explanation, Forecast
 from flexmodal.diagnosis.modes.likelihood import Pairs
+from flexmodal.diagnosis.modes.predictive import granted
 from flexmodal.diagnosis.modes.scatter import Beliefs
 from flexmodal.diagnosis.names import UNSTRUCTURED
 from flexmodal.errors import InvalidSystem

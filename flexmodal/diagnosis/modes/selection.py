@@ -11,11 +11,11 @@ from flexmodal.diagnosis.comparison import TIED, Comparison
 from flexmodal.diagnosis.effects import Context, Effect, catalogue
 from flexmodal.diagnosis.hypothesis import Hypothesis, Placed
 from flexmodal.diagnosis.modes.decision import more_than_tied, needed
-from flexmodal.diagnosis.modes.elsewhere import restricted
 from flexmodal.diagnosis.modes.evidence import ModalFit
 from flexmodal.diagnosis.modes.forecast import Explanation
 from flexmodal.diagnosis.modes.gap import errors
 from flexmodal.diagnosis.modes.held_out import in_turn, together
+from flexmodal.diagnosis.modes.predictive import restricted
 from flexmodal.diagnosis.modes.scatter import Beliefs
 from flexmodal.diagnosis.modes.search import bare_starts, best_fits, effect_starts, free_starts, unmatched
 from flexmodal.diagnosis.modes.variants import FittedModes, under_variants

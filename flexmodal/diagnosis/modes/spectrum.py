@@ -1,7 +1,7 @@
 """Poles and shapes of several structures of one size at once, with derivatives.
 
-The formulas are those of `identification.poles`, which a test holds this against; here all postures of a
-campaign go through one eigenvalue problem, since matrices this small cost more in calls than in arithmetic.
+All postures of a campaign go through one eigenvalue problem, since matrices this small cost more in calls
+than in arithmetic; a test holds it against `structure.poles`.
 """
 
 from __future__ import annotations
@@ -10,10 +10,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Complex, Float
+from jaxtyping import Complex
 
 from flexmodal.errors import Fault, InvalidSystem
-from flexmodal.structure.poles import REPEATED
+from flexmodal.structure.poles import eigen_slopes, slopes_of
 from flexmodal.structure.structure import Structure
 
 REAL = 1e-9
@@ -53,25 +53,14 @@ def spectrum(structures: Sequence[Structure], names: tuple[str, ...]) -> Spectru
     )
     pole, shape = _solve(mass, damping, stiffness)
     response = np.array([s.response for s in structures])
-    slopes = {kind: _slopes(structures, names, kind) for kind in ("mass", "damping", "stiffness")}
+    slopes = {kind: slopes_of(structures, names, kind) for kind in ("mass", "damping", "stiffness")}
     turned_rows = np.zeros((len(structures), len(names), *response.shape[1:]))
     for p, one in enumerate(structures):
         for k, name in enumerate(names):
             change = one.changes.get(name)
             if change is not None and change.response is not None:
                 turned_rows[p, k] = change.response
-    # Matrices of the derivatives between all shapes: [posture, name, q, p].
-    across = {k: np.swapaxes(shape, 1, 2)[:, None] @ slopes[k] @ shape[:, None] for k in slopes}
-    at = pole[:, None, None, :]
-    between = across["stiffness"] + at * (across["damping"] + at * across["mass"])
-    own = np.diagonal(across["damping"] + 2 * at * across["mass"], axis1=2, axis2=3)
-    pole_slope = -np.diagonal(between, axis1=2, axis2=3)
-    apart = pole[:, None, :] - pole[:, :, None]  # λ_q − λ_p at [p, q]
-    size = np.maximum(np.abs(pole)[:, None, :], np.abs(pole)[:, :, None])
-    near = np.abs(apart) <= REPEATED * size
-    factor = np.where(near, 0.0, 1 / np.where(near, 1.0, apart))
-    mixed = between * np.swapaxes(factor, 1, 2)[:, None]
-    shape_slope = shape[:, None] @ mixed - 0.5 * shape[:, None] * own[:, :, None, :]
+    pole_slope, shape_slope = eigen_slopes(pole, shape, **slopes)
     seen_slope = response[:, None] @ shape_slope + turned_rows @ shape[:, None]
     count = [int(np.sum(one.imag > REAL * np.abs(one))) for one in pole]
     return Spectrum(pole, response @ shape, pole_slope, seen_slope, count)
@@ -104,17 +93,3 @@ def _solve(mass: np.ndarray, damping: np.ndarray, stiffness: np.ndarray) -> tupl
     scale = np.einsum("pim,pij,pjm->pm", shape, mass, shape) * 2 * pole
     scale += np.einsum("pim,pij,pjm->pm", shape, damping, shape)
     return pole, shape / np.sqrt(np.where(scale == 0, 1.0, scale))[:, None, :]
-
-
-def _slopes(
-    structures: Sequence[Structure], names: tuple[str, ...], kind: str
-) -> Float[np.ndarray, "p k n n"]:
-    n = structures[0].dof
-    table = np.zeros((len(structures), len(names), n, n))
-    for p, one in enumerate(structures):
-        for k, name in enumerate(names):
-            change = one.changes.get(name)
-            matrix = None if change is None else getattr(change, kind)
-            if matrix is not None:
-                table[p, k, : len(matrix), : len(matrix)] = matrix
-    return table

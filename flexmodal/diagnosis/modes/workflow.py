@@ -14,7 +14,7 @@ from threadpoolctl import threadpool_limits
 
 from flexmodal.campaign import Campaign
 from flexmodal.diagnosis.effects import catalogue
-from flexmodal.diagnosis.modes.conclude import conclude
+from flexmodal.diagnosis.modes.result import diagnosis_of
 from flexmodal.diagnosis.modes.selection import ModalSelection
 from flexmodal.diagnosis.outcome import Diagnosis
 from flexmodal.diagnosis.setup import Advance, numbers_of, trust_of
@@ -71,7 +71,7 @@ def diagnose_modes(
     with threadpool_limits(1):
         selection = ModalSelection(measured, robot, base, asked, held, advance)
         selection.run()
-        return conclude(selection, moved, seed)
+        return diagnosis_of(selection, moved, seed)
 
 
 def _asked(effects: Sequence[str] | None) -> dict[str, tuple[str, ...]] | None:

@@ -27,9 +27,9 @@ from flexmodal.errors import InvalidSystem
 from flexmodal.identification.descent import Normal, prior_cost, robust, robust_weight
 from flexmodal.identification.evidence.antiresonance import nearest_dip
 from flexmodal.identification.evidence.measured_modes import Antiresonance, MeasuredMode, ModeObservations
-from flexmodal.identification.evidence.pairing import mac_table, pair
+from flexmodal.identification.evidence.pairing import pair
 from flexmodal.identification.model import places_of
-from flexmodal.modal.mac import shape_residual
+from flexmodal.modal.mac import mac_with, shape_residual
 from flexmodal.model import Robot
 from flexmodal.structure.parameter import ParameterSpace
 from flexmodal.structure.poles import Poles, poles
@@ -131,10 +131,20 @@ class ModeProblem:
         return np.array([responses.index((int(p), int(d))) for p, d in places], dtype=int)
 
     def alike(self, number: int, seen: Seen) -> Float[np.ndarray, "measured mode"]:
-        """MAC of the measured modes of a posture with the model's."""
-        modes = [self.observations.modes[k] for k in self.observations.here[number]]
-        shapes = [[(self.rows(number, s.places), s.residue) for s in mode.shapes] for mode in modes]
-        return mac_table(seen.structure, seen.found, shapes)
+        """MAC of the measured modes of a posture with the model's, of several hammer positions the mean.
+
+        NaN where a mode has no shape.
+        """
+        shape, here = seen.found.shape[:, : seen.found.count], self.observations.here[number]
+        table = np.full((len(here), seen.found.count), np.nan)
+        for row, k in enumerate(here):
+            some = [one for one in self.observations.modes[k].shapes if len(one.places) > 1]
+            if some:
+                rows = [self.rows(number, one.places) for one in some]
+                models = [seen.structure.response[picked] @ shape for picked in rows]
+                pairs = zip(some, models, strict=True)
+                table[row] = np.mean([mac_with(one.residue, model) for one, model in pairs], axis=0)
+        return table
 
     def partners(self, x: Float[np.ndarray, " parameter"], *, scale: float = 0.1) -> tuple[int, ...]:
         """The mode of the model that each measured mode is; −1 where there is none."""

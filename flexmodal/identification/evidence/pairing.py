@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 from jaxtyping import Float
 
-from flexmodal.modal.mac import mac_with
 from flexmodal.modal.tracking import assign
 from flexmodal.structure.poles import Poles
-from flexmodal.structure.structure import Structure
 
 SINGLE = 0.8
 """Pairs that disagree more are no pairs."""
@@ -46,28 +42,3 @@ def pair(
         away = np.where(np.isnan(alike), away, shape_weight * (1 - alike) + (1 - shape_weight) * away)
     away[:, found.pole[: found.count].imag == 0] = 10.0  # does not oscillate: nobody measured it
     return assign(away, SINGLE).tolist()
-
-
-def mac_table(
-    structure: Structure,
-    found: Poles,
-    shapes: Sequence[Sequence[tuple[np.ndarray, np.ndarray]]],
-) -> Float[np.ndarray, "measured mode"]:
-    """MAC of measured shapes with the model's, of several hammer positions the mean; NaN without a shape.
-
-    Args:
-        structure: with the response rows of the places.
-        found: its poles.
-        shapes: of each measured mode, for each hammer position: row numbers in `structure.response`,
-            residues.
-    """
-    table = np.full((len(shapes), found.count), np.nan)
-    for k, some in enumerate(shapes):
-        values = []
-        for rows, residue in some:
-            if len(rows) < 2:
-                continue
-            values.append(mac_with(residue, structure.response[rows] @ found.shape[:, : found.count]))
-        if values:
-            table[k] = np.mean(values, axis=0)
-    return table

@@ -8,11 +8,11 @@ import numpy as np
 
 from flexmodal.diagnosis.comparison import Comparison
 from flexmodal.diagnosis.modes.decision import significant
-from flexmodal.diagnosis.modes.elsewhere import restricted
 from flexmodal.diagnosis.modes.evidence import ModalFit
 from flexmodal.diagnosis.modes.findings import Findings
 from flexmodal.diagnosis.modes.fit import COARSE
 from flexmodal.diagnosis.modes.gap import errors, mean_of_others
+from flexmodal.diagnosis.modes.predictive import restricted
 from flexmodal.diagnosis.modes.regions import regions
 from flexmodal.diagnosis.modes.search import unmatched
 from flexmodal.diagnosis.modes.selection import ModalSelection
@@ -26,7 +26,7 @@ from flexmodal.diagnosis.provenance import provenance
 from flexmodal.identification.evidence.modal_gap import gap_of_errors
 
 
-def conclude(selection: ModalSelection, moved: tuple[str, ...], seed: int) -> Diagnosis:
+def diagnosis_of(selection: ModalSelection, moved: tuple[str, ...], seed: int) -> Diagnosis:
     """Put everything together.
 
     Args:
