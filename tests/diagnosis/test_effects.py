@@ -226,10 +226,12 @@ def test_unknown_effects_are_named_all_at_once():
 
 def test_a_structure_seen_anywhere_is_that_of_the_observations(hinged, observed):
     _, _, hypothesis, after = hinged
-    groups = hypothesis.groups(after.x, observed, slopes=True)
+    (group,) = hypothesis.groups(after.x, observed, slopes=True)
     places = [(int(n), int(d)) for n, d in np.unique(observed.response, axis=0)]
     structures = hypothesis.structures(after.x, places, places[:1], slopes=True)
-    for group in groups:
-        structure = structures[int(observed.posture[group.observations[0]])]
-        np.testing.assert_array_equal(structure.mass, group.structure.mass)
-        np.testing.assert_array_equal(structure.response, group.structure.response)
+    assert len(structures) == len(group.structures) == len(observed.postures)
+    for structure, mass, response in zip(
+        structures, group.structures.mass, group.structures.response, strict=True
+    ):
+        np.testing.assert_array_equal(structure.mass, mass)
+        np.testing.assert_array_equal(structure.response, response)
