@@ -17,12 +17,21 @@ import flexmodal
 from flexmodal.campaign import Campaign, read_campaign
 from flexmodal.diagnosis import Diagnosis, diagnose
 from flexmodal.diagnosis.modes.gap import errors, figures
-from flexmodal.diagnosis.modes.page import after_name, compared_fits, shape_rows, summary_rows, weighing_rows
+from flexmodal.diagnosis.modes.page import after_name, compared_fits
 from flexmodal.diagnosis.modes.pictures import draw_evidence, draw_frequencies, draw_shapes
 from flexmodal.diagnosis.modes.shapes import shapes_of
+from flexmodal.diagnosis.modes.tables import (
+    SHAPES,
+    SUMMARY,
+    WEIGHING,
+    shape_rows,
+    summary_rows,
+    weighing_rows,
+)
 from flexmodal.diagnosis.modes.words import named
 from flexmodal.files import whole_file
 from flexmodal.modal.mac import mac_with
+from flexmodal.report import Cell, Column, Table
 
 CAMPAIGN = ROOT / "robots" / "fanuc_s360" / "campaigns" / "thesis"
 PAGE = ROOT / "docs" / "appendix_c.md"
@@ -30,16 +39,6 @@ PICTURES = ROOT / "docs" / "pictures"
 TOLD = "link_flexibility@link_2"
 PEAK_38 = 2
 """Number of the 38 Hz peak among the modes."""
-HEADER = [
-    "explanation", "adds", "without a partner", "evidence [nat]", "under other priors", "held out [nat]",
-    "probability",
-]  # fmt: skip
-FIGURES = ["", *(f"{part}: {what}" for part in ("fitted", "held out")
-                 for what in ("without a partner", "frequency", "damping", "mean MAC", "gap"))]  # fmt: skip
-SHAPES = [
-    "mode", "measured between postures", "predicted between postures", "one prediction with the other",
-    "predicted with measured", "as measured [nat]", "if careful [nat]",
-]  # fmt: skip
 
 
 def without(campaign: Campaign, number: int) -> Campaign:
@@ -52,23 +51,21 @@ def without(campaign: Campaign, number: int) -> Campaign:
     return replace(campaign, modes=replace(table, **columns, flag=tuple(table.flag[k] for k in keep)))
 
 
-def table(header: list[str], rows: list[list[str]]) -> str:
-    lines = ["| " + " | ".join(header) + " |", "|" + "---|" * len(header)]
-    return "\n".join([*lines, *("| " + " | ".join(row) + " |" for row in rows)])
+def table(columns: Sequence[Column], rows: Sequence[Sequence[str | Cell]]) -> str:
+    found = Table(columns, rows)
+    heads = [f"{one.group}: {one.head}" if one.group else one.head for one in columns]
+    lines = ["| " + " | ".join(heads) + " |", "|" + "---|" * len(heads)]
+    cells = ([one.text + (f" ({one.tag})" if one.tag else "") for one in line] for line in found.lines)
+    return "\n".join([*lines, *("| " + " | ".join(line) + " |" for line in cells)])
 
 
 def weighing(diagnosis: Diagnosis) -> str:
-    rows = [
-        [one["name"] + (" (tie)" if one["tied"] else ""), str(one["adds"]), str(one["missing"]), one["gain"],
-         one["range"], one["held"], one["probability"]]
-        for one in weighing_rows(diagnosis.modal)
-    ]  # fmt: skip
-    return table(HEADER, rows)
+    return table(WEIGHING, weighing_rows(diagnosis.modal))
 
 
 def gaps(diagnosis: Diagnosis) -> str:
     found = diagnosis.modal
-    return table(FIGURES, summary_rows(found, after_name(diagnosis, found)))
+    return table(SUMMARY, summary_rows(found, after_name(diagnosis, found)))
 
 
 def picture(figure: Any, name: str) -> str:

@@ -429,7 +429,7 @@ def draw(curves: dict[str, list[tuple[int, float, float]]]) -> None:
     """Time a point over n, systems and frequencies."""
     from matplotlib.figure import Figure
 
-    from flexmodal.frf.plot import PALETTE
+    from flexmodal.report import PALETTE
 
     figure = Figure(figsize=(10, 3.6), layout="constrained")
     labels = {"n": "Joints n [–]", "systems": "Postures [–], n = 6", "frequencies": "Frequencies [–], n = 6"}

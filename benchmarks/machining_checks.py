@@ -13,7 +13,6 @@ from pathlib import Path
 import numpy as np
 from tables import write
 
-from flexmodal.frf.plot import PALETTE, write_plot
 from flexmodal.machining import (
     Cut,
     CutFrame,
@@ -30,6 +29,7 @@ from flexmodal.machining import (
     stability_lobes,
     unconditional_depth,
 )
+from flexmodal.report import PALETTE, write_figure
 
 PICTURES = Path(__file__).parents[1] / "docs" / "pictures"
 STIFFNESS = 0.03993 * (2 * math.pi * 922) ** 2
@@ -183,7 +183,7 @@ def draw(case: Case) -> None:
     axes.grid(True, color="0.9", linewidth=0.6)
     axes.set_title("Slot, one mode of 922 Hz, two teeth (Insperger and Stépán 2004)", loc="left", fontsize=11)
     figure.legend(fontsize=9, loc="outside lower center", ncols=4)
-    write_plot(figure, PICTURES / "machining_lobes.png", overwrite=True)
+    write_figure(figure, PICTURES / "machining_lobes.png", overwrite=True)
     print(PICTURES / "machining_lobes.png")
 
 

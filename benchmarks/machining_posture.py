@@ -12,8 +12,8 @@ from pathlib import Path
 import numpy as np
 
 import flexmodal
-from flexmodal.frf.plot import PALETTE, write_plot
 from flexmodal.machining import Cut, ToolMode, modal_tip, read_cut, stability_lobes, tool_tip
+from flexmodal.report import PALETTE, write_figure
 
 ROOT = Path(__file__).parents[1]
 PICTURES = ROOT / "docs" / "pictures"
@@ -43,7 +43,7 @@ def main() -> None:
     figure.suptitle(
         "Fanuc S-360, side milling aluminium, zero-order solution", x=0.01, ha="left", fontsize=12
     )
-    write_plot(figure, PICTURES / "machining_posture.png", overwrite=True)
+    write_figure(figure, PICTURES / "machining_posture.png", overwrite=True)
     print(PICTURES / "machining_posture.png")
 
 

@@ -7,12 +7,12 @@ from tables import ROOT
 
 import flexmodal
 from flexmodal import Hold, PointDirection, PostureProblem, ReceptanceObjective
-from flexmodal.frf.plot import write_plot
 from flexmodal.optimisation.path import PathProblem, greedy_path, line, plan_path
 from flexmodal.optimisation.path.plot import draw_path
 from flexmodal.optimisation.pictures.plot import draw_postures, draw_receptances, draw_self_motion
 from flexmodal.optimisation.pictures.traces import draw_traces, follow
 from flexmodal.optimisation.pictures.workspace import draw_workspace, workspace_map
+from flexmodal.report import write_figure
 
 PICTURES = ROOT / "docs" / "pictures"
 
@@ -53,7 +53,7 @@ def main() -> None:
 
 
 def save(figure: object, name: str) -> None:
-    write_plot(figure, PICTURES / f"{name}.png", overwrite=True)
+    write_figure(figure, PICTURES / f"{name}.png", overwrite=True)
     print(f"wrote {name}.png", flush=True)
 
 

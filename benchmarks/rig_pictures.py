@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 import flexmodal
-from flexmodal.frf.plot import PALETTE, write_plot
+from flexmodal.report import PALETTE, write_figure
 from flexmodal.rig import Hide, RigResult, simulate
 
 PICTURES = Path(__file__).parents[1] / "docs" / "pictures"
@@ -38,7 +38,7 @@ def main() -> None:
     draw_blow(figure, grid, found["nothing hidden"])
     draw_frfs(figure, grid, found)
     PICTURES.mkdir(parents=True, exist_ok=True)
-    write_plot(figure, PICTURES / "rig.png", overwrite=True)
+    write_figure(figure, PICTURES / "rig.png", overwrite=True)
     print(PICTURES / "rig.png")
 
 

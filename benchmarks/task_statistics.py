@@ -22,8 +22,8 @@ from flexmodal import Hold, PostureProblem, ReceptanceObjective, StiffnessObject
 from flexmodal.errors import FlexmodalError
 from flexmodal.files import whole_file
 from flexmodal.frf import PointDirection
-from flexmodal.frf.plot import PALETTE, write_plot
 from flexmodal.model import Robot
+from flexmodal.report import PALETTE, write_figure
 
 FILE = TABLES / "task_statistics.csv"
 COLUMNS = ("arm", "task", "frequency", "first_mode", "start", "receptance", "static", "stiffness", "singular")
@@ -230,7 +230,7 @@ def main() -> None:
     everything = rows_there()
     with whole_file(TABLES / "task_statistics.md", overwrite=True) as scratch:
         scratch.write_text(summarise(everything), encoding="utf-8")
-    write_plot(picture(everything), ROOT / "docs" / "pictures" / "task_statistics.png", overwrite=True)
+    write_figure(picture(everything), ROOT / "docs" / "pictures" / "task_statistics.png", overwrite=True)
     print(summarise(everything))
 
 

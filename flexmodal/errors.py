@@ -30,6 +30,20 @@ class Fault:
         return f"{where}: found {self.found}; allowed: {self.allowed}"
 
 
+@dataclass(frozen=True)
+class Report:
+    """What a check of a robot or a campaign found."""
+
+    path: str
+    faults: tuple[Fault, ...]
+    warnings: tuple[str, ...]
+
+    @property
+    def is_sound(self) -> bool:
+        """Whether the robot or the campaign can be used."""
+        return not self.faults
+
+
 class FlexmodalError(Exception):
     """Base of every error that flexmodal raises on purpose."""
 

@@ -13,13 +13,13 @@ from flexmodal.campaign.quality import QualityLimits as QualityLimits
 from flexmodal.campaign.quality import check_blows as check_blows
 from flexmodal.campaign.quality import check_campaign_quality as check_campaign_quality
 from flexmodal.campaign.quality_flag import QualityFlag as QualityFlag
-from flexmodal.campaign.read_campaign import CampaignReport as CampaignReport
 from flexmodal.campaign.read_campaign import check_campaign as check_campaign
 from flexmodal.campaign.read_campaign import is_campaign as is_campaign
 from flexmodal.campaign.read_campaign import read_campaign as read_campaign
 from flexmodal.campaign.records import COHERENT as COHERENT
 from flexmodal.campaign.records import FrfRecords as FrfRecords
 from flexmodal.campaign.records import named_direction as named_direction
+from flexmodal.campaign.records import place_text as place_text
 from flexmodal.campaign.tables.import_table import import_table as import_table
 from flexmodal.campaign.tables.modes import write_modes as write_modes
 from flexmodal.campaign.tables.receptances import Amplitude as Amplitude

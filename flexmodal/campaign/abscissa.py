@@ -12,7 +12,12 @@ PART = 0.4
 
 
 def same_axis(one: Float[np.ndarray, " m"], other: Float[np.ndarray, " n"]) -> bool:
-    """Whether two ascending abscissas agree line for line within the six digits that a UFF file carries."""
+    """Whether two ascending abscissas agree line for line within the six digits that a UFF file carries.
+
+    Args:
+        one: ascending values.
+        other: the values to compare with them.
+    """
     if len(one) != len(other):
         return False
     step = (one[-1] - one[0]) / (len(one) - 1)

@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Literal
 
 import numpy as np
 from jaxtyping import Float
 
+from flexmodal.frf import Form
+
 Quantity = Literal["displacement", "velocity", "acceleration"]
-FORM_OF = {"displacement": "receptance", "velocity": "mobility", "acceleration": "inertance"}
+FORM_OF: Mapping[Quantity, Form] = MappingProxyType(
+    {"displacement": "receptance", "velocity": "mobility", "acceleration": "inertance"}
+)
 """What a response quantity per force is called."""
 
 

@@ -62,7 +62,12 @@ class Campaign:
 
 
 def default_band(frfs: FrfRecords | None, blows: tuple[Blow, ...]) -> tuple[float, float]:
-    """From 2 Hz to the last line: of the FRFs, else of the spectra of the blows, else without end [Hz]."""
+    """From 2 Hz to the last line: of the FRFs, else of the spectra of the blows, else without end [Hz].
+
+    Args:
+        frfs: the FRFs of a campaign, if any.
+        blows: its hammer blows.
+    """
     if frfs is not None:
         last = float(frfs.frequency[-1])
     elif blows:

@@ -102,7 +102,13 @@ def estimate_frfs(
 def spectra(
     force: Float[np.ndarray, "blow sample"], response: Float[np.ndarray, "blow sample"], rate: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Frequencies [Hz] and the averaged spectra S_ff, S_rr, S_fr of blows, each one rectangular segment."""
+    """Frequencies [Hz] and the averaged spectra S_ff, S_rr, S_fr of blows, each one rectangular segment.
+
+    Args:
+        force: a row for each blow [N].
+        response: a row for each blow.
+        rate: samples a second [1/s].
+    """
     from scipy.signal import csd
 
     samples = force.shape[1]
@@ -129,7 +135,14 @@ def ratio(
     between: Complex[np.ndarray, " line"],
     estimator: str,
 ) -> tuple[Complex[np.ndarray, " line"], Float[np.ndarray, " line"]]:
-    """FRF and coherence from S_ff, S_rr and S_fr; both 0 on lines without force or response."""
+    """FRF and coherence from S_ff, S_rr and S_fr; both 0 on lines without force or response.
+
+    Args:
+        force: auto spectrum of the force.
+        response: auto spectrum of the response.
+        between: their cross spectrum.
+        estimator: H1, H2 or Hv.
+    """
     size = np.abs(between)
     some = (force > NOTHING * force.max()) & (response > 0) & (size > 0)
     value, coherence = np.zeros(len(force), dtype=complex), np.zeros(len(force))
@@ -185,7 +198,7 @@ def _estimate(blows: list[Blow], known: dict[int, Trial], estimator: str) -> lis
         value, coherence = ratio(s_ff, s_rr, s_fr, estimator)
         form = FORM_OF[first.quantity]
         labels = (first.posture, first.trial, channel, first.reference, form, len(having))
-        records.append(_Record(*labels, frequency, value, coherence))  # type: ignore[arg-type]
+        records.append(_Record(*labels, frequency, value, coherence))
     return records
 
 

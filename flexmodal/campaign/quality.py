@@ -37,7 +37,13 @@ class QualityLimits:
 def check_blows(
     blows: Iterable[Blow], band: tuple[float, float], limits: QualityLimits | None = None
 ) -> tuple[QualityFlag, ...]:
-    """Double hits, overloads and forces without energy in the band [Hz]."""
+    """Double hits, overloads and forces without energy in the band [Hz].
+
+    Args:
+        blows: time records.
+        band: the lines of interest [Hz].
+        limits: what counts as odd.
+    """
     limits = limits or QualityLimits()
     return tuple(flag for blow in blows for flag in _blow_flags(blow, band, limits))
 
@@ -73,7 +79,15 @@ def coherence_flag(
     labels: tuple[int, int, tuple[int, int], tuple[int, int]],
     limits: QualityLimits,
 ) -> QualityFlag | None:
-    """A flag where the median coherence over the band is low; labels: posture, trial, response, reference."""
+    """A flag where the median coherence over the band is low; labels: posture, trial, response, reference.
+
+    Args:
+        coherence: of one record, 0 to 1.
+        frequency: of its lines [Hz].
+        band: the lines of interest [Hz].
+        labels: posture, trial, response, reference.
+        limits: what counts as odd.
+    """
     inside = (frequency >= band[0]) & (frequency <= band[1])
     if not inside.any() or np.median(coherence[inside]) >= limits.coherence:
         return None

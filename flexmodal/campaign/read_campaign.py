@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -18,24 +17,10 @@ from flexmodal.campaign.tables.modes import read_modes
 from flexmodal.campaign.uff.export import is_export, read_export
 from flexmodal.campaign.uff.read_blows import read_time_uff
 from flexmodal.campaign.uff.read_frfs import read_frf_uff
-from flexmodal.errors import Fault, InvalidCampaign
+from flexmodal.errors import Fault, InvalidCampaign, Report
 from flexmodal.text.words import FaultList
 
 TOML, FRF, TIME, MODES = "campaign.toml", "frf.uff", "time.uff", "modes.csv"
-
-
-@dataclass(frozen=True)
-class CampaignReport:
-    """What a check found."""
-
-    path: str
-    faults: tuple[Fault, ...]
-    warnings: tuple[str, ...]
-
-    @property
-    def is_sound(self) -> bool:
-        """Whether the campaign can be used."""
-        return not self.faults
 
 
 def read_campaign(path: str | os.PathLike[str]) -> Campaign:
@@ -87,13 +72,13 @@ def read_campaign(path: str | os.PathLike[str]) -> Campaign:
     )
 
 
-def check_campaign(path: str | os.PathLike[str]) -> CampaignReport:
+def check_campaign(path: str | os.PathLike[str]) -> Report:
     """Say whether a campaign is sound, without raising."""
     try:
         campaign = read_campaign(path)
     except InvalidCampaign as error:
-        return CampaignReport(str(path), tuple(dict.fromkeys(error.faults)), ())
-    return CampaignReport(str(path), (), campaign.warnings)
+        return Report(str(path), tuple(dict.fromkeys(error.faults)), ())
+    return Report(str(path), (), campaign.warnings)
 
 
 def is_campaign(path: str | os.PathLike[str]) -> bool:

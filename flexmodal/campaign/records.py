@@ -80,6 +80,12 @@ class FrfRecords:
 
         A direction finds the records of its axis in either sense and turns their sign to the sense asked
         for: `response=(3, 1)` finds −x records too, and gives them as +x.
+
+        Args:
+            posture: id or ids; all of them if None.
+            response: point id, or point id with a direction.
+            reference: the same of the force.
+            trial: id or ids; all of them if None.
         """
         keep = np.ones(len(self), dtype=bool)
         for wanted, ids in ((posture, self.posture), (trial, self.trial)):
@@ -172,7 +178,12 @@ class FrfRecords:
         responses = list(dict.fromkeys((p, d) for p, d, _, _ in rows))
         references = list(dict.fromkeys((p, d) for _, _, p, d in rows))
         faults = [
-            Fault("call", asked, f"no record of {_text(r)} per {_text(f)}", "every pair; select fewer points")
+            Fault(
+                "call",
+                asked,
+                f"no record of {place_text(r)} per {place_text(f)}",
+                "every pair; select fewer points",
+            )
             for r in responses
             for f in references
             if (*r, *f) not in rows
@@ -202,10 +213,16 @@ def _turned(records: FrfRecords, response: int | None, reference: int | None) ->
 
 
 def named_direction(place: Sequence[int], points: Mapping[int, str]) -> PointDirection:
-    """A point's id and ±1, ±2, ±3 as a direction at a named point."""
+    """A point's id and ±1, ±2, ±3 as a direction at a named point.
+
+    Args:
+        place: point id and direction ±1 ±2 ±3.
+        points: name of each point id.
+    """
     point, direction = place
     return PointDirection(points[point], AXES[abs(direction) - 1], 1 if direction > 0 else -1)
 
 
-def _text(place: tuple[int, int]) -> str:
+def place_text(place: tuple[int, int]) -> str:
+    """A point's id and ±1, ±2, ±3 in words, such as "3:+z"."""
     return f"{place[0]}:{'+' if place[1] > 0 else '-'}{AXES[abs(place[1]) - 1]}"

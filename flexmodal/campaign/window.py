@@ -19,7 +19,12 @@ FADED = 0.01
 
 
 def windowed(blow: Blow, window: Window | str) -> tuple[np.ndarray, np.ndarray]:
-    """Force and responses [channel sample] of a blow under the window of its trial."""
+    """Force and responses [channel sample] of a blow under the window of its trial.
+
+    Args:
+        blow: as it was recorded.
+        window: what to multiply it by.
+    """
     if not isinstance(window, Window):
         return blow.force, blow.response
     if window.kind == "force":
@@ -29,7 +34,12 @@ def windowed(blow: Blow, window: Window | str) -> tuple[np.ndarray, np.ndarray]:
 
 
 def force_window(blow: Blow, decay: float) -> Float[np.ndarray, " sample"]:
-    """One until the pulse is over, exp(−decay·t) from there on."""
+    """One until the pulse is over, exp(−decay·t) from there on.
+
+    Args:
+        blow: as it was recorded.
+        decay: of the force after its pulse [1/s].
+    """
     size = np.abs(blow.force)
     peak = int(np.argmax(size))
     after = np.flatnonzero(size[peak:] < FADED * size[peak])

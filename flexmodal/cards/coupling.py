@@ -42,7 +42,12 @@ def couplings_of(
 
 
 def pair_of(name: str, joints: Mapping[str, JointCard]) -> tuple[str, str] | None:
-    """The two different joints that `jointA+jointB` names; a name may hold plus signs itself."""
+    """The two different joints that `jointA+jointB` names; a name may hold plus signs itself.
+
+    Args:
+        name: two names joined by a plus sign.
+        joints: the flexible joints.
+    """
     for place, letter in enumerate(name):
         if letter == "+":
             one, other = name[:place], name[place + 1 :]
@@ -52,7 +57,12 @@ def pair_of(name: str, joints: Mapping[str, JointCard]) -> tuple[str, str] | Non
 
 
 def stiffness_matrix(joints: Mapping[str, JointCard], couplings: Mapping[str, CouplingCard]) -> np.ndarray:
-    """K over the joints in their order [N·m/rad, N/m]."""
+    """K over the joints in their order [N·m/rad, N/m].
+
+    Args:
+        joints: the flexible joints, in the order of the rows.
+        couplings: off-diagonal stiffness [N·m/rad].
+    """
     matrix = np.diag([float(joint.stiffness) for joint in joints.values()])
     index = {name: place for place, name in enumerate(joints)}
     for coupling in couplings.values():

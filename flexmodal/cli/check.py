@@ -12,8 +12,7 @@ from flexmodal.cli.options import json_option
 from flexmodal.cli.printing import print_json
 
 if TYPE_CHECKING:
-    from flexmodal.campaign import CampaignReport
-    from flexmodal.model.check import Report
+    from flexmodal.errors import Report
 
 
 @click.command()
@@ -25,7 +24,7 @@ def check(paths: tuple[str, ...], as_json: bool) -> None:
     from flexmodal.errors import RobotNotFound
     from flexmodal.model.check import check as examine
 
-    reports: list[CampaignReport | Report] = []
+    reports: list[Report] = []
     missing = False
     for path in paths:
         try:

@@ -78,8 +78,9 @@ def _better_posture(robot: Robot, out: Path, force: bool, quiet: bool) -> None:
 
     from flexmodal.cli.viewing import viewer
     from flexmodal.frf import PointDirection, frequency_axis
-    from flexmodal.frf.plot import draw_frf, write_plot
+    from flexmodal.frf.plot import draw_frf
     from flexmodal.optimisation import Hold, PostureProblem, ReceptanceObjective, optimise
+    from flexmodal.report import write_figure
 
     up = PointDirection(robot.tool, "z")
     objective = ReceptanceObjective((up,), frequency_axis([_FREQUENCY]))
@@ -105,7 +106,7 @@ def _better_posture(robot: Robot, out: Path, force: bool, quiet: bool) -> None:
     }
     figure = draw_frf(curves, title=f"{robot.title}, start and best posture", mark=_FREQUENCY)
     for name in _FILES[:2]:
-        write_plot(figure, out / name, overwrite=force)
+        write_figure(figure, out / name, overwrite=force)
     quietly = {"open_browser": False, "announce": lambda text: None}
     viewer("show_outcome")(outcome, start=start, out=out / _FILES[2], overwrite=force, **quietly)
     for name in _FILES:

@@ -181,21 +181,18 @@ def _hertz(text: str, option: str) -> list[float]:
 
 
 def _write(results: _Results, out: Path, force: bool) -> None:
-    import json
-
-    from flexmodal.files import whole_file
+    from flexmodal.report import write_figure, write_json
 
     fits = results.fits
     if out.suffix == ".csv":
         from flexmodal.campaign import write_modes
         from flexmodal.ema import mode_table
+        from flexmodal.files import whole_file
 
         with whole_file(out, overwrite=force) as scratch:
             write_modes(mode_table(fits), scratch)
     elif out.suffix == ".json":
-        with whole_file(out, overwrite=force) as scratch:
-            text = json.dumps(results.found, allow_nan=False, indent=1)
-            scratch.write_text(text + "\n", encoding="utf-8")
+        write_json(results.found, out, overwrite=force)
     elif out.suffix == ".html":
         from flexmodal.ema.page import write_fit_page
         from flexmodal.ema.pictures import pictures
@@ -204,13 +201,12 @@ def _write(results: _Results, out: Path, force: bool) -> None:
         write_fit_page(fits, drawn, results.flags, results.campaign, out, overwrite=force)
     else:
         from flexmodal.ema.plot import draw_fit
-        from flexmodal.frf.plot import write_plot
 
         if len(fits) != 1 or len(fits[0].places) != 1:
             allowed = "a campaign of one FRF; for several, --pictures FOLDER, or .html, .csv, .json"
             found = f"{sum(len(one.places) for one in fits)} FRFs for one picture"
             raise InvalidRequest(Fault(SOURCE, "--out", found, allowed))
-        write_plot(draw_fit(fits[0].modes, title=results.campaign.title), out, overwrite=force)
+        write_figure(draw_fit(fits[0].modes, title=results.campaign.title), out, overwrite=force)
 
 
 def _draw(results: _Results, folder: Path, ending: str, force: bool) -> None:

@@ -92,6 +92,7 @@ def _json(found: Frf, arm: Robot, where: Posture) -> dict[str, Any]:
 def _write(found: Frf, arm: Robot, where: Posture, out: Path, force: bool) -> None:
     from flexmodal.campaign import write_frf
     from flexmodal.frf import export, page, plot
+    from flexmodal.report import write_figure
 
     title = f"{arm.name} at {where}"
     ending = out.suffix.lower()
@@ -107,7 +108,7 @@ def _write(found: Frf, arm: Robot, where: Posture, out: Path, force: bool) -> No
     elif ending == ".html":
         page.write_page({"": found}, out, title=title, overwrite=force)
     else:
-        plot.write_plot(plot.draw_frf({"": found}, title=title), out, overwrite=force)
+        write_figure(plot.draw_frf({"": found}, title=title), out, overwrite=force)
 
 
 def _print(found: Frf, arm: Robot, where: Posture) -> None:

@@ -124,24 +124,20 @@ def _refuse_out(out: Path | None, force: bool) -> None:
 
 
 def _write(outcome: Identification, found: dict[str, Any], out: Path, force: bool) -> None:
-    import json
-
-    from flexmodal.files import whole_file
-    from flexmodal.frf.plot import write_plot
     from flexmodal.identification.improved import write_improved
     from flexmodal.identification.page import write_identification_page
     from flexmodal.identification.plot import draw_identification
+    from flexmodal.report import write_figure, write_json
 
     out.mkdir(exist_ok=True)
     campaign, robot = outcome.problem.campaign, outcome.problem.robot
     source = f"the card {robot.name}, identified from the campaign: {campaign.title}. {outcome.verdict}"
     write_improved(robot, outcome.values, out / "robot", source=source, overwrite=force)
-    with whole_file(out / "identification.json", overwrite=force) as scratch:
-        scratch.write_text(json.dumps(found, allow_nan=False, indent=1) + "\n", encoding="utf-8")
+    write_json(found, out / "identification.json", overwrite=force)
     write_identification_page(outcome, out / "report.html", overwrite=force)
     figure = draw_identification(outcome)
     for name in ("fit.png", "fit.svg"):
-        write_plot(figure, out / name, overwrite=force)
+        write_figure(figure, out / name, overwrite=force)
 
 
 def _print(outcome: Identification) -> None:

@@ -193,8 +193,8 @@ def _several(
 
 
 def _give_one(arm: Robot, one: PostureDepth, out: Path | None, force: bool, as_json: bool) -> None:
-    from flexmodal.frf.plot import write_plot
     from flexmodal.machining import report
+    from flexmodal.report import write_figure, write_json
 
     found = report.lobes_object(arm.name, one)
     if out is not None:
@@ -202,11 +202,11 @@ def _give_one(arm: Robot, one: PostureDepth, out: Path | None, force: bool, as_j
         if ending == ".csv":
             report.write_lobes_csv(one, out, overwrite=force)
         elif ending == ".json":
-            report.write_json(found, out, overwrite=force)
+            write_json(found, out, overwrite=force)
         elif ending == ".html":
             report.write_lobes_page(arm.name, one, out, overwrite=force)
         else:
-            write_plot(report.lobes_picture(arm.name, one), out, overwrite=force)
+            write_figure(report.lobes_picture(arm.name, one), out, overwrite=force)
         click.echo(f"wrote {out}", err=True)
     if as_json:
         print_json(found)
@@ -217,9 +217,9 @@ def _give_one(arm: Robot, one: PostureDepth, out: Path | None, force: bool, as_j
 
 
 def _give_several(several: Comparison, out: Path | None, force: bool, as_json: bool) -> None:
-    from flexmodal.frf.plot import write_plot
     from flexmodal.machining import report
     from flexmodal.machining.plot import draw_comparison
+    from flexmodal.report import write_figure, write_json
 
     found = report.comparison_object(several)
     if out is not None:
@@ -227,11 +227,11 @@ def _give_several(several: Comparison, out: Path | None, force: bool, as_json: b
         if ending == ".csv":
             report.write_comparison_csv(several, out, overwrite=force)
         elif ending == ".json":
-            report.write_json(found, out, overwrite=force)
+            write_json(found, out, overwrite=force)
         elif ending == ".html":
             report.write_comparison_page(several, out, overwrite=force)
         else:
-            write_plot(draw_comparison(several), out, overwrite=force)
+            write_figure(draw_comparison(several), out, overwrite=force)
         click.echo(f"wrote {out}", err=True)
     if as_json:
         print_json(found)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import wraps
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -53,15 +53,9 @@ def robot_options(command: Command) -> Command:
     """ROBOT and what a bare URDF needs beside it, given to the command as one `RobotOptions`."""
 
     @wraps(command)
-    def gathered(
-        robot: str,
-        stiffness: str | None,
-        damping: str | None,
-        tool: str | None,
-        fix: str | None,
-        **others: Any,
-    ) -> Any:
-        return command(robot=RobotOptions(robot, stiffness, damping, tool, fix), **others)
+    def gathered(**given: Any) -> Any:
+        own = {field.name: given.pop(field.name) for field in fields(RobotOptions)}
+        return command(robot=RobotOptions(**own), **given)
 
     wrapped: Any = gathered
     for decorate in (
@@ -97,7 +91,12 @@ posture_option = click.option(
 
 
 def per_joint(text: str | None, option: str) -> float | dict[str, float] | None:
-    """Read "5e5" or "q1=5e5,q2=2e4"."""
+    """Read "5e5" or "q1=5e5,q2=2e4".
+
+    Args:
+        text: what was given, if anything.
+        option: whose value it is, for the error.
+    """
     if text is None:
         return None
     if "=" not in text:
@@ -117,7 +116,13 @@ def trust_of(texts: Sequence[str]) -> dict[str, float]:
 
 
 def number(text: str, key: str, what: str = "a number") -> float:
-    """A finite number whose square and cube are finite too, or InvalidRequest."""
+    """A finite number whose square and cube are finite too, or InvalidRequest.
+
+    Args:
+        text: what was given.
+        key: whose value it is, for the error.
+        what: what may stand there, for the error.
+    """
     try:
         value = float(text)
     except ValueError:
@@ -146,7 +151,13 @@ def _pairs(text: str, key: str) -> dict[str, str]:
 
 
 def posture_of(robot: Robot, text: str, option: str = "--posture") -> Posture:
-    """Read a posture's name or "q1=50deg,q2=-0.8"."""
+    """Read a posture's name or "q1=50deg,q2=-0.8".
+
+    Args:
+        robot: whose posture.
+        text: what was given.
+        option: whose value it is, for the error.
+    """
     if "=" not in text:
         return robot.posture(text, source=f"{SOURCE} {option}")
     values: dict[str, float] = {}
@@ -196,7 +207,14 @@ def band_of(text: str) -> tuple[float, float]:
 def refuse_existing(
     out: Path | None, force: bool, endings: tuple[str, ...], *, option: str = "--out"
 ) -> None:
-    """Complain about an output file before the work starts, not after."""
+    """Complain about an output file before the work starts, not after.
+
+    Args:
+        out: the file, if one was asked for.
+        force: whether it may be replaced.
+        endings: those allowed.
+        option: which option named it, for the error.
+    """
     from flexmodal.errors import OutputExists
 
     if out is None:

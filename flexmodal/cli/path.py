@@ -256,11 +256,11 @@ def _print(arm: Robot, found: dict[str, PathOutcome]) -> None:
 
 def _write(found: dict[str, PathOutcome], out: Path, overwrite: bool) -> None:
     from flexmodal.files import whole_file
-    from flexmodal.frf.plot import write_plot
     from flexmodal.optimisation.path.plot import draw_path
+    from flexmodal.report import write_figure
 
     if out.suffix.lower() != ".csv":
-        write_plot(draw_path(found), out, overwrite=overwrite)
+        write_figure(draw_path(found), out, overwrite=overwrite)
         return
     best = next(iter(found.values()))
     robot = best.problem.robot

@@ -63,7 +63,7 @@ def draw_pictures(
     outcome: Outcome, start: Posture | None, pictures: dict[str, Path], *, force: bool, quiet: bool
 ) -> None:
     """Draw and write them; one that cannot be drawn is said, and the others are drawn."""
-    from flexmodal.frf.plot import write_plot
+    from flexmodal.report import write_figure
 
     for kind, path in pictures.items():
         try:
@@ -71,7 +71,7 @@ def draw_pictures(
         except FlexmodalError as error:
             click.echo(f"flexmodal: no picture of the {kind}: {error}", err=True)
             continue
-        write_plot(figure, path, overwrite=force)
+        write_figure(figure, path, overwrite=force)
         click.echo(f"wrote {path}", err=True)
 
 

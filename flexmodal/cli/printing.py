@@ -25,7 +25,13 @@ def print_json(result: dict[str, Any]) -> None:
 
 
 def print_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
-    """A table, its numbers aligned right."""
+    """A table, its numbers aligned right.
+
+    Args:
+        title: above the table.
+        columns: their headings.
+        rows: cells as texts.
+    """
     from rich import box
     from rich.console import Console
     from rich.table import Table
@@ -42,7 +48,13 @@ def print_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]
 
 @contextmanager
 def progress(total: int, label: str, *, quiet: bool) -> Iterator[Callable[[], None]]:
-    """A bar with the time left on a terminal; nothing elsewhere."""
+    """A bar with the time left on a terminal; nothing elsewhere.
+
+    Args:
+        total: how many steps.
+        label: beside the bar.
+        quiet: whether to show none.
+    """
     with noted_progress(total, label, quiet=quiet) as (advance, _):
         yield advance
 
@@ -83,7 +95,12 @@ def stages(*, quiet: bool) -> Iterator[Callable[[str, float], None]]:
 
 
 def degrees(value: float, *, prismatic: bool = False) -> str:
-    """A joint value for people: degrees, or metres for a prismatic joint."""
+    """A joint value for people: degrees, or metres for a prismatic joint.
+
+    Args:
+        value: of the joint [rad, m].
+        prismatic: whether it is a length.
+    """
     import math
 
     return f"{value:.4f} m" if prismatic else f"{math.degrees(value):.2f}°"

@@ -6,23 +6,15 @@ hung on at the end, on whichever side of a hinge it sits.
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float
-from lxml import etree
 
-from flexmodal.diagnosis.urdf_text import (
-    add_joint,
-    add_link,
-    nearest_inertia,
-    origin_of,
-    set_inertial,
-    shift_origin,
-)
+from flexmodal.cards import JointCard, UrdfJoint
+from flexmodal.cards.write import UrdfDraft
+from flexmodal.diagnosis.inertia import nearest_inertia
 from flexmodal.model import Robot
 from flexmodal.model.placements import link_placements
 from flexmodal.structure.arm import Body, beyond, bodies_of, moved_bodies
@@ -32,6 +24,10 @@ DUST = 1e-12
 """Mass of a link that only stands between two joints, over that of the arm: readers of URDFs want some."""
 FOOT = 1e-8
 """Mass of a base that moves and has none in the URDF, likewise; and its inertia over that at 1 m."""
+TURN, SLIDE = 1.0, 0.5
+"""Limits of new joints to either side [rad, m]: far beyond what an elastic joint does."""
+_SPEED = 1e3
+"""Their limit of speed [rad/s, m/s]: none that matters."""
 
 Vector = Float[np.ndarray, "3"]
 
@@ -66,8 +62,8 @@ class Draft:
 
     def __init__(self, robot: Robot, values: Mapping[str, float]) -> None:
         self.robot = robot
-        self.tree = etree.fromstring(robot.urdf.text)
-        self.joints: dict[str, dict[str, Any]] = {n: _joint_table(robot, n, values) for n in robot.joints}
+        self.urdf = UrdfDraft(robot.urdf)
+        self.joints: dict[str, JointCard] = {n: _joint_card(robot, n, values) for n in robot.joints}
         self.couplings = {name: float(one.stiffness) for name, one in robot.couplings.items()}
         self.loss_frequency = robot.loss_frequency
         self.notes: list[str] = []
@@ -76,7 +72,7 @@ class Draft:
         self._still = link_placements(robot, {})
         self._cuts: dict[str, list[Cut]] = {}
         self._hung: list[Hung] = []
-        self._names = {*self._all("link"), *self._all("joint"), *robot.points, "universe"}
+        self._names = self.urdf.names | {*robot.points, "universe"}
         for link, body in bodies_of(robot.urdf).items():
             if {f"mass.{link}", f"inertia.{link}"} & set(values):
                 self.set_body(link, scaled(body, link, values))
@@ -99,12 +95,15 @@ class Draft:
         inertia, differs = nearest_inertia(body.inertia, self._normal(link))
         if differs:
             self.notes.append(f"the inertia of {link} is the nearest that a body can have")
-        set_inertial(self._link(link), Body(body.mass, body.centre, inertia))
+        self.urdf.set_body(link, float(body.mass), body.centre, inertia)
 
     def flexible(self, joint: str, stiffness: float, damping: float, *, rotor_inertia: float = 0.0) -> None:
         """Put a spring and a damper on a new pseudo-joint."""
-        table = {"pseudo": True, "stiffness": float(stiffness), "damping": float(damping)}
-        self.joints[joint] = table | ({"rotor_inertia": float(rotor_inertia)} if rotor_inertia else {})
+        self.joints[joint] = JointCard(float(stiffness), float(damping), True, float(rotor_inertia))
+
+    def loses(self, joint: str, loss_factor: float) -> None:
+        """Give the spring of a joint a loss factor."""
+        self.joints[joint] = replace(self.joints[joint], loss_factor=float(loss_factor))
 
     def hinge(self, link: str, place: Vector, way: Vector, axes: Mapping[str, Vector]) -> str:
         """Cut a link and join the parts by hinges, one behind the other; returns the part beyond.
@@ -122,12 +121,12 @@ class Draft:
             last = number == len(axes)
             child = outer if last else self._dust(f"{name}_part")
             if last:
-                add_link(self.tree, outer)
-            add_joint(self.tree, name, "revolute", parent, child, xyz=xyz, axis=axis)
+                self.urdf.add_link(outer)
+            self.urdf.add_joint(_joint(name, "revolute", parent, child, axis, xyz))
             parent, xyz = child, np.zeros(3)
         self._cuts.setdefault(link, []).append(Cut(place, way, outer))
-        self._move_children(near, outer, place - offset, {*axes})
-        self._move_shapes(near, outer, place - offset, way)
+        self.urdf.shift_joints(near, -(place - offset), onto=outer, keep=frozenset(axes))
+        self.urdf.split_shapes(near, outer, place - offset, way)
         return outer
 
     def attach(self, link: str, part: Body, *, name: str, slides: Vector | None = None) -> str:
@@ -144,34 +143,27 @@ class Draft:
         """Let the root link move: names of new joints, axes, and whether each turns or slides."""
         root = self.robot.urdf.root
         ground = self.fresh(f"world_{root}")
-        add_link(self.tree, ground, first=True)
+        self.urdf.add_link(ground, first=True)
         parent = ground
         for number, (name, axis, turns) in enumerate(motions, start=1):
             child = root if number == len(motions) else self._dust(f"{name}_part")
-            add_joint(self.tree, name, "revolute" if turns else "prismatic", parent, child, axis=axis)
+            kind = "revolute" if turns else "prismatic"
+            self.urdf.add_joint(_joint(name, kind, parent, child, axis, np.zeros(3)))
             parent = child
         fixed = _rigid(self.robot, root)
         if not any(self.robot.urdf.link_by_name[link].mass for link in fixed):
             size = FOOT * self.arm_mass
-            set_inertial(self._link(root), Body(size, np.zeros(3), size * np.eye(3)))
+            self.urdf.set_body(root, size, np.zeros(3), size * np.eye(3))
             self.notes.append(f"the URDF gives the base no mass, though it moves: {size:.3g} kg stand for it")
 
     def behind(self, joint: str, name: str) -> None:
         """Put a new joint, of the same axis and kind, between a joint and the link that carries it."""
-        element = next(one for one in self.tree.findall("joint") if one.get("name") == joint)
-        described = self.robot.urdf.joint_by_name[joint]
+        described = self.urdf.joints[joint]
         rotor = self._dust(f"{name}_rotor")
-        parent = element.find("parent")
         kind = "prismatic" if described.is_prismatic else "revolute"
-        assert parent is not None
-        held = str(parent.get("link"))
-        add_joint(
-            self.tree, name, kind, held, rotor, xyz=origin_of(element), rpy=described.rpy,
-            axis=described.axis, before=element,
-        )  # fmt: skip
-        parent.set("link", rotor)
-        for origin in element.findall("origin"):
-            element.remove(origin)
+        new = _joint(name, kind, described.parent, rotor, described.axis, described.xyz)
+        self.urdf.add_joint(replace(new, rpy=described.rpy), before=joint)
+        self.urdf.change_joint(joint, parent=rotor, xyz=np.zeros(3), rpy=np.zeros(3))
 
     def couple(self, one: str, other: str, stiffness: float) -> None:
         """Add an off-diagonal stiffness between two flexible joints."""
@@ -187,16 +179,18 @@ class Draft:
                 return cut.outer, place - cut.place
         return link, place
 
-    def finish(self) -> etree._Element:
+    def finish(self) -> UrdfDraft:
         """The URDF, with everything hung where it belongs."""
         for one in self._hung:
             link, place = self.place_of(one.link, one.place)
             child = self.fresh(f"{one.name}_mass")
-            set_inertial(add_link(self.tree, child), one.body)
+            self.urdf.add_link(child)
+            self.urdf.set_body(child, one.body.mass, one.body.centre, one.body.inertia)
             kind = "fixed" if one.slides is None else "prismatic"
-            add_joint(self.tree, one.name, kind, link, child, xyz=place, axis=one.slides)
+            axis = np.array([1.0, 0.0, 0.0]) if one.slides is None else one.slides
+            self.urdf.add_joint(_joint(one.name, kind, link, child, axis, place))
         self._hung = []
-        return self.tree
+        return self.urdf
 
     def _normal(self, link: str) -> Vector | None:
         """Normal of a planar chain's plane in the frame of a link; frames turn about it only."""
@@ -209,45 +203,23 @@ class Draft:
     def _dust(self, name: str) -> str:
         """A link with next to no mass."""
         free, mass = self.fresh(name), DUST * self.arm_mass
-        set_inertial(add_link(self.tree, free), Body(mass, np.zeros(3), 0.01 * mass * np.eye(3)))
+        self.urdf.add_link(free)
+        self.urdf.set_body(free, mass, np.zeros(3), 0.01 * mass * np.eye(3))
         return free
 
-    def _all(self, tag: str) -> list[str]:
-        return [str(element.get("name")) for element in self.tree.findall(tag)]
 
-    def _link(self, name: str) -> etree._Element:
-        return next(element for element in self.tree.findall("link") if element.get("name") == name)
-
-    def _move_children(self, link: str, outer: str, place: Vector, new: set[str]) -> None:
-        for element in self.tree.findall("joint"):
-            parent = element.find("parent")
-            if parent is not None and parent.get("link") == link and element.get("name") not in new:
-                parent.set("link", outer)
-                shift_origin(element, -place)
-
-    def _move_shapes(self, link: str, outer: str, place: Vector, way: Vector) -> None:
-        """What is drawn of a link goes with the half that its middle is on."""
-        inner, beyond_it = self._link(link), self._link(outer)
-        for shape in [*inner.findall("visual"), *inner.findall("collision")]:
-            if (origin_of(shape) - place) @ way > 0:
-                moved = copy.deepcopy(shape)
-                inner.remove(shape)
-                shift_origin(moved, -place)
-                beyond_it.append(moved)
+def _joint(name: str, kind: str, parent: str, child: str, axis: Vector, xyz: Vector) -> UrdfJoint:
+    """A new joint, turned as the link that carries it; with small limits around 0 if it moves."""
+    reach = SLIDE if kind == "prismatic" else TURN
+    return UrdfJoint(name, kind, parent, child, axis, xyz, np.zeros(3), -reach, reach, _SPEED)
 
 
-def _joint_table(robot: Robot, name: str, values: Mapping[str, float]) -> dict[str, Any]:
-    """A joint's table with its new values; bounds of the old ones go, the trust stays."""
+def _joint_card(robot: Robot, name: str, values: Mapping[str, float]) -> JointCard:
+    """A joint with its new values; bounds of the old ones go, the trust stays."""
     joint = robot.joints[name]
-    table: dict[str, Any] = {"pseudo": True} if joint.pseudo else {}
-    for kind in ("stiffness", "damping"):
-        table[kind] = float(values.get(f"{kind}.{name}", getattr(joint, kind)))
-    for key in ("rotor_inertia", "loss_factor"):
-        if getattr(joint, key):
-            table[key] = float(getattr(joint, key))
-    if joint.scale is not None:
-        table["scale"] = float(joint.scale)
-    return table
+    stiffness = float(values.get(f"stiffness.{name}", joint.stiffness))
+    damping = float(values.get(f"damping.{name}", joint.damping))
+    return replace(joint, stiffness=stiffness, damping=damping, lower=None, upper=None)
 
 
 def _rigid(robot: Robot, link: str) -> list[str]:

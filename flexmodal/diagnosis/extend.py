@@ -6,17 +6,14 @@ depend on the force of the blow.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
-from urllib.parse import urlparse
 
 import numpy as np
-from lxml import etree
 
-from flexmodal.cards import mesh_path
+from flexmodal.cards import CouplingCard, FrozenDict, PointCard, RobotCard
+from flexmodal.cards.write import UrdfDraft, write_robot
 from flexmodal.diagnosis.draft import Draft
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Placement
@@ -24,20 +21,16 @@ from flexmodal.diagnosis.hypothesis import Placed
 from flexmodal.diagnosis.outcome import Diagnosis
 from flexmodal.errors import InvalidPosture
 from flexmodal.model import Robot
+from flexmodal.model.written import card_of
 from flexmodal.text.words import is_card_name, safe_name
-from flexmodal.text.write_toml import toml_text
-
-CARD = "robot.toml"
 
 
 @dataclass(frozen=True, eq=False)
 class Extension:
     """A robot as files that are not written yet."""
 
-    robot: Robot
-    """As it was believed to be."""
-    urdf: etree._Element
-    card: dict[str, Any]
+    urdf: UrdfDraft
+    card: RobotCard
     notes: tuple[str, ...]
     """What the files do not hold, or hold differently."""
 
@@ -50,16 +43,13 @@ class Extension:
 
         Returns:
             The path of the card.
+
+        Raises:
+            InvalidInput: what was written is not a sound card with its URDF.
         """
-        urdf = _with_meshes(self.urdf, self.robot, (home or folder).absolute())
-        text = etree.tostring(urdf, encoding="unicode")
-        (folder / str(self.card["urdf"])).write_text(
-            f'<?xml version="1.0" encoding="utf-8"?>\n{text}\n', encoding="utf-8"
-        )
-        head = "".join(f"# {_line(note)}\n" for note in self.notes)
-        path = folder / CARD
-        path.write_text(f"{head}\n{toml_text(self.card)}" if head else toml_text(self.card), encoding="utf-8")
-        return path
+        place = folder.absolute()
+        card = replace(self.card, path=place / self.card.path.name, urdf=place / self.card.urdf.name)
+        return write_robot(card, self.urdf, notes=self.notes, home=home)
 
 
 def extend(diagnosis: Diagnosis) -> Extension:
@@ -72,9 +62,7 @@ def extend(diagnosis: Diagnosis) -> Extension:
             draft.notes.append(_left_out(placed, model.values_of(placed, values), scene))
         else:
             placed.effect.extend(draft, Placement.still(scene, placed.where, model.values_of(placed, values)))
-    urdf = draft.finish()
-    etree.indent(urdf)
-    return Extension(scene.robot, urdf, _card(draft, diagnosis), tuple(draft.notes))
+    return Extension(draft.finish(), _card(draft, diagnosis), tuple(draft.notes))
 
 
 def _left_out(placed: Placed, values: Mapping[str, float], scene: Context) -> str:
@@ -92,34 +80,29 @@ def _left_out(placed: Placed, values: Mapping[str, float], scene: Context) -> st
     return f"{effect.name} at {placed.where} ({numbers}) {why}"
 
 
-def _card(draft: Draft, diagnosis: Diagnosis) -> dict[str, Any]:
-    """The card as a table."""
+def _card(draft: Draft, diagnosis: Diagnosis) -> RobotCard:
+    """The card, in a folder that is not known yet."""
     robot = draft.robot
     found = " and ".join(f"{placed.effect.name} at {placed.where}" for placed in diagnosis.model.placed)
     source = f"the card {robot.name}, re-tuned on the campaign {diagnosis.campaign}"
-    card: dict[str, Any] = {
-        "format": 1,
-        "name": f"{safe_name(robot.name)}_diagnosed",
-        "title": robot.title,
-        "urdf": f"{safe_name(robot.name)}_diagnosed.urdf",
-        "tool": draft.place_of(robot.tool, np.zeros(3))[0],
-        "source": f"{source}; with {found}" if found else source,
-    }
-    if draft.loss_frequency is not None:
-        card["loss_frequency"] = draft.loss_frequency
-    card["joint"] = draft.joints
-    if draft.couplings:
-        card["coupling"] = {name: {"stiffness": k} for name, k in draft.couplings.items()}
-    card["point"] = _points(draft, diagnosis)
-    card["posture"] = {**{name: dict(q) for name, q in robot.postures.items()}, **_postures(robot, diagnosis)}
-    card["family"] = {
-        name: {"parameter": one.parameter, "from": one.start, "to": one.stop, "follow": dict(one.follow)}
-        for name, one in robot.families.items()
-    }
-    return card
+    source = f"{source}; with {found}" if found else source
+    card = card_of(robot, Path(), name=f"{safe_name(robot.name)}_diagnosed", source=source)
+    couplings = {}
+    for name, stiffness in draft.couplings.items():
+        one, _, other = name.partition("+")
+        couplings[name] = CouplingCard((one, other), stiffness)
+    return replace(
+        card,
+        tool=draft.place_of(robot.tool, np.zeros(3))[0],
+        joints=FrozenDict(draft.joints),
+        couplings=FrozenDict(couplings),
+        points=FrozenDict(_points(draft, diagnosis)),
+        postures=FrozenDict({**robot.postures, **_postures(robot, diagnosis)}),
+        loss_frequency=draft.loss_frequency,
+    )
 
 
-def _points(draft: Draft, diagnosis: Diagnosis) -> dict[str, dict[str, Any]]:
+def _points(draft: Draft, diagnosis: Diagnosis) -> dict[str, PointCard]:
     """The card's points and those of the campaign that it lacks, on the halves where they sit."""
     places = {name: (point.link, point.xyz) for name, point in draft.robot.points.items()}
     for point in diagnosis.model.context.points:
@@ -128,11 +111,12 @@ def _points(draft: Draft, diagnosis: Diagnosis) -> dict[str, dict[str, Any]]:
     found = {}
     for name, (link, xyz) in places.items():
         carrier, place = draft.place_of(link, np.array(xyz, dtype=float))
-        found[name] = {"link": carrier, "xyz": [float(value) for value in place]}
+        x, y, z = place.tolist()
+        found[name] = PointCard(carrier, (x, y, z))
     return found
 
 
-def _postures(robot: Robot, diagnosis: Diagnosis) -> dict[str, dict[str, float]]:
+def _postures(robot: Robot, diagnosis: Diagnosis) -> dict[str, FrozenDict[float]]:
     """Postures of the campaign that the card lacks."""
     found = {}
     for posture in diagnosis.model.context.postures:
@@ -142,23 +126,5 @@ def _postures(robot: Robot, diagnosis: Diagnosis) -> dict[str, dict[str, float]]
             robot.posture(dict(posture.q))
         except InvalidPosture:
             continue
-        found[posture.name] = {name: float(value) for name, value in posture.q.items()}
+        found[posture.name] = FrozenDict({name: float(value) for name, value in posture.q.items()})
     return found
-
-
-def _with_meshes(urdf: etree._Element, robot: Robot, home: Path) -> etree._Element:
-    """The URDF with mesh files that were given relative to the old one given relative to its new folder."""
-    copied = etree.fromstring(etree.tostring(urdf))
-    for mesh in copied.iter("mesh"):
-        address = str(mesh.get("filename", ""))
-        if urlparse(address).scheme or os.path.isabs(address):
-            continue
-        found = mesh_path(address, robot.urdf.path)
-        if isinstance(found, Path):
-            mesh.set("filename", Path(os.path.relpath(found, home)).as_posix())
-    return copied
-
-
-def _line(text: str) -> str:
-    """One line of a comment."""
-    return " ".join("".join(letter if letter.isprintable() else " " for letter in text).split())

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 from flexmodal.diagnosis.as_json import as_json
-from flexmodal.diagnosis.extend import CARD, extend
+from flexmodal.diagnosis.extend import extend
 from flexmodal.diagnosis.outcome import Diagnosis
 from flexmodal.diagnosis.report import write_report
 from flexmodal.files import whole_folder
 from flexmodal.model import load
+from flexmodal.model.written import CARD
+from flexmodal.report import write_json
 
 JSON, REPORT, ROBOT = "diagnosis.json", "report.html", "robot"
 
@@ -30,12 +31,12 @@ def write_diagnosis(diagnosis: Diagnosis, folder: str | Path, *, overwrite: bool
         InvalidInput: the improved robot is not one that loads.
     """
     target = Path(folder)
-    text = json.dumps(as_json(diagnosis), allow_nan=False, indent=1) + "\n"
+    found = as_json(diagnosis)
     extension = extend(diagnosis)
     with whole_folder(target, known=JSON, overwrite=overwrite) as scratch:
         robot = scratch / ROBOT
         robot.mkdir()
         extension.write(robot, home=target / ROBOT)
         load(robot / CARD)
-        (scratch / JSON).write_text(text, encoding="utf-8")
+        write_json(found, scratch / JSON)
         write_report(diagnosis, scratch / REPORT, notes=extension.notes)

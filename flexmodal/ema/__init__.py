@@ -1,6 +1,6 @@
 """Measured FRFs to modes: peak picking, circle fit, least squares, stabilisation. Knows no robot."""
 
-from flexmodal.ema.estimate import Choices as Choices
+from flexmodal.ema.choices import Choices as Choices
 from flexmodal.ema.estimate import estimate as estimate
 from flexmodal.ema.estimate import modes_of as modes_of
 from flexmodal.ema.fit import Fit as Fit

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Sequence
+from dataclasses import replace
 from typing import get_args
 
 import numpy as np
 
+from flexmodal.ema.choices import Choices
 from flexmodal.ema.measured import Measured
 from flexmodal.ema.methods.basis import check_residuals
 from flexmodal.ema.methods.choice_variance import moved
@@ -23,41 +24,11 @@ from flexmodal.ema.methods.noise import with_variance
 from flexmodal.ema.methods.peak import Peak
 from flexmodal.ema.methods.picking import pick_peak
 from flexmodal.ema.methods.select import choose_peaks
-from flexmodal.ema.methods.stabilisation import Stabilisation, Tolerances, stabilise
+from flexmodal.ema.methods.stabilisation import Stabilisation, stabilise
 from flexmodal.ema.mode import EstimatedModes, Method, ModeEstimate, with_residual_terms
 from flexmodal.ema.pooling import pooled
 from flexmodal.ema.quality import with_quality
 from flexmodal.errors import Fault, InvalidRequest
-
-
-@dataclass(frozen=True)
-class Choices:
-    """What a person may decide about a fit; the defaults decide nothing by hand."""
-
-    band: tuple[float, float] | None = None
-    """Lines to use [Hz]."""
-    at: Sequence[float | Peak] | None = None
-    """Peaks to take instead of the automatic ones [Hz]."""
-    forbid: Sequence[tuple[float, float]] = ()
-    """Bands in which no automatic peak is wanted [Hz]."""
-    hold_frequency: Sequence[float] = ()
-    """Natural frequencies to take as they are [Hz]."""
-    damping: Mapping[float, float] = field(default_factory=dict)
-    """Damping ratios to force, by the frequency of their peak [Hz]."""
-    prominence: float = 2.0
-    """Least height of an automatic peak over its valleys [dB]."""
-    residuals: str = "complex"
-    """Terms for modes outside the band: none, real, complex."""
-    weighting: str = "variance"
-    """Of least squares: variance, uniform, logarithmic."""
-    highest_order: int = 40
-    """Of LSCF."""
-    tolerances: Tolerances = field(default_factory=Tolerances)
-    """Of the stabilisation diagram."""
-    refine: bool = True
-    """Whether a least squares fit from LSCF's poles takes their bias out and gives intervals."""
-    vary: bool = True
-    """Whether fits are repeated under other choices than these, to state how far those move each number."""
 
 
 def estimate(
@@ -97,7 +68,12 @@ def check_method(method: str) -> Method:
 
 
 def peaks_of(measured: Measured, choices: Choices) -> tuple[Peak, ...]:
-    """The peaks that the choices amount to."""
+    """The peaks that the choices amount to.
+
+    Args:
+        measured: FRFs of one posture.
+        choices: what a person decides.
+    """
     return choose_peaks(
         measured,
         at=choices.at,
@@ -111,7 +87,12 @@ def peaks_of(measured: Measured, choices: Choices) -> tuple[Peak, ...]:
 
 
 def nothing(measured: Measured, method: Method) -> EstimatedModes:
-    """An answer without modes, that says so."""
+    """An answer without modes, that says so.
+
+    Args:
+        measured: FRFs in which no mode was found.
+        method: what was tried.
+    """
     zero = np.zeros(measured.value.shape[1], dtype=complex)
     middle = float(np.median(measured.frequency))
     said = ((middle, "no peak stands out of the noise in the whole band; name one by hand"),)
@@ -121,7 +102,13 @@ def nothing(measured: Measured, method: Method) -> EstimatedModes:
 def each_by_least_squares(
     parts: Sequence[Measured], peaks: Sequence[Peak], choices: Choices
 ) -> list[EstimatedModes]:
-    """Fit many sets of FRFs of one shape from the same peaks, each with poles of its own."""
+    """Fit many sets of FRFs of one shape from the same peaks, each with poles of its own.
+
+    Args:
+        parts: FRFs, one by one.
+        peaks: where to look.
+        choices: what a person decides.
+    """
     return solve_many([_problem(part, peaks, choices) for part in parts])
 
 
@@ -132,7 +119,14 @@ def _problem(measured: Measured, peaks: Sequence[Peak], choices: Choices) -> Lea
 
 
 def by_reading(measured: Measured, peaks: Sequence[Peak], method: Method, choices: Choices) -> EstimatedModes:
-    """Peak picking or circle fit of every peak in every FRF, pooled over the FRFs."""
+    """Peak picking or circle fit of every peak in every FRF, pooled over the FRFs.
+
+    Args:
+        measured: FRFs of one posture.
+        peaks: where to look.
+        method: peaks or circle.
+        choices: what a person decides.
+    """
     noisy = with_variance(measured)
     parts = [noisy.only(frf) for frf in range(measured.value.shape[1])]
     beside = _beside(parts, peaks) if choices.vary else [()] * len(parts)
@@ -208,7 +202,12 @@ def _by_lscf(measured: Measured, choices: Choices) -> EstimatedModes:
 
 
 def modes_of(diagram: Stabilisation, choices: Choices) -> EstimatedModes:
-    """The modes that a stabilisation diagram shows, or those nearest to the frequencies in `choices.at`."""
+    """The modes that a stabilisation diagram shows, or those nearest to the frequencies in `choices.at`.
+
+    Args:
+        diagram: a stabilisation diagram.
+        choices: what a person decides.
+    """
     measured = diagram.measured
     if choices.at is None:
         picked = [int(place) for place in diagram.choose()]

@@ -10,9 +10,9 @@ from typing import Any, Literal
 import numpy as np
 from jaxtyping import Float
 
-from flexmodal.campaign import QualityFlag
+from flexmodal.campaign import FrfRecords, QualityFlag
+from flexmodal.ema.choices import Choices
 from flexmodal.ema.estimate import (
-    Choices,
     by_reading,
     check_method,
     each_by_least_squares,
@@ -22,7 +22,7 @@ from flexmodal.ema.estimate import (
 )
 from flexmodal.ema.measured import LARGEST, Measured
 from flexmodal.ema.mode import EstimatedModes, Method, ModeEstimate
-from flexmodal.ema.records import Place, Records, Trials, by_posture
+from flexmodal.ema.records import Place, Trials, by_posture
 from flexmodal.errors import Fault, InvalidRequest
 
 _ALIKE = 0.05
@@ -87,7 +87,7 @@ def _errors(errors: Float[np.ndarray, " number"], frf: int) -> dict[str, float]:
 
 
 def fit_records(
-    records: Records,
+    records: FrfRecords,
     method: str = "least-squares",
     *,
     per: str = "frf",
@@ -95,7 +95,19 @@ def fit_records(
     variance: Float[np.ndarray, "record line"] | None = None,
     choices: Choices | None = None,
 ) -> tuple[Fit, ...]:
-    """Find the modes in measured FRFs; arguments, answer and errors as of `fit`."""
+    """Find the modes in measured FRFs; more of it at `fit`, which takes a campaign as well.
+
+    Args:
+        records: FRFs of a campaign.
+        method: peaks, circle, least-squares or lscf.
+        per: "frf" for poles of each FRF's own, "posture" for poles common to the FRFs of a posture.
+        trials: "average" them, or fit each one "separate"ly.
+        variance: E|noise|² of each record's values, in their unit squared.
+        choices: what a person decides; the band among it.
+
+    Raises:
+        InvalidRequest: no records, or a choice that does not exist or does not suit the lines.
+    """
     name = check_method(method)
     for key, given, allowed in (
         ("per", per, ("frf", "posture")),

@@ -71,6 +71,10 @@ class Measured:
     def within(self, low: float, high: float) -> Measured:
         """The lines from `low` to `high` [Hz], both included.
 
+        Args:
+            low: first line [Hz].
+            high: last line [Hz].
+
         Raises:
             InvalidRequest: fewer than five lines lie in the band.
         """

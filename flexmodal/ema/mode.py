@@ -206,7 +206,12 @@ class EstimatedModes:
 
 
 def with_residual_terms(found: EstimatedModes, residuals: Residuals) -> EstimatedModes:
-    """Add the residual terms that serve best when the modes stay as they are."""
+    """Add the residual terms that serve best when the modes stay as they are.
+
+    Args:
+        found: modes whose residues are kept.
+        residuals: none, real or complex.
+    """
     if residuals == "none":
         return found
     measured = found.measured
@@ -217,7 +222,12 @@ def with_residual_terms(found: EstimatedModes, residuals: Residuals) -> Estimate
 
 
 def solve_terms(columns: np.ndarray, value: np.ndarray) -> np.ndarray:
-    """Real factors of complex columns by least squares, folded into complex U and L [2, frf]."""
+    """Real factors of complex columns by least squares, folded into complex U and L [2, frf].
+
+    Args:
+        columns: what the fit is linear in, by line.
+        value: by line and FRF.
+    """
     scale = np.linalg.norm(columns, axis=0)
     stacked = np.concatenate([columns.real, columns.imag]) / scale
     right = np.concatenate([value.real, value.imag])

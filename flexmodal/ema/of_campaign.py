@@ -16,15 +16,18 @@ from flexmodal.campaign import (
     estimate_frfs,
     record_variance,
 )
-from flexmodal.ema.estimate import Choices
+from flexmodal.ema.choices import Choices
 from flexmodal.ema.fit import Fit, fit_records
-from flexmodal.ema.records import Records
 from flexmodal.ema.window import without_window
 from flexmodal.errors import Fault, InvalidRequest
 
 
 def records_of(campaign: Campaign, estimator: str = "H1") -> FrfRecords:
     """The campaign's own FRFs, or those estimated from its blows: it has none, or H2 or Hv is asked for.
+
+    Args:
+        campaign: what was measured.
+        estimator: H1, H2 or Hv, where FRFs are estimated from blows.
 
     Raises:
         InvalidRequest: it has neither, or no blows to estimate from.
@@ -49,7 +52,7 @@ def known_variance(records: FrfRecords) -> Float[np.ndarray, "record line"] | No
 
 
 def fit(
-    measured: Campaign | Records,
+    measured: Campaign | FrfRecords,
     method: str = "least-squares",
     *,
     per: str = "frf",

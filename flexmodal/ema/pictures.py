@@ -10,8 +10,10 @@ from typing import Any
 
 import numpy as np
 
+from flexmodal import report
 from flexmodal.campaign import Campaign, FrfRecords
-from flexmodal.ema.estimate import Choices, peaks_of
+from flexmodal.ema.choices import Choices
+from flexmodal.ema.estimate import peaks_of
 from flexmodal.ema.fit import Fit
 from flexmodal.ema.measured import Measured
 from flexmodal.ema.methods.circle import CircleFit, fit_circle
@@ -39,6 +41,10 @@ class Picture:
     """For its file, without ending."""
     draw: Callable[[], Any]
     """Gives a matplotlib figure."""
+
+    def on_page(self) -> report.Picture:
+        """As a part of a page."""
+        return report.Picture(self.draw, f"{self.section}: {self.name.replace('_', ' ')}")
 
 
 def pictures(
@@ -76,8 +82,6 @@ def write_pictures(
     Raises:
         OutputExists: the folder holds something, or it is a file.
     """
-    from flexmodal.frf.plot import write_plot
-
     if folder.exists() and not folder.is_dir():
         raise OutputExists(Fault(str(folder), "", "a file", "a folder for pictures"))
     if folder.is_dir() and any(folder.iterdir()) and not overwrite:
@@ -88,7 +92,7 @@ def write_pictures(
     paths = []
     for picture in drawn:
         paths.append(folder / f"{picture.name}{ending}")
-        write_plot(picture.draw(), paths[-1], overwrite=overwrite)
+        report.write_figure(picture.draw(), paths[-1], overwrite=overwrite)
     return tuple(paths)
 
 

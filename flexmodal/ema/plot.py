@@ -8,12 +8,26 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from flexmodal.ema.canvas import FITTED, MARK, MEASURED, THIRD, canvas, grid
 from flexmodal.ema.mode import EstimatedModes, ModeEstimate
 from flexmodal.frf.form import unit
-from flexmodal.frf.plot import PALETTE
+from flexmodal.report.figure import (
+    DASHED,
+    FITTED,
+    MARK,
+    MEASURED,
+    THIRD,
+    WIDE,
+    drawing,
+    headline,
+    look,
+    new_figure,
+    phase_axis,
+    positive,
+    wrapped,
+)
 
 
+@drawing
 def draw_fit(
     found: EstimatedModes,
     frf: int = 0,
@@ -35,30 +49,26 @@ def draw_fit(
     measured, model = found.measured, found.synthesise()[:, frf]
     value, axis = measured.value[:, frf], measured.frequency
     rows = 3 if coherence is not None else 2
-    figure = canvas(7.5, 5.4 + 1.2 * (rows - 2))
+    figure = new_figure(WIDE, 5.4 + 1.2 * (rows - 2))
     panes = figure.subplots(rows, 1, sharex=True, height_ratios=[2.2, 1, 0.7][:rows])
-    panes[0].semilogy(axis, _above_zero(value), color=MEASURED, linewidth=1.2, label="measured")
-    panes[0].semilogy(
-        axis, _above_zero(model), color=FITTED, linewidth=1.6, linestyle="--", label="synthesised"
-    )
+    for values, style, label in ((value, look(0), "measured"), (model, look(1), "synthesised")):
+        panes[0].semilogy(axis, positive(values), label=label, **style)
+        panes[1].plot(*wrapped(axis, np.degrees(np.angle(values))), **style)
     panes[0].set_ylabel(f"{measured.form.capitalize()} amplitude [{unit(measured.form)}]")
-    panes[0].legend(fontsize=9, frameon=True, framealpha=0.9)
-    panes[0].set_title(title or measured.labels[frf], loc="left", fontsize=11, parse_math=False)
-    for values, colour, style in ((value, MEASURED, "-"), (model, FITTED, "--")):
-        lines, phase = _wrapped(axis, values)
-        panes[1].plot(lines, phase, color=colour, linestyle=style, linewidth=1.3)
-    panes[1].set(ylabel="Phase [°]", ylim=(-190, 190), yticks=[-180, -90, 0, 90, 180])
+    panes[0].legend()
+    panes[0].set_title(title or measured.labels[frf])
+    phase_axis(panes[1])
     if coherence is not None:
         panes[2].plot(axis, coherence, color=THIRD, linewidth=1.2)
         panes[2].set(ylabel="Coherence [–]", ylim=(0, 1.05))
     for pane in panes:
-        grid(pane)
         for mode in found:
-            pane.axvline(mode.frequency, color=MARK, linewidth=0.8, linestyle=(0, (2, 2)))
+            pane.axvline(mode.frequency, color=MARK, linewidth=0.8, linestyle=DASHED)
     panes[-1].set(xlabel="Frequency [Hz]", xlim=(axis[0], axis[-1]))
     return figure
 
 
+@drawing
 def draw_nyquist(found: EstimatedModes, frf: int = 0, *, title: str = "") -> Any:
     """One FRF as mobility in the complex plane, measured and synthesised: as a whole, and round each mode.
 
@@ -74,7 +84,7 @@ def draw_nyquist(found: EstimatedModes, frf: int = 0, *, title: str = "") -> Any
     model = found.synthesise(form="mobility")[:, frf]
     columns = min(len(found) + 1, 3)
     rows = -(-(len(found) + 1) // columns)
-    figure = canvas(3.1 * columns, 3.2 * rows + 0.5)
+    figure = new_figure(3.1 * columns, 3.2 * rows + 0.5)
     panes = list(np.atleast_1d(figure.subplots(rows, columns)).ravel())
     lines = [np.ones(len(value), dtype=bool), *(_round(mode, found) for mode in found)]
     headings = ["whole band", *(f"{mode.frequency:.4g} Hz" for mode in found)]
@@ -93,17 +103,14 @@ def draw_nyquist(found: EstimatedModes, frf: int = 0, *, title: str = "") -> Any
         pane.ticklabel_format(style="sci", scilimits=(-2, 3))
         pane.tick_params(labelsize=8)
         pane.set_title(heading, fontsize=10)
-        grid(pane)
     for pane in panes[len(found) + 1 :]:
         pane.set_axis_off()
     for pane in panes[::columns]:
         pane.set_ylabel(f"Im mobility [{unit('mobility')}]", fontsize=9)
     for pane in panes[max(len(found) + 1 - columns, 0) : len(found) + 1]:
         pane.set_xlabel(f"Re mobility [{unit('mobility')}]", fontsize=9)
-    figure.legend(*panes[min(1, len(found))].get_legend_handles_labels(), loc="outside lower center", ncols=3,
-                  fontsize=9)  # fmt: skip
-    heading = title or found.measured.labels[frf]
-    figure.suptitle(heading, x=0.01, ha="left", fontsize=11, parse_math=False)
+    figure.legend(*panes[min(1, len(found))].get_legend_handles_labels(), loc="outside lower center", ncols=3)
+    headline(figure, title or found.measured.labels[frf])
     return figure
 
 
@@ -124,17 +131,7 @@ def _fine(mode: ModeEstimate, lines: np.ndarray) -> np.ndarray:
     return np.union1d(np.linspace(first, last, 200), close[(close >= first) & (close <= last)])
 
 
-def _above_zero(values: np.ndarray) -> np.ndarray:
-    return np.where(np.abs(values) > 0, np.abs(values), np.nan)
-
-
-def _wrapped(axis: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Phase in degrees with a gap where it wraps, so that no line crosses the picture."""
-    phase = np.degrees(np.angle(values))
-    jump = np.flatnonzero(np.abs(np.diff(phase)) > 180) + 1
-    return np.insert(axis, jump, axis[jump]), np.insert(phase, jump, np.nan)
-
-
+@drawing
 def draw_coherence(
     frequency: Float[np.ndarray, " line"],
     coherence: Float[np.ndarray, "frf line"],
@@ -143,18 +140,15 @@ def draw_coherence(
     title: str = "Coherence",
 ) -> Any:
     """Ordinary coherence of some FRFs over frequency, on one scale from 0 to 1."""
-    figure = canvas(8.2, 3.4)
+    figure = new_figure(8.2, 3.4)
     axes = figure.subplots()
-    styles = ("-", "--", "-.", ":")
     for place, values in enumerate(coherence[:12]):
         label = labels[place] if place < len(labels) else f"FRF {place + 1}"
-        look = {"color": PALETTE[place % len(PALETTE)], "linestyle": styles[place % len(styles)]}
-        axes.plot(frequency, values, linewidth=1.2, label=label, **look)
-    axes.axhline(0.8, color=MARK, linewidth=0.9, linestyle=(0, (2, 2)))
+        axes.plot(frequency, values, label=label, **look(place, linewidth=1.2))
+    axes.axhline(0.8, color=MARK, linewidth=0.9, linestyle=DASHED)
     axes.set(
         xlabel="Frequency [Hz]", ylabel="Coherence [–]", ylim=(0, 1.05), xlim=(frequency[0], frequency[-1])
     )
     figure.legend(loc="outside right upper", fontsize=8)
-    axes.set_title(title, loc="left", fontsize=11, parse_math=False)
-    grid(axes)
+    axes.set_title(title)
     return figure

@@ -7,18 +7,31 @@ from typing import Any
 
 import numpy as np
 
-from flexmodal.ema.canvas import FITTED, MARK, MEASURED, THIRD, canvas, grid
 from flexmodal.ema.methods.circle import CircleFit
 from flexmodal.ema.methods.select import mode_indicator
 from flexmodal.ema.methods.stabilisation import Stabilisation
 from flexmodal.frf.form import unit
+from flexmodal.report.figure import (
+    DASHED,
+    FITTED,
+    MARK,
+    MEASURED,
+    NOISE,
+    SOFT,
+    THIRD,
+    WIDE,
+    drawing,
+    headline,
+    new_figure,
+)
 
 
+@drawing
 def draw_circle(fit: CircleFit, *, title: str = "") -> Any:
     """The Nyquist arc with its circle, and the traverse rate with the curve that the mode predicts."""
     mode = fit.mode
     natural, damping = 2 * np.pi * mode.frequency, mode.damping_ratio
-    figure = canvas(9.5, 4.6)
+    figure = new_figure(9.5, 4.6)
     left, right = figure.subplots(1, 2)
     turn = np.exp(1j * np.linspace(0, 2 * np.pi, 361))
     ring = fit.centre + fit.radius * turn
@@ -31,11 +44,9 @@ def draw_circle(fit: CircleFit, *, title: str = "") -> Any:
     left.set_aspect("equal", adjustable="datalim")
     left.set(xlabel=f"Re mobility [{unit('mobility')}]", ylabel=f"Im mobility [{unit('mobility')}]")
     left.ticklabel_format(style="sci", scilimits=(-2, 3))
-    figure.legend(*left.get_legend_handles_labels(), loc="outside lower left", ncols=3, fontsize=9)
+    figure.legend(*left.get_legend_handles_labels(), loc="outside lower left", ncols=3)
     heading = f"{mode.frequency:.4g} Hz, ζ = {100 * damping:.3g} %"
-    figure.suptitle(
-        f"{title}: {heading}" if title else heading, x=0.01, ha="left", fontsize=11, parse_math=False
-    )
+    headline(figure, f"{title}: {heading}" if title else heading)
     middle = (fit.frequency[1:] + fit.frequency[:-1]) / 2
     fine = np.linspace(fit.frequency[0], fit.frequency[-1], 400)
     right.plot(middle, fit.traverse_rate, "o", color=MEASURED, markersize=4, label="between lines")
@@ -45,13 +56,11 @@ def draw_circle(fit: CircleFit, *, title: str = "") -> Any:
     right.axhline(
         1 / (2 * damping * natural**2), color=MARK, linewidth=0.9, linestyle=":", label="1/(2ζω_n²)"
     )
-    right.axvline(mode.frequency, color=MARK, linewidth=0.9, linestyle=(0, (2, 2)))
+    right.axvline(mode.frequency, color=MARK, linewidth=0.9, linestyle=DASHED)
     right.set(xlabel="Frequency [Hz]", ylabel="Traverse rate |dθ/d(ω²)| [s²]")
     right.set_ylim(bottom=0)
     right.ticklabel_format(axis="y", style="sci", scilimits=(-2, 3))
-    figure.legend(*right.get_legend_handles_labels(), loc="outside lower right", ncols=3, fontsize=9)
-    for pane in (left, right):
-        grid(pane)
+    figure.legend(*right.get_legend_handles_labels(), loc="outside lower right", ncols=3)
     return figure
 
 
@@ -62,23 +71,26 @@ def _rate(omega: np.ndarray, natural: float, damping: float) -> np.ndarray:
     return (1 / below + tangent / (2 * omega**2)) / (1 + tangent**2)
 
 
+@drawing
 def draw_stabilisation(
     diagram: Stabilisation, chosen: Sequence[float] = (), *, title: str = "Stabilisation diagram"
 ) -> Any:
     """Poles by frequency and order over the mode indicator; chosen frequencies are marked."""
-    figure = canvas(7.5, 4.8)
+    figure = new_figure(WIDE, 4.8)
     axes = figure.subplots()
     behind = axes.twinx()
+    behind.grid(False)
+    behind.spines["right"].set_visible(True)
     indicator = mode_indicator(diagram.measured)
-    behind.semilogy(diagram.measured.frequency, indicator, color="0.72", linewidth=1.1, zorder=0)
-    behind.set_ylabel("Mode indicator Σ|Y|²/noise [–]", color="0.45")
-    behind.tick_params(colors="0.45")
+    behind.semilogy(diagram.measured.frequency, indicator, color=NOISE, linewidth=1.1, zorder=0)
+    behind.set_ylabel("Mode indicator Σ|Y|²/noise [–]", color=SOFT)
+    behind.tick_params(colors=SOFT)
     axes.set_zorder(behind.get_zorder() + 1)
     axes.patch.set_visible(False)
     fresh = ~diagram.stable_frequency
     half = diagram.stable_frequency & ~diagram.stable
     for which, marker, colour, label in (
-        (fresh, ".", "0.6", "new"),
+        (fresh, ".", NOISE, "new"),
         (half, "x", FITTED, "stable frequency"),
         (diagram.stable, "o", MEASURED, "stable frequency and damping"),
     ):
@@ -90,6 +102,6 @@ def draw_stabilisation(
     axes.set(xlabel="Frequency [Hz]", ylabel="Order of the denominator [–]")
     axes.set_xlim(diagram.measured.frequency[0], diagram.measured.frequency[-1])
     axes.set_ylim(0, diagram.orders[-1] + 1)
-    figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=3, fontsize=9)
-    axes.set_title(title, loc="left", fontsize=11, parse_math=False)
+    figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=3)
+    axes.set_title(title)
     return figure

@@ -3,24 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from textwrap import wrap
 from typing import Any
 
 import numpy as np
 from jaxtyping import Float
 
-from flexmodal.ema.canvas import MARK, canvas, grid
 from flexmodal.ema.shapes import FittedShapes
-from flexmodal.frf.plot import PALETTE
+from flexmodal.report.figure import MARK, PALETTE, drawing, headline, new_figure, short
 
 _HALF_BRIGHT = 0.42
 """Value above which black reads better on the colour map than white."""
-_LETTERS = 11
-"""Of a heading that find room in an inch."""
 _CROWDED = 9
 """More places than this get their names upright."""
 
 
+@drawing
 def draw_mac(
     matrix: Float[np.ndarray, "mode other"],
     rows: Sequence[str] = (),
@@ -41,9 +38,10 @@ def draw_mac(
         title: heading.
     """
     count, other = matrix.shape
-    figure = canvas(1.8 + 0.75 * max(other, 2), 1.4 + 0.7 * max(count, 2))
+    figure = new_figure(1.8 + 0.75 * max(other, 2), 1.4 + 0.7 * max(count, 2))
     axes = figure.subplots()
-    image = axes.imshow(matrix, vmin=0, vmax=1, cmap="cividis", aspect="auto")
+    image = axes.imshow(matrix, vmin=0, vmax=1, aspect="auto")
+    axes.grid(False)
     axes.set_xticks(range(other), list(columns) or [str(place + 1) for place in range(other)])
     axes.set_yticks(range(count), list(rows) or [str(place + 1) for place in range(count)])
     axes.set(xlabel=second, ylabel=first)
@@ -54,14 +52,14 @@ def draw_mac(
                 column, row, f"{matrix[row, column]:.2f}", ha="center", va="center", color=colour, fontsize=9
             )
     figure.colorbar(image, ax=axes, label="MAC [–]")
-    lines = wrap(title, int(_LETTERS * figure.get_figwidth()))
-    figure.suptitle("\n".join(lines), x=0.01, ha="left", fontsize=11, parse_math=False)
+    headline(figure, title)
     return figure
 
 
+@drawing
 def draw_shapes(shapes: FittedShapes, names: Mapping[int, str], *, title: str = "") -> Any:
     """What each place does in each mode, in the campaign's order: filled in phase, open a quarter off."""
-    figure = canvas(8.2, 4.2)
+    figure = new_figure(8.2, 4.2)
     axes = figure.subplots()
     places = range(len(shapes.places))
     for mode, frequency in enumerate(shapes.frequency):
@@ -70,19 +68,14 @@ def draw_shapes(shapes: FittedShapes, names: Mapping[int, str], *, title: str = 
         axes.plot(places, values.real, linestyle="-", label=f"{frequency:.4g} Hz", **look)
         axes.plot(places, values.imag, linestyle=":", linewidth=1, markerfacecolor="none", **look)
     axes.axhline(0, color=MARK, linewidth=0.9)
-    labels = [f"{names.get(point, point)}\n{_sense(way)}" for point, way in shapes.places]
-    axes.set_xticks(places)
-    for tick, label in zip(axes.set_xticklabels(labels, fontsize=8), labels, strict=True):
-        tick.set(text=label, parse_math=False)
+    labels = [f"{short(str(names.get(point, point)))}\n{_sense(way)}" for point, way in shapes.places]
+    axes.set_xticks(places, labels, fontsize=8)
     if len(labels) > _CROWDED:
         axes.tick_params(axis="x", labelrotation=90)
     axes.set(ylabel="Residue over the largest [–]", ylim=(-1.15, 1.15))
-    figure.legend(
-        loc="outside right upper", fontsize=9, title="solid: in phase\ndotted: 90° off", title_fontsize=9
-    )
+    figure.legend(loc="outside right upper", title="solid: in phase\ndotted: 90° off")
     heading = title or f"Posture {shapes.posture}, {fixed_place(shapes, names)}"
-    axes.set_title(heading, loc="left", fontsize=11, parse_math=False)
-    grid(axes)
+    axes.set_title(heading)
     return figure
 
 

@@ -27,7 +27,12 @@ def with_quality(found: EstimatedModes) -> EstimatedModes:
 
 
 def around(mode: ModeEstimate, measured: Measured) -> np.ndarray:
-    """Which lines lie within two half-power bands of the resonance; the five nearest at least."""
+    """Which lines lie within two half-power bands of the resonance; the five nearest at least.
+
+    Args:
+        mode: whose resonance.
+        measured: the FRFs it was found in.
+    """
     distance = np.abs(measured.frequency - mode.frequency)
     reach = max(2 * abs(mode.damping_ratio) * mode.frequency, float(np.sort(distance)[4]))
     return distance <= reach

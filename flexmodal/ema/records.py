@@ -4,52 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Literal, Protocol, runtime_checkable
+from typing import Literal
 
 import numpy as np
-from jaxtyping import Complex, Float, Int
+from jaxtyping import Complex, Float
 
+from flexmodal.campaign import FrfRecords, place_text
 from flexmodal.ema.measured import Measured
-from flexmodal.frf.form import Form
 
-_AXES = "xyz"
 _SMOOTH = 4
 """The scatter of trials is averaged over so many lines to either side."""
 
 Trials = Literal["average", "separate"]
-
-
-@runtime_checkable
-class Records(Protocol):
-    """What a fit needs of records; `flexmodal.campaign.FrfRecords` has it."""
-
-    @property
-    def frequency(self) -> Float[np.ndarray, " line"]:
-        """Ascending [Hz]."""
-
-    @property
-    def value(self) -> Complex[np.ndarray, "record line"]:
-        """In SI units of `form`."""
-
-    @property
-    def posture(self) -> Int[np.ndarray, " record"]:
-        """Ids."""
-
-    @property
-    def trial(self) -> Int[np.ndarray, " record"]:
-        """Ids."""
-
-    @property
-    def response(self) -> Int[np.ndarray, "record 2"]:
-        """Point id and direction ±1 ±2 ±3."""
-
-    @property
-    def reference(self) -> Int[np.ndarray, "record 2"]:
-        """Point id and direction of the force."""
-
-    @property
-    def form(self) -> Form:
-        """Receptance, mobility or inertance."""
 
 
 @dataclass(frozen=True)
@@ -65,16 +31,16 @@ class Place:
     def __str__(self) -> str:
         """Such as "3:+z per 2:+z"."""
         trial = "" if self.trial is None else f", trial {self.trial}"
-        return f"{_text(self.response)} per {_text(self.reference)}{trial}"
+        return f"{place_text(self.response)} per {place_text(self.reference)}{trial}"
 
 
-def _text(place: tuple[int, int]) -> str:
-    point, direction = place
-    return f"{point}:{'+' if direction > 0 else '-'}{_AXES[abs(direction) - 1]}"
+def grouped(records: FrfRecords, trials: Trials) -> dict[Place, list[int]]:
+    """Row numbers of each FRF, in the order of posture and then of the records.
 
-
-def grouped(records: Records, trials: Trials) -> dict[Place, list[int]]:
-    """Row numbers of each FRF, in the order of posture and then of the records."""
+    Args:
+        records: FRFs of a campaign.
+        trials: whether to keep them apart.
+    """
     groups: dict[Place, list[int]] = {}
     for row in range(len(records.value)):
         response = (int(records.response[row, 0]), int(records.response[row, 1]))
@@ -86,13 +52,18 @@ def grouped(records: Records, trials: Trials) -> dict[Place, list[int]]:
 
 
 def averaged(
-    records: Records, groups: dict[Place, list[int]], variance: Float[np.ndarray, "record line"] | None
+    records: FrfRecords, groups: dict[Place, list[int]], variance: Float[np.ndarray, "record line"] | None
 ) -> tuple[Complex[np.ndarray, "line frf"], Float[np.ndarray, "line frf"] | None]:
     """Each FRF as the mean of its trials, with the variance of that mean.
 
     The variance comes from those given for the records, raised where the trials scatter by more than these
     allow (Birge's ratio, smoothed over neighbouring lines); else, where every FRF has at least two trials,
     from their scatter about the mean, smoothed likewise; else it is not known.
+
+    Args:
+        records: FRFs of a campaign.
+        groups: row numbers of each FRF.
+        variance: E|noise|² of each record's values, in their unit squared.
     """
     values, spreads = [], []
     for rows in groups.values():
@@ -120,9 +91,15 @@ def _smoothed(scatter: np.ndarray) -> np.ndarray:
 
 
 def by_posture(
-    records: Records, trials: Trials, variance: Float[np.ndarray, "record line"] | None
+    records: FrfRecords, trials: Trials, variance: Float[np.ndarray, "record line"] | None
 ) -> Iterator[tuple[int, Sequence[Place], Measured]]:
-    """The FRFs of each posture together."""
+    """The FRFs of each posture together.
+
+    Args:
+        records: FRFs of a campaign.
+        trials: whether to keep them apart.
+        variance: E|noise|² of each record's values, in their unit squared.
+    """
     groups = grouped(records, trials)
     for posture in dict.fromkeys(place.posture for place in groups):
         part = {place: rows for place, rows in groups.items() if place.posture == posture}

@@ -15,6 +15,10 @@ def frac(
 
     1 where one FRF is a constant times the other; blind to that constant, so to a wrong calibration.
 
+    Args:
+        first: FRFs, lines first.
+        second: as many on the same lines.
+
     Raises:
         InvalidRequest: arrays that differ in shape, are not finite, or an FRF that is zero.
     """
@@ -31,6 +35,10 @@ def fdac(
     Re(Σ H̄(f₁)G(f₂))/(|H(f₁)||G(f₂)|) over the degrees of freedom (Pascual, Golinval and Razeto). A ridge
     off the diagonal shows by how much the frequencies of one set are shifted against the other; the sign
     tells 180° apart from 0°.
+
+    Args:
+        first: FRFs, lines first.
+        second: the same FRFs on lines of their own.
 
     Raises:
         InvalidRequest: different degrees of freedom, values not finite, or a line where nothing moves.

@@ -50,6 +50,12 @@ def frequency_axis(values: ArrayLike | float, *, source: str = "call") -> Float[
 def stepped_axis(start: float, stop: float, step: float, *, source: str) -> Float[np.ndarray, " line"]:
     """Frequencies from `start` to `stop` inclusive, `step` apart [Hz].
 
+    Args:
+        start: first line [Hz].
+        stop: last line, included where a step ends there [Hz].
+        step: spacing [Hz].
+        source: where the numbers came from, for the error.
+
     Raises:
         InvalidFrequencies: reversed or endless, or more than `MOST_LINES` lines.
     """

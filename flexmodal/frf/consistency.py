@@ -97,6 +97,11 @@ def antiresonances(
     Between the lines a dip is placed by the zero of the complex parabola through three lines: the root
     nearest to the lowest line, its real part. That is exact where H is smooth and the zero lightly damped.
 
+    Args:
+        frequency: of the lines [Hz].
+        value: one FRF.
+        prominence: how deep a dip has to be on both sides [dB].
+
     Raises:
         InvalidRequest: values not finite, or fewer than five lines above 0 Hz.
     """
@@ -118,6 +123,10 @@ def reciprocity(
     value: Complex[np.ndarray, " line"], mirrored: Complex[np.ndarray, " line"]
 ) -> Float[np.ndarray, " line"]:
     """|H_uv − H_vu| relative to their mean size, line by line: 0 for a linear structure that is not spinning.
+
+    Args:
+        value: H_uv.
+        mirrored: H_vu, on the same lines.
 
     Raises:
         InvalidRequest: different lengths or values not finite.

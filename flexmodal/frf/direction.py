@@ -36,6 +36,10 @@ class PointDirection:
     def parse(cls, text: str | PointDirection, *, source: str = "call") -> PointDirection:
         """Read "name:+z", "name:-x" or, for rotations, "name:+ry"; no sign means +.
 
+        Args:
+            text: such as "tool:+z"; a direction is given back as it is.
+            source: where the text came from, for the error.
+
         Raises:
             InvalidPoint: the text has another form.
         """

@@ -16,22 +16,31 @@ COLUMNS = ("frequency_hz", "response", "reference", "form", "unit", "re", "im")
 def write_csv(frf: Frf, path: Path, *, overwrite: bool = False) -> None:
     """One row for each line and pair, full precision; the header names the columns.
 
+    Args:
+        frf: what to write.
+        path: the file; written whole or not at all.
+        overwrite: replace an existing file.
+
     Raises:
         OutputExists: the file exists.
     """
     with whole_file(path, overwrite=overwrite) as scratch, scratch.open("w", newline="") as file:
         writer = csv.writer(file)
         writer.writerow(COLUMNS)
-        for row, response in enumerate(frf.response):
-            for column, reference in enumerate(frf.reference):
-                pair = (str(response), str(reference), frf.form, frf.unit(row, column))
-                for frequency, value in zip(frf.frequency, frf.value[:, row, column], strict=True):
-                    numbers = (float(frequency), float(value.real), float(value.imag))
-                    writer.writerow([repr(numbers[0]), *pair, repr(numbers[1]), repr(numbers[2])])
+        for row, column, _ in frf.pairs():
+            pair = (frf.response[row], frf.reference[column], frf.form, frf.unit(row, column))
+            for frequency, value in zip(frf.frequency, frf.value[:, row, column], strict=True):
+                first, real, imaginary = (repr(float(one)) for one in (frequency, value.real, value.imag))
+                writer.writerow([first, *pair, real, imaginary])
 
 
 def write_npz(frf: Frf, path: Path, *, overwrite: bool = False) -> None:
     """Arrays `frequency` [Hz] and `value` (line, response, reference), with the labels as text.
+
+    Args:
+        frf: what to write.
+        path: the file; written whole or not at all.
+        overwrite: replace an existing file.
 
     Raises:
         OutputExists: the file exists.

@@ -35,6 +35,12 @@ def convert(
 ) -> Complex[np.ndarray, "line *rest"]:
     """Multiply by the power of iω that leads from one form to the other.
 
+    Args:
+        value: of the source form, in SI units.
+        frequency: of the lines [Hz].
+        source: the form there is.
+        target: the form wanted.
+
     Raises:
         InvalidFrequencies: integration at 0 Hz, where the constant of integration is unknown.
     """
@@ -50,7 +56,13 @@ def convert(
 
 
 def unit(form: Form, *, response_rotates: bool = False, reference_rotates: bool = False) -> str:
-    """Unit of one entry, such as "m/N", "rad/(s·N·m)" or "m/(s²·N)"."""
+    """Unit of one entry, such as "m/N", "rad/(s·N·m)" or "m/(s²·N)".
+
+    Args:
+        form: receptance, mobility or inertance.
+        response_rotates: whether the response is a rotation.
+        reference_rotates: whether the reference is a moment.
+    """
     over = "N·m" if reference_rotates else "N"
     time = _PER_SECOND[form].lstrip("/")
     below = f"{time}·{over}" if time else over

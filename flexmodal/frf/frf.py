@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -37,6 +38,10 @@ class Frf:
     def between(self, response: str | PointDirection, reference: str | PointDirection) -> np.ndarray:
         """The complex values of one pair, by line.
 
+        Args:
+            response: point and direction of the motion.
+            reference: point and direction of the force.
+
         Raises:
             InvalidPoint: the pair is not among these FRFs.
         """
@@ -44,8 +49,19 @@ class Frf:
         column = _index(self.reference, reference, "reference")
         return self.value[:, row, column]
 
+    def pairs(self) -> Iterator[tuple[int, int, str]]:
+        """Rows and columns of `value`, with what they are of, such as "tool:+x per tip:+z"."""
+        for row, response in enumerate(self.response):
+            for column, reference in enumerate(self.reference):
+                yield row, column, f"{response} per {reference}"
+
     def unit(self, response: int = 0, reference: int = 0) -> str:
-        """Unit of one entry, such as "m/N"."""
+        """Unit of one entry, such as "m/N".
+
+        Args:
+            response: which response; the first by default.
+            reference: which reference; the first by default.
+        """
         return unit(
             self.form,
             response_rotates=self.response[response].is_rotation,

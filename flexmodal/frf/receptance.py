@@ -23,7 +23,12 @@ _BLOCK = 4096
 def dynamic_stiffness(
     system: SecondOrderSystem, frequency: Float[np.ndarray, " line"]
 ) -> Complex[np.ndarray, "line dof dof"]:
-    """Z(ω) = K − ω²M + iωC, and what hysteretic springs add; complex symmetric [N·m/rad, N/m]."""
+    """Z(ω) = K − ω²M + iωC, and what hysteretic springs add; complex symmetric [N·m/rad, N/m].
+
+    Args:
+        system: mass, damping and stiffness.
+        frequency: of the lines [Hz].
+    """
     omega = 2 * np.pi * frequency[:, None, None]
     z = system.stiffness - omega**2 * system.mass + 1j * omega * system.damping
     if system.hysteresis is not None:
@@ -91,7 +96,12 @@ def receptance(
 def hysteretic_addition(
     hysteresis: Hysteresis | None, frequency: Float[np.ndarray, " line"]
 ) -> Complex[np.ndarray, "line dof dof"] | None:
-    """What hysteretic springs add to Z [N·m/rad, N/m]; None without any."""
+    """What hysteretic springs add to Z [N·m/rad, N/m]; None without any.
+
+    Args:
+        hysteresis: springs that lose energy.
+        frequency: of the lines [Hz].
+    """
     if hysteresis is None:
         return None
     added = hysteresis.added(2j * np.pi * frequency)
@@ -123,6 +133,12 @@ def modal_sum(
     frequency: Float[np.ndarray, " line"],
 ) -> Complex[np.ndarray, "line response reference"]:
     """Receptance as the sum over all 2n poles, α = Σ φ_u φ_v / (iω − λ_p) [Hearne 2.40].
+
+    Args:
+        modes: poles and shapes.
+        response: rows of the responses.
+        reference: rows of the forces.
+        frequency: of the lines [Hz].
 
     Raises:
         DefectiveModes: critically damped poles, for which no such sum exists.

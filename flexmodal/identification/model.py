@@ -21,7 +21,7 @@ from flexmodal.structure.shape import KINDS, STEPS, assembled
 from flexmodal.structure.solution import solved
 from flexmodal.structure.stack import Structures, joined
 from flexmodal.structure.structure import Axis, Structure
-from flexmodal.structure.truncation import missing
+from flexmodal.structure.truncation import missing_of, missing_with_slopes
 
 AXES = np.eye(3)
 
@@ -240,9 +240,14 @@ def seen_in(group: Group, axis: Axis) -> Seen:
     part, structures = group.part, group.structures
     found = solved(structures, axis, part.entries)
     value, factor = found.value, None
-    cut = _cut(structures, axis, part) if axis.length > 0 else None
-    if cut is not None:
-        value = value + cut[0]
+    lost: np.ndarray | None = None
+    changed: np.ndarray | None = None
+    if axis.length > 0 and not axis.cut_slopes:
+        lost = missing_of(found)
+    elif axis.length > 0 and (both := missing_with_slopes(found, structures.names)) is not None:
+        lost, changed = both
+    if lost is not None:
+        value = value + lost
     log, changes = group.reading(axis) if group.reading is not None else (None, {})
     if log is not None:
         factor = np.exp(log)
@@ -251,24 +256,10 @@ def seen_in(group: Group, axis: Axis) -> Seen:
     def slopes(scale: np.ndarray) -> np.ndarray:
         inner = scale if factor is None else scale * factor
         made = found.slopes(inner)
-        if cut is not None and axis.cut_slopes:
-            made += _parts_of(cut[1] * inner)
+        if changed is not None:
+            made += _parts_of(changed * inner)
         for number, change in changes.items():
             made[number] += _parts_of(value * change * scale)
         return made
 
     return Seen(part.observations, part.entry, value, slopes)
-
-
-def _cut(structures: Structures, axis: Axis, part: Part) -> tuple[np.ndarray, np.ndarray] | None:
-    """What the ends of the records take away, and its derivatives; None where it is nothing."""
-    table, names = part.entries.table, structures.names if axis.cut_slopes else ()
-    value = np.zeros((len(table), len(axis)), dtype=complex)
-    slopes = np.zeros((len(names), *value.shape), dtype=complex)
-    some = False
-    for k in range(len(structures)):
-        rows = np.flatnonzero(table[:, 0] == k)
-        lost = missing(structures[k], axis, table[rows, 1:], names)
-        if lost is not None:
-            value[rows], slopes[:, rows], some = *lost, True
-    return (value, slopes) if some else None

@@ -6,19 +6,30 @@ from typing import Any
 
 import numpy as np
 
-from flexmodal.frf.plot import PALETTE
 from flexmodal.identification.band import banded
 from flexmodal.identification.evidence.both import Both
 from flexmodal.identification.evidence.frf import FrfEvidence
 from flexmodal.identification.evidence.modal import ModalEvidence
 from flexmodal.identification.observations import Observations
 from flexmodal.identification.outcome import Identification
+from flexmodal.report.figure import (
+    FITTED,
+    MEASURED,
+    SOFT,
+    WIDE,
+    drawing,
+    frequency_axis,
+    log_axis,
+    new_figure,
+    short,
+)
 
-MEASURED, FITTED, CARD = PALETTE[0], PALETTE[1], "0.45"
+CARD = SOFT
 MOST = 6
 """FRFs in one picture."""
 
 
+@drawing
 def draw_identification(outcome: Identification) -> Any:
     """Measured against model: FRFs with their band, or errors of modes.
 
@@ -34,12 +45,11 @@ def draw_identification(outcome: Identification) -> Any:
     return _draw_frfs(outcome, evidence)
 
 
+@drawing
 def draw_held_out(outcome: Identification) -> Any:
     """Gap of card and fit on each posture and point that the fit had not seen, and the noise."""
-    from matplotlib.figure import Figure
-
     held = outcome.held_out
-    figure = Figure(figsize=(7.5, 1.5 + 0.32 * len(held)), layout="constrained")
+    figure = new_figure(WIDE, 1.5 + 0.32 * len(held))
     axes = figure.subplots()
     rows = np.arange(len(held))
     for values, marker, colour, label in (
@@ -48,29 +58,17 @@ def draw_held_out(outcome: Identification) -> Any:
         ([one.noise_floor for one in held], "|", MEASURED, "noise floor"),
     ):
         axes.plot(values, rows, marker, color=colour, label=label, markersize=7, markeredgewidth=1.8)
-    axes.set_yticks(rows, [f"{one.kind} {one.name}" for one in held], fontsize=9)
+    axes.set_yticks(rows, [f"{one.kind} {short(one.name, 30)}" for one in held])
     axes.set_ylim(len(held) - 0.4, -0.6)
     what = "|ln(model / measured)|" if outcome.problem.source == "frf" else "errors of modes"
-    axes.set(xscale="log", xlabel=f"Gap, root mean square of {what} [–]")
-    _mark(axes)
-    axes.grid(True, axis="x", which="both", color="0.9", linewidth=0.6)
-    figure.legend(*axes.get_legend_handles_labels(), loc="outside upper right", ncols=3, fontsize=9)
-    axes.set_title("Held out", loc="left", fontsize=11)
+    axes.set_xlabel(f"Gap, root mean square of {what} [–]")
+    log_axis(axes.xaxis)
+    figure.legend(*axes.get_legend_handles_labels(), loc="outside upper right", ncols=3)
+    axes.set_title("Held out")
     return figure
 
 
-def _mark(axes: Any) -> None:
-    """Plain numbers at 1, 2 and 5 of each decade along a logarithmic x axis."""
-    low, high = axes.get_xlim()
-    marks = [part * 10.0**power for power in range(-6, 6) for part in (1, 2, 5)]
-    axes.set_xticks([mark for mark in marks if low <= mark <= high])
-    axes.xaxis.set_major_formatter("{x:g}")
-    axes.xaxis.set_minor_formatter("")
-
-
 def _draw_frfs(outcome: Identification, evidence: FrfEvidence) -> Any:
-    from matplotlib.figure import Figure
-
     seen = evidence.observations
     chosen = _chosen(seen)
     keep = np.isin(np.arange(len(seen)), chosen)
@@ -79,7 +77,7 @@ def _draw_frfs(outcome: Identification, evidence: FrfEvidence) -> Any:
     low, high = fitted.reach()
     columns = 2 if len(chosen) > 1 else 1
     count = -(-len(chosen) // columns)
-    figure = Figure(figsize=(5.2 * columns, 2.6 * count + 0.7), layout="constrained")
+    figure = new_figure(5.2 * columns, 2.6 * count + 0.7)
     panes = np.atleast_1d(figure.subplots(count, columns, sharex=True, squeeze=False)).ravel()
     frequency = seen.axis.frequency
     for place, (pane, row) in enumerate(zip(panes, np.flatnonzero(keep).tolist(), strict=False)):
@@ -90,16 +88,15 @@ def _draw_frfs(outcome: Identification, evidence: FrfEvidence) -> Any:
         pane.fill_between(
             frequency, low[place], high[place], color=FITTED, alpha=0.25, linewidth=0, label="95 % band"
         )
-        pane.set_title(_title(seen, row), loc="left", fontsize=9)
-        pane.grid(True, color="0.9", linewidth=0.6)
-        pane.set_xlim(frequency[0], frequency[-1])
-        _mark(pane)
+        pane.set_title(_title(seen, row), fontsize=9)
+        frequency_axis(pane, frequency, wide=1.0)
     for pane in panes[len(chosen) :]:
         pane.remove()
     for pane in panes[::columns][:count]:
         pane.set_ylabel("|receptance| [m/N]")
+    for pane in panes[: max(len(chosen) - columns, 0)]:
+        pane.set_xlabel("")
     for pane in panes[max(len(chosen) - columns, 0) : len(chosen)]:
-        pane.set_xlabel("Frequency [Hz]")
         pane.tick_params(labelbottom=True)
     panes[0].legend(fontsize=8)
     return figure
@@ -122,15 +119,13 @@ def _title(seen: Observations, row: int) -> str:
 
 
 def _draw_modes(outcome: Identification, evidence: ModalEvidence) -> Any:
-    from matplotlib.figure import Figure
-
     observed = evidence.observations
     before, after = evidence.predicted(np.zeros(len(evidence.space))), evidence.predicted(outcome.at)
     labels = [f"{observed.postures[m.posture].name}, {m.frequency:.1f} Hz" for m in observed.modes]
     met = np.isfinite(after[: len(labels), 0])
     labels = [label if there else f"{label}, not met" for label, there in zip(labels, met, strict=True)]
     rows = np.arange(len(labels))
-    figure = Figure(figsize=(9.0, 1.4 + 0.24 * len(labels)), layout="constrained")
+    figure = new_figure(9.0, 1.4 + 0.24 * len(labels))
     left, right = figure.subplots(1, 2, sharey=True)
     frequency = [mode.frequency_error for mode in observed.modes]
     damping = [mode.damping_error for mode in observed.modes]
@@ -147,10 +142,9 @@ def _draw_modes(outcome: Identification, evidence: ModalEvidence) -> Any:
         axes.plot(
             scale * after[: len(rows), column], rows, "o", color=FITTED, markersize=4, label="identified"
         )
-        axes.axvline(0, color="0.5", linewidth=0.8)
+        axes.axvline(0, color=SOFT, linewidth=0.8)
         axes.set_xlabel(label)
-        axes.grid(True, axis="x", color="0.9", linewidth=0.6)
     left.set_yticks(rows, labels, fontsize=8)
     left.invert_yaxis()
-    figure.legend(*left.get_legend_handles_labels(), loc="outside upper right", ncols=3, fontsize=8)
+    figure.legend(*left.get_legend_handles_labels(), loc="outside upper right", ncols=3)
     return figure

@@ -163,7 +163,12 @@ class Engagement:
 
 
 def immersion_angles(immersion: float, milling: str) -> tuple[float, float]:
-    """Entry and exit angle [rad] of a radial depth given in parts of the diameter; "up" or "down"."""
+    """Entry and exit angle [rad] of a radial depth given in parts of the diameter; "up" or "down".
+
+    Args:
+        immersion: radial depth over diameter, above 0 and at most 1.
+        milling: "up" or "down".
+    """
     if milling == "up":
         return 0.0, math.acos(1 - 2 * immersion)
     return math.acos(2 * immersion - 1), math.pi

@@ -226,5 +226,10 @@ def compare_family(
 
 
 def family_member(card: FamilyCard, parameter: float) -> dict[str, float]:
-    """Joint values of a member of a family; joints it does not name are 0."""
+    """Joint values of a member of a family; joints it does not name are 0.
+
+    Args:
+        card: the family.
+        parameter: value of its parameter [rad, m].
+    """
     return {card.parameter: parameter} | {joint: factor * parameter for joint, factor in card.follow.items()}

@@ -25,7 +25,13 @@ class Field:
 
 
 def number(low: float, high: float, *, above: bool = False) -> Callable[[Any], float]:
-    """A finite number from `low` to `high`; without `low` itself where `above` is set."""
+    """A finite number from `low` to `high`; without `low` itself where `above` is set.
+
+    Args:
+        low: least value.
+        high: greatest value.
+        above: whether the least itself is refused.
+    """
 
     def read(given: Any) -> float:
         if isinstance(given, bool) or not isinstance(given, int | float | np.integer | np.floating):
@@ -42,7 +48,13 @@ def number(low: float, high: float, *, above: bool = False) -> Callable[[Any], f
 
 
 def angle(low: float, high: float, *, above: bool = False) -> Callable[[Any], float]:
-    """A number in rad, or text such as "30deg"; limits in degrees."""
+    """A number in rad, or text such as "30deg"; limits in degrees.
+
+    Args:
+        low: least value [°].
+        high: greatest value [°].
+        above: whether the least itself is refused.
+    """
     judge = number(low, high, above=above)
 
     def read(given: Any) -> float:
@@ -59,7 +71,12 @@ def angle(low: float, high: float, *, above: bool = False) -> Callable[[Any], fl
 
 
 def whole(low: int, high: int) -> Callable[[Any], int]:
-    """A whole number; true is none."""
+    """A whole number; true is none.
+
+    Args:
+        low: least value.
+        high: greatest value.
+    """
 
     def read(given: Any) -> int:
         if isinstance(given, bool) or not isinstance(given, int | np.integer) or not low <= given <= high:
@@ -81,7 +98,13 @@ def text(*choices: str) -> Callable[[Any], str]:
 
 
 def numbers(count: int, low: float, high: float) -> Callable[[Any], tuple[float, ...]]:
-    """That many numbers."""
+    """That many numbers.
+
+    Args:
+        count: how many.
+        low: least value of each.
+        high: greatest value of each.
+    """
     judge = number(low, high)
 
     def read(given: Any) -> tuple[float, ...]:

@@ -166,6 +166,12 @@ def forced_sweep(
 ) -> ForcedSweep:
     """`forced_vibration` at several speeds.
 
+    Args:
+        tip: how the tip gives way.
+        cut: the cut.
+        speed: spindle speeds [rev/min].
+        depth: axial depth; that of the cut if None [m].
+
     Raises:
         As `forced_vibration`.
     """

@@ -7,19 +7,19 @@ from typing import Any
 
 import numpy as np
 
-from flexmodal.frf.plot import PALETTE
 from flexmodal.machining.depth import Comparison, PostureDepth
 from flexmodal.machining.forced import ForcedSweep
 from flexmodal.machining.stability.lobes import LINEAR_RATIO, Lobes
+from flexmodal.report.figure import PALETTE, SOFT, WIDE, drawing, log_axis, look, new_figure, short
 
 _DEEP = 40
 """Depths that differ by more than this are drawn on a logarithmic axis."""
 _MOST = 7
-_STYLES = ("-", "--", "-.", ":")
 _HIGHEST = 20.0
 """Depths beyond this many times the middle one are drawn as if there were no limit: a peak, not a scale."""
 
 
+@drawing
 def draw_lobes(
     curves: Mapping[str, Lobes],
     *,
@@ -40,10 +40,8 @@ def draw_lobes(
     Returns:
         A matplotlib figure.
     """
-    from matplotlib.figure import Figure
-
     walls = forced is not None and np.any(np.isfinite(forced.surface_error))
-    figure = Figure(figsize=(7.8, 7.4 if walls else 5.8), layout="constrained")
+    figure = new_figure(WIDE, 7.4 if walls else 5.8)
     heights = [2.2, 1, 1] if walls else [2.2, 1]
     upper, middle, *rest = figure.subplots(len(heights), 1, sharex=True, height_ratios=heights)
     shown = list(curves.items())[:_MOST]
@@ -53,9 +51,8 @@ def draw_lobes(
     _level(upper, coupling, "mode coupling", (0, (5, 2)))
     _level(upper, depth, "intended depth", (0, (1, 2)))
     upper.set_ylabel("Axial depth of cut [mm]")
-    upper.set_title(title, loc="left", fontsize=11, parse_math=False)
-    for text in upper.legend(fontsize=9, framealpha=0.9, loc="upper left").get_texts():
-        text.set_parse_math(False)
+    upper.set_title(title)
+    upper.legend(loc="upper left")
     middle.set_ylabel("Chatter frequency [Hz]")
     _frequency_scale(middle, [lobes for _, lobes in shown])
     if walls and forced is not None:
@@ -63,26 +60,19 @@ def draw_lobes(
     bottom = rest[0] if walls else middle
     bottom.set_xlabel("Spindle speed [rev/min]")
     _speed_scale(bottom, shown[0][1].speed)
-    for axes in (upper, middle, *rest):
-        axes.grid(True, which="major", color="0.82", linewidth=0.6)
-        axes.grid(True, which="minor", color="0.93", linewidth=0.4)
-        axes.set_axisbelow(True)
     return figure
 
 
+@drawing
 def draw_comparison(found: Comparison) -> Any:
     """Critical depth of each posture above, and the lobes of the best and the worst below."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(7.8, 7.0), layout="constrained")
+    figure = new_figure(WIDE, 7.0)
     upper, lower = figure.subplots(2, 1)
     _depths(upper, found)
     _extremes(lower, found)
-    upper.set_title(f"{found.robot.name}: {found.cut.title}", loc="left", fontsize=11, parse_math=False)
+    upper.set_title(f"{found.robot.name}: {found.cut.title}")
     for axes in (upper, lower):
         axes.set_ylabel("Axial depth of cut [mm]")
-        axes.grid(True, which="major", color="0.82", linewidth=0.6)
-        axes.grid(True, which="minor", color="0.93", linewidth=0.4)
     return figure
 
 
@@ -99,8 +89,7 @@ def _depths(axes: Any, found: Comparison) -> None:
     both = np.concatenate([depth, coupled])
     both = both[np.isfinite(both) & (both > 0)]
     if len(both) and both.max() > _DEEP / 4 * both.min():
-        axes.set_yscale("log")
-        axes.yaxis.set_major_formatter("{x:g}")
+        log_axis(axes.yaxis)
         axes.set_ylim(both.min() / 1.5, 4 * both.max())  # room for the legend
     else:
         axes.set_ylim(0, 1.35 * both.max() if len(both) else 1)
@@ -108,12 +97,10 @@ def _depths(axes: Any, found: Comparison) -> None:
         card = found.robot.families[found.family or ""]
         prismatic = found.robot.moving[card.parameter].is_prismatic
         label = f"{card.parameter} of family {found.family} [{'m' if prismatic else 'rad'}]"
-        axes.set_xlabel(label, parse_math=False)
+        axes.set_xlabel(label)
     else:
-        axes.set_xticks(place, [_short(one) for one in found.postures], rotation=20, ha="right", fontsize=8)
-        for text in axes.get_xticklabels():
-            text.set_parse_math(False)
-    axes.legend(fontsize=9, loc="upper left", ncols=2)
+        axes.set_xticks(place, [_short(one) for one in found.postures], rotation=20, ha="right")
+    axes.legend(loc="upper left", ncols=2)
 
 
 def _extremes(axes: Any, found: Comparison) -> None:
@@ -121,23 +108,16 @@ def _extremes(axes: Any, found: Comparison) -> None:
     order = sorted(range(len(found.postures)), key=lambda k: -found.postures[k].critical_depth)
     for number, (which, word) in enumerate(((order[0], "best"), (order[-1], "worst"))):
         one = found.postures[which]
-        style = {"color": PALETTE[number], "linestyle": _STYLES[number], "linewidth": 1.6}
         name = f"{word}: {_short(one)}"
-        axes.plot(one.lobes.speed, _finite(1e3 * one.lobes.depth), label=name, **style)
-    axes.set_yscale("log")
-    axes.yaxis.set_major_formatter("{x:g}")
+        axes.plot(one.lobes.speed, _finite(1e3 * one.lobes.depth), label=name, **look(number))
+    log_axis(axes.yaxis)
     axes.set_xlabel("Spindle speed [rev/min]")
     _speed_scale(axes, found.postures[0].lobes.speed)
-    for text in axes.legend(fontsize=9, framealpha=0.9, loc="upper left").get_texts():
-        text.set_parse_math(False)
+    axes.legend(loc="upper left")
 
 
 def _curve(upper: Any, middle: Any, lobes: Lobes, name: str, place: int) -> None:
-    style: dict[str, Any] = {
-        "color": PALETTE[place % len(PALETTE)],
-        "linestyle": _STYLES[place % len(_STYLES)],
-        "linewidth": 1.6,
-    }
+    style = look(place)
     upper.plot(lobes.speed, _finite(1e3 * lobes.depth), label=name or "stability limit", **style)
     jump = np.flatnonzero(np.abs(np.diff(lobes.chatter_frequency)) > 0.02 * lobes.chatter_frequency[1:]) + 1
     speed = np.insert(lobes.speed, jump, lobes.speed[jump])
@@ -153,7 +133,7 @@ def _curve(upper: Any, middle: Any, lobes: Lobes, name: str, place: int) -> None
             lobes.speed[lobes.flip], lobes.chatter_frequency[lobes.flip], color=style["color"],
             label="period doubling", **mark,
         )  # fmt: skip
-        middle.legend(fontsize=9, loc="upper left")
+        middle.legend(loc="upper left")
 
 
 def _shade(axes: Any, lobes: Lobes, levels: list[float]) -> None:
@@ -164,39 +144,36 @@ def _shade(axes: Any, lobes: Lobes, levels: list[float]) -> None:
         return
     low, top = float(known.min()), float(min(known.max(), _HIGHEST * np.median(known)))
     if known.max() > _DEEP * low:
-        axes.set_yscale("log")
-        axes.yaxis.set_major_formatter("{x:g}")
+        log_axis(axes.yaxis)
         bottom = min([low, *(1e3 * level for level in levels)]) / 2
         top = float(known.max()) * 1.6
     else:
         bottom, top = 0.0, 1.15 * top
     filled = np.where(np.isfinite(depth), depth, 10 * top)
-    axes.fill_between(lobes.speed, bottom, filled, color="#56B4E9", alpha=0.22, linewidth=0, label="stable")
+    axes.fill_between(lobes.speed, bottom, filled, color=PALETTE[5], alpha=0.22, linewidth=0, label="stable")
     axes.set_ylim(bottom, top)
 
 
 def _level(axes: Any, depth: float | None, name: str, style: Any) -> None:
     if depth is not None and np.isfinite(depth):
         axes.axhline(
-            1e3 * depth, color="0.3", linewidth=1.2, linestyle=style, label=f"{name}, {1e3 * depth:.3g} mm"
+            1e3 * depth, color=SOFT, linewidth=1.2, linestyle=style, label=f"{name}, {1e3 * depth:.3g} mm"
         )
 
 
 def _errors(axes: Any, forced: ForcedSweep, lobes: Lobes) -> None:
     error = 1e6 * forced.dynamic_error
     unstable = np.interp(forced.speed, lobes.speed, np.nan_to_num(lobes.depth, posinf=1e9)) < forced.depth
-    axes.plot(
-        forced.speed, np.where(unstable, np.nan, error), color=PALETTE[2], linewidth=1.6, label="stable"
-    )
+    axes.plot(forced.speed, np.where(unstable, np.nan, error), color=PALETTE[2], label="stable")
     if np.any(unstable):
         shown = np.where(unstable, error, np.nan)
-        axes.plot(forced.speed, shown, color="0.6", linewidth=1, linestyle=":", label="chatter, not valid")
-    axes.axhline(0, color="0.3", linewidth=0.8)
+        axes.plot(forced.speed, shown, color=SOFT, linewidth=1, linestyle=":", label="chatter, not valid")
+    axes.axhline(0, color=SOFT, linewidth=0.8)
     axes.margins(y=0.3)  # room for the legend
     axes.set_ylabel("Surface error [µm]")
     mean = 1e6 * np.median(forced.static[:, 1])
     heading = f"at {1e3 * forced.depth:.3g} mm, the mean deflection of {abs(mean):.3g} µm left out"
-    axes.legend(fontsize=9, title=heading, title_fontsize=9, ncols=2, loc="lower right")
+    axes.legend(title=heading, ncols=2, loc="lower right")
 
 
 def _finite(values: np.ndarray) -> np.ndarray:
@@ -207,23 +184,19 @@ def _speed_scale(axes: Any, speed: np.ndarray) -> None:
     if len(speed) > 1:
         axes.set_xlim(speed[0], speed[-1])
         if speed[-1] / speed[0] > LINEAR_RATIO:
-            axes.set_xscale("log")
-            axes.xaxis.set_major_formatter("{x:g}")
-            axes.xaxis.set_minor_formatter("")
+            log_axis(axes.xaxis)
 
 
 def _frequency_scale(axes: Any, shown: list[Lobes]) -> None:
     every = np.concatenate([lobes.chatter_frequency for lobes in shown])
     every = every[np.isfinite(every) & (every > 0)]
     if len(every) and every.max() > 30 * every.min():
-        axes.set_yscale("log")
-        axes.yaxis.set_major_formatter("{x:g}")
+        log_axis(axes.yaxis)
 
 
 def _short(one: PostureDepth) -> str:
     if one.posture.name:
-        return one.posture.name
+        return short(one.posture.name, 30)
     if one.parameter is not None:
         return f"{one.parameter:.4g}"
-    text = str(one.posture)
-    return text if len(text) <= 40 else f"{text[:40]}…"
+    return short(str(one.posture), 40)

@@ -77,6 +77,10 @@ def comac(
     The shapes must be paired, column by column (see `track`); each is scaled to unit length first, since
     the sum weighs the modes by their size. A point that rests in every mode of both sets agrees.
 
+    Args:
+        first: shapes as columns.
+        second: the shapes paired with them.
+
     Raises:
         InvalidRequest: different shapes of the arrays, or a mode shape that is zero or not finite.
     """

@@ -69,6 +69,11 @@ def point_frame(model: Any, name: str, *, named: bool) -> int:
     """Number of the frame of a named point, or of a link; the name must exist.
 
     Joints, links and points may share a name, so the kind is asked for as well.
+
+    Args:
+        model: Pinocchio's.
+        name: of a point or a link.
+        named: whether it is a point of the card.
     """
     kind = pinocchio().FrameType
     return int(model.getFrameId(name, kind.OP_FRAME if named else kind.BODY))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from abc import ABC
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -27,6 +26,7 @@ from flexmodal.modal import Hysteresis
 from flexmodal.model.build import point_frame
 from flexmodal.model.planar import task_rows
 from flexmodal.model.posture import Pose, Posture, check_posture
+from flexmodal.text.words import strange
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,17 +109,24 @@ class FlexibleChain(ABC):
     def frame_of(self, point: str, *, source: str = "call") -> int:
         """Pinocchio's frame of a named point or a URDF link.
 
+        Args:
+            point: a named point or a link of the URDF.
+            source: where the name came from, for the error.
+
         Raises:
             InvalidPoint: the robot has no such point or link.
         """
         if point not in self._frames:
-            near = difflib.get_close_matches(point, self._frames, n=1)
-            found = repr(point) + (f" (did you mean {near[0]}?)" if near else "")
+            found = strange(point, self._frames)
             raise InvalidPoint(Fault(source, "point", found, f"one of {', '.join(self._frames)}"))
         return self._frames[point]
 
     def posture(self, pose: Pose, *, source: str = "call") -> Posture:
         """Look up or check a posture.
+
+        Args:
+            pose: its name, its values by joint [rad, m], or a checked posture.
+            source: where it came from, for the error.
 
         Raises:
             InvalidPosture: unknown name, unknown joints, bad values, outside the limits.
@@ -128,8 +135,7 @@ class FlexibleChain(ABC):
             return check_posture(pose.values, self.commanded, self.pseudo_joints, name=pose.name)
         if isinstance(pose, str):
             if pose not in self.postures:
-                near = difflib.get_close_matches(pose, self.postures, n=1)
-                found = repr(pose) + (f" (did you mean {near[0]}?)" if near else "")
+                found = strange(pose, self.postures)
                 names = ", ".join(self.postures) or "none (the robot has no named postures)"
                 raise InvalidPosture(Fault(source, "posture", found, f"a named posture: {names}; or values"))
             name, values = pose, self.postures[pose]
@@ -139,6 +145,10 @@ class FlexibleChain(ABC):
 
     def family(self, name: str, *, source: str = "call") -> FamilyCard:
         """A one-parameter family of postures of the card.
+
+        Args:
+            name: of the family.
+            source: where the name came from, for the error.
 
         Raises:
             InvalidRequest: the card has no such family.

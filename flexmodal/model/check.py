@@ -2,27 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 
 from flexmodal.cards import check_consistency, find, gripper_joints, read_card, read_urdf
-from flexmodal.errors import Fault, InvalidInput
+from flexmodal.errors import Fault, InvalidInput, Report
 from flexmodal.model.load import load
 from flexmodal.model.posture import middle
-
-
-@dataclass(frozen=True)
-class Report:
-    """What a check found."""
-
-    path: str
-    faults: tuple[Fault, ...]
-    warnings: tuple[str, ...]
-
-    @property
-    def is_sound(self) -> bool:
-        """Whether the robot can be used."""
-        return not self.faults
 
 
 def check(path: Path) -> Report:

@@ -71,6 +71,10 @@ def measure(
 def reduced_task(posed: PosedRobot, task: str) -> Float[np.ndarray, "task 6"]:
     """Rows of the Jacobian that the stiffness measure is taken over.
 
+    Args:
+        posed: the robot in its posture.
+        task: "full" or "position".
+
     Raises:
         InvalidRequest: `task` is neither "full" nor "position".
     """
@@ -85,6 +89,12 @@ def stiffness_measure(
     stiffness: Float[np.ndarray, "joint joint"],
     along: Float[np.ndarray, " task"],
 ) -> float:
-    """ξ_K = uᵀ J⁺ᵀ K J⁺ u with the Moore–Penrose inverse, Hearne [3.17]."""
+    """ξ_K = uᵀ J⁺ᵀ K J⁺ u with the Moore–Penrose inverse, Hearne [3.17].
+
+    Args:
+        jacobian: rows of the task over the flexible joints [m/rad].
+        stiffness: K over the flexible joints [N·m/rad, N/m].
+        along: unit direction in the rows of the task.
+    """
     deflection = np.linalg.pinv(jacobian) @ along
     return float(deflection @ stiffness @ deflection)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import math
 from collections.abc import Mapping
 from types import MappingProxyType
@@ -13,6 +12,7 @@ from jaxtyping import Float
 from flexmodal.errors import Fault, InvalidPosture
 from flexmodal.model.build import pinocchio
 from flexmodal.model.chain import FlexibleChain
+from flexmodal.text.words import strange
 
 
 def link_placements(
@@ -34,8 +34,7 @@ def link_placements(
     faults = []
     for joint, value in values.items():
         if joint not in robot.moving:
-            near = difflib.get_close_matches(joint, robot.moving, n=1)
-            found = f"unknown joint {joint!r}" + (f" (did you mean {near[0]}?)" if near else "")
+            found = f"unknown joint {strange(joint, robot.moving)}"
             faults.append(Fault("call", "values", found, ", ".join(robot.moving)))
         elif not math.isfinite(value):
             faults.append(Fault("call", f"values: {joint}", f"{value!r}", "a finite number [rad, m]"))

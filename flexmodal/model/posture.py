@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import math
 import numbers
 from collections.abc import Mapping
@@ -11,6 +10,7 @@ from dataclasses import dataclass
 from flexmodal.cards import FrozenDict, UrdfJoint
 from flexmodal.cards.consistency import TOLERANCE
 from flexmodal.errors import Fault, InvalidPosture
+from flexmodal.text.words import strange
 
 
 @dataclass(frozen=True)
@@ -90,6 +90,5 @@ def _unknown(joint: str, commanded: Mapping[str, UrdfJoint], pseudo: tuple[str, 
     if joint in pseudo:
         found = f"the pseudo-joint {joint}, which rests at 0 and is never commanded"
     else:
-        near = difflib.get_close_matches(joint, commanded, n=1)
-        found = f"unknown joint {joint!r}" + (f" (did you mean {near[0]}?)" if near else "")
+        found = f"unknown joint {strange(joint, commanded)}"
     return Fault(source, "posture", found, ", ".join(commanded))

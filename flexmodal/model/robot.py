@@ -42,7 +42,15 @@ class Robot(FlexibleChain):
         reference: Directions = None,
         form: str = "receptance",
     ) -> Frf:
-        """FRFs at a posture; see `PosedRobot.frf`."""
+        """FRFs at a posture; see `PosedRobot.frf`.
+
+        Args:
+            posture: see `at`.
+            frequencies: ascending [Hz].
+            response: directions of the motion.
+            reference: directions of the forces.
+            form: receptance, mobility or inertance.
+        """
         return self.at(posture).frf(frequencies, response=response, reference=reference, form=form)
 
     def modes(self, posture: Pose) -> Modes:
@@ -57,5 +65,12 @@ class Robot(FlexibleChain):
         frequency: float | None = None,
         task: str = "full",
     ) -> Measures:
-        """Stiffness, mobility and receptance at a posture; see `flexmodal.model.measures.measure`."""
+        """Stiffness, mobility and receptance at a posture; see `flexmodal.model.measures.measure`.
+
+        Args:
+            posture: see `at`.
+            direction: such as "tool:+z".
+            frequency: of the dynamic receptance [Hz].
+            task: "full" or "position".
+        """
         return measure(self.at(posture), direction, frequency, task=task)

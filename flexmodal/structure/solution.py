@@ -89,7 +89,7 @@ class Solved:
         matrices, numbers, kinds = _parts(many)
         if len(numbers):
             bounds = np.searchsorted(numbers, np.arange(len(many.names) + 1))
-            given = matrices, bounds, kinds, _factors(many, self.axis), self.y
+            given = matrices, bounds, kinds, line_factors(many, self.axis), self.y
             flat = np.stack([scale.real, scale.imag], axis=1)
             pull = _compiled()[1] if self.compiled else _pull
             pull(*given, *self.entries.sides, flat, out)
@@ -134,7 +134,7 @@ def solved(structures: Structures, axis: Axis, entries: Entries, *, compiled: bo
     matrices = np.stack([structures.stiffness, structures.damping, structures.mass, structures.loss], axis=1)
     trust = np.empty((len(rows), len(axis)))
     wanted = entries.wanted
-    _compiled()[0](matrices[: len(wanted)], rows, wanted, _factors(structures, axis)[:4], out, trust)
+    _compiled()[0](matrices[: len(wanted)], rows, wanted, line_factors(structures, axis)[:4], out, trust)
     doubtful = ~(trust[: len(wanted)] > 0)
     if doubtful.any():
         _pivoted(structures, axis, rows, doubtful, out)
@@ -146,7 +146,7 @@ def _pivoted(
 ) -> None:
     """Solve some lines of some systems with pivoting."""
     system, line = np.nonzero(where)
-    factors = _factors(structures, axis)[:4]
+    factors = line_factors(structures, axis)[:4]
     f = (factors[:, 0] + 1j * factors[:, 1])[:, line, None, None]
     z = structures.stiffness[system] + f[1] * structures.damping[system] + f[2] * structures.mass[system]
     if structures.loss_factor:
@@ -161,7 +161,7 @@ def _pivoted(
     out[system, :, :, 1, line] = np.swapaxes(y.imag, 1, 2)
 
 
-def _factors(structures: Structures, axis: Axis) -> Float[np.ndarray, "part 2 line"]:
+def line_factors(structures: Structures, axis: Axis) -> Float[np.ndarray, "part 2 line"]:
     """By real and imaginary part, in the order of `PARTS`."""
     found = np.zeros((len(PARTS), len(axis)), dtype=complex)
     found[0], found[1], found[2] = 1.0, axis.s, axis.s**2

@@ -16,9 +16,11 @@ from dataclasses import replace
 
 import numpy as np
 from jaxtyping import Complex
+from scipy.linalg import expm
 
 from flexmodal.errors import InvalidSystem
 from flexmodal.structure.poles import poles
+from flexmodal.structure.solution import Solved
 from flexmodal.structure.structure import Axis, Structure
 
 NOTHING = 1e-5
@@ -65,6 +67,73 @@ def missing(
             dv = dv + change.reference[pairs[:, 1]] @ found.shape
         changes[number] = (du * v + u * dv) @ motion + (u * v * found.pole_slope[number]) @ slope
     return value, changes
+
+
+def missing_of(found: Solved) -> Complex[np.ndarray, "entry line"] | None:
+    """The same of many systems at once, without derivatives; None where it is nothing.
+
+    From the state at the end of the record, x(T) and ẋ(T) after a blow, instead of the modes,
+
+        Δα(s) = e^{−sT} (−y_uᵀ [M ẋ + (C + s M) x] + u x/s + u ẋ/s²),
+
+    without the last term for a velocity sensor and the last two for one of displacement. Both are the same.
+    """
+    many, axis, entries = found.structures, found.axis, found.entries
+    if many.loss_factor:
+        return _one_by_one(found)
+    try:
+        np.linalg.cholesky(many.mass)
+    except np.linalg.LinAlgError:
+        return _one_by_one(found)
+    n, length, s = many.mass.shape[1], axis.length, axis.s
+    spring, damper = (np.linalg.solve(many.mass, part) for part in (many.stiffness, many.damping))
+    unit = np.sqrt(np.abs(spring).max(axis=(1, 2)))[:, None, None]  # velocities in the size of elongations
+    state = np.zeros((len(many), 2 * n, 2 * n))
+    state[:, :n, n:], state[:, n:, :n], state[:, n:, n:] = np.eye(n) * unit, -spring / unit, -damper
+    slowest = np.linalg.eigvals(state).real.max(axis=1)
+    some = (slowest - axis.decay) * length >= np.log(NOTHING)
+    if not some.any():
+        return None
+    struck = np.linalg.solve(many.mass, np.swapaxes(many.reference, 1, 2)) / unit
+    end = (expm(state * length)[:, :, n:] @ struck) * some[:, None, None]
+    x, v = end[:, :n], end[:, n:] * unit
+    still, moving = many.mass @ v + many.damping @ x, many.mass @ x  # system, dof, struck
+    system, u, k = entries.table.T
+    y = found.y[system, u]
+    load = still[system, :, k][:, :, None] + s * moving[system, :, k][:, :, None]
+    value = -np.einsum("enl,enl->el", y[:, :, 0] + 1j * y[:, :, 1], load)
+    rows = many.response[system, u]
+    if axis.power >= 1:
+        value += np.einsum("en,en->e", rows, x[system, :, k])[:, None] / s
+    if axis.power == 2:
+        value += np.einsum("en,en->e", rows, v[system, :, k])[:, None] / s**2
+    return np.asarray(value * np.exp(-s * length))
+
+
+def _one_by_one(found: Solved) -> Complex[np.ndarray, "entry line"] | None:
+    lost = missing_with_slopes(found, ())
+    return None if lost is None else lost[0]
+
+
+def missing_with_slopes(
+    found: Solved, names: tuple[str, ...]
+) -> tuple[Complex[np.ndarray, "entry line"], Complex[np.ndarray, "name entry line"]] | None:
+    """What the ends of the records of many systems cut off, and derivatives along parameters.
+
+    Args:
+        found: the systems, solved.
+        names: parameters.
+    """
+    table, axis = found.entries.table, found.axis
+    value = np.zeros((len(table), len(axis)), dtype=complex)
+    slopes = np.zeros((len(names), *value.shape), dtype=complex)
+    some = False
+    for k in range(len(found.structures)):
+        rows = np.flatnonzero(table[:, 0] == k)
+        lost = missing(found.structures[k], axis, table[rows, 1:], names)
+        if lost is not None:
+            value[rows], slopes[:, rows], some = *lost, True
+    return (value, slopes) if some else None
 
 
 def _slowest(structure: Structure) -> float:

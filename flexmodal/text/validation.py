@@ -8,16 +8,11 @@ from __future__ import annotations
 
 import types
 from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Annotated, Any, TypeVar, Union, get_args, get_origin
+from typing import Annotated, Any, TypeVar, Union, get_args, get_origin
 
 from flexmodal.text.words import FaultList, listing, nearest, shown
 
-if TYPE_CHECKING:
-    from pydantic import BaseModel
-
-    Model = TypeVar("Model", bound=BaseModel)
-else:
-    Model = TypeVar("Model")
+Model = TypeVar("Model")
 
 
 class Contradiction(ValueError):
@@ -32,7 +27,7 @@ def validated(model: type[Model], content: Mapping[str, Any], faults: FaultList)
     """A file's content as its schema, which has a field `format`.
 
     Args:
-        model: the schema.
+        model: the schema, a pydantic model.
         content: what stands in the file.
         faults: where a fault for each of pydantic's complaints goes.
 
@@ -41,8 +36,9 @@ def validated(model: type[Model], content: Mapping[str, Any], faults: FaultList)
     """
     from pydantic import ValidationError
 
+    schema: Any = model
     try:
-        table = model.model_validate(content)
+        table: Model = schema.model_validate(content)
     except ValidationError as error:
         seen: set[str] = set()
         for one in error.errors(include_url=False):
@@ -56,8 +52,13 @@ def validated(model: type[Model], content: Mapping[str, Any], faults: FaultList)
     return table
 
 
-def allowed(model: type[BaseModel], location: Sequence[str | int]) -> str:
-    """What may stand at a place of a file, such as `["joint", "q1", "stiffness"]`."""
+def allowed(model: type, location: Sequence[str | int]) -> str:
+    """What may stand at a place of a file, such as `["joint", "q1", "stiffness"]`.
+
+    Args:
+        model: the schema, a pydantic model.
+        location: keys and numbers from the file to the place.
+    """
     said = "a table"
     for kind, own in _descent(model, location):
         keys = _keys(kind)
@@ -65,7 +66,7 @@ def allowed(model: type[BaseModel], location: Sequence[str | int]) -> str:
     return said
 
 
-def _sentence(model: type[BaseModel], error: Mapping[str, Any]) -> tuple[str, str, str]:
+def _sentence(model: type, error: Mapping[str, Any]) -> tuple[str, str, str]:
     """Key, what was found there, and what is allowed."""
     is_name = bool(error["loc"]) and error["loc"][-1] == "[key]"
     location, nested = _without_tags(model, [part for part in error["loc"] if part != "[key]"])
@@ -89,7 +90,7 @@ def _sentence(model: type[BaseModel], error: Mapping[str, Any]) -> tuple[str, st
     return key, found, allowed(model, location)
 
 
-def _without_tags(model: type[BaseModel], location: list[str | int]) -> tuple[list[str | int], bool]:
+def _without_tags(model: type, location: list[str | int]) -> tuple[list[str | int], bool]:
     """The place up to the first choice between kinds, and whether the complaint is of something in it."""
     for depth in range(1, len(location)):
         steps = [kind for kind, _ in _descent(model, location[:depth])]
@@ -98,7 +99,7 @@ def _without_tags(model: type[BaseModel], location: list[str | int]) -> tuple[li
     return location, False
 
 
-def _descent(model: type[BaseModel], location: Sequence[str | int]) -> Iterator[tuple[Any, str]]:
+def _descent(model: type, location: Sequence[str | int]) -> Iterator[tuple[Any, str]]:
     """The type at each step from the file to the place, and what it says of itself."""
     kind: Any = model
     yield kind, ""

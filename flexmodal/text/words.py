@@ -22,7 +22,13 @@ class FaultList:
     faults: list[Fault] = field(default_factory=list)
 
     def add(self, key: str, found: str, allowed: str) -> None:
-        """Note one fault at `key` of the file."""
+        """Note one fault at `key` of the file.
+
+        Args:
+            key: inside the file; empty for the file as a whole.
+            found: what stands there.
+            allowed: what may stand there.
+        """
         self.faults.append(Fault(str(self.file), key, found, allowed))
 
 
@@ -41,13 +47,34 @@ def shown(value: object) -> str:
 
 
 def nearest(name: str, names: Iterable[str]) -> str:
-    """`did you mean "…"? ` where one of `names` resembles `name`, else nothing."""
+    """`did you mean "…"? ` where one of `names` resembles `name`, else nothing.
+
+    Args:
+        name: a name that there is not.
+        names: those there are.
+    """
     close = difflib.get_close_matches(name[:LONGEST], list(names), n=1)
     return f'did you mean "{close[0]}"? ' if close else ""
 
 
+def strange(name: str, names: Iterable[str]) -> str:
+    """A name that there is not, quoted, with the one of `names` that it resembles.
+
+    Args:
+        name: a name that there is not.
+        names: those there are.
+    """
+    close = difflib.get_close_matches(name, list(names), n=1)
+    return repr(name) + (f" (did you mean {close[0]}?)" if close else "")
+
+
 def listing(names: Iterable[str], empty: str = "there is none") -> str:
-    """Names joined by commas."""
+    """Names joined by commas.
+
+    Args:
+        names: what to join.
+        empty: what to say where there is none.
+    """
     return ", ".join(names) or empty
 
 

@@ -8,7 +8,12 @@ from typing import Any
 
 
 def toml_text(table: Mapping[str, Any], path: str = "") -> str:
-    """A table as TOML, tables within it after its own keys; text is escaped."""
+    """A table as TOML, tables within it after its own keys; text is escaped.
+
+    Args:
+        table: plain values, lists and tables.
+        path: the name of the table; empty for a whole file.
+    """
     lines, later = [], []
     for key, value in table.items():
         name = f"{path}.{_key(key)}" if path else _key(key)

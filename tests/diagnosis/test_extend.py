@@ -163,7 +163,7 @@ def test_all_at_once(robot, context_of, diagnosed, tmp_path):
     extension, loaded = written(diagnosed, hypothesis, x, tmp_path)
     assert agreement(loaded, hypothesis, x) < 1e-6
     assert set(loaded.commanded) == set(context.robot.commanded)
-    assert extension.card["source"].count(" and ") == 6
+    assert extension.card.source.count(" and ") == 6
     payload = next(j for j in loaded.urdf.joints if j.name == f"{loaded_link}_payload")
     assert payload.parent.startswith(f"{link}_beyond_")
     assert loaded.frf(
@@ -197,7 +197,7 @@ def test_re_tuned_parameters_are_in_the_files(context_of, diagnosed, tmp_path):
         assert link.mass == values[f"mass.{name}"]
         grown = values[f"mass.{name}"] / card.mass * values[f"inertia.{name}"]
         np.testing.assert_allclose(link.inertia[1, 1], card.inertia[1, 1] * grown, rtol=1e-12)
-    assert "re-tuned on the campaign" in extension.card["source"]
+    assert "re-tuned on the campaign" in extension.card.source
     assert loaded.name == "fanuc_s360_diagnosed"
     assert set(loaded.postures) >= set(context.robot.postures)
     assert set(loaded.families) == set(context.robot.families)

@@ -7,8 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from flexmodal.diagnosis.effects.joint_laws import dahl
-from flexmodal.diagnosis.march.integrate import Steps, Struck, march, torques
-from flexmodal.diagnosis.march.integrate import _loop as loop_of
+from flexmodal.diagnosis.march.integrate import Steps, Struck, loop_of, march, torques
 from flexmodal.diagnosis.march.kernel import law
 from flexmodal.diagnosis.march.law import FRICTION, HARDENING, friction, hardening
 from flexmodal.diagnosis.march.pulse import Pulse, haversine, usual
@@ -66,7 +65,7 @@ def test_friction_loses_what_the_closed_form_says(presliding):
     slack = torque / presliding
     expected = 4 * torque * (amplitude - slack * np.tanh(amplitude / slack))
     assert lost == pytest.approx(expected, rel=1e-5)  # trapezium of 5000 steps
-    _, loss = dahl(np.array(amplitude), torque, presliding)
+    _, (loss,) = dahl(np.array([amplitude]), torque, presliding)
     assert np.pi * amplitude**2 * loss == pytest.approx(expected, rel=2e-3)  # 32 points of a half turn
 
 
@@ -77,7 +76,7 @@ def test_a_stand_in_loses_what_the_loop_does(presliding, exponent):
     way = -amplitude * np.cos(np.linspace(0, 10 * np.pi, 25_001))
     held = driven(FRICTION, torque, presliding, way, exponent)[20_000:]
     lost = np.sum((held[1:] + held[:-1]) / 2 * np.diff(way[20_000:]))
-    stiffness, loss = dahl(np.array(amplitude), torque, presliding, exponent)
+    (stiffness,), (loss,) = dahl(np.array([amplitude]), torque, presliding, exponent)
     assert np.pi * amplitude**2 * loss == pytest.approx(lost, rel=2e-2)  # 32 points of a half turn
     inward = np.sum((held[1:] * way[20_001:] + held[:-1] * way[20_000:-1]) / 2) * 2 * np.pi / 5000
     assert np.pi * amplitude**2 * stiffness == pytest.approx(inward, rel=2e-2)
@@ -230,7 +229,7 @@ def test_hysteretic_springs_as_a_march_sees_them():
 
 def histories(one, fineness):
     steps = Steps.behind(one.axis.frequency, 0.5, fineness)
-    _, torque, last = torques([one], steps, loop_of())
+    _, torque, last = torques([one], steps, loop_of([one], steps))
     return steps, torque, last
 
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import contextlib
 import io
 import json
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from flexmodal.campaign import FrfRecords
 from flexmodal.ema import (
     Choices,
     Tolerances,
@@ -99,7 +99,7 @@ def test_the_damping_of_an_exponential_window_comes_out(four_modes: Truth) -> No
         without_window(found, -1.0)
 
 
-def _records(truth: Truth, postures: int, trials: int) -> SimpleNamespace:
+def _records(truth: Truth, postures: int, trials: int) -> FrfRecords:
     rng = np.random.default_rng(9)
     value, table = [], []
     for posture in range(1, postures + 1):
@@ -110,7 +110,8 @@ def _records(truth: Truth, postures: int, trials: int) -> SimpleNamespace:
             table += [(posture, trial, point, 2) for point in (1, 2, 3)]
     where = np.array(table)
     axis = np.full(len(where), 3)
-    return SimpleNamespace(
+    return FrfRecords(
+        coherence=None,
         frequency=AXIS, value=np.array(value), posture=where[:, 0], trial=where[:, 1], form="mobility",
         response=np.stack([where[:, 2], axis], axis=1), reference=np.stack([where[:, 3], axis], axis=1),
     )  # fmt: skip
@@ -139,6 +140,6 @@ def test_trials_apart_and_bad_requests(four_modes: Truth) -> None:
     for wrong in ({"method": "odd"}, {"per": "odd"}, {"trials": "odd"}):
         with pytest.raises(InvalidRequest, match="odd"):
             fit(records, **wrong)
-    records.value = records.value[:0]
+    records = records.take([])
     with pytest.raises(InvalidRequest, match="none"):
         fit(records)

@@ -7,6 +7,7 @@ import json
 import numpy as np
 import pytest
 
+from flexmodal.campaign import FrfRecords
 from flexmodal.ema import Choices, Measured, ModeEstimate, as_json, estimate, fit
 from flexmodal.ema.methods.least_squares import build_least_squares, solve_many
 from flexmodal.ema.methods.select import choose_peaks
@@ -73,12 +74,11 @@ def test_forced_numbers_have_no_uncertainty_and_unvaried_ones_none_by_choice(fou
 
 
 def test_the_parts_of_the_uncertainty_add_up_in_quadrature(four_modes: Truth) -> None:
-    from types import SimpleNamespace
-
     axis = np.linspace(2, 120, 300)
     value = noisy(four_modes.frf(axis)[:, :3], 0.01, np.random.default_rng(2))[0].T
     ones, place = np.ones(3, dtype=int), np.array([[1, 3], [2, 3], [3, 3]])
-    records = SimpleNamespace(
+    records = FrfRecords(
+        coherence=None,
         frequency=axis, value=value, posture=ones, trial=ones, response=place, reference=place[[0, 0, 0]],
         form="mobility",
     )  # fmt: skip

@@ -10,9 +10,9 @@ import pytest
 from PIL import Image
 
 from flexmodal.errors import OutputExists
-from flexmodal.frf.plot import svg_text, write_plot
 from flexmodal.machining import ToolMode, compare_family, compare_postures, lobes, report, stability_lobes
 from flexmodal.machining.plot import draw_comparison, draw_lobes
+from flexmodal.report import svg_text, write_figure
 
 MODES = (ToolMode("x", 780.0, 0.03, 9e6), ToolMode("y", 850.0, 0.03, 1e7))
 
@@ -138,7 +138,7 @@ def test_pictures_of_every_kind(one, several, fanuc, fed, benchmark, tmp_path):
     }
     for name, figure in figures.items():
         path = tmp_path / f"{name}.png"
-        write_plot(figure, path)
+        write_figure(figure, path)
         with Image.open(path) as image:
             assert min(image.size) > 500
     assert "period doubling" in texts(figures["flips"])

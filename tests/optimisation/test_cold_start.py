@@ -28,6 +28,7 @@ def problem(arm):
 def first(monkeypatch):
     """As in a process that has done nothing yet; tells whether the code is on disk."""
     monkeypatch.setattr(worth, "_spent", type(worth._spent)(float))
+    monkeypatch.setattr(worth, "_stored", {})
     monkeypatch.setattr("flexmodal.optimisation.search.descents.has_numba", lambda: True)
     monkeypatch.delitem(sys.modules, "numba", raising=False)
     return lambda is_stored: monkeypatch.setattr(Kernel, "is_stored", lambda _: is_stored)
@@ -85,7 +86,7 @@ def test_a_compilation_is_said(problem, monkeypatch):
 
 
 def test_the_first_command_compiles_nothing(tmp_path):
-    words = ["optimise", "six_link", "--hold", "-2,2", "--frequency", "5", "--starts", "2"]
+    words = ["optimise", "six_link", "--hold", "-2,2", "--frequency", "5", "--starts", "16"]
     code = f"import sys\nfrom flexmodal.cli.main import main\ntry:\n    main({words})\nexcept SystemExit:\n"
     code += "    print('numba' in sys.modules)"
     own = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}

@@ -37,6 +37,12 @@ def read_columns(
 ) -> dict[str, np.ndarray] | None:
     """The wanted columns as finite numbers; None where faults were found.
 
+    Args:
+        file: a .csv or .xlsx.
+        layout: sheet, delimiter, decimal sign, lines to skip.
+        wanted: headers of the columns.
+        faults: where the faults of the file go.
+
     Raises:
         MissingExtra: an XLSX without openpyxl installed.
     """

@@ -33,7 +33,13 @@ _IDS, _NUMBERS = HEADER[:4], HEADER[4:8]
 
 
 def read_modes(file: Path, tested: Tested, faults: FaultList) -> ModeTable | None:
-    """Read `modes.csv`; None where faults leave nothing sound."""
+    """Read `modes.csv`; None where faults leave nothing sound.
+
+    Args:
+        file: a `modes.csv`.
+        tested: what was tested.
+        faults: where the faults of the file go.
+    """
     before = len(faults.faults)
     rows = read_rows(file, HEADER, faults)
     known = {
@@ -74,7 +80,12 @@ def read_modes(file: Path, tested: Tested, faults: FaultList) -> ModeTable | Non
 
 
 def write_modes(modes: ModeTable, path: Path) -> None:
-    """Write the table to a new file."""
+    """Write the table to a new file.
+
+    Args:
+        modes: what to write.
+        path: a new file.
+    """
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(HEADER)
@@ -86,7 +97,13 @@ def write_modes(modes: ModeTable, path: Path) -> None:
 
 
 def read_rows(file: Path, header: tuple[str, ...], faults: FaultList) -> list[tuple[int, list[str]]]:
-    """Line number and fields of each row below the header, which has to be this one."""
+    """Line number and fields of each row below the header, which has to be this one.
+
+    Args:
+        file: the file.
+        header: names of its columns.
+        faults: where the faults of the file go.
+    """
     content = read_regular(file, limit=LARGEST, kind="a table")
     if isinstance(content, Fault):
         faults.faults.append(content)

@@ -60,7 +60,12 @@ def read_receptances(path: str | os.PathLike[str]) -> tuple[Amplitude, ...]:
 
 
 def write_receptances(amplitudes: tuple[Amplitude, ...], path: Path) -> None:
-    """Write them to a new file, numbers with all their digits."""
+    """Write them to a new file, numbers with all their digits.
+
+    Args:
+        amplitudes: what to write.
+        path: a new file.
+    """
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(HEADER)

@@ -11,6 +11,7 @@ from flexmodal.campaign.campaign import Campaign, default_band
 from flexmodal.campaign.description.tested import CampaignPoint, CampaignPosture, Tested
 from flexmodal.campaign.records import FrfRecords
 from flexmodal.campaign.trial import Trial
+from flexmodal.campaign.uff.codes import FRF, TIME_RESPONSE
 from flexmodal.campaign.uff.header import Header
 from flexmodal.campaign.uff.read_blows import read_time_uff
 from flexmodal.campaign.uff.read_frfs import read_frf_uff
@@ -19,7 +20,6 @@ from flexmodal.errors import Fault, InvalidCampaign
 from flexmodal.text.words import FaultList
 
 UNIVERSAL_SUFFIXES = (".uff", ".unv", ".uf", ".58")
-_TIME, _FRF = 1, 4
 
 
 def is_export(path: Path) -> bool:
@@ -40,9 +40,9 @@ def read_export(file: Path) -> Campaign:
     faults: list[Fault] = []
     found = FaultList(file, faults)
     headers = [one.header for one in scan_uff(file, found).datasets]
-    used = [one for one in headers if one.function == _FRF]
+    used = [one for one in headers if one.function == FRF]
     has_frfs = bool(used)
-    used = used or [one for one in headers if one.function == _TIME]
+    used = used or [one for one in headers if one.function == TIME_RESPONSE]
     if not used and not faults:
         found.add("", "neither FRFs nor time histories", "datasets 58 of function type 4 or 1")
     if faults:

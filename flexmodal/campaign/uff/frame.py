@@ -41,7 +41,13 @@ def framed(dataset: dict[str, Any], piece: Path) -> bytes:
 
 
 def splice(frame: bytes, stub: dict[str, Any], dataset: dict[str, Any]) -> bytes | None:
-    """The frame of a stub with all values in it; None where it is not laid out as known here."""
+    """The frame of a stub with all values in it; None where it is not laid out as known here.
+
+    Args:
+        frame: the bytes pyuff wrote for the stub.
+        stub: the dataset with its first values only.
+        dataset: the whole dataset, as pyuff takes it.
+    """
     few = block(stub)
     head, tail = frame[: -len(few + _END)], frame[-len(few + _END) :]
     lines = head.splitlines(keepends=True)
@@ -64,7 +70,12 @@ def block(dataset: dict[str, Any]) -> bytes:
 
 
 def with_size(piece: bytes, dataset: dict[str, Any]) -> bytes:
-    """A binary dataset with the true number of bytes in its first line; pyuff counts eight a value."""
+    """A binary dataset with the true number of bytes in its first line; pyuff counts eight a value.
+
+    Args:
+        piece: the bytes of the dataset.
+        dataset: the dataset, as pyuff takes it.
+    """
     numbers = 1 + int(np.iscomplexobj(dataset["data"])) + int(not dataset["abscissa_spacing"])
     size = b"%12d" % (8 * numbers * len(dataset["data"]))
     start = piece.index(b"58b") + 3 + 24

@@ -7,32 +7,26 @@ from pathlib import Path
 import numpy as np
 
 from flexmodal.campaign.abscissa import evened, same_axis
-from flexmodal.campaign.blow import Blow, Quantity
+from flexmodal.campaign.blow import Blow
 from flexmodal.campaign.description.tested import Tested
-from flexmodal.campaign.uff.records import (
-    ACCELERATION,
-    DISPLACEMENT,
-    FORCE,
-    VELOCITY,
-    Labelled,
-    read_records,
-)
+from flexmodal.campaign.uff.codes import FORCE, QUANTITY_OF, TIME_RESPONSE
+from flexmodal.campaign.uff.records import Labelled, read_records
 from flexmodal.text.words import FaultList
-
-_TIME = 1
-_QUANTITY: dict[int, Quantity] = {
-    DISPLACEMENT: "displacement",
-    VELOCITY: "velocity",
-    ACCELERATION: "acceleration",
-}
 
 Key = tuple[int, int, int, int, int]
 
 
 def read_time_uff(file: Path, tested: Tested, faults: FaultList, warnings: list[str]) -> tuple[Blow, ...]:
-    """Read `time.uff`; faults go to `faults`, and what is sound comes back."""
+    """Read `time.uff`; faults go to `faults`, and what is sound comes back.
+
+    Args:
+        file: a universal file.
+        tested: what was tested; records have to fit it.
+        faults: where the faults of the file go.
+        warnings: where sentences about what is odd go.
+    """
     before = len(faults.faults)
-    found = read_records(file, tested, (_TIME,), faults, warnings)
+    found = read_records(file, tested, (TIME_RESPONSE,), faults, warnings)
     if len(faults.faults) > before:
         return ()  # what belongs together cannot be told while records are missing
     forces: dict[Key, Labelled] = {}
@@ -93,5 +87,5 @@ def _blow(force: Labelled, time: np.ndarray, responses: list[Labelled]) -> Blow:
         force=np.asarray(force.record.value, dtype=float),
         channels=tuple(one.header.response for one in responses),
         response=np.array([one.record.value for one in responses], dtype=float),
-        quantity=_QUANTITY[responses[0].header.numerator.code],
+        quantity=QUANTITY_OF[responses[0].header.numerator.code],
     )

@@ -10,19 +10,24 @@ from flexmodal.campaign.abscissa import same_axis
 from flexmodal.campaign.consistency import ROUNDING
 from flexmodal.campaign.description.tested import Tested
 from flexmodal.campaign.records import FrfRecords
-from flexmodal.campaign.uff.records import ACCELERATION, DISPLACEMENT, VELOCITY, Labelled, read_records
-from flexmodal.frf import Form
+from flexmodal.campaign.uff.codes import COHERENCE, FORM_OF_CODE, FRF
+from flexmodal.campaign.uff.records import Labelled, read_records
+from flexmodal.frf import POWER, Form
 from flexmodal.text.words import FaultList
-
-_FRF, _COHERENCE = 4, 6
-_FORM: dict[int, Form] = {DISPLACEMENT: "receptance", VELOCITY: "mobility", ACCELERATION: "inertance"}
 
 
 def read_frf_uff(file: Path, tested: Tested, faults: FaultList, warnings: list[str]) -> FrfRecords | None:
-    """Read `frf.uff`; None where faults leave nothing sound."""
-    found = read_records(file, tested, (_FRF, _COHERENCE), faults, warnings)
-    frfs = [one for one in found if one.header.function == _FRF]
-    coherences = [one for one in found if one.header.function == _COHERENCE]
+    """Read `frf.uff`; None where faults leave nothing sound.
+
+    Args:
+        file: a universal file.
+        tested: what was tested; records have to fit it.
+        faults: where the faults of the file go.
+        warnings: where sentences about what is odd go.
+    """
+    found = read_records(file, tested, (FRF, COHERENCE), faults, warnings)
+    frfs = [one for one in found if one.header.function == FRF]
+    coherences = [one for one in found if one.header.function == COHERENCE]
     for one in frfs:
         if not one.header.is_complex:
             faults.add(one.key, "an FRF of real values", "complex values")
@@ -88,16 +93,16 @@ def _one_form(
 ) -> tuple[np.ndarray, Form]:
     """The values in one form; of mixed forms the one with the most derivatives, which divides by nothing."""
     codes = [one.header.numerator.code for one in frfs]
-    target = max(codes, key=[DISPLACEMENT, VELOCITY, ACCELERATION].index)
+    target = max(codes, key=lambda code: POWER[FORM_OF_CODE[code]])
     if len(set(codes)) > 1:
-        forms = " and ".join(sorted({_FORM[code] for code in codes}))
-        warnings.append(f"{file}: {forms} side by side, all taken as {_FORM[target]}")
-    power = {DISPLACEMENT: 0, VELOCITY: 1, ACCELERATION: 2}
+        forms = " and ".join(sorted({FORM_OF_CODE[code] for code in codes}))
+        warnings.append(f"{file}: {forms} side by side, all taken as {FORM_OF_CODE[target]}")
+    power = {code: POWER[FORM_OF_CODE[code]] for code in codes}
     rows = [
         one.record.value * (2j * np.pi * axis) ** (power[target] - power[code])
         for one, code in zip(frfs, codes, strict=True)
     ]
-    return np.array(rows, dtype=complex), _FORM[target]
+    return np.array(rows, dtype=complex), FORM_OF_CODE[target]
 
 
 def _match(

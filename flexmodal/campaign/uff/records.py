@@ -10,15 +10,12 @@ from pathlib import Path
 
 from flexmodal.campaign.consistency import DIRECTIONS
 from flexmodal.campaign.description.tested import Tested
+from flexmodal.campaign.uff.codes import EXPONENTS, FORCE, FRF, FUNCTIONS, QUANTITY_OF, TIME_RESPONSE, WORDS
 from flexmodal.campaign.uff.header import Character, Header
 from flexmodal.campaign.uff.scan import scan_uff
 from flexmodal.campaign.uff.values import UffRecord, read_values
 from flexmodal.text.words import FaultList, listing
 
-FUNCTIONS = {1: "time response", 2: "auto spectrum", 4: "FRF", 6: "coherence"}
-DISPLACEMENT, VELOCITY, ACCELERATION, FORCE = 8, 11, 12, 13
-_EXPONENTS = {DISPLACEMENT: (1, 0), VELOCITY: (1, 0), ACCELERATION: (1, 0), FORCE: (0, 1)}
-_WORDS = {DISPLACEMENT: "displacement", VELOCITY: "velocity", ACCELERATION: "acceleration", FORCE: "force"}
 _LENGTHS = ("mm", "cm", "um", "µm", "in", "inch", "ft")
 _OTHERS: tuple[str, ...] = (
     "g",
@@ -116,7 +113,12 @@ class _Naming:
         return frozenset(point.id for point in self.tested.points)
 
     def ids(self, header: Header, number: int) -> tuple[int, int] | None:
-        """Posture and trial of a record, or None where something in it is unknown."""
+        """Posture and trial of a record, or None where something in it is unknown.
+
+        Args:
+            header: of the record.
+            number: which record of the file, for the faults.
+        """
         posture = self._one("load case", header.load_case, [p.id for p in self.tested.postures], number)
         trial = self._one("version number", header.version, [t.id for t in self.tested.trials], number)
         sound = posture is not None and trial is not None
@@ -169,19 +171,19 @@ def _check_characters(
 ) -> None:
     """Units from the record: data types, exponents and labels have to say the same, and SI."""
     parts: list[tuple[Character, tuple[int, ...], str]] = [
-        (header.abscissa, (17,) if header.function in (1,) else (18,), "abscissa")
+        (header.abscissa, (17,) if header.function == TIME_RESPONSE else (18,), "abscissa")
     ]
-    if header.function == 4:
+    if header.function == FRF:
         parts += [
-            (header.numerator, (DISPLACEMENT, VELOCITY, ACCELERATION), "ordinate numerator"),
+            (header.numerator, tuple(QUANTITY_OF), "ordinate numerator"),
             (header.denominator, (FORCE,), "ordinate denominator"),
         ]
-    elif header.function == 1:
-        parts += [(header.numerator, (DISPLACEMENT, VELOCITY, ACCELERATION, FORCE), "ordinate numerator")]
+    elif header.function == TIME_RESPONSE:
+        parts += [(header.numerator, (*QUANTITY_OF, FORCE), "ordinate numerator")]
     for character, codes, name in parts:
         unknown_axis = name == "abscissa" and character.code in (0, 1)
         if character.code not in codes and not unknown_axis:
-            allowed = " or ".join(f"{code} {_WORDS.get(code, '')}".strip() for code in codes)
+            allowed = " or ".join(f"{code} {WORDS.get(code, '')}".strip() for code in codes)
             faults.add(f"{key}: {name} data type", str(character.code), allowed)
         _check_units(character, name, key, faults, odd, number)
 
@@ -192,9 +194,9 @@ def _check_units(
     label = character.unit.lower().strip("()[] ").replace("**", "^").replace(" ", "")
     if label.split("/n")[0].strip("()[]") in _NOT_SI or label in _NOT_SI:
         faults.add(f"{key}: unit of the {name}", repr(character.unit), "SI units")
-    expected = _EXPONENTS.get(character.code)
+    expected = EXPONENTS.get(character.code)
     length, force, temperature = character.exponents
     if expected and (length, force, temperature) not in ((0, 0, 0), (*expected, 0)):
-        kind = f"type {character.code} ({_WORDS[character.code]})"
+        kind = f"type {character.code} ({WORDS[character.code]})"
         what = f"unit exponents {length} {force} {temperature} of {kind} are passed over"
         odd.setdefault(what, []).append(number)

@@ -55,7 +55,12 @@ class UffContent:
 
 
 def scan_uff(file: Path, faults: FaultList) -> UffContent:
-    """Cut a UFF file into datasets; faults go to `faults`, and only sound datasets come back."""
+    """Cut a UFF file into datasets; faults go to `faults`, and only sound datasets come back.
+
+    Args:
+        file: a universal file.
+        faults: where the faults of the file go.
+    """
     content = read_regular(file, limit=LARGEST, kind="a universal file")
     if isinstance(content, Fault):
         faults.faults.append(content)

@@ -13,21 +13,32 @@ from flexmodal.campaign.blow import Blow
 from flexmodal.campaign.campaign import Campaign
 from flexmodal.campaign.description.tested import CampaignPoint
 from flexmodal.campaign.records import FrfRecords
+from flexmodal.campaign.uff.codes import (
+    ACCELERATION,
+    CODE_OF,
+    COHERENCE,
+    DISPLACEMENT,
+    EXPONENTS,
+    FORCE,
+    FRF,
+    TIME_RESPONSE,
+    VELOCITY,
+)
 from flexmodal.campaign.uff.frame import framed
-from flexmodal.campaign.uff.records import ACCELERATION, DISPLACEMENT, FORCE, VELOCITY
 
-_CODE = {"receptance": DISPLACEMENT, "mobility": VELOCITY, "inertance": ACCELERATION}
-_QUANTITY = {"displacement": DISPLACEMENT, "velocity": VELOCITY, "acceleration": ACCELERATION}
-_EXPONENTS = {DISPLACEMENT: (1, 0), VELOCITY: (1, 0), ACCELERATION: (1, 0), FORCE: (0, 1), 0: (0, 0)}
 _UNIT = {DISPLACEMENT: "m", VELOCITY: "m/s", ACCELERATION: "m/s^2", FORCE: "N", 0: "NONE"}
-_TIME, _FRF, _COHERENCE = 1, 4, 6
 _SECONDS, _HERTZ = 17, 18
 DIGITS = 1e-9
 """An axis is written as start and step where the six digits of these hold it this well, in steps."""
 
 
 def write_uff(datasets: Iterable[dict[str, Any]], path: Path) -> None:
-    """Write datasets to a new file. A `Campaign` has refused what dataset 58 cannot hold."""
+    """Write datasets to a new file. A `Campaign` has refused what dataset 58 cannot hold.
+
+    Args:
+        datasets: as pyuff takes them.
+        path: a new file.
+    """
     with tempfile.TemporaryDirectory(prefix="flexmodal-") as folder, path.open("wb") as file:
         piece = Path(folder) / "piece.uff"
         for dataset in datasets:
@@ -35,10 +46,16 @@ def write_uff(datasets: Iterable[dict[str, Any]], path: Path) -> None:
 
 
 def frf_datasets(frfs: FrfRecords, points: Iterable[CampaignPoint], binary: bool) -> Iterator[dict[str, Any]]:
-    """Each FRF, followed by its coherence where there is one."""
+    """Each FRF, followed by its coherence where there is one.
+
+    Args:
+        frfs: in SI units of their form.
+        points: whose names go into the records.
+        binary: whether as dataset 58b.
+    """
     names = {point.id: point.name for point in points}
     axis = _abscissa(frfs.frequency, _HERTZ, binary)
-    code = _CODE[frfs.form]
+    code = CODE_OF[frfs.form]
     for row in range(len(frfs)):
         common = {
             **_places(frfs.response[row].tolist(), frfs.reference[row].tolist(), names),
@@ -48,15 +65,21 @@ def frf_datasets(frfs: FrfRecords, points: Iterable[CampaignPoint], binary: bool
             "func_id": 1,
             "binary": int(binary),
         }
-        yield {"func_type": _FRF, "data": frfs.value[row], **_ordinate(code, FORCE), **common}
+        yield {"func_type": FRF, "data": frfs.value[row], **_ordinate(code, FORCE), **common}
         if frfs.coherence is not None:
-            yield {"func_type": _COHERENCE, "data": frfs.coherence[row], **_ordinate(0, 0), **common}
+            yield {"func_type": COHERENCE, "data": frfs.coherence[row], **_ordinate(0, 0), **common}
 
 
 def blow_datasets(
     blows: Iterable[Blow], points: Iterable[CampaignPoint], binary: bool
 ) -> Iterator[dict[str, Any]]:
-    """The force of each blow, followed by its responses."""
+    """The force of each blow, followed by its responses.
+
+    Args:
+        blows: time records in SI units.
+        points: whose names go into the records.
+        binary: whether as dataset 58b.
+    """
     names = {point.id: point.name for point in points}
     forces = set()
     for blow in blows:
@@ -65,7 +88,7 @@ def blow_datasets(
             "load_case_id": blow.posture,
             "ver_num": blow.trial,
             "func_id": blow.sequence,
-            "func_type": _TIME,
+            "func_type": TIME_RESPONSE,
             "binary": int(binary),
         }
         key = (blow.posture, blow.trial, blow.sequence, blow.reference)
@@ -75,7 +98,7 @@ def blow_datasets(
             yield {"data": blow.force, **_ordinate(FORCE, 0), **places, **common}
         for channel, values in zip(blow.channels, blow.response, strict=True):
             places = _places(channel, blow.reference, names)
-            yield {"data": values, **_ordinate(_QUANTITY[blow.quantity], 0), **places, **common}
+            yield {"data": values, **_ordinate(CODE_OF[blow.quantity], 0), **places, **common}
 
 
 def _places(response: Any, reference: Any, names: dict[int, str]) -> dict[str, Any]:
@@ -104,7 +127,7 @@ def _abscissa(axis: np.ndarray, code: int, binary: bool) -> dict[str, Any]:
 def _ordinate(numerator: int, denominator: int) -> dict[str, Any]:
     fields: dict[str, Any] = {}
     for key, code in (("ordinate", numerator), ("orddenom", denominator)):
-        length, force = _EXPONENTS[code]
+        length, force = EXPONENTS[code]
         fields |= {
             f"{key}_spec_data_type": code,
             f"{key}_axis_units_lab": _UNIT[code],

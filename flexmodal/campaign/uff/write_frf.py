@@ -8,16 +8,12 @@ from typing import Any
 
 import numpy as np
 
+from flexmodal.campaign.uff.codes import CODE_OF, EXPONENTS, FORCE, FRF
+from flexmodal.campaign.uff.write import write_uff
 from flexmodal.errors import Fault, InvalidPoint
 from flexmodal.files import whole_file
 from flexmodal.frf import Frf
 from flexmodal.frf.direction import AXES, PointDirection
-
-_FRF = 4
-_FORCE, _MOMENT = 13, 13
-_NUMERATOR = {"receptance": 8, "mobility": 11, "inertance": 12}
-_EXPONENTS = {8: (1, 0, 0), 11: (1, 0, -1), 12: (1, 0, -2), 13: (0, 1, 0)}
-"""Length, force and time exponents are for readers that convert units; SI needs no conversion."""
 
 
 def write_frf(
@@ -43,8 +39,6 @@ def write_frf(
         InvalidPoint: a point without a node number.
         OutputExists: the file exists.
     """
-    import pyuff
-
     missing = {d.point for d in (*frf.response, *frf.reference)} - set(nodes)
     if missing:
         raise InvalidPoint(
@@ -56,14 +50,7 @@ def write_frf(
         for row in range(len(frf.response))
     ]
     with whole_file(path, overwrite=overwrite) as scratch:
-        scratch.unlink()  # pyuff leaves a broken file when it overwrites one; "add" to none is sound
-        try:
-            pyuff.UFF(str(scratch)).write_sets(records, mode="add")
-        except Exception as error:
-            # pyuff turns whatever happens into a bare Exception: a full disk, even Ctrl-C
-            if isinstance(error.__context__, OSError | KeyboardInterrupt):
-                raise error.__context__ from None
-            raise
+        write_uff(records, scratch)
 
 
 def _record(
@@ -74,11 +61,11 @@ def _record(
     axis = frf.frequency if len(frf.frequency) > 1 else np.repeat(frf.frequency, 2)
     steps = np.diff(axis)
     even = bool(np.allclose(steps, steps[0], rtol=1e-9, atol=0))
-    numerator = _NUMERATOR[frf.form]
+    numerator = CODE_OF[frf.form]
     return {
         "type": 58,
         "binary": 0,
-        "func_type": _FRF,
+        "func_type": FRF,
         "load_case_id": posture,
         "ver_num": 1,
         "rsp_node": nodes[response.point],
@@ -99,9 +86,9 @@ def _record(
         "abscissa_axis_lab": "Frequency",
         "abscissa_axis_units_lab": "Hz",
         "ordinate_spec_data_type": numerator,
-        "orddenom_spec_data_type": _FORCE,
+        "orddenom_spec_data_type": FORCE,
         **_lengths("ordinate", numerator),
-        **_lengths("orddenom", _FORCE),
+        **_lengths("orddenom", FORCE),
     }
 
 
@@ -116,5 +103,5 @@ def _direction(direction: PointDirection) -> int:
 
 
 def _lengths(key: str, code: int) -> dict[str, int]:
-    length, force, _ = _EXPONENTS[code]
+    length, force = EXPONENTS[code]
     return {f"{key}_len_unit_exp": length, f"{key}_force_unit_exp": force, f"{key}_temp_unit_exp": 0}

@@ -20,7 +20,13 @@ SEVERAL = "split it into revolute and prismatic joints, one degree of freedom ea
 
 
 def parse_joint(element: etree._Element, name: str, faults: FaultList) -> UrdfJoint | None:
-    """Read a joint; None where one of its links is missing, which goes to `faults`."""
+    """Read a joint; None where one of its links is missing, which goes to `faults`.
+
+    Args:
+        element: the XML element.
+        name: of the joint.
+        faults: where the faults of the file go.
+    """
     key = f"joint.{name}"
     kind = _type(element, key, faults)
     parent = _end(element, "parent", key, faults)

@@ -17,7 +17,13 @@ NOTHING = 1e-12
 
 
 def parse_link(element: etree._Element, name: str, faults: FaultList) -> UrdfLink:
-    """Read a link; every number that is not one goes to `faults` and counts as missing."""
+    """Read a link; every number that is not one goes to `faults` and counts as missing.
+
+    Args:
+        element: the XML element.
+        name: of the link.
+        faults: where the faults of the file go.
+    """
     key = f"link.{name}"
     meshes = [
         str(mesh.get("filename")) for mesh in element.findall("visual/geometry/mesh") if mesh.get("filename")

@@ -34,7 +34,12 @@ def mesh_path(address: str, urdf: Path) -> Path | str:
 
 
 def mesh_warnings(urdf: Path, links: Iterable[UrdfLink]) -> list[str]:
-    """A sentence for each mesh file that cannot be shown."""
+    """A sentence for each mesh file that cannot be shown.
+
+    Args:
+        urdf: the file that addresses are relative to.
+        links: whose meshes are looked for.
+    """
     warnings = []
     for link in links:
         for address in link.meshes:

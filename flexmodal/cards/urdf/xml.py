@@ -79,7 +79,14 @@ def _short(tag: object) -> str:
 
 
 def one_child(element: etree._Element, tag: str, key: str, faults: FaultList) -> etree._Element | None:
-    """The child of that tag, if there is one; a fault where there are several."""
+    """The child of that tag, if there is one; a fault where there are several.
+
+    Args:
+        element: the XML element.
+        tag: of the child.
+        key: of the element, for the faults.
+        faults: where the faults of the file go.
+    """
     children = element.findall(tag)
     if len(children) > 1:
         faults.add(f"{key}.{tag}", f"{len(children)} elements <{tag}>", "one")
@@ -87,7 +94,15 @@ def one_child(element: etree._Element, tag: str, key: str, faults: FaultList) ->
 
 
 def number(element: etree._Element, name: str, key: str, faults: FaultList, allowed: str) -> float | None:
-    """A finite number in an attribute; a fault and None where it is missing or is none."""
+    """A finite number in an attribute; a fault and None where it is missing or is none.
+
+    Args:
+        element: the XML element.
+        name: of the attribute.
+        key: of the element, for the faults.
+        faults: where the faults of the file go.
+        allowed: what may stand there, for the faults.
+    """
     text = element.get(name)
     if text is None:
         faults.add(key, "nothing", allowed)
@@ -106,7 +121,15 @@ def vector(
     *,
     default: tuple[float, float, float] = (0.0, 0.0, 0.0),
 ) -> Float[np.ndarray, "3"]:
-    """Three finite numbers in an attribute; the default where it is missing, also beside a fault."""
+    """Three finite numbers in an attribute; the default where it is missing, also beside a fault.
+
+    Args:
+        element: the XML element.
+        name: of the attribute.
+        key: of the element, for the faults.
+        faults: where the faults of the file go.
+        default: where there is no attribute.
+    """
     text = None if element is None else element.get(name)
     if text is None:
         return np.array(default)

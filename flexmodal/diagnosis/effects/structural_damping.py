@@ -19,7 +19,7 @@ def _act(assembly: Assembly, placement: Placement) -> None:
 
 def _extend(draft: Draft, placement: Placement) -> None:
     for joint in placement.context.robot.joints:
-        draft.joints[joint]["loss_factor"] = float(placement["loss_factor"])
+        draft.loses(joint, placement["loss_factor"])
     draft.loss_frequency = placement.context.middle
 
 

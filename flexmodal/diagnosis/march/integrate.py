@@ -123,7 +123,7 @@ def march(struck: Sequence[Struck], steps: Steps, *, compiled: bool | None = Non
     most = _TOGETHER // (steps.count * max(len(one.laws) for one in first))
     made: list[March] = []
     for some in _batches(first, most):
-        made += _marched(some, steps, _loop(some, steps, compiled))
+        made += _marched(some, steps, loop_of(some, steps, compiled))
     return [made[number] for number in numbers]
 
 
@@ -252,7 +252,8 @@ def _batches(struck: Sequence[Struck], most: int) -> Iterator[list[Struck]]:
     yield batch
 
 
-def _loop(struck: Sequence[Struck], steps: Steps, compiled: bool | None) -> Callable[..., None]:
+def loop_of(struck: Sequence[Struck], steps: Steps, compiled: bool | None = None) -> Callable[..., None]:
+    """The loop over the steps: compiled if that is asked for, or pays for what is to be integrated."""
     if compiled is None:
         blows = sum(len(one.blows) for one in struck)
         seconds = steps.count * (_STEP_SECONDS + _BLOW_SECONDS * blows)

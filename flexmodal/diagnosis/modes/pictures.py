@@ -12,17 +12,10 @@ from flexmodal.diagnosis.modes.held_out import HeldOut
 from flexmodal.diagnosis.modes.shapes import shapes_of
 from flexmodal.diagnosis.modes.words import most_telling
 from flexmodal.diagnosis.names import UNSTRUCTURED
-from flexmodal.diagnosis.report.pictures import (
-    AFTER,
-    BEFORE,
-    FONT,
-    MEASURED,
-    WIDTH,
-    literal,
-    new_figure,
-    tidy,
-)
+from flexmodal.diagnosis.report.pictures import AFTER, BEFORE, MEASURED
 from flexmodal.diagnosis.report.words import placed
+from flexmodal.report.figure import NARROW, SOFT, drawing, new_figure
+from flexmodal.report.figure import short as cut
 
 
 def short(key: tuple[str, str]) -> str:
@@ -30,52 +23,43 @@ def short(key: tuple[str, str]) -> str:
     return "mode without structure" if key[0] == UNSTRUCTURED else placed(*key)
 
 
+@drawing
 def draw_frequencies(found: Findings, after_name: str) -> Any:
     """Each measured mode over the postures, with what the models have there: one panel a mode."""
     measured, numbers = found.measured, found.measured.numbers
     numbers = tuple(
         sorted(numbers, key=lambda n: np.median([m.frequency for m in measured.modes if m.number == n]))
     )
-    figure = new_figure(1.45 * len(numbers) + 1.0)
+    figure = new_figure(NARROW, 1.45 * len(numbers) + 1.0)
     panels = np.atleast_1d(figure.subplots(len(numbers), 1, sharex=True))
     names = [p.name for p in measured.postures]
     for axes, number in zip(panels, numbers, strict=True):
-        tidy(axes)
         rows = [k for k, m in enumerate(measured.modes) if m.number == number]
         at = np.array([measured.modes[k].posture for k in rows])
         f = np.array([measured.modes[k].frequency for k in rows])
         bars = f * np.array([measured.modes[k].frequency_error for k in rows])
         axes.errorbar(
-            at,
-            f,
-            yerr=2 * bars,
-            fmt="o",
-            color=MEASURED,
-            capsize=3,
-            markersize=6,
-            label="measured, ±2 standard errors",
+            at, f, yerr=2 * bars, fmt="o", color=MEASURED, capsize=3, label="measured, ±2 standard errors"
         )
         _partners(axes, found.before, rows, at - 0.14, BEFORE, "X", "re-tuned, nothing added")
         _partners(axes, found.after, rows, at + 0.12, AFTER, "s", after_name)
         _predicted(axes, found.held_after, rows, at + 0.26, AFTER, f"{after_name}, posture held out")
         _lacking(axes, {"re-tuned": found.before, after_name: found.after}, rows)
         middle = float(np.median(f))
-        axes.set_ylabel(f"{middle:.3g} Hz", fontsize=FONT)
+        axes.set_ylabel(f"{middle:.3g} Hz")
         low, high = axes.get_ylim()
         wide = max(high - low, 0.06 * middle)
         axes.set_ylim((low + high - wide) / 2, (low + high + wide) / 2)
-    panels[-1].set_xticks(
-        range(len(names)), [literal(n.replace("configuration_", "conf. ")[:14]) for n in names]
-    )
+    panels[-1].set_xticks(range(len(names)), [cut(name) for name in names])
+    if len(names) > 3:
+        panels[-1].tick_params(axis="x", labelrotation=30)
     panels[-1].set_xlim(-0.5, len(names) - 0.5)
-    panels[0].set_title("Natural frequency [Hz] by posture", loc="left", fontsize=FONT + 1)
+    panels[0].set_title("Natural frequency [Hz] by posture")
     handles: dict[str, Any] = {}
     for axes in panels:
         for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
             handles.setdefault(label, handle)
-    figure.legend(
-        handles.values(), handles.keys(), loc="outside lower left", fontsize=FONT - 1, frameon=False, ncols=1
-    )
+    figure.legend(handles.values(), handles.keys(), loc="outside lower left", frameon=False)
     return figure
 
 
@@ -96,9 +80,7 @@ def _lacking(axes: Any, fits: dict[str, ModalFit], rows: list[int]) -> None:
     """Say in the panel which models have no such mode in any posture."""
     without = [name for name, fit in fits.items() if all(fit.pairs[k] < 0 for k in rows)]
     if without:
-        axes.set_title(
-            literal(f"no such mode: {'; '.join(without)}"), loc="right", fontsize=FONT - 1, color="0.35"
-        )
+        axes.set_title(f"no such mode: {'; '.join(without)}", loc="right", fontsize=9, color=SOFT)
 
 
 def _predicted(
@@ -108,47 +90,46 @@ def _predicted(
         return
     y = [held.frequency[k] for k in rows]
     if np.isfinite(y).any():
-        axes.plot(x, y, "s", color=colour, markerfacecolor="white", markersize=6, label=label)
+        axes.plot(x, y, "s", color=colour, markerfacecolor="none", markersize=6, label=label)
 
 
+@drawing
 def draw_evidence(found: Findings) -> Any:
     """What each explanation gains over the robot re-tuned, and how far that moves with the priors."""
     comparison = found.comparison
     order = [k for k in comparison.order if k]
     gain = comparison.table - comparison.table[0]
-    figure = new_figure(0.36 * len(order) + 1.3, WIDTH)
+    figure = new_figure(NARROW, 0.36 * len(order) + 1.3)
     axes = figure.subplots()
-    tidy(axes)
     for place, k in enumerate(order):
         tied = comparison.models[k].key in found.tied
-        colour = AFTER if tied else "#8a8f98"
+        colour = AFTER if tied else SOFT
         axes.plot([gain[k].min(), gain[k].max()], [place, place], color=colour, linewidth=2, alpha=0.6)
         axes.plot(gain[k, 0], place, "o" if tied else "D", color=colour, markersize=7)
-    axes.axvline(0, color="0.3", linewidth=1)
-    axes.set_yticks(range(len(order)), [literal(short(comparison.models[k].key)) for k in order])
+    axes.axvline(0, color=SOFT, linewidth=1)
+    axes.set_yticks(range(len(order)), [cut(short(comparison.models[k].key), 32) for k in order])
     axes.set_ylim(len(order) - 0.4, -0.6)
-    axes.set_xlabel("Evidence over nothing added [nat]", fontsize=FONT)
-    axes.tick_params(labelsize=FONT - 1)
-    axes.set_title("● as believed, — other priors; blue: tied", loc="left", fontsize=FONT)
+    axes.set_xlabel("Evidence over nothing added [nat]")
+    figure.suptitle("● as believed, — other priors; blue: tied", x=0.01, ha="left", fontsize=10)
     return figure
 
 
+@drawing
 def draw_shapes(found: Findings, one: ModalFit, other: ModalFit) -> Any:
     """The mode that two explanations differ in most, as they have it and as it was measured."""
     chosen = most_telling(found.shapes)
     measured = found.measured
-    figure = new_figure(4.2)
+    figure = new_figure(NARROW, 4.2)
     axes = figure.subplots()
-    tidy(axes)
     rows = list(range(len(measured.responses)))
     seen_by = shapes_of(measured, chosen.number)
     models = [_shape(fit, chosen.number, next(iter(seen_by))) for fit in (one, other)]
     first = next((_turned(model) for model in models if model is not None), None)
     for number, (posture, (seen, residue)) in enumerate(seen_by.items()):
         turned = _turned(residue, None if first is None else first[seen])
-        name = measured.postures[posture].name.replace("configuration_", "conf. ")
+        name = cut(measured.postures[posture].name)
         axes.plot(
-            seen, turned.real, color="0.45", linewidth=1, marker="osD^vP<>"[number % 8], markersize=5,
+            seen, turned.real, color=SOFT, linewidth=1, marker="osD^vP<>"[number % 8], markersize=5,
             label=f"measured, {name}",
         )  # fmt: skip
     styles = ((one, AFTER, "-"), (other, BEFORE, "--"))
@@ -158,13 +139,11 @@ def draw_shapes(found: Findings, one: ModalFit, other: ModalFit) -> Any:
                 rows, _turned(model, first).real, color=colour, linestyle=style, linewidth=2.4,
                 label=short(fit.explanation.key),
             )  # fmt: skip
-    names = [
-        measured.campaign.point(number).name.replace("location_", "loc. ") for number, _ in measured.responses
-    ]
-    axes.set_xticks(rows, [literal(name[:12]) for name in names])
-    axes.set_ylabel("Shape, real part, largest = 1 [–]", fontsize=FONT)
-    axes.set_title(f"The mode near {chosen.frequency:.3g} Hz", loc="left", fontsize=FONT + 1)
-    figure.legend(loc="outside lower center", fontsize=FONT - 2, frameon=False, ncols=2)
+    names = [cut(measured.campaign.point(number).name, 12) for number, _ in measured.responses]
+    axes.set_xticks(rows, names, rotation=30 if len(names) > 4 else 0)
+    axes.set_ylabel("Shape, real part, largest = 1 [–]")
+    axes.set_title(f"The mode near {chosen.frequency:.3g} Hz")
+    figure.legend(loc="outside lower center", fontsize=8, frameon=False, ncols=2)
     return figure
 
 

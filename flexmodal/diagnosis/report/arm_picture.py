@@ -10,17 +10,17 @@ from jaxtyping import Float
 
 from flexmodal.diagnosis.compare import excess
 from flexmodal.diagnosis.outcome import Diagnosis
-from flexmodal.diagnosis.report.pictures import FONT, WIDTH, new_figure
-from flexmodal.frf.plot import PALETTE
 from flexmodal.model import Robot
 from flexmodal.model.placements import link_placements
+from flexmodal.report.figure import INK, NARROW, NOISE, PALETTE, PAPER, SOFT, drawing, new_figure, short
 
-FOUND, POINT, LINK, GHOST = PALETTE[1], PALETTE[2], "#4b5058", "#c9ccd1"
+FOUND, POINT, LINK, GHOST = PALETTE[1], PALETTE[2], SOFT, NOISE
 
 Plane = Float[np.ndarray, "2 3"]
 Placed = Mapping[str, Float[np.ndarray, "4 4"]]
 
 
+@drawing
 def draw_arm(diagnosis: Diagnosis) -> Any:
     """Draw the posture that disagrees most, the others behind it, with places marked and named."""
     context, seen = diagnosis.model.context, diagnosis.frfs
@@ -30,7 +30,7 @@ def draw_arm(diagnosis: Diagnosis) -> Any:
         worst = int(np.argmax(np.bincount(seen.posture, above, len(seen.postures))))
     placed = [link_placements(robot, dict(p.q)) for p in context.postures]
     plane = _plane(robot, placed[worst])
-    figure = new_figure(_height([plane @ place[:3, 3] for one in placed for place in one.values()]))
+    figure = new_figure(NARROW, _height([plane @ place[:3, 3] for one in placed for place in one.values()]))
     axes = figure.subplots()
     for number, one in enumerate(placed):
         if number != worst:
@@ -45,14 +45,14 @@ def draw_arm(diagnosis: Diagnosis) -> Any:
     axes.margins(0.1, 0.2)
     axes.set_axis_off()
     name = context.postures[worst].name
-    axes.set_title(f"In {name[:30]}; other postures grey", loc="left", fontsize=FONT, parse_math=False)
+    axes.set_title(f"In {short(name, 30)}; other postures grey", fontsize=10, pad=16)
     return figure
 
 
 def _height(spots: list[np.ndarray]) -> float:
     """Height of the picture that the arm fills [in]."""
     width, height = np.ptp(np.array(spots), axis=0) + 1e-6
-    return float(np.clip(WIDTH * 1.25 * height / width, 0.4 * WIDTH, WIDTH)) + 0.4
+    return float(np.clip(NARROW * 1.25 * height / width, 0.4 * NARROW, NARROW)) + 0.4
 
 
 def _plane(robot: Robot, placed: Placed) -> Plane:
@@ -91,7 +91,7 @@ def _ground(axes: Any, robot: Robot, placed: Placed, plane: Plane) -> None:
 def _joints(axes: Any, robot: Robot, placed: Placed, plane: Plane) -> None:
     for name in robot.joints:
         x, y = plane @ placed[robot.urdf.joint_by_name[name].child][:3, 3]
-        axes.plot(x, y, "o", markersize=8, markerfacecolor="white", markeredgecolor=LINK, zorder=4)
+        axes.plot(x, y, "o", markersize=8, markerfacecolor=PAPER, markeredgecolor=LINK, zorder=4)
 
 
 def _points(axes: Any, diagnosis: Diagnosis, placed: Placed, plane: Plane) -> None:
@@ -102,8 +102,8 @@ def _points(axes: Any, diagnosis: Diagnosis, placed: Placed, plane: Plane) -> No
             x, y = plane @ place[:3]
             axes.plot(x, y, "D", markersize=5, color=POINT, zorder=5)
             axes.annotate(
-                point.name[:24], (x, y), xytext=(3, -7), textcoords="offset points", fontsize=FONT - 2,
-                color="#055a43", parse_math=False, zorder=6, rotation=-40, rotation_mode="anchor",
+                short(point.name, 24), (x, y), xytext=(3, -7), textcoords="offset points", fontsize=8,
+                color=INK, zorder=6, rotation=-40, rotation_mode="anchor",
                 va="top",  # aslant, so that names of points side by side do not run into each other
             )  # fmt: skip
 
@@ -141,9 +141,8 @@ def _mark(axes: Any, diagnosis: Diagnosis, placed: Placed, plane: Plane, where: 
             )
         if number == 0:
             axes.annotate(
-                where[:30], (x, y), xytext=(16, 22), textcoords="offset points", fontsize=FONT + 1,
-                fontweight="bold", color="#8a3b00", parse_math=False,
-                arrowprops={"arrowstyle": "-", "color": "#8a3b00"}, zorder=6,
+                short(where, 30), (x, y), xytext=(16, 22), textcoords="offset points", fontsize=11,
+                fontweight="bold", color=INK, arrowprops={"arrowstyle": "-", "color": FOUND}, zorder=6,
             )  # fmt: skip
 
 

@@ -1,7 +1,6 @@
 """Pictures of the report: disagreement over posture and frequency, FRFs with their noise, the gap's descent.
 
-Drawn narrow, so that they can be read on a telephone; colours are Okabe and Ito's, and every curve has a line
-style of its own.
+Drawn narrow, so that they can be read on a telephone.
 """
 
 from __future__ import annotations
@@ -15,14 +14,25 @@ from jaxtyping import Complex, Float
 from flexmodal.diagnosis.compare import excess
 from flexmodal.diagnosis.outcome import Diagnosis
 from flexmodal.diagnosis.report.words import pair, placed
-from flexmodal.frf.plot import PALETTE
 from flexmodal.identification import Observations
 from flexmodal.identification.frf_fit import residual
+from flexmodal.report.figure import (
+    DASHED,
+    INK,
+    NARROW,
+    NOISE,
+    PALETTE,
+    SOFT,
+    drawing,
+    frequency_axis,
+    log_axis,
+    new_figure,
+    phase_axis,
+    short,
+    wrapped,
+)
 
-WIDTH = 4.7
-"""Of every picture [in]: 338 points, close to the width of a telephone."""
-BEFORE, AFTER, MEASURED, NOISE, MARK = PALETTE[1], PALETTE[0], "#111111", "#b9bcc2", PALETTE[4]
-FONT = 10
+BEFORE, AFTER, MEASURED, MARK = PALETTE[1], PALETTE[0], INK, PALETTE[4]
 MOST_PAIRS = 6
 """FRFs shown at most."""
 _BINS = 56
@@ -30,22 +40,6 @@ _HOTTEST = 30.0
 """Times the noise at which the colours of the map end."""
 
 Stage = Complex[np.ndarray, "observation line"]
-
-
-def new_figure(height: float, width: float = WIDTH) -> Any:
-    """An empty figure."""
-    from matplotlib.figure import Figure
-
-    return Figure(figsize=(width, height), layout="constrained")
-
-
-def tidy(axes: Any) -> None:
-    """A grid behind, no frame above and right, letters of one size."""
-    axes.grid(True, which="major", color="0.86", linewidth=0.6)
-    axes.set_axisbelow(True)
-    axes.tick_params(labelsize=FONT - 1)
-    for side in ("top", "right"):
-        axes.spines[side].set_visible(False)
 
 
 def over_noise(
@@ -65,6 +59,7 @@ def over_noise(
         return np.where(total[1] > 0, np.sqrt(total[0] / total[1]), np.nan)
 
 
+@drawing
 def draw_map(diagnosis: Diagnosis, stage: str, title: str) -> Any:
     """Disagreement of one stage over posture and frequency, as a multiple of the noise."""
     from matplotlib.colors import LogNorm
@@ -73,32 +68,23 @@ def draw_map(diagnosis: Diagnosis, stage: str, title: str) -> Any:
     frequency = observations.axis.frequency
     edges = _bands(frequency)
     values = over_noise(observations, diagnosis.predicted[stage], edges)
-    figure = new_figure(1.5 + 0.27 * len(values))
+    figure = new_figure(NARROW, 1.5 + 0.27 * len(values))
     axes = figure.subplots()
     image = axes.pcolormesh(
-        edges, np.arange(len(values) + 1), np.clip(values, 1.0, _HOTTEST), cmap="cividis",
-        norm=LogNorm(1.0, _HOTTEST), edgecolors="face", linewidth=0.3,
+        edges, np.arange(len(values) + 1), np.clip(values, 1.0, _HOTTEST), norm=LogNorm(1.0, _HOTTEST),
+        edgecolors="face", linewidth=0.3,
     )  # fmt: skip
-    axes.set_facecolor("0.92")
-    axes.set_xscale("log")
-    axes.xaxis.set_major_formatter("{x:g}")
-    axes.set_xlabel("Frequency [Hz]", fontsize=FONT)
+    axes.grid(False)
+    frequency_axis(axes, frequency, wide=1.0)
     axes.set_ylim(len(values), 0)
-    names = [_short(p.name) + (" *" if p.id in diagnosis.held_out else "") for p in observations.postures]
-    axes.set_yticks(np.arange(len(values)) + 0.5, [literal(name) for name in names])
-    axes.tick_params(labelsize=FONT - 1, axis="both")
+    names = [short(p.name) + (" *" if p.id in diagnosis.held_out else "") for p in observations.postures]
+    axes.set_yticks(np.arange(len(values)) + 0.5, names)
     axes.tick_params(length=0, axis="y")
     bar = figure.colorbar(image, ax=axes, pad=0.02, aspect=14)
     bar.set_ticks([1, 3, 10, 30], labels=["noise", "3 ×", "10 ×", "≥ 30 ×"])
-    bar.ax.tick_params(labelsize=FONT - 2, which="major")
     bar.ax.minorticks_off()
-    axes.set_title(title, loc="left", fontsize=FONT + 1)
+    axes.set_title(title)
     return figure
-
-
-def literal(text: str) -> str:
-    """Text for a tick, in which a dollar sign is a dollar sign."""
-    return text.replace("$", r"\$")
 
 
 def _bands(frequency: Float[np.ndarray, " line"]) -> Float[np.ndarray, " edge"]:
@@ -133,11 +119,12 @@ def telling_rows(diagnosis: Diagnosis) -> list[int]:
     return chosen[:MOST_PAIRS]
 
 
+@drawing
 def draw_pair(diagnosis: Diagnosis, row: int) -> Any:
     """One FRF: measured with its noise, the model before and after; amplitude and phase."""
     observations = diagnosis.observations
     frequency, measured = observations.axis.frequency, observations.value[row]
-    figure = new_figure(5.2)
+    figure = new_figure(NARROW, 5.2)
     upper, lower, off = figure.subplots(3, 1, sharex=True, height_ratios=[2.4, 0.9, 1.5])
     used = observations.used[row]
     shown = np.where(used, np.abs(measured), np.nan)
@@ -151,81 +138,65 @@ def draw_pair(diagnosis: Diagnosis, row: int) -> Any:
     off.fill_between(frequency, 0, 2 * noise, color=NOISE, linewidth=0)
     for stage, colour, style in curves_of(diagnosis):
         value = diagnosis.predicted[stage][row]
-        upper.plot(frequency, np.abs(value), color=colour, linestyle=style, linewidth=1.8)
-        lower.plot(
-            frequency, _broken(np.degrees(np.angle(value))), color=colour, linestyle=style, linewidth=1.6
-        )
+        look = {"color": colour, "linestyle": style}
+        upper.plot(frequency, np.abs(value), linewidth=1.8, **look)
+        lower.plot(*wrapped(frequency, np.degrees(np.angle(value))), **look)
         far = np.where(used, np.abs(residual(value, measured)), np.nan)
-        off.plot(frequency, far, color=colour, linestyle=style, linewidth=1.2)
+        off.plot(frequency, far, linewidth=1.2, **look)
     phase = np.where(used, np.degrees(np.angle(measured)), np.nan)
     upper.plot(frequency, shown, color=MEASURED, linewidth=0.8)
-    lower.plot(frequency, _broken(phase), color=MEASURED, linewidth=0.8)
-    _scale(upper, lower, off, frequency)
-    upper.set_ylabel("Receptance [m/N]", fontsize=FONT)
+    lower.plot(*wrapped(frequency, phase), color=MEASURED, linewidth=0.8)
+    upper.set(yscale="log", ylabel="Receptance [m/N]")
+    phase_axis(lower)
+    off.set(yscale="log", ylabel="|ln(model/\nmeasured)|")
+    off.set_ylim(bottom=3e-3)
+    frequency_axis(off, frequency)
     posture = observations.postures[int(observations.posture[row])]
     held = " (held out)" if posture.id in diagnosis.held_out else ""
-    title = f"{_short(posture.name, 24)}{held}\n{_short(pair(observations, row), 48)}"
-    upper.set_title(title, loc="left", fontsize=FONT, parse_math=False)
+    upper.set_title(f"{short(posture.name, 24)}{held}\n{short(pair(observations, row), 48)}", fontsize=10)
     return figure
 
 
+@drawing
 def draw_descent(diagnosis: Diagnosis) -> Any:
     """The gap step by step, on all postures and on those held out, above the noise floor."""
-    from matplotlib.ticker import LogLocator
-
     gaps = diagnosis.gaps
-    labels, every = ["card as\nit came"], [gaps.believed]
-    held: list[float | None] = [None]
-    labels, every, held = [*labels, "re-tuned"], [*every, gaps.before], [*held, gaps.held_out_before]
+    stages = [("card as\nit came", gaps.believed, None), ("re-tuned", gaps.before, gaps.held_out_before)]
     for step in diagnosis.steps:
-        labels.append("+ " + placed(step.effect, step.where).replace(" (", "\n("))
-        every.append(step.gaps.after)
-        held.append(step.gaps.held_out_after)
+        name = "+ " + placed(step.effect, step.where).replace(" (", "\n(")
+        stages.append((name, step.gaps.after, step.gaps.held_out_after))
     if diagnosis.model.placed and not diagnosis.steps:
-        labels, every, held = (
-            [*labels, "best that\nwas tried"],
-            [*every, gaps.after],
-            [*held, gaps.held_out_after],
-        )
+        stages.append(("best that\nwas tried", gaps.after, gaps.held_out_after))
     elif diagnosis.steps and not np.isclose(gaps.after, diagnosis.steps[-1].gaps.after, rtol=0.005):
-        labels, every, held = (
-            [*labels, "all fitted\ntogether"],
-            [*every, gaps.after],
-            [*held, gaps.held_out_after],
-        )
+        stages.append(("all fitted\ntogether", gaps.after, gaps.held_out_after))
+    labels, every, held = zip(*stages, strict=True)
     places = np.arange(len(labels))
-    figure = new_figure(3.5, max(WIDTH, 1.25 * len(labels) + 0.8))
+    figure = new_figure(max(NARROW, 1.25 * len(labels) + 0.8), 3.5)
     axes = figure.subplots()
-    tidy(axes)
     axes.axhspan(0, gaps.noise_floor, color=NOISE, alpha=0.6, linewidth=0)
-    axes.axhline(gaps.noise_floor, color="0.35", linewidth=1, linestyle=(0, (2, 2)))
+    axes.axhline(gaps.noise_floor, color=SOFT, linewidth=1, linestyle=DASHED)
     first = np.array([np.nan if value is None else value for value in every], dtype=float)
     second = np.array([np.nan if value is None else value for value in held], dtype=float)
-    axes.plot(places, first, color=AFTER, marker="o", linewidth=1.8, markersize=7, label="all postures")
+    axes.plot(places, first, color=AFTER, marker="o", markersize=7, label="all postures")
     if np.isfinite(second).any():
         axes.plot(
-            places, second, color=BEFORE, marker="s", linestyle="--", linewidth=1.4, markersize=7,
-            markerfacecolor="white", label="held-out postures",
+            places, second, color=BEFORE, marker="s", linestyle="--", markersize=7, markerfacecolor="none",
+            label="held-out postures",
         )  # fmt: skip
     for place, value in zip(places, first, strict=True):
         if np.isfinite(value):
             axes.annotate(
-                f"{value:.3g}", (place, value), xytext=(6, 6), textcoords="offset points", fontsize=FONT - 1
+                f"{value:.3g}", (place, value), xytext=(6, 6), textcoords="offset points", fontsize=9
             )
-    axes.set_yscale("log")
+    log_axis(axes.yaxis)
     finite = np.concatenate([first[np.isfinite(first)], second[np.isfinite(second)], [gaps.noise_floor]])
     axes.set_ylim(0.6 * finite[finite > 0].min(initial=1.0), 1.9 * finite.max())
-    axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-    axes.yaxis.set_major_formatter("{x:g}")
-    axes.minorticks_off()
     axes.set_xlim(-0.4, len(labels) - 0.35)
-    axes.set_xticks(places, [literal(label) for label in labels])
-    axes.text(
-        -0.35, gaps.noise_floor * 0.97, f"noise floor {gaps.noise_floor:.3g}", ha="left",
-        va="top", fontsize=FONT - 1, color="0.2",
-    )  # fmt: skip
-    axes.set_ylabel("Gap [–]", fontsize=FONT)
-    axes.legend(fontsize=FONT - 1, frameon=True, framealpha=0.9)
+    axes.set_xticks(places, labels)
+    says = f"noise floor {gaps.noise_floor:.3g}"
+    axes.text(-0.35, gaps.noise_floor * 0.97, says, ha="left", va="top", fontsize=9, color=SOFT)
+    axes.set_ylabel("Gap [–]")
+    axes.legend()
     return figure
 
 
@@ -243,29 +214,3 @@ def curves_of(diagnosis: Diagnosis) -> list[tuple[str, str, Any]]:
     """Stages that are drawn, with colour and line style."""
     before: list[tuple[str, str, Any]] = [("before", BEFORE, (0, (4, 2)))]
     return [*before, ("after", AFTER, "-")] if diagnosis.model.placed else before
-
-
-def _scale(upper: Any, lower: Any, off: Any, frequency: np.ndarray) -> None:
-    upper.set_yscale("log")
-    if frequency[-1] / frequency[0] >= 20:
-        off.set_xscale("log")
-        off.xaxis.set_major_formatter("{x:g}")
-    off.set_xlim(frequency[0], frequency[-1])
-    lower.set(ylim=(-190, 190), yticks=[-180, 0, 180])
-    lower.set_ylabel("Phase [°]", fontsize=FONT)
-    off.set_yscale("log")
-    off.set_ylim(bottom=3e-3)
-    off.set_ylabel("|ln(model/\nmeasured)|", fontsize=FONT)
-    off.set_xlabel("Frequency [Hz]", fontsize=FONT)
-    for axes in (upper, lower, off):
-        tidy(axes)
-
-
-def _broken(phase: Float[np.ndarray, " line"]) -> Float[np.ndarray, " line"]:
-    """Phases with a gap where they wrap round."""
-    jump = np.abs(np.diff(phase, prepend=phase[:1])) > 180
-    return np.where(jump, np.nan, phase)
-
-
-def _short(text: str, most: int = 18) -> str:
-    return text if len(text) <= most else f"{text[: most - 1]}…"

@@ -1,170 +1,131 @@
-"""Tables of the report, as rows of text."""
+"""Tables of the report, and what to do next."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
 
 from flexmodal.diagnosis.names import NONE
 from flexmodal.diagnosis.outcome import Diagnosis, NextMeasurement, Region, Step, Weighed
-from flexmodal.diagnosis.report.words import (
-    effect_words,
-    error,
-    figure,
-    parameter_words,
-    percent,
-    placed,
-    plain,
-    posture_words,
-    size,
-)
+from flexmodal.diagnosis.report.words import effect_words, parameter_words, placed, plain, posture_words
+from flexmodal.report import Cell, Column, Facts, Heading, Part, Table, Task
+from flexmodal.report.words import error, figure, fixed, minus, percent, size
 from flexmodal.structure import Parameter
 
 _WIDE = 0.5
 """Change of a parameter, on a logarithmic scale, at which its bar ends."""
+WEIGHING = (
+    Column("explanation", words=True), Column("place", words=True), Column("adds"), Column("gap"),
+    Column("held out"), Column("evidence", "nat"), Column("probability", words=True),
+)  # fmt: skip
 
 
-@dataclass(frozen=True)
-class WeighedRow:
-    """One explanation on the scales."""
-
-    name: str
-    where: str
-    says: str
-    parameters: str
-    gap: str
-    held_out: str
-    score: str
-    probability: str
-    width: float
-    """Of the bar [%]."""
-    chosen: bool
-    tied: bool
-
-
-@dataclass(frozen=True)
-class ParameterRow:
-    """One parameter beside the card."""
-
-    name: str
-    card: str
-    value: str
-    error: str
-    change: str
-    left: float
-    """Where the bar of its interval begins, 50 being the card [%]."""
-    width: float
-    place: float
-    """Where the value itself is."""
-
-
-@dataclass(frozen=True)
-class RegionRow:
-    """One region of disagreement."""
-
-    share: str
-    width: float
-    kind: str
-    says: str
-
-
-def weighing_rows(diagnosis: Diagnosis, step: Step) -> list[WeighedRow]:
+def weighing(diagnosis: Diagnosis, step: Step) -> Table:
     """The step's explanation, and everything that was weighed against it."""
     words = effect_words(diagnosis)
-    key = (step.effect, step.where)
-    found = next((p for p in diagnosis.model.placed if p.key == key), None)
+    found = next((p for p in diagnosis.model.placed if p.key == (step.effect, step.where)), None)
     count = "–"
     if found is not None:
         count = str(len(found.effect.parameters(diagnosis.model.context, step.where)))
-    chosen = WeighedRow(
-        plain(step.effect), step.where, words.get(step.effect, ""), count, size(step.gaps.after),
-        size(step.gaps.held_out_after), "0", percent(step.confidence), 100 * step.confidence, True, False,
-    )  # fmt: skip
+    chosen: list[str | Cell] = [
+        Cell(plain(step.effect), note=words.get(step.effect, "")), step.where or "–", count,
+        size(step.gaps.after), size(step.gaps.held_out_after), "0",
+        Cell(percent(step.confidence), bar=step.confidence),
+    ]  # fmt: skip
+    others = [_weighed(one, words, (one.effect, one.where) in step.ties) for one in step.alternatives]
+    return Table(WEIGHING, [chosen, *others], chosen=frozenset({0}))
+
+
+def refused(diagnosis: Diagnosis) -> Table:
+    """What was weighed last without being added; what stays as it is counts as chosen."""
+    words = effect_words(diagnosis)
+    rows = [_weighed(one, words, tied=False) for one in diagnosis.refused]
+    kept = frozenset(k for k, one in enumerate(diagnosis.refused) if one.effect == NONE)
+    return Table(WEIGHING, rows, chosen=kept)
+
+
+def _weighed(one: Weighed, words: dict[str, str], tied: bool) -> list[str | Cell]:
     return [
-        chosen,
-        *(_weighed(one, words, (one.effect, one.where) in step.ties) for one in step.alternatives),
+        Cell(plain(one.effect), note=words.get(one.effect, ""), tag="tie" if tied else ""), one.where or "–",
+        str(one.parameters), size(one.gap), size(one.held_out_gap), fixed(one.evidence, 1),
+        Cell(percent(one.confidence), bar=one.confidence),
+    ]  # fmt: skip
+
+
+def regions(found: Sequence[Region]) -> Table:
+    """Regions, the largest first."""
+    names = (
+        Column("share", words=True),
+        Column("kind", words=True),
+        Column("what an engineer sees", words=True),
+    )
+    rows: list[list[str | Cell]] = [
+        [Cell(percent(one.share), bar=one.share), one.kind, one.says] for one in found
+    ]
+    return Table(names, rows)
+
+
+def remaining(found: Sequence[Region]) -> list[str]:
+    """Regions that are left, as sentences."""
+    return [f"{one.says} ({percent(one.share)} of the rest)" for one in found]
+
+
+def parameters(diagnosis: Diagnosis) -> list[Part]:
+    """What was added, step by step, and the robot itself beside its card."""
+    parts: list[Part] = []
+    for step in diagnosis.steps:
+        named = (Column("parameter", words=True), Column("value"), Column("± standard error"))
+        parts += [Heading(placed(step.effect, step.where)), Table(named, _of_effect(step))]
+    return [*parts, Heading("The robot itself, beside its card"), beside_card(diagnosis)]
+
+
+def beside_card(diagnosis: Diagnosis) -> Table:
+    """Parameters of the robot itself beside the card."""
+    space, count = diagnosis.model.space, len(diagnosis.model.base)
+    found = zip(space.parameters[:count], diagnosis.x[:count], diagnosis.deviation[:count], strict=True)
+    names = (
+        Column("parameter", words=True), Column("card"), Column("now"), Column("± standard error"),
+        Column("change"), Column("−40 % … card … +65 %", words=True),
+    )  # fmt: skip
+    return Table(names, [_row(parameter, float(x), float(deviation)) for parameter, x, deviation in found])
+
+
+def _row(parameter: Parameter, x: float, deviation: float) -> list[str | Cell]:
+    value = parameter.value(x)
+    ratio = value / parameter.card if parameter.card else math.inf
+    low, middle, high = ((x + sign * deviation) / _WIDE if math.isfinite(deviation) or not sign else sign
+                         for sign in (-1, 0, 1))  # fmt: skip
+    return [
+        parameter_words(parameter.name),
+        figure(parameter.card, parameter.unit),
+        figure(value, parameter.unit),
+        error(deviation * value if parameter.log else deviation, parameter.unit),
+        minus(f"{100 * (ratio - 1):+.1f} %") if ratio < 10 else f"× {ratio:.3g}",
+        Cell("", interval=(low, middle, high)),
     ]
 
 
-def refused_rows(diagnosis: Diagnosis) -> list[WeighedRow]:
-    """What was weighed last without being added; what stays as it is counts as chosen."""
-    words = effect_words(diagnosis)
-    return [replace(_weighed(one, words, tied=False), chosen=one.effect == NONE) for one in diagnosis.refused]
-
-
-def _weighed(one: Weighed, words: dict[str, str], tied: bool) -> WeighedRow:
-    return WeighedRow(
-        plain(one.effect), one.where, words.get(one.effect, ""), str(one.parameters), size(one.gap),
-        size(one.held_out_gap), f"{one.evidence:.1f}".replace("-", "−"), percent(one.confidence),
-        100 * one.confidence, False, tied,
-    )  # fmt: skip
-
-
-def region_rows(regions: tuple[Region, ...]) -> list[RegionRow]:
-    """Regions, the largest first."""
-    return [RegionRow(percent(one.share), 100 * one.share, one.kind, one.says) for one in regions]
-
-
-def base_rows(diagnosis: Diagnosis) -> list[ParameterRow]:
-    """Parameters of the robot itself beside the card."""
-    space = diagnosis.model.space
-    count = len(diagnosis.model.base)
-    rows = []
-    for parameter, x, deviation in zip(
-        space.parameters[:count], diagnosis.x[:count], diagnosis.deviation[:count], strict=True
-    ):
-        rows.append(_beside_card(parameter, float(x), float(deviation)))
-    return rows
-
-
-def _beside_card(parameter: Parameter, x: float, deviation: float) -> ParameterRow:
-    value = parameter.value(x)
-    ratio = value / parameter.card if parameter.card else math.inf
-    low, high = (_percent_of_bar(x + sign * deviation) for sign in (-1, 1))
-    return ParameterRow(
-        name=parameter_words(parameter.name),
-        card=figure(parameter.card, parameter.unit),
-        value=figure(value, parameter.unit),
-        error=error(deviation * value if parameter.log else deviation, parameter.unit),
-        change=f"{100 * (ratio - 1):+.1f} %".replace("-", "−") if ratio < 10 else f"× {ratio:.3g}",
-        left=low,
-        width=max(high - low, 0.5),
-        place=_percent_of_bar(x),
-    )
-
-
-def _percent_of_bar(x: float) -> float:
-    if not math.isfinite(x):
-        return 100.0 if x > 0 else 0.0
-    return 50 + 50 * min(max(x / _WIDE, -1.0), 1.0)
-
-
-def effect_rows(step: Step) -> list[tuple[str, str, str]]:
-    """Parameters of an effect: name, value, standard error."""
+def _of_effect(step: Step) -> list[list[str]]:
+    """Name, value and standard error of each parameter of an effect."""
     return [
-        (
+        [
             parameter_words(name),
             figure(value, step.units.get(name, "")),
             error(step.uncertainty.get(name), step.units.get(name, "")),
-        )
+        ]
         for name, value in step.parameters.items()
     ]
 
 
-def next_words(diagnosis: Diagnosis, measurement: NextMeasurement) -> dict[str, str]:
-    """What to do next, part by part."""
-    context, robot = diagnosis.model.context, diagnosis.model.context.robot
-    sliding = [name for name, joint in robot.commanded.items() if joint.is_prismatic]
-    pairs = (explanation.partition("@")[::2] for explanation in measurement.separates)
-    one, other = (placed(effect, where) for effect, where in pairs)
+def next_task(diagnosis: Diagnosis, measurement: NextMeasurement, why: str) -> Task:
+    """What to measure next, part by part; `why` comes before how far the two models differ there."""
+    context = diagnosis.model.context
+    sliding = [name for name, joint in context.robot.commanded.items() if joint.is_prismatic]
+    one, other = (placed(*found.partition("@")[::2]) for found in measurement.separates)
     sensor = context.direction(measurement.response)
     if measurement.point is not None:
         sensor = f"a new sensor at {measurement.point}, along {sensor.partition(':')[2]}"
-    return {
-        "one": one,
-        "other": other,
-        "posture": posture_words(measurement.posture, sliding),
-        "sensor": sensor,
-        "hammer": f"{context.direction(measurement.reference)}, about {measurement.force_peak:.3g} N",
-        "expected": f"{measurement.expected:.1f}",
-    }
+    hammer = f"{context.direction(measurement.reference)}, about {measurement.force_peak:.3g} N"
+    says = f"To tell {one} from {other}, {why.format(measurement.expected)}"
+    posture = posture_words(measurement.posture, sliding)
+    return Task(says, Facts({"posture": posture, "hammer": hammer, "sensor": sensor}))

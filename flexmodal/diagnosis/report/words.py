@@ -1,14 +1,16 @@
-"""What things are called in the report, and how numbers are written."""
+"""What things are called in the report."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from typing import Literal
 
 from flexmodal.diagnosis.effects import catalogue
 from flexmodal.diagnosis.names import NONE, UNKNOWN, UNSTRUCTURED
 from flexmodal.diagnosis.outcome import Diagnosis
 from flexmodal.identification import Observations
+from flexmodal.report.words import minus, size
 
 _KINDS = {
     "stiffness": "stiffness of {}",
@@ -65,38 +67,23 @@ def posture_words(q: Mapping[str, float], prismatic: Sequence[str]) -> str:
         name: f"{value:.3f} m" if name in prismatic else f"{math.degrees(value):.1f}°"
         for name, value in q.items()
     }
-    return ", ".join(f"{name} = {value.replace('-', '−')}" for name, value in each.items())
+    return ", ".join(f"{name} = {minus(value)}" for name, value in each.items())
 
 
-def size(value: float | None) -> str:
-    """A gap, with three figures; a dash for none."""
-    return "–" if value is None or not math.isfinite(value) else f"{value:#.3g}".rstrip(".")
+def state(diagnosis: Diagnosis) -> Literal["found", "nothing", "open"]:
+    """Whether something was found, nothing is missing, or something is left open."""
+    if not diagnosis.verdict.explained:
+        return "open"
+    return "found" if diagnosis.verdict.effects else "nothing"
 
 
-def figure(value: float, unit: str = "") -> str:
-    """A physical number with four figures and its unit."""
-    text = f"{value:.4g}" if math.isfinite(value) else "–"
-    if "e" in text:
-        head, power = text.split("e")
-        text = f"{head} × 10{_raised(int(power))}"
-    return f"{text} {unit}".strip()
+def not_testable(diagnosis: Diagnosis) -> list[str]:
+    """Sentences about effects that these data cannot tell of."""
+    return [
+        f"{name.replace('_', ' ')} could not be tested: {why}." for name, why in diagnosis.untestable.items()
+    ]
 
 
-def error(value: float | None, unit: str = "") -> str:
-    """A standard error with two figures; a dash where the data do not tell it."""
-    if value is None or not math.isfinite(value):
-        return "–"
-    return figure(float(f"{value:.2g}"), unit)
-
-
-def percent(part: float) -> str:
-    """A part of one; small ones keep a figure, and nothing is rounded to certainty."""
-    if part > 0.995:
-        return "> 99 %"
-    if part < 0.005:
-        return "< 1 %"
-    return f"{100 * part:.0f} %"
-
-
-def _raised(power: int) -> str:
-    return str(power).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
+def held_out(value: float | None) -> str:
+    """A remark on a gap."""
+    return "" if value is None else f"held out: {size(value)}"

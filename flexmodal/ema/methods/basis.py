@@ -28,14 +28,24 @@ def check_residuals(residuals: str) -> Residuals:
 def pole_of(
     omega: Float[np.ndarray, "*shape"], damping: Float[np.ndarray, "*shape"]
 ) -> Complex[np.ndarray, "*shape"]:
-    """λ = −ζω_n + iω_n√(1 − ζ²), of the natural frequency [rad/s] and damping ratio below 1."""
+    """λ = −ζω_n + iω_n√(1 − ζ²), of the natural frequency [rad/s] and damping ratio below 1.
+
+    Args:
+        omega: natural frequency [rad/s].
+        damping: ratio, below 1.
+    """
     return omega * (-damping + 1j * np.sqrt(1 - damping**2))
 
 
 def pole_slopes(
     omega: Float[np.ndarray, "*shape"], damping: Float[np.ndarray, "*shape"]
 ) -> tuple[Complex[np.ndarray, "*shape"], Complex[np.ndarray, "*shape"]]:
-    """∂λ/∂ω_n and ∂λ/∂ζ."""
+    """∂λ/∂ω_n and ∂λ/∂ζ.
+
+    Args:
+        omega: natural frequency [rad/s].
+        damping: ratio, below 1.
+    """
     root = np.sqrt(1 - damping**2)
     return -damping + 1j * root, omega * (-1 - 1j * damping / root)
 
@@ -49,6 +59,12 @@ def mode_columns(
     """The factors of Re A and Im A, mode by mode: (iω)^power (s + s̃) and (iω)^power i(s − s̃).
 
     `s = (iω − λ)^−order` and `s̃` the same with λ̄; order 2 gives the change with the pole.
+
+    Args:
+        omega: of the lines [rad/s].
+        pole: λ [rad/s].
+        power: of iω: 0 for a receptance, 1 for a mobility, 2 for an inertance.
+        order: 1, or 2 for the change with the pole.
     """
     s = 1 / (1j * omega[:, None] - pole[..., None, :])
     conjugate = 1 / (1j * omega[:, None] - pole.conj()[..., None, :])
@@ -62,7 +78,13 @@ def mode_columns(
 def residual_columns(
     omega: Float[np.ndarray, " line"], power: int, residuals: Residuals
 ) -> Complex[np.ndarray, "line term"]:
-    """The factors of U and L: stiffness line and mass line, real parts before imaginary ones."""
+    """The factors of U and L: stiffness line and mass line, real parts before imaginary ones.
+
+    Args:
+        omega: of the lines [rad/s].
+        power: of iω, see `mode_columns`.
+        residuals: none, real or complex.
+    """
     if residuals == "none":
         return np.empty((len(omega), 0), dtype=complex)
     lines = np.stack([np.ones_like(omega), -1 / omega**2], axis=1) * ((1j * omega) ** power)[:, None]

@@ -95,7 +95,12 @@ def moves_of(
 
 
 def moved(mode: ModeEstimate, other: ModeEstimate) -> ModeEstimate:
-    """A mode of one FRF whose uncertainty also holds how far another estimate of it, there, parts from it."""
+    """A mode of one FRF whose uncertainty also holds how far another estimate of it, there, parts from it.
+
+    Args:
+        mode: which mode.
+        other: another estimate of it.
+    """
     values, others = (
         np.concatenate([[one.frequency, one.damping_ratio], np.abs(one.residue)]) for one in (mode, other)
     )

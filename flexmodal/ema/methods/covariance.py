@@ -34,6 +34,13 @@ def propagate(
     With W the weights and V the variances of the real parts, the poles move by H⁻¹ΣⱼKⱼᵀE⊥ᵀW δy and the
     linear unknowns by G⁻¹ΦᵀW δy less what the poles' movement takes; both are linear in the noise. Where
     W = 1/V this is the inverse of the information.
+
+    Args:
+        problem: as it was solved.
+        omega: natural frequencies at the minimum [rad/s].
+        damping: ratios there.
+        state: the elimination there.
+        variance: E|noise|² of every line.
     """
     columns, count = columns_at(problem, omega, damping)
     noise = weighted_gram(columns, problem.weight**2 * variance / 2)

@@ -53,7 +53,12 @@ class Lscf:
 
 
 def form_lscf(measured: Measured, highest: int) -> Lscf:
-    """Gather the normal equations of every order up to `highest`."""
+    """Gather the normal equations of every order up to `highest`.
+
+    Args:
+        measured: FRFs of one posture.
+        highest: order of the denominator.
+    """
     omega = measured.omega
     delay = 2 * np.pi * (1 - _GAP) / (omega[-1] - omega[0])
     value = measured.value / noise_levels(measured)

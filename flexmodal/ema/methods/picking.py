@@ -65,6 +65,10 @@ class _Reading:
 def pick_peak(measured: Measured, peak: Peak) -> ModeEstimate | str:
     """Read one peak of one FRF.
 
+    Args:
+        measured: one FRF.
+        peak: where to look.
+
     Returns:
         The mode, or a sentence on why the peak cannot be read.
     """

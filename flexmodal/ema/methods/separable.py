@@ -52,7 +52,13 @@ class Elimination:
 
 
 def columns_at(problem: Separable, omega: np.ndarray, damping: np.ndarray) -> tuple[np.ndarray, int]:
-    """All columns [group line term] at some poles, and how many of them are linear unknowns."""
+    """All columns [group line term] at some poles, and how many of them are linear unknowns.
+
+    Args:
+        problem: lines, weights and what is free.
+        omega: natural frequencies [rad/s].
+        damping: ratios.
+    """
     pole = pole_of(omega, damping)
     tail = residual_columns(problem.omega, problem.power, problem.residuals)
     first = mode_columns(problem.omega, pole, problem.power)
@@ -62,14 +68,25 @@ def columns_at(problem: Separable, omega: np.ndarray, damping: np.ndarray) -> tu
 
 
 def weighted_gram(columns: np.ndarray, weight: np.ndarray) -> np.ndarray:
-    """Re ΦᴴWΦ for every group and every set of weights: [group frf_or_1 term term]."""
+    """Re ΦᴴWΦ for every group and every set of weights: [group frf_or_1 term term].
+
+    Args:
+        columns: what the fit is linear in.
+        weight: of every line.
+    """
     flat = np.concatenate([columns.real, columns.imag], axis=1)  # group, 2 line, term
     doubled = np.concatenate([weight, weight], axis=1).transpose(0, 2, 1)[..., None]
     return flat.transpose(0, 2, 1)[:, None] @ (doubled * flat[:, None])
 
 
 def eliminate(problem: Separable, omega: np.ndarray, damping: np.ndarray) -> Elimination:
-    """Solve for residues and residual terms at these poles; slopes of the cost along the poles."""
+    """Solve for residues and residual terms at these poles; slopes of the cost along the poles.
+
+    Args:
+        problem: lines, weights and what is free.
+        omega: natural frequencies [rad/s].
+        damping: ratios.
+    """
     columns, count = columns_at(problem, omega, damping)
     gram = weighted_gram(columns, problem.weight)
     right = _products(columns[..., :count], problem.weight * problem.value)
@@ -109,7 +126,12 @@ def _turn(linear: np.ndarray, omega: np.ndarray, damping: np.ndarray) -> np.ndar
 
 
 def solve_scaled(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """Solve a stack of symmetric systems, scaled to a unit diagonal and kept off singularity."""
+    """Solve a stack of symmetric systems, scaled to a unit diagonal and kept off singularity.
+
+    Args:
+        matrix: symmetric, positive semidefinite.
+        right: right-hand sides.
+    """
     diagonal = np.diagonal(matrix, axis1=-2, axis2=-1)
     scale = 1 / np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
     scaled = matrix * scale[..., :, None] * scale[..., None, :]
@@ -122,6 +144,12 @@ def minimise(
     problem: Separable, omega: np.ndarray, damping: np.ndarray, *, rounds: int = 60
 ) -> tuple[np.ndarray, np.ndarray, Elimination, np.ndarray]:
     """Levenberg–Marquardt on all groups at once.
+
+    Args:
+        problem: lines, weights and what is free.
+        omega: natural frequencies to begin with [rad/s].
+        damping: ratios to begin with.
+        rounds: most steps.
 
     Returns:
         Natural frequencies, damping ratios [group mode], the state there, and which groups converged.

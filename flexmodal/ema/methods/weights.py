@@ -18,7 +18,13 @@ def weights_of(
     value: Complex[np.ndarray, "group line frf"],
     variance: Float[np.ndarray, "group line frf"] | None,
 ) -> Float[np.ndarray, "group line frf_or_1"]:
-    """Weights of every line, in one column for all FRFs where they weigh alike."""
+    """Weights of every line, in one column for all FRFs where they weigh alike.
+
+    Args:
+        weighting: by variance, uniform or logarithmic.
+        value: of the lines.
+        variance: E|noise|² of them, where it is known.
+    """
     if weighting == "variance" and variance is not None:
         if np.all(variance == variance[..., :1]):
             return 1 / variance[..., :1]

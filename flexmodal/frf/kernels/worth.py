@@ -8,6 +8,7 @@ knew (ski rental; Karlin, Manasse, Rudolph and Sleator, Algorithmica 3, 1988, se
 
 from __future__ import annotations
 
+import logging
 import sys
 from collections import defaultdict
 from collections.abc import Callable, Hashable
@@ -15,8 +16,13 @@ from collections.abc import Callable, Hashable
 IMPORT, LOAD = 0.7, 0.05
 """Seconds to import numba, and to read a function from disk; processor time of a core of 2020."""
 
+_LOG = logging.getLogger("flexmodal.engine")
+
 _spent: defaultdict[Hashable, float] = defaultdict(float)
 """Seconds that compiled code would have saved this process so far, by kind of work."""
+
+_stored: dict[Hashable, bool] = {}
+"""Whether the code was on disk when that was looked up first, which takes as long as a small call."""
 
 
 def is_worth_it(kind: Hashable, seconds: float, compilation: float, is_stored: Callable[[], bool]) -> bool:
@@ -32,4 +38,10 @@ def is_worth_it(kind: Hashable, seconds: float, compilation: float, is_stored: C
     price = LOAD + (0.0 if "numba" in sys.modules else IMPORT)
     if _spent[kind] < price:
         return False
-    return _spent[kind] >= price + compilation or is_stored()
+    if kind not in _stored:
+        _stored[kind] = is_stored()
+    if _stored[kind] or _spent[kind] < price + compilation:
+        return _stored[kind]
+    _LOG.info("compiling once on this machine, some %.0f s", compilation)
+    _stored[kind] = True
+    return True

@@ -42,7 +42,12 @@ class Branches:
     def follow(
         self, cell: np.ndarray, frequency: Float[np.ndarray, " found"]
     ) -> Complex[np.ndarray, " found"]:
-        """The eigenvalue of each cell at a frequency inside it, computed anew."""
+        """The eigenvalue of each cell at a frequency inside it, computed anew.
+
+        Args:
+            cell: number of the cell of each frequency.
+            frequency: inside its cell [Hz].
+        """
         part = (frequency - self.low[cell]) / (self.high[cell] - self.low[cell])
         expected = self.at_low[cell] * (self.at_high[cell] / self.at_low[cell]) ** part
         ordered, back = np.unique(frequency, return_inverse=True)
@@ -54,13 +59,24 @@ class Branches:
 def eigenvalues(
     tip: TipReceptance, directional: Float[np.ndarray, "3 axis"], frequency: Float[np.ndarray, " line"]
 ) -> Complex[np.ndarray, "line axis"]:
-    """Eigenvalues of Φ W₀ over the axes that change the chip, at ascending frequencies [1/m]."""
+    """Eigenvalues of Φ W₀ over the axes that change the chip, at ascending frequencies [1/m].
+
+    Args:
+        tip: how the tip gives way.
+        directional: W₀ [N/m²].
+        frequency: of the lines [Hz].
+    """
     moved = tip.receptance(frequency)[:, : directional.shape[1], :]
     return np.linalg.eigvals(moved @ directional)
 
 
 def branches(tip: TipReceptance, cut: Cut) -> Branches:
-    """Follow the eigenvalues from the first to the last of the tip's lines."""
+    """Follow the eigenvalues from the first to the last of the tip's lines.
+
+    Args:
+        tip: how the tip gives way.
+        cut: the cut.
+    """
     directional = average(cut)[:, : chip_axes(cut)]
     frequency = tip.lines
     values = eigenvalues(tip, directional, frequency)

@@ -28,7 +28,12 @@ _ORDERS = np.arange(-_DEGREE, _DEGREE + 1)
 def edge_vectors(
     cut: Cut, angle: Float[np.ndarray, " angle"]
 ) -> tuple[Float[np.ndarray, "angle 3"], Float[np.ndarray, "angle 3"], Float[np.ndarray, "angle 3"]]:
-    """v, n and e of a tooth at each angle [rad]."""
+    """v, n and e of a tooth at each angle [rad].
+
+    Args:
+        cut: the cut.
+        angle: of the edge [rad].
+    """
     sine, cosine, none = np.sin(angle), np.cos(angle), np.zeros_like(angle)
     sk, ck = np.sin(cut.cutter.approach), np.cos(cut.cutter.approach)
     if ck < 1e-12:
@@ -40,7 +45,12 @@ def edge_vectors(
 
 
 def tooth_matrix(cut: Cut, angle: Float[np.ndarray, " angle"]) -> Float[np.ndarray, "angle 3 3"]:
-    """Force per depth and per deflection of one tooth that is in the cut [N/m²]."""
+    """Force per depth and per deflection of one tooth that is in the cut [N/m²].
+
+    Args:
+        cut: the cut.
+        angle: of the tooth [rad].
+    """
     return -_push(cut, angle, cut.force.specific)[:, :, None] * edge_vectors(cut, angle)[1][:, None, :]
 
 
@@ -64,6 +74,11 @@ def static_force_harmonics(cut: Cut, orders: np.ndarray, depth: float) -> Comple
     """Fourier coefficients over a tooth period of the force of the undisturbed cut on the tip [N].
 
     Needs `feed_per_tooth`; chip thickness is feed × sin φ × sin κ, edge forces act all through the cut.
+
+    Args:
+        cut: the cut.
+        orders: of the tooth-passing frequency.
+        depth: axial depth [m].
     """
     angle = _samples()
     feed = cut.engagement.feed_per_tooth or 0.0
@@ -76,6 +91,11 @@ def at(cut: Cut, angle: Float[np.ndarray, " angle"], depth: float = 0.0) -> Floa
     """W of the whole cutter when its first tooth's tip stands at `angle` [N/m²].
 
     With a helix, the mean over the depth: higher up the edge lags by 2 z tan(helix) / diameter.
+
+    Args:
+        cut: the cut.
+        angle: of the first tooth [rad].
+        depth: axial depth [m].
     """
     lag = helix_lag(cut, depth)
     if lag == 0:
@@ -86,7 +106,13 @@ def at(cut: Cut, angle: Float[np.ndarray, " angle"], depth: float = 0.0) -> Floa
 
 
 def window_mean(cut: Cut, start: Float[np.ndarray, " angle"], width: float) -> Float[np.ndarray, "angle 3 3"]:
-    """Mean of the straight cutter's W from each start angle on over a width [rad], exactly."""
+    """Mean of the straight cutter's W from each start angle on over a width [rad], exactly.
+
+    Args:
+        cut: the cut.
+        start: where the window begins [rad].
+        width: of the window [rad].
+    """
     coefficients = np.fft.fft(tooth_matrix(cut, _samples()), axis=0) / len(_samples())
     total = np.zeros((len(start), 3, 3))
     first = np.floor((start.min() - cut.engagement.exit) / (2 * np.pi)) - 1
@@ -103,7 +129,12 @@ def window_mean(cut: Cut, start: Float[np.ndarray, " angle"], width: float) -> F
 
 
 def helix_lag(cut: Cut, depth: float) -> float:
-    """How far the edge lags at the top of the cut behind its tip [rad]."""
+    """How far the edge lags at the top of the cut behind its tip [rad].
+
+    Args:
+        cut: the cut.
+        depth: axial depth [m].
+    """
     return 2 * depth * float(np.tan(cut.cutter.helix)) / cut.cutter.diameter
 
 

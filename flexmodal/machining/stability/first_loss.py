@@ -37,6 +37,11 @@ class Search:
 def searches(tip: TipReceptance, cut: Cut, speed: Float[np.ndarray, " speed"]) -> list[Search]:
     """Where to look at each spindle speed, by the zero-order solution or, without a limit there, by the gain.
 
+    Args:
+        tip: how the tip gives way.
+        cut: the cut.
+        speed: spindle speeds [rev/min].
+
     Raises:
         SingularResponse: a mode that the tip sees has no damping.
     """

@@ -39,6 +39,10 @@ def limiting_depth_slope(
 ) -> tuple[Float[np.ndarray, " line"], Complex[np.ndarray, "line axis axis"]]:
     """The depth of `limiting_depth`, and what a change of the receptance does to it.
 
+    Args:
+        receptance: Φ of the tip, by line [m/N].
+        directional: W₀ [N/m²].
+
     Returns:
         The depth [m], and S such that the depth changes by `Re Σ S_uv dΦ_uv` [m/(m/N)]. Where the depth is
         infinite, or two eigenvalues meet and have no separate vectors, S is not a number.

@@ -58,7 +58,12 @@ class Lobes:
 
 
 def speed_axis(cut: Cut, count: int) -> Float[np.ndarray, " speed"]:
-    """Speeds over the cut's range [rev/min]."""
+    """Speeds over the cut's range [rev/min].
+
+    Args:
+        cut: whose range of speeds.
+        count: how many.
+    """
     low, high = cut.engagement.spindle_speed
     return np.geomspace(low, high, count) if high / low > LINEAR_RATIO else np.linspace(low, high, count)
 

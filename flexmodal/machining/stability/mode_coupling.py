@@ -41,6 +41,10 @@ class ModeCoupling:
 def mode_coupling(tip: TipReceptance, cut: Cut) -> ModeCoupling:
     """The limit from the receptance of the tip.
 
+    Args:
+        tip: how the tip gives way.
+        cut: the cut.
+
     Raises:
         SingularResponse: a mode that the tip sees has no damping.
     """

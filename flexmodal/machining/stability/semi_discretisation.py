@@ -61,6 +61,12 @@ def semi_discretisation(
 ) -> Lobes:
     """Stability limit at each spindle speed; the zero-order solution says where to begin.
 
+    Args:
+        tip: how the tip gives way.
+        cut: the cut.
+        speed: spindle speeds [rev/min].
+        intervals: steps of a tooth period.
+
     Raises:
         InvalidRequest: see `multipliers`.
         SingularResponse: a mode that the tip sees has no damping.

@@ -78,6 +78,10 @@ def unconditional_depth(tip: TipReceptance, cut: Cut) -> tuple[float, float]:
 
     The smallest of `limiting_depth` over frequency, found between the lines of a grid that follows the
     eigenvalues; infinite, and not a number, where nothing limits it.
+
+    Args:
+        tip: how the tip gives way.
+        cut: the cut.
     """
     from scipy.optimize import minimize_scalar
 

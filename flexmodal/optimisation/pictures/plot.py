@@ -10,7 +10,7 @@ from jaxtyping import Float
 
 from flexmodal.errors import Fault, FlexmodalError, InvalidRequest
 from flexmodal.frf import PointDirection
-from flexmodal.frf.plot import PALETTE, draw_frf
+from flexmodal.frf.plot import draw_frf
 from flexmodal.model import PosedRobot, Posture, Robot
 from flexmodal.optimisation.descent import RANK
 from flexmodal.optimisation.hold import Hold
@@ -23,11 +23,22 @@ from flexmodal.optimisation.objectives import (
 )
 from flexmodal.optimisation.outcome import Outcome
 from flexmodal.optimisation.problem import PostureProblem
+from flexmodal.report.figure import (
+    DASHED,
+    MARK,
+    NOISE,
+    PALETTE,
+    WIDE,
+    drawing,
+    frequency_axis,
+    look,
+    new_figure,
+)
 
-_STYLES = ("-", "--", "-.", ":")
 _SIZES = {"weighted": "|tᵀαw|", "force": "‖αw‖", "worst": "Largest singular value"}
 
 
+@drawing
 def draw_receptances(
     outcome: Outcome,
     start: Posture | None,
@@ -66,28 +77,21 @@ def _draw_sizes(
     title: str,
     mark: float | None,
 ) -> Any:
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(7.5, 4.4), layout="constrained")
+    figure = new_figure(WIDE, 4.4)
     axes = figure.subplots()
     for place, (name, posture) in enumerate(postures.items()):
         sizes = judge.sizes(robot.at(posture), frequencies)
-        axes.plot(frequencies, sizes, label=name, color=PALETTE[place], linestyle=_STYLES[place])
-    axes.set_xscale("log")
+        axes.plot(frequencies, sizes, label=name, **look(place))
+    frequency_axis(axes, frequencies)
     axes.set_yscale("log")
-    axes.xaxis.set_major_formatter("{x:g}")
-    axes.set_xlim(frequencies[0], frequencies[-1])
-    axes.set_xlabel("Frequency [Hz]")
     axes.set_ylabel(f"{_SIZES[judge.combine]} [{judge.unit}]")
-    axes.grid(True, which="major", color="0.82", linewidth=0.6)
-    axes.grid(True, which="minor", color="0.92", linewidth=0.4)
     for line in [] if mark is not None else judge.frequency:
-        axes.axvline(float(line), color="0.75", linewidth=0.6, zorder=0)
+        axes.axvline(float(line), color=NOISE, linewidth=0.6, zorder=0)
     if mark is not None:
-        axes.axvline(mark, color="0.35", linewidth=1, linestyle=(0, (2, 2)))
-    axes.legend(fontsize=9)
+        axes.axvline(mark, color=MARK, linewidth=1, linestyle=DASHED)
+    axes.legend()
     names = ", ".join(map(str, judge.directions))
-    axes.set_title(f"{title}: {names}", loc="left", fontsize=11, parse_math=False)
+    axes.set_title(f"{title}: {names}")
     return figure
 
 
@@ -119,6 +123,7 @@ def _telling_axis(robot: Robot, postures: Sequence[Posture], judge: Objective) -
     return np.geomspace(values.min() / 4, values.max() * 3, 800)
 
 
+@drawing
 def draw_postures(robot: Robot, postures: Mapping[str, Posture], *, target: Hold | None = None) -> Any:
     """Arms as lines through their joints: from the side if planar, else from the side and from above.
 
@@ -127,29 +132,26 @@ def draw_postures(robot: Robot, postures: Mapping[str, Posture], *, target: Hold
         postures: by the name for the legend.
         target: what is held, marked by a cross.
     """
-    from matplotlib.figure import Figure
-
     views = [robot.task[:2, :3]] if robot.is_planar else [np.eye(3)[[0, 2]], np.eye(3)[[0, 1]]]
-    figure = Figure(figsize=(6.2 * len(views), 5.4), layout="constrained")
+    figure = new_figure(6.2 * len(views), 5.4)
     panels = np.atleast_1d(figure.subplots(1, len(views)))
     for axes, view in zip(panels, views, strict=True):
         for place, (name, posture) in enumerate(postures.items()):
             points = _skeleton(robot.at(posture)) @ view.T
-            style: dict[str, Any] = {"color": PALETTE[place], "linestyle": _STYLES[place % 4]}
-            axes.plot(*points.T, label=name, linewidth=2.4, marker="o", markersize=5, **style)
+            axes.plot(*points.T, label=name, **look(place, linewidth=2.4, marker="o"))
         if target is not None:
             held = view @ target.rows.T @ target.target
-            axes.plot(*held, "x", color="black", markersize=11, markeredgewidth=2, label="target")
+            axes.plot(*held, "x", color=PALETTE[6], markersize=11, markeredgewidth=2, label="target")
         names = ["xyz"[int(np.argmax(np.abs(row)))] for row in view]
         axes.set_xlabel(f"{names[0]} [m]")
         axes.set_ylabel(f"{names[1]} [m]")
         axes.set_aspect("equal", adjustable="datalim")
-        axes.grid(True, color="0.9", linewidth=0.6)
-    panels[0].legend(fontsize=9)
-    panels[0].set_title(robot.title or robot.name, loc="left", fontsize=11)
+    panels[0].legend()
+    panels[0].set_title(robot.title or robot.name)
     return figure
 
 
+@drawing
 def draw_self_motion(problem: PostureProblem, centre: Posture, *, reach: float = 1.5, count: int = 61) -> Any:
     """The objective over the self-motion about a posture, the hold kept: a curve, or a map of two axes.
 
@@ -165,8 +167,6 @@ def draw_self_motion(problem: PostureProblem, centre: Posture, *, reach: float =
     Raises:
         InvalidRequest: the hold leaves nothing free.
     """
-    from matplotlib.figure import Figure
-
     vector = problem.vector(centre)
     free = _free(problem, vector)
     if free.shape[1] == 0:
@@ -174,14 +174,14 @@ def draw_self_motion(problem: PostureProblem, centre: Posture, *, reach: float =
         raise InvalidRequest(Fault("call", "problem", found, allowed))
     free = _telling(problem, vector, free, reach)
     steps = np.linspace(-reach, reach, count)
-    figure = Figure(figsize=(6.8, 5.2), layout="constrained")
+    figure = new_figure(6.8, 5.2)
     axes = figure.subplots()
     label = f"Objective [{problem.objective.unit}]"
     if free.shape[1] == 1:
         axes.plot(steps, [_value(problem, vector + a * free[:, 0]) for a in steps], color=PALETTE[0])
         axes.set_yscale("log")
         axes.set_ylabel(label)
-        axes.axvline(0.0, color="0.3", linestyle=":")
+        axes.axvline(0.0, color=MARK, linestyle=":")
     else:
         grid = np.array([[_value(problem, vector + free @ [a, b]) for a in steps] for b in steps])
         low, high = np.nanmin(grid), np.nanmax(grid)
@@ -195,7 +195,7 @@ def draw_self_motion(problem: PostureProblem, centre: Posture, *, reach: float =
         axes.set_ylabel(f"Second axis of the self-motion [rad]: {_words(problem, free[:, 1])}")
     axes.set_xlabel(f"First axis of the self-motion [rad]: {_words(problem, free[:, 0])}")
     title = f"{problem.robot.title or problem.robot.name}: objective over the self-motion"
-    axes.set_title(title, loc="left", fontsize=11, parse_math=False)
+    axes.set_title(title)
     return figure
 
 

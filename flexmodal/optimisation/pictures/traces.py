@@ -9,12 +9,11 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from flexmodal.frf.plot import PALETTE
 from flexmodal.model import Posture
 from flexmodal.optimisation.problem import PostureProblem
 from flexmodal.optimisation.search import beside, descend, null_space_descent, unreachable
+from flexmodal.report.figure import drawing, look, new_figure
 
-_STYLES = ("-", "--", "-.", ":")
 _NAMES = {"newton": "Quasi-Newton on the hold", "null-space": "Gradient in the null space [3.14]"}
 
 
@@ -59,6 +58,7 @@ def follow(problem: PostureProblem, start: Posture, method: str = "newton", *, i
     return Trace(values, np.exp(-costs if problem.objective.larger_is_better else costs), np.array(deviation))
 
 
+@drawing
 def draw_traces(problem: PostureProblem, traces: Mapping[str, Trace]) -> Any:
     """Objective, joints and distance from the target over the steps of some descents, each in a column.
 
@@ -66,30 +66,25 @@ def draw_traces(problem: PostureProblem, traces: Mapping[str, Trace]) -> Any:
         problem: whose descents.
         traces: by their method, or any other name.
     """
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(max(5.2 * len(traces), 6.5), 8.0), layout="constrained")
+    figure = new_figure(max(5.2 * len(traces), 6.5), 8.0)
     panels = figure.subplots(
         3, len(traces), sharex="col", sharey="row", squeeze=False, height_ratios=(3, 3, 1.6)
     )
     for column, (name, trace) in enumerate(traces.items()):
         upper, middle, lower = panels[:, column]
-        upper.plot(trace.objective, color=PALETTE[0])
+        upper.plot(trace.objective, **look(0))
         upper.set_yscale("log")
-        upper.set_title(_NAMES.get(name, name), loc="left", fontsize=11)
+        upper.set_title(_NAMES.get(name, name))
         for place, joint in enumerate(problem.names):
             turning = not problem.robot.commanded[joint].is_prismatic
             values = np.degrees(trace.values[:, place]) if turning else trace.values[:, place]
-            style: dict[str, Any] = {"color": PALETTE[place % 7], "linestyle": _STYLES[place % 4]}
-            middle.plot(values, label=joint if turning else f"{joint} [m]", **style)
-        lower.plot(np.maximum(trace.deviation, 1e-16), color=PALETTE[0])
+            middle.plot(values, label=joint if turning else f"{joint} [m]", **look(place))
+        lower.plot(np.maximum(trace.deviation, 1e-16), **look(0))
         lower.set_yscale("log")
         lower.set_xlabel("Step")
-        for axes in (upper, middle, lower):
-            axes.grid(True, which="major", color="0.88", linewidth=0.6)
     panels[0, 0].set_ylabel(f"Objective [{problem.objective.unit}]")
     panels[1, 0].set_ylabel("Joints [°]")
     panels[2, 0].set_ylabel("From target [m]")
     handles, labels = panels[1, 0].get_legend_handles_labels()
-    figure.legend(handles, labels, fontsize=9, loc="outside lower center", ncols=7)
+    figure.legend(handles, labels, loc="outside lower center", ncols=7)
     return figure

@@ -13,6 +13,7 @@ from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.optimisation.hold import Hold
 from flexmodal.optimisation.optimise import optimise
 from flexmodal.optimisation.problem import PostureProblem
+from flexmodal.report import drawing, new_figure
 
 _TRIES = 8
 """Random postures that are brought to a place before it counts as out of reach."""
@@ -67,6 +68,7 @@ def workspace_map(
     return grid
 
 
+@drawing
 def draw_workspace(
     problem: PostureProblem,
     first: Float[np.ndarray, " column"],
@@ -86,7 +88,6 @@ def draw_workspace(
     """
     import matplotlib as mpl
     from matplotlib.colors import LogNorm
-    from matplotlib.figure import Figure
     from matplotlib.patches import Patch
 
     hold = _held(problem)
@@ -96,8 +97,9 @@ def draw_workspace(
     middle = float(np.median(found))
     large = problem.objective.larger_is_better
     seen = found[found < middle / _ZERO] if large else found[found > middle * _ZERO]
-    figure = Figure(figsize=(6.8, 5.6), layout="constrained")
+    figure = new_figure(6.8, 5.6)
     axes = figure.subplots()
+    axes.grid(False)
     colours = mpl.colormaps["viridis"].with_extremes(under=_RED, over=_RED)
     norm = LogNorm(float(seen.min()), float(max(seen.max(), 1.001 * seen.min())))
     shown = axes.pcolormesh(first, second, grid, norm=norm, cmap=colours, shading="nearest")
@@ -111,10 +113,10 @@ def draw_workspace(
     axes.set_aspect("equal")
     where = "" if len(names) < 3 else f", {names[2]} = {hold.target[2]:g} m"
     title = problem.robot.title or problem.robot.name
-    axes.set_title(f"{title}: best at each place{where}", loc="left", fontsize=11, parse_math=False)
+    axes.set_title(f"{title}: best at each place{where}")
     if left_out:
         patch = Patch(color=_RED, label="without bound" if large else "zero but for rounding")
-        figure.legend(handles=[patch], fontsize=9, loc="outside lower center")
+        figure.legend(handles=[patch], loc="outside lower center")
     return figure
 
 

@@ -20,6 +20,7 @@ from flexmodal.modal import SecondOrderSystem
 def nothing_spent(monkeypatch):
     """As in a process that has done nothing yet and has not loaded numba."""
     monkeypatch.setattr(worth, "_spent", type(worth._spent)(float))
+    monkeypatch.setattr(worth, "_stored", {})
     monkeypatch.setattr(route, "_LOADED", set())
     monkeypatch.setitem(sys.modules, "numba", None)
     monkeypatch.delitem(sys.modules, "numba")
@@ -34,11 +35,20 @@ def calls_until_worth_it(seconds, is_stored):
     return next(n for n in count(1) if is_worth_it("this", seconds, 4.0, is_stored))
 
 
-def test_the_rent_reaches_the_price():
+@pytest.mark.parametrize(("is_stored", "price"), [(True, IMPORT + LOAD), (False, IMPORT + LOAD + 4)])
+def test_the_rent_reaches_the_price(is_stored, price):
     """Work of 10 ms a call: bought when all of it together would have paid."""
-    assert calls_until_worth_it(0.01, stored(True)) == pytest.approx((IMPORT + LOAD) / 0.01, abs=1.5)
-    worth._spent.clear()
-    assert calls_until_worth_it(0.01, stored(False)) == pytest.approx((IMPORT + LOAD + 4) / 0.01, abs=1.5)
+    assert calls_until_worth_it(0.01, stored(is_stored)) == pytest.approx(price / 0.01, abs=1.5)
+
+
+def test_a_compilation_is_logged_once(caplog):
+    """And the disk is looked at once, however often is asked."""
+    looks = []
+    with caplog.at_level("INFO", logger="flexmodal.engine"):
+        found = [is_worth_it("this", 1.0, 4.0, lambda: looks.append(1) or False) for _ in range(20)]
+    assert found == [False] * 4 + [True] * 16
+    assert len(looks) == 1
+    assert caplog.messages == ["compiling once on this machine, some 4 s"]
 
 
 def test_kinds_are_counted_by_themselves():

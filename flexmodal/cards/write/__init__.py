@@ -1,0 +1,4 @@
+"""Cards and URDFs written: by `identify`, by `diagnose` and by the rig."""
+
+from flexmodal.cards.write.robot import write_robot as write_robot
+from flexmodal.cards.write.urdf import UrdfDraft as UrdfDraft

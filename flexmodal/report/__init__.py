@@ -1,0 +1,29 @@
+"""One kit for every page and picture: shell, style sheet, figures, tables, numbers in words."""
+
+from flexmodal.report.figure import PALETTE as PALETTE
+from flexmodal.report.figure import drawing as drawing
+from flexmodal.report.figure import look as look
+from flexmodal.report.figure import new_figure as new_figure
+from flexmodal.report.figure import svg_text as svg_text
+from flexmodal.report.figure import write_figure as write_figure
+from flexmodal.report.page import page_text as page_text
+from flexmodal.report.page import write_json as write_json
+from flexmodal.report.page import write_page as write_page
+from flexmodal.report.parts import Cell as Cell
+from flexmodal.report.parts import Column as Column
+from flexmodal.report.parts import Facts as Facts
+from flexmodal.report.parts import Folded as Folded
+from flexmodal.report.parts import Gallery as Gallery
+from flexmodal.report.parts import Heading as Heading
+from flexmodal.report.parts import Items as Items
+from flexmodal.report.parts import Legend as Legend
+from flexmodal.report.parts import Numbers as Numbers
+from flexmodal.report.parts import Part as Part
+from flexmodal.report.parts import Parts as Parts
+from flexmodal.report.parts import Picture as Picture
+from flexmodal.report.parts import Section as Section
+from flexmodal.report.parts import Table as Table
+from flexmodal.report.parts import Task as Task
+from flexmodal.report.parts import Text as Text
+from flexmodal.report.parts import Verdict as Verdict
+from flexmodal.report.parts import columns as columns

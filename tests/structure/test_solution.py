@@ -1,0 +1,193 @@
+"""Many systems at once against one at a time, compiled loops against numpy, and ports with derivatives."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from flexmodal.frf.kernels.route import has_numba
+from flexmodal.structure.assembly import KINDS
+from flexmodal.structure.ports import CompliancePort, StiffnessPort, solved_with
+from flexmodal.structure.solution import Entries, solved
+from flexmodal.structure.stack import Structures, joined
+from flexmodal.structure.structure import Axis, receptance
+from flexmodal.structure.truncation import missing_of, missing_with_slopes
+
+SYSTEMS, DOF, ROWS, STRUCK, NAMES = 3, 5, 4, 2, tuple(f"p{k}" for k in range(8))
+AXIS = Axis(np.linspace(3.0, 120.0, 41), 20.0, decay=0.4)
+ENTRIES = Entries(
+    np.array([[m, u, v] for m in range(SYSTEMS) for u in range(ROWS) for v in range(STRUCK) if m or u]),
+    (ROWS, STRUCK),
+)
+
+
+def symmetric(random, *shape, size=1.0):
+    a = random.normal(size=(*shape, DOF, DOF))
+    return size * (a @ np.swapaxes(a, -1, -2) / DOF + 0.1 * np.eye(DOF))
+
+
+@pytest.fixture
+def structures():
+    random = np.random.default_rng(0)
+    slopes = {
+        "mass": (np.arange(3), symmetric(random, 3, SYSTEMS)),
+        "stiffness": (np.arange(2, 6), symmetric(random, 4, SYSTEMS, size=1e5)),
+        "damping": (np.array([5]), symmetric(random, 1, SYSTEMS, size=50.0)),
+        "loss": (np.array([2]), symmetric(random, 1, SYSTEMS, size=1e4)),
+    }
+    rows = [(SYSTEMS, ROWS, DOF), (SYSTEMS, STRUCK, DOF)]
+    return Structures(
+        tuple("abcde"), symmetric(random, SYSTEMS), symmetric(random, SYSTEMS, size=60.0),
+        symmetric(random, SYSTEMS, size=2e5), symmetric(random, SYSTEMS, size=5e4),
+        *(random.normal(size=shape) for shape in rows), NAMES, slopes,
+        {6: tuple(random.normal(size=shape) for shape in rows)}, 0.06, {7: 1.0},
+    )  # fmt: skip
+
+
+def complex_of(parts):
+    return parts[:, :, 0] + 1j * parts[:, :, 1]
+
+
+@pytest.mark.parametrize(
+    "compiled", [False, pytest.param(True, marks=pytest.mark.skipif(not has_numba(), reason="no numba"))]
+)
+def test_all_at_once_are_what_each_is_by_itself(structures, compiled):
+    found = solved(structures, AXIS, ENTRIES, compiled=compiled)
+    scale = 1 / found.value
+    slopes = complex_of(found.slopes(scale))
+    for m in range(SYSTEMS):
+        own = ENTRIES.table[:, 0] == m
+        value, change = receptance(structures[m], AXIS, ENTRIES.table[own, 1:], NAMES)
+        # LAPACK's own rounding times the condition of Z
+        np.testing.assert_allclose(found.value[own], value, rtol=1e-10)
+        np.testing.assert_allclose(slopes[:, own], change / value, atol=1e-10 * np.abs(slopes).max())
+
+
+@pytest.mark.skipif(not has_numba(), reason="no numba")
+def test_negative_stiffness_is_solved_with_pivoting(structures):
+    """Resonances of a part held fast make a pivot of the elimination vanish; such lines are repaired."""
+    soft = replace(
+        structures, damping=np.zeros_like(structures.damping), loss_factor=0.0, loss_slopes={},
+        stiffness=structures.stiffness * np.array([[[-1.0]], [[1.0]], [[0.0]]]),
+    )  # fmt: skip
+    held = replace(soft, stiffness=soft.stiffness.copy())
+    axis = replace(AXIS, decay=0.0)
+    s = (2 * np.pi * axis.frequency[7]) ** 2
+    held.stiffness[0, 0, 0] = s * held.mass[0, 0, 0]  # Z_00 = 0 on the line, exactly
+    one, other = (solved(held, axis, ENTRIES, compiled=way).value for way in (True, False))
+    np.testing.assert_allclose(one, other, rtol=1e-7)
+
+
+def test_what_is_joined_is_added(structures):
+    twice = joined([structures.slopes, structures.slopes])
+    doubled = replace(structures, slopes=twice, turned={}, loss_slopes={})
+    once = replace(structures, turned={}, loss_slopes={})
+    scale = np.ones((len(ENTRIES.table), len(AXIS)), dtype=complex)
+    one, other = (solved(each, AXIS, ENTRIES, compiled=False).slopes(scale) for each in (once, doubled))
+    np.testing.assert_allclose(other, 2 * one, rtol=1e-12)
+    np.testing.assert_allclose(doubled[1].changes["p3"].stiffness, 2 * once[1].changes["p3"].stiffness)
+
+
+# ports
+
+
+def pattern_of(b):
+    return b[:, :, None] * b[:, None, :]
+
+
+@pytest.fixture
+def between(structures):
+    """A spring, a dashpot and a mass between two rows, as an effect puts them in, and as a port."""
+    b = structures.response[:, 0] - structures.response[:, 1]
+    k, c, m = 4e4, 30.0, 0.2
+    p = pattern_of(b)
+    built = replace(
+        structures, stiffness=structures.stiffness + k * p, damping=structures.damping + c * p,
+        mass=structures.mass + m * p,
+    )  # fmt: skip
+    s = AXIS.s
+    return built, StiffnessPort(p, (k + c * s + m * s**2)[None])
+
+
+def test_a_port_is_the_parts_it_stands_for(structures, between):
+    built, port = between
+    made, truth = solved_with(structures, AXIS, ENTRIES, [port]), solved(built, AXIS, ENTRIES, compiled=False)
+    np.testing.assert_allclose(made.solved.value, truth.value, rtol=1e-10)
+    scale = 1 / truth.value
+    np.testing.assert_allclose(made.slopes(scale), truth.slopes(scale), rtol=1e-8, atol=1e-10)
+
+
+def test_derivatives_along_a_stiffness_and_its_pattern(structures, between):
+    _, port = between
+    b = structures.response[:, 0] - structures.response[:, 1]
+    way = structures.reference[:, 0]
+    moved = np.array([4]), (b[:, :, None] * way[:, None] + way[:, :, None] * b[:, None])[None]
+    port = replace(port, moved=moved)
+    made = solved_with(structures, AXIS, ENTRIES, [port])
+    z, step = port.value, 1e-4 * np.abs(port.value).max()
+    for turn in (1.0, 1j):  # holomorphic: the same along the real and the imaginary axis
+        up, down = (
+            solved_with(structures, AXIS, ENTRIES, [replace(port, value=z + side * step * turn)]).solved.value
+            for side in (1, -1)
+        )
+        # central differences: step² of the third derivative
+        np.testing.assert_allclose((up - down) / (2 * step * turn), made.along(0), rtol=1e-3, atol=1e-14)
+    h = 1e-5
+
+    def at(side):
+        here = replace(
+            structures, stiffness=structures.stiffness + side * h * structures.slopes["stiffness"][1][2]
+        )
+        turned = replace(port, pattern=pattern_of(b + side * h * way))
+        return solved_with(here, AXIS, ENTRIES, [turned]).solved.value
+
+    slopes = complex_of(made.slopes(1 / made.solved.value))
+    numeric = (at(1) - at(-1)) / (2 * h) / made.solved.value
+    np.testing.assert_allclose(slopes[4], numeric, rtol=1e-5, atol=1e-7)
+
+
+@pytest.mark.parametrize("size", [0.0, 1e-6])
+def test_a_compliance_is_regular_where_it_vanishes(structures, size):
+    """At 0 the port holds its coordinate; elsewhere it is a spring of 1/c there."""
+    c = np.full((1, len(AXIS)), size * (1 - 0.3j))
+    port = CompliancePort(4, c)
+    made = solved_with(structures, AXIS, ENTRIES, [port])
+    if size:
+        pattern = np.zeros((SYSTEMS, DOF, DOF))
+        pattern[:, 4, 4] = 1.0
+        other = solved_with(structures, AXIS, ENTRIES, [StiffnessPort(pattern, 1 / c)])
+        scale = 1 / other.solved.value
+        np.testing.assert_allclose(made.slopes(scale), other.slopes(scale), rtol=1e-7, atol=1e-9)
+    else:
+        cut = replace(
+            structures, coordinates=tuple("abcd"), slopes={}, turned={}, names=(), loss_slopes={},
+            **{kind: getattr(structures, kind)[:, :4, :4] for kind in KINDS},
+            response=structures.response[:, :, :4], reference=structures.reference[:, :, :4],
+        )  # fmt: skip
+        other = solved(cut, AXIS, ENTRIES, compiled=False)
+        np.testing.assert_allclose(made.solved.value, other.value, rtol=1e-9)
+        return
+    np.testing.assert_allclose(made.solved.value, other.solved.value, rtol=1e-9)
+
+
+@pytest.mark.parametrize("size", [0.0, 1e-6])
+def test_derivatives_along_a_compliance(structures, size):
+    c, step = np.full((1, len(AXIS)), size + 0j), 1e-10
+    made = solved_with(structures, AXIS, ENTRIES, [CompliancePort(4, c)])
+    up, down = (
+        solved_with(structures, AXIS, ENTRIES, [CompliancePort(4, c + side * step)]).solved.value
+        for side in (1, -1)
+    )
+    found, numeric = made.along(0), (up - down) / (2 * step)
+    np.testing.assert_allclose(found, numeric, rtol=1e-4, atol=1e-5 * np.abs(found).max())
+
+
+@pytest.mark.parametrize("power", [0, 1, 2])
+def test_what_a_record_cuts_off_is_the_same_by_modes_and_by_the_state_at_its_end(structures, power):
+    bare = replace(structures, slopes={}, turned={}, names=(), loss_factor=0.0, loss_slopes={})
+    axis = replace(AXIS, length=0.05, power=power, cut_slopes=False)
+    found = solved(bare, axis, ENTRIES, compiled=False)
+    by_modes, _ = missing_with_slopes(found, ())
+    by_state = missing_of(found)
+    assert np.abs(by_modes).max() > 1e-3 * np.abs(found.value).max()
+    np.testing.assert_allclose(by_state, by_modes, rtol=1e-7, atol=1e-9 * np.abs(by_modes).max())
