@@ -92,7 +92,7 @@ def marching() -> Variants:
 
 
 def rig() -> Variants:
-    """The first 4000 steps of the march of a simulated campaign with friction in a joint."""
+    """The first 4000 steps of the time integration of a simulated campaign with friction in a joint."""
     robot = flexmodal.load("six_link")
     compiled = nonlinear._march()
     given: list[tuple[Any, ...]] = []
@@ -108,7 +108,7 @@ def rig() -> Variants:
     short = np.ascontiguousarray(fine[:, :, : origin + 4000])
     return {
         "after": lambda: compiled(*before, short),
-        "numpy form": lambda: nonlinear.march_numpy(*before, short),
+        "numpy form": lambda: nonlinear.step_through_numpy(*before, short),
     }
 
 
@@ -117,7 +117,7 @@ PARTS: dict[str, tuple[Callable[[], Variants], tuple[str, ...]]] = {
     "value and gradient: 300 postures": (slopes, ("numpy form",)),
     "optimise: 12 starts of the posture search": (search, ("numpy form",)),
     "diagnose: march of 8 blows, friction and hardening": (marching, ("numpy form",)),
-    "rig: 4000 steps of its march, friction in a joint": (rig, ("numpy form",)),
+    "rig: 4000 steps of its integration, friction in a joint": (rig, ("numpy form",)),
 }
 
 

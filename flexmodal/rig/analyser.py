@@ -91,6 +91,12 @@ class Analyser:
         The grid is cut into blocks of one sample each and the filter into as many pieces: sample n is the sum
         over pieces k of piece k on block n + k. Each channel is worked out alone, so that it does not matter
         to a bit which others are with it.
+
+        Args:
+            fine: values on the grid, the last axis.
+            weights: of the filter, see `weights`.
+            first: number of the first sample.
+            count: how many samples.
         """
         fold = self.oversampling
         pieces = np.pad(weights[::-1], (0, -len(weights) % fold)).reshape(-1, fold)

@@ -68,7 +68,13 @@ class TrueRobot:
 
 
 def true_robot(robot: Robot, error: ParameterError, random: np.random.Generator) -> TrueRobot:
-    """Draw the true robot around the believed one."""
+    """Draw the true robot around the believed one.
+
+    Args:
+        robot: as the card says.
+        error: how far the card is off.
+        random: where it is drawn from.
+    """
     factors: dict[str, float] = {}
 
     def factor(name: str, size: float) -> float:

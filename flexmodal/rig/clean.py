@@ -19,7 +19,12 @@ from flexmodal.rig.sensing import Sensor
 
 
 def peaks(stand: Stand, posture: CampaignPosture) -> tuple[dict[str, float], dict[str, float]]:
-    """Peak deflection of each joint [rad] and acceleration at each point [m/s²] for a blow of 1 N."""
+    """Peak deflection of each joint [rad] and acceleration at each point [m/s²] for a blow of 1 N.
+
+    Args:
+        stand: the true robot and its plan.
+        posture: in which it is struck.
+    """
     plan = stand.plan
     plant = build(stand, posture, [])
     trial = replace(plan.trials[0], force_peak=1.0)
@@ -46,7 +51,14 @@ def peaks(stand: Stand, posture: CampaignPosture) -> tuple[dict[str, float], dic
 def strike_all_points(
     stand: Stand, posture: CampaignPosture, hidden: Sequence[Hidden], trials: Sequence[Trial]
 ) -> Complex[np.ndarray, "trial reference point axis line"]:
-    """FRFs from one clean blow a trial and reference, measured at every point at once."""
+    """FRFs from one clean blow a trial and reference, measured at every point at once.
+
+    Args:
+        stand: the true robot and its plan.
+        posture: in which it is struck.
+        hidden: effects put in.
+        trials: one blow each.
+    """
     plan = stand.plan
     linear = all(EFFECTS[name].linear for name, _ in hidden)
     mounted = sensors(stand, hidden)

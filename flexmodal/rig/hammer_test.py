@@ -128,7 +128,13 @@ def world_axis(direction: int) -> Float[np.ndarray, "3"]:
 def reference_rows(
     stand: Stand, plant: Plant, strikes: Sequence[tuple[Strike | None, tuple[int, int]]]
 ) -> Float[np.ndarray, "blow dof"]:
-    """Rows along which the blows push, where and as they truly fell."""
+    """Rows along which the blows push, where and as they truly fell.
+
+    Args:
+        stand: the true robot and its plan.
+        plant: in its posture.
+        strikes: each with the point and direction it was aimed at; None for one that went where it was aimed.
+    """
     rows = []
     for blow, (number, direction) in strikes:
         point = stand.plan.point(number)
@@ -142,7 +148,14 @@ def reference_rows(
 def response_rows(
     stand: Stand, plant: Plant, point: CampaignPoint, sensor: Sensor
 ) -> Float[np.ndarray, "axis dof"]:
-    """Rows along which a sensor truly measures."""
+    """Rows along which a sensor truly measures.
+
+    Args:
+        stand: the true robot and its plan.
+        plant: in its posture.
+        point: that carries the sensor.
+        sensor: as it truly is.
+    """
     axes = plant.orientation(point.link)
     return np.array(
         [
@@ -184,7 +197,12 @@ def _record(
 
 
 def force_records(blows: Sequence[Strike], analyser: Analyser) -> Float[np.ndarray, "blow sample"]:
-    """What the force channel records, through the same filter as the others [N]."""
+    """What the force channel records, through the same filter as the others [N].
+
+    Args:
+        blows: pulses of the hammer.
+        analyser: filter and samples.
+    """
     last = max(blow.start + blow.duration for blow in blows)
     grid = int(np.ceil(last / analyser.step)) + 1
     times = np.arange(grid) * analyser.step
@@ -225,6 +243,13 @@ def each_posture(
 
     Whatever is drawn is drawn from a stream of its own for each posture, so that it does not matter who
     strikes it when. Threads do: the long loops leave the interpreter alone.
+
+    Args:
+        stand: the true robot and its plan.
+        hidden: effects put in.
+        conduct: noise, scatter and seed.
+        workers: postures struck side by side.
+        advance: called after each posture.
     """
     postures = stand.plan.postures
     if workers == 1:

@@ -59,7 +59,7 @@ def make_plan(
     record_length: float,
     random: np.random.Generator,
 ) -> HammerPlan:
-    """HammerPlan a campaign; see `simulate` for the arguments.
+    """Plan a campaign; see `simulate` for the arguments.
 
     Raises:
         InvalidRequest, InvalidPosture, InvalidPoint: every argument out of its range at once.

@@ -19,6 +19,10 @@ AXES = "xyz"
 def choose_points(robot: Robot, count: int | None) -> tuple[CampaignPoint, ...]:
     """The card's points on moving links, or the far ends of the links; evenly chosen, the outermost kept.
 
+    Args:
+        robot: which.
+        count: how many; all of them if None.
+
     Raises:
         InvalidRequest: not so many, or no point at all.
     """

@@ -32,6 +32,10 @@ class RigResult:
     def write(self, folder: str | Path, *, binary: bool = True) -> Path:
         """Write the campaign to a new folder and the truth beside it.
 
+        Args:
+            folder: a new one.
+            binary: whether universal files are binary.
+
         Returns:
             Where the truth is.
 

@@ -26,5 +26,10 @@ class Sensor:
     def direction(
         self, axes: Float[np.ndarray, "3 3"], nominal: Float[np.ndarray, "3"]
     ) -> Float[np.ndarray, "3"]:
-        """World direction that it measures when it is recorded as `nominal`, on a link with these axes."""
+        """World direction that it measures when it is recorded as `nominal`, on a link with these axes.
+
+        Args:
+            axes: of the link in the world, column by column.
+            nominal: unit vector in the world that the record names.
+        """
         return axes @ self.turned @ axes.T @ nominal

@@ -91,7 +91,14 @@ def _run(prepared: Prepared, time: bool, workers: int, advance: Callable[[], Non
 
 
 def make_stand(robot: Robot, plan: HammerPlan, error: ParameterError, seed: int) -> Stand:
-    """The true robot, and how far it moves when it is struck."""
+    """The true robot, and how far it moves when it is struck.
+
+    Args:
+        robot: as the card says.
+        plan: postures, points, references, trials.
+        error: how far the card is off.
+        seed: of what is drawn.
+    """
     true = true_robot(robot, error, np.random.default_rng([seed, 4]))
     bare = Stand(robot, true, plan, {}, {})
     found = [clean_peaks(bare, posture) for posture in plan.postures]

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 PACKAGE = Path(__file__).parents[2] / "flexmodal"
-ROOMS = ("campaign", "cards", "ema", "frf", "machining", "modal", "model", "text")
-PICTURES = ("plot", "page", "pictures", "canvas", "table", "report", "kernels", "batch")
+ROOMS = ("campaign", "cards", "ema", "frf", "machining", "modal", "model", "rig", "text")
+PICTURES = ("plot", "page", "pictures", "canvas", "table", "report", "kernels", "batch", "kernel")
 """Modules and rooms of pictures, pages and compiled loops, which are not held to it."""
 
 
@@ -30,7 +30,7 @@ def unsaid(path: Path) -> Iterator[str]:
         names = [one.arg for one in (*given.posonlyargs, *given.args, *given.kwonlyargs)]
         names = [name for name in names if name not in ("self", "cls")]
         text = ast.get_docstring(function) or ""
-        if len(names) > 1:
+        if len(names) > 1 and "for the arguments" not in text:
             for name in names:
                 if "Args:" not in text or f"\n    {name}: " not in text:
                     yield f"{path.relative_to(PACKAGE)}: {function.name}({name})"

@@ -200,7 +200,7 @@ def test_compiled_and_plain_loops_agree(stand, hidden, monkeypatch):
     posture = bench.plan.postures[0]
     spec = [hidden(bench, name, joint) for name, joint in zip(LAWS, ("q1", "q2", "q3"), strict=True)]
     compiled = strike_posture(bench, posture, spec, Conduct(noise=0.0))
-    monkeypatch.setattr(nonlinear, "_march", lambda: nonlinear.march_numpy)
+    monkeypatch.setattr(nonlinear, "_stepper", lambda: nonlinear.step_through_numpy)
     plain = strike_posture(bench, posture, spec, Conduct(noise=0.0))
     size = np.abs(compiled.response).max()
     np.testing.assert_allclose(plain.response, compiled.response, atol=1e-9 * size)

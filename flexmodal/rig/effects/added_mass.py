@@ -12,7 +12,14 @@ from flexmodal.structure.arm import moved_bodies
 
 
 def on_link(stand: Stand, link: str, along: float, beside: float) -> np.ndarray:
-    """A place part of the way along a link and somewhat beside its axis, in its frame [m]."""
+    """A place part of the way along a link and somewhat beside its axis, in its frame [m].
+
+    Args:
+        stand: the true robot and its plan.
+        link: which.
+        along: part of the way to its far end.
+        beside: distance from its axis [m].
+    """
     end = reach(stand.robot, link)
     length = float(np.linalg.norm(end))
     if length < 1e-6:

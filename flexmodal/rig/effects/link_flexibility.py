@@ -24,6 +24,11 @@ def _span(site_link: str, stand: Stand) -> tuple[float, np.ndarray]:
 def spread(body: Body, length: float, axis: np.ndarray) -> tuple[float, Body]:
     """Split a link's inertia into a uniform beam and a rest, so that the rigid link keeps all of it.
 
+    Args:
+        body: mass properties of the link.
+        length: of the beam [m].
+        axis: unit vector along it, in the frame of the link.
+
     Returns:
         Mass of the beam, as much as leaves the rest with a moment of inertia a body can have, and the rest.
     """

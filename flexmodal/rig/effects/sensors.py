@@ -16,7 +16,12 @@ from flexmodal.structure.arm import moved_bodies
 
 
 def points_that_move(robot: Robot, points: Sequence[CampaignPoint]) -> tuple[str, ...]:
-    """Points with a sensor on links that move."""
+    """Points with a sensor on links that move.
+
+    Args:
+        robot: which.
+        points: all of them.
+    """
     moved = moved_bodies(robot)
     return tuple(point.name for point in points if point.link in moved)
 

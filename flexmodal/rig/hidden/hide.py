@@ -35,7 +35,12 @@ class Hide:
 
     @classmethod
     def parse(cls, text: str | Hide, *, source: str = "call") -> Hide:
-        """Read "EFFECT", "EFFECT@WHERE" or "EFFECT@WHERE,parameter=value,…"."""
+        """Read "EFFECT", "EFFECT@WHERE" or "EFFECT@WHERE,parameter=value,…".
+
+        Args:
+            text: what to hide; a `Hide` is given back as it is.
+            source: where the text came from, for the error.
+        """
         if isinstance(text, Hide):
             return text
         head, *rest = (part.strip() for part in text.split(","))
@@ -79,7 +84,12 @@ def hide_places(robot: Robot, *, points: int | None = None) -> dict[str, tuple[s
 
 
 def canonical(where: str, places: Sequence[str]) -> str:
-    """A pair of joints is the same in either order."""
+    """A pair of joints is the same in either order.
+
+    Args:
+        where: a place as it was asked for.
+        places: those there are.
+    """
     turned = "+".join(reversed(where.split("+")))
     return turned if where not in places and turned in places else where
 

@@ -35,6 +35,11 @@ def put_in(
 ) -> tuple[list[Hidden], tuple[HiddenEffect, ...], float | None]:
     """Put effects in, one after the other, each as if it were alone.
 
+    Args:
+        stand: the true robot and its plan.
+        wanted: what to hide.
+        conduct: noise, scatter and seed.
+
     Returns:
         Their sites, how they came out, and the noise floor where it was needed.
 

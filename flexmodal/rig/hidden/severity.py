@@ -50,7 +50,12 @@ class Floor:
 
 
 def noise_floor(stand: Stand, conduct: Conduct) -> Floor:
-    """Measure the noise on some of the postures, nothing hidden."""
+    """Measure the noise on some of the postures, nothing hidden.
+
+    Args:
+        stand: the true robot and its plan.
+        conduct: noise, scatter and seed.
+    """
     plan = stand.plan
     pick = np.unique(np.linspace(0, len(plan.postures) - 1, MOST_POSTURES).round().astype(int))
     postures = tuple(plan.postures[k] for k in pick)
@@ -71,7 +76,13 @@ def noise_floor(stand: Stand, conduct: Conduct) -> Floor:
 
 
 def height(stand: Stand, hidden: Sequence[Hidden], floor: Floor) -> float:
-    """Root mean square of |ln(H with / H without)| [1], without noise or scatter."""
+    """Root mean square of |ln(H with / H without)| [1], without noise or scatter.
+
+    Args:
+        stand: the true robot and its plan.
+        hidden: effects put in.
+        floor: lines and postures to take it on.
+    """
     if all(EFFECTS[name].linear for name, _ in hidden):
         ratios = _linear(stand, hidden, floor)
     else:
@@ -80,7 +91,12 @@ def height(stand: Stand, hidden: Sequence[Hidden], floor: Floor) -> float:
 
 
 def limit(effect: Effect, parameters: Parameters) -> float:
-    """The highest severity of these parameters, short of where rounding would carry one over its limit."""
+    """The highest severity of these parameters, short of where rounding would carry one over its limit.
+
+    Args:
+        effect: which.
+        parameters: its numbers.
+    """
     return effect.most(parameters) * (1 - 1e-9)
 
 
@@ -91,6 +107,13 @@ def severity_for(stand: Stand, name: str, site: Site, target: float, floor: Floo
     through the two severities that hold the target between them, or the last two.
 
     Where the effect cannot stand that high, the highest severity that makes sense, and its height.
+
+    Args:
+        stand: the true robot and its plan.
+        name: of the effect.
+        site: where it sits, and its numbers.
+        target: height over the noise floor.
+        floor: the noise.
     """
     effect = EFFECTS[name]
     most = limit(effect, site.parameters)

@@ -37,7 +37,12 @@ def exponential(matrices: Float[np.ndarray, "*many n n"]) -> Float[np.ndarray, "
 
 
 def polynomial(weights: Float[np.ndarray, " power"], a: Float[np.ndarray, "n n"]) -> Float[np.ndarray, "n n"]:
-    """Σ_j weights[j] Aʲ, by Horner's rule over blocks of powers."""
+    """Σ_j weights[j] Aʲ, by Horner's rule over blocks of powers.
+
+    Args:
+        weights: of each power.
+        a: the matrix A.
+    """
     width = int(np.ceil(np.sqrt(len(weights))))
     powers = [np.eye(len(a))]
     for _ in range(width):

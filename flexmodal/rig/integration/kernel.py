@@ -69,8 +69,8 @@ def backlash(p, new, force):
 
 @numba.njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
-def march(phi, early, late, pulse, origin, kinds, parameters, rows, c, d, fine):
-    """March blows side by side and write what the outputs say.
+def step_through(phi, early, late, pulse, origin, kinds, parameters, rows, c, d, fine):
+    """Integrate blows side by side and write what the outputs say.
 
     Args:
         phi: exp(A h), [state, state].

@@ -40,6 +40,12 @@ def pulse_states(
 ) -> tuple[int, Float[np.ndarray, "blow grid state"]]:
     """States on the grid from the first point with any motion to one where every pulse is over.
 
+    Args:
+        a: state matrix.
+        column: input vector of each blow.
+        strikes: the blows.
+        step: of the grid [s].
+
     Returns:
         Number of the grid point before the first contact, and the states from there on.
     """
@@ -90,7 +96,15 @@ def records(
     strikes: list[Strike],
     analyser: Analyser,
 ) -> Float[np.ndarray, "blow channel sample"]:
-    """Sampled accelerations of a linear plant under each of several blows [m/s²]."""
+    """Sampled accelerations of a linear plant under each of several blows [m/s²].
+
+    Args:
+        a: state matrix.
+        column: input vector of each blow.
+        outputs: rows that are recorded.
+        strikes: the blows.
+        analyser: filter and samples.
+    """
     step, fold = analyser.step, analyser.oversampling
     origin, states = pulse_states(a, column, strikes, step)
     filters = {float(delay): analyser.weights(float(delay)) for delay in np.unique(outputs.delay)}

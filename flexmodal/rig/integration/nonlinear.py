@@ -52,8 +52,8 @@ def fine_records(
     fine = np.zeros((len(strikes), len(rows), grid))
     kinds = np.array([element.kind for element in plant.elements], dtype=np.int64)
     parameters = np.array([element.parameters for element in plant.elements], dtype=float).reshape(-1, 3)
-    march = _march()
-    march(
+    step_through = _stepper()
+    step_through(
         phi, early, late, pulse, origin, kinds, parameters, seen, np.ascontiguousarray(outputs.by_state[0]),
         np.ascontiguousarray(by_element), fine,
     )  # fmt: skip
@@ -70,6 +70,11 @@ def held(
     """exp(A h) and the weights of an input at both ends of a step, a straight line in between.
 
     Van Loan's formula: the exponential of [[A, B, 0], [0, 0, I], [0, 0, 0]].
+
+    Args:
+        a: state matrix.
+        columns: input vectors.
+        step: h [s].
     """
     n, r = columns.shape
     wide = np.zeros((n + 2 * r, n + 2 * r))
@@ -84,20 +89,20 @@ def held(
     )
 
 
-def _march() -> Any:
+def _stepper() -> Any:
     """The compiled loop, or the same in numpy where numba is not installed."""
     try:
-        from flexmodal.rig.integration.kernel import march
+        from flexmodal.rig.integration.kernel import step_through
     except ImportError:
-        return march_numpy
-    return march
+        return step_through_numpy
+    return step_through
 
 
-def march_numpy(
+def step_through_numpy(
     phi: np.ndarray, early: np.ndarray, late: np.ndarray, pulse: np.ndarray, origin: int, kinds: np.ndarray,
     parameters: np.ndarray, rows: np.ndarray, c: np.ndarray, d: np.ndarray, fine: np.ndarray,
 ) -> None:  # fmt: skip
-    """What `kernel.march` does, a step at a time for all blows at once."""
+    """What `kernel.step_through` does, for all blows at once; see there for the arguments."""
     blows, count = pulse.shape[2], len(kinds)
     now = np.zeros((len(phi), blows))
     force, memory, stretch = np.zeros((3, count, blows))

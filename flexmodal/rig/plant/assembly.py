@@ -88,7 +88,12 @@ class PlantAssembly:
         return self.placed[link][:3, :3]
 
     def motion(self, link: str, place: Float[np.ndarray, "3"]) -> Float[np.ndarray, "6 dof"]:
-        """Motion of a point of a link, the bending of that link included."""
+        """Motion of a point of a link, the bending of that link included.
+
+        Args:
+            link: which.
+            place: in its frame [m].
+        """
         moved = carried(self._padded(self._maps[link]), self.orientation(link) @ place)
         for bending in self._bending.get(link, []):
             moved[:, bending.columns] += self._bent(link, bending, place)
@@ -113,7 +118,12 @@ class PlantAssembly:
         return slice(start, len(self.coordinates))
 
     def add_root_motion(self, columns: slice, motion: Float[np.ndarray, "6 added"]) -> None:
-        """Let the root link move, and every link with it, by coordinates already added."""
+        """Let the root link move, and every link with it, by coordinates already added.
+
+        Args:
+            columns: where the coordinates stand.
+            motion: of the root link, linear rows first, world axes.
+        """
         start = self.origin(self.robot.urdf.root)
         for link in self._maps:
             self._widen(link)[:, columns] += carried(motion, self.origin(link) - start)
@@ -145,19 +155,43 @@ class PlantAssembly:
             self.add_spring(row, float(value), loss * float(value))
 
     def add_body(self, link: str, place: np.ndarray, mass: float, inertia: np.ndarray | None = None) -> None:
-        """A body fixed to a link: mass centre and moments about it in the link's frame [m, kg, kg·m²]."""
+        """A body fixed to a link: mass centre and moments about it in the link's frame [m, kg, kg·m²].
+
+        Args:
+            link: which.
+            place: mass centre in its frame [m].
+            mass: [kg].
+            inertia: about the mass centre [kg·m²]; none for a point mass.
+        """
         self._bodies.append((link, np.asarray(place), mass, np.zeros((3, 3)) if inertia is None else inertia))
 
     def add_inertia(self, row: np.ndarray, inertia: float) -> None:
-        """An inertia that moves along `row` [kg, kg·m²]."""
+        """An inertia that moves along `row` [kg, kg·m²].
+
+        Args:
+            row: over the coordinates.
+            inertia: [kg, kg·m²].
+        """
         self._mass.append((row, inertia))
 
     def add_spring(self, row: np.ndarray, stiffness: float, damping: float = 0.0) -> None:
-        """A spring and a damper side by side along `row`."""
+        """A spring and a damper side by side along `row`.
+
+        Args:
+            row: over the coordinates.
+            stiffness: [N/m, N·m/rad].
+            damping: [N·s/m, N·m·s/rad].
+        """
         self._springs.append((row, stiffness, damping))
 
     def add_coupling(self, one: str, other: str, stiffness: float) -> None:
-        """An off-diagonal stiffness between two coordinates [N·m/rad]."""
+        """An off-diagonal stiffness between two coordinates [N·m/rad].
+
+        Args:
+            one: a coordinate.
+            other: another.
+            stiffness: [N·m/rad].
+        """
         self._coupling.append((self.coordinates.index(one), self.coordinates.index(other), stiffness))
 
     # closing

@@ -17,7 +17,12 @@ Hidden = tuple[str, Site]
 
 
 def sensors(stand: Stand, hidden: Sequence[Hidden]) -> dict[str, Sensor]:
-    """The sensor on each point, spoilt as hidden."""
+    """The sensor on each point, spoilt as hidden.
+
+    Args:
+        stand: the true robot and its plan.
+        hidden: effects put in.
+    """
     made = {point.name: Sensor() for point in stand.plan.points}
     for name, site in hidden:
         sense = EFFECTS[name].sense

@@ -16,12 +16,23 @@ SHORTEST = 0.05
 
 
 def children(urdf: Urdf, link: str) -> tuple[UrdfJoint, ...]:
-    """Joints whose parent is that link."""
+    """Joints whose parent is that link.
+
+    Args:
+        urdf: the tree.
+        link: which.
+    """
     return tuple(joint for joint in urdf.joints if joint.parent == link)
 
 
 def rigid_with(urdf: Urdf, link: str, flexible: Collection[str]) -> tuple[str, ...]:
-    """The link and the links beyond it that no flexible joint parts from it."""
+    """The link and the links beyond it that no flexible joint parts from it.
+
+    Args:
+        urdf: the tree.
+        link: where to begin.
+        flexible: names of the joints that part links.
+    """
     found = [link]
     for member in found:
         found += [joint.child for joint in children(urdf, member) if joint.name not in flexible]
@@ -38,6 +49,10 @@ def reach(robot: Robot, link: str) -> Float[np.ndarray, "3"]:
 
     The far end is where the farthest joint on it sits; where there is none, its farthest named point, or
     twice its mass centre.
+
+    Args:
+        robot: which.
+        link: which of its links.
     """
     ends = [np.asarray(joint.xyz, dtype=float) for joint in children(robot.urdf, link)]
     if not ends:

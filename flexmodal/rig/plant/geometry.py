@@ -15,7 +15,12 @@ def cross_matrix(vector: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3 3"]:
 
 
 def turn(axis: Float[np.ndarray, "3"], angle: float) -> Float[np.ndarray, "3 3"]:
-    """Rotation about a direction, by Rodrigues' formula; `axis` of any length above 0, `angle` [rad]."""
+    """Rotation about a direction, by Rodrigues' formula; `axis` of any length above 0, `angle` [rad].
+
+    Args:
+        axis: of any length above 0.
+        angle: [rad].
+    """
     k = cross_matrix(np.asarray(axis) / np.linalg.norm(axis))
     return np.eye(3) + np.sin(angle) * k + (1 - np.cos(angle)) * (k @ k)
 

@@ -57,7 +57,13 @@ class Plant:
     def row(
         self, link: str, place: Float[np.ndarray, "3"], direction: Float[np.ndarray, "3"]
     ) -> Float[np.ndarray, " dof"]:
-        """Motion of a point along a world direction, as a row over the coordinates."""
+        """Motion of a point along a world direction, as a row over the coordinates.
+
+        Args:
+            link: which.
+            place: in its frame [m].
+            direction: unit vector in the world.
+        """
         return direction @ self.motion(link, place)[:3]
 
     @cached_property
@@ -105,7 +111,13 @@ class Plant:
         reference: Float[np.ndarray, "reference dof"],
         frequency: Float[np.ndarray, " line"],
     ) -> Complex[np.ndarray, "line response reference"]:
-        """Acceleration per force by a direct solve, the non-linear elements left out [m/(s²·N)]."""
+        """Acceleration per force by a direct solve, the non-linear elements left out [m/(s²·N)].
+
+        Args:
+            response: rows of the responses.
+            reference: rows of the forces.
+            frequency: of the lines [Hz].
+        """
         omega = 2 * np.pi * frequency[:, None, None]
         z = self.stiffness - omega**2 * self.mass + 1j * omega * self.damping
         for branch in self.branches:
