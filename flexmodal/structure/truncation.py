@@ -138,7 +138,7 @@ def missing_with_slopes(
 
 
 def _outlasting(many: Structures, axis: Axis) -> Bool[np.ndarray, " system"]:
-    """Whether a system may still move at the end of a record, by its slowest pole."""
+    """Whether a system may still move at the end of a record; without shapes: nearly all records are long."""
     n = many.mass.shape[1]
     lost = many.loss_factor * many.loss / (2 * np.pi * axis.middle)
     state = np.zeros((len(many), 2 * n, 2 * n))
