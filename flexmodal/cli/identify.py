@@ -14,7 +14,7 @@ from flexmodal.cli.printing import print_json, print_table, progress
 from flexmodal.errors import Fault, OutputExists
 
 if TYPE_CHECKING:
-    from flexmodal.identification import Identification
+    from flexmodal.identification import Identification, IdentificationProblem
 
 STAGES = 4
 FILES = ("identification.json", "report.html", "fit.png", "fit.svg", "robot")
@@ -90,9 +90,8 @@ def identify(
             starts=starts,
             seed=seed,
             advance=lambda _: advance(),
+            before=_say_before if not as_json else lambda problem: None,
         )
-    if not as_json:
-        click.echo(f"before the fit: {outcome.problem.identifiability.verdict}", err=True)
     found = as_object(outcome)
     if out is not None:
         _write(outcome, found, out, force)
@@ -102,6 +101,11 @@ def identify(
     else:
         _print(outcome)
     sys.exit(0 if outcome.fitted.converged else 1)
+
+
+def _say_before(problem: IdentificationProblem) -> None:
+    """What the data can tell, while the fit is still to come."""
+    click.echo(f"before the fit: {problem.identifiability.verdict}", err=True)
 
 
 def _refuse_out(out: Path | None, force: bool) -> None:

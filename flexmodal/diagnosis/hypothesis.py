@@ -18,7 +18,7 @@ from flexmodal.identification.layout import Part, unmeasured
 from flexmodal.identification.model import Group
 from flexmodal.structure import ParameterSpace
 from flexmodal.structure.assembly import KINDS, Assembly, put_together
-from flexmodal.structure.frame import Frame, Frames
+from flexmodal.structure.frame import Frame, Frames, proportional
 from flexmodal.structure.stack import Slopes, Structures, joined
 from flexmodal.structure.structure import Structure
 
@@ -177,7 +177,7 @@ class Hypothesis:
             for kind in KINDS:
                 total[kind] = total[kind] + sums[one][kind]
             if found:
-                found.append(self._proportional(assembly, total["mass"].shape))
+                found.append(proportional(assembly, self.space.index, total["mass"].shape))
         rows = self._rows(frame, part, values)
         turned: dict[int, tuple[np.ndarray, np.ndarray]] = {}
         loss: dict[int, float] = {}
@@ -209,22 +209,6 @@ class Hypothesis:
             turned=turned,
             loss_factor=float(sum(assembly.loss_factor for assembly in acted.values())),
             loss_slopes={number: slope for number, slope in loss.items() if slope},
-        )
-
-    def _proportional(self, assembly: Assembly, shape: tuple[int, ...]) -> Slopes:
-        """Derivatives along the parameters that an effect's terms are named after."""
-        return joined(
-            [
-                {
-                    kind: (
-                        np.array([self.space.index[name]]),
-                        np.broadcast_to(assembly.full(matrix), shape)[None],
-                    )
-                }
-                for kind, matrix, names in assembly.terms
-                for name in names
-                if name in self.space.index
-            ]
         )
 
     def _frame(self, part: Part, values: Mapping[str, float]) -> Frame:

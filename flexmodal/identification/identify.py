@@ -30,6 +30,7 @@ def identify(
     starts: int = 1,
     seed: int = 0,
     advance: Callable[[str], None] = lambda stage: None,
+    before: Callable[[IdentificationProblem], None] = lambda problem: None,
 ) -> Identification:
     """Identify a robot's parameters.
 
@@ -49,6 +50,7 @@ def identify(
         starts: how many starting points: the card, then others drawn from the prior.
         seed: of those.
         advance: called with the name of each stage as it begins.
+        before: called with the problem before it is solved, to see what the data can tell.
 
     Raises:
         InvalidRequest: see `build_identification`.
@@ -64,6 +66,7 @@ def identify(
         use=use,
         model_error=model_error,
     )
+    before(problem)
     return solve_identification(problem, starts=starts, seed=seed, advance=advance)
 
 

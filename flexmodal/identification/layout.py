@@ -122,6 +122,6 @@ def summed(
         found = np.empty_like(value)
         found[entry] = value
         return found
-    found = np.zeros((count, value.shape[1]), dtype=value.dtype)
-    np.add.at(found, entry, value)
-    return found
+    order = np.argsort(entry, kind="stable")
+    first = np.searchsorted(entry[order], np.arange(count))  # every entry has an observation
+    return np.add.reduceat(value[order], first, axis=0)

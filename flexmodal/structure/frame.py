@@ -14,7 +14,7 @@ import numpy as np
 from jaxtyping import Float
 
 from flexmodal.structure.assembly import KINDS, Assembly
-from flexmodal.structure.stack import Slopes
+from flexmodal.structure.stack import Slopes, joined
 
 _KEPT = 64
 """Frames kept at most."""
@@ -77,6 +77,24 @@ class Frame:
                 along = (terms.share[terms.moved] * grown) @ flat
                 slopes[kind] = (terms.moved, along.reshape(-1, *shape))
         return total, slopes
+
+
+def proportional(assembly: Assembly, index: Mapping[str, int], shape: tuple[int, ...]) -> Slopes:
+    """Derivatives along the logarithms of the parameters that the terms of an assembly are named after.
+
+    Args:
+        assembly: with terms.
+        index: number of each parameter.
+        shape: of the matrices [system dof dof].
+    """
+    return joined(
+        [
+            {kind: (np.array([index[name]]), np.broadcast_to(assembly.full(matrix), shape)[None])}
+            for kind, matrix, names in assembly.terms
+            for name in names
+            if name in index
+        ]
+    )
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,12 +15,13 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from jaxtyping import Complex
+from jaxtyping import Bool, Complex
 from scipy.linalg import expm
 
 from flexmodal.errors import InvalidSystem
 from flexmodal.structure.poles import poles
 from flexmodal.structure.solution import Solved
+from flexmodal.structure.stack import Structures
 from flexmodal.structure.structure import Axis, Structure
 
 NOTHING = 1e-5
@@ -128,12 +129,28 @@ def missing_with_slopes(
     value = np.zeros((len(table), len(axis)), dtype=complex)
     slopes = np.zeros((len(names), *value.shape), dtype=complex)
     some = False
-    for k in range(len(found.structures)):
+    for k in np.flatnonzero(_outlasting(found.structures, axis)).tolist():
         rows = np.flatnonzero(table[:, 0] == k)
         lost = missing(found.structures[k], axis, table[rows, 1:], names)
         if lost is not None:
             value[rows], slopes[:, rows], some = *lost, True
     return (value, slopes) if some else None
+
+
+def _outlasting(many: Structures, axis: Axis) -> Bool[np.ndarray, " system"]:
+    """Whether a system may still move at the end of a record; without shapes: nearly all records are long."""
+    n = many.mass.shape[1]
+    lost = many.loss_factor * many.loss / (2 * np.pi * axis.middle)
+    state = np.zeros((len(many), 2 * n, 2 * n))
+    state[:, :n, n:] = np.eye(n)
+    try:
+        state[:, n:] = -np.linalg.solve(
+            many.mass, np.concatenate([many.stiffness, many.damping + lost], axis=2)
+        )
+        slowest = np.linalg.eigvals(state).real.max(axis=1)
+    except np.linalg.LinAlgError:  # each for itself
+        return np.ones(len(many), dtype=bool)
+    return np.asarray((slowest - axis.decay) * axis.length >= np.log(NOTHING) - 1e-6)
 
 
 def _slowest(structure: Structure) -> float:

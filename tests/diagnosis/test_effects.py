@@ -229,9 +229,7 @@ def test_a_structure_seen_anywhere_is_that_of_the_observations(hinged, observed)
     (group,) = hypothesis.groups(after.x, observed, slopes=True)
     places = [(int(n), int(d)) for n, d in np.unique(observed.response, axis=0)]
     structures = hypothesis.structures(after.x, places, places[:1], slopes=True)
-    assert len(structures) == len(group.structures) == len(observed.postures)
-    for structure, mass, response in zip(
-        structures, group.structures.mass, group.structures.response, strict=True
-    ):
-        np.testing.assert_array_equal(structure.mass, mass)
-        np.testing.assert_array_equal(structure.response, response)
+    for number, posture in enumerate(group.part.posture.tolist()):
+        structure, other = structures[posture], group.structures[number]
+        np.testing.assert_array_equal(structure.mass, other.mass)
+        np.testing.assert_array_equal(structure.response, other.response)

@@ -88,7 +88,7 @@ def written(diagnosed, hypothesis, x, folder):
     """Extend, write, check, load."""
     observations = SEEN[hypothesis.context]
     diagnosis = replace(
-        diagnosed, model=hypothesis, x=x, deviation=np.zeros(len(x)), observations=observations,
+        diagnosed, model=hypothesis, x=x, deviation=np.zeros(len(x)), frfs=observations,
         predicted={"after": observations.value},
     )  # fmt: skip
     extension = extend(diagnosis)

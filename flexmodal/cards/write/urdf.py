@@ -43,22 +43,22 @@ class UrdfDraft:
         return {str(one.get("name")) for tag in ("link", "joint") for one in self._root.findall(tag)}
 
     def add_link(self, name: str, *, first: bool = False) -> None:
-        """Add a link without mass, the last or the first.
+        """Add a link without mass.
 
         Args:
             name: of the link.
-            first: whether it comes before all others.
+            first: whether it is to be the first, and not the last.
         """
         links = self._root.findall("link")
         place = self._root.index(links[0]) if first else self._root.index(links[-1]) + 1
         self._root.insert(place, link_element(UrdfLink(name, None, np.zeros(3), None, ())))
 
     def add_joint(self, joint: UrdfJoint, *, before: str = "") -> None:
-        """Add a joint, the last or before another, by its name.
+        """Add a joint.
 
         Args:
             joint: the joint.
-            before: name of the joint that is to follow it; the last if empty.
+            before: name of the joint that it is to stand before; it is the last if none.
         """
         element = joint_element(joint)
         if before:
@@ -116,10 +116,10 @@ class UrdfDraft:
                 self.change_joint(name, parent=onto, xyz=joint.xyz + by)
 
     def shift_shapes(self, link: str, by: Vector) -> None:
-        """Move what is drawn of a link, and what collides, in its frame [m].
+        """Move what is drawn of a link, and what collides.
 
         Args:
-            link: which.
+            link: its name.
             by: how far, in its frame [m].
         """
         for shape in self._shapes(link):
