@@ -18,9 +18,7 @@ LONGEST_MODULE = 300
 LONGEST_FUNCTION = 60
 
 KNOWN_CIRCLES: frozenset[tuple[str, ...]] = frozenset()
-KNOWN_LONG_MODULES = frozenset(
-    {"flexmodal.diagnosis.hypothesis", "flexmodal.identification.evidence.modal_residuals"}
-)
+KNOWN_LONG_MODULES: frozenset[str] = frozenset()
 KNOWN_LONG_FUNCTIONS = frozenset({"flexmodal.diagnosis.march.kernel.march"})
 KNOWN_PRIVATE_IMPORTS: frozenset[str] = frozenset()
 

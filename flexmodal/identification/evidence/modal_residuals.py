@@ -140,8 +140,7 @@ class ModeProblem:
         for row, k in enumerate(here):
             some = [one for one in self.observations.modes[k].shapes if len(one.places) > 1]
             if some:
-                rows = [self.rows(number, one.places) for one in some]
-                models = [seen.structure.response[picked] @ shape for picked in rows]
+                models = [seen.structure.response[self.rows(number, one.places)] @ shape for one in some]
                 pairs = zip(some, models, strict=True)
                 table[row] = np.mean([mac_with(one.residue, model) for one, model in pairs], axis=0)
         return table
