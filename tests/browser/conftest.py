@@ -89,7 +89,8 @@ _SPEC = importlib.util.spec_from_file_location(
 )
 _made = importlib.util.module_from_spec(_SPEC)
 _SPEC.loader.exec_module(_made)
-campaign, scene, hinged, diagnosed = _made.campaign, _made.scene, _made.hinged, _made.diagnosed
+campaign, observed, context = _made.campaign, _made.observed, _made.context
+hinged, diagnosed = _made.hinged, _made.diagnosed
 
 
 @pytest.fixture(scope="session")

@@ -131,8 +131,10 @@ def is_ready(task: Task) -> bool:
 
 @cache
 def has_numba() -> bool:
-    """Whether numba is installed."""
-    return "numba" in sys.modules or find_spec("numba") is not None
+    """Whether numba is installed, and not kept out by None in `sys.modules`."""
+    if "numba" in sys.modules:
+        return sys.modules["numba"] is not None
+    return find_spec("numba") is not None
 
 
 def thread_faults(threads: int | None) -> list[Fault]:
