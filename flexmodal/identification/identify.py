@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from flexmodal.campaign import Campaign
 from flexmodal.identification.evidence.modal import MODEL_ERROR
@@ -67,7 +68,8 @@ def identify(
         model_error=model_error,
     )
     before(problem)
-    return solve_identification(problem, starts=starts, seed=seed, advance=advance)
+    with threadpool_limits(1):  # matrices this small only wait for the threads of a BLAS
+        return solve_identification(problem, starts=starts, seed=seed, advance=advance)
 
 
 def solve_identification(

@@ -240,12 +240,7 @@ def seen_in(group: Group, axis: Axis) -> Seen:
     part, structures = group.part, group.structures
     found = solved(structures, axis, part.entries)
     value, factor = found.value, None
-    lost: np.ndarray | None = None
-    changed: np.ndarray | None = None
-    if axis.length > 0 and not axis.cut_slopes:
-        lost = missing_of(found)
-    elif axis.length > 0 and (both := missing_with_slopes(found, structures.names)) is not None:
-        lost, changed = both
+    lost = missing_of(found) if axis.length > 0 else None
     if lost is not None:
         value = value + lost
     log, changes = group.reading(axis) if group.reading is not None else (None, {})
@@ -256,8 +251,10 @@ def seen_in(group: Group, axis: Axis) -> Seen:
     def slopes(scale: np.ndarray) -> np.ndarray:
         inner = scale if factor is None else scale * factor
         made = found.slopes(inner)
-        if changed is not None:
-            made += _parts_of(changed * inner)
+        if lost is not None and axis.cut_slopes:
+            both = missing_with_slopes(found, structures.names)
+            if both is not None:
+                made += _parts_of(both[1] * inner)
         for number, change in changes.items():
             made[number] += _parts_of(value * change * scale)
         return made

@@ -56,18 +56,17 @@ def missing(
     rows, struck = structure.response[pairs[:, 0]], structure.reference[pairs[:, 1]]
     u, v = rows @ found.shape, struck @ found.shape  # [pair, pole]
     value = (u * v) @ motion
-    changes = np.zeros((len(names), *value.shape), dtype=complex)
+    if not names:
+        return value, np.zeros((0, *value.shape), dtype=complex)
+    du, dv = rows @ found.shape_slope, struck @ found.shape_slope  # [name, pair, pole]
     for number, name in enumerate(names):
-        if name not in structure.changes:
-            continue
-        change = structure.changes[name]
-        du, dv = rows @ found.shape_slope[number], struck @ found.shape_slope[number]
-        if change.response is not None:
-            du = du + change.response[pairs[:, 0]] @ found.shape
-        if change.reference is not None:
-            dv = dv + change.reference[pairs[:, 1]] @ found.shape
-        changes[number] = (du * v + u * dv) @ motion + (u * v * found.pole_slope[number]) @ slope
-    return value, changes
+        change = structure.changes.get(name)
+        if change is not None and change.response is not None:
+            du[number] += change.response[pairs[:, 0]] @ found.shape
+        if change is not None and change.reference is not None:
+            dv[number] += change.reference[pairs[:, 1]] @ found.shape
+    moved = np.concatenate([du * v + u * dv, u * v * found.pole_slope[:, None]], axis=2)
+    return value, moved @ np.concatenate([motion, slope])
 
 
 def missing_of(found: Solved) -> Complex[np.ndarray, "entry line"] | None:
