@@ -54,18 +54,20 @@ class Extension:
 
 def extend(diagnosis: Diagnosis) -> Extension:
     """Put the parameters and effects of a diagnosis' final model into the robot."""
-    model, scene = diagnosis.model, diagnosis.model.context
+    model, context = diagnosis.model, diagnosis.model.context
     values = model.space.values(diagnosis.x)
-    draft = Draft(scene.robot, {name: values[name] for name in model.base.names})
+    draft = Draft(context.robot, {name: values[name] for name in model.base.names})
     for placed in model.placed:
         if placed.effect.extend is None:
-            draft.notes.append(_left_out(placed, model.values_of(placed, values), scene))
+            draft.notes.append(_left_out(placed, model.values_of(placed, values), context))
         else:
-            placed.effect.extend(draft, Placement.still(scene, placed.where, model.values_of(placed, values)))
+            placed.effect.extend(
+                draft, Placement.still(context, placed.where, model.values_of(placed, values))
+            )
     return Extension(draft.finish(), _card(draft, diagnosis), tuple(draft.notes))
 
 
-def _left_out(placed: Placed, values: Mapping[str, float], scene: Context) -> str:
+def _left_out(placed: Placed, values: Mapping[str, float], context: Context) -> str:
     """Why an effect is not in the files, and what it amounts to."""
     effect = placed.effect
     if effect.read is not None or effect.turn is not None or "response" in effect.variants:
@@ -74,8 +76,8 @@ def _left_out(placed: Placed, values: Mapping[str, float], scene: Context) -> st
         why = "depends on the force of the blow; the joint is here as it is without"
     else:
         why = "says nothing of how it changes the files of a robot"
-    own = {p.name for p in effect.parameters(scene, placed.where)}
-    found = effect.physical(scene, placed.where, values)
+    own = {p.name for p in effect.parameters(context, placed.where)}
+    found = effect.physical(context, placed.where, values)
     numbers = ", ".join(f"{k} {v:.4g}" for k, v in found.items() if k in own or "." not in k)
     return f"{effect.name} at {placed.where} ({numbers}) {why}"
 

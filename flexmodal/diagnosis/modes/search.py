@@ -101,8 +101,8 @@ def effect_starts(
         states: of the robot without it: coordinates, and the measured modes that it then lacks [Hz].
         measured: all modes.
     """
-    scene = explanation.hypothesis.context
-    own = _spread(placed, scene, list(placed.effect.starts(scene, placed.where)))
+    context = explanation.hypothesis.context
+    own = _spread(placed, context, list(placed.effect.starts(context, placed.where)))
     chosen: list[Start] = []
     for x, lacks in states:
         given = _at_peaks(own, lacks or _centres(measured)) if own and "frequency" in own[0] else own
@@ -129,11 +129,13 @@ def _likely(explanation: Explanation, measured: ModeObservations, x: np.ndarray)
         return None
 
 
-def _spread(placed: Placed, scene: Context, own: Sequence[Mapping[str, float]]) -> list[Mapping[str, float]]:
+def _spread(
+    placed: Placed, context: Context, own: Sequence[Mapping[str, float]]
+) -> list[Mapping[str, float]]:
     """Starts with stiffnesses, masses and gains smaller too."""
     sizes = [
         p.name
-        for p in placed.effect.parameters(scene, placed.where)
+        for p in placed.effect.parameters(context, placed.where)
         if p.log and any(p.name.endswith(word) for word in SIZES)
     ]
     found: list[Mapping[str, float]] = []
