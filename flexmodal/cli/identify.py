@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from flexmodal.cli.measured import campaign_at, robot_of
+from flexmodal.cli.measured import campaign_at, robot_of, say_doubled
 from flexmodal.cli.options import SOURCE, force_option, json_option, quiet_option, trust_of, trust_option
 from flexmodal.cli.printing import print_json, print_table, progress
 from flexmodal.errors import Fault, OutputExists
@@ -78,6 +78,7 @@ def identify(
     _refuse_out(out, force)
     measured = campaign_at(campaign)
     arm = robot_of(measured, robot)
+    say_doubled(measured, source)
     wanted = [kind.strip() for kind in kinds.split(",") if kind.strip()]
     with progress(STAGES, "identifying", quiet=quiet) as advance:
         outcome = find(

@@ -31,8 +31,10 @@ def as_json(diagnosis: Diagnosis) -> dict[str, Any]:
             "effects": [list(key) for key in diagnosis.verdict.effects],
             "explained": bool(diagnosis.verdict.explained),
             "says": diagnosis.verdict.says,
+            "undecided": list(diagnosis.verdict.undecided),
         },
         "next_measurement": _next(diagnosis.next_measurement),
+        "warnings": list(diagnosis.warnings),
     }
 
 

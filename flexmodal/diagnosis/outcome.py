@@ -10,6 +10,7 @@ from jaxtyping import Complex, Float
 
 from flexmodal.diagnosis.findings import Findings
 from flexmodal.diagnosis.hypothesis import Hypothesis
+from flexmodal.diagnosis.names import UNKNOWN
 from flexmodal.identification import Observations
 
 
@@ -103,6 +104,13 @@ class Verdict:
     effects: tuple[tuple[str, str], ...]
     explained: bool
     says: str
+    undecided: tuple[str, ...] = ()
+    """Sentences on figures too near to their threshold for a yes or a no; the simpler answer was kept."""
+
+    @property
+    def named(self) -> bool:
+        """Whether something of the catalogue is named."""
+        return any(name != UNKNOWN for name, _ in self.effects)
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,6 +144,8 @@ class Diagnosis:
     """Receptances by stage: "believed", "before", "after"."""
     refused: tuple[Weighed, ...] = ()
     """What was weighed last and not found worth adding, the best first; `NONE` among them."""
+    warnings: tuple[str, ...] = ()
+    """What was taken for granted that may not be so."""
     provenance: Mapping[str, str] = field(default_factory=dict)
     """Versions, hashes of the inputs, seed, settings, seconds."""
     modal: Findings | None = None
