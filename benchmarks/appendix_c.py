@@ -17,11 +17,9 @@ from tables import ROOT
 import flexmodal
 from flexmodal.campaign import Campaign, read_campaign
 from flexmodal.diagnosis import Diagnosis, diagnose
-from flexmodal.diagnosis.modes.gap import errors, figures
-from flexmodal.diagnosis.modes.page import after_name, compared_fits
-from flexmodal.diagnosis.modes.pictures import draw_evidence, draw_frequencies, draw_shapes
-from flexmodal.diagnosis.modes.shapes import shapes_of
-from flexmodal.diagnosis.modes.tables import (
+from flexmodal.diagnosis.report.modal_page import after_name, compared_fits
+from flexmodal.diagnosis.report.modal_pictures import draw_evidence, draw_frequencies, draw_shapes
+from flexmodal.diagnosis.report.modal_tables import (
     SHAPES,
     SUMMARY,
     WEIGHING,
@@ -29,8 +27,10 @@ from flexmodal.diagnosis.modes.tables import (
     summary_rows,
     weighing_rows,
 )
-from flexmodal.diagnosis.modes.words import named
+from flexmodal.diagnosis.verdict.modal_words import named
 from flexmodal.files import whole_file
+from flexmodal.identification.evidence.likelihood.errors import errors, figures
+from flexmodal.identification.evidence.likelihood.shapes import shapes_of
 from flexmodal.modal.mac import mac_with
 from flexmodal.report import Cell, Column, Table
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from jaxtyping import Complex, Float
 
+from flexmodal.diagnosis.findings import Findings
 from flexmodal.diagnosis.hypothesis import Hypothesis
-from flexmodal.diagnosis.modes.findings import Findings
 from flexmodal.identification import Observations
 
 

@@ -11,7 +11,7 @@ from jaxtyping import Bool
 from flexmodal.campaign import Campaign, CampaignPosture
 from flexmodal.diagnosis.effects import Context, Effect, catalogue
 from flexmodal.diagnosis.hypothesis import Hypothesis
-from flexmodal.diagnosis.lines import COARSE, some_lines, unlimited
+from flexmodal.diagnosis.search.lines import COARSE, some_lines, unlimited
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.identification import Observations, fit, gap, observe, predict
 from flexmodal.identification.compatibility import check_compatible

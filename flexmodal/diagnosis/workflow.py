@@ -9,18 +9,18 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from flexmodal.campaign import Campaign
-from flexmodal.diagnosis.compare import disagreement
-from flexmodal.diagnosis.frf_comparison import FittedFrfs
-from flexmodal.diagnosis.frf_selection import FLOOR_REACHED, FrfSelection
-from flexmodal.diagnosis.gaps import gaps_of, left, over_noise
-from flexmodal.diagnosis.looking import looked_at
-from flexmodal.diagnosis.modes.beside_frfs import ModesBeside
-from flexmodal.diagnosis.modes.workflow import diagnose_modes, is_modal
-from flexmodal.diagnosis.next_measurement import next_measurement
+from flexmodal.diagnosis.disagreement.compare import disagreement
+from flexmodal.diagnosis.disagreement.gaps import gaps_of, left, over_noise
+from flexmodal.diagnosis.modal_workflow import diagnose_modes, is_modal
 from flexmodal.diagnosis.outcome import Diagnosis, NextMeasurement
 from flexmodal.diagnosis.provenance import provenance
+from flexmodal.diagnosis.search.looking import looked_at
+from flexmodal.diagnosis.selection.beside_frfs import ModesBeside
+from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
+from flexmodal.diagnosis.selection.frf_selection import FLOOR_REACHED, FrfSelection
 from flexmodal.diagnosis.setup import Advance, prepare
-from flexmodal.diagnosis.verdict import verdict
+from flexmodal.diagnosis.verdict.next_measurement import next_measurement
+from flexmodal.diagnosis.verdict.verdict import verdict
 from flexmodal.identification import gap, uncertainty
 from flexmodal.identification.evidence.mode_sources import modes_of_table
 from flexmodal.model import Robot

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from flexmodal.diagnosis.as_json import as_json
-from flexmodal.diagnosis.extend import extend
+from flexmodal.diagnosis.improved.extend import extend
 from flexmodal.diagnosis.outcome import Diagnosis
 from flexmodal.diagnosis.report import write_report
 from flexmodal.files import whole_folder

@@ -21,7 +21,7 @@ def from_modes():
     import flexmodal
     from flexmodal.campaign import read_campaign
     from flexmodal.diagnosis import diagnose
-    from flexmodal.diagnosis.modes import variants
+    from flexmodal.diagnosis.selection import variants
 
     effects = ["link_flexibility@link_2", "local_absorber@link_1"]
     with pytest.MonkeyPatch.context() as patch:

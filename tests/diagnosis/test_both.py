@@ -8,10 +8,10 @@ import pytest
 import flexmodal
 from flexmodal.campaign import estimate_frfs
 from flexmodal.diagnosis import diagnose
-from flexmodal.diagnosis.frf_selection import FrfSelection
 from flexmodal.diagnosis.hypothesis import Hypothesis, Placed
-from flexmodal.diagnosis.looking import looked_at
-from flexmodal.diagnosis.modes.beside_frfs import SETTINGS, ModesBeside
+from flexmodal.diagnosis.search.looking import looked_at
+from flexmodal.diagnosis.selection.beside_frfs import SETTINGS, ModesBeside
+from flexmodal.diagnosis.selection.frf_selection import FrfSelection
 from flexmodal.diagnosis.setup import prepare
 from flexmodal.ema import fit, mode_table
 from flexmodal.identification.evidence.mode_sources import modes_of_table

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flexmodal.diagnosis.compare import but_for_the_blow, disagreement
+from flexmodal.diagnosis.disagreement.compare import but_for_the_blow, disagreement
 from flexmodal.diagnosis.effects import catalogue
 from flexmodal.diagnosis.hypothesis import Placed
 from flexmodal.identification import predict

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.testing import assert_allclose, assert_array_equal
 
-from flexmodal.diagnosis.inertia import nearest_inertia
+from flexmodal.diagnosis.improved.inertia import nearest_inertia
 
 BODY = np.array([[2.0, 0.1, 0.0], [0.1, 2.5, 0.3], [0.0, 0.3, 1.5]])
 NORMAL = np.array([0.0, -1.0, 0.0])

@@ -11,7 +11,7 @@ from flexmodal.diagnosis.effects.joint_laws import FRICTION
 from flexmodal.diagnosis.hypothesis import Hypothesis, Placed
 from flexmodal.diagnosis.march.model import MarchedModel, has_law
 from flexmodal.diagnosis.march.pulse import PULSES, pulses
-from flexmodal.diagnosis.refine import refined
+from flexmodal.diagnosis.search.refine import refined
 from flexmodal.errors import InvalidRequest
 from flexmodal.identification import fit, gap, observe, predict
 from flexmodal.identification.model import evaluated

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from flexmodal.diagnosis.coarse import look_at
 from flexmodal.diagnosis.effects import catalogue
 from flexmodal.diagnosis.hypothesis import Hypothesis, Placed
-from flexmodal.diagnosis.lines import WORST, some_lines, worst_lines
+from flexmodal.diagnosis.search.coarse import look_at
+from flexmodal.diagnosis.search.lines import WORST, some_lines, worst_lines
 from flexmodal.identification import predict
 from flexmodal.structure import robot_space
 

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 import flexmodal
-from flexmodal.diagnosis.frf_comparison import cluster_costs, compare_models
 from flexmodal.diagnosis.hypothesis import Hypothesis
-from flexmodal.diagnosis.looking import looked_at
 from flexmodal.diagnosis.names import UNSTRUCTURED
+from flexmodal.diagnosis.search.looking import looked_at
+from flexmodal.diagnosis.search.unstructured import unstructured_mode
+from flexmodal.diagnosis.selection.frf_comparison import cluster_costs, compare_models
 from flexmodal.diagnosis.setup import prepare
-from flexmodal.diagnosis.unstructured import unstructured_mode
 from flexmodal.identification.uncertainty import clusters
 from flexmodal.rig import simulate
 

@@ -8,18 +8,18 @@ import pytest
 
 import flexmodal
 from flexmodal.diagnosis import diagnose
-from flexmodal.diagnosis.coarse import Candidate, look_at
-from flexmodal.diagnosis.compare import disagreement, force_dependence
-from flexmodal.diagnosis.frf_comparison import compare_models
-from flexmodal.diagnosis.frf_selection import FLOOR_REACHED, FrfSelection
-from flexmodal.diagnosis.gaps import over_noise
+from flexmodal.diagnosis.disagreement.compare import disagreement, force_dependence
+from flexmodal.diagnosis.disagreement.gaps import over_noise
 from flexmodal.diagnosis.hypothesis import Hypothesis, Placed
-from flexmodal.diagnosis.looking import looked_at
 from flexmodal.diagnosis.outcome import Gaps, Step
-from flexmodal.diagnosis.search import restarted, simpler
-from flexmodal.diagnosis.selection import SIGNIFICANT
+from flexmodal.diagnosis.search.coarse import Candidate, look_at
+from flexmodal.diagnosis.search.looking import looked_at
+from flexmodal.diagnosis.search.search import restarted, simpler
+from flexmodal.diagnosis.selection.frf_comparison import compare_models
+from flexmodal.diagnosis.selection.frf_selection import FLOOR_REACHED, FrfSelection
+from flexmodal.diagnosis.selection.selection import SIGNIFICANT
 from flexmodal.diagnosis.setup import prepare
-from flexmodal.diagnosis.verdict import verdict
+from flexmodal.diagnosis.verdict.verdict import verdict
 from flexmodal.errors import InvalidRequest
 from flexmodal.identification import RobotModel, observe, predict
 from flexmodal.rig import Hide, simulate

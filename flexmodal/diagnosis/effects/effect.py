@@ -20,7 +20,7 @@ from flexmodal.structure.assembly import Assembly
 from flexmodal.structure.structure import Axis
 
 if TYPE_CHECKING:
-    from flexmodal.diagnosis.draft import Draft
+    from flexmodal.diagnosis.improved.draft import Draft
 
 
 @dataclass(frozen=True, eq=False)

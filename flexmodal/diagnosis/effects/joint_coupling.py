@@ -7,9 +7,9 @@ from itertools import combinations
 
 import numpy as np
 
-from flexmodal.diagnosis.draft import Draft
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Effect, Placement, signed
+from flexmodal.diagnosis.improved.draft import Draft
 from flexmodal.structure.assembly import Assembly
 
 

@@ -15,8 +15,8 @@ from jaxtyping import Float
 
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Effect, Placement, positive, signed
+from flexmodal.diagnosis.effects.swing import swings
 from flexmodal.diagnosis.march.law import friction, hardening
-from flexmodal.diagnosis.swing import swings
 from flexmodal.structure import Parameter
 from flexmodal.structure.assembly import Assembly
 

@@ -21,9 +21,9 @@ from functools import cache, lru_cache
 import numpy as np
 from jaxtyping import Float
 
-from flexmodal.diagnosis.draft import Draft
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Bodies, Effect, Placement, along, positive, sides, signed
+from flexmodal.diagnosis.improved.draft import Draft
 from flexmodal.structure import Parameter
 from flexmodal.structure.arm import Body, beyond, bodies_of
 from flexmodal.structure.assembly import Assembly, scaled

@@ -6,10 +6,10 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from flexmodal.diagnosis.draft import Draft
 from flexmodal.diagnosis.effects.added_mass import place_on
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Effect, Placement, along, positive, sides, signed
+from flexmodal.diagnosis.improved.draft import Draft
 from flexmodal.structure import Parameter
 from flexmodal.structure.arm import Body
 from flexmodal.structure.assembly import Assembly

@@ -10,9 +10,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from flexmodal.diagnosis.draft import Draft
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Effect, Placement, positive
+from flexmodal.diagnosis.improved.draft import Draft
 from flexmodal.structure import Parameter
 from flexmodal.structure.assembly import Assembly
 

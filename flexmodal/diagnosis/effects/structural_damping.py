@@ -5,8 +5,8 @@ With the stiffening that causality asks for (see `identification.structure`).
 
 from __future__ import annotations
 
-from flexmodal.diagnosis.draft import Draft
 from flexmodal.diagnosis.effects.effect import Effect, Placement, positive
+from flexmodal.diagnosis.improved.draft import Draft
 from flexmodal.structure.assembly import Assembly
 
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from flexmodal.diagnosis.compare import excess
+from flexmodal.diagnosis.disagreement.compare import excess
 from flexmodal.diagnosis.outcome import Diagnosis
 from flexmodal.model import Robot
 from flexmodal.model.placements import link_placements

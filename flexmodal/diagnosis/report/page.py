@@ -67,7 +67,7 @@ def write_report(
 def report_text(diagnosis: Diagnosis, notes: Sequence[str] = ()) -> str:
     """The page as text."""
     if diagnosis.modal is not None:
-        from flexmodal.diagnosis.modes.page import modal_text
+        from flexmodal.diagnosis.report.modal_page import modal_text
 
         return modal_text(diagnosis, notes)
     sections = [

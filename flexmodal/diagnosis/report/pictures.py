@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Complex, Float
 
-from flexmodal.diagnosis.compare import excess
+from flexmodal.diagnosis.disagreement.compare import excess
 from flexmodal.diagnosis.outcome import Diagnosis
 from flexmodal.diagnosis.report.words import pair, placed
 from flexmodal.identification import Observations

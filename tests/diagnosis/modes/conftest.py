@@ -10,7 +10,7 @@ import flexmodal
 from flexmodal.campaign import Campaign, CampaignPoint, CampaignPosture, ModeTable, Trial
 from flexmodal.diagnosis.effects import Context, catalogue
 from flexmodal.diagnosis.hypothesis import Hypothesis, Placed
-from flexmodal.diagnosis.modes.forecast import Explanation
+from flexmodal.diagnosis.modal_model import ModalModel
 from flexmodal.structure import robot_space
 
 PLACES = [(number, 3) for number in range(1, 7)]
@@ -57,7 +57,7 @@ def explanation_of(rigid, tested, key=None):
     hypothesis = Hypothesis(context, robot_space(rigid))
     if key is not None:
         hypothesis = hypothesis.and_also(Placed(catalogue([key[0]])[key[0]], key[1]))
-    return Explanation(hypothesis)
+    return ModalModel(hypothesis)
 
 
 def measured(explanation, campaign, x, *, frequency, damping, shape, seed, highest=200.0):

@@ -5,12 +5,12 @@ import pytest
 from scipy.integrate import quad
 from scipy.special import hyp1f1
 
-from flexmodal.diagnosis.modes.evidence import hessian
-from flexmodal.diagnosis.modes.fit import fit_modes
-from flexmodal.diagnosis.modes.likelihood import Likelihood
-from flexmodal.diagnosis.modes.residuals import residuals
-from flexmodal.diagnosis.modes.scatter import Beliefs, log_anywhere, log_watson_constant
-from flexmodal.diagnosis.modes.spectrum import spectrum
+from flexmodal.identification.evidence.likelihood.fit import fit_modes
+from flexmodal.identification.evidence.likelihood.laplace import hessian
+from flexmodal.identification.evidence.likelihood.likelihood import Likelihood
+from flexmodal.identification.evidence.likelihood.residuals import residuals
+from flexmodal.identification.evidence.likelihood.scatter import Beliefs, log_anywhere, log_watson_constant
+from flexmodal.identification.evidence.likelihood.spectrum import spectrum
 from flexmodal.identification.evidence.mode_sources import modes_of_table
 from flexmodal.modal.mac import shape_residual
 from flexmodal.structure.poles import poles

@@ -10,12 +10,13 @@ from flexmodal.campaign import read_campaign, write_campaign
 from flexmodal.diagnosis import diagnose
 from flexmodal.diagnosis.as_json import as_json
 from flexmodal.diagnosis.effects import catalogue
-from flexmodal.diagnosis.modes import selection, variants
-from flexmodal.diagnosis.modes.decision import more_than_tied, undecided
-from flexmodal.diagnosis.modes.gap import errors, figures, mean_of_others
-from flexmodal.diagnosis.modes.workflow import diagnose_modes
+from flexmodal.diagnosis.modal_workflow import diagnose_modes
+from flexmodal.diagnosis.selection import modal_selection as selection
+from flexmodal.diagnosis.selection import variants
+from flexmodal.diagnosis.selection.decision import more_than_tied, undecided
 from flexmodal.diagnosis.write import write_diagnosis
 from flexmodal.errors import InvalidRequest
+from flexmodal.identification.evidence.likelihood.errors import errors, figures, mean_of_others
 
 KEY = ("link_flexibility", "link_2")
 THESIS = "robots/fanuc_s360/campaigns/thesis"

@@ -1,0 +1,45 @@
+"""Gaps between what a model predicts and what was measured, fitted and held out."""
+
+from __future__ import annotations
+
+import numpy as np
+from jaxtyping import Bool
+
+from flexmodal.diagnosis.outcome import Gaps
+from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
+from flexmodal.diagnosis.setup import Setup
+from flexmodal.identification import gap
+from flexmodal.identification.gap import over_noise as averages_over_noise
+
+
+def gap_of(setup: Setup, one: FittedFrfs, keep: Bool[np.ndarray, " observation"]) -> float:
+    """The gap on some of the observations."""
+    return gap(setup.observations, one.predicted, keep).value
+
+
+def gaps_of(setup: Setup, before: FittedFrfs, after: FittedFrfs, believed: float | None = None) -> Gaps:
+    """The gaps of a pair of models, on everything and on the postures held out."""
+    held = setup.held if setup.held.any() else None
+    every = np.ones(len(setup.observations), dtype=bool)
+    return Gaps(
+        before=gap_of(setup, before, every),
+        after=gap_of(setup, after, every),
+        held_out_before=None if held is None else gap_of(setup, before, held),
+        held_out_after=None if held is None else gap_of(setup, after, held),
+        noise_floor=gap(setup.observations, after.predicted).noise_floor,
+        believed=believed,
+    )
+
+
+def over_noise(setup: Setup, one: FittedFrfs) -> float:
+    """Distance from the averages over that of their noise; 1 if perfect.
+
+    Other than the gap it does not drown in the noise of single records and of points that hardly move.
+    """
+    return averages_over_noise(setup.observations, one.predicted)
+
+
+def left(setup: Setup, first: FittedFrfs, last: FittedFrfs) -> float:
+    """Part of the first model's disagreement above the noise that the last one leaves."""
+    before, after = over_noise(setup, first), over_noise(setup, last)
+    return max(after**2 - 1, 0.0) / max(before**2 - 1, 1e-300)

@@ -1,0 +1,1 @@
+"""The improved robot as URDF and card."""

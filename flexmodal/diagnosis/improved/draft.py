@@ -1,0 +1,230 @@
+"""A robot's URDF and card being changed: what effects do to it so that it loads like any other.
+
+Everything is put in at rest and in place, so that nothing moves by being added. What is attached to a link is
+hung on at the end, on whichever side of a hinge it sits.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Float
+
+from flexmodal.cards import JointCard, UrdfJoint
+from flexmodal.cards.write import UrdfDraft
+from flexmodal.diagnosis.improved.inertia import nearest_inertia
+from flexmodal.model import Robot
+from flexmodal.model.placements import link_placements
+from flexmodal.structure.arm import Body, beyond, bodies_of, moved_bodies
+from flexmodal.structure.assembly import scaled
+
+DUST = 1e-12
+"""Mass of a link that only stands between two joints, over that of the arm: readers of URDFs want some."""
+FOOT = 1e-8
+"""Mass of a base that moves and has none in the URDF, likewise; and its inertia over that at 1 m."""
+TURN, SLIDE = 1.0, 0.5
+"""Limits of new joints to either side [rad, m]: far beyond what an elastic joint does."""
+_SPEED = 1e3
+"""Their limit of speed [rad/s, m/s]: none that matters."""
+
+Vector = Float[np.ndarray, "3"]
+
+
+@dataclass(frozen=True, eq=False)
+class Cut:
+    """Where a link was cut in two."""
+
+    place: Vector
+    """In the frame of the link [m]."""
+    way: Vector
+    """Unit vector towards what lies beyond."""
+    outer: str
+    """The link beyond; its frame is turned as that of the link and sits in the cut."""
+
+
+@dataclass(frozen=True, eq=False)
+class Hung:
+    """Something attached to a link: rigidly, or free along one direction."""
+
+    link: str
+    place: Vector
+    """In the frame of the link [m]."""
+    body: Body
+    """In a frame at that place, turned as that of the link."""
+    name: str
+    slides: Vector | None = None
+
+
+class Draft:
+    """A robot in the making, from one that is loaded and new values for its parameters."""
+
+    def __init__(self, robot: Robot, values: Mapping[str, float]) -> None:
+        self.robot = robot
+        self.urdf = UrdfDraft(robot.urdf)
+        self.joints: dict[str, JointCard] = {n: _joint_card(robot, n, values) for n in robot.joints}
+        self.couplings = {name: float(one.stiffness) for name, one in robot.couplings.items()}
+        self.loss_frequency = robot.loss_frequency
+        self.notes: list[str] = []
+        """Sentences about what the files cannot hold, or hold differently."""
+        self.arm_mass = float(sum(robot.urdf.link_by_name[n].mass or 0.0 for n in moved_bodies(robot)))
+        self._still = link_placements(robot, {})
+        self._cuts: dict[str, list[Cut]] = {}
+        self._hung: list[Hung] = []
+        self._names = self.urdf.names | {*robot.points, "universe"}
+        for link, body in bodies_of(robot.urdf).items():
+            if {f"mass.{link}", f"inertia.{link}"} & set(values):
+                self.set_body(link, scaled(body, link, values))
+
+    # what effects call
+
+    def fresh(self, name: str) -> str:
+        """A name like this one that no link, joint or point has; taken from now on."""
+        free, number = name, 2
+        while free in self._names:
+            free, number = f"{name}_{number}", number + 1
+        self._names.add(free)
+        return free
+
+    def set_body(self, link: str, body: Body) -> None:
+        """Give a link mass, mass centre and inertia.
+
+        An inertia that no body has, which a fit may end at, is replaced by the nearest that one has.
+        """
+        inertia, differs = nearest_inertia(body.inertia, self._normal(link))
+        if differs:
+            self.notes.append(f"the inertia of {link} is the nearest that a body can have")
+        self.urdf.set_body(link, float(body.mass), body.centre, inertia)
+
+    def flexible(self, joint: str, stiffness: float, damping: float, *, rotor_inertia: float = 0.0) -> None:
+        """Put a spring and a damper on a new pseudo-joint."""
+        self.joints[joint] = JointCard(float(stiffness), float(damping), True, float(rotor_inertia))
+
+    def loses(self, joint: str, loss_factor: float) -> None:
+        """Give the spring of a joint a loss factor."""
+        self.joints[joint] = replace(self.joints[joint], loss_factor=float(loss_factor))
+
+    def hinge(self, link: str, place: Vector, way: Vector, axes: Mapping[str, Vector]) -> str:
+        """Cut a link and join the parts by hinges, one behind the other; returns the part beyond.
+
+        Args:
+            link: which; its frame and name stay with the part nearest to the base.
+            place: of the cut, in its frame [m]; beyond those made before.
+            way: unit vector towards its far end.
+            axes: names of new joints and their axes in the frame of the link.
+        """
+        outer = self.fresh(f"{link}_beyond")
+        parent, xyz = self.place_of(link, place)
+        near, offset = parent, place - xyz
+        for number, (name, axis) in enumerate(axes.items(), start=1):
+            last = number == len(axes)
+            child = outer if last else self._dust(f"{name}_part")
+            if last:
+                self.urdf.add_link(outer)
+            self.urdf.add_joint(_joint(name, "revolute", parent, child, axis, xyz))
+            parent, xyz = child, np.zeros(3)
+        self._cuts.setdefault(link, []).append(Cut(place, way, outer))
+        self.urdf.shift_joints(near, -(place - offset), onto=outer, keep=frozenset(axes))
+        self.urdf.split_shapes(near, outer, place - offset, way)
+        return outer
+
+    def attach(self, link: str, part: Body, *, name: str, slides: Vector | None = None) -> str:
+        """Hang a body on a link, rigidly or free along a direction; returns the name of the joint.
+
+        Its centre is given in the frame of the link.
+        """
+        joint = self.fresh(name)
+        body = Body(float(part.mass), np.zeros(3), part.inertia)
+        self._hung.append(Hung(link, part.centre, body, joint, slides))
+        return joint
+
+    def under_root(self, motions: Sequence[tuple[str, Vector, bool]]) -> None:
+        """Let the root link move: names of new joints, axes, and whether each turns or slides."""
+        root = self.robot.urdf.root
+        ground = self.fresh(f"world_{root}")
+        self.urdf.add_link(ground, first=True)
+        parent = ground
+        for number, (name, axis, turns) in enumerate(motions, start=1):
+            child = root if number == len(motions) else self._dust(f"{name}_part")
+            kind = "revolute" if turns else "prismatic"
+            self.urdf.add_joint(_joint(name, kind, parent, child, axis, np.zeros(3)))
+            parent = child
+        fixed = _rigid(self.robot, root)
+        if not any(self.robot.urdf.link_by_name[link].mass for link in fixed):
+            size = FOOT * self.arm_mass
+            self.urdf.set_body(root, size, np.zeros(3), size * np.eye(3))
+            self.notes.append(f"the URDF gives the base no mass, though it moves: {size:.3g} kg stand for it")
+
+    def behind(self, joint: str, name: str) -> None:
+        """Put a new joint, of the same axis and kind, between a joint and the link that carries it."""
+        described = self.urdf.joints[joint]
+        rotor = self._dust(f"{name}_rotor")
+        kind = "prismatic" if described.is_prismatic else "revolute"
+        new = _joint(name, kind, described.parent, rotor, described.axis, described.xyz)
+        self.urdf.add_joint(replace(new, rpy=described.rpy), before=joint)
+        self.urdf.change_joint(joint, parent=rotor, xyz=np.zeros(3), rpy=np.zeros(3))
+
+    def couple(self, one: str, other: str, stiffness: float) -> None:
+        """Add an off-diagonal stiffness between two flexible joints."""
+        name = f"{other}+{one}" if f"{other}+{one}" in self.couplings else f"{one}+{other}"
+        self.couplings[name] = self.couplings.get(name, 0.0) + float(stiffness)
+
+    # the end
+
+    def place_of(self, link: str, place: Vector) -> tuple[str, Vector]:
+        """Link and place of a point of the robot as it was, once links are cut."""
+        for cut in reversed(self._cuts.get(link, [])):
+            if (place - cut.place) @ cut.way > 0:
+                return cut.outer, place - cut.place
+        return link, place
+
+    def finish(self) -> UrdfDraft:
+        """The URDF, with everything hung where it belongs."""
+        for one in self._hung:
+            link, place = self.place_of(one.link, one.place)
+            child = self.fresh(f"{one.name}_mass")
+            self.urdf.add_link(child)
+            self.urdf.set_body(child, one.body.mass, one.body.centre, one.body.inertia)
+            kind = "fixed" if one.slides is None else "prismatic"
+            axis = np.array([1.0, 0.0, 0.0]) if one.slides is None else one.slides
+            self.urdf.add_joint(_joint(one.name, kind, link, child, axis, place))
+        self._hung = []
+        return self.urdf
+
+    def _normal(self, link: str) -> Vector | None:
+        """Normal of a planar chain's plane in the frame of a link; frames turn about it only."""
+        if not self.robot.is_planar:
+            return None
+        parts = {cut.outer: whole for whole, cuts in self._cuts.items() for cut in cuts}
+        source = parts.get(link, link)
+        return self._still[source][:3, :3].T @ self.robot.task[2, 3:]
+
+    def _dust(self, name: str) -> str:
+        """A link with next to no mass."""
+        free, mass = self.fresh(name), DUST * self.arm_mass
+        self.urdf.add_link(free)
+        self.urdf.set_body(free, mass, np.zeros(3), 0.01 * mass * np.eye(3))
+        return free
+
+
+def _joint(name: str, kind: str, parent: str, child: str, axis: Vector, xyz: Vector) -> UrdfJoint:
+    """A new joint, turned as the link that carries it; with small limits around 0 if it moves."""
+    reach = SLIDE if kind == "prismatic" else TURN
+    return UrdfJoint(name, kind, parent, child, axis, xyz, np.zeros(3), -reach, reach, _SPEED)
+
+
+def _joint_card(robot: Robot, name: str, values: Mapping[str, float]) -> JointCard:
+    """A joint with its new values; bounds of the old ones go, the trust stays."""
+    joint = robot.joints[name]
+    stiffness = float(values.get(f"stiffness.{name}", joint.stiffness))
+    damping = float(values.get(f"damping.{name}", joint.damping))
+    return replace(joint, stiffness=stiffness, damping=damping, lower=None, upper=None)
+
+
+def _rigid(robot: Robot, link: str) -> list[str]:
+    """The link and those that no flexible joint parts from it."""
+    moved: set[str] = set()
+    for name in robot.joints:
+        moved.update(beyond(robot.urdf, robot.urdf.joint_by_name[name].child))
+    return [one for one in beyond(robot.urdf, link) if one not in moved]

@@ -1,0 +1,118 @@
+"""Coarse looks at hypotheses: few lines, and levels of force as one where a model knows none."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from flexmodal.diagnosis.disagreement.compare import but_for_the_blow
+from flexmodal.diagnosis.hypothesis import Hypothesis
+from flexmodal.diagnosis.march.model import MarchedModel, has_law
+from flexmodal.diagnosis.search.lines import COARSE, some_lines, unlimited
+from flexmodal.identification import Observations
+from flexmodal.identification.descent import robust
+from flexmodal.identification.frf_fit import Weighing, cost_of, fit, residual
+from flexmodal.identification.model import Model
+
+ROUGH = 5.0
+"""Steps of time in a period of the highest line, of the coarse looks."""
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """A hypothesis on its way."""
+
+    hypothesis: Hypothesis
+    x: Float[np.ndarray, " parameter"]
+    cost: float
+    """On coarse lines at the last round's model error."""
+
+    @property
+    def key(self) -> tuple[str, str]:
+        """Name and place of the effect it adds last."""
+        return self.hypothesis.keys[-1]
+
+
+@dataclass(frozen=True, eq=False)
+class Look:
+    """Observations as the coarse looks see them: levels of force apart, and as one.
+
+    A model without force levels is as far from the mean over them as from each, but for a constant.
+    """
+
+    apart: Observations
+    merged: Observations
+    share: Float[np.ndarray, " observation"]
+    """How many levels each merged observation stands for."""
+    owner: Int[np.ndarray, " apart"]
+    """The merged observation of each."""
+    lines: Int[np.ndarray, " line"]
+
+    def constant(self, floor: float) -> float:
+        """What the mean hides of the sum of squares."""
+        weight = Weighing(floor, self.lines).weight(self.apart)
+        between = residual(self.merged.value[self.owner][:, self.lines], self.apart.value[:, self.lines])
+        return float(np.sum(robust(weight * np.abs(between) ** 2)))
+
+    def started(
+        self,
+        hypothesis: Hypothesis,
+        starts: Sequence[Float[np.ndarray, " parameter"]],
+        floor: float,
+        most: int,
+    ) -> list[Candidate]:
+        """The best of some starts, not fitted yet."""
+        model, weighing = coarse_model(hypothesis), Weighing(floor, self.lines)
+        seen = self.apart if hypothesis.by_force else self.merged
+        costs = [cost_of(model, one, seen, weighing) for one in starts]
+        return [Candidate(hypothesis, starts[k], costs[k]) for k in np.argsort(costs, kind="stable")[:most]]
+
+    def fitted(self, one: Candidate, floor: float, steps: int) -> Candidate:
+        """A candidate some steps further."""
+        loud = one.hypothesis.by_force
+        seen, share = (self.apart, None) if loud else (self.merged, self.share)
+        made = fit(
+            coarse_model(one.hypothesis), seen, one.x, floors=(floor,), steps=steps, lines=self.lines,
+            share=share, apart=False,
+        )  # fmt: skip
+        more = 0.0 if loud else self.constant(floor)
+        return Candidate(one.hypothesis, made.x, made.normal.cost + more)
+
+
+def coarse_model(hypothesis: Hypothesis) -> Model:
+    """A hypothesis as the coarse looks take it: its torques, where it has such, marched in long steps."""
+    return replace(MarchedModel(hypothesis), fineness=ROUGH) if has_law(hypothesis) else hypothesis
+
+
+def look_at(observations: Observations, more: Sequence[int] | Int[np.ndarray, " more"] = ()) -> Look:
+    """Prepare the coarse looks.
+
+    Args:
+        observations: what is looked at.
+        more: lines besides those that are spread over the band.
+    """
+    observations = unlimited(observations)
+    owner = but_for_the_blow(observations)
+    first = np.unique(owner, return_index=True)[1]
+    share = np.bincount(owner).astype(float)
+    value, variance = np.zeros((2, len(share), observations.value.shape[1]), dtype=complex)
+    used = np.ones(value.shape, dtype=bool)
+    np.add.at(value, owner, observations.value)
+    np.add.at(variance, owner, observations.variance)
+    np.logical_and.at(used, owner, observations.used)
+    keep = np.zeros(len(observations), dtype=bool)
+    keep[first] = True
+    kept = observations.keeping(keep)
+    order = np.argsort(np.argsort(first))
+    back = np.argsort(order)
+    merged = replace(
+        kept,
+        value=(value / share[:, None])[back],
+        variance=(variance.real / share[:, None])[back],
+        used=used[back],
+    )
+    lines = np.union1d(some_lines(observations, COARSE), np.array(more, dtype=int))
+    return Look(observations, merged, share[back], order[owner], lines)

@@ -1,0 +1,92 @@
+"""What might be added to a model: every effect in every place, the few that do best fitted closely."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from jaxtyping import Float
+
+from flexmodal.diagnosis.disagreement.gaps import over_noise
+from flexmodal.diagnosis.effects import Effect
+from flexmodal.diagnosis.march.model import has_law
+from flexmodal.diagnosis.search.coarse import Candidate, Look, look_at
+from flexmodal.diagnosis.search.lines import worst_lines
+from flexmodal.diagnosis.search.looking import looked_at
+from flexmodal.diagnosis.search.search import candidates, narrowed, restarted, simpler
+from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
+from flexmodal.diagnosis.setup import Setup
+
+FINALISTS = 4
+"""Candidates that are fitted closely and weighed."""
+MARCHED = 3
+"""The same for effects that depend on force, whose torques are marched in time."""
+AGAIN = 2
+"""Explanations that are started from elsewhere when none of them reaches the floor."""
+
+
+def explanations(
+    setup: Setup,
+    before: FittedFrfs,
+    set_out: Sequence[Float[np.ndarray, " before"]],
+    *,
+    loud: bool,
+    enough: float,
+    advance: Callable[[float], None],
+) -> list[FittedFrfs]:
+    """Candidates for the next step, fitted closely and looked at, the best first.
+
+    Args:
+        setup: what the diagnosis works with.
+        before: the model that something is added to.
+        set_out: its parameters, from which the search sets out.
+        loud: whether effects that depend on the force of the blow are among them.
+        enough: distance over noise from which no other starts are tried.
+        advance: called with the part that is done.
+    """
+    advance(0.0)
+    seen = look_at(setup.fitted, worst_lines(setup.fitted, before.predicted[~setup.held]))
+    finalists: list[Candidate] = []
+    for some, most in _kinds(setup.effects, loud=loud):
+        found = candidates(before.hypothesis, set_out, some, seen)
+        finalists += narrowed(found, seen, lambda part: advance(0.6 * part))[:most]
+    looked = []
+    for number, one in enumerate(finalists, start=1):
+        looked.append(_close(setup, one))
+        advance(0.6 + 0.3 * number / len(finalists))
+    looked.sort(key=lambda one: one.cost)
+    if looked and over_noise(setup, looked[0]) > enough:
+        looked = [_elsewhere(setup, seen, one, set_out) if k < AGAIN else one for k, one in enumerate(looked)]
+        looked.sort(key=lambda one: one.cost)
+    if looked:
+        found = simpler(looked[0].hypothesis, looked[0].fitted.x, setup.effects, seen)
+        looked = _best_of_each([*looked, *(_close(setup, one) for one in found)])
+    return looked
+
+
+def _best_of_each(looked: Sequence[FittedFrfs]) -> list[FittedFrfs]:
+    best: dict[tuple[str, str], FittedFrfs] = {}
+    for one in sorted(looked, key=lambda one: one.cost):
+        best.setdefault(one.key, one)
+    return list(best.values())
+
+
+def _kinds(effects: Sequence[Effect], *, loud: bool) -> list[tuple[list[Effect], int]]:
+    """Effects that depend on the blow apart from the others, and how many of each are looked at closely."""
+    by_force = [effect for effect in effects if effect.by_force]
+    others = [effect for effect in effects if not effect.by_force]
+    return [(others, FINALISTS), (by_force if loud else [], MARCHED)]
+
+
+def _close(setup: Setup, one: Candidate) -> FittedFrfs:
+    return looked_at(setup, one.hypothesis, one.x, near=True)
+
+
+def _elsewhere(
+    setup: Setup, seen: Look, one: FittedFrfs, set_out: Sequence[Float[np.ndarray, " before"]]
+) -> FittedFrfs:
+    """The same explanation from all the starts of its effect, if one of them leads further down."""
+    if has_law(one.hypothesis):
+        return one
+    other = _close(setup, restarted(one.hypothesis, one.fitted.x, set_out, seen))
+    return other if other.cost < one.cost else one

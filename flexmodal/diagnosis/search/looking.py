@@ -1,0 +1,45 @@
+"""A hypothesis fitted closely and seen from all postures."""
+
+from __future__ import annotations
+
+import numpy as np
+from jaxtyping import Float
+
+from flexmodal.diagnosis.hypothesis import Hypothesis
+from flexmodal.diagnosis.march.model import has_law
+from flexmodal.diagnosis.search.lines import CLOSE, some_lines
+from flexmodal.diagnosis.search.refine import refined
+from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs, fitted_model
+from flexmodal.diagnosis.setup import Setup
+from flexmodal.identification import Observations, fit, predict
+
+FAR, NEAR = (0.2, 0.05, 0.01), (0.05, 0.01)
+"""Model errors of a fit that starts from afar, and from nearby."""
+STEPS = 25
+"""Most at each of them."""
+
+
+def looked_at(
+    setup: Setup,
+    hypothesis: Hypothesis,
+    start: Float[np.ndarray, " parameter"],
+    *,
+    near: bool = False,
+    fitted_to: Observations | None = None,
+) -> FittedFrfs:
+    """Fit a hypothesis closely; torques that are not linear are marched in time.
+
+    Args:
+        setup: what the diagnosis works with.
+        hypothesis: what is fitted.
+        start: where the fit sets out.
+        near: whether that is near its end.
+        fitted_to: by default the observations that are not held out.
+    """
+    few, every = setup.fitted if fitted_to is None else fitted_to, setup.observations
+    if has_law(hypothesis):
+        close = refined(hypothesis, start, few)
+        return fitted_model(hypothesis, close.fitted, every, predict(close.model, close.x, every))
+    lines = some_lines(few, CLOSE)
+    fitted = fit(hypothesis, few, start, floors=NEAR if near else FAR, lines=lines, steps=STEPS)
+    return fitted_model(hypothesis, fitted, every)

@@ -1,0 +1,97 @@
+"""A hypothesis fitted again with its non-linear torques marched in time.
+
+A hammer response that dies away has no single amplitude, so that a describing function leaves some of what
+friction or a hardening spring does. This is Gauss and Newton's method on what a march gives, with coarse
+steps of time at first.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Complex, Float
+
+from flexmodal.diagnosis.hypothesis import Hypothesis
+from flexmodal.diagnosis.march.model import MarchedModel
+from flexmodal.diagnosis.search.coarse import ROUGH
+from flexmodal.diagnosis.search.lines import CLOSE, COARSE, some_lines
+from flexmodal.identification import FrfFit, Observations, fit, predict
+from flexmodal.identification.frf_fit import Weighing, cost_of
+
+SEARCH = 0.1
+"""Model error at which starts are compared."""
+FLOORS = (0.05, 0.01)
+"""Model errors of the two rounds."""
+STEPS = 14
+"""Most in each round."""
+ROUGHLY, SETTLED = 1e-2, 1e-3
+"""A step that changes the cost relatively by less is the last of the round."""
+
+
+@dataclass(frozen=True, eq=False)
+class Refined:
+    """A fit of marched torques."""
+
+    model: MarchedModel
+    fitted: FrfFit
+    predicted: Complex[np.ndarray, "observation line"]
+    """Of the observations it was fitted to [m/N]."""
+
+    @property
+    def x(self) -> Float[np.ndarray, " parameter"]:
+        """Coordinates, in the space of the hypothesis."""
+        return self.fitted.x
+
+    @property
+    def cost(self) -> float:
+        """On the lines of the fit, at its model error."""
+        return self.fitted.normal.cost
+
+
+def refined(
+    hypothesis: Hypothesis, start: Float[np.ndarray, " parameter"], observations: Observations
+) -> Refined:
+    """Fit once more, the torques of effects with a `law` marched in time.
+
+    Args:
+        hypothesis: with at least one such effect.
+        start: where the fit sets out.
+        observations: what is fitted.
+
+    Raises:
+        InvalidRequest: no effect of the hypothesis has a law.
+    """
+    model = MarchedModel(hypothesis)
+    rough = replace(model, fineness=ROUGH)
+    x = _start(rough, start, observations)
+    first = fit(
+        rough, observations, x, floors=FLOORS[:1], steps=STEPS, settled=ROUGHLY, apart=False,
+        lines=some_lines(observations, CLOSE),
+    )  # fmt: skip
+    last = fit(
+        model, observations, first.x, floors=FLOORS[1:], steps=STEPS, settled=SETTLED,
+        lines=some_lines(observations, CLOSE),
+    )  # fmt: skip
+    last = replace(last, steps=first.steps + last.steps)
+    return Refined(model, last, predict(model, last.x, observations))
+
+
+def _start(
+    model: MarchedModel, x: Float[np.ndarray, " parameter"], observations: Observations
+) -> Float[np.ndarray, " parameter"]:
+    """Where the describing functions ended, or that with its laws started afresh, if that is nearer."""
+    hypothesis, space = model.hypothesis, model.space
+    weighing = Weighing(SEARCH, some_lines(observations, COARSE))
+    tried = [x]
+    for placed in hypothesis.placed:
+        if placed.effect.law is None:
+            continue
+        for given in placed.effect.starts(hypothesis.context, placed.where):
+            other = x.copy()
+            for name in (p.name for p in placed.effect.parameters(hypothesis.context, placed.where)):
+                k = space.index[f"{placed.label}.{name}"]
+                other[k] = space.parameters[k].coordinate(given[name]) if name in given else 0.0
+            tried.append(np.clip(other, *space.bounds))
+    costs = [cost_of(model, one, observations, weighing) for one in tried]
+    return tried[int(np.argmin(costs))]

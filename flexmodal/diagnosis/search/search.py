@@ -1,0 +1,158 @@
+"""From many hypotheses to a few fitted well: coarse looks at all, closer looks at those that do best.
+
+Every hypothesis starts at the card, not at the re-tuned robot: re-tuning without the effect runs away from
+the truth. Rounds of more steps with fewer candidates follow one another (successive halving). Torques that
+are not linear are marched in time from the first look on: describing functions name the wrong law too often.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from jaxtyping import Float
+
+from flexmodal.diagnosis.effects.effect import Effect
+from flexmodal.diagnosis.hypothesis import Hypothesis, Placed
+from flexmodal.diagnosis.march.model import has_law
+from flexmodal.diagnosis.search.coarse import Candidate, Look
+
+STARTS = 2
+"""Starts that are kept for each effect and place."""
+ROUNDS = ((0.2, 3, 20), (0.1, 5, 10), (0.03, 8, 5))
+"""Model error, steps, and how many candidates go on."""
+MARCHED_MOST = 12
+"""Candidates whose torques are marched that are fitted at all: each of their steps takes long."""
+MARCHED_ROUNDS = ((0.1, 4, 5),)
+"""The rounds of these."""
+RESTARTS = ((0.2, 3, 6), (0.1, 10, 1))
+"""The rounds of a search from many starts of one effect."""
+TRIED = 24
+"""How many of them are fitted at all."""
+ASIDE = (-2.0, -1.0, 0.0, 1.0, 2.0)
+"""Where each parameter of an effect is put in turn, in deviations of its prior, the others staying."""
+
+
+def candidates(
+    root: Hypothesis,
+    set_out: Sequence[Float[np.ndarray, " before"]],
+    effects: Sequence[Effect],
+    look: Look,
+) -> list[Candidate]:
+    """Every effect in every place beside what the root holds already, at its best starts.
+
+    Args:
+        root: the hypothesis that an effect is added to.
+        set_out: parameters of the root from which the search sets out; the best starts are kept of each.
+        effects: to add.
+        look: the coarse look.
+    """
+    found = []
+    for effect in effects:
+        if effect.untestable(root.context):
+            continue
+        for where in effect.places(root.context):
+            if (effect.name, where) in root.keys:
+                continue
+            placed = Placed(effect, where)
+            hypothesis = root.and_also(placed)
+            most = 1 if has_law(hypothesis) else STARTS
+            starts = effect.starts(root.context, where)
+            for x in set_out:
+                tried = [hypothesis.start(placed, start, x) for start in starts]
+                found += look.started(hypothesis, tried, ROUNDS[0][0], most)
+    return found
+
+
+def narrowed(
+    found: Sequence[Candidate], look: Look, advance: Callable[[float], None] = lambda part: None
+) -> list[Candidate]:
+    """The candidates that do best, one for each effect and place, the best first.
+
+    Either all of them have torques to be marched, or none.
+    """
+    slow = [one for one in found if has_law(one.hypothesis)]
+    todo = sorted(slow, key=lambda one: one.cost)[:MARCHED_MOST] if slow else list(found)
+    rounds = MARCHED_ROUNDS if slow else ROUNDS
+    for round_number, (floor, steps, keep) in enumerate(rounds):
+        done = []
+        for number, one in enumerate(todo):
+            done.append(look.fitted(one, floor, steps))
+            advance((round_number + (number + 1) / len(todo)) / len(rounds))
+        todo = distinct(done)[:keep]
+    return todo
+
+
+def restarted(
+    hypothesis: Hypothesis,
+    x: Float[np.ndarray, " parameter"],
+    set_out: Sequence[Float[np.ndarray, " before"]],
+    look: Look,
+) -> Candidate:
+    """The last effect of a hypothesis started from everywhere, beside what the search set out from and a fit.
+
+    Args:
+        hypothesis: with the effect.
+        x: where a fit of it ended.
+        set_out: parameters of the hypothesis without the effect, from which the search sets out.
+        look: the coarse look.
+    """
+    placed = hypothesis.placed[-1]
+    starts = [
+        hypothesis.start(placed, given, tail)
+        for given in placed.effect.starts(hypothesis.context, placed.where)
+        for tail in (*set_out, x[: len(set_out[0])])
+    ]
+    todo = look.started(hypothesis, starts, RESTARTS[0][0], TRIED)
+    todo += [Candidate(hypothesis, one, np.inf) for one in _aside(hypothesis, x)]
+    for floor, steps, keep in RESTARTS:
+        todo = sorted((look.fitted(one, floor, steps) for one in todo), key=lambda one: one.cost)[:keep]
+    return todo[0]
+
+
+def simpler(
+    one: Hypothesis, x: Float[np.ndarray, " parameter"], effects: Sequence[Effect], look: Look
+) -> list[Candidate]:
+    """What the last effect of a hypothesis comes down to, from where a fit of it ended.
+
+    Args:
+        one: the hypothesis.
+        x: where the fit ended.
+        effects: those that may be named.
+        look: the coarse look.
+    """
+    placed, root = one.placed[-1], one.without(one.keys[-1])
+    values = one.values_of(placed, one.space.values(x))
+    known = {effect.name: effect for effect in effects}
+    found = []
+    for name, shared in placed.effect.simpler.items():
+        if name not in known or (name, placed.where) in root.keys:
+            continue
+        less = Placed(known[name], placed.where)
+        hypothesis = root.and_also(less)
+        start = hypothesis.start(less, {k: values[k] for k in shared if k in values}, x[: len(root.space)])
+        found.append(look.fitted(Candidate(hypothesis, start, np.inf), *RESTARTS[-1][:2]))
+    return found
+
+
+def _aside(
+    hypothesis: Hypothesis, x: Float[np.ndarray, " parameter"]
+) -> list[Float[np.ndarray, " parameter"]]:
+    """Each parameter of the last effect put elsewhere in turn: what hardly matters at first ends anywhere."""
+    prefix = f"{hypothesis.placed[-1].label}."
+    found = []
+    for k, parameter in enumerate(hypothesis.space):
+        if parameter.name.startswith(prefix):
+            for value in ASIDE:
+                moved = x.copy()
+                moved[k] = value * parameter.deviation
+                found.append(np.clip(moved, *hypothesis.space.bounds))
+    return found
+
+
+def distinct(found: Sequence[Candidate]) -> list[Candidate]:
+    """The best of each effect and place, the best first."""
+    best: dict[tuple[str, str], Candidate] = {}
+    for one in sorted(found, key=lambda one: one.cost):
+        best.setdefault(one.key, one)
+    return list(best.values())

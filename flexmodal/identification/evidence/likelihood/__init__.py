@@ -1,0 +1,1 @@
+"""Likelihood of measured modes, scales of their scatter inferred along, and its integral."""
