@@ -223,6 +223,56 @@ BODY = PortKind(
     patterns=_body_patterns,
 )
 
+
+def _ground_patterns(assembly: Assembly, placement: Placement) -> Patterns:
+    """The same along the axes of the world."""
+    context, where = placement.context, placement.where
+    motion = assembly.motion(where, place_on(context, where, placement.values))[..., :3, :]
+    ways = np.eye(3) if context.normal is None else base_flexibility.motions(context.normal)[1][:3, :2].T
+    rows = [np.einsum("i,...ij->...j", way, motion) for way in ways]
+    count = len(placement.posture)
+    return Patterns(np.stack([_outer(a, b, count) for a, b in combinations_with_replacement(rows, 2)]))
+
+
+def _ground_functions(context: Context, where: str) -> tuple[str, ...]:
+    letters = "xyz" if context.normal is None else ("across", "up")
+    return tuple(a if a == b else f"{a} × {b}" for a, b in combinations_with_replacement(letters, 2))
+
+
+GROUND = replace(
+    BODY,
+    name="ground",
+    says="something between the link and what stands around",
+    functions=_ground_functions,
+    patterns=_ground_patterns,
+)
+
+
+def _carried_patterns(assembly: Assembly, placement: Placement) -> Patterns:
+    """What moves with the sensor, the same along every axis."""
+    context = placement.context
+    total = np.zeros((len(placement.posture), *(len(assembly.coordinates),) * 2))
+    for number in np.unique(placement.response[:, 0]).tolist():
+        point = context.point(number)
+        here = (placement.response[:, 0] == number)[:, None, None]
+        motion = assembly.motion(point.link, np.array(point.xyz))[..., :3, :]
+        total = total + here * (np.swapaxes(motion, -1, -2) @ motion)
+    return Patterns(total[None])
+
+
+CARRIED = PortKind(
+    name="carried",
+    says="what moves from point to point with the sensor",
+    places=lambda context: ("sensor",) if len(context.sensors) > 1 else (),
+    functions=lambda context, where: ("force",),
+    sizes=lambda context, where, frequency: (
+        0.1 * ATTACHED * context.arm_mass * (2 * np.pi * frequency) ** 2
+    )[None],
+    unit="N/m",
+    shape=replace(STILL, variants=("response",)),
+    patterns=_carried_patterns,
+)
+
 # readings
 
 
@@ -275,5 +325,5 @@ NOTHING = replace(
 )
 """The re-tuned robot."""
 
-KINDS = (JOINT, DAMPING, COUPLING, BASE, LINK, BODY, SENSOR, HAMMER, CHANNEL, BLOWS)
+KINDS = (JOINT, DAMPING, COUPLING, BASE, LINK, BODY, GROUND, CARRIED, SENSOR, HAMMER, CHANNEL, BLOWS)
 """For FRFs that do not depend on the force of the blow; otherwise `TORQUE` besides."""

@@ -139,6 +139,8 @@ _OF = {
     "damping": (_LOSS_SHARE, _DAMPER, _RELAXATION, _BOTH),
     "base": (_SOFT, _SOFT_DAMPED, _SOFT_LOSS, _SOFT_HEAVY),
     "link": (_SOFT, _SOFT_DAMPED, _SOFT_LOSS, _SOFT_HEAVY),
+    "carried": (_MASS, _SPRING, _BOTH, _ABSORBER),
+    "ground": (_SPRING, _DAMPER, _BOTH, _MASS, _RELAXATION),
     "body": (_MASS, _SPRING, _BOTH, _ABSORBER),
     "sensor": (_GAIN, _SIGN, _DELAY, _GAIN_DELAY, _LOW, _HIGH),
     "hammer": (_GAIN, _SIGN, _DELAY, _GAIN_DELAY, _LOW, _HIGH),
