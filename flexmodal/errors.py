@@ -100,6 +100,10 @@ class OutputExists(InvalidInput):
     """A file stands where output should go, and nobody asked for it to be replaced."""
 
 
+class NotWritten(InvalidInput):
+    """Output could not be written; what stood in its place stands there as it was."""
+
+
 class MissingExtra(FlexmodalError, ImportError):
     """An optional package is needed for this and is not installed."""
 

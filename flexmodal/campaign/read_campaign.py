@@ -18,6 +18,7 @@ from flexmodal.campaign.uff.export import is_export, read_export
 from flexmodal.campaign.uff.read_blows import read_time_uff
 from flexmodal.campaign.uff.read_frfs import read_frf_uff
 from flexmodal.errors import Fault, InvalidCampaign, Report
+from flexmodal.files import complete
 from flexmodal.text.words import FaultList
 
 TOML, FRF, TIME, MODES = "campaign.toml", "frf.uff", "time.uff", "modes.csv"
@@ -32,6 +33,7 @@ def read_campaign(path: str | os.PathLike[str]) -> Campaign:
     Raises:
         InvalidCampaign: with every fault of every file.
     """
+    complete(path)
     if is_export(file := Path(os.path.abspath(path))):
         return read_export(file)
     folder = campaign_folder(path)
@@ -84,6 +86,7 @@ def check_campaign(path: str | os.PathLike[str]) -> Report:
 
 def is_campaign(path: str | os.PathLike[str]) -> bool:
     """Whether a path is that of a campaign: a folder with a campaign.toml, that file, or a universal file."""
+    complete(path)
     try:
         file = Path(path)
         return (file.name == TOML and file.is_file()) or (file / TOML).is_file() or is_export(file)

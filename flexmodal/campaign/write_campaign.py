@@ -6,8 +6,6 @@ import json
 import math
 import os
 import re
-import shutil
-import tempfile
 from pathlib import Path
 
 from flexmodal.campaign.campaign import Campaign
@@ -15,7 +13,8 @@ from flexmodal.campaign.read_campaign import FRF, MODES, TIME, TOML
 from flexmodal.campaign.tables.modes import write_modes
 from flexmodal.campaign.trial import Trial, Window
 from flexmodal.campaign.uff.write import blow_datasets, frf_datasets, has_data, write_uff
-from flexmodal.errors import Fault, InvalidCampaign, OutputExists
+from flexmodal.errors import Fault, InvalidCampaign
+from flexmodal.files import whole_folder
 
 _BARE = re.compile(r"[A-Za-z0-9_-]+")
 
@@ -31,7 +30,7 @@ def write_campaign(
         campaign: what to write.
         folder: the new folder; its parent has to exist.
         binary: dataset 58b instead of 58.
-        overwrite: replace a campaign that stands there.
+        overwrite: replace a campaign that stands there; a folder that holds anything else stays.
 
     Returns:
         The folder, absolute.
@@ -41,11 +40,9 @@ def write_campaign(
         InvalidCampaign: there is nothing measured to write.
     """
     target = Path(os.path.abspath(folder))
-    _check_place(target, overwrite)
     if not has_data(campaign):
         raise InvalidCampaign(Fault(str(target), "", "no data", "FRFs, blows or modes"))
-    scratch = Path(tempfile.mkdtemp(dir=target.parent, prefix=f".{target.name}."))
-    try:
+    with whole_folder(target, own=(TOML, FRF, TIME, MODES), overwrite=overwrite) as scratch:
         (scratch / TOML).write_text(campaign_toml(campaign), encoding="utf-8")
         if campaign.frfs is not None:
             write_uff(frf_datasets(campaign.frfs, campaign.points, binary), scratch / FRF)
@@ -53,14 +50,6 @@ def write_campaign(
             write_uff(blow_datasets(campaign.blows, campaign.points, binary), scratch / TIME)
         if campaign.modes is not None:
             write_modes(campaign.modes, scratch / MODES)
-        umask = os.umask(0)
-        os.umask(umask)
-        scratch.chmod(0o777 & ~umask)
-        if target.exists():
-            shutil.rmtree(target)
-        scratch.rename(target)
-    finally:
-        shutil.rmtree(scratch, ignore_errors=True)
     return target
 
 
@@ -108,19 +97,3 @@ def _text(text: str) -> str:
 
 def _key(name: str) -> str:
     return name if _BARE.fullmatch(name) else _text(name)
-
-
-def _check_place(target: Path, overwrite: bool) -> None:
-    if not target.parent.is_dir():
-        raise OutputExists(Fault(str(target), "", "no such folder", "a folder in an existing one"))
-    if not os.path.lexists(target):
-        return
-    if not target.is_dir() or target.is_symlink():
-        raise OutputExists(Fault(str(target), "", "an existing file", "a new name"))
-    inside = {entry.name for entry in target.iterdir()}
-    if inside and not overwrite:
-        raise OutputExists(Fault(str(target), "", "an existing folder", "a new name, or --force"))
-    others = sorted(inside - {TOML, FRF, TIME, MODES})
-    if others:
-        found = f"a folder that also holds {', '.join(others[:5])}"
-        raise OutputExists(Fault(str(target), "", found, "a folder with nothing but a campaign in it"))

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from flexmodal.cards.places import catalogue_folder, example_robots_folder
 from flexmodal.errors import Fault, RobotNotFound
+from flexmodal.files import complete
 from flexmodal.text.words import listing, nearest, shown
 
 CARD = "robot.toml"
@@ -67,6 +68,7 @@ def find(reference: str) -> Path:
     if named is not None:
         return named
     path = Path(reference).expanduser()
+    complete(path)
     try:
         if path.is_dir() and (path / CARD).is_file():
             return path / CARD

@@ -32,22 +32,22 @@ _HIDDEN = ("link_flexibility", "link_2")
 @quiet_option
 def demo(out: Path, force: bool, quiet: bool) -> None:
     """Load both robots, print modes and receptance, better a posture; hide a bending link and find it."""
-    from flexmodal.cli.options import refuse_existing
-    from flexmodal.diagnosis.write import JSON
-    from flexmodal.files import refuse_folder
+    from flexmodal.diagnosis.write import OWN
+    from flexmodal.files import whole_folder
     from flexmodal.model import load
 
-    out.mkdir(parents=True, exist_ok=True)
-    for name in _FILES:
-        refuse_existing(out / name, force, (".png", ".svg", ".html"))
-    refuse_folder(out / _FOUND, known=JSON, overwrite=force)
-    fanuc = load("fanuc_s360")
-    _modes(fanuc, "configuration_1")
-    _receptance(fanuc, "configuration_1", [0.0, 2.0, 7.6, 20.0, 51.0, 94.0])
-    arm = load("six_link")
-    _modes(arm, "start_2")
-    _better_posture(arm, out, force, quiet)
-    _something_missing(out / _FOUND, force, quiet)
+    out.absolute().parent.mkdir(parents=True, exist_ok=True)
+    own = (*_FILES, *(f"{_FOUND}/{name}" for name in OWN))
+    with whole_folder(out, own=own, overwrite=force) as scratch:
+        fanuc = load("fanuc_s360")
+        _modes(fanuc, "configuration_1")
+        _receptance(fanuc, "configuration_1", [0.0, 2.0, 7.6, 20.0, 51.0, 94.0])
+        arm = load("six_link")
+        _modes(arm, "start_2")
+        _better_posture(arm, scratch, quiet)
+        _something_missing(scratch / _FOUND, quiet)
+    for name in (*_FILES, f"{_FOUND}/report.html"):
+        click.echo(f"wrote {(out / name).resolve()}")
 
 
 def _modes(robot: Robot, posture: str) -> None:
@@ -73,7 +73,7 @@ def _receptance(robot: Robot, posture: str, frequencies: list[float]) -> None:
     print_table(title, ["frequency [Hz]", f"amplitude [{found.unit()}]", "phase [°]"], rows)
 
 
-def _better_posture(robot: Robot, out: Path, force: bool, quiet: bool) -> None:
+def _better_posture(robot: Robot, out: Path, quiet: bool) -> None:
     import numpy as np
 
     from flexmodal.cli.viewing import viewer
@@ -106,14 +106,12 @@ def _better_posture(robot: Robot, out: Path, force: bool, quiet: bool) -> None:
     }
     figure = draw_frf(curves, title=f"{robot.title}, start and best posture", mark=_FREQUENCY)
     for name in _FILES[:2]:
-        write_figure(figure, out / name, overwrite=force)
+        write_figure(figure, out / name)
     quietly = {"open_browser": False, "announce": lambda text: None}
-    viewer("show_outcome")(outcome, start=start, out=out / _FILES[2], overwrite=force, **quietly)
-    for name in _FILES:
-        click.echo(f"wrote {(out / name).resolve()}")
+    viewer("show_outcome")(outcome, start=start, out=out / _FILES[2], **quietly)
 
 
-def _something_missing(out: Path, force: bool, quiet: bool) -> None:
+def _something_missing(out: Path, quiet: bool) -> None:
     """A hammer test on a robot whose second link bends, and a card that does not know: what is missing?"""
     from flexmodal.cli.printing import stages
     from flexmodal.diagnosis import diagnose
@@ -130,7 +128,7 @@ def _something_missing(out: Path, force: bool, quiet: bool) -> None:
             card, hide=hide, postures=4, points=4, references=2, seed=1, record_length=2.0, band=(2.0, 150.0)
         )
         found = diagnose(test.campaign, card, advance=advance)
-        write_diagnosis(found, out, overwrite=force)
+        write_diagnosis(found, out)
     gaps = found.gaps
     rows = [
         ["hidden in the robot that was struck", f"{effect} at {where}"],
@@ -141,4 +139,3 @@ def _something_missing(out: Path, force: bool, quiet: bool) -> None:
     ]
     print_table(f"{card.title}: a simulated hammer test, diagnosed", ["", ""], rows)
     click.echo(found.verdict.says)
-    click.echo(f"wrote {(out / 'report.html').resolve()}")

@@ -63,10 +63,10 @@ def diagnose(
     """
     from flexmodal.diagnosis import diagnose as find
     from flexmodal.diagnosis.as_json import as_json as as_object
-    from flexmodal.diagnosis.write import JSON, write_diagnosis
+    from flexmodal.diagnosis.write import OWN, write_diagnosis
     from flexmodal.files import refuse_folder
 
-    refuse_folder(out, known=JSON, overwrite=force)
+    refuse_folder(out, own=OWN, overwrite=force)
     wanted, trusted = _names(effects), trust_of(trust)
     measured = campaign_at(campaign)
     arm = robot_of(measured, robot)

@@ -99,8 +99,12 @@ def fit(
     from flexmodal.ema import as_json as as_object
     from flexmodal.ema import fit as find
     from flexmodal.ema import records_of
+    from flexmodal.ema.pictures import PICTURES
+    from flexmodal.files import refuse_folder
 
     refuse_existing(out, force, _ENDINGS)
+    if pictures is not None:
+        refuse_folder(pictures, own=PICTURES, overwrite=force)
     measured = campaign_at(campaign)
     choices = _choices(**wanted)
     fits = find(measured, method, per=per, trials=trials, estimator=estimator, choices=choices)

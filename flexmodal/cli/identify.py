@@ -9,15 +9,17 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from flexmodal.cli.measured import campaign_at, robot_of, say_doubled
-from flexmodal.cli.options import SOURCE, force_option, json_option, quiet_option, trust_of, trust_option
+from flexmodal.cli.options import force_option, json_option, quiet_option, trust_of, trust_option
 from flexmodal.cli.printing import print_json, print_table, progress
-from flexmodal.errors import Fault, OutputExists
 
 if TYPE_CHECKING:
     from flexmodal.identification import Identification, IdentificationProblem
+    from flexmodal.model import Robot
 
 STAGES = 4
-FILES = ("identification.json", "report.html", "fit.png", "fit.svg", "robot")
+PICTURES = ("fit.png", "fit.svg")
+OWN = ("identification.json", "report.html", *PICTURES, "robot/robot.toml", "robot/*.urdf")
+"""All that it writes: a folder that holds anything else is never replaced."""
 
 
 @click.command()
@@ -75,9 +77,10 @@ def identify(
     from flexmodal.identification.as_json import as_json as as_object
     from flexmodal.structure import robot_space
 
-    _refuse_out(out, force)
     measured = campaign_at(campaign)
     arm = robot_of(measured, robot)
+    if out is not None:
+        _refuse_out(out, arm, force)
     say_doubled(measured, source)
     wanted = [kind.strip() for kind in kinds.split(",") if kind.strip()]
     with progress(STAGES, "identifying", quiet=quiet) as advance:
@@ -109,40 +112,31 @@ def _say_before(problem: IdentificationProblem) -> None:
     click.echo(f"before the fit: {problem.identifiability.verdict}", err=True)
 
 
-def _refuse_out(out: Path | None, force: bool) -> None:
+def _refuse_out(out: Path, robot: Robot, force: bool) -> None:
     """Complain about the folder before the work starts."""
-    if out is None:
-        return
-    faults = []
-    if out.exists() and not out.is_dir():
-        faults.append(Fault(f"{SOURCE} --out", str(out), "a file", "the name of a folder"))
-    elif not out.parent.is_dir():
-        faults.append(Fault(str(out.parent), "", "no such folder", "an existing folder to put it in"))
-    elif not force:
-        faults = [
-            Fault(str(out / name), "", "something that exists", "a new folder, or --force")
-            for name in FILES
-            if (out / name).exists()
-        ]
-    if faults:
-        raise OutputExists(faults)
+    from flexmodal.files import refuse_folder
+    from flexmodal.identification.improved import refuse_own
+
+    refuse_own(robot, out / "robot")
+    refuse_folder(out, own=OWN, overwrite=force)
 
 
 def _write(outcome: Identification, found: dict[str, Any], out: Path, force: bool) -> None:
+    from flexmodal.files import whole_folder
     from flexmodal.identification.improved import write_improved
     from flexmodal.identification.page import write_identification_page
     from flexmodal.identification.plot import draw_identification
     from flexmodal.report import write_figure, write_json
 
-    out.mkdir(exist_ok=True)
     campaign, robot = outcome.problem.campaign, outcome.problem.robot
     source = f"the card {robot.name}, identified from the campaign: {campaign.title}. {outcome.verdict}"
-    write_improved(robot, outcome.values, out / "robot", source=source, overwrite=force)
-    write_json(found, out / "identification.json", overwrite=force)
-    write_identification_page(outcome, out / "report.html", overwrite=force)
-    figure = draw_identification(outcome)
-    for name in ("fit.png", "fit.svg"):
-        write_figure(figure, out / name, overwrite=force)
+    with whole_folder(out, own=OWN, overwrite=force) as scratch:
+        write_improved(robot, outcome.values, scratch / "robot", source=source, home=out / "robot")
+        write_json(found, scratch / "identification.json")
+        write_identification_page(outcome, scratch / "report.html")
+        figure = draw_identification(outcome)
+        for name in PICTURES:
+            write_figure(figure, scratch / name)
 
 
 def _print(outcome: Identification) -> None:

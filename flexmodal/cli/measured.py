@@ -21,8 +21,10 @@ def campaign_at(path: str | Path) -> Campaign:
         InvalidCampaign: nothing there, or with every fault of every file.
     """
     from flexmodal.campaign import UNIVERSAL_SUFFIXES, read_campaign
+    from flexmodal.files import complete
 
     place = Path(path)
+    complete(place)
     if not place.exists():
         allowed = "a folder with a campaign.toml, or a universal file by itself"
         raise InvalidCampaign(Fault(str(path), "", "no such file or folder", allowed))

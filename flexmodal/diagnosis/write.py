@@ -14,6 +14,8 @@ from flexmodal.model.written import CARD
 from flexmodal.report import write_json
 
 JSON, REPORT, ROBOT = "diagnosis.json", "report.html", "robot"
+OWN = (JSON, REPORT, f"{ROBOT}/{CARD}", f"{ROBOT}/*.urdf")
+"""All that a diagnosis writes: a folder that holds anything else is never replaced."""
 
 
 def write_diagnosis(diagnosis: Diagnosis, folder: str | Path, *, overwrite: bool = False) -> None:
@@ -24,16 +26,17 @@ def write_diagnosis(diagnosis: Diagnosis, folder: str | Path, *, overwrite: bool
     Args:
         diagnosis: what `diagnose` found.
         folder: a new folder.
-        overwrite: replace a folder that an earlier diagnosis wrote.
+        overwrite: replace a folder that an earlier diagnosis wrote and that holds nothing else.
 
     Raises:
         OutputExists: something stands there already, or its own folder does not exist.
+        NotWritten: the disk is full, or the folder may not be written.
         InvalidInput: the improved robot is not one that loads.
     """
     target = Path(folder)
     found = as_json(diagnosis)
     extension = extend(diagnosis)
-    with whole_folder(target, known=JSON, overwrite=overwrite) as scratch:
+    with whole_folder(target, own=OWN, overwrite=overwrite) as scratch:
         robot = scratch / ROBOT
         robot.mkdir()
         extension.write(robot, home=target / ROBOT)

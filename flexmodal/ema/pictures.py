@@ -24,9 +24,12 @@ from flexmodal.ema.plot_poles import draw_circle, draw_stabilisation
 from flexmodal.ema.plot_shapes import draw_mac, draw_shapes, fixed_place
 from flexmodal.ema.records import Place, Trials, by_posture, grouped
 from flexmodal.ema.shapes import FittedShapes, fitted_shapes
-from flexmodal.errors import Fault, OutputExists
+from flexmodal.files import whole_folder
 from flexmodal.modal import mac
 
+_KINDS = ("frf", "nyquist", "circle", "coherence", "stabilisation", "shapes", "mac")
+PICTURES = tuple(f"{kind}_*{ending}" for kind in _KINDS for ending in (".png", ".svg"))
+"""Names of pictures, as patterns."""
 _CURVES = 12
 """Of coherence in one picture."""
 
@@ -71,29 +74,22 @@ def pictures(
 def write_pictures(
     drawn: Sequence[Picture], folder: Path, ending: str, *, overwrite: bool = False
 ) -> tuple[Path, ...]:
-    """Write pictures into a folder, made if it does not exist, each under its name.
+    """Write a folder of pictures, each under its name, whole or not at all.
 
     Args:
         drawn: what to draw.
-        folder: new, empty, or with `overwrite` any.
+        folder: new, or with `overwrite` one with nothing in it but earlier pictures.
         ending: ".png" or ".svg".
-        overwrite: replace pictures of the same names.
+        overwrite: replace such a folder.
 
     Raises:
-        OutputExists: the folder holds something, or it is a file.
+        OutputExists: something else stands there.
+        NotWritten: the disk is full, or the folder may not be written.
     """
-    if folder.exists() and not folder.is_dir():
-        raise OutputExists(Fault(str(folder), "", "a file", "a folder for pictures"))
-    if folder.is_dir() and any(folder.iterdir()) and not overwrite:
-        raise OutputExists(Fault(str(folder), "", "a folder with something in it", "a new one, or --force"))
-    if not folder.parent.is_dir():
-        raise OutputExists(Fault(str(folder.parent), "", "no such folder", "an existing folder to put it in"))
-    folder.mkdir(exist_ok=True)
-    paths = []
-    for picture in drawn:
-        paths.append(folder / f"{picture.name}{ending}")
-        report.write_figure(picture.draw(), paths[-1], overwrite=overwrite)
-    return tuple(paths)
+    with whole_folder(folder, own=PICTURES, overwrite=overwrite) as scratch:
+        for picture in drawn:
+            report.write_figure(picture.draw(), scratch / f"{picture.name}{ending}")
+    return tuple(folder / f"{picture.name}{ending}" for picture in drawn)
 
 
 def _of_frfs(

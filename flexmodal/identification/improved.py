@@ -23,7 +23,13 @@ _NOTHING = Body(0.0, np.zeros(3), np.zeros((3, 3)))
 
 
 def write_improved(
-    robot: Robot, values: Mapping[str, float], folder: Path, *, source: str, overwrite: bool = False
+    robot: Robot,
+    values: Mapping[str, float],
+    folder: Path,
+    *,
+    source: str,
+    home: Path | None = None,
+    overwrite: bool = False,
 ) -> Path:
     """Write a robot with other numbers.
 
@@ -32,6 +38,7 @@ def write_improved(
         values: by name, as `robot_space` has them; what is missing stays.
         folder: gets `robot.toml` and the URDF; made if it is not there.
         source: where the numbers come from, for the card.
+        home: where the folder will stand in the end, for the addresses of meshes.
         overwrite: replace files that stand there.
 
     Returns:
@@ -40,12 +47,21 @@ def write_improved(
     Raises:
         OutputExists: a file is there, or the folder is the one that the URDF came from.
     """
-    if folder.resolve() == robot.urdf.path.parent.resolve():
-        raise OutputExists(Fault(str(folder), "", "the folder of the card's own URDF", "another folder"))
+    refuse_own(robot, folder)
     folder.mkdir(parents=True, exist_ok=True)
     shifts = _shifts(robot, values)
     card = _with_values(card_of(robot, folder, source=source), values, shifts)
-    return write_robot(card, _urdf(robot, values, shifts), overwrite=overwrite)
+    return write_robot(card, _urdf(robot, values, shifts), home=home, overwrite=overwrite)
+
+
+def refuse_own(robot: Robot, folder: Path) -> None:
+    """Complain about a folder that holds the robot's own URDF.
+
+    Raises:
+        OutputExists: it does.
+    """
+    if robot.urdf.path.parent.resolve() == folder.resolve():
+        raise OutputExists(Fault(str(folder), "", "the folder of the card's own URDF", "another folder"))
 
 
 def _with_values(card: RobotCard, values: Mapping[str, float], shifts: Mapping[str, np.ndarray]) -> RobotCard:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import shutil
-import tempfile
+import os
 from dataclasses import dataclass
 from pathlib import Path
 
 from flexmodal.campaign import Campaign
 from flexmodal.errors import Fault, OutputExists
+from flexmodal.files import whole_set
 from flexmodal.model import Robot
 from flexmodal.rig.effects import Stand
 from flexmodal.rig.plan import HammerPlan
@@ -30,7 +30,7 @@ class RigResult:
     hidden: tuple[Hidden, ...]
 
     def write(self, folder: str | Path, *, binary: bool = True) -> Path:
-        """Write the campaign to a new folder and the truth beside it.
+        """Write the campaign to a new folder and the truth beside it, both or neither.
 
         Args:
             folder: a new one.
@@ -41,20 +41,17 @@ class RigResult:
 
         Raises:
             OutputExists: the folder or the file of the truth is there already; nothing is written.
+            NotWritten: the disk is full, or the folder may not be written.
         """
         from flexmodal.campaign import write_campaign
 
-        target = Path(folder)
+        target = Path(os.path.abspath(folder))
         refuse_existing(target)
-        scratch = Path(tempfile.mkdtemp(dir=target.parent, prefix=f".{target.name}."))
-        try:
+        with whole_set([target, truth_path(target)]) as scratch:
             inside = scratch / target.name
             write_campaign(self.campaign, inside, binary=binary)
             write_robot(self.robot, inside, self.plan.postures, self.plan.points)
-            self.truth.write(truth_path(target))
-            inside.rename(target)
-        finally:
-            shutil.rmtree(scratch, ignore_errors=True)
+            self.truth.write(truth_path(inside))
         return truth_path(target)
 
 
@@ -67,7 +64,7 @@ def refuse_existing(folder: Path) -> None:
     faults = [
         Fault(str(path), "", "something that exists", "a new name")
         for path in (folder, truth_path(folder))
-        if path.exists() or path.is_symlink()
+        if os.path.lexists(path)
     ]
     if not folder.parent.is_dir():
         faults.append(Fault(str(folder.parent), "", "no such folder", "an existing folder to put it in"))

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from flexmodal.campaign import Campaign, check_campaign, read_campaign, write_campaign
-from flexmodal.errors import OutputExists
+from flexmodal.errors import NotWritten, OutputExists
 
 # pyuff's ASCII holds twelve digits of a value; binary holds all of them.
 TOLERANCE = {True: 0.0, False: 1e-11}
@@ -77,6 +77,6 @@ def test_written_whole_or_not_at_all(
 
     module = sys.modules["flexmodal.campaign.write_campaign"]  # the package's function has the same name
     monkeypatch.setattr(module, "write_modes", full)
-    with pytest.raises(OSError, match="disk full"):
+    with pytest.raises(NotWritten, match="disk full"):
         write_campaign(campaign, tmp_path / "c")
     assert list(tmp_path.iterdir()) == []

@@ -12,6 +12,7 @@ from flexmodal.campaign import Campaign, write_campaign
 from flexmodal.campaign.uff import frame as uff_frame
 from flexmodal.campaign.uff.frame import framed, splice, with_size
 from flexmodal.campaign.uff.write import blow_datasets, frf_datasets
+from flexmodal.errors import NotWritten
 
 
 def alone(dataset: dict, piece: Path) -> bytes:
@@ -80,6 +81,6 @@ def test_a_full_disk_is_told_as_such(
             raise Exception("Error writing data-set #58")  # noqa: B904  as pyuff does
 
     monkeypatch.setattr(pyuff.UFF, "write_sets", full)
-    with pytest.raises(OSError, match="No space left"):
+    with pytest.raises(NotWritten, match="No space left"):
         write_campaign(campaign, tmp_path / "c")
     assert list(tmp_path.iterdir()) == []

@@ -140,10 +140,10 @@ def test_every_picture_into_a_folder(cli, tmp_path):
         text = path.read_text(encoding="utf-8")
         assert text.rstrip().endswith("</svg>")
         assert "nan" not in text
-    cli("fit", BEAM, *options).refused("something in it", "--force")
+    cli("fit", BEAM, *options).refused("an existing folder with", "--force")
     assert cli("fit", BEAM, *options, "--force").status == 0
     (tmp_path / "file").write_text("")
-    cli("fit", BEAM, "--pictures", tmp_path / "file").refused("a file", "a folder for pictures")
+    cli("fit", BEAM, "--pictures", tmp_path / "file").refused("a file", "not a folder")
     cli("fit", BEAM, "--pictures", tmp_path / "no" / "where").refused("no such folder")
 
 

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
 from flexmodal.cards.card import JointCard, RobotCard
 from flexmodal.cards.read_card import read_card
 from flexmodal.cards.write.urdf import UrdfDraft
-from flexmodal.errors import Fault, InvalidCard, OutputExists
-from flexmodal.files import whole_file
+from flexmodal.errors import Fault, InvalidCard
+from flexmodal.files import whole_set
 from flexmodal.text.write_toml import toml_text
 
 
@@ -23,7 +23,7 @@ def write_robot(
     home: Path | None = None,
     overwrite: bool = False,
 ) -> Path:
-    """Write a card and its URDF, and read both again before the card takes its name.
+    """Write a card and its URDF, both or neither, and read both again before they take their names.
 
     Args:
         card: with the paths that the two files are to have.
@@ -40,16 +40,14 @@ def write_robot(
         InvalidCard: what was written is not a sound card, or another one.
         InvalidUrdf: likewise of the URDF.
     """
-    present = [path for path in (card.path, card.urdf) if path.exists() and not overwrite]
-    if present:
-        raise OutputExists([Fault(str(p), "", "an existing file", "a new name, or --force") for p in present])
     text = "".join(f"# {_line(note)}\n" for note in notes) + "\n" * bool(notes) + toml_text(_table(card))
-    with whole_file(card.path, overwrite=overwrite) as scratch:
-        scratch.write_text(text, encoding="utf-8")
-        urdf.write(card.urdf, home=home, overwrite=overwrite)
-        found = read_card(scratch)
-        names = [one.name for one in fields(card) if one.name != "path"]
-        wrong = [name for name in names if getattr(found, name) != getattr(card, name)]
+    with whole_set([card.path, card.urdf], overwrite=overwrite) as scratch:
+        made = replace(card, path=scratch / card.path.name, urdf=scratch / card.urdf.name)
+        made.path.write_text(text, encoding="utf-8")
+        urdf.write(made.urdf, home=home or card.path.parent)
+        found = read_card(made.path)
+        names = [one.name for one in fields(card)]
+        wrong = [name for name in names if getattr(found, name) != getattr(made, name)]
         if wrong:
             allowed = "those that were written"
             raise InvalidCard([Fault(str(card.path), key, "other values", allowed) for key in wrong])

@@ -11,10 +11,11 @@ from jaxtyping import Float
 from flexmodal.diagnosis.disagreement.modal_regions import regions
 from flexmodal.diagnosis.effects import Context, Effect
 from flexmodal.diagnosis.findings import Findings
-from flexmodal.diagnosis.hypothesis import Hypothesis, Placed
+from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.modal_model import ModalModel
 from flexmodal.diagnosis.names import NONE, UNSTRUCTURED
 from flexmodal.diagnosis.outcome import Gaps, NextMeasurement
+from flexmodal.diagnosis.placed import Placed
 from flexmodal.diagnosis.search.modal_search import (
     bare_starts,
     best_fits,

@@ -1,0 +1,8 @@
+"""Writing files and folders: whole or not at all, by one process at a time, never over work unasked."""
+
+from flexmodal.files.refusal import refuse_file as refuse_file
+from flexmodal.files.refusal import refuse_folder as refuse_folder
+from flexmodal.files.stage import complete as complete
+from flexmodal.files.whole import whole_file as whole_file
+from flexmodal.files.whole import whole_folder as whole_folder
+from flexmodal.files.whole import whole_set as whole_set
