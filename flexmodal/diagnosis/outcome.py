@@ -10,6 +10,7 @@ from jaxtyping import Complex, Float
 
 from flexmodal.diagnosis.findings import Findings
 from flexmodal.diagnosis.hypothesis import Hypothesis
+from flexmodal.diagnosis.lawfree.result import Findings as LawFreeFindings
 from flexmodal.identification import Observations
 
 
@@ -102,7 +103,10 @@ class Verdict:
 
     effects: tuple[tuple[str, str], ...]
     explained: bool
+    """Whether nothing significant is left."""
     says: str
+    share: float | None = None
+    """Part of the disagreement above the noise that the named effects take; None where there are none."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,6 +142,8 @@ class Diagnosis:
     """What was weighed last and not found worth adding, the best first; `NONE` among them."""
     provenance: Mapping[str, str] = field(default_factory=dict)
     """Versions, hashes of the inputs, seed, settings, seconds."""
+    look: LawFreeFindings | None = None
+    """What was found without a law; None of a diagnosis from modes alone."""
     modal: Findings | None = None
     """What a diagnosis from modes alone knows besides; None of one from FRFs."""
 

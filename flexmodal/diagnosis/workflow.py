@@ -91,7 +91,12 @@ def _diagnosis_of(selection: FrfSelection) -> Diagnosis:
         held_out_before=held_pair.held_out_before,
         held_out_after=held_pair.held_out_after,
     )
-    says = verdict(setup, selection.steps, final, gaps, over, explained=explained, lacking=lacking)
+    named = not explained and not lacking and selection.is_named(selection.current)
+    share = 1 - left(setup, selection.root, final)
+    says = verdict(
+        setup, selection.steps, final, gaps, over, explained=explained, named=named, share=share,
+        look=selection.look, lacking=lacking,
+    )  # fmt: skip
     sure = uncertainty(final.hypothesis.space, final.fitted.normal, setup.observations)
     setup.advance("what to measure next", 0.5)
     return Diagnosis(
@@ -100,7 +105,7 @@ def _diagnosis_of(selection: FrfSelection) -> Diagnosis:
         gaps=gaps,
         disagreement=disagreement(setup.observations, before.predicted),
         remaining=disagreement(setup.observations, final.predicted),
-        steps=tuple(selection.steps) if explained else (),
+        steps=tuple(selection.steps) if explained or named else (),
         verdict=says,
         next_measurement=_next(selection, final),
         untestable=setup.untestable,
@@ -114,6 +119,7 @@ def _diagnosis_of(selection: FrfSelection) -> Diagnosis:
         frfs=setup.observations,
         predicted={"believed": selection.believed, "before": before.predicted, "after": final.predicted},
         refused=tuple(selection.refused),
+        look=selection.look,
         provenance=provenance(setup.observations.campaign, setup.context.robot, setup.seed),
     )
 

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import cached_property
 
 import numpy as np
 from jaxtyping import Float
 
 from flexmodal.diagnosis.disagreement.compare import force_dependence
-from flexmodal.diagnosis.disagreement.gaps import gap_of, gaps_of, over_noise
+from flexmodal.diagnosis.disagreement.gaps import gap_of, gaps_of, left, over_noise
 from flexmodal.diagnosis.hypothesis import Hypothesis
+from flexmodal.diagnosis.lawfree.first_look import looked_freely
+from flexmodal.diagnosis.lawfree.result import CLASSES_OF, Findings
 from flexmodal.diagnosis.outcome import Gaps
 from flexmodal.diagnosis.search.explanations import explanations
 from flexmodal.diagnosis.search.looking import looked_at
@@ -28,6 +31,9 @@ WORTH = 0.03
 """Part of the sum of squares that an effect has to take away besides."""
 ANOTHER = 0.35
 """The same for every further effect: what a good but not perfect model leaves is not another effect."""
+LARGER_PART, NEARLY_ALL = 0.5, 0.9
+"""Part of the disagreement that an effect takes to be named where its law is not quite the catalogue's; the
+second where no curve tells its class."""
 FLOOR_REACHED = 1.4
 """Distance of a model from the measurement, over that of the noise, that needs no explanation."""
 
@@ -57,22 +63,39 @@ class FrfSelection(ForwardSelection[FittedFrfs]):
     def run(self) -> None:
         """Add effects until nothing significant is left; those that nobody misses go."""
         super().run()
-        if self.beside is not None and not self.is_enough(self.current):
+        if self.beside is not None and not self.is_over(self.current):
             self.exchange(self.beside)
         self.drop_needless()
 
+    @cached_property
+    def look(self) -> Findings:
+        """The law-free look at the re-tuned robot."""
+        return looked_freely(self.setup, self.root, by_force=self.force_matters, advance=self.setup.advance)
+
     def candidates(self, number: int) -> list[FittedFrfs]:
-        """The finalists of a search, and a mode with no structure last."""
-        before, doing = self.current, f"looking for {'an effect' if not number else 'another effect'}"
-        found = explanations(
+        """The finalists of a search, and a mode with no structure last.
+
+        The first search is where the law-free look points; if nothing there is enough, it is everywhere.
+        """
+        before = self.current
+        found: list[FittedFrfs] = []
+        if not number and self.look.explains:
+            found = self._searched(number, self.look.worth_trying)
+        if not any(self.is_enough(one) or self.is_named(one) for one in found):
+            found = self._searched(number, lambda effect, where: True)
+        return [before, *found, unstructured_mode(self.setup, before)]
+
+    def _searched(self, number: int, allowed: Callable[[str, str], bool]) -> list[FittedFrfs]:
+        doing = f"looking for {'an effect' if not number else 'another effect'}"
+        return explanations(
             self.setup,
-            before,
-            _starts(before),
+            self.current,
+            _starts(self.current),
             loud=self.force_matters,
             enough=FLOOR_REACHED,
             advance=lambda part: self.setup.advance(doing, part),
+            allowed=allowed,
         )
-        return [before, *found, unstructured_mode(self.setup, before)]
 
     def compare(self, models: Sequence[FittedFrfs]) -> Comparison[FittedFrfs]:
         """On the postures that were fitted and those held out, and on modes."""
@@ -96,6 +119,22 @@ class FrfSelection(ForwardSelection[FittedFrfs]):
     def is_enough(self, model: FittedFrfs) -> bool:
         """Whether it reaches the noise, and every mode has a partner."""
         return over_noise(self.setup, model) <= FLOOR_REACHED and not self.lacking(model)
+
+    def is_named(self, model: FittedFrfs) -> bool:
+        """Whether its only effect sits where the law-free look points and takes the larger part.
+
+        With its function free that place explains everything, so that what the model leaves is due to the law
+        of the effect and not to another one.
+        """
+        if len(model.hypothesis.placed) != 1 or not self.look.explains:
+            return False
+        name, where = model.key
+        enough = LARGER_PART if name in CLASSES_OF else NEARLY_ALL
+        return self.look.could_be(name, where) and 1 - left(self.setup, self.root, model) >= enough
+
+    def is_over(self, model: FittedFrfs) -> bool:
+        """Whether no further effect is looked for."""
+        return self.is_enough(model) or self.is_named(model)
 
     def lacking(self, model: FittedFrfs) -> dict[int, float]:
         """Measured modes that it has none for in at least half the postures: frequencies [Hz]."""

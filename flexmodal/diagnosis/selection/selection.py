@@ -63,6 +63,10 @@ class ForwardSelection(ABC, Generic[M]):
     def is_enough(self, model: M) -> bool:
         """Whether nothing is left to be explained."""
 
+    def is_over(self, model: M) -> bool:
+        """Whether no further effect is looked for."""
+        return self.is_enough(model)
+
     @abstractmethod
     def gaps(self, before: M, after: M) -> Gaps:
         """Of a pair of models."""
@@ -78,7 +82,7 @@ class ForwardSelection(ABC, Generic[M]):
     def run(self) -> None:
         """Add effects until nothing significant is left."""
         for number in range(MOST_STEPS):
-            if number and self.is_enough(self.current):
+            if number and self.is_over(self.current):
                 break
             if self.step(number) is None:
                 break

@@ -7,10 +7,12 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from flexmodal.diagnosis.disagreement.compare import excess
+from flexmodal.diagnosis.lawfree.result import Findings
 from flexmodal.diagnosis.names import NONE, UNKNOWN, UNSTRUCTURED
 from flexmodal.diagnosis.outcome import Gaps, Step, Verdict
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.setup import Setup
+from flexmodal.report.words import percent
 from flexmodal.text.words import enumeration
 
 
@@ -22,6 +24,9 @@ def verdict(
     over: float,
     *,
     explained: bool,
+    named: bool,
+    share: float,
+    look: Findings,
     lacking: Mapping[int, float] | None = None,
 ) -> Verdict:
     """Nothing is missing, something of the catalogue is, or something else.
@@ -33,6 +38,9 @@ def verdict(
         gaps: before and after.
         over: how far the model is from the averages, over their noise.
         explained: whether that is near enough.
+        named: if not, whether the effect takes the larger part and the law-free look points to its place.
+        share: part of the disagreement that the effects take.
+        look: the law-free look.
         lacking: measured modes that the model has none for, frequencies [Hz].
     """
     floors = gaps.after / gaps.noise_floor
@@ -46,8 +54,17 @@ def verdict(
         tied = [_named(*tie) for step in steps for tie in step.ties]
         tail = f" These data cannot tell it from {', '.join(tied)}." if tied else ""
         says = f"Missing: {words}.{tail} The gap falls to {floors:.2f} × the noise floor."
-        return Verdict(effects, True, says)
-    where = place(setup, final)
+        return Verdict(effects, True, says, share)
+    if named:
+        step = steps[0]
+        says = (
+            f"Missing: {_says(setup, step.effect)} ({step.where}). It takes {percent(share)} of the "
+            f"disagreement; averaged over repeats the model stays {over:.1f} times as far from the "
+            "measurements as noise alone would put it, for its law is not quite the catalogue's. "
+            f"{look.says}{silent}"
+        )
+        return Verdict(effects, False, says, share)
+    where = look.best.where if look.explains else place(setup, final)
     near = f" Nearest comes {effects[-1][0]} at {effects[-1][1]}, which is not enough." if effects else ""
     modes = ""
     if lacking:
@@ -56,7 +73,7 @@ def verdict(
     says = (
         "Something is missing that nothing in the catalogue explains: averaged over repeats, the model stays "
         f"{over:.1f} times as far from the measurements as noise alone would put it.{modes} "
-        f"Look at {where}.{near}{silent}"
+        f"Look at {where}.{near} {look.says}{silent}"
     )
     return Verdict(((UNKNOWN, where),), False, says)
 
