@@ -10,6 +10,7 @@ from jaxtyping import Complex, Float
 
 from flexmodal.diagnosis.findings import Findings
 from flexmodal.diagnosis.hypothesis import Hypothesis
+from flexmodal.diagnosis.lawfree.result import Findings as LawFreeFindings
 from flexmodal.diagnosis.names import UNKNOWN
 from flexmodal.identification import Observations
 
@@ -103,7 +104,10 @@ class Verdict:
 
     effects: tuple[tuple[str, str], ...]
     explained: bool
+    """Whether nothing significant is left."""
     says: str
+    share: float | None = None
+    """Part of the disagreement above the noise that the named effects take; None where there are none."""
     undecided: tuple[str, ...] = ()
     """Sentences on figures too near to their threshold for a yes or a no; the simpler answer was kept."""
 
@@ -148,6 +152,8 @@ class Diagnosis:
     """What was taken for granted that may not be so."""
     provenance: Mapping[str, str] = field(default_factory=dict)
     """Versions, hashes of the inputs, seed, settings, seconds."""
+    look: LawFreeFindings | None = None
+    """What was found without a law; None of a diagnosis from modes alone."""
     modal: Findings | None = None
     """What a diagnosis from modes alone knows besides; None of one from FRFs."""
 

@@ -47,6 +47,7 @@ def diagnosis_of(
         deviation=found.deviation,
         refused=tuple(selection.refused),
         provenance=provenance(data.campaign, data.context.robot, seed),
+        look=found.look,
         modal=modal,
         warnings=warnings,
         **data.shown(found),
@@ -74,5 +75,8 @@ def facts_of(selection: ForwardSelection[M], found: Conclusion[M], modal: Findin
         untestable=tuple(data.untestable),
         refused=refused_words(selection.rounds, data.asked),
         undecided=undecided_words(selection.rounds),
+        share=found.share,
+        named=found.named,
+        look=found.look,
         modal=modal,
     )

@@ -13,6 +13,7 @@ from jaxtyping import Float
 from flexmodal.campaign import Campaign
 from flexmodal.diagnosis.effects import Context, Effect
 from flexmodal.diagnosis.findings import Findings
+from flexmodal.diagnosis.lawfree.result import Findings as LawFreeFindings
 from flexmodal.diagnosis.outcome import Gaps, NextMeasurement, Region
 from flexmodal.diagnosis.selection.comparison import Comparison, M
 from flexmodal.diagnosis.selection.decision import Answer, Asked, Round
@@ -34,6 +35,12 @@ class Conclusion(Generic[M]):
     along, so that there is no such figure."""
     reached: Answer
     """Whether that is noise."""
+    share: float | None = None
+    """Part of the disagreement above the noise that the last model takes away."""
+    named: Answer = Answer.NO
+    """Whether the law-free look points to the place of its only effect, which takes the larger part."""
+    look: LawFreeFindings | None = None
+    """What was found without a law."""
 
 
 class Data(ABC, Generic[M]):
@@ -96,6 +103,10 @@ class Data(ABC, Generic[M]):
     @abstractmethod
     def is_enough(self, model: M) -> bool:
         """Whether nothing is left to be explained."""
+
+    def is_over(self, model: M) -> bool:
+        """Whether no further effect is looked for."""
+        return self.is_enough(model)
 
     @abstractmethod
     def lacking(self, model: M) -> Mapping[int, float]:

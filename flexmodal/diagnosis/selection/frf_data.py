@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,9 @@ from flexmodal.diagnosis.disagreement.compare import disagreement, excess, force
 from flexmodal.diagnosis.disagreement.gaps import gap_of, gaps_of, left, over_noise
 from flexmodal.diagnosis.findings import Findings
 from flexmodal.diagnosis.hypothesis import Hypothesis
+from flexmodal.diagnosis.lawfree.first_look import looked_freely
+from flexmodal.diagnosis.lawfree.result import CLASSES_OF
+from flexmodal.diagnosis.lawfree.result import Findings as LawFreeFindings
 from flexmodal.diagnosis.outcome import Gaps, NextMeasurement
 from flexmodal.diagnosis.search.explanations import explanations
 from flexmodal.diagnosis.search.looking import looked_at
@@ -33,6 +37,9 @@ WORTH, WORTH_MARGIN = 0.025, 0.005
 """Part of the sum of squares that an effect has to take away besides."""
 ANOTHER, ANOTHER_MARGIN = 0.33, 0.02
 """The same for every further effect: what a good but not perfect model leaves is not another effect."""
+LARGER_PART, NEARLY_ALL, PART_MARGIN = 0.5, 0.9, 0.01
+"""Part of the disagreement that an effect takes to be named where its law is not quite the catalogue's; the
+second where no curve tells its class. With less than two margins more that is told to be the border."""
 FLOOR_REACHED = 1.4
 """Distance of a model from the measurement, over that of the noise, that needs no explanation; a
 perfect one is somewhat above 1, since what repeats share is not in the noise."""
@@ -81,17 +88,36 @@ class FrfData(Data[FittedFrfs]):
         return tuple(seen.postures[int(k)].id for k in np.unique(seen.posture[self.setup.held]))
 
     def candidates(self, before: FittedFrfs, number: int) -> list[FittedFrfs]:
-        """The finalists of a search, and a mode with no structure last."""
+        """The finalists of a search, and a mode with no structure last.
+
+        The first search is where the law-free look points; if nothing there is enough, it is everywhere.
+        """
+        found: list[FittedFrfs] = []
+        if not number and self.look.explains:
+            found = self._searched(before, number, self.look.worth_trying)
+        if not any(self.is_over(one) for one in found):
+            found = self._searched(before, number, lambda effect, where: True)
+        return [before, *found, unstructured_mode(self.setup, before)]
+
+    def _searched(
+        self, before: FittedFrfs, number: int, allowed: Callable[[str, str], bool]
+    ) -> list[FittedFrfs]:
         doing = f"looking for {'an effect' if not number else 'another effect'}"
-        found = explanations(
+        return explanations(
             self.setup,
             before,
             _starts(before),
             loud=self.force > Answer.NO,
             enough=FLOOR_REACHED,
             advance=lambda part: self.setup.advance(doing, part),
+            allowed=allowed,
         )
-        return [before, *found, unstructured_mode(self.setup, before)]
+
+    @cached_property
+    def look(self) -> LawFreeFindings:
+        """The law-free look at the re-tuned robot."""
+        loud = self.force > Answer.NO
+        return looked_freely(self.setup, self.root, by_force=loud, advance=self.setup.advance)
 
     def compare(self, models: Sequence[FittedFrfs]) -> Comparison[FittedFrfs]:
         """On the postures that were fitted and those held out, and on modes."""
@@ -112,6 +138,24 @@ class FrfData(Data[FittedFrfs]):
     def is_enough(self, model: FittedFrfs) -> bool:
         """Whether it reaches the noise, and every mode has a partner."""
         return over_noise(self.setup, model) <= FLOOR_REACHED and not self.lacking(model)
+
+    def named(self, model: FittedFrfs) -> Answer:
+        """Whether its only effect sits where the law-free look points and takes the larger part.
+
+        With its function free that place explains everything, so that what the model leaves is due to the law
+        of the effect and not to another one.
+        """
+        if len(model.hypothesis.placed) != 1 or not self.look.explains:
+            return Answer.NO
+        name, where = model.key
+        if not self.look.could_be(name, where):
+            return Answer.NO
+        least = LARGER_PART if name in CLASSES_OF else NEARLY_ALL
+        return reaches(1 - left(self.setup, self.root, model), least + PART_MARGIN, PART_MARGIN)
+
+    def is_over(self, model: FittedFrfs) -> bool:
+        """See `Data`; nor is any where the only effect is named."""
+        return self.is_enough(model) or self.named(model) > Answer.NO
 
     def lacking(self, model: FittedFrfs) -> Mapping[int, float]:
         """See `Data`."""
@@ -139,13 +183,14 @@ class FrfData(Data[FittedFrfs]):
             after = looked_at(setup, last.hypothesis, last.x, fitted_to=every)
             before = looked_at(setup, first.hypothesis, first.x, fitted_to=every)
         gaps = gaps_of(setup, before, after, gap(every, self.believed).value)
-        over = over_noise(setup, after)
+        over, rest = over_noise(setup, after), left(setup, first, after)
+        lacking = self.lacking(last)
         sure = uncertainty(after.hypothesis.space, after.fitted.normal, every)
         return Conclusion(
             before, after,
             replace(gaps, held_out_before=apart.held_out_before, held_out_after=apart.held_out_after),
             disagreement(every, before.predicted), disagreement(every, after.predicted), sure.deviation, over,
-            self._reached(over, left(setup, first, after), after),
+            self._reached(over, rest, after), 1 - rest, Answer.NO if lacking else self.named(last), self.look,
         )  # fmt: skip
 
     def _reached(self, over: float, rest: float, after: FittedFrfs) -> Answer:
@@ -154,7 +199,9 @@ class FrfData(Data[FittedFrfs]):
         return min(at_the_noise(over, rest), Answer(Answer.YES - self.force))  # nothing linear changes so
 
     def place(self, model: FittedFrfs, findings: Findings | None) -> str:
-        """The place of what comes nearest, or the worst point."""
+        """Where the law-free look points; or the place of what comes nearest; or the worst point."""
+        if self.look.explains and self.look.best is not None:
+            return self.look.best.where
         if model.hypothesis.placed:
             return model.hypothesis.keys[-1][1]
         seen = self.setup.observations

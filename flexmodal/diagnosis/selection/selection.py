@@ -40,11 +40,11 @@ class ForwardSelection(Generic[M]):
     def run(self) -> None:
         """Add effects until nothing significant is left; those that nobody misses go."""
         for number in range(MOST_STEPS):
-            if number and self.data.is_enough(self.current):
+            if number and self.data.is_over(self.current):
                 break
             if self.step(number) is None:
                 break
-        if self.pair is not None and not self.data.is_enough(self.current):
+        if self.pair is not None and not self.data.is_over(self.current):
             self.exchange(self.pair)
         self.drop_needless()
 

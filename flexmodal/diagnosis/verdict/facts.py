@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from flexmodal.diagnosis.findings import Findings
+from flexmodal.diagnosis.lawfree.result import Findings as LawFreeFindings
 from flexmodal.diagnosis.outcome import Gaps, Step
 from flexmodal.diagnosis.selection.decision import Answer
 
@@ -35,6 +36,12 @@ class Facts:
     """Sentences on effects that were asked for by their place and not added."""
     undecided: tuple[str, ...] = ()
     """Sentences on figures too near to their threshold for a yes or a no."""
+    share: float | None = None
+    """Part of the disagreement above the noise that the added effects take."""
+    named: Answer = Answer.NO
+    """Whether the law-free look points to the place of the only effect, and it takes the larger part."""
+    look: LawFreeFindings | None = None
+    """What was found without a law, where FRFs decide."""
     modal: Findings | None = None
     """What measured modes say, where they decide."""
 
