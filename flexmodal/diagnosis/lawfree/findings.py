@@ -52,7 +52,7 @@ def _words(look: LawFree, explains: bool, needed: bool, classes: tuple[Class, ..
         names = ", ".join(one.port.label for one in others)
         says += f" These data cannot tell it from {names}."
     if classes:
-        says += f" The function is that of {classes[0].says}."
+        says += f" The function has the form of this class: {classes[0].says}."
     elif not best.port.kind.by_blow and not best.port.kind.drops:
         says += " The function is of no class that is known here."
     return says
