@@ -33,7 +33,7 @@ def test_keys_are_those_of_the_format(diagnosed):
     assert set(step["gap"]) == GAP
     assert all(set(one) == {"effect", "where", "confidence"} for one in step["alternatives"])
     assert set(found["verdict"]) == {"effects", "explained", "says", "share", "undecided"}
-    assert set(found["next_measurement"]) == {"posture", "response", "reference", "separates"}
+    assert set(found["next_measurement"]) == {"posture", "response", "reference", "separates", "gain"}
 
 
 def test_values_are_those_of_the_diagnosis(diagnosed):

@@ -28,7 +28,7 @@ from flexmodal.diagnosis.selection.data import Conclusion, Data
 from flexmodal.diagnosis.selection.decision import SIGNIFICANT, Answer, reaches
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs, compare_models
 from flexmodal.diagnosis.setup import Setup
-from flexmodal.diagnosis.verdict.next_measurement import next_measurement
+from flexmodal.diagnosis.verdict.next_measurement import Sure, next_among_records
 from flexmodal.identification import gap, predict, uncertainty
 
 FORCE, FORCE_MARGIN = 1.6, 0.1
@@ -212,8 +212,8 @@ class FrfData(Data[FittedFrfs]):
 
     def next_measurement(self, one: FittedFrfs, other: FittedFrfs) -> NextMeasurement:
         """See `Data`."""
-        pair = ((one.hypothesis, one.x), (other.hypothesis, other.x))
-        return next_measurement(self.setup.observations, *pair)
+        first, second = (Sure(fit.hypothesis, fit.x, self.covariance(fit)) for fit in (one, other))
+        return next_among_records(self.setup.observations, first, second, self.setup.seed)
 
     def shown(self, conclusion: Conclusion[FittedFrfs]) -> dict[str, Any]:
         """The FRFs and what the models have for them."""
