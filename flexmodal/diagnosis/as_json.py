@@ -33,9 +33,11 @@ def as_json(diagnosis: Diagnosis) -> dict[str, Any]:
             "explained": bool(diagnosis.verdict.explained),
             "says": diagnosis.verdict.says,
             "share": _known(diagnosis.verdict.share),
+            "undecided": list(diagnosis.verdict.undecided),
         },
         "law_free": None if diagnosis.look is None else look_json(diagnosis.look),
         "next_measurement": _next(diagnosis.next_measurement),
+        "warnings": list(diagnosis.warnings),
     }
 
 

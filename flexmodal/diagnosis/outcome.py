@@ -11,6 +11,7 @@ from jaxtyping import Complex, Float
 from flexmodal.diagnosis.findings import Findings
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.lawfree.result import Findings as LawFreeFindings
+from flexmodal.diagnosis.names import UNKNOWN
 from flexmodal.identification import Observations
 
 
@@ -105,8 +106,15 @@ class Verdict:
     explained: bool
     """Whether nothing significant is left."""
     says: str
+    undecided: tuple[str, ...] = ()
+    """Sentences on figures too near to their threshold for a yes or a no; the simpler answer was kept."""
     share: float | None = None
-    """Part of the disagreement above the noise that the named effects take; None where there are none."""
+    """Part of the disagreement above the noise that the named effects take; None where that has no figure."""
+
+    @property
+    def named(self) -> bool:
+        """Whether something of the catalogue is named."""
+        return any(name != UNKNOWN for name, _ in self.effects)
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,6 +148,8 @@ class Diagnosis:
     """Receptances by stage: "believed", "before", "after"."""
     refused: tuple[Weighed, ...] = ()
     """What was weighed last and not found worth adding, the best first; `NONE` among them."""
+    warnings: tuple[str, ...] = ()
+    """What was taken for granted that may not be so."""
     provenance: Mapping[str, str] = field(default_factory=dict)
     """Versions, hashes of the inputs, seed, settings, seconds."""
     look: LawFreeFindings | None = None

@@ -213,6 +213,7 @@ def _not_said(diagnosis: Diagnosis, notes: Sequence[str]) -> list[str]:
     return [
         *not_testable(diagnosis),
         *(f"Left out: {one}." for one in diagnosis.left_out),
+        *diagnosis.warnings,
         *(f"In the improved robot: {note}." for note in notes),
         "A place or an effect that the catalogue lacks cannot be named; a disagreement of such a kind is "
         "called unknown.",
