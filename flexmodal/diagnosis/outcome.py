@@ -108,10 +108,10 @@ class Verdict:
     explained: bool
     """Whether nothing significant is left."""
     says: str
-    share: float | None = None
-    """Part of the disagreement above the noise that the named effects take; None where there are none."""
     undecided: tuple[str, ...] = ()
     """Sentences on figures too near to their threshold for a yes or a no; the simpler answer was kept."""
+    share: float | None = None
+    """Part of the disagreement above the noise that the named effects take; None where that has no figure."""
 
     @property
     def named(self) -> bool:

@@ -13,7 +13,7 @@ from jaxtyping import Float
 from flexmodal.campaign import Campaign
 from flexmodal.diagnosis.effects import Context, Effect
 from flexmodal.diagnosis.findings import Findings
-from flexmodal.diagnosis.lawfree.result import Findings as LawFreeFindings
+from flexmodal.diagnosis.lawfree.result import Findings as LawFree
 from flexmodal.diagnosis.outcome import Gaps, NextMeasurement, Region
 from flexmodal.diagnosis.selection.comparison import Comparison, M
 from flexmodal.diagnosis.selection.decision import Answer, Asked, Round
@@ -35,12 +35,6 @@ class Conclusion(Generic[M]):
     along, so that there is no such figure."""
     reached: Answer
     """Whether that is noise."""
-    share: float | None = None
-    """Part of the disagreement above the noise that the last model takes away."""
-    named: Answer = Answer.NO
-    """Whether the law-free look points to the place of its only effect, which takes the larger part."""
-    look: LawFreeFindings | None = None
-    """What was found without a law."""
 
 
 class Data(ABC, Generic[M]):
@@ -106,7 +100,25 @@ class Data(ABC, Generic[M]):
 
     def is_over(self, model: M) -> bool:
         """Whether no further effect is looked for."""
-        return self.is_enough(model)
+        return self.is_enough(model) or self.is_named(model)
+
+    def is_named(self, model: M) -> bool:
+        """Whether a model's effect is sure although its law leaves more than noise."""
+        return False
+
+    def share(self, first: M, last: M) -> float | None:
+        """Part of the disagreement above the noise that a model takes; None where that has no figure.
+
+        Args:
+            first: the robot re-tuned.
+            last: the model.
+        """
+        return None
+
+    @property
+    def look(self) -> LawFree | None:
+        """What is found without a law; None where there are no FRFs."""
+        return None
 
     @abstractmethod
     def lacking(self, model: M) -> Mapping[int, float]:

@@ -16,7 +16,7 @@ from flexmodal.diagnosis.findings import Findings
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.lawfree.first_look import looked_freely
 from flexmodal.diagnosis.lawfree.result import CLASSES_OF
-from flexmodal.diagnosis.lawfree.result import Findings as LawFreeFindings
+from flexmodal.diagnosis.lawfree.result import Findings as LawFree
 from flexmodal.diagnosis.outcome import Gaps, NextMeasurement
 from flexmodal.diagnosis.search.explanations import explanations
 from flexmodal.diagnosis.search.looking import looked_at
@@ -37,9 +37,9 @@ WORTH, WORTH_MARGIN = 0.025, 0.005
 """Part of the sum of squares that an effect has to take away besides."""
 ANOTHER, ANOTHER_MARGIN = 0.33, 0.02
 """The same for every further effect: what a good but not perfect model leaves is not another effect."""
-LARGER_PART, NEARLY_ALL, PART_MARGIN = 0.5, 0.9, 0.01
+LARGER_PART, NEARLY_ALL = 0.5, 0.9
 """Part of the disagreement that an effect takes to be named where its law is not quite the catalogue's; the
-second where no curve tells its class. With less than two margins more that is told to be the border."""
+second where no curve tells its class."""
 FLOOR_REACHED = 1.4
 """Distance of a model from the measurement, over that of the noise, that needs no explanation; a
 perfect one is somewhat above 1, since what repeats share is not in the noise."""
@@ -114,10 +114,27 @@ class FrfData(Data[FittedFrfs]):
         )
 
     @cached_property
-    def look(self) -> LawFreeFindings:
-        """The law-free look at the re-tuned robot."""
-        loud = self.force > Answer.NO
-        return looked_freely(self.setup, self.root, by_force=loud, advance=self.setup.advance)
+    def look(self) -> LawFree:
+        """See `Data`; of the re-tuned robot."""
+        return looked_freely(
+            self.setup, self.root, by_force=self.force > Answer.NO, advance=self.setup.advance
+        )
+
+    def is_named(self, model: FittedFrfs) -> bool:
+        """Whether its only effect sits where the law-free look points and takes the larger part.
+
+        With its function free that place explains everything, so that what the model leaves is due to the law
+        of the effect and not to another one.
+        """
+        if len(model.hypothesis.placed) != 1 or not self.look.explains or self.lacking(model):
+            return False
+        name, where = model.key
+        enough = LARGER_PART if name in CLASSES_OF else NEARLY_ALL
+        return self.look.could_be(name, where) and self.share(self.root, model) >= enough
+
+    def share(self, first: FittedFrfs, last: FittedFrfs) -> float:
+        """See `Data`."""
+        return 1.0 - left(self.setup, first, last)
 
     def compare(self, models: Sequence[FittedFrfs]) -> Comparison[FittedFrfs]:
         """On the postures that were fitted and those held out, and on modes."""
@@ -138,24 +155,6 @@ class FrfData(Data[FittedFrfs]):
     def is_enough(self, model: FittedFrfs) -> bool:
         """Whether it reaches the noise, and every mode has a partner."""
         return over_noise(self.setup, model) <= FLOOR_REACHED and not self.lacking(model)
-
-    def named(self, model: FittedFrfs) -> Answer:
-        """Whether its only effect sits where the law-free look points and takes the larger part.
-
-        With its function free that place explains everything, so that what the model leaves is due to the law
-        of the effect and not to another one.
-        """
-        if len(model.hypothesis.placed) != 1 or not self.look.explains:
-            return Answer.NO
-        name, where = model.key
-        if not self.look.could_be(name, where):
-            return Answer.NO
-        least = LARGER_PART if name in CLASSES_OF else NEARLY_ALL
-        return reaches(1 - left(self.setup, self.root, model), least + PART_MARGIN, PART_MARGIN)
-
-    def is_over(self, model: FittedFrfs) -> bool:
-        """See `Data`; nor is any where the only effect is named."""
-        return self.is_enough(model) or self.named(model) > Answer.NO
 
     def lacking(self, model: FittedFrfs) -> Mapping[int, float]:
         """See `Data`."""
@@ -183,14 +182,13 @@ class FrfData(Data[FittedFrfs]):
             after = looked_at(setup, last.hypothesis, last.x, fitted_to=every)
             before = looked_at(setup, first.hypothesis, first.x, fitted_to=every)
         gaps = gaps_of(setup, before, after, gap(every, self.believed).value)
-        over, rest = over_noise(setup, after), left(setup, first, after)
-        lacking = self.lacking(last)
+        over = over_noise(setup, after)
         sure = uncertainty(after.hypothesis.space, after.fitted.normal, every)
         return Conclusion(
             before, after,
             replace(gaps, held_out_before=apart.held_out_before, held_out_after=apart.held_out_after),
             disagreement(every, before.predicted), disagreement(every, after.predicted), sure.deviation, over,
-            self._reached(over, rest, after), 1 - rest, Answer.NO if lacking else self.named(last), self.look,
+            self._reached(over, left(setup, first, after), after),
         )  # fmt: skip
 
     def _reached(self, over: float, rest: float, after: FittedFrfs) -> Answer:
@@ -199,8 +197,8 @@ class FrfData(Data[FittedFrfs]):
         return min(at_the_noise(over, rest), Answer(Answer.YES - self.force))  # nothing linear changes so
 
     def place(self, model: FittedFrfs, findings: Findings | None) -> str:
-        """Where the law-free look points; or the place of what comes nearest; or the worst point."""
-        if self.look.explains and self.look.best is not None:
+        """Where the law-free look points, else the place of what comes nearest, or the worst point."""
+        if self.look.explains:
             return self.look.best.where
         if model.hypothesis.placed:
             return model.hypothesis.keys[-1][1]

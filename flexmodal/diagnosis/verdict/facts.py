@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from flexmodal.diagnosis.findings import Findings
-from flexmodal.diagnosis.lawfree.result import Findings as LawFreeFindings
+from flexmodal.diagnosis.lawfree.result import Findings as LawFree
 from flexmodal.diagnosis.outcome import Gaps, Step
 from flexmodal.diagnosis.selection.decision import Answer
 
@@ -36,12 +36,12 @@ class Facts:
     """Sentences on effects that were asked for by their place and not added."""
     undecided: tuple[str, ...] = ()
     """Sentences on figures too near to their threshold for a yes or a no."""
+    named: bool = False
+    """Whether the effect is sure although its law leaves more than noise."""
     share: float | None = None
-    """Part of the disagreement above the noise that the added effects take."""
-    named: Answer = Answer.NO
-    """Whether the law-free look points to the place of the only effect, and it takes the larger part."""
-    look: LawFreeFindings | None = None
-    """What was found without a law, where FRFs decide."""
+    """Part of the disagreement above the noise that the effects take; None where that has no figure."""
+    look: LawFree | None = None
+    """What was found without a law."""
     modal: Findings | None = None
     """What measured modes say, where they decide."""
 

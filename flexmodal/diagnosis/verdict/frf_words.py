@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from flexmodal.diagnosis.names import NONE, UNSTRUCTURED
-from flexmodal.diagnosis.selection.decision import Answer
 from flexmodal.diagnosis.verdict.facts import Facts
 from flexmodal.report.words import percent
 from flexmodal.text.words import enumeration
@@ -19,8 +18,8 @@ def frf_words(facts: Facts, *, explained: bool) -> list[str]:
     floors = facts.gaps.after / facts.gaps.noise_floor
     silent = f"Of {', '.join(facts.untestable)} these data cannot tell." if facts.untestable else ""
     look = "" if facts.look is None else facts.look.says
-    if not explained and facts.named > Answer.NO:
-        return [_named_all_the_same(facts), look, *facts.refused, silent]
+    if not explained and facts.named:
+        return [_partly(facts), look, *facts.refused, silent]
     if not explained:
         return [_unknown(facts), look, *facts.refused, silent]
     if not facts.steps:
@@ -32,8 +31,8 @@ def frf_words(facts: Facts, *, explained: bool) -> list[str]:
     return [f"Missing: {words}.", tail, f"The gap falls to {floors:.2f} × the noise floor.", *facts.refused]
 
 
-def _named_all_the_same(facts: Facts) -> str:
-    (step,) = facts.steps
+def _partly(facts: Facts) -> str:
+    step = facts.steps[-1]
     return (
         f"Missing: {facts.says[step.effect]} ({step.where}). It takes {percent(facts.share or 0.0)} of the "
         f"disagreement; averaged over repeats the model stays {facts.over_noise:.1f} times as far from the "

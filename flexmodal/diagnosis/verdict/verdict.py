@@ -2,9 +2,9 @@
 
 Explained is what is noise. Where the data have a noise floor it decides; where the scatter is inferred along
 nothing may be left that gains enough, and nothing that is tied. A mode that was measured and that the model
-lacks leaves it open in any case. Where a floor shows that the model is not there, no name of its effects
-stands, unless the law-free look points to the place of the only one and it takes the larger part; where there
-is no floor, what was added stands beside what is left.
+lacks leaves it open in any case. Where a floor shows that the model is not there, the name of its effect
+stands only if a law-free look points to the same place and class and the effect takes the larger part of the
+disagreement; where there is no floor, what was added stands beside what is left.
 """
 
 from __future__ import annotations
@@ -16,7 +16,6 @@ from flexmodal.diagnosis.verdict.facts import Facts
 from flexmodal.diagnosis.verdict.frf_words import frf_words
 from flexmodal.diagnosis.verdict.modal_words import modal_words
 
-PART = "The part of the disagreement that it takes lies at the border of what names an effect."
 BORDER = "How far the model is from the measurements lies at the border of what counts as noise."
 
 
@@ -26,13 +25,11 @@ def verdict(facts: Facts) -> Verdict:
     open_ = bool(facts.lacking) or facts.tied or (facts.open_ and not floor)
     explained = facts.reached > Answer.NO and not open_
     added = tuple((step.effect, step.where) for step in facts.steps)
-    stands = explained or (bool(added) and (not floor or facts.named > Answer.NO))
+    stands = explained or facts.named or (bool(added) and not floor)
     undecided = facts.undecided
     if explained and facts.reached is Answer.UNDECIDED:
         undecided = (*undecided, BORDER)
-    if stands and not explained and facts.named is Answer.UNDECIDED:
-        undecided = (*undecided, PART)
     words = frf_words if facts.modal is None else modal_words
     says = " ".join(part for part in (*words(facts, explained=explained), *undecided) if part)
-    effects = added if stands else ((UNKNOWN, facts.place),)
-    return Verdict(effects, explained, says, facts.share if stands and added else None, undecided)
+    share = facts.share if added and stands else None
+    return Verdict(added if stands else ((UNKNOWN, facts.place),), explained, says, undecided, share)
