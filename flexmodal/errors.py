@@ -116,5 +116,9 @@ class DefectiveModes(FlexmodalError, ArithmeticError):
     """Critically damped poles without a full set of modes; use the direct solve instead."""
 
 
+class InaccurateModes(FlexmodalError, ArithmeticError):
+    """Poles that rounding has left no digits of; use the direct solve instead."""
+
+
 class Unreachable(FlexmodalError):
     """No posture within the limits puts the held frame on its target."""
