@@ -47,6 +47,7 @@ from flexmodal.model import Robot
 from flexmodal.rig import RigResult, simulate
 from flexmodal.rig.blow import Strike, strike
 from flexmodal.rig.effects import Stand
+from flexmodal.rig.effects.effect import OWN
 from flexmodal.rig.hammer_test import world_axis
 from flexmodal.rig.hidden.placement import put_in
 from flexmodal.rig.request import prepare
@@ -86,7 +87,7 @@ def simulate_mujoco(robot: Robot, **request: Any) -> RigResult:
     """
     time = request.pop("time", True)
     prepared = prepare(robot, **request)
-    missing = [item.effect for item in prepared.wanted if item.effect not in EFFECTS]
+    missing = [item.effect for item in prepared.wanted if item.effect not in EFFECTS or item.form != OWN]
     if missing:
         raise InvalidRequest([Fault("call", "hide", name, ", ".join(EFFECTS)) for name in missing])
     if robot.couplings or any(joint.loss_factor for joint in robot.joints.values()):
@@ -94,7 +95,7 @@ def simulate_mujoco(robot: Robot, **request: Any) -> RigResult:
     conduct, plan = prepared.conduct, prepared.plan
     stand = make_stand(robot, plan, prepared.error, conduct.seed)
     hidden, effects, floor = put_in(stand, prepared.wanted, conduct)
-    spoils = [Spoil(name, site.where, site.parameters) for name, site in hidden]
+    spoils = [Spoil(effect.name, site.where, site.parameters) for effect, site in hidden]
     blows = [
         blow
         for posture in plan.postures

@@ -72,6 +72,7 @@ def read_campaign(path: str | os.PathLike[str]) -> Campaign:
         modes=modes,
         path=folder,
         warnings=tuple(warnings),
+        separate_modes=tested.separate_modes,
     )
 
 

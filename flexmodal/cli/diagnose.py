@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from flexmodal.cli.measured import campaign_at, robot_of
+from flexmodal.cli.measured import campaign_at, robot_of, say_doubled
 from flexmodal.cli.options import force_option, json_option, quiet_option, trust_of, trust_option
 from flexmodal.cli.printing import print_json, print_table, say, stages
 
@@ -19,6 +19,12 @@ if TYPE_CHECKING:
 @click.command()
 @click.argument("campaign", type=click.Path(path_type=Path))
 @click.option("--out", required=True, type=click.Path(path_type=Path), help="A new folder for what is found.")
+@click.option(
+    "--from",
+    "source",
+    type=click.Choice(["modes", "frf", "both"]),
+    help="What counts; everything that was measured by default.",
+)
 @click.option("--robot", metavar="ROBOT", help="Instead of the robot that the campaign names.")
 @click.option(
     "--hold-out",
@@ -29,7 +35,7 @@ if TYPE_CHECKING:
 @click.option(
     "--effects",
     metavar="NAME,…",
-    help="Look for these effects only; with modes alone NAME@WHERE adds it if it explains anything.",
+    help="Look for these effects only; NAME@WHERE in that place, added if it explains anything.",
 )
 @trust_option
 @click.option(
@@ -41,6 +47,7 @@ if TYPE_CHECKING:
 def diagnose(
     campaign: Path,
     out: Path,
+    source: str | None,
     robot: str | None,
     hold_out: tuple[str, ...],
     effects: str | None,
@@ -63,10 +70,12 @@ def diagnose(
     wanted, trusted = _names(effects), trust_of(trust)
     measured = campaign_at(campaign)
     arm = robot_of(measured, robot)
+    say_doubled(measured, source)
     with stages(quiet=quiet) as advance:
         diagnosis = find(
             measured,
             arm,
+            source=source,  # type: ignore[arg-type]  # click has seen to it
             hold_out=hold_out or None,
             effects=wanted,
             trust=trusted,

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from flexmodal.cli.measured import campaign_at, robot_of
+from flexmodal.cli.measured import campaign_at, robot_of, say_doubled
 from flexmodal.cli.options import MOST_STARTS, force_option, json_option, quiet_option, trust_of, trust_option
 from flexmodal.cli.printing import print_json, print_table, progress, say
 
@@ -85,6 +85,7 @@ def identify(
     arm = robot_of(measured, robot)
     if out is not None:
         _refuse_out(out, arm, force)
+    say_doubled(measured, source)
     wanted = [kind.strip() for kind in kinds.split(",") if kind.strip()]
     with progress(STAGES, "identifying", quiet=quiet) as advance:
         outcome = find(

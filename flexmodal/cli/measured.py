@@ -38,6 +38,19 @@ def campaign_at(path: str | Path) -> Campaign:
     return measured
 
 
+def say_doubled(campaign: Campaign, source: str | None) -> None:
+    """Warn where FRFs and modes both count and one may have been made from the other.
+
+    Args:
+        campaign: what was measured.
+        source: what was asked for; None for everything.
+    """
+    from flexmodal.identification.source import doubled
+
+    for warning in doubled(campaign, source):  # type: ignore[arg-type]  # click has seen to it
+        say(f"warning: {warning}", err=True)
+
+
 def card_of(campaign: Campaign) -> str:
     """The card that a campaign names: a file beside it, or a name."""
     beside = None if campaign.path is None else campaign.path / campaign.robot

@@ -2,6 +2,9 @@
 
 from flexmodal.rig.believed import ParameterError as ParameterError
 from flexmodal.rig.effects import EFFECTS as EFFECTS
+from flexmodal.rig.forms import FORMS as FORMS
+from flexmodal.rig.forms import LOOKED_AT as LOOKED_AT
+from flexmodal.rig.forms import SEALED as SEALED
 from flexmodal.rig.hidden.hide import Hide as Hide
 from flexmodal.rig.hidden.hide import hide_places as hide_places
 from flexmodal.rig.hidden.scenario import Scenario as Scenario

@@ -10,7 +10,7 @@ from jaxtyping import Complex
 
 from flexmodal.campaign import CampaignPosture, Trial
 from flexmodal.rig.blow import strike
-from flexmodal.rig.effects import EFFECTS, Stand
+from flexmodal.rig.effects import Stand
 from flexmodal.rig.hammer_test import force_records, reference_rows, response_rows
 from flexmodal.rig.integration.linear import Outputs, records
 from flexmodal.rig.integration.nonlinear import fine_records
@@ -60,7 +60,7 @@ def strike_all_points(
         trials: one blow each.
     """
     plan = stand.plan
-    linear = all(EFFECTS[name].linear for name, _ in hidden)
+    linear = all(effect.linear for effect, _ in hidden)
     mounted = sensors(stand, hidden)
     plant = build(stand, posture, hidden)
     flat = [

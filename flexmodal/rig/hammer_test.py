@@ -13,7 +13,7 @@ from jaxtyping import Float
 from flexmodal.campaign import CampaignPoint, CampaignPosture, Trial
 from flexmodal.rig.analyser import Analyser
 from flexmodal.rig.blow import Strike, strike
-from flexmodal.rig.effects import EFFECTS, Stand
+from flexmodal.rig.effects import Stand
 from flexmodal.rig.integration.linear import Outputs, records
 from flexmodal.rig.integration.nonlinear import fine_records
 from flexmodal.rig.plant.build import Hidden, build, sensors
@@ -68,7 +68,7 @@ def strike_posture(
     """
     plan = stand.plan
     chosen = plan.trials if trials is None else trials
-    linear = all(EFFECTS[name].linear for name, _ in hidden)
+    linear = all(effect.linear for effect, _ in hidden)
     mounted = sensors(stand, hidden)
     shared = None if any(s.mass for s in mounted.values()) else build(stand, posture, hidden)
     averages = max(trial.averages for trial in chosen)

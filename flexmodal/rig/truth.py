@@ -16,6 +16,8 @@ class HiddenEffect:
     """One effect as it was put in."""
 
     effect: str
+    form: str
+    """Which physical form of it; see `flexmodal.rig.FORMS`."""
     where: str
     parameters: Mapping[str, float]
     units: Mapping[str, str]
@@ -46,6 +48,7 @@ class Truth:
         for effect in self.effects:
             entry: dict[str, Any] = {
                 "effect": effect.effect,
+                "form": effect.form,
                 "where": effect.where,
                 "catalogued": effect.catalogued,
                 "severity": effect.severity,

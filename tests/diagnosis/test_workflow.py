@@ -10,15 +10,19 @@ import flexmodal
 from flexmodal.diagnosis import diagnose
 from flexmodal.diagnosis.disagreement.compare import disagreement, force_dependence
 from flexmodal.diagnosis.disagreement.gaps import over_noise
-from flexmodal.diagnosis.hypothesis import Hypothesis, Placed
+from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.outcome import Gaps, Step
+from flexmodal.diagnosis.placed import Placed
 from flexmodal.diagnosis.search.coarse import Candidate, look_at
 from flexmodal.diagnosis.search.looking import looked_at
 from flexmodal.diagnosis.search.search import restarted, simpler
+from flexmodal.diagnosis.selection.asked import asked_of
+from flexmodal.diagnosis.selection.decision import SIGNIFICANT, Answer
 from flexmodal.diagnosis.selection.frf_comparison import compare_models
-from flexmodal.diagnosis.selection.frf_selection import FLOOR_REACHED, FrfSelection
-from flexmodal.diagnosis.selection.selection import SIGNIFICANT
+from flexmodal.diagnosis.selection.frf_data import FLOOR_REACHED, FrfData
+from flexmodal.diagnosis.selection.selection import ForwardSelection
 from flexmodal.diagnosis.setup import prepare
+from flexmodal.diagnosis.verdict.facts import Facts
 from flexmodal.diagnosis.verdict.verdict import verdict
 from flexmodal.errors import InvalidRequest
 from flexmodal.identification import RobotModel, observe, predict
@@ -32,6 +36,11 @@ def campaign(*hidden, seed=11, height=12.0, **more):
     hide = [replace(Hide.parse(one), height=height) for one in hidden]
     result = simulate(flexmodal.load("fanuc_s360"), hide=hide, seed=seed, **{**SMALL, **more})
     return result.campaign, result.robot
+
+
+def laid_out(measured, robot, names):
+    """What a diagnosis works with, of these effects alone."""
+    return prepare(measured, robot, None, asked_of(names), None, 0, lambda doing, part: None)
 
 
 @pytest.fixture(scope="module")
@@ -79,13 +88,12 @@ def test_one_level_of_force_leaves_friction_untestable(clean):
     assert found.verdict.effects == ()
 
 
-def test_ties_are_said_in_words(loaded):
-    setup = prepare(*loaded, None, ["added_mass"], None, 0, lambda doing, part: None)
+def test_ties_are_said_in_words():
     ties = (("unstructured_mode", ""), ("none", ""), ("local_absorber", "link_2"))
-    selection = FrfSelection(setup)
     gaps = Gaps(0.2, 0.1, None, None, 0.1)
     step = Step("added_mass", "link_3", {}, {}, {}, 0.9, gaps, (), ties)
-    says = verdict(setup, [step], selection.current, gaps, 1.0, explained=True).says
+    facts = Facts((step,), {"added_mass": "a mass"}, gaps, 1.0, Answer.YES, {}, open_=False, place="link_3")
+    says = verdict(facts).says
     assert "from a mode with no structure, nothing added, local_absorber at link_2." in says
 
 
@@ -137,7 +145,7 @@ def test_a_mode_with_no_structure_is_always_weighed(clean, loaded):
 
 def test_parameters_beyond_belief_count_against_whoever_needs_them(loaded):
     """A heavy payload that a re-tuned mass could take up as well: nobody believes that mass."""
-    setup = prepare(*loaded, None, ["added_mass"], None, 0, lambda doing, part: None)
+    setup = laid_out(*loaded, ["added_mass"])
     root = Hypothesis(setup.context, setup.base)
     here = looked_at(setup, root, np.zeros(len(setup.base)))
     far = replace(here, prior=here.prior + 2 * SIGNIFICANT + 1)
@@ -149,7 +157,7 @@ def test_parameters_beyond_belief_count_against_whoever_needs_them(loaded):
 def test_started_from_everywhere_it_leaves_a_local_minimum():
     """A soft foundation: from a stiff tilt a fit ends beside the truth, from all starts it ends on it."""
     measured, robot = campaign("base_flexibility@base", seed=4)
-    setup = prepare(measured, robot, None, ["base_flexibility"], None, 0, lambda doing, part: None)
+    setup = laid_out(measured, robot, ["base_flexibility"])
     placed = Placed(setup.effects[0], "base")
     hypothesis = Hypothesis(setup.context, setup.base).and_also(placed)
     card = np.zeros(len(setup.base))
@@ -164,8 +172,10 @@ def test_started_from_everywhere_it_leaves_a_local_minimum():
 
 @pytest.mark.parametrize("last", ["local_absorber@link_1", "added_mass@link_3"])
 def test_an_effect_that_nobody_misses_goes_whether_found_first_or_last(loaded, last):
-    setup = prepare(*loaded, None, ["added_mass", "local_absorber"], None, 0, lambda doing, part: None)
-    selection = FrfSelection(setup)
+    setup = prepare(
+        *loaded, None, asked_of(["added_mass", "local_absorber"]), None, 0, lambda doing, part: None
+    )
+    selection = ForwardSelection(FrfData(setup))
     names = sorted(["local_absorber@link_1", "added_mass@link_3"], key=lambda name: name == last)
     effects = {effect.name: effect for effect in setup.effects}
     hypothesis, start = selection.root.hypothesis, np.zeros(len(setup.base))
@@ -190,8 +200,8 @@ def two():
 def test_the_first_of_two_effects_is_looked_for_again_beside_the_second(two):
     """Alone it may have been put in the wrong place."""
     names = ["local_absorber", "sensor_gain"]
-    setup = prepare(*two, None, names, None, 0, lambda doing, part: None)
-    selection = FrfSelection(setup)
+    setup = laid_out(*two, names)
+    selection = ForwardSelection(FrfData(setup))
     absorber, gain = (next(one for one in setup.effects if one.name == name) for name in names)
     wrong, second = Placed(absorber, "link_1"), Placed(gain, "location_3")
     beside = selection.root.hypothesis.and_also(wrong)
@@ -207,8 +217,8 @@ def test_the_first_of_two_effects_is_looked_for_again_beside_the_second(two):
 
 
 def test_an_exchange_that_does_not_help_is_taken_back(loaded):
-    setup = prepare(*loaded, None, ["sensor_gain"], None, 0, lambda doing, part: None)
-    selection = FrfSelection(setup)
+    setup = laid_out(*loaded, ["sensor_gain"])
+    selection = ForwardSelection(FrfData(setup))
     hypothesis, x = selection.root.hypothesis, np.zeros(len(setup.base))
     for where in setup.context.sensors[:2]:
         placed = Placed(setup.effects[0], where)
@@ -222,7 +232,9 @@ def test_an_exchange_that_does_not_help_is_taken_back(loaded):
 
 def test_an_absorber_too_stiff_to_be_told_from_a_mass_is_a_mass(loaded):
     """Its rigid limit is looked at from where the fit of the absorber ended."""
-    setup = prepare(*loaded, None, ["added_mass", "local_absorber"], None, 0, lambda doing, part: None)
+    setup = prepare(
+        *loaded, None, asked_of(["added_mass", "local_absorber"]), None, 0, lambda doing, part: None
+    )
     absorber = next(one for one in setup.effects if one.name == "local_absorber")
     placed = Placed(absorber, "link_3")
     hypothesis = Hypothesis(setup.context, setup.base).and_also(placed)

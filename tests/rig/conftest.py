@@ -7,7 +7,8 @@ import pytest
 import flexmodal
 from flexmodal.model import Robot
 from flexmodal.rig import ParameterError
-from flexmodal.rig.effects import EFFECTS, Site, Stand
+from flexmodal.rig.effects import Effect, Site, Stand
+from flexmodal.rig.forms import find
 from flexmodal.rig.plan import make_plan
 from flexmodal.rig.simulate import make_stand
 
@@ -74,12 +75,13 @@ def stand() -> Callable[..., Stand]:
 
 
 @pytest.fixture
-def hidden() -> Callable[..., tuple[str, Site]]:
+def hidden() -> Callable[..., tuple[Effect, Site]]:
     """An effect at a place, with given parameters over drawn ones."""
 
-    def make(stand: Stand, name: str, where: str, **given: float) -> tuple[str, Site]:
-        drawn = EFFECTS[name].draw(stand, where, np.random.default_rng(1))
+    def make(stand: Stand, name: str, where: str, **given: float) -> tuple[Effect, Site]:
+        effect = find(*name.split(":"))
+        drawn = effect.draw(stand, where, np.random.default_rng(1))
         assert set(given) <= set(drawn)
-        return name, Site(stand, where, {**drawn, **given})
+        return effect, Site(stand, where, {**drawn, **given})
 
     return make

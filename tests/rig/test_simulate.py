@@ -112,10 +112,10 @@ def replace_conduct(result):
 
 def test_severity_stops_where_it_makes_no_sense(fanuc):
     result = simulate(fanuc, **SMALL, hide=["sensor_gain@location_1"], noise=0.05)
-    name, site = result.hidden[0]
+    effect, site = result.hidden[0]
     floor = noise_floor(result.stand, replace_conduct(result))
-    severity, reached = severity_for(result.stand, name, site, 1000.0, floor)
-    assert severity == pytest.approx(EFFECTS[name].most(site.parameters))
+    severity, reached = severity_for(result.stand, effect, site, 1000.0, floor)
+    assert severity == pytest.approx(effect.most(site.parameters))
     assert reached < 1000
 
 

@@ -78,6 +78,7 @@ class CampaignTable(Table):
     band: Annotated[list[NotNegative], Field(min_length=2, max_length=2)] | None = Field(
         default=None, description=BAND
     )
+    separate_modes: bool = Field(default=False, strict=True, description="true or false")
     posture: list[PostureTable] = Field(min_length=1, description="at least one table [[posture]]")
     point: list[PointTable] = Field(min_length=1, description="at least one table [[point]]")
     trial: list[TrialTable] = Field(min_length=1, description="at least one table [[trial]]")

@@ -9,6 +9,7 @@ from pathlib import Path
 from flexmodal.diagnosis.names import UNKNOWN
 from flexmodal.diagnosis.outcome import Diagnosis
 from flexmodal.diagnosis.report.arm_picture import draw_arm
+from flexmodal.diagnosis.report.free_look import look_parts
 from flexmodal.diagnosis.report.pictures import draw_descent, draw_map, draw_pair, telling_rows
 from flexmodal.diagnosis.report.tables import next_task, parameters, refused, regions, remaining, weighing
 from flexmodal.diagnosis.report.words import (
@@ -72,6 +73,7 @@ def report_text(diagnosis: Diagnosis, notes: Sequence[str] = ()) -> str:
         return modal_text(diagnosis, notes)
     sections = [
         Section("Where they disagree", _disagreement(diagnosis)),
+        *([] if diagnosis.look is None else [Section("Without a law", look_parts(diagnosis.look))]),
         Section("Measured and modelled", _pairs(diagnosis)),
         Section("What was weighed", _weighed(diagnosis)),
         Section("How the gap came down", _left(diagnosis)),
@@ -96,7 +98,7 @@ def _verdict(diagnosis: Diagnosis) -> Verdict:
             says.append(Text(f"These data cannot tell {name} from {others}.", tag="a tie"))
     names = [placed(effect, where) for effect, where in diagnosis.verdict.effects if effect != UNKNOWN]
     head = f"Missing: {enumeration(names)}" if names else "Nothing is missing"
-    if not diagnosis.verdict.explained:
+    if not diagnosis.verdict.explained and not names:
         head = "Something is missing that the catalogue does not know"
     return Verdict(state(diagnosis), head, says, _figures(diagnosis))
 
@@ -211,6 +213,7 @@ def _not_said(diagnosis: Diagnosis, notes: Sequence[str]) -> list[str]:
     return [
         *not_testable(diagnosis),
         *(f"Left out: {one}." for one in diagnosis.left_out),
+        *diagnosis.warnings,
         *(f"In the improved robot: {note}." for note in notes),
         "A place or an effect that the catalogue lacks cannot be named; a disagreement of such a kind is "
         "called unknown.",

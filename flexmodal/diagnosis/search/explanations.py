@@ -33,6 +33,7 @@ def explanations(
     loud: bool,
     enough: float,
     advance: Callable[[float], None],
+    allowed: Callable[[str, str], bool] = lambda effect, where: True,
 ) -> list[FittedFrfs]:
     """Candidates for the next step, fitted closely and looked at, the best first.
 
@@ -43,12 +44,13 @@ def explanations(
         loud: whether effects that depend on the force of the blow are among them.
         enough: distance over noise from which no other starts are tried.
         advance: called with the part that is done.
+        allowed: names and places that are tried.
     """
     advance(0.0)
     seen = look_at(setup.fitted, worst_lines(setup.fitted, before.predicted[~setup.held]))
     finalists: list[Candidate] = []
     for some, most in _kinds(setup.effects, loud=loud):
-        found = candidates(before.hypothesis, set_out, some, seen)
+        found = candidates(before.hypothesis, set_out, some, seen, allowed)
         finalists += narrowed(found, seen, lambda part: advance(0.6 * part))[:most]
     looked = []
     for number, one in enumerate(finalists, start=1):

@@ -46,7 +46,13 @@ def _distance(stand: Stand, link: str) -> float:
     return total
 
 
-def _shape(assembly: PlantAssembly, site: Site) -> None:
+def base_coordinates(assembly: PlantAssembly, site: Site) -> None:
+    """Let the root move along `base_directions`.
+
+    Args:
+        assembly: the plant in the making.
+        site: the base.
+    """
     names, motion = base_directions(assembly.normal)
     columns = assembly.add_coordinates(names)
     assembly.add_root_motion(columns, motion)
@@ -84,6 +90,6 @@ EFFECT = Effect(
     draw=_draw,
     scaled=_scaled,
     check=positive("translation_stiffness", "tilt_stiffness", "vertical_over_horizontal"),
-    shape=_shape,
+    shape=base_coordinates,
     act=_act,
 )

@@ -18,6 +18,9 @@ from flexmodal.structure.arm import plane_normal
 
 Parameters = Mapping[str, float]
 
+OWN = "own"
+"""The form that the rig has always had."""
+
 
 @dataclass(frozen=True, eq=False)
 class Stand:
@@ -92,6 +95,15 @@ class Effect:
     linear: bool = True
     catalogued: bool = True
     """Whether a diagnosis has a name for it."""
+    form: str = OWN
+    """Which of the physical forms under this name."""
+    source: str = ""
+    """Where the form is described."""
+
+    @property
+    def key(self) -> str:
+        """The name, and the form where it is not the rig's own."""
+        return self.name if self.form == OWN else f"{self.name}:{self.form}"
 
 
 def positive(*names: str) -> Callable[[Parameters], str | None]:

@@ -15,7 +15,13 @@ _FIRST = 1.875104068711961
 """First root of cos βL cosh βL = −1, for the clamped-free beam."""
 
 
-def _span(site_link: str, stand: Stand) -> tuple[float, np.ndarray]:
+def span(site_link: str, stand: Stand) -> tuple[float, np.ndarray]:
+    """Length of a link [m] and the unit vector along it, in its frame.
+
+    Args:
+        site_link: which.
+        stand: the true robot and its plan.
+    """
     end = reach(stand.robot, site_link)
     length = float(np.linalg.norm(end))
     return length, end / length
@@ -56,7 +62,7 @@ def _about(lever: np.ndarray) -> np.ndarray:
 
 def _draw(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
     """EI/L half to one and a half times the stiffest joint between this link and the base."""
-    length, _ = _span(where, stand)
+    length, _ = span(where, stand)
     stiffest = max(stand.true.stiffness[name] for name in stand.robot.joints if where in _beyond(stand, name))
     return {
         "bending_stiffness": float(random.uniform(0.5, 1.5) * stiffest * length),
@@ -71,7 +77,7 @@ def _beyond(stand: Stand, joint: str) -> tuple[str, ...]:
 
 
 def _shape(assembly: PlantAssembly, site: Site) -> None:
-    length, axis = _span(site.where, site.stand)
+    length, axis = span(site.where, site.stand)
     mass, _ = spread(site.stand.true.bodies[site.where], length, axis)
     beam = Beam(length, site["bending_stiffness"], mass / length)
     weight = max(site.stand.true.bodies[site.where].mass, 1e-9) / length
@@ -80,12 +86,17 @@ def _shape(assembly: PlantAssembly, site: Site) -> None:
     axes = assembly.orientation(site.where)
     normal = None if assembly.normal is None else axes.T @ assembly.normal
     for side in across(axis, normal):
-        assembly.add_beam(site.where, beam, axis, side, loss)
+        assembly.add_flexure(site.where, beam, axis, side, loss)
 
 
-def _body(assembly: PlantAssembly, site: Site) -> bool:
-    """The beam's own mass and the rest's moment along its length, the rest's mass at its centre."""
-    length, axis = _span(site.where, site.stand)
+def body(assembly: PlantAssembly, site: Site) -> bool:
+    """The beam's own mass and the rest's moment along its length, the rest's mass at its centre.
+
+    Args:
+        assembly: the plant in the making.
+        site: the link.
+    """
+    length, axis = span(site.where, site.stand)
     mass, rest = spread(site.stand.true.bodies[site.where], length, axis)
     for place, weight in zip(*sections(), strict=True):
         assembly.add_body(
@@ -113,5 +124,5 @@ EFFECT = Effect(
     scaled=divided("bending_stiffness"),
     check=_check,
     shape=_shape,
-    body=_body,
+    body=body,
 )

@@ -11,6 +11,8 @@ from flexmodal.campaign import CampaignPoint
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.model import Robot
 from flexmodal.rig.effects import EFFECTS
+from flexmodal.rig.effects.effect import OWN
+from flexmodal.rig.forms import FORMS, find
 from flexmodal.rig.positions import choose_points
 
 Height = float | tuple[float, float]
@@ -32,10 +34,12 @@ class Hide:
     height: Height | None = None
     """How many times the noise floor it is to stand; then the severity is searched for. In a range, the
     height is drawn from the seed, and one out of the effect's reach gives way to the nearest within it."""
+    form: str = OWN
+    """Which of its physical forms; see `flexmodal.rig.FORMS`."""
 
     @classmethod
     def parse(cls, text: str | Hide, *, source: str = "call") -> Hide:
-        """Read "EFFECT", "EFFECT@WHERE" or "EFFECT@WHERE,parameter=value,…".
+        """Read "EFFECT", "EFFECT:FORM", "EFFECT@WHERE" or "EFFECT:FORM@WHERE,parameter=value,…".
 
         Args:
             text: what to hide; a `Hide` is given back as it is.
@@ -45,6 +49,7 @@ class Hide:
             return text
         head, *rest = (part.strip() for part in text.split(","))
         name, _, where = head.partition("@")
+        name, _, form = name.partition(":")
         parameters, faults = {}, []
         for part in rest:
             key, equals, value = part.partition("=")
@@ -56,7 +61,7 @@ class Hide:
                 faults.append(Fault(source, "hide", repr(part), "parameter=value"))
         if faults:
             raise InvalidRequest(faults)
-        return cls(name.strip(), where.strip(), parameters)
+        return cls(name.strip(), where.strip(), parameters, form=form.strip() or OWN)
 
     @property
     def range(self) -> tuple[float, float] | None:
@@ -123,7 +128,9 @@ def _faults(robot: Robot, points: Sequence[CampaignPoint] | None, item: Hide) ->
     key = f"hide {item.effect}" + (f"@{item.where}" if item.where else "")
     if item.effect not in EFFECTS:
         return [Fault("call", "hide", f"unknown effect {item.effect!r}", ", ".join(EFFECTS))]
-    effect = EFFECTS[item.effect]
+    if item.form not in FORMS[item.effect]:
+        return [Fault("call", key, f"unknown form {item.form!r}", ", ".join(FORMS[item.effect]))]
+    effect = find(item.effect, item.form)
     faults = []
     if points is not None:
         places = effect.places(robot, points)

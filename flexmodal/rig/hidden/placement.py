@@ -9,6 +9,7 @@ import numpy as np
 
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.rig.effects import EFFECTS, Site, Stand
+from flexmodal.rig.forms import find
 from flexmodal.rig.hammer_test import Conduct
 from flexmodal.rig.hidden.hide import Hide, canonical
 from flexmodal.rig.hidden.severity import CLOSE, Floor, noise_floor, severity_for
@@ -50,18 +51,18 @@ def put_in(
     floor = noise_floor(stand, conduct) if searched else None
     hidden, effects = [], []
     for number, item in enumerate(wanted):
-        effect = EFFECTS[item.effect]
+        effect = find(item.effect, item.form)
         random = np.random.default_rng([conduct.seed, 5, number, list(EFFECTS).index(item.effect)])
         placed = _place(stand, item, random, floor)
         site = placed.site
         wrong = effect.check(site.parameters)
         if wrong:
-            raise InvalidRequest(Fault("call", f"hide {item.effect}", wrong, "parameters in their range"))
-        hidden.append((item.effect, site))
+            raise InvalidRequest(Fault("call", f"hide {effect.key}", wrong, "parameters in their range"))
+        hidden.append((effect, site))
         effects.append(
             HiddenEffect(
-                item.effect, site.where, dict(site.parameters), effect.units, placed.severity, placed.height,
-                effect.catalogued,
+                effect.name, effect.form, site.where, dict(site.parameters), effect.units, placed.severity,
+                placed.height, effect.catalogued,
             )
         )  # fmt: skip
     return hidden, tuple(effects), None if floor is None else floor.height
@@ -72,7 +73,7 @@ def _place(stand: Stand, item: Hide, random: np.random.Generator, floor: Floor |
 
     Where there is none, the one where it comes nearest.
     """
-    effect, span = EFFECTS[item.effect], item.range
+    effect, span = find(item.effect, item.form), item.range
     places = effect.places(stand.robot, stand.plan.points)
     order = [canonical(item.where, places)] if item.where else list(map(str, random.permutation(places)))
     if span is None or floor is None:
@@ -95,11 +96,11 @@ def _at(
     stand: Stand, item: Hide, where: str, random: np.random.Generator, target: float | None,
     floor: Floor | None,
 ) -> _Placed:  # fmt: skip
-    effect = EFFECTS[item.effect]
+    effect = find(item.effect, item.form)
     site = Site(stand, where, {**effect.draw(stand, where, random), **item.parameters})
     severity, reached = item.severity, None
     if target is not None and floor is not None:
-        severity, reached = severity_for(stand, item.effect, site, target, floor)
+        severity, reached = severity_for(stand, effect, site, target, floor)
     if severity != 1:
         site = Site(stand, where, effect.scaled(site.parameters, severity))
     return _Placed(site, severity, reached)

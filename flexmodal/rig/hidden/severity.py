@@ -15,7 +15,7 @@ import numpy as np
 
 from flexmodal.campaign import COHERENT, CampaignPosture
 from flexmodal.rig.clean import strike_all_points
-from flexmodal.rig.effects import EFFECTS, Site, Stand
+from flexmodal.rig.effects import Site, Stand
 from flexmodal.rig.effects.effect import Effect, Parameters
 from flexmodal.rig.hammer_test import (
     Conduct,
@@ -83,7 +83,7 @@ def height(stand: Stand, hidden: Sequence[Hidden], floor: Floor) -> float:
         hidden: effects put in.
         floor: lines and postures to take it on.
     """
-    if all(EFFECTS[name].linear for name, _ in hidden):
+    if all(effect.linear for effect, _ in hidden):
         ratios = _linear(stand, hidden, floor)
     else:
         ratios = _struck(stand, hidden, floor)
@@ -100,7 +100,9 @@ def limit(effect: Effect, parameters: Parameters) -> float:
     return effect.most(parameters) * (1 - 1e-9)
 
 
-def severity_for(stand: Stand, name: str, site: Site, target: float, floor: Floor) -> tuple[float, float]:
+def severity_for(
+    stand: Stand, effect: Effect, site: Site, target: float, floor: Floor
+) -> tuple[float, float]:
     """Severity at which an effect stands `target` times the noise floor, and how high it then stands.
 
     The logarithm of the height is taken as a straight line in that of the severity, first of slope 1, then
@@ -110,19 +112,18 @@ def severity_for(stand: Stand, name: str, site: Site, target: float, floor: Floo
 
     Args:
         stand: the true robot and its plan.
-        name: of the effect.
+        effect: which, in which form.
         site: where it sits, and its numbers.
         target: height over the noise floor.
         floor: the noise.
     """
-    effect = EFFECTS[name]
     most = limit(effect, site.parameters)
     found: dict[float, float] = {}
 
     def off(severity: float) -> float:
         """Logarithm of height over target."""
         scaled = effect.scaled(site.parameters, severity)
-        reached = height(stand, [(name, replace(site, parameters=scaled))], floor) / floor.height
+        reached = height(stand, [(effect, replace(site, parameters=scaled))], floor) / floor.height
         found[severity] = max(reached, 1e-9)
         return float(np.log(found[severity] / target))
 

@@ -1,9 +1,9 @@
 """The inner loop of a non-linear plant, compiled. Import it only where it runs: numba is slow to load.
 
-Codes of the laws are those of `plant`: 0 hardening, 1 friction, 2 backlash. All blows go side by side, in
-loops that the compiler works on several at a time; so nothing in them may branch or call a library, and
-divisions follow numpy, which does not look for zeros. `no_type_check` keeps a checker's wrapper off, which
-could not be compiled.
+Codes of the laws are those of `plant`, the laws themselves those of `laws`. All blows go side by side; in the
+first three laws in loops that the compiler works on several at a time, so that nothing in them may branch or
+call a library. Divisions follow numpy, which does not look for zeros. `no_type_check` keeps a checker's
+wrapper off, which could not be compiled.
 """
 
 from __future__ import annotations
@@ -69,7 +69,103 @@ def backlash(p, new, force):
 
 @numba.njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
-def step_through(phi, early, late, pulse, origin, kinds, parameters, rows, c, d, fine):
+def elastic(kind, p, new, force):
+    """Torques that only the elongation sets: polynomial (3), piecewise (4), saturating (5), sinh (6)."""
+    for b in range(len(new)):
+        u = new[b]
+        size = abs(u)
+        if kind == 3:
+            force[b] = -(p[0] + p[1] * u) * u * u
+        elif kind == 4:
+            torque = p[0] * max(size - p[1], 0.0) + p[2] * max(size - p[3], 0.0)
+            force[b] = -torque if u > 0 else torque
+        elif kind == 5:
+            force[b] = -(p[0] * np.tanh(u / p[1]) + p[2] * u)
+        else:
+            ratio = size / p[1]
+            inner = min(ratio, p[2])
+            torque = p[0] * p[1] * (np.sinh(inner) + np.cosh(inner) * (ratio - inner) - ratio)
+            force[b] = -torque if u > 0 else torque
+
+
+@numba.njit(cache=True, nogil=True, error_model="numpy")
+@no_type_check
+def sliding(kind, p, speed, moved, memory, fresh, force, ease):
+    """Torques that the rate sets, Stribeck's (7) and the bristles' (8); `ease` of the last guess stays."""
+    for b in range(len(speed)):
+        v = speed[b]
+        if kind == 7:
+            torque = (p[0] + (p[1] - p[0]) * np.exp(-((v / p[2]) ** 2))) * np.tanh(v / p[3])
+        else:
+            limit = p[2] + (p[3] - p[2]) * np.exp(-((v / p[4]) ** 2))
+            end = (limit if moved[b] >= 0 else -limit) / p[0]
+            bristle = end + (memory[b] - end) * np.exp(-p[0] * abs(moved[b]) / limit)
+            fresh[b] = bristle
+            torque = p[0] * bristle + p[1] * (v - p[0] * abs(v) * bristle / limit)
+        force[b] += (-torque - force[b]) / (1.0 + ease)
+
+
+@numba.njit(cache=True, nogil=True, error_model="numpy")
+@no_type_check
+def yielding(kind, p, moved, memory, fresh, force):
+    """Torques that the distance moved sets: a spring that slips (9), Bouc and Wen's (10)."""
+    for b in range(len(moved)):
+        if kind == 9:
+            torque = min(max(memory[b] + p[0] * moved[b], -p[1]), p[1])
+        else:
+            way = 1.0 if moved[b] >= 0 else -1.0
+            far = p[0] / p[1] * abs(moved[b])
+            part = way * memory[b] / p[1]
+            back = min(far, max(-part, 0.0))
+            part += back
+            gone = np.tanh(far - back)
+            torque = way * p[1] * (part + gone) / (1.0 + part * gone)
+        fresh[b] = torque
+        force[b] = -torque
+
+
+@numba.njit(cache=True, nogil=True, error_model="numpy")
+@no_type_check
+def act(kind, p, old, new, speed, before, memory, fresh, force, ease):
+    """The force of one element at the end of a step; what it remembers goes to `fresh`."""
+    if kind == 0:
+        hardening(p, new, force)
+    elif kind == 1:
+        friction(p, old, new, before, force)
+    elif kind == 2:
+        backlash(p, new, force)
+    elif kind <= 6:
+        elastic(kind, p, new, force)
+    elif kind <= 8:
+        sliding(kind, p, speed, new - old, memory, fresh, force, ease)
+    else:
+        yielding(kind, p, new - old, memory, fresh, force)
+
+
+@numba.njit(cache=True, nogil=True, error_model="numpy")
+@no_type_check
+def search(
+    kinds, parameters, gain, swift, free, coast, stretch, before, memory, fresh, force, ease, rounds, end,
+    speed,
+):  # fmt: skip
+    """The forces at the end of a step: contracts by about (ω h)²/6 a round, or by what `ease` says."""
+    for _ in range(rounds):
+        end[:] = free
+        add(end, gain, force)
+        speed[:] = coast
+        add(speed, swift, force)
+        for e in range(len(kinds)):
+            act(
+                kinds[e], parameters[e], stretch[e], end[e], speed[e], before[e], memory[e], fresh[e],
+                force[e], ease[e],
+            )  # fmt: skip
+
+
+@numba.njit(cache=True, nogil=True, error_model="numpy")
+@no_type_check
+def step_through(
+    phi, early, late, pulse, origin, kinds, parameters, rows, rates, ease, rounds, c, d, fine
+):  # fmt: skip
     """Integrate blows side by side and write what the outputs say.
 
     Args:
@@ -79,8 +175,11 @@ def step_through(phi, early, late, pulse, origin, kinds, parameters, rows, c, d,
         pulse: what the hammer adds in each step from `origin` on, [step, state, blow].
         origin: grid point at which the pulse begins.
         kinds: law of each element.
-        parameters: [element, 3].
+        parameters: [element, number].
         rows: elongation of each element by the state, [element, state].
+        rates: rate of elongation by the state, [element, state].
+        ease: how much of the last guess stays in a round, over what is new [element].
+        rounds: of the search for the forces at the end of a step.
         c: outputs by the state, [channel, state].
         d: outputs by the elements' forces, [channel, element].
         fine: filled, [blow, channel, grid].
@@ -88,9 +187,11 @@ def step_through(phi, early, late, pulse, origin, kinds, parameters, rows, c, d,
     states, blows, count = phi.shape[0], pulse.shape[2], len(kinds)
     now, base = np.zeros((states, blows)), np.zeros((states, blows))
     force, before = np.zeros((count, blows)), np.zeros((count, blows))
+    memory, fresh = np.zeros((count, blows)), np.zeros((count, blows))
     stretch, free = np.zeros((count, blows)), np.zeros((count, blows))
+    speed, coast = np.zeros((count, blows)), np.zeros((count, blows))
     end, out = np.zeros((count, blows)), np.zeros((len(c), blows))
-    gain = rows @ late  # how the forces at the end of a step move the elongations there
+    gain, swift = rows @ late, rates @ late  # how the forces at the end of a step move the elongations there
     for grid in range(origin, fine.shape[2] - 1):
         base[:] = 0.0
         add(base, phi, now)
@@ -99,17 +200,14 @@ def step_through(phi, early, late, pulse, origin, kinds, parameters, rows, c, d,
             base += pulse[grid - origin]
         free[:] = 0.0
         add(free, rows, base)
+        coast[:] = 0.0
+        add(coast, rates, base)
         before[:] = force
-        for _ in range(4):  # contracts by about (ω h)²/6 a round
-            end[:] = free
-            add(end, gain, force)
-            for e in range(count):
-                if kinds[e] == 0:
-                    hardening(parameters[e], end[e], force[e])
-                elif kinds[e] == 1:
-                    friction(parameters[e], stretch[e], end[e], before[e], force[e])
-                else:
-                    backlash(parameters[e], end[e], force[e])
+        search(
+            kinds, parameters, gain, swift, free, coast, stretch, before, memory, fresh, force, ease, rounds,
+            end, speed,
+        )  # fmt: skip
+        memory[:] = fresh
         stretch[:] = free
         add(stretch, gain, force)
         now[:] = base

@@ -17,8 +17,15 @@ from jaxtyping import Float
 from flexmodal.rig.analyser import Analyser
 from flexmodal.rig.blow import Strike
 from flexmodal.rig.integration.exponential import exponential
+from flexmodal.rig.integration.laws import LAWS, steepest
 from flexmodal.rig.integration.linear import Outputs, pulse_states
-from flexmodal.rig.plant.plant import BACKLASH, FRICTION, HARDENING, Plant
+from flexmodal.rig.plant.plant import NUMBERS, Plant
+
+_ROUNDS = 4
+"""Of the search for the elements' forces where no torque depends on a rate."""
+_MOST_ROUNDS = 40
+_LEFT = 1e-4
+"""Of the error of the first guess, which is of the order of a step already."""
 
 
 def fine_records(
@@ -46,22 +53,38 @@ def fine_records(
     columns = plant.input_column(plant.element_rows).T
     phi, early, late = held(a, columns, step)
     pulse = np.ascontiguousarray(np.transpose(states[:, 1:] - states[:, :-1] @ phi.T, (1, 2, 0)))
-    seen = np.zeros((len(plant.elements), len(a)))
-    seen[:, : plant.dof] = plant.element_rows
+    seen, rates = np.zeros((2, len(plant.elements), len(a)))
+    seen[:, : plant.dof] = rates[:, plant.dof : 2 * plant.dof] = plant.element_rows
     by_element = rows @ columns[plant.dof : 2 * plant.dof]
     fine = np.zeros((len(strikes), len(rows), grid))
     kinds = np.array([element.kind for element in plant.elements], dtype=np.int64)
-    parameters = np.array([element.parameters for element in plant.elements], dtype=float).reshape(-1, 3)
+    parameters = np.zeros((len(plant.elements), NUMBERS))
+    for element, numbers in zip(plant.elements, parameters, strict=True):
+        numbers[: len(element.parameters)] = element.parameters
+    ease, rounds = _search(kinds, parameters, rates @ late)
     step_through = _stepper()
     step_through(
-        phi, early, late, pulse, origin, kinds, parameters, seen, np.ascontiguousarray(outputs.by_state[0]),
-        np.ascontiguousarray(by_element), fine,
+        phi, early, late, pulse, origin, kinds, parameters, seen, rates, ease, rounds,
+        np.ascontiguousarray(outputs.by_state[0]), np.ascontiguousarray(by_element), fine,
     )  # fmt: skip
     struck = slice(origin, min(origin + states.shape[1], grid))
     times = np.arange(struck.start, struck.stop) * step
     force = np.array([s.force(times) for s in strikes])
     fine[:, :, struck] += force[:, None, :] * outputs.by_force[:, :, None]
     return fine
+
+
+def _search(kinds: np.ndarray, parameters: np.ndarray, swift: np.ndarray) -> tuple[np.ndarray, int]:
+    """How much of the last guess stays in a round of the search for the forces, and how many rounds it takes.
+
+    A torque that grows with the rate is sought by Newton's method with the steepest slope it can have: that
+    never overshoots, and leaves at most ease/(1 + ease) of the error a round.
+    """
+    slopes = np.array([steepest(int(kind), p) for kind, p in zip(kinds, parameters, strict=True)])
+    ease = slopes * np.abs(swift).sum(axis=1)
+    left = float(np.max(ease / (1 + ease), initial=0.0))
+    rounds = _ROUNDS if left == 0 else int(np.ceil(np.log(_LEFT) / np.log(left)))
+    return ease, int(np.clip(rounds, _ROUNDS, _MOST_ROUNDS))
 
 
 def held(
@@ -100,38 +123,25 @@ def _stepper() -> Any:
 
 def step_through_numpy(
     phi: np.ndarray, early: np.ndarray, late: np.ndarray, pulse: np.ndarray, origin: int, kinds: np.ndarray,
-    parameters: np.ndarray, rows: np.ndarray, c: np.ndarray, d: np.ndarray, fine: np.ndarray,
+    parameters: np.ndarray, rows: np.ndarray, rates: np.ndarray, ease: np.ndarray, rounds: int,
+    c: np.ndarray, d: np.ndarray, fine: np.ndarray,
 ) -> None:  # fmt: skip
     """What `kernel.step_through` does, for all blows at once; see there for the arguments."""
     blows, count = pulse.shape[2], len(kinds)
     now = np.zeros((len(phi), blows))
     force, memory, stretch = np.zeros((3, count, blows))
-    gain = rows @ late
+    gain, swift = rows @ late, rates @ late
     for grid in range(origin, fine.shape[2] - 1):
         base = phi @ now + early @ force
         if grid - origin < len(pulse):
             base += pulse[grid - origin]
-        free, guess, fresh = rows @ base, force.copy(), memory
-        for _ in range(4):
-            end = free + gain @ guess
-            taken = [_law(int(kinds[e]), parameters[e], stretch[e], end[e], memory[e]) for e in range(count)]
-            guess = -np.array(taken).reshape(count, blows)
-        fresh = -guess
+        free, coast, guess, fresh = rows @ base, rates @ base, force.copy(), memory.copy()
+        for _ in range(rounds):
+            end, speed = free + gain @ guess, coast + swift @ guess
+            for e in range(count):
+                law = LAWS[int(kinds[e])]
+                torque, fresh[e] = law(parameters[e], stretch[e], end[e], speed[e], memory[e])
+                guess[e] += (-torque - guess[e]) / (1 + ease[e])
         stretch, memory, force = free + gain @ guess, fresh, guess
         now = base + late @ force
         fine[:, :, grid + 1] = (c @ now + d @ force).T
-
-
-def _law(kind: int, p: np.ndarray, old: np.ndarray, new: np.ndarray, memory: np.ndarray) -> np.ndarray:
-    if kind == HARDENING:
-        ratio = (new / p[1]) ** 2
-        return p[0] * new * ratio / (1 + ratio)
-    if kind == FRICTION:
-        limit = np.where(new >= old, p[0], -p[0])
-        return limit + (memory - limit) * np.exp(-p[1] * np.abs(new - old) / p[0])
-    if kind == BACKLASH:
-        pressed, gap = p[0] * new + p[2], p[0] * p[1]
-        return (
-            np.where(pressed > 0, pressed, np.where(pressed < -gap, pressed + gap, 0.0)) - p[2] - p[0] * new
-        )
-    raise AssertionError(f"no law of the code {kind}")

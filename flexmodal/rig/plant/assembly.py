@@ -7,28 +7,30 @@ and a sensor are all put in alike. With nothing added it is the joint-space mass
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float
 
 from flexmodal.model import PosedRobot
 from flexmodal.model.placements import link_placements
-from flexmodal.rig.plant.beam import Beam
 from flexmodal.rig.plant.chain import children
-from flexmodal.rig.plant.plant import Branch, NonlinearElement, Plant
+from flexmodal.rig.plant.flexure import Flexure
+from flexmodal.rig.plant.plant import Branch, Feedback, NonlinearElement, Plant
 from flexmodal.structure.arm import beyond, carried, plane_normal
 
 
 @dataclass(frozen=True, eq=False)
 class _Bending:
-    """One plane in which a link bends."""
+    """One way in which a link gives: it bends in a plane, or twists."""
 
-    beam: Beam
+    flexure: Flexure
     axis: np.ndarray
     """Along the link, in its frame."""
     side: np.ndarray
-    """The way it deflects, in its frame."""
+    """The way it deflects, in its frame; 0 where it only turns."""
+    turned: np.ndarray
+    """The axis about which it turns, in its frame."""
     columns: slice
 
 
@@ -49,6 +51,7 @@ class PlantAssembly:
         self._springs: list[tuple[np.ndarray, float, float]] = []
         self._coupling: list[tuple[int, int, float]] = []
         self.branches: list[Branch] = []
+        self.feedbacks: list[Feedback] = []
         self.elements: list[NonlinearElement] = []
         self.elongation: dict[str, np.ndarray] = {}
         """Joints whose spring no longer goes to a locked motor, and what stretches it."""
@@ -100,11 +103,10 @@ class PlantAssembly:
         return moved
 
     def _bent(self, link: str, bending: _Bending, place: np.ndarray) -> np.ndarray:
-        """Motion of a point of a bending link by the coordinates of its beam: Ω = axis × side · slope."""
-        along = float(np.clip(bending.axis @ place, 0.0, bending.beam.length))
-        deflection, slope = bending.beam.shape(along)
-        turned = np.cross(bending.axis, bending.side)
-        motion = np.vstack([np.outer(bending.side, deflection), np.outer(turned, slope)])
+        """Motion of a point of a bending link by its own coordinates: a deflection and a turn."""
+        along = float(np.clip(bending.axis @ place, 0.0, bending.flexure.length))
+        deflection, slope = bending.flexure.shape(along)
+        motion = np.vstack([np.outer(bending.side, deflection), np.outer(bending.turned, slope)])
         motion = carried(motion, place - along * bending.axis)
         axes = self.orientation(link)
         return np.vstack([axes @ motion[:3], axes @ motion[3:]])
@@ -128,27 +130,30 @@ class PlantAssembly:
         for link in self._maps:
             self._widen(link)[:, columns] += carried(motion, self.origin(link) - start)
 
-    def add_beam(self, link: str, beam: Beam, axis: np.ndarray, side: np.ndarray, loss: float) -> None:
-        """Let a link bend in one plane; everything beyond it is carried along.
+    def add_flexure(
+        self, link: str, flexure: Flexure, axis: np.ndarray, side: np.ndarray | None, loss: float
+    ) -> None:
+        """Let a link bend in one plane or twist; everything beyond it is carried along.
 
         Args:
             link: which.
-            beam: clamped at the origin of the link's frame.
-            axis: unit vector along the beam, in that frame.
-            side: unit vector of its deflection, in that frame.
-            loss: damping of the beam, as a multiple of its stiffness [s].
+            flexure: clamped at the origin of the link's frame.
+            axis: unit vector along the link, in that frame.
+            side: unit vector of its deflection, in that frame; None for a twist about the axis.
+            loss: its damping, as a multiple of its stiffness [s].
         """
         planes = self._bending.setdefault(link, [])
-        count = len(beam.condensed_stiffness)
+        count = len(flexure.condensed_stiffness)
         columns = self.add_coordinates([f"{link} bending {len(planes) + 1}.{k + 1}" for k in range(count)])
-        bending = _Bending(beam, axis, side, columns)
+        turned = axis if side is None else np.cross(axis, side)
+        bending = _Bending(flexure, axis, np.zeros(3) if side is None else side, turned, columns)
         planes.append(bending)
         for joint in children(self.robot.urdf, link):
             swept = self._bent(link, bending, np.asarray(joint.xyz))
             for further in beyond(self.robot.urdf, joint.child):
                 lever = self.origin(further) - self.origin(joint.child)
                 self._widen(further)[:, columns] += carried(swept, lever)
-        values, vectors = np.linalg.eigh(beam.condensed_stiffness)
+        values, vectors = np.linalg.eigh(flexure.condensed_stiffness)
         for value, vector in zip(values, vectors.T, strict=True):
             row = np.zeros(len(self.coordinates))
             row[columns] = vector
@@ -213,17 +218,13 @@ class PlantAssembly:
             stiffness[one, other] += spring
             stiffness[other, one] += spring
         branches = tuple(Branch(self._padded(b.row), b.stiffness, b.time) for b in self.branches)
-        elements = tuple(NonlinearElement(self._padded(e.row), e.kind, e.parameters) for e in self.elements)
-        return Plant(
-            tuple(self.coordinates),
-            mass,
-            damping,
-            stiffness,
-            branches,
-            elements,
-            self.motion,
-            self.orientation,
+        feedbacks = tuple(
+            replace(f, sensed=self._padded(f.sensed), driven=self._padded(f.driven)) for f in self.feedbacks
         )
+        elements = tuple(NonlinearElement(self._padded(e.row), e.kind, e.parameters) for e in self.elements)
+        hung = (branches, feedbacks, elements)
+        names = tuple(self.coordinates)
+        return Plant(names, mass, damping, stiffness, *hung, self.motion, self.orientation)
 
     def _padded(self, rows: np.ndarray) -> np.ndarray:
         missing = len(self.coordinates) - rows.shape[-1]

@@ -11,7 +11,7 @@ shapes of the far end, exact for any load there, and the lowest modes with the f
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -25,7 +25,7 @@ INNER_MODES = 2
 
 @dataclass(frozen=True, eq=False)
 class Beam:
-    """A uniform beam in one plane, clamped at 0."""
+    """A beam in one plane, clamped at 0; uniform unless it tapers, without shear unless it has any."""
 
     length: float
     """[m]"""
@@ -33,20 +33,35 @@ class Beam:
     """EI [N·m²]"""
     line_mass: float
     """μ [kg/m], 0 or more"""
+    taper: float = 0.0
+    """By how much EI falls from the clamp to the far end, relative; in steps, one an element."""
+    shear: float = 0.0
+    """12 EI/(κ G A) [m²]: Timoshenko's beam, the elements of Przemieniecki (Theory of Matrix Structural
+    Analysis, section 5.6) with Φ = shear/h²."""
+
+    @property
+    def _phi(self) -> float:
+        return self.shear * (ELEMENTS / self.length) ** 2
+
+    @property
+    def _rigidities(self) -> Float[np.ndarray, " element"]:
+        """EI of each element over that at the clamp."""
+        return 1 - self.taper * (np.arange(ELEMENTS) + 0.5) / ELEMENTS
 
     @cached_property
     def stiffness(self) -> Float[np.ndarray, "node node"]:
         """Over deflection and slope of every free node [N/m, N, N·m]."""
-        h = self.length / ELEMENTS
+        h, phi = self.length / ELEMENTS, self._phi
+        near, far = (4 + phi) * h * h, (2 - phi) * h * h
         element = np.array(
             [
                 [12.0, 6 * h, -12, 6 * h],
-                [6 * h, 4 * h * h, -6 * h, 2 * h * h],
+                [6 * h, near, -6 * h, far],
                 [-12, -6 * h, 12, -6 * h],
-                [6 * h, 2 * h * h, -6 * h, 4 * h * h],
+                [6 * h, far, -6 * h, near],
             ]
         )
-        return _assembled(self.bending_stiffness / h**3 * element)
+        return _assembled(self.bending_stiffness / h**3 / (1 + phi) * element, self._rigidities)
 
     @cached_property
     def mass(self) -> Float[np.ndarray, "node node"]:
@@ -60,7 +75,7 @@ class Beam:
                 [-13 * h, -3 * h * h, -22 * h, 4 * h * h],
             ]
         )
-        return _assembled(self.line_mass * h / 420 * element)
+        return _assembled(self.line_mass * h / 420 * element, np.ones(ELEMENTS))
 
     @cached_property
     def condensation(self) -> Float[np.ndarray, "node kept"]:
@@ -71,7 +86,7 @@ class Beam:
         shapes = np.zeros((count, 2 + INNER_MODES))
         shapes[end, [0, 1]] = 1.0
         shapes[inner, :2] = -np.linalg.solve(k[np.ix_(inner, inner)], k[np.ix_(inner, end)])
-        unit = Beam(self.length, self.bending_stiffness, 1.0)  # the shapes do not depend on the line mass
+        unit = replace(self, line_mass=1.0)  # the shapes do not depend on the line mass
         root = np.linalg.cholesky(unit.mass[np.ix_(inner, inner)])
         scaled = np.linalg.solve(root, np.linalg.solve(root, k[np.ix_(inner, inner)]).T)
         _, vectors = np.linalg.eigh((scaled + scaled.T) / 2)
@@ -90,15 +105,22 @@ class Beam:
         s = min(max(place, 0.0), self.length)
         element = min(int(s / h), ELEMENTS - 1)
         u = s / h - element
+        phi = self._phi
+        lean, bow = phi * u, phi / 2 * (u - u**2)
         deflection = [
-            1 - 3 * u**2 + 2 * u**3,
-            h * (u - 2 * u**2 + u**3),
-            3 * u**2 - 2 * u**3,
-            h * (u**3 - u**2),
+            1 - 3 * u**2 + 2 * u**3 + phi - lean,
+            h * (u - 2 * u**2 + u**3 + bow),
+            3 * u**2 - 2 * u**3 + lean,
+            h * (u**3 - u**2 - bow),
         ]
-        slope = [6 * (u**2 - u) / h, 1 - 4 * u + 3 * u**2, 6 * (u - u**2) / h, 3 * u**2 - 2 * u]
+        slope = [
+            6 * (u**2 - u) / h,
+            1 - 4 * u + 3 * u**2 + phi - lean,
+            6 * (u - u**2) / h,
+            3 * u**2 - 2 * u + lean,
+        ]
         rows = np.zeros((2, 2 * ELEMENTS + 2))
-        rows[:, 2 * element : 2 * element + 4] = deflection, slope
+        rows[:, 2 * element : 2 * element + 4] = np.array([deflection, slope]) / (1 + phi)
         kept = rows[:, 2:] @ self.condensation
         return kept[0], kept[1]
 
@@ -110,9 +132,9 @@ def sections() -> tuple[Float[np.ndarray, " section"], Float[np.ndarray, " secti
     return ((starts + (points + 1) / 2) / ELEMENTS).ravel(), np.tile(weights / 2 / ELEMENTS, ELEMENTS)
 
 
-def _assembled(element: np.ndarray) -> np.ndarray:
+def _assembled(element: np.ndarray, sizes: np.ndarray) -> np.ndarray:
     full = np.zeros((2 * ELEMENTS + 2, 2 * ELEMENTS + 2))
     for number in range(ELEMENTS):
         place = slice(2 * number, 2 * number + 4)
-        full[place, place] += element
+        full[place, place] += sizes[number] * element
     return full[2:, 2:]

@@ -8,14 +8,14 @@ import numpy as np
 
 from flexmodal.campaign import CampaignPosture
 from flexmodal.errors import Fault, InvalidRequest
-from flexmodal.rig.effects import EFFECTS, Site, Stand
+from flexmodal.rig.effects import EFFECTS, Effect, Site, Stand
 from flexmodal.rig.plant.assembly import PlantAssembly
 from flexmodal.rig.plant.card_springs import add_card_springs
 from flexmodal.rig.plant.plant import Plant
 from flexmodal.rig.sensing import Sensor
 
-Hidden = tuple[str, Site]
-"""Name of an effect, and its site."""
+Hidden = tuple[Effect, Site]
+"""An effect in one of its forms, and its site."""
 
 
 def sensors(stand: Stand, hidden: Sequence[Hidden]) -> dict[str, Sensor]:
@@ -26,10 +26,9 @@ def sensors(stand: Stand, hidden: Sequence[Hidden]) -> dict[str, Sensor]:
         hidden: effects put in.
     """
     made = {point.name: Sensor() for point in stand.plan.points}
-    for name, site in hidden:
-        sense = EFFECTS[name].sense
-        if sense is not None:
-            sense(made, site)
+    for effect, site in hidden:
+        if effect.sense is not None:
+            effect.sense(made, site)
     return made
 
 
@@ -48,12 +47,11 @@ def build(
         carrying: name of the point with the sensor on it, and the sensor's mass [kg].
     """
     assembly = PlantAssembly(stand.robot.at(dict(posture.q)))
-    ordered = sorted(hidden, key=lambda item: list(EFFECTS).index(item[0]))
-    for name, site in ordered:
-        shape = EFFECTS[name].shape
-        if shape is not None:
-            shape(assembly, site)
-    done = {site.where for name, site in ordered if (take := EFFECTS[name].body) and take(assembly, site)}
+    ordered = sorted(hidden, key=lambda item: list(EFFECTS).index(item[0].name))
+    for effect, site in ordered:
+        if effect.shape is not None:
+            effect.shape(assembly, site)
+    done = {site.where for effect, site in ordered if effect.body and effect.body(assembly, site)}
     for link, body in stand.true.bodies.items():
         if link not in done:
             assembly.add_body(link, body.com, body.mass, body.inertia)
@@ -61,10 +59,9 @@ def build(
         row = assembly.row(joint)
         assembly.add_spring(row, stand.true.stiffness[joint], stand.true.damping[joint])
         assembly.add_inertia(row, stand.true.rotor.get(joint, 0.0))
-    for name, site in ordered:
-        act = EFFECTS[name].act
-        if act is not None:
-            act(assembly, site)
+    for effect, site in ordered:
+        if effect.act is not None:
+            effect.act(assembly, site)
     add_card_springs(assembly, stand.robot, stand.true, stand.plan)
     if carrying is not None and carrying[1] > 0:
         point = next(point for point in stand.plan.points if point.name == carrying[0])

@@ -9,8 +9,11 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Complex, Float
 
-HARDENING, FRICTION, BACKLASH = 0, 1, 2
-"""Kinds of non-linear element; see `kernel`."""
+HARDENING, FRICTION, BACKLASH, POLYNOMIAL, PIECEWISE, SATURATING = range(6)
+SINH, STRIBECK, LUGRE, SLIDER, BOUC_WEN = range(6, 11)
+"""Kinds of non-linear element; see `laws`."""
+NUMBERS = 5
+"""The most that a law takes."""
 
 
 @dataclass(frozen=True)
@@ -25,13 +28,39 @@ class Branch:
     """Relaxation time, damper over spring [s]."""
 
 
+@dataclass(frozen=True, eq=False)
+class Feedback:
+    """A linear force with a memory of its own, such as a control loop.
+
+    With u = sensed · x: ż = A z + b u + b_rate u̇, and − (c · z + d u + d_rate u̇) acts along `driven`.
+    """
+
+    sensed: Float[np.ndarray, " dof"]
+    driven: Float[np.ndarray, " dof"]
+    a: Float[np.ndarray, "inner inner"]
+    b: Float[np.ndarray, " inner"]
+    b_rate: Float[np.ndarray, " inner"]
+    c: Float[np.ndarray, " inner"]
+    d: float = 0.0
+    d_rate: float = 0.0
+
+    def stiffness(self, omega: Float[np.ndarray, " line"]) -> Complex[np.ndarray, " line"]:
+        """Force over elongation at angular frequencies [rad/s]."""
+        s = 1j * omega
+        inner = np.linalg.solve(
+            s[:, None, None] * np.eye(len(self.a)) - self.a, (self.b + s[:, None] * self.b_rate)[..., None]
+        )[..., 0]
+        return inner @ self.c + self.d + s * self.d_rate
+
+
 @dataclass(frozen=True)
 class NonlinearElement:
     """A force that depends on an elongation and its history."""
 
     row: Float[np.ndarray, " dof"]
     kind: int
-    parameters: tuple[float, float, float]
+    parameters: tuple[float, ...]
+    """At most `NUMBERS` of them, as its law takes them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,6 +72,7 @@ class Plant:
     damping: Float[np.ndarray, "dof dof"]
     stiffness: Float[np.ndarray, "dof dof"]
     branches: tuple[Branch, ...]
+    feedbacks: tuple[Feedback, ...]
     elements: tuple[NonlinearElement, ...]
     motion: Callable[[str, Float[np.ndarray, "3"]], Float[np.ndarray, "6 dof"]]
     """Motion of a point of a link, by link name and place in its frame [m]; world axes."""
@@ -78,7 +108,7 @@ class Plant:
 
     @cached_property
     def state_matrix(self) -> Float[np.ndarray, "state state"]:
-        """A of ṡ = A s + …, with s = coordinates, velocities, damper elongations of the branches.
+        """A of ṡ = A s + …: coordinates, velocities, damper elongations of the branches, then feedbacks.
 
         A branch pulls with k_b (row·x − r) where its damper's elongation r follows ṙ = (row·x − r)/τ.
         """
@@ -91,6 +121,23 @@ class Plant:
         a[n : 2 * n] = np.linalg.solve(self.mass, np.hstack([-stiffness, -self.damping, rows.T * k]))
         a[2 * n :, :n] = rate[:, None] * rows
         a[2 * n :, 2 * n :] = -np.diag(rate)
+        return self._fed_back(a) if self.feedbacks else a
+
+    def _fed_back(self, a: np.ndarray) -> np.ndarray:
+        """The same with the states of the feedbacks after the others."""
+        n, have = self.dof, len(a)
+        inner = sum(len(feedback.a) for feedback in self.feedbacks)
+        a = np.pad(a, [(0, inner), (0, inner)])
+        for feedback in self.feedbacks:
+            own = slice(have, have + len(feedback.a))
+            a[own, own] = feedback.a
+            a[own, :n] = np.outer(feedback.b, feedback.sensed)
+            a[own, n : 2 * n] = np.outer(feedback.b_rate, feedback.sensed)
+            pushed = np.linalg.solve(self.mass, feedback.driven)
+            a[n : 2 * n, :n] -= feedback.d * np.outer(pushed, feedback.sensed)
+            a[n : 2 * n, n : 2 * n] -= feedback.d_rate * np.outer(pushed, feedback.sensed)
+            a[n : 2 * n, own] -= np.outer(pushed, feedback.c)
+            have = own.stop
         return a
 
     def input_column(self, row: Float[np.ndarray, "*many dof"]) -> Float[np.ndarray, "*many state"]:
@@ -123,4 +170,7 @@ class Plant:
         for branch in self.branches:
             lag = 1j * omega * branch.time
             z = z + branch.stiffness * lag / (1 + lag) * np.outer(branch.row, branch.row)
+        for feedback in self.feedbacks:
+            force = feedback.stiffness(omega[:, 0, 0])[:, None, None]
+            z = z + force * np.outer(feedback.driven, feedback.sensed)
         return -(omega**2) * (response @ np.linalg.solve(z, reference.T.astype(complex)[None]))

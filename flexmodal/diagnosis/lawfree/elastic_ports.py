@@ -1,0 +1,110 @@
+"""Ports at coordinates that are rigid without them: the foundation, a link that bends."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import product
+
+import numpy as np
+
+from flexmodal.diagnosis.effects import base_flexibility, link_flexibility
+from flexmodal.diagnosis.effects.context import Context
+from flexmodal.diagnosis.effects.effect import Placement
+from flexmodal.diagnosis.lawfree.port import Patterns, PortKind, constant
+from flexmodal.structure.assembly import Assembly
+
+
+def _base_terms(context: Context) -> list[tuple[int, int]]:
+    """Coordinates of the foundation that have a compliance, by themselves or between two.
+
+    Where springs do not meet at the root's origin a force there also tilts it: in a plane along and up with
+    the tilt, in space along x with ry and along y with rx.
+    """
+    count = len(base_flexibility.motions(context.normal)[0])
+    return [(k, k) for k in range(count)] + ([(0, 2), (1, 2)] if count == 3 else [(0, 4), (1, 3)])
+
+
+def _base_patterns(assembly: Assembly, placement: Placement) -> Patterns:
+    context = placement.context
+    rows = [assembly.row(name) for name in base_flexibility.motions(context.normal)[0]]
+    found = []
+    for i, j in _base_terms(context):
+        product = np.outer(rows[i], rows[j])
+        found.append(product if i == j else product + product.T)
+    return Patterns(compliance=np.stack(found))
+
+
+def _base_functions(context: Context, where: str) -> tuple[str, ...]:
+    names = base_flexibility.motions(context.normal)[0]
+    return tuple(names[i] if i == j else f"{names[i]} × {names[j]}" for i, j in _base_terms(context))
+
+
+def _base_sizes(context: Context, where: str, frequency: np.ndarray) -> np.ndarray:
+    tilt, shift = base_flexibility.sizes(context)
+    _, motion = base_flexibility.motions(context.normal)
+    each = [1 / (tilt if way[3:].any() else shift) for way in motion.T]
+    return constant([float(np.sqrt(each[i] * each[j])) for i, j in _base_terms(context)], frequency)
+
+
+def _base_starts(context: Context, where: str) -> tuple[tuple[float, ...], ...]:
+    _, motion = base_flexibility.motions(context.normal)
+    turns, terms = [bool(way[3:].any()) for way in motion.T], _base_terms(context)
+    grid = product((0.03, 0.2, 1.0, 5.0, 30.0), (0.01, 0.2, 1.0, 5.0, 30.0))
+    return tuple(
+        tuple(0.0 if i != j else tilt if turns[i] else shift for i, j in terms) for tilt, shift in grid
+    )
+
+
+BASE = PortKind(
+    name="base",
+    says="the foundation",
+    places=lambda context: (context.robot.urdf.root,),
+    functions=_base_functions,
+    sizes=_base_sizes,
+    starts=_base_starts,
+    unit="1/stiffness",
+    shape=replace(base_flexibility.EFFECT, name="port", parameters=lambda c, w: (), act=None, extend=None),
+    patterns=_base_patterns,
+)
+
+
+def _link_functions(context: Context, where: str) -> tuple[str, ...]:
+    planes = 1 if context.normal is not None else 2
+    names = [f"bend {plane + 1}" for plane in range(planes)]
+    return (*names, *(f"{name}, outwards" for name in names))
+
+
+def _link_patterns(assembly: Assembly, placement: Placement) -> Patterns:
+    """Even compliance along the link, and what grows along it; the hinges share it by Gauss's weights."""
+    context, where = placement.context, placement.where
+    places = link_flexibility.hinges(context, where)
+    weights = link_flexibility.gauss(len(places))[1]
+    planes = 1 if context.normal is not None else 2
+    names = link_flexibility.names_of(context, where)
+    found = np.zeros((2 * planes, *(len(assembly.coordinates),) * 2))
+    for number, name in enumerate(names):
+        hinge, plane = divmod(number, planes)
+        one = weights[hinge] * np.diag(assembly.row(name))
+        found[plane] += one
+        found[planes + plane] += 2 * (places[hinge] - 0.5) * one
+    return Patterns(compliance=found)
+
+
+def _link_starts(context: Context, where: str) -> tuple[tuple[float, ...], ...]:
+    planes = 1 if context.normal is not None else 2
+    return tuple((*(size,) * planes, *(0.0,) * planes) for size in (0.03, 0.1, 0.3, 1.0, 3.0))
+
+
+LINK = PortKind(
+    name="link",
+    says="the bending of the link",
+    places=link_flexibility.EFFECT.places,
+    functions=_link_functions,
+    sizes=lambda context, where, frequency: constant(
+        [1 / link_flexibility.stiffest(context, where)] * len(_link_functions(context, where)), frequency
+    ),
+    starts=_link_starts,
+    unit="rad/(N·m)",
+    shape=replace(link_flexibility.EFFECT, name="port", parameters=lambda c, w: (), act=None, extend=None),
+    patterns=_link_patterns,
+)

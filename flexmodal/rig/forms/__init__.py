@@ -1,0 +1,55 @@
+"""Every effect in several physical forms, and which of them may be looked at when a diagnosis is tuned.
+
+`FORMS[name]["own"]` is the effect as the rig has always had it. Forms of one effect share its name, and
+nothing of their laws. Those `SEALED` are for the exam alone.
+"""
+
+from __future__ import annotations
+
+from flexmodal.rig.effects import EFFECTS, Effect
+from flexmodal.rig.forms import (
+    base_flexibility,
+    coulomb_friction,
+    joint_coupling,
+    link_flexibility,
+    nonlinear_stiffness,
+    structural_damping,
+)
+
+FORMS: dict[str, dict[str, Effect]] = {name: {effect.form: effect} for name, effect in EFFECTS.items()}
+"""By name of the effect, then of the form."""
+for _room in (
+    link_flexibility, base_flexibility, structural_damping, coulomb_friction, nonlinear_stiffness,
+    joint_coupling,
+):  # fmt: skip
+    for _effect in _room.FORMS:
+        FORMS[_effect.name][_effect.form] = _effect
+
+LOOKED_AT: dict[str, tuple[str, ...]] = {
+    "link_flexibility": ("hinge", "tapered", "flange"),
+    "base_flexibility": ("directions", "block"),
+    "structural_damping": ("power_law", "zener", "prony"),
+    "coulomb_friction": ("tanh", "iwan"),
+    "nonlinear_stiffness": ("cubic", "wind_up", "play"),
+    "joint_coupling": ("ratio", "idler"),
+}
+"""Forms that may be simulated and studied while a diagnosis is being tuned."""
+SEALED: dict[str, tuple[str, ...]] = {
+    "link_flexibility": ("timoshenko", "twisting", "pieces"),
+    "base_flexibility": ("feet", "bolted", "radiating"),
+    "structural_damping": ("fractional", "by_joint"),
+    "coulomb_friction": ("stribeck", "lugre", "bouc_wen"),
+    "nonlinear_stiffness": ("levelling", "exponential", "leaning"),
+    "joint_coupling": ("damped", "belt", "rod"),
+}
+"""Forms of the exam: whoever tunes a diagnosis leaves them alone."""
+
+
+def find(name: str, form: str = "own") -> Effect:
+    """An effect in one of its forms; both have to be there.
+
+    Args:
+        name: of the effect.
+        form: of its forms.
+    """
+    return FORMS[name][form]

@@ -1,0 +1,241 @@
+"""Other laws of loss in the joints: all of them rows of Maxwell elements, hence causal and passive.
+
+Each is scaled so that the real part is the joint's stiffness at the middle of the band, on a logarithmic
+scale.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from flexmodal.rig.effects.effect import Effect, Parameters, Site, Stand
+from flexmodal.rig.effects.structural_damping import EFFECT as OWN
+from flexmodal.rig.plant.assembly import PlantAssembly
+from flexmodal.rig.plant.plant import Branch
+
+MOST_LOSS = 0.6
+_BEYOND = 30.0
+"""How far the rates of a fractional derivative go beyond the band, as a factor."""
+
+
+@dataclass(frozen=True, eq=False)
+class Series:
+    """A spring, a damper and Maxwell elements side by side, over the stiffness at the middle of the band."""
+
+    static: float
+    strengths: np.ndarray
+    times: np.ndarray
+    """Relaxation times [s]."""
+    damper: float = 0.0
+    """[s]"""
+
+    def modulus(self, omega: np.ndarray) -> np.ndarray:
+        """Complex stiffness at angular frequencies [rad/s]."""
+        lag = 1j * omega[:, None] * self.times
+        return self.static + (lag / (1 + lag)) @ self.strengths + 1j * omega * self.damper
+
+    def scaled_at(self, omega: float) -> Series:
+        """The same with a real part of 1 at an angular frequency [rad/s]."""
+        size = float(self.modulus(np.array([omega]))[0].real)
+        return Series(self.static / size, self.strengths / size, self.times, self.damper / size)
+
+
+def middle(band: tuple[float, float]) -> float:
+    """Middle of a band on a logarithmic scale, as an angular frequency [rad/s]."""
+    return float(2 * np.pi * np.sqrt(band[0] * band[1]))
+
+
+def fitted(
+    loss: Callable[[np.ndarray], np.ndarray], band: tuple[float, float], count: int, beyond: float
+) -> Series:
+    """Maxwell elements whose loss factor comes nearest to a given one over the band.
+
+    Args:
+        loss: loss factor by angular frequency [rad/s].
+        band: where it is to hold [Hz].
+        count: of the elements.
+        beyond: by what factor their times go beyond the band on both sides.
+    """
+    from scipy.optimize import nnls
+
+    low, high = 2 * np.pi * band[0], 2 * np.pi * band[1]
+    times = 1 / np.geomspace(low / beyond, high * beyond, count)
+    omega = np.geomspace(low, high, 120)
+    lag, wanted = omega[:, None] * times, loss(omega)
+    real, imaginary = lag**2 / (1 + lag**2), lag / (1 + lag**2)
+    strengths, _ = nnls(imaginary - wanted[:, None] * real, wanted)
+    return Series(1.0, strengths, times).scaled_at(middle(band))
+
+
+def power_law(loss: float, exponent: float, band: tuple[float, float]) -> Series:
+    """η (ω/ω₀)ⁿ with ω₀ at the middle of the band.
+
+    Args:
+        loss: η at the middle.
+        exponent: n.
+        band: where it holds [Hz].
+    """
+    return fitted(lambda omega: loss * (omega / middle(band)) ** exponent, band, 11, 6.0)
+
+
+def zener(loss: float, frequency: float, band: tuple[float, float]) -> Series:
+    """The standard linear solid: one element, the largest loss factor at one frequency.
+
+    With strength g over the static spring: η_max = g / (2 √(1 + g)) at ω τ = 1/√(1 + g).
+
+    Args:
+        loss: η_max.
+        frequency: where it peaks [Hz].
+        band: of the campaign [Hz].
+    """
+    strength = 2 * loss * (loss + np.sqrt(1 + loss**2))
+    time = 1 / (2 * np.pi * frequency * np.sqrt(1 + strength))
+    return Series(1.0, np.array([strength]), np.array([time])).scaled_at(middle(band))
+
+
+def fractional(loss: float, order: float, band: tuple[float, float]) -> Series:
+    """Kelvin and Voigt with a derivative of order α: 1 + c (iω)^α.
+
+    (iω)^α = sin(απ)/π ∫ x^{α−1} iω/(iω + x) dx over x from 0: Maxwell elements of every rate x, here two a
+    decade over a decade and a half more than the band on both sides; what is slower is a spring, what is
+    faster a damper.
+
+    Args:
+        loss: loss factor at the middle of the band.
+        order: α, between 0 and 1.
+        band: of the campaign [Hz].
+    """
+    step, part = np.log(10) / 2, np.sin(order * np.pi) / np.pi
+    low, high = 2 * np.pi * band[0] / _BEYOND, 2 * np.pi * band[1] * _BEYOND
+    rates = np.exp(np.arange(np.log(low), np.log(high) + step / 2, step))
+    slow, fast = rates[0] * np.exp(-step / 2), rates[-1] * np.exp(step / 2)
+    static, damper = part / order * slow**order, part / (1 - order) * fast ** (order - 1)
+    unit = Series(float(static), part * rates**order * step, 1 / rates, float(damper))
+    value = unit.modulus(np.array([middle(band)]))[0]
+    size = loss / (value.imag - loss * value.real)
+    return Series(1.0 + size * static, size * unit.strengths, unit.times, size * unit.damper).scaled_at(
+        middle(band)
+    )
+
+
+def _spread(site: Site, joint: int) -> float:
+    """Factor of one joint's loss: from one joint to the next the phase turns by the golden angle."""
+    return float(np.exp(site["spread"] * np.sin(site["phase"] + 2.399963 * joint)))
+
+
+def _acting(series: Callable[[Site, int], Series]) -> Callable[[PlantAssembly, Site], None]:
+    def act(assembly: PlantAssembly, site: Site) -> None:
+        for number, joint in enumerate(site.stand.robot.joints):
+            k, b = site.stand.true.stiffness[joint], site.stand.true.damping[joint]
+            made, row = series(site, number), assembly.stretch(joint)
+            assembly.add_spring(row, (made.static - 1) * k, (site["viscous"] - 1) * b + made.damper * k)
+            assembly.branches += [
+                Branch(row, float(g) * k, float(t))
+                for g, t in zip(made.strengths, made.times, strict=True)
+                if g > 0
+            ]
+
+    return act
+
+
+def _drawing(
+    **others: tuple[float, float],
+) -> Callable[[Stand, str, np.random.Generator], dict[str, float]]:
+    """The card's own damping is there in part: who measures a loss factor has no damper beside it."""
+
+    def draw(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
+        found = {"loss_factor": random.uniform(0.03, 0.12), "viscous": random.uniform(0.2, 1.0)}
+        found |= {name: random.uniform(*span) for name, span in others.items()}
+        return {name: float(value) for name, value in found.items()}
+
+    return draw
+
+
+def _draw_zener(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
+    low, high = stand.plan.band
+    peak = np.exp(random.uniform(np.log(max(2 * low, 0.02 * high)), np.log(0.4 * high)))
+    return {**_drawing()(stand, where, random), "frequency": float(peak)}
+
+
+def _scaled(parameters: Parameters, s: float) -> dict[str, float]:
+    """The loss grows with the severity; below 1 the card's damping comes back."""
+    viscous = 1 - (1 - parameters["viscous"]) * min(s, 1.0)
+    return {**parameters, "loss_factor": parameters["loss_factor"] * s, "viscous": viscous}
+
+
+def _checking(**spans: tuple[float, float]) -> Callable[[Parameters], str | None]:
+    def check(parameters: Parameters) -> str | None:
+        for name, (low, high) in {"loss_factor": (0.0, MOST_LOSS), "viscous": (0.0, np.inf), **spans}.items():
+            if not low <= parameters[name] <= high:
+                return f"{name} = {parameters[name]:g}, where {low:g} to {high:g} is allowed"
+        return None
+
+    return check
+
+
+def _form(
+    form: str, says: str, source: str, series: Callable[[Site, int], Series],
+    units: dict[str, str], draws: dict[str, tuple[float, float]], spans: dict[str, tuple[float, float]],
+) -> Effect:  # fmt: skip
+    return replace(
+        OWN,
+        form=form,
+        says=says,
+        source=source,
+        units={**OWN.units, **units},
+        draw=_drawing(**draws),
+        scaled=_scaled,
+        most=lambda parameters: MOST_LOSS / max(parameters["loss_factor"], 1e-9),
+        check=_checking(**spans),
+        act=_acting(series),
+    )
+
+
+POWER_LAW = _form(
+    "power_law",
+    "a loss factor that goes as a power of frequency",
+    "Jones, Handbook of Viscoelastic Vibration Damping, Wiley 2001, chapter 2",
+    lambda site, joint: power_law(site["loss_factor"], site["exponent"], site.stand.plan.band),
+    {"exponent": "of frequency"}, {"exponent": (-0.25, 0.25)}, {"exponent": (-0.5, 0.5)},
+)  # fmt: skip
+ZENER = replace(
+    _form(
+        "zener", "the standard linear solid: loss that peaks at one frequency",
+        "Zener, Elasticity and Anelasticity of Metals, University of Chicago Press 1948, part two",
+        lambda site, joint: zener(site["loss_factor"], site["frequency"], site.stand.plan.band),
+        {"frequency": "Hz, where the loss peaks"}, {}, {"frequency": (1e-3, 1e6)},
+    ),
+    draw=_draw_zener,
+)  # fmt: skip
+PRONY = _form(
+    "prony",
+    "three Maxwell elements fitted to a constant loss factor, which ripples",
+    "Park and Schapery, Int. J. Solids and Structures 36 (1999) 1653, on Prony series",
+    lambda site, joint: fitted(
+        lambda omega: np.full(len(omega), site["loss_factor"]), site.stand.plan.band, 3, 1.0
+    ),
+    {}, {}, {},
+)  # fmt: skip
+FRACTIONAL = _form(
+    "fractional",
+    "a fractional derivative of order α beside the spring",
+    "Bagley and Torvik, Journal of Rheology 27 (1983) 201; kernel: Montseny, ESAIM Proc. 5 (1998) 159",
+    lambda site, joint: fractional(site["loss_factor"], site["order"], site.stand.plan.band),
+    {"order": "α"}, {"order": (0.15, 0.45)}, {"order": (0.05, 0.7)},
+)  # fmt: skip
+BY_JOINT = _form(
+    "by_joint",
+    "a constant loss factor, each joint its own",
+    "Ewins, Modal Testing, 2nd ed., section 2.4: a hysteretic damping matrix that is not proportional",
+    lambda site, joint: fitted(
+        lambda omega: np.full(len(omega), min(site["loss_factor"] * _spread(site, joint), 1.0)),
+        site.stand.plan.band, 9, 4.0,
+    ),
+    {"spread": "of the logarithm of a joint's loss factor", "phase": "rad"},
+    {"spread": (0.5, 1.2), "phase": (0.0, 2 * np.pi)}, {"spread": (0.0, 3.0)},
+)  # fmt: skip
+
+FORMS = (POWER_LAW, ZENER, PRONY, FRACTIONAL, BY_JOINT)

@@ -1,0 +1,151 @@
+"""Forms of effects: listed once, passive, repeatable, and not to be told from the campaign's folder."""
+
+import tomllib
+
+import numpy as np
+import pytest
+
+import flexmodal
+from flexmodal.errors import InvalidRequest
+from flexmodal.rig import EFFECTS, FORMS, LOOKED_AT, SEALED, Hide, hide_places, simulate
+from flexmodal.rig.effects.effect import OWN
+from flexmodal.rig.forms import find
+from flexmodal.rig.hidden.severity import limit
+from flexmodal.rig.integration.laws import LAWS
+from flexmodal.rig.plant.build import build
+
+SMALL = {"postures": 2, "points": 2, "references": 1, "trials": 2, "averages": 1, "record_length": 0.5}
+OTHERS = [effect.key for forms in FORMS.values() for effect in forms.values() if effect.form != OWN]
+IN_JOINTS = [key for key in OTHERS if not find(*key.split(":")).linear]
+ACTIVE = {"servo_compliance"}
+"""Effects with a motor, which may do work."""
+
+
+@pytest.fixture(scope="module")
+def arms():
+    """A planar and a spatial arm, with the stands of a clean campaign."""
+    found = {}
+    for name in ("fanuc_s360", "six_axis"):
+        robot = flexmodal.load(name)
+        found[name] = simulate(robot, **SMALL, noise=0.0, time=False).stand
+    return found
+
+
+def drawn(stand, key: str, seed: int = 1):
+    """A form as it is drawn at its first place; None where it has none."""
+    from flexmodal.rig.effects import Site
+
+    effect = find(*key.split(":"))
+    places = effect.places(stand.robot, stand.plan.points)
+    if not places:
+        return None
+    where = places[seed % len(places)]
+    return effect, Site(stand, where, effect.draw(stand, where, np.random.default_rng(seed)))
+
+
+def test_every_form_is_either_looked_at_or_sealed():
+    listed = [f"{name}:{form}" for table in (LOOKED_AT, SEALED) for name in table for form in table[name]]
+    assert sorted(listed) == sorted(OTHERS)
+    assert all(find(*key.split(":")).source for key in OTHERS)
+
+
+@pytest.mark.parametrize("key", OTHERS)
+def test_a_form_is_put_in_and_named_in_the_truth_alone(key, arms, tmp_path):
+    name, form = key.split(":")
+    robot = arms["six_axis"].robot
+    result = simulate(robot, **SMALL, hide=[key], seed=3, time=False)
+    again = simulate(robot, **SMALL, hide=[Hide(name, form=form)], seed=3, time=False)
+    plain = simulate(robot, **SMALL, seed=3, time=False)
+    np.testing.assert_array_equal(result.campaign.frfs.value, again.campaign.frfs.value)
+    assert np.all(np.isfinite(result.campaign.frfs.value))
+    assert not np.allclose(result.campaign.frfs.value, plain.campaign.frfs.value, rtol=1e-6, atol=0)
+    result.write(tmp_path / "test")
+    truth = tomllib.loads((tmp_path / "test.truth.toml").read_text(encoding="utf-8"))
+    assert (truth["effect"][0]["effect"], truth["effect"][0]["form"]) == (name, form)
+    for file in (tmp_path / "test").rglob("*"):
+        if file.is_file() and file.suffix == ".toml":
+            assert form.encode() not in file.read_bytes()
+    names = {file.name for file in (tmp_path / "test").rglob("*")}
+    assert names == {"campaign.toml", "frf.uff", "robot", "robot.toml", f"{robot.name}.urdf"}
+
+
+def test_the_own_form_is_the_one_without_a_name(arms):
+    robot = arms["fanuc_s360"].robot
+    one, other = (simulate(robot, **SMALL, hide=[h], seed=2) for h in ("added_mass", "added_mass:own"))
+    np.testing.assert_array_equal(one.campaign.frfs.value, other.campaign.frfs.value)
+    assert one.truth.effects[0].form == OWN
+
+
+def test_an_unknown_form_is_named_with_those_there_are(arms):
+    with pytest.raises(InvalidRequest, match="unknown form 'rubber'; allowed: own, hinge, tapered"):
+        simulate(arms["fanuc_s360"].robot, **SMALL, hide=["link_flexibility:rubber"])
+
+
+@pytest.mark.parametrize("key", OTHERS)
+@pytest.mark.parametrize("arm", ["fanuc_s360", "six_axis"])
+def test_the_highest_severity_of_a_form_is_allowed(key, arm, arms):
+    for seed in range(50):
+        found = drawn(arms[arm], key, seed)
+        if found is None:
+            return
+        effect, site = found
+        assert effect.check(site.parameters) is None, site.parameters
+        most = effect.scaled(site.parameters, limit(effect, site.parameters))
+        assert effect.check(most) is None, most
+
+
+@pytest.mark.parametrize("key", [key for key in OTHERS if find(*key.split(":")).sense is None])
+@pytest.mark.parametrize("arm", ["fanuc_s360", "six_axis"])
+def test_a_form_dies_down_and_gives_no_work(key, arm, arms):
+    """Small motions: poles on the left, and no force along any direction ever puts in negative power."""
+    for seed in range(4):
+        found = drawn(arms[arm], key, seed)
+        if found is None:
+            return
+        plant = build(arms[arm], arms[arm].plan.postures[0], [found])
+        assert np.linalg.eigvalsh(plant.mass)[0] > 0
+        assert np.linalg.eigvals(plant.state_matrix).real.max() < 0
+        if key.split(":")[0] in ACTIVE:
+            continue
+        frequency = np.geomspace(0.1, 5000.0, 200)
+        row = np.eye(plant.dof)
+        mobility = plant.inertance(row, row, frequency) / (2j * np.pi * frequency)[:, None, None]
+        power = np.linalg.eigvalsh(mobility + mobility.conj().swapaxes(1, 2))
+        assert power.min() > -1e-9 * np.abs(mobility).max()
+
+
+@pytest.mark.parametrize("key", IN_JOINTS)
+def test_torques_of_a_joint_never_give_more_work_than_they_took(key, arms):
+    """Along random paths from rest, spring and damper included: ∫ τ du ≥ 0 at every moment."""
+    stand = arms["fanuc_s360"]
+    random = np.random.default_rng(7)
+    for seed in range(5):
+        effect, site = drawn(stand, key, seed)
+        plant = build(stand, stand.plan.postures[0], [(effect, site)])
+        plain = build(stand, stand.plan.postures[0], [])
+        row = plain.coordinates.index(site.where)
+        added = plant.damping[row, row] - plain.damping[row, row]
+        step, size = 1e-5, 2 * stand.deflection[site.where][1]
+        time = np.arange(20000) * step
+        waves = random.uniform(5, 100, 6), random.uniform(0, 2 * np.pi, 6), random.uniform(0, 1, 6)
+        path = sum(a * (np.sin(2 * np.pi * f * time + p) - np.sin(p)) for f, p, a in zip(*waves, strict=True))
+        path = size * path / np.abs(path).max()
+        torque = stand.true.stiffness[site.where] * path + added * np.gradient(path, step)
+        for element in plant.elements:
+            law, numbers, memory = LAWS[element.kind], np.array(element.parameters), np.zeros(1)
+            for n in range(1, len(path)):
+                old, new = path[n - 1 : n], path[n : n + 1]
+                pull, memory = law(numbers, old, new, (new - old) / step, memory)
+                torque[n] += pull[0]
+        work = np.concatenate([[0.0], np.cumsum((torque[1:] + torque[:-1]) / 2 * np.diff(path))])
+        assert work.min() > -1e-4 * work.max()
+
+
+def test_places_of_forms_are_places_of_their_effect(arms):
+    for stand in arms.values():
+        places = hide_places(stand.robot, points=2)
+        for key in OTHERS:
+            name, form = key.split(":")
+            own = set(places[name])
+            assert set(FORMS[name][form].places(stand.robot, stand.plan.points)) <= own
+    assert set(FORMS) == set(EFFECTS)
