@@ -90,6 +90,8 @@ def simulate_mujoco(robot: Robot, **request: Any) -> RigResult:
     missing = [item.effect for item in prepared.wanted if item.effect not in EFFECTS or item.form != OWN]
     if missing:
         raise InvalidRequest([Fault("call", "hide", name, ", ".join(EFFECTS)) for name in missing])
+    if robot.couplings or any(joint.loss_factor for joint in robot.joints.values()):
+        raise InvalidRequest(Fault("call", "robot", "couplings or loss factors", "plain springs and dampers"))
     conduct, plan = prepared.conduct, prepared.plan
     stand = make_stand(robot, plan, prepared.error, conduct.seed)
     hidden, effects, floor = put_in(stand, prepared.wanted, conduct)

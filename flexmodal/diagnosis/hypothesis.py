@@ -10,8 +10,9 @@ import numpy as np
 from jaxtyping import Float
 
 from flexmodal.diagnosis.effects.context import Context, Place
-from flexmodal.diagnosis.effects.effect import Effect, Placement
+from flexmodal.diagnosis.effects.effect import Placement
 from flexmodal.diagnosis.march.law import Law
+from flexmodal.diagnosis.placed import Placed
 from flexmodal.diagnosis.reader import Reader
 from flexmodal.identification import Observations
 from flexmodal.identification.layout import Part, unmeasured
@@ -24,24 +25,6 @@ from flexmodal.structure.structure import Structure
 
 STEP = 1e-6
 """Of the forward differences along an effect's own parameters."""
-
-
-@dataclass(frozen=True, eq=False)
-class Placed:
-    """An effect in a place."""
-
-    effect: Effect
-    where: str
-
-    @property
-    def label(self) -> str:
-        """Prefix of its parameters."""
-        return f"{self.effect.name}@{self.where}"
-
-    @property
-    def key(self) -> tuple[str, str]:
-        """Name and place."""
-        return self.effect.name, self.where
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,7 +97,7 @@ class Hypothesis:
     ) -> Sequence[Group]:
         """See `identification.FrfModel`."""
         values = self.space.values(x)
-        shifts = self._shifts(x, values) if slopes else []
+        shifts = self._shifts(x, values) if slopes else None
         wanted = {variant for one in self.placed for variant in one.effect.variants}
         return [
             Group(self._structures(part, values, shifts), part, self._reader(part, values, shifts))
@@ -140,7 +123,7 @@ class Hypothesis:
         values = self.space.values(x)
         where, struck = (np.array(list(table), dtype=int).reshape(-1, 2) for table in (responses, references))
         part = unmeasured(len(self.context.postures), where, struck)
-        found = self._structures(part, values, self._shifts(x, values) if slopes else [])
+        found = self._structures(part, values, self._shifts(x, values) if slopes else None)
         return [found[k] for k in range(len(found))]
 
     def laws(self, part: Part, values: Mapping[str, float]) -> list[tuple[Law, ...]]:
@@ -152,6 +135,17 @@ class Hypothesis:
             if one.effect.law is not None
         ]
         return [tuple(law.of_system(k) for law in found) for k in range(len(part.posture))]
+
+    def placed_in(self, part: Part, x: Float[np.ndarray, " parameter"]) -> list[tuple[Assembly, Placement]]:
+        """The motions and the placement of each effect in the systems of a part.
+
+        Args:
+            part: of the layout of some observations.
+            x: coordinates.
+        """
+        values = self.space.values(x)
+        assembly = self._frame(part, values).assembly
+        return [(assembly, self._placement(one, part, values)) for one in self.placed]
 
     def _shifts(self, x: np.ndarray, values: Mapping[str, float]) -> list[_Shift]:
         _, high = self.space.bounds
@@ -165,14 +159,16 @@ class Hypothesis:
 
     # structures
 
-    def _structures(self, part: Part, values: Mapping[str, float], shifts: Sequence[_Shift]) -> Structures:
+    def _structures(
+        self, part: Part, values: Mapping[str, float], shifts: Sequence[_Shift] | None
+    ) -> Structures:
         frame = self._frame(part, values)
         total, slopes = frame.scaled(values)
         acted = {
             one: self._act(frame, one, part, values) for one in self.placed if one.effect.act is not None
         }
         sums = {one: assembly.summed() for one, assembly in acted.items()}
-        found = [slopes] if shifts or not self.placed else []
+        found = [] if shifts is None else [slopes]
         for one, assembly in acted.items():
             for kind in KINDS:
                 total[kind] = total[kind] + sums[one][kind]
@@ -181,7 +177,7 @@ class Hypothesis:
         rows = self._rows(frame, part, values)
         turned: dict[int, tuple[np.ndarray, np.ndarray]] = {}
         loss: dict[int, float] = {}
-        for shift in shifts:
+        for shift in shifts or ():
             moved = self._frame(part, shift.values)
             change = dict.fromkeys(KINDS, np.zeros(total["mass"].shape))
             if shift.placed in acted:
@@ -271,14 +267,16 @@ class Hypothesis:
             ]
         return frame.assembly.rows(measured), frame.reference
 
-    def _reader(self, part: Part, values: Mapping[str, float], shifts: Sequence[_Shift]) -> Reader | None:
+    def _reader(
+        self, part: Part, values: Mapping[str, float], shifts: Sequence[_Shift] | None
+    ) -> Reader | None:
         reading = [one for one in self.placed if one.effect.read is not None]
         if not reading:
             return None
         points = np.array([self.context.point(number).name for number in part.read.tolist()])
         moved = [
             (shift.number, shift.step, shift.placed.effect, self._placement(shift.placed, part, shift.values))
-            for shift in shifts
+            for shift in shifts or ()
             if shift.placed in reading
         ]
         return Reader(points, [(one.effect, self._placement(one, part, values)) for one in reading], moved)

@@ -13,6 +13,7 @@ from flexmodal.rig.believed import ParameterError
 from flexmodal.rig.hammer_test import Conduct
 from flexmodal.rig.hidden.hide import Hide, check_hides
 from flexmodal.rig.plan import HammerPlan, make_plan
+from flexmodal.rig.plant.card_springs import refuse_springs
 from flexmodal.rig.positions import choose_points
 from flexmodal.text.gather import Gathering
 
@@ -64,6 +65,7 @@ def prepare(
             averages=averages, peaks=peaks, tip=tip, band=band, record_length=record_length,
             random=np.random.default_rng([max(seed, 0), 3]),
         )  # fmt: skip
+        refuse_springs(robot, plan)
     wanted = []
     for text in hide:
         with gathering.step():

@@ -95,8 +95,8 @@ def test_refuses_what_stands_there_before_the_work(cli, campaign, tmp_path):
     mine = tmp_path / "mine"
     mine.mkdir()
     (mine / "letter.txt").write_text("dear")
-    cli("diagnose", campaign, "--out", mine).refused("mine", "--force")
-    cli("diagnose", campaign, "--out", mine, "--force").refused("only that is replaced")
+    cli("diagnose", campaign, "--out", mine).refused("mine", "letter.txt")
+    cli("diagnose", campaign, "--out", mine, "--force").refused("nothing in it but")
     cli("diagnose", campaign, "--out", tmp_path / "no" / "where").refused("no such folder")
     assert os.listdir(mine) == ["letter.txt"]
 

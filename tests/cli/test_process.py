@@ -121,7 +121,7 @@ def test_stopped_in_the_midst_of_a_file(program, tmp_path, number):
             until = time.monotonic() + 60
             while not any(tmp_path.iterdir()) and time.monotonic() < until:
                 time.sleep(0.01)
-            assert [entry.suffix for entry in tmp_path.iterdir()] == [".csv"]
+            assert [entry.suffix for entry in tmp_path.iterdir()] == [".flexmodal"]
             process.send_signal(number)
             _, err = process.communicate(timeout=30)
         finally:

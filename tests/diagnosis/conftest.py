@@ -7,8 +7,9 @@ import pytest
 
 import flexmodal
 from flexmodal.diagnosis.effects import Context, catalogue
-from flexmodal.diagnosis.hypothesis import Hypothesis, Placed
+from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.outcome import Diagnosis, Gaps, NextMeasurement, Region, Step, Verdict, Weighed
+from flexmodal.diagnosis.placed import Placed
 from flexmodal.identification import fit, gap, observe, predict, uncertainty
 from flexmodal.rig import Hide, simulate
 from flexmodal.structure import robot_space

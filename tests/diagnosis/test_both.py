@@ -8,7 +8,8 @@ import pytest
 import flexmodal
 from flexmodal.campaign import estimate_frfs
 from flexmodal.diagnosis import diagnose
-from flexmodal.diagnosis.hypothesis import Hypothesis, Placed
+from flexmodal.diagnosis.hypothesis import Hypothesis
+from flexmodal.diagnosis.placed import Placed
 from flexmodal.diagnosis.search.looking import looked_at
 from flexmodal.diagnosis.selection.beside_frfs import SETTINGS, ModesBeside
 from flexmodal.diagnosis.selection.frf_selection import FrfSelection

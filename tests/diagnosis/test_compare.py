@@ -7,7 +7,7 @@ import pytest
 
 from flexmodal.diagnosis.disagreement.compare import but_for_the_blow, disagreement
 from flexmodal.diagnosis.effects import catalogue
-from flexmodal.diagnosis.hypothesis import Placed
+from flexmodal.diagnosis.placed import Placed
 from flexmodal.identification import predict
 
 

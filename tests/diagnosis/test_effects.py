@@ -7,7 +7,8 @@ import flexmodal
 from flexmodal.diagnosis.effects import Context, catalogue, link_flexibility
 from flexmodal.diagnosis.effects.link_flexibility import gauss, shares
 from flexmodal.diagnosis.effects.servo_compliance import loop
-from flexmodal.diagnosis.hypothesis import Hypothesis, Placed
+from flexmodal.diagnosis.hypothesis import Hypothesis
+from flexmodal.diagnosis.placed import Placed
 from flexmodal.diagnosis.search.lines import unlimited
 from flexmodal.errors import InvalidRequest
 from flexmodal.identification import observe, predict

@@ -8,9 +8,10 @@ import pytest
 import flexmodal
 from flexmodal.cards import read_urdf
 from flexmodal.diagnosis.effects import Context, catalogue
-from flexmodal.diagnosis.hypothesis import Hypothesis, Placed
+from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.improved.draft import Draft
 from flexmodal.diagnosis.improved.extend import extend
+from flexmodal.diagnosis.placed import Placed
 from flexmodal.errors import InvalidRequest
 from flexmodal.identification import observe
 from flexmodal.model import check

@@ -8,9 +8,10 @@ import pytest
 import flexmodal
 from flexmodal.diagnosis.effects import Context, catalogue
 from flexmodal.diagnosis.effects.joint_laws import FRICTION
-from flexmodal.diagnosis.hypothesis import Hypothesis, Placed
+from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.march.model import MarchedModel, has_law
 from flexmodal.diagnosis.march.pulse import PULSES, pulses
+from flexmodal.diagnosis.placed import Placed
 from flexmodal.diagnosis.search.refine import refined
 from flexmodal.errors import InvalidRequest
 from flexmodal.identification import fit, gap, observe, predict

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from flexmodal.diagnosis.effects import catalogue
-from flexmodal.diagnosis.hypothesis import Hypothesis, Placed
+from flexmodal.diagnosis.hypothesis import Hypothesis
+from flexmodal.diagnosis.placed import Placed
 from flexmodal.diagnosis.search.coarse import look_at
 from flexmodal.diagnosis.search.lines import WORST, some_lines, worst_lines
 from flexmodal.identification import predict

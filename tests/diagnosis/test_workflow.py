@@ -10,8 +10,9 @@ import flexmodal
 from flexmodal.diagnosis import diagnose
 from flexmodal.diagnosis.disagreement.compare import disagreement, force_dependence
 from flexmodal.diagnosis.disagreement.gaps import over_noise
-from flexmodal.diagnosis.hypothesis import Hypothesis, Placed
+from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.outcome import Gaps, Step
+from flexmodal.diagnosis.placed import Placed
 from flexmodal.diagnosis.search.coarse import Candidate, look_at
 from flexmodal.diagnosis.search.looking import looked_at
 from flexmodal.diagnosis.search.search import restarted, simpler

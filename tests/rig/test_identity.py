@@ -7,7 +7,9 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import flexmodal
-from flexmodal.rig import simulate
+from flexmodal.cards import CouplingCard, FrozenDict
+from flexmodal.errors import InvalidRequest
+from flexmodal.rig import Hide, simulate
 from flexmodal.rig.analyser import Analyser
 from flexmodal.rig.blow import Strike, strike
 from flexmodal.rig.hammer_test import Conduct, h1, strike_posture
@@ -75,6 +77,66 @@ def test_h1_of_the_rig_is_the_models_inertance_within_leakage(name, length):
     # The bound is the leakage, not a loose cover of it: it falls a thousandfold from 0.5 s to 2 s of the
     # Fanuc, and the largest error reaches 0.87 of it and more (of the six-link arm in 0.5 s, 0.46).
     assert error.max() > 0.4 * bound.max()
+
+
+def tied_and_lossy(loss=0.1):
+    """The Fanuc with what a diagnosis may write into a card: a coupling and joints that lose energy."""
+    plain = flexmodal.load("fanuc_s360")
+    joints = {n: replace(j, loss_factor=0.0 if j.pseudo else loss) for n, j in plain.joints.items()}
+    size = 0.3 * np.sqrt(plain.joints["q1"].stiffness * plain.joints["q2"].stiffness)
+    # much loss is little stiffness below a hertz, which such a coupling would overcome
+    tied = FrozenDict({"q1+q2": CouplingCard(("q1", "q2"), size)} if loss < 0.5 else {})
+    return replace(plain, joints=FrozenDict(joints), couplings=tied, loss_frequency=20.0)
+
+
+@pytest.mark.parametrize("loss", [0.0, 0.02, 0.1, 0.5])
+def test_a_cards_coupling_and_loss_are_struck_too(loss):
+    robot = tied_and_lossy(loss)
+    result = simulate(robot, postures=["configuration_1"], references=["location_2:+z"], trials=1, averages=1,
+                      record_length=4.0, **CLEAN)  # fmt: skip
+    frfs = result.campaign.frfs
+    inside = (frfs.frequency >= 2) & (frfs.frequency <= 200)
+    names = {point.id: point.name for point in result.campaign.points}
+    response = [f"{names[point]}:+{'xyz'[direction - 1]}" for point, direction in frfs.response]
+    asked = {"response": response, "reference": "location_2:+z", "form": "inertance"}
+    exact = robot.at("configuration_1").frf(frfs.frequency[inside], **asked).value[:, :, 0].T
+    error = np.abs(frfs.value[:, inside] - exact) / np.abs(exact).max()
+    # Leakage of 4 s, and what the row of Maxwell elements is off the power law at a resonance.
+    assert error.max() < 1e-3
+    plain = flexmodal.load("fanuc_s360").at("configuration_1")
+    without = plain.frf(frfs.frequency[inside], **asked).value[:, :, 0].T
+    assert np.abs(without - exact).max() > 0.2 * np.abs(exact).max()  # what was dropped without a word
+
+
+def test_the_true_springs_carry_the_loss_of_the_card():
+    """The robot struck is not the card's, and its springs lose energy by their own stiffness."""
+    robot = tied_and_lossy()
+    result = simulate(robot, postures=["configuration_1"], points=2, references=1, trials=1, seed=3)
+    plant = build(result.stand, result.plan.postures[0], ())
+    line = np.array([20.0])
+    true = result.stand.true.stiffness
+    joints = FrozenDict({n: replace(j, stiffness=true[n]) for n, j in robot.joints.items()})
+    joints = FrozenDict({n: replace(j, damping=result.stand.true.damping[n]) for n, j in joints.items()})
+    own = replace(robot, joints=joints).at("configuration_1").system
+    rows = np.eye(plant.dof)
+    made = np.linalg.inv(plant.inertance(rows, rows, line)[0] / -((2 * np.pi * 20) ** 2))
+    omega = 2 * np.pi * 20
+    lost = np.diag([1j * j.loss_factor * j.stiffness for j in joints.values()])
+    wanted = own.stiffness + 1j * omega * own.damping + lost - omega**2 * plant.mass
+    np.testing.assert_allclose(made, wanted, atol=1e-4 * np.abs(wanted).max())
+
+
+@pytest.mark.parametrize(("loss", "frequency"), [(0.1, None), (10.0, 20.0)])
+def test_a_loss_that_time_cannot_have_is_refused(loss, frequency):
+    robot = replace(tied_and_lossy(loss), loss_frequency=frequency)
+    with pytest.raises(InvalidRequest, match=r"joint\.q1\.loss_factor"):
+        simulate(robot, postures=1)
+
+
+def test_what_is_hidden_beside_a_coupling_must_hold_with_it():
+    hide = [Hide("joint_coupling", "q1+q2", parameters={"coupling": 0.8})]
+    with pytest.raises(InvalidRequest, match=r"q1\+q2"):
+        simulate(tied_and_lossy(0.0), postures=1, points=2, references=1, trials=1, hide=hide)
 
 
 def test_leakage_falls_as_the_record_grows(bars):

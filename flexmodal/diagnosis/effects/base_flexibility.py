@@ -27,7 +27,7 @@ def motions(normal: np.ndarray | None) -> tuple[list[str], np.ndarray]:
     return ["base x", "base z", "base tilt"], motion
 
 
-def _sizes(context: Context) -> tuple[float, float]:
+def sizes(context: Context) -> tuple[float, float]:
     """A tilt and a translational stiffness that the stiffest joint and the length of the arm suggest."""
     tilt = 10 * max(float(joint.stiffness) for joint in context.robot.joints.values())
     length = sum(float(np.linalg.norm(context.reach(link))) for link in context.links)
@@ -35,7 +35,7 @@ def _sizes(context: Context) -> tuple[float, float]:
 
 
 def _parameters(context: Context, where: str) -> tuple[Parameter, ...]:
-    tilt, shift = _sizes(context)
+    tilt, shift = sizes(context)
     found = [
         positive("horizontal_stiffness", "N/m", shift, 2.0, shift / 1e3, shift * 1e4),
         positive("vertical_stiffness", "N/m", shift * 1.5, 2.0, shift / 1e3, shift * 1e4),
@@ -49,7 +49,7 @@ def _parameters(context: Context, where: str) -> tuple[Parameter, ...]:
 
 
 def _starts(context: Context, where: str) -> list[Mapping[str, float]]:
-    tilt, shift = _sizes(context)
+    tilt, shift = sizes(context)
     grid = [
         (tilting * tilt, shifting * shift)
         for tilting in (0.03, 0.1, 0.3, 1.0, 5.0, 30.0, 200.0)

@@ -40,7 +40,7 @@ def _places(context: Context) -> tuple[str, ...]:
     return tuple(link for link in context.links if along(context, link)[0] >= SHORTEST)
 
 
-def _stiffest(context: Context, link: str) -> float:
+def stiffest(context: Context, link: str) -> float:
     """Stiffness of the stiffest joint between the base and a link [N·m/rad]."""
     urdf = context.robot.urdf
     return max(
@@ -66,14 +66,14 @@ def hinges(context: Context, where: str) -> Float[np.ndarray, " hinge"]:
     Of modes alone nobody lists those.
     """
     body, length = bodies_of(context.robot.urdf)[where], along(context, where)[0]
-    k, turning = SOFT * _stiffest(context, where), float(np.linalg.eigvalsh(body.inertia)[-1])
+    k, turning = SOFT * stiffest(context, where), float(np.linalg.eigvalsh(body.inertia)[-1])
     first = min(22.4 * np.sqrt(k / body.mass) / length, np.pi * np.sqrt(k / max(turning, 1e-12)))
     many = MANY_IN_SPACE if context.normal is None else MANY_IN_PLANE
     return gauss(many if context.every_line and first < 2 * np.pi * context.band[1] else FEW)[0]
 
 
 def _parameters(context: Context, where: str) -> tuple[Parameter, ...]:
-    k = _stiffest(context, where)
+    k = stiffest(context, where)
     places = hinges(context, where)
     return (
         positive("stiffness", "N·m/rad", k, 1.5, k / 300, k * 300),
@@ -83,11 +83,12 @@ def _parameters(context: Context, where: str) -> tuple[Parameter, ...]:
 
 
 def _starts(context: Context, where: str) -> list[Mapping[str, float]]:
-    k = _stiffest(context, where)
+    k = stiffest(context, where)
     return [{"stiffness": factor * k} for factor in (0.2, 0.8, 3.0, 12.0, 40.0)]
 
 
-def _names(context: Context, where: str) -> list[str]:
+def names_of(context: Context, where: str) -> list[str]:
+    """Coordinates of the hinges, those of one place side by side."""
     planes = 1 if context.normal is not None else 2
     count = len(hinges(context, where))
     return [f"{where} bend {hinge + 1}.{plane + 1}" for hinge in range(count) for plane in range(planes)]
@@ -97,7 +98,7 @@ def _shape(assembly: Assembly, placement: Placement) -> None:
     length, axis = along(placement.context, placement.where)
     axes = assembly.axes(placement.where)
     across = sides(placement.context, placement.where, axis)
-    columns = assembly.add_coordinates(_names(placement.context, placement.where))
+    columns = assembly.add_coordinates(names_of(placement.context, placement.where))
     places = np.repeat(hinges(placement.context, placement.where), len(across))
     for number, place in enumerate(places.tolist()):
         turned = axes @ np.cross(axis, across[number % len(across)])
@@ -160,7 +161,10 @@ def shares(stiffness: float, position: float, count: int) -> Float[np.ndarray, "
 
 
 def _act(assembly: Assembly, placement: Placement) -> None:
-    count, names = len(hinges(placement.context, placement.where)), _names(placement.context, placement.where)
+    count, names = (
+        len(hinges(placement.context, placement.where)),
+        names_of(placement.context, placement.where),
+    )
     springs = np.repeat(shares(placement["stiffness"], placement["position"], count), len(names) // count)
     for name, spring in zip(names, springs.tolist(), strict=True):
         row = assembly.row(name)

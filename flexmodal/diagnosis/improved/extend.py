@@ -16,9 +16,9 @@ from flexmodal.cards import CouplingCard, FrozenDict, PointCard, RobotCard
 from flexmodal.cards.write import UrdfDraft, write_robot
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Placement
-from flexmodal.diagnosis.hypothesis import Placed
 from flexmodal.diagnosis.improved.draft import Draft
 from flexmodal.diagnosis.outcome import Diagnosis
+from flexmodal.diagnosis.placed import Placed
 from flexmodal.errors import InvalidPosture
 from flexmodal.model import Robot
 from flexmodal.model.written import card_of

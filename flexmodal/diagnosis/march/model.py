@@ -13,9 +13,10 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Complex, Float, Int
 
-from flexmodal.diagnosis.hypothesis import Hypothesis, Placed
+from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.march.integrate import FINENESS, March, Steps, Struck, march
 from flexmodal.diagnosis.march.record import record_receptance, struck_by
+from flexmodal.diagnosis.placed import Placed
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.identification import Observations
 from flexmodal.structure import ParameterSpace

@@ -14,9 +14,9 @@ import numpy as np
 from jaxtyping import Float
 
 from flexmodal.diagnosis.effects import Context
-from flexmodal.diagnosis.hypothesis import Placed
 from flexmodal.diagnosis.modal_model import ModalModel
 from flexmodal.diagnosis.names import UNSTRUCTURED
+from flexmodal.diagnosis.placed import Placed
 from flexmodal.errors import InvalidSystem
 from flexmodal.identification.evidence.likelihood.fit import fit_modes
 from flexmodal.identification.evidence.likelihood.forecast import Forecast

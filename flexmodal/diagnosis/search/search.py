@@ -13,8 +13,9 @@ import numpy as np
 from jaxtyping import Float
 
 from flexmodal.diagnosis.effects.effect import Effect
-from flexmodal.diagnosis.hypothesis import Hypothesis, Placed
+from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.march.model import has_law
+from flexmodal.diagnosis.placed import Placed
 from flexmodal.diagnosis.search.coarse import Candidate, Look
 
 STARTS = 2

@@ -8,9 +8,10 @@ from dataclasses import replace
 import numpy as np
 
 from flexmodal.diagnosis.effects import Context, Effect, catalogue
-from flexmodal.diagnosis.hypothesis import Hypothesis, Placed
+from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.modal_model import ModalModel
 from flexmodal.diagnosis.outcome import Gaps
+from flexmodal.diagnosis.placed import Placed
 from flexmodal.diagnosis.search.modal_search import (
     bare_starts,
     best_fits,

@@ -4,9 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from flexmodal.campaign import CampaignPosture
+from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.rig.effects import EFFECTS, Effect, Site, Stand
 from flexmodal.rig.plant.assembly import PlantAssembly
+from flexmodal.rig.plant.card_springs import add_card_springs
 from flexmodal.rig.plant.plant import Plant
 from flexmodal.rig.sensing import Sensor
 
@@ -58,6 +62,18 @@ def build(
     for effect, site in ordered:
         if effect.act is not None:
             effect.act(assembly, site)
+    add_card_springs(assembly, stand.robot, stand.true, stand.plan)
     if carrying is not None:
         carrying[1].load(assembly, next(p for p in stand.plan.points if p.name == carrying[0]))
-    return assembly.plant()
+    plant = assembly.plant()
+    _check_holds(plant, stand)
+    return plant
+
+
+def _check_holds(plant: Plant, stand: Stand) -> None:
+    """With couplings, the springs must still hold together, whatever was drawn and hidden beside them."""
+    if stand.robot.couplings and np.linalg.eigvalsh(plant.stiffness)[0] <= 0:
+        found = "springs that with what is drawn and hidden push instead of holding"
+        names = ", ".join(stand.robot.couplings)
+        allowed = f"a smaller coupling of {names}, a smaller parameter_error, or nothing hidden there"
+        raise InvalidRequest(Fault("call", "robot: coupling", found, allowed))

@@ -9,8 +9,9 @@ import pytest
 import flexmodal
 from flexmodal.campaign import Campaign, CampaignPoint, CampaignPosture, ModeTable, Trial
 from flexmodal.diagnosis.effects import Context, catalogue
-from flexmodal.diagnosis.hypothesis import Hypothesis, Placed
+from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.modal_model import ModalModel
+from flexmodal.diagnosis.placed import Placed
 from flexmodal.structure import robot_space
 
 PLACES = [(number, 3) for number in range(1, 7)]

@@ -1,0 +1,183 @@
+"""What the free functions look like: the curve with its band, and the class of physics that it is nearest to.
+
+A template is compared with the curve in the metric that the data give it once the robot's own parameters are
+eliminated, for stiffness and damping of the robot shift the curve at no cost:
+
+    |d|² = Σ dᴴ A_zz d − gᵀ (A_pp + prior)⁻¹ g,   g = Re Σ A_zpᴴ d,   d = curve − template.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Complex, Float
+from scipy.optimize import minimize
+
+from flexmodal.diagnosis.lawfree.look import Sighting
+from flexmodal.diagnosis.lawfree.profile import Profile, State
+from flexmodal.diagnosis.lawfree.templates import Template, templates_for
+
+_NEXT = 6.0
+"""Difference in score [2 nat] from which a class stands alone."""
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """Free functions of a port as they were found; one posture and blow, if they differ."""
+
+    frequency: Float[np.ndarray, " line"]
+    """[Hz]"""
+    names: tuple[str, ...]
+    unit: str
+    value: Complex[np.ndarray, "function line"]
+    deviation: Float[np.ndarray, "function line"]
+    """Standard deviation of the real and of the imaginary part."""
+
+
+@dataclass(frozen=True)
+class Class:
+    """A class of physics laid beside the curve."""
+
+    name: str
+    says: str
+    """In words with its numbers."""
+    coefficients: tuple[tuple[float, ...], ...]
+    """Of the terms of each function."""
+    misfit: float
+    """Root of the reduced χ² of the template; about 1 where the curve is of this class."""
+    score: float
+    """χ², tempered by that of the best class, and ln(number of values) for each parameter."""
+
+
+@dataclass(frozen=True, eq=False)
+class Metric:
+    """Root R of the metric on functions in their sizes: |d|² = |R d|², d as real and imaginary parts."""
+
+    root: Float[np.ndarray, "value value"]
+
+    def of(self, change: Complex[np.ndarray, "function line"]) -> Float[np.ndarray, " value"]:
+        """R d."""
+        flat = change.T.ravel()
+        return self.root @ np.concatenate([flat.real, flat.imag])
+
+
+def curve_of(sighting: Sighting) -> tuple[Curve, Metric]:
+    """The curve of a port's functions, with the metric on its changes.
+
+    Args:
+        sighting: of a port whose functions are the same in all postures.
+    """
+    profile, state = sighting.profile, sighting.state
+    metric = _metric(profile, state)
+    spread = np.linalg.pinv(metric.T @ metric, hermitian=True)
+    functions, lines = state.z.shape[1:]
+    variance = np.diag(spread).reshape(2, lines, functions).sum(axis=0).T / 2
+    scale = max(profile.reduced(state.residual), 1.0)
+    model = profile.model
+    curve = Curve(
+        model.observations.axis.frequency[model.lines],
+        model.port.names,
+        model.port.kind.unit,
+        state.z[0] * model.size,
+        np.sqrt(variance * scale) * model.size,
+    )
+    return curve, Metric(metric)
+
+
+def _metric(profile: Profile, state: State) -> Float[np.ndarray, "value value"]:
+    equations = profile.equations(state)
+    zz, zp = equations.zz[0], equations.zp[0]  # line function function, line function parameter
+    lines, functions = zz.shape[:2]
+    size = lines * functions
+    block = np.zeros((size, size), dtype=complex)
+    for line in range(lines):
+        part = slice(line * functions, (line + 1) * functions)
+        block[part, part] = zz[line]
+    full = np.block([[block.real, -block.imag], [block.imag, block.real]])
+    flat = zp.reshape(size, -1)
+    pull = np.concatenate([flat.real, flat.imag])  # g = pullᵀ d
+    prior = profile.temper(state.residual) * profile.model.space.precision
+    full = full - pull @ np.linalg.solve(equations.pp + np.diag(prior + 1e-9), pull.T)
+    value, vector = np.linalg.eigh((full + full.T) / 2)
+    return np.asarray(np.sqrt(np.maximum(value, 0.0))[:, None] * vector.T)
+
+
+def classes_of(sighting: Sighting, curve: Curve, metric: Metric) -> tuple[Class, ...]:
+    """Classes of physics, the likeliest first.
+
+    Args:
+        sighting: of the port.
+        curve: of its functions.
+        metric: on its changes.
+    """
+    model, state = sighting.profile.model, sighting.state
+    omega = 2 * np.pi * curve.frequency
+    target = metric.of(state.z[0])
+    count = len(target)
+    fits = [
+        (template, *_fitted(template, omega, model.size, metric, target))
+        for template in templates_for(sighting.port)
+    ]
+    spare = [max(count - _parameters(template, len(curve.names)), 1) for template, *_ in fits]
+    least = min(2 * square / free for (_, square, *_), free in zip(fits, spare, strict=True))
+    temper = max(least, 1.0)
+    found = []
+    for (template, square, at, linear), free in zip(fits, spare, strict=True):
+        parameters = _parameters(template, len(curve.names))
+        found.append(
+            Class(
+                template.name,
+                template.words(at, linear, curve.names, curve.unit),
+                tuple(tuple(row) for row in linear.tolist()),
+                float(np.sqrt(2 * square / free)),
+                float(2 * square / temper + parameters * np.log(count)),
+            )
+        )
+    return tuple(sorted(found, key=lambda one: one.score))
+
+
+def undecided(classes: Sequence[Class]) -> tuple[Class, ...]:
+    """The classes that cannot be told from the likeliest, itself first."""
+    return tuple(one for one in classes if one.score <= classes[0].score + _NEXT)
+
+
+def _parameters(template: Template, functions: int) -> int:
+    return len(template.grids) + template.terms * functions
+
+
+def _fitted(
+    template: Template, omega: np.ndarray, size: np.ndarray, metric: Metric, target: np.ndarray
+) -> tuple[float, tuple[float, ...], Float[np.ndarray, "function term"]]:
+    """Least square, parameters and coefficients of a template; linear ones are projected out.
+
+    Golub and Pereyra, SIAM J. Numer. Anal. 10, 1973.
+    """
+    functions = len(size)
+
+    def solved(at: np.ndarray) -> tuple[float, np.ndarray]:
+        terms = template.basis(omega, tuple(np.exp(at)))
+        columns = []
+        for k in range(functions):
+            for term in terms:
+                one = np.zeros(size.shape, dtype=complex)
+                one[k] = term / size[k]
+                columns.append(metric.of(one))
+        matrix = np.array(columns).T
+        norm = np.maximum(np.linalg.norm(matrix, axis=0), 1e-300)
+        found = np.linalg.lstsq(matrix / norm, target, rcond=None)[0] / norm
+        return float(np.sum((target - matrix @ found) ** 2)), found.reshape(functions, -1)
+
+    if not template.grids:
+        square, linear = solved(np.zeros(0))
+        return square, (), linear
+    grid = np.stack(np.meshgrid(*(np.log(one(omega)) for one in template.grids), indexing="ij"), axis=-1)
+    tried = grid.reshape(-1, len(template.grids))
+    start = min(tried, key=lambda at: solved(at)[0])
+    bounds = list(zip(tried.min(axis=0), tried.max(axis=0), strict=True))
+    best = minimize(
+        lambda at: solved(at)[0], start, method="Nelder-Mead", bounds=bounds, options={"maxiter": 200}
+    ).x
+    square, linear = solved(best)
+    return square, tuple(np.exp(best).tolist()), linear

@@ -1,0 +1,87 @@
+"""A port: where something is missing, with the dynamic stiffness or compliance there left free at every line.
+
+A port adds to the believed robot, or to its measurement, unknown complex functions of frequency and nothing
+else. Stiffness functions stand on patterns of the coordinates, compliance functions behind coordinates that
+are rigid without them, readings multiply what a sensor or a hammer says (Frequency-based substructuring: de
+Klerk, Rixen and Voormeeren, AIAA Journal 46, 2008; one function shared by all postures is what makes place
+and law identifiable from a few points).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from flexmodal.diagnosis.effects.context import Context
+from flexmodal.diagnosis.effects.effect import Effect, Placement
+from flexmodal.identification import Observations
+from flexmodal.structure.assembly import Assembly
+
+
+@dataclass(frozen=True, eq=False)
+class Patterns:
+    """What unknown functions act on, in the systems of one part of the observations."""
+
+    stiffness: Float[np.ndarray, "function system dof dof"] | None = None
+    """Symmetric; the functions are dynamic stiffnesses [N/m, N·m/rad]."""
+    compliance: Float[np.ndarray, "function dof"] | None = None
+    """Share of each function in the compliance of each coordinate [m/N, rad/(N·m)]."""
+
+
+STILL = Effect("port", "", "", lambda context: (), lambda c, w: (), lambda c, w: ())
+"""A port without coordinates of its own."""
+
+
+@dataclass(frozen=True, eq=False)
+class PortKind:
+    """Ports of one sort."""
+
+    name: str
+    says: str
+    """For people; completes "the data point to …"."""
+    places: Callable[[Context], tuple[str, ...]]
+    functions: Callable[[Context, str], tuple[str, ...]]
+    """Names of the unknown functions."""
+    sizes: Callable[[Context, str, Float[np.ndarray, " line"]], Float[np.ndarray, "function line"]]
+    """Scale of each at frequencies [Hz], about as large as it might be."""
+    starts: Callable[[Context, str], tuple[tuple[float, ...], ...]] = lambda context, where: ()
+    """Constants, in sizes, that a search tries to begin with beside none at all; one for each function."""
+    unit: str = "N·m/rad"
+    shape: Effect = STILL
+    """Motions that the port needs, and parameters of its geometry."""
+    patterns: Callable[[Assembly, Placement], Patterns] | None = None
+    """None for readings."""
+    reads: Callable[[Observations, Context, str], Bool[np.ndarray, " observation"]] | None = None
+    """Observations whose reading the function multiplies."""
+    drops: bool = False
+    """Whether these are left out instead, as if each had a function of its own."""
+    by_blow: bool = False
+    """Whether the function is another one in each posture and under each kind of blow."""
+
+
+@dataclass(frozen=True, eq=False)
+class Port:
+    """A kind of port in a place."""
+
+    kind: PortKind
+    where: str
+    names: tuple[str, ...] = field(default=())
+    """Of its functions."""
+
+    @classmethod
+    def at(cls, kind: PortKind, where: str, context: Context) -> Port:
+        """With the names of its functions."""
+        return cls(kind, where, kind.functions(context, where))
+
+    @property
+    def key(self) -> tuple[str, str]:
+        """Kind and place."""
+        return self.kind.name, self.where
+
+    @property
+    def label(self) -> str:
+        """Kind and place as text, such as joint@q2."""
+        return f"{self.kind.name}@{self.where}"

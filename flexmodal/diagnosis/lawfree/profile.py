@@ -1,0 +1,272 @@
+"""Gauss and Newton's method with a complex unknown at every line and real parameters that all lines share.
+
+ln α is holomorphic in the unknown functions z, so that each line has its own complex normal equations. They
+are eliminated line by line, and the parameters p follow from the real Schur complement
+
+    S = A_pp − Re Σ A_zpᴴ A_zz⁻¹ A_zp,
+
+profiled jointly rather than in turn. The prior on p counts as many times as χ² is large: a wrong place must
+not be bought by re-tuning the robot.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Complex, Float
+
+from flexmodal.diagnosis.lawfree.model import PortedModel, Slopes, Unknown
+from flexmodal.errors import SingularResponse
+from flexmodal.identification.descent import robust, robust_weight
+from flexmodal.identification.frf_fit import Weighing
+
+FLOORS = (0.2, 0.05, 0.01)
+"""Relative model error, in the order in which it is lowered."""
+RIDGE = 1e-3
+"""Precision of a weak prior on the functions in units of their sizes: lines that say nothing stay small."""
+LONGEST = 2.0
+"""Longest step of a function at one line, in its size or multiples of what it is."""
+FIRST, LAST = 1e-3, 1e4
+"""Damping of the first step, and where a descent gives up."""
+FOLLOWED = 2
+"""Starts that are followed, beside that from nothing."""
+SETTLED = 5e-4
+"""A step that changes the cost relatively by less ends a round."""
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """Where a descent stands."""
+
+    x: Float[np.ndarray, " parameter"]
+    z: Unknown
+    cost: float
+    """Robust sum of squares with all priors."""
+    residual: Complex[np.ndarray, "observation line"]
+
+
+@dataclass(frozen=True, eq=False)
+class Equations:
+    """Normal equations at a state."""
+
+    zz: Complex[np.ndarray, "cell line function function"]
+    zp: Complex[np.ndarray, "cell line function parameter"]
+    z: Complex[np.ndarray, "cell line function"]
+    pp: Float[np.ndarray, "parameter parameter"]
+    p: Float[np.ndarray, " parameter"]
+
+
+@dataclass(frozen=True, eq=False)
+class Profile:
+    """A ported model to be fitted at one relative model error."""
+
+    model: PortedModel
+    floor: float
+    pooled: bool = False
+    """Whether a function is one number over all lines, in its size."""
+
+    @property
+    def weight(self) -> Float[np.ndarray, "observation line"]:
+        """1/(σ² + ε²)."""
+        return Weighing(self.floor, self.model.lines).weight(self.model.observations)
+
+    def state(self, x: Float[np.ndarray, " parameter"], z: Unknown) -> State:
+        """A state with its cost, infinite where the model does not exist.
+
+        Args:
+            x: coordinates of the parameters.
+            z: the functions in their sizes.
+        """
+        try:
+            r = self.model.residual(x, z)
+        except (np.linalg.LinAlgError, SingularResponse):
+            return State(x, z, np.inf, np.zeros((0, 0), dtype=complex))
+        cost = float(self._each(r).sum()) + self._prior(x, r) + RIDGE * float(np.sum(np.abs(z) ** 2))
+        return State(x, z, cost if np.isfinite(cost) else np.inf, r)
+
+    def descended(self, state: State, most: int) -> State:
+        """Some steps down."""
+        damping = FIRST
+        for _ in range(most):
+            equations, temper = self.equations(state), self.temper(state.residual)
+            found = None
+            while found is None and damping < LAST:
+                trial = self._tried(state, equations, damping, temper)
+                if trial.cost < state.cost:
+                    found = trial
+                else:
+                    damping = max(damping, 1e-4) * 10
+            if found is None:
+                break
+            gained = (state.cost - found.cost) / max(state.cost, 1e-300)
+            state, damping = found, damping / 5
+            if gained < SETTLED:
+                break
+        return state
+
+    def repaired(self, state: State) -> State:
+        """Each line offered what its neighbours have, and the median around it; it takes what serves best."""
+        z, best = state.z, self._by_line(state.residual, state.z)
+        for offered in _offers(state.z):
+            other = self.state(state.x, offered)
+            if not np.isfinite(other.cost):
+                continue
+            cost = self._by_line(other.residual, offered)
+            better = cost < best
+            z, best = np.where(better[:, None], offered, z), np.where(better, cost, best)
+        found = self.state(state.x, z)
+        return found if found.cost < state.cost else state
+
+    # sums
+
+    def temper(self, residual: Complex[np.ndarray, "observation line"]) -> float:
+        """Reduced χ², at least 1."""
+        return max(1.0, self.reduced(residual))
+
+    def reduced(self, residual: Complex[np.ndarray, "observation line"]) -> float:
+        """Robust χ² over the number of real values less that of the unknown ones."""
+        weight = self.weight
+        values = 2 * np.count_nonzero(weight)
+        functions = np.prod(self.model.zero().shape[:2]) * (1 if self.pooled else len(self.model.lines))
+        spare = max(values - 2 * int(functions) - len(self.model.space), 0.05 * values, 1.0)
+        return float(2 * self._each(residual).sum() / spare)
+
+    def mean(self, residual: Complex[np.ndarray, "observation line"]) -> float:
+        """Robust χ² over the number of real values, where nothing was fitted."""
+        return float(2 * self._each(residual).sum() / max(2 * np.count_nonzero(self.weight), 1))
+
+    def equations(self, state: State) -> Equations:
+        """Normal equations."""
+        slopes = self.model.slopes(state.x, state.z)
+        scaled = self.weight * np.abs(slopes.residual) ** 2
+        w = self.weight * robust_weight(scaled)
+        found = [self._of_cell(slopes, w, self.model.cell == cell) for cell in range(self.model.cells)]
+        zz, zp, z = (np.stack(parts) for parts in zip(*found, strict=True))
+        if self.pooled:
+            zz, zp, z = (part.sum(axis=1, keepdims=True) for part in (zz, zp, z))
+        flat = (slopes.parameters * np.sqrt(w)).reshape(len(state.x), -1)
+        pull = (slopes.residual * np.sqrt(w)).ravel()
+        lines = len(self.model.lines) if self.pooled else 1
+        own = state.z.mean(axis=2, keepdims=True) if self.pooled else state.z
+        functions = zz.shape[-1]
+        return Equations(
+            zz + lines * RIDGE * np.eye(functions),
+            zp,
+            z + lines * RIDGE * np.swapaxes(own, 1, 2),
+            (flat.conj() @ flat.T).real,
+            (flat.conj() @ pull).real,
+        )
+
+    def _of_cell(
+        self, slopes: Slopes, w: np.ndarray, rows: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        along = np.moveaxis(slopes.along[rows], (1, 2), (0, 1))  # line function observation
+        weighted = along.conj() * w[rows].T[:, None]
+        parameters = slopes.parameters[:, rows].transpose(2, 1, 0)  # line observation parameter
+        return (
+            weighted @ np.swapaxes(along, 1, 2),
+            weighted @ parameters,
+            (weighted @ slopes.residual[rows].T[:, :, None])[..., 0],
+        )
+
+    def _tried(self, state: State, equations: Equations, damping: float, temper: float) -> State:
+        prior, (low, high) = temper * self.model.space.precision, self.model.space.bounds
+        step, along = self.step(state, equations, damping, prior)
+        x = np.clip(state.x + step, low, high)
+        most = LONGEST * np.maximum(1.0, np.abs(state.z))
+        z = state.z + along / np.maximum(1.0, np.abs(along) / most)
+        trial = self.state(x, z)
+        if self.pooled or not np.isfinite(trial.cost):
+            return trial
+        kept = self.state(x, state.z)
+        if not np.isfinite(kept.cost):
+            return trial
+        better = self._by_line(trial.residual, z) <= self._by_line(kept.residual, state.z)
+        if better.all():
+            return trial
+        return self.state(x, np.where(better[:, None], z, state.z))
+
+    def step(
+        self, state: State, equations: Equations, damping: float, prior: Float[np.ndarray, " parameter"]
+    ) -> tuple[Float[np.ndarray, " parameter"], Unknown]:
+        """Steps of the parameters and the functions.
+
+        Args:
+            state: where it starts.
+            equations: there.
+            damping: part of the diagonals that is added.
+            prior: precision of the parameters.
+        """
+        low, high = self.model.space.bounds
+        pull = equations.p + prior * state.x
+        free = ~(((state.x <= low) & (pull > 0)) | ((state.x >= high) & (pull < 0)))
+        diagonal = np.einsum("clff->clf", equations.zz).real
+        zz = equations.zz + damping * diagonal[..., None] * np.eye(equations.zz.shape[-1])
+        solved = np.linalg.solve(zz, np.concatenate([equations.zp, equations.z[..., None]], axis=-1))
+        schur = (
+            equations.pp
+            + np.diag(prior)
+            - np.einsum("clfp,clfq->pq", equations.zp.conj(), solved[..., :-1]).real
+        )
+        right = pull - np.einsum("clfp,clf->p", equations.zp.conj(), solved[..., -1]).real
+        schur = schur + np.diag(damping * np.diag(schur) + 1e-12)
+        step = np.zeros(len(state.x))
+        if free.any():
+            step[free] = -np.linalg.solve(schur[np.ix_(free, free)], right[free])
+        step *= min(1.0, 1.0 / max(float(np.max(np.abs(step), initial=0.0)), 1e-300))
+        along = -(solved[..., -1] + solved[..., :-1] @ step)
+        return step, np.broadcast_to(np.swapaxes(along, 1, 2), state.z.shape)
+
+    def _each(self, r: np.ndarray) -> Float[np.ndarray, "observation line"]:
+        return robust(self.weight * np.abs(r) ** 2)
+
+    def _prior(self, x: np.ndarray, r: np.ndarray) -> float:
+        return self.temper(r) * float(np.sum(self.model.space.precision * x**2))
+
+    def _by_line(self, r: np.ndarray, z: Unknown) -> Float[np.ndarray, "cell line"]:
+        each = self._each(r)
+        sums = np.array([each[self.model.cell == cell].sum(axis=0) for cell in range(self.model.cells)])
+        return np.asarray(sums + RIDGE * np.sum(np.abs(z) ** 2, axis=1))
+
+
+def _offers(z: Unknown) -> list[Unknown]:
+    """What is above and below on the axis, and the median of five lines."""
+    left, right = (
+        np.concatenate([z[..., :1], z[..., :-1]], axis=-1),
+        np.concatenate([z[..., 1:], z[..., -1:]], axis=-1),
+    )
+    wide = np.pad(z, [(0, 0), (0, 0), (2, 2)], mode="edge")
+    stack = np.stack([wide[..., k : k + z.shape[-1]] for k in range(5)])
+    return [left, right, np.median(stack.real, axis=0) + 1j * np.median(stack.imag, axis=0)]
+
+
+def profiled(
+    model: PortedModel, start: State | None = None, *, floors: tuple[float, ...] = FLOORS, steps: int = 8
+) -> tuple[Profile, State]:
+    """Fit a ported model: constants first, then free at every line.
+
+    Args:
+        model: to be fitted.
+        start: where a fit of it ended, on the same lines; otherwise constants are tried first.
+        floors: relative model errors, lowered one after the other.
+        steps: most at each of them.
+    """
+    profile = Profile(model, floors[0])
+    state = _constant(model, floors[0], steps) if start is None else profile.state(start.x, start.z)
+    for floor in floors:
+        profile = replace(profile, floor=floor)
+        state = profile.descended(profile.state(state.x, state.z), steps)
+        state = profile.repaired(state)
+    return profile, profile.descended(state, steps)
+
+
+def _constant(model: PortedModel, floor: float, steps: int) -> State:
+    """The best of constants; many starts are looked at, few followed."""
+    pooled = Profile(model, floor, pooled=True)
+    card, none = np.zeros(len(model.space)), model.zero()
+    tried = model.port.kind.starts(model.root.context, model.port.where)
+    states = [pooled.state(card, none + np.array(start)[:, None]) for start in tried]
+    best = sorted((one for one in states if np.isfinite(one.cost)), key=lambda one: one.cost)[:FOLLOWED]
+    found = [pooled.descended(one, steps) for one in (pooled.state(card, none), *best)]
+    return min(found, key=lambda one: one.cost)

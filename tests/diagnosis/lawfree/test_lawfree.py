@@ -1,0 +1,178 @@
+"""The law-free look: derivatives against differences, known functions recovered, places and classes found."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from flexmodal.diagnosis.hypothesis import Hypothesis
+from flexmodal.diagnosis.lawfree import classes_of, curve_of, law_free
+from flexmodal.diagnosis.lawfree.kinds import (
+    BASE,
+    BODY,
+    COUPLING,
+    DAMPING,
+    JOINT,
+    KINDS,
+    LINK,
+    SENSOR,
+    TORQUE,
+)
+from flexmodal.diagnosis.lawfree.look import ALIKE, noise_of, sighted
+from flexmodal.diagnosis.lawfree.model import PortedModel
+from flexmodal.diagnosis.lawfree.port import Port
+from flexmodal.diagnosis.lawfree.profile import Profile, profiled
+from flexmodal.diagnosis.lawfree.records import endless
+from flexmodal.diagnosis.search.coarse import look_at
+from flexmodal.diagnosis.search.lines import unlimited
+from flexmodal.identification import predict
+from flexmodal.structure import robot_space
+
+PLACES = [
+    (JOINT, "q2"),
+    (TORQUE, "q2"),
+    (DAMPING, "joints"),
+    (COUPLING, "q1+q2"),
+    (BASE, "base"),
+    (LINK, "link_2"),
+    (BODY, "link_3"),
+    (SENSOR, None),
+]
+
+
+@pytest.fixture(scope="module")
+def root(context):
+    return Hypothesis(context, robot_space(context.robot))
+
+
+def model_of(root, observed, kind, where):
+    port = Port.at(kind, where or kind.places(root.context)[0], root.context)
+    lines = np.arange(20, len(observed.axis), 41)
+    return PortedModel.of(port, root, observed, lines)
+
+
+def somewhere(model, seed=4):
+    """Parameters and functions away from the card, a small part of their sizes."""
+    random = np.random.default_rng(seed)
+    z = model.zero()
+    z = z + 0.05 * (random.normal(size=z.shape) + 1j * random.normal(size=z.shape))
+    return 0.03 * random.normal(size=len(model.space)), z
+
+
+@pytest.mark.parametrize(("kind", "where"), PLACES, ids=[kind.name for kind, _ in PLACES])
+def test_derivatives_are_those_of_the_residuals(root, observed, kind, where):
+    model = model_of(root, observed, kind, where)
+    x, z = somewhere(model)
+    slopes, step = model.slopes(x, z), 1e-6
+    assert slopes.residual == pytest.approx(model.residual(x, z), abs=1e-12)
+    for number in range(len(x)):
+        unit = np.where(np.arange(len(x)) == number, step, 0.0)
+        found = (model.residual(x + unit, z) - model.residual(x - unit, z)) / (2 * step)
+        size = np.abs(found).max() + 1e-3
+        assert slopes.parameters[number] / size == pytest.approx(found / size, abs=2e-6)
+    for number in range(z.shape[1]):
+        for way in (1.0, 1j):  # holomorphic: a step along i gives i times the derivative
+            unit = np.zeros(z.shape, dtype=complex)
+            unit[:, number] = step * way
+            found = (model.residual(x, z + unit) - model.residual(x, z - unit)) / (2 * step * way)
+            size = np.abs(found).max()
+            assert slopes.along[:, :, number] / size == pytest.approx(found / size, abs=2e-6)
+
+
+@pytest.mark.parametrize("kind", [JOINT, COUPLING, LINK], ids=lambda kind: kind.name)
+def test_functions_that_were_put_in_come_out_again(root, observed, kind):
+    """FRFs made with a known function, no noise: the fit finds it at every line, from nothing."""
+    where = {"joint": "q2", "coupling": "q1+q3", "link": "link_2"}[kind.name]
+    model = model_of(root, observed, kind, where)
+    frequency = observed.axis.frequency[model.lines]
+    smooth = 0.15 / (1 + 1j * frequency / 60)
+    z = model.zero() + smooth * np.linspace(1.0, 0.4, len(model.port.names))[:, None]
+    x = np.zeros(len(model.space))
+    value = observed.value.copy()
+    value[:, model.lines] *= np.exp(model.residual(x, z))
+    clean = replace(model, observations=replace(observed, value=value, used=np.ones_like(observed.used)))
+    _, state = profiled(clean, floors=(0.2, 0.05, 0.01, 1e-4), steps=30)
+    assert np.abs(state.residual).max() < 1e-4
+    assert np.median(np.abs(state.z - z)) < 0.02 * np.abs(smooth).max()
+
+
+def test_what_is_eliminated_line_by_line_is_the_step_of_the_whole_system(root, observed):
+    """Schur's complement against one dense real system of all unknowns."""
+    model = model_of(root, observed, COUPLING, "q1+q2")
+    profile = Profile(model, 0.05)
+    state = profile.state(*somewhere(model))
+    equations = profile.equations(state)
+    prior = model.space.precision
+    step, along = profile.step(state, equations, 0.0, prior)
+    zz, zp = equations.zz[0], equations.zp[0]
+    lines, functions = zz.shape[:2]
+    size, count = lines * functions, len(step)
+    dense = np.zeros((2 * size + count,) * 2)
+    block = np.zeros((size, size), dtype=complex)
+    for line in range(lines):
+        part = slice(line * functions, (line + 1) * functions)
+        block[part, part] = zz[line]
+    flat, pull = zp.reshape(size, count), equations.z[0].reshape(size)
+    dense[: 2 * size, : 2 * size] = np.block([[block.real, -block.imag], [block.imag, block.real]])
+    dense[: 2 * size, 2 * size :] = np.concatenate([flat.real, flat.imag])
+    dense[2 * size :, : 2 * size] = dense[: 2 * size, 2 * size :].T
+    dense[2 * size :, 2 * size :] = equations.pp + np.diag(prior)
+    right = -np.concatenate([pull.real, pull.imag, equations.p + prior * state.x])
+    found = np.linalg.solve(dense, right)
+    scale = min(1.0, 1.0 / np.abs(found[2 * size :]).max())
+    assert step == pytest.approx(scale * found[2 * size :], rel=1e-5, abs=1e-9)
+    if scale == 1.0:
+        both = found[:size] + 1j * found[size : 2 * size]
+        assert along[0].T.ravel() == pytest.approx(both, rel=1e-4, abs=1e-7)
+
+
+@pytest.fixture(scope="module")
+def found(root, hinged, observed):
+    """The look at a campaign in which link_2 bends; its second posture judges."""
+    first = observed.posture == 0
+    return law_free(root, hinged[1].x, observed.keeping(first), observed.keeping(~first))
+
+
+def test_the_place_is_found_without_a_law(found):
+    assert found.best.port.key == ("link", "link_2")
+    assert found.best.judged < 1.2
+    assert found.believed > 3 * found.best.misfit
+    others = [one.judged for one in found.sightings if one not in found.alike]
+    assert all(other > ALIKE * found.best.judged for other in others)
+
+
+def test_the_class_is_read_off_the_curve(root, hinged, observed):
+    """A bending link is a spring with a little damping, as stiff as the parametric fit has it."""
+    port = Port.at(LINK, "link_2", root.context)
+    one = sighted(port, root, look_at(endless(observed, root, hinged[1].x)), None)
+    curve, metric = curve_of(one)
+    classes = classes_of(one, curve, metric)
+    assert classes[0].name.startswith("spring")
+    _, _, hypothesis, fitted = hinged
+    stiffness = hypothesis.space.values(fitted.x)["link_flexibility@link_2.stiffness"]
+    assert classes[0].coefficients[0][0] * stiffness == pytest.approx(1.0, rel=0.25)
+
+
+def test_where_nothing_is_missing_no_port_gains(root, observed, hinged):
+    """The model's own FRFs with the measured noise: every port ends where the robot alone does."""
+    random = np.random.default_rng(3)
+    noise = np.sqrt(observed.variance / 2)
+    noisy = noise * (random.normal(size=noise.shape) + 1j * random.normal(size=noise.shape))
+    still = unlimited(observed)
+    made = replace(still, value=predict(root, np.zeros(len(root.space)), still) * np.exp(noisy))
+    look = law_free(root, np.zeros(len(root.space)), made, None, kinds=(JOINT, DAMPING, LINK, SENSOR))
+    assert look.believed < 1.2
+    assert all(one.misfit > 0.75 * look.believed for one in look.sightings)
+
+
+def test_every_kind_has_places_on_a_planar_arm(root):
+    for kind in KINDS:
+        for where in kind.places(root.context):
+            port = Port.at(kind, where, root.context)
+            assert port.names
+            assert port.label == f"{kind.name}@{where}"
+
+
+def test_noise_is_never_below_what_a_model_can_reach(observed):
+    silent = replace(observed, variance=np.zeros_like(observed.variance))
+    assert noise_of(silent, np.arange(10)) > 0
