@@ -85,3 +85,26 @@ class Port:
     def label(self) -> str:
         """Kind and place as text, such as joint@q2."""
         return f"{self.kind.name}@{self.where}"
+
+
+def outer(row: np.ndarray, other: np.ndarray, count: int) -> Float[np.ndarray, "system dof dof"]:
+    """The symmetric pattern of two rows in so many systems.
+
+    Args:
+        row: of one motion, the same in all systems or one for each.
+        other: of the other; the same object for a pattern of one motion.
+        count: number of systems.
+    """
+    product = row[..., :, None] * other[..., None, :]
+    pattern = product if row is other else product + np.swapaxes(product, -1, -2)
+    return np.broadcast_to(pattern, (count, *pattern.shape[-2:]))
+
+
+def constant(size: list[float], frequency: np.ndarray) -> Float[np.ndarray, "function line"]:
+    """Sizes that are the same at every frequency.
+
+    Args:
+        size: of each function.
+        frequency: lines.
+    """
+    return np.repeat(np.array(size)[:, None], len(frequency), axis=1)

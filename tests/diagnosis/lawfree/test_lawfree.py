@@ -7,21 +7,15 @@ import pytest
 
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.lawfree import classes_of, curve_of, law_free
-from flexmodal.diagnosis.lawfree.kinds import (
-    BASE,
-    BODY,
-    COUPLING,
-    DAMPING,
-    JOINT,
-    KINDS,
-    LINK,
-    SENSOR,
-    TORQUE,
-)
+from flexmodal.diagnosis.lawfree.body_ports import BODY, CARRIED, GROUND
+from flexmodal.diagnosis.lawfree.elastic_ports import BASE, LINK
+from flexmodal.diagnosis.lawfree.joint_ports import COUPLING, DAMPING, JOINT, TORQUE
+from flexmodal.diagnosis.lawfree.kinds import KINDS
 from flexmodal.diagnosis.lawfree.look import ALIKE, noise_of, sighted
 from flexmodal.diagnosis.lawfree.model import PortedModel
 from flexmodal.diagnosis.lawfree.port import Port
 from flexmodal.diagnosis.lawfree.profile import Profile, profiled
+from flexmodal.diagnosis.lawfree.reading_ports import SENSOR
 from flexmodal.diagnosis.lawfree.records import endless
 from flexmodal.diagnosis.search.coarse import look_at
 from flexmodal.diagnosis.search.lines import unlimited
@@ -36,6 +30,8 @@ PLACES = [
     (BASE, "base"),
     (LINK, "link_2"),
     (BODY, "link_3"),
+    (GROUND, "link_2"),
+    (CARRIED, "sensor"),
     (SENSOR, None),
 ]
 

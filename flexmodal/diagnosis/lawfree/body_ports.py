@@ -1,0 +1,115 @@
+"""Ports at bodies: something on a link, between it and the surroundings, or that moves with the sensor."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import combinations_with_replacement
+
+import numpy as np
+
+from flexmodal.diagnosis.effects import base_flexibility
+from flexmodal.diagnosis.effects.added_mass import EFFECT as ADDED_MASS
+from flexmodal.diagnosis.effects.added_mass import place_on
+from flexmodal.diagnosis.effects.context import Context
+from flexmodal.diagnosis.effects.effect import Placement, along, sides
+from flexmodal.diagnosis.lawfree.port import STILL, Patterns, PortKind, outer
+from flexmodal.structure.assembly import Assembly
+
+ATTACHED = 0.05
+"""Of the arm's mass: what a body port is measured by."""
+GEOMETRY = ("along", "beside", "above")
+"""Parameters of the place of a body port."""
+
+
+def _ways(context: Context, where: str) -> list[np.ndarray]:
+    _, axis = along(context, where)
+    return [axis, *sides(context, where, axis)]
+
+
+def _body_patterns(assembly: Assembly, placement: Placement) -> Patterns:
+    context, where = placement.context, placement.where
+    motion = assembly.motion(where, place_on(context, where, placement.values))[..., :3, :]
+    axes = assembly.axes(where)
+    rows = [np.einsum("...i,...ij->...j", axes @ way, motion) for way in _ways(context, where)]
+    count = len(placement.posture)
+    return Patterns(np.stack([outer(a, b, count) for a, b in combinations_with_replacement(rows, 2)]))
+
+
+def _body_functions(context: Context, where: str) -> tuple[str, ...]:
+    letters = ("along", "beside", "above")[: len(_ways(context, where))]
+    return tuple(a if a == b else f"{a} × {b}" for a, b in combinations_with_replacement(letters, 2))
+
+
+def _body_sizes(context: Context, where: str, frequency: np.ndarray) -> np.ndarray:
+    size = ATTACHED * context.arm_mass * (2 * np.pi * frequency) ** 2
+    return np.repeat(size[None], len(_body_functions(context, where)), axis=0)
+
+
+BODY = PortKind(
+    name="body",
+    says="something attached to the link",
+    places=lambda context: context.links,
+    functions=_body_functions,
+    sizes=_body_sizes,
+    unit="N/m",
+    shape=replace(
+        ADDED_MASS,
+        name="port",
+        parameters=lambda context, where: tuple(
+            one for one in ADDED_MASS.parameters(context, where) if one.name in GEOMETRY
+        ),
+        act=None,
+        extend=None,
+    ),
+    patterns=_body_patterns,
+)
+
+
+def _ground_patterns(assembly: Assembly, placement: Placement) -> Patterns:
+    """The same along the axes of the world."""
+    context, where = placement.context, placement.where
+    motion = assembly.motion(where, place_on(context, where, placement.values))[..., :3, :]
+    ways = np.eye(3) if context.normal is None else base_flexibility.motions(context.normal)[1][:3, :2].T
+    rows = [np.einsum("i,...ij->...j", way, motion) for way in ways]
+    count = len(placement.posture)
+    return Patterns(np.stack([outer(a, b, count) for a, b in combinations_with_replacement(rows, 2)]))
+
+
+def _ground_functions(context: Context, where: str) -> tuple[str, ...]:
+    letters = "xyz" if context.normal is None else ("across", "up")
+    return tuple(a if a == b else f"{a} × {b}" for a, b in combinations_with_replacement(letters, 2))
+
+
+GROUND = replace(
+    BODY,
+    name="ground",
+    says="something between the link and what stands around",
+    functions=_ground_functions,
+    patterns=_ground_patterns,
+)
+
+
+def _carried_patterns(assembly: Assembly, placement: Placement) -> Patterns:
+    """What moves with the sensor, the same along every axis."""
+    context = placement.context
+    total = np.zeros((len(placement.posture), *(len(assembly.coordinates),) * 2))
+    for number in np.unique(placement.response[:, 0]).tolist():
+        point = context.point(number)
+        here = (placement.response[:, 0] == number)[:, None, None]
+        motion = assembly.motion(point.link, np.array(point.xyz))[..., :3, :]
+        total = total + here * (np.swapaxes(motion, -1, -2) @ motion)
+    return Patterns(total[None])
+
+
+CARRIED = PortKind(
+    name="carried",
+    says="what moves from point to point with the sensor",
+    places=lambda context: ("sensor",) if len(context.sensors) > 1 else (),
+    functions=lambda context, where: ("force",),
+    sizes=lambda context, where, frequency: (
+        0.1 * ATTACHED * context.arm_mass * (2 * np.pi * frequency) ** 2
+    )[None],
+    unit="N/m",
+    shape=replace(STILL, variants=("response",)),
+    patterns=_carried_patterns,
+)

@@ -1,0 +1,80 @@
+"""Ports at joints: one, two together, all at once."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import combinations
+
+import numpy as np
+
+from flexmodal.diagnosis.effects.context import Context
+from flexmodal.diagnosis.effects.effect import Placement
+from flexmodal.diagnosis.lawfree.port import STILL, Patterns, PortKind, constant, outer
+from flexmodal.structure.assembly import Assembly
+
+
+def _stiffness(context: Context, joint: str) -> float:
+    return float(context.robot.joints[joint].stiffness)
+
+
+def _joint_patterns(assembly: Assembly, placement: Placement) -> Patterns:
+    row = assembly.stretch_of(placement.where)
+    return Patterns(outer(row, row, len(placement.posture))[None])
+
+
+JOINT = PortKind(
+    name="joint",
+    says="what drives or holds the joint",
+    places=lambda context: context.joints,
+    functions=lambda context, where: ("stiffness",),
+    sizes=lambda context, where, frequency: constant([_stiffness(context, where)], frequency),
+    patterns=_joint_patterns,
+)
+TORQUE = replace(
+    JOINT,
+    name="torque",
+    says="a torque of the joint that depends on how hard the blow is",
+    by_blow=True,
+    shape=replace(STILL, variants=("blow",)),
+)
+
+
+def _coupling_patterns(assembly: Assembly, placement: Placement) -> Patterns:
+    one, other = (assembly.stretch_of(name) for name in placement.where.split("+"))
+    count = len(placement.posture)
+    pairs = (one, one), (one, other), (other, other)
+    return Patterns(np.stack([outer(a, b, count) for a, b in pairs]))
+
+
+def _coupling_sizes(context: Context, where: str, frequency: np.ndarray) -> np.ndarray:
+    one, other = (_stiffness(context, name) for name in where.split("+"))
+    return constant([one, float(np.sqrt(one * other)), other], frequency)
+
+
+COUPLING = PortKind(
+    name="coupling",
+    says="a mechanism between two joints",
+    places=lambda context: tuple(f"{a}+{b}" for a, b in combinations(context.joints, 2)),
+    functions=lambda context, where: ("first", "between", "second"),
+    sizes=_coupling_sizes,
+    patterns=_coupling_patterns,
+)
+
+
+def _damping_patterns(assembly: Assembly, placement: Placement) -> Patterns:
+    total = np.zeros((len(placement.posture), *(len(assembly.coordinates),) * 2))
+    for name, joint in placement.context.robot.joints.items():
+        row = assembly.stretch_of(name)
+        total = total + float(joint.stiffness) * outer(row, row, len(placement.posture))
+    return Patterns(total[None])
+
+
+DAMPING = PortKind(
+    name="damping",
+    says="the damping of all joints alike",
+    places=lambda context: ("joints",),
+    functions=lambda context, where: ("share",),
+    sizes=lambda context, where, frequency: constant([1.0], frequency),
+    unit="",
+    patterns=_damping_patterns,
+)
