@@ -10,7 +10,7 @@ import click
 
 from flexmodal.cli.measured import campaign_at, robot_of, say_doubled
 from flexmodal.cli.options import force_option, json_option, quiet_option, trust_of, trust_option
-from flexmodal.cli.printing import print_json, print_table, stages
+from flexmodal.cli.printing import print_json, print_table, say, stages
 
 if TYPE_CHECKING:
     from flexmodal.diagnosis import Diagnosis
@@ -84,7 +84,7 @@ def diagnose(
         )
         advance("writing the report", 0.0)
         write_diagnosis(diagnosis, out, overwrite=force)
-    click.echo(f"wrote {out}: report {out / 'report.html'}, robot {out / 'robot' / 'robot.toml'}", err=True)
+    say(f"wrote {out}: report {out / 'report.html'}, robot {out / 'robot' / 'robot.toml'}", err=True)
     if as_json:
         print_json(as_object(diagnosis))
     else:
@@ -97,7 +97,7 @@ def _names(text: str | None) -> list[str] | None:
 
 
 def _print(diagnosis: Diagnosis) -> None:
-    click.echo(diagnosis.verdict.says)
+    say(diagnosis.verdict.says)
     for step in diagnosis.steps:
         rows = [
             [name, f"{value:.5g}", _error(step.uncertainty.get(name)), step.units.get(name, "")]
@@ -115,7 +115,7 @@ def _print(diagnosis: Diagnosis) -> None:
     rows = [[name, _size(value), _size(held)] for name, value, held in cells]
     print_table("gap between model and measurement", ["", "all", "held out"], rows)
     for name, why in diagnosis.untestable.items():
-        click.echo(f"could not be tested: {name}: {why}")
+        say(f"could not be tested: {name}: {why}")
 
 
 def _size(value: object) -> str:

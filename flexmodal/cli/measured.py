@@ -5,8 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import click
-
+from flexmodal.cli.printing import say
 from flexmodal.errors import Fault, InvalidCampaign
 
 if TYPE_CHECKING:
@@ -35,7 +34,7 @@ def campaign_at(path: str | Path) -> Campaign:
         raise InvalidCampaign(Fault(str(path), "", "a folder without a campaign.toml", allowed))
     measured = read_campaign(path)
     for warning in measured.warnings:
-        click.echo(f"warning: {warning}", err=True)
+        say(f"warning: {warning}", err=True)
     return measured
 
 
@@ -49,7 +48,7 @@ def say_doubled(campaign: Campaign, source: str | None) -> None:
     from flexmodal.identification.source import doubled
 
     for warning in doubled(campaign, source):  # type: ignore[arg-type]  # click has seen to it
-        click.echo(f"warning: {warning}", err=True)
+        say(f"warning: {warning}", err=True)
 
 
 def card_of(campaign: Campaign) -> str:

@@ -35,7 +35,7 @@ class PointTable(Table):
     id: Id = Field(description=_ID)
     name: Text = Field(description=TEXT)
     link: Text = Field(description="the name of a URDF link")
-    xyz: Triple = Field(description="three finite numbers in m")
+    xyz: Triple = Field(description="three finite numbers in m, of at most 1e4")
 
 
 class WindowTable(Table):
