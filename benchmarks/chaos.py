@@ -26,7 +26,7 @@ LIMITS = (0, 2_000, 20_000)
 ROUNDS, WRITERS = 25, 4
 NOWHERE = Path("/sys/kernel")
 """A file system in which nobody may make a file."""
-SMALL = ("--postures", "2", "--points", "2", "--trials", "2", "--averages", "1", "--record-length", "1")
+SMALL = ("--postures", "2", "--points", "2", "--trials", "1", "--averages", "2", "--record-length", "1")
 RIG = ("rig", "fanuc_s360", *SMALL, "--references", "1", "--quiet")
 AXIS = ("--posture", "configuration_1", "--frequencies", "1:60:1")
 

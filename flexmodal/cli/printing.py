@@ -62,7 +62,7 @@ def print_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]
     console = Console(width=width, highlight=False)
     with console.capture() as told:  # rich itself would leave with 1 where a pipe closes early
         console.print(table)
-    click.echo(told.get(), nl=False)
+    sys.stdout.write(told.get())
 
 
 @contextmanager

@@ -13,7 +13,7 @@ from flexmodal.errors import Fault, InvalidPoint
 AXES = ("x", "y", "z", "rx", "ry", "rz")
 """Translations, then rotations, along and about the axes of the world frame."""
 
-_TEXT = re.compile(r"(?P<point>[^:\s](.*[^:\s])?):(?P<sign>[+-]?)(?P<axis>r?[xyz])")
+_TEXT = re.compile(r"(?P<point>[^:\s](.*[^:\s])?):(?P<sign>[+-]?)(?P<axis>r?[xyz])", re.DOTALL)
 
 
 @dataclass(frozen=True)
