@@ -14,6 +14,7 @@ from flexmodal.errors import InvalidRequest
 from flexmodal.identification import observe, predict
 from flexmodal.identification.model import evaluated
 from flexmodal.rig import ParameterError, simulate
+from flexmodal.rig.effects import EFFECTS
 from flexmodal.rig.effects.effect import Site
 from flexmodal.rig.plant.build import build
 from flexmodal.rig.simulate import make_stand
@@ -48,7 +49,7 @@ def theirs(observations, stand, effect, where, values):
     value = np.zeros(observations.value.shape, dtype=complex)
     frequency = observations.axis.frequency
     for number, posture in enumerate(observations.postures):
-        plant = build(stand, posture, [(effect, Site(stand, where, values))])
+        plant = build(stand, posture, [(EFFECTS[effect], Site(stand, where, values))])
         for row in np.flatnonzero(observations.posture == number):
             places = []
             for point, axis in (observations.response[row], observations.reference[row]):

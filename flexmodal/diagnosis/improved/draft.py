@@ -101,6 +101,17 @@ class Draft:
         """Put a spring and a damper on a new pseudo-joint."""
         self.joints[joint] = JointCard(float(stiffness), float(damping), True, float(rotor_inertia))
 
+    def stiffen(self, joint: str, added: float) -> None:
+        """Add to the stiffness of a joint [N·m/rad]."""
+        self.joints[joint] = replace(
+            self.joints[joint], stiffness=self.joints[joint].stiffness + float(added)
+        )
+
+    def damp(self, joint: str, factor: float) -> None:
+        """Multiply the viscous damping of a joint."""
+        card = self.joints[joint]
+        self.joints[joint] = replace(card, damping=card.damping * float(factor))
+
     def loses(self, joint: str, loss_factor: float) -> None:
         """Give the spring of a joint a loss factor."""
         self.joints[joint] = replace(self.joints[joint], loss_factor=float(loss_factor))

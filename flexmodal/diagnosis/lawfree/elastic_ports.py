@@ -58,7 +58,7 @@ def _base_starts(context: Context, where: str) -> tuple[tuple[float, ...], ...]:
 BASE = PortKind(
     name="base",
     says="the foundation",
-    places=lambda context: (context.robot.urdf.root,),
+    places=base_flexibility.EFFECT.places,
     functions=_base_functions,
     sizes=_base_sizes,
     starts=_base_starts,
