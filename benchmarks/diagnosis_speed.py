@@ -157,7 +157,7 @@ def compare(
     found = ", ".join(f"{task} {statistics.median(some):.1f}" for task, some in ratios.items())
     header = ["campaign", *STAGES, *KERNELS]
     end = [
-        f"Median ratio: {found}. Kernel: {1e6 * point:.2f} µs for each system of six coordinates on each line,",
+        f"Median ratio: {found}. Kernel: {1e6 * point:.2f} µs for a system of six coordinates on each line,",
         "with 17 rows and 30 receptances.",
         "",
         "Where the time of a diagnosis goes, % under the profiler, by stage and by compiled kernel. What the",
