@@ -18,6 +18,8 @@ from flexmodal.structure.structure import Structure, changed
 
 KINDS = ("mass", "damping", "stiffness", "loss")
 
+_KEPT = 256
+"""Motions of points that an assembly keeps at most."""
 Size = float | Float[np.ndarray, " posture"]
 """A number, the same in every posture or one for each."""
 
@@ -36,6 +38,8 @@ class Assembly:
         self.loss_factor: float = 0.0
         """η of the hysteretic springs."""
         self._maps = dict(arm.maps)
+        self._moved: dict[tuple[object, ...], np.ndarray] = {}
+        """Motions of points asked for so far; forgotten when anything moves otherwise."""
         self._outer: dict[str, list[tuple[np.ndarray, np.ndarray, dict[str, np.ndarray]]]] = {}
         self._terms: list[tuple[str, np.ndarray, tuple[str, ...]]] = []
 
@@ -88,6 +92,14 @@ class Assembly:
             place: in its frame [m].
             section: the place along the link that the point belongs to, if not its own.
         """
+        key = (link, place.tobytes(), None if section is None else section.tobytes(), len(self.coordinates))
+        if len(self._moved) >= _KEPT:
+            self._moved.clear()
+        if key not in self._moved:
+            self._moved[key] = self._motion(link, place, section)
+        return self._moved[key]
+
+    def _motion(self, link: str, place: np.ndarray, section: np.ndarray | None) -> np.ndarray:
         lever = self.axes(link) @ place
         where = place if section is None else section
         moved = carried(self._padded(self._maps[link]), lever)
@@ -98,6 +110,7 @@ class Assembly:
 
     def move_pivot(self, joint: str, shift: Float[np.ndarray, "*posture 3"]) -> None:
         """Let a revolute joint turn what it carries about another place, `shift` [m] away in the world."""
+        self._moved = {}
         column, child = self.coordinates.index(joint), self.robot.urdf.joint_by_name[joint].child
         less = crossed(self.axes(child) @ self.robot.urdf.joint_by_name[joint].axis, shift)
         for link in beyond(self.robot.urdf, child):
@@ -107,6 +120,7 @@ class Assembly:
 
     def move_root(self, columns: slice, motion: Float[np.ndarray, "6 added"]) -> None:
         """Let the root link move, and everything with it, by coordinates already added."""
+        self._moved = {}
         start = self.origin(self.robot.urdf.root)
         for link in self._maps:
             wide = self._padded(self._maps[link]).copy()
@@ -130,6 +144,7 @@ class Assembly:
             column: the coordinate.
             axis: unit vector in the world, in each posture.
         """
+        self._moved = {}
         pivot = self.origin(link) + self.axes(link) @ cut
         turned: dict[str, np.ndarray] = {}
         for member in beyond(self.robot.urdf, link):
@@ -221,17 +236,11 @@ class Assembly:
                 if kind not in slot:
                     slot[kind] = np.zeros((n, n))
                 slot[kind][:size, :size] += matrix
+        changes = {name: changed(slot) for name, slot in slopes.items()}
         return Structure(
-            tuple(self.coordinates),
-            total["mass"],
-            total["damping"],
-            total["stiffness"],
-            total["loss"],
-            self._padded(response),
-            self._padded(reference),
-            {name: changed(slot) for name, slot in slopes.items()},
-            self.loss_factor,
-        )
+            tuple(self.coordinates), total["mass"], total["damping"], total["stiffness"], total["loss"],
+            self._padded(response), self._padded(reference), changes, self.loss_factor,
+        )  # fmt: skip
 
     def rows(
         self, places: Sequence[tuple[str, np.ndarray, np.ndarray]]

@@ -104,6 +104,38 @@ def back(z, inverse, row, out):
 
 
 @no_type_check
+def values(table, rows, y, shift, rounding, out):
+    """Fill in u y_v, exactly zero where it is nothing but rounding.
+
+    Args:
+        table: system, response row, reference row, [entry, 3].
+        rows: responses, [system, row, dof].
+        y: solutions, responses before references, [system, row, dof, 2, line].
+        shift: number of responses.
+        rounding: part of the sum of its terms' sizes up to which a value is nothing.
+        out: real and imaginary parts side by side, [entry, line, 2].
+    """
+    n, lines = y.shape[2], y.shape[4]
+    a, b, size = np.empty(lines), np.empty(lines), np.empty(lines)
+    for e in range(len(table)):
+        m, u, v = table[e, 0], table[e, 1], table[e, 2] + shift
+        a[:], b[:], size[:] = 0.0, 0.0, 0.0
+        for i in range(n):
+            q, part = rows[m, u, i], abs(rows[m, u, i])
+            if q == 0.0:
+                continue
+            s, t = y[m, v, i, 0], y[m, v, i, 1]
+            for p in range(lines):
+                a[p] += q * s[p]
+                b[p] += q * t[p]
+                size[p] += part * (abs(s[p]) + abs(t[p]))
+        for p in range(lines):
+            some = abs(a[p]) + abs(b[p]) > rounding * size[p]
+            out[e, p, 0] = a[p] if some else 0.0
+            out[e, p, 1] = b[p] if some else 0.0
+
+
+@no_type_check
 def pull(matrices, bounds, kinds, factors, y, sides, first, entries, scale, out):
     """Fill in −y_uᵀ ∂Z y_v, times a scale, for every parameter and every entry (system, u, v).
 

@@ -74,6 +74,13 @@ class Solved:
     @cached_property
     def value(self) -> Complex[np.ndarray, "entry line"]:
         """α [m/N]; what is nothing but rounding, where a point does not move at all, is exactly zero."""
+        if self.compiled:
+            out = np.empty((len(self.entries.table), len(self.axis)), dtype=complex)
+            flat = out.view(float).reshape(*out.shape, 2)
+            shift = self.entries.rows[0]
+            table, response = np.ascontiguousarray(self.entries.table), self.structures.response
+            _compiled()[2](table, np.ascontiguousarray(response), self.y, shift, ROUNDING, flat)
+            return out
         system, u, v = self.entries.table.T
         right = self._solution(system, v + self.entries.rows[0])
         rows = self.structures.response[system, u]
@@ -208,14 +215,14 @@ def _pull(
 
 
 @cache
-def _kernels() -> tuple[Kernel, Kernel]:
-    return together(kernel.back, last=kernel.solve), Kernel(kernel.pull)
+def _kernels() -> tuple[Kernel, Kernel, Kernel]:
+    return together(kernel.back, last=kernel.solve), Kernel(kernel.pull), Kernel(kernel.values)
 
 
 @cache
-def _compiled() -> tuple[Any, Any]:
-    solve, pull = _kernels()
-    return solve.compiled, pull.compiled
+def _compiled() -> tuple[Any, Any, Any]:
+    solve, pull, values = _kernels()
+    return solve.compiled, pull.compiled, values.compiled
 
 
 def _is_worth_it(points: int) -> bool:

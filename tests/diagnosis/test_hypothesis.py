@@ -5,8 +5,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from flexmodal.diagnosis.effects import catalogue
 from flexmodal.diagnosis.hypothesis import Hypothesis
+from flexmodal.diagnosis.placed import Placed
 from flexmodal.identification import predict
+from flexmodal.identification.frf_fit import FrfMisfit, Weighing
 from flexmodal.structure import robot_space
 
 
@@ -36,3 +39,25 @@ def test_other_postures_under_the_same_numbers_are_others(context, observed):
     other = predict(Hypothesis(turned, hypothesis.base), x, observed)
     assert np.abs(np.log(other / before)).max() > 0.1
     np.testing.assert_array_equal(predict(hypothesis, x, observed), before)
+
+
+def test_derivatives_after_a_look_are_those_without_one(context, observed):
+    """A fit asks for derivatives where it has just looked at the cost: of motions, of springs, of sensors."""
+    hypothesis = Hypothesis(context, robot_space(context.robot))
+    for name in ("link_flexibility", "local_absorber", "sensor_gain", "structural_damping"):
+        effect = catalogue()[name]
+        hypothesis = hypothesis.and_also(Placed(effect, effect.places(context)[0]))
+    weighing = Weighing(0.05, np.arange(0, len(observed.axis), 7))
+    x, other = (np.full(len(hypothesis.space), value) for value in (0.01, 0.03))
+    misfit, fresh = (FrfMisfit(hypothesis, observed, weighing) for _ in range(2))
+    misfit.cost(other)
+    cost = misfit.cost(x)
+    found, expected = misfit.equations(x), fresh.equations(x)
+    assert cost == found.cost == expected.cost
+    np.testing.assert_array_equal(found.gradient, expected.gradient)
+    apart = fresh.equations(x, apart=True)
+    size = np.sqrt(np.outer(*2 * [np.diag(apart.curvature)]))
+    np.testing.assert_allclose(found.curvature, apart.curvature, atol=1e-9 * size.max())
+    step = 1e-5 * np.eye(len(x))
+    slope = [(fresh.cost(x + one) - fresh.cost(x - one)) / 4e-5 for one in step]  # half the cost
+    np.testing.assert_allclose(found.gradient, slope, rtol=1e-3, atol=1e-4 * np.abs(slope).max())

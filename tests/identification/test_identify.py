@@ -47,6 +47,17 @@ def test_gaps_are_told_fitted_and_held_out(outcome, campaign):
     assert "times the noise" in outcome.verdict
 
 
+def test_folds_are_predicted_as_by_fits_of_their_own(outcome):
+    """From downdated normal equations and from the fit to all, to the end: gaps agree to 1 %."""
+    evidence = outcome.problem.evidence
+    folds = evidence.folds()
+    for held in outcome.held_out[:3]:
+        fold = folds[held.kind, held.name]
+        slow = evidence.keeping(~fold).fit(outcome.at, warm=True).x
+        part = evidence.keeping(fold)
+        assert held.after == pytest.approx(part.gap(part.predicted(slow)).value, rel=0.01)
+
+
 def test_the_noise_floor_is_that_of_the_campaign(campaign, fanuc):
     """Of all records together, but for those without a signal in them, which the fit leaves out."""
     evidence = build_identification(campaign, fanuc).evidence

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -21,6 +22,9 @@ from flexmodal.structure.structure import Axis
 
 if TYPE_CHECKING:
     from flexmodal.diagnosis.improved.draft import Draft
+
+_KEPT = 256
+"""Links whose axes are kept; every evaluation of an effect asks for them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,15 +128,22 @@ def sides(context: Context, link: str, axis: np.ndarray) -> list[np.ndarray]:
         link: which.
         axis: unit vector along the link, in its frame.
     """
+    return list(_sides(context, link, tuple(axis.tolist())))
+
+
+@lru_cache(maxsize=_KEPT)
+def _sides(context: Context, link: str, along: tuple[float, ...]) -> tuple[np.ndarray, ...]:
+    axis = np.array(along)
     if context.normal is not None:
         side = np.cross(context.axes(link).T @ context.normal, axis)
         size = float(np.linalg.norm(side))
-        return [side / size] if size > 1e-9 else []
+        return (side / size,) if size > 1e-9 else ()
     first = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))])
     first /= np.linalg.norm(first)
-    return [first, np.cross(axis, first)]
+    return first, np.cross(axis, first)
 
 
+@lru_cache(maxsize=_KEPT)
 def along(context: Context, link: str) -> tuple[float, np.ndarray]:
     """Length of a link and the unit vector along it, in its frame; x where it has no length."""
     end = context.reach(link)

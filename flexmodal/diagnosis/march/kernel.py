@@ -50,7 +50,7 @@ def law(kind, first, second, third, old, new, memory):
     if left <= 0.0:
         return limit, 0.0
     share = left ** (1.0 / power)
-    return limit - limit * share, second * share**third
+    return limit - limit * share, second * share / left
 
 
 @no_type_check  # a checker's wrapper cannot be compiled
