@@ -245,3 +245,13 @@ def test_an_absorber_too_stiff_to_be_told_from_a_mass_is_a_mass(loaded):
     assert over_noise(setup, fitted_closely(setup, less.hypothesis, less.x, near=True)) < FLOOR_REACHED
     assert not simpler(less.hypothesis, less.x, setup.effects, look_at(setup.fitted))
     assert not simpler(hypothesis, at.fitted.x, [absorber], look_at(setup.fitted))
+
+
+def test_an_effect_can_be_asked_for_by_its_place(loaded):
+    setup = laid_out(*loaded, ["added_mass@link_3", "sensor_gain"])
+    mass, gain = setup.effects
+    assert mass.places(setup.context) == ("link_3",)
+    assert gain.places(setup.context) == setup.context.sensors
+    assert setup.asked == {"added_mass": ("link_3",), "sensor_gain": ()}
+    with pytest.raises(InvalidRequest, match="added_mass@link_9"):
+        laid_out(*loaded, ["added_mass@link_9"])
