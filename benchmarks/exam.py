@@ -1,9 +1,11 @@
 """The sealed exam of the diagnosis: simulated campaigns with effects hidden in them.
 
-    python benchmarks/exam.py [--engine rig|mujoco] [--seed N] [--folder DIR] [--workers N] [--most N]
+    python benchmarks/exam.py [--engine rig|mujoco] [--forms own|looked|sealed] [--seed N] [--folder DIR]
+        [--workers N] [--most N]
 
 Goes on where it was stopped. The candidate is a process of its own that is given the campaign's folder; what
-is hidden lies in another. Tuned on other seeds; the published exam is that of `PUBLISHED`.
+is hidden lies in another. Tuned on other seeds; the published exam is that of `PUBLISHED`. Forms that are
+`sealed` are for this exam alone.
 """
 
 from __future__ import annotations
@@ -18,13 +20,13 @@ import tomllib
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from exam_plan import ENGINES, Question, plan
+from exam_plan import ENGINES, WHICH, Question, plan
 from exam_report import report
 
 PUBLISHED = 20261128
 
 
-def ask(question: Question, folder: Path, engine: str) -> dict[str, object]:
+def ask(question: Question, folder: Path, engine: str, forms: str) -> dict[str, object]:
     """Pose one question, have it answered, and put the truth beside the answer."""
     campaign, truth = folder / "campaigns" / question.name, folder / "truth" / f"{question.name}.toml"
     answer = folder / "answers" / f"{question.name}.json"
@@ -34,7 +36,8 @@ def ask(question: Question, folder: Path, engine: str) -> dict[str, object]:
             truth.unlink(missing_ok=True)
             poser = Path(__file__).parent / "exam_plan.py"
             seed = folder.name.split("-")[-1]
-            call([sys.executable, str(poser), engine, seed, question.name, str(campaign), str(truth)])
+            given = (engine, forms, seed, question.name)
+            call([sys.executable, str(poser), *given, str(campaign), str(truth)])
         candidate = Path(__file__).parent / "exam_candidate.py"
         call([sys.executable, str(candidate), str(campaign), str(answer)])
         shutil.rmtree(campaign)
@@ -54,31 +57,36 @@ def call(command: list[str]) -> None:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--engine", choices=ENGINES, default="rig", help="who integrates the motion")
+    parser.add_argument("--forms", choices=WHICH, default="own", help="physical forms of what is hidden")
     parser.add_argument("--seed", type=int, default=PUBLISHED)
     parser.add_argument("--folder", type=Path, default=Path("exam"))
     parser.add_argument("--workers", type=int, default=os.cpu_count() or 1)
     parser.add_argument("--most", type=int, default=None, help="only so many questions")
     given = parser.parse_args()
-    folder = given.folder / f"{given.engine}-{given.seed}"
+    if given.engine != "rig" and given.forms != "own":
+        parser.error("--forms: MuJoCo has its own means; only the rig has other forms")
+    kind = given.engine if given.forms == "own" else f"{given.engine}-{given.forms}"
+    folder = given.folder / f"{kind}-{given.seed}"
     for name in ("campaigns", "truth", "answers"):
         (folder / name).mkdir(parents=True, exist_ok=True)
-    questions = plan(given.seed, given.engine)[: given.most]
+    every = plan(given.seed, given.engine, given.forms)
+    questions = every[: given.most]
     done = []
     with ThreadPoolExecutor(given.workers) as pool:
         for number, result in enumerate(
-            pool.map(lambda q: tried(q, folder, given.engine), questions), start=1
+            pool.map(lambda q: tried(q, folder, given.engine, given.forms), questions), start=1
         ):
             if result is not None:
                 done.append(result)
                 print(f"{number}/{len(questions)}", line(result), flush=True)
-    asked = len(plan(given.seed, given.engine))
-    report(done, asked, given.seed, given.engine, published=given.seed == PUBLISHED)
+    name = given.engine if given.forms == "own" else given.forms
+    report(done, len(every), given.seed, name, published=given.seed == PUBLISHED)
 
 
-def tried(question: Question, folder: Path, engine: str) -> dict[str, object] | None:
+def tried(question: Question, folder: Path, engine: str, forms: str) -> dict[str, object] | None:
     """An answer, or a word on why there is none."""
     try:
-        return ask(question, folder, engine)
+        return ask(question, folder, engine, forms)
     except RuntimeError as error:
         print(f"question {question.name} failed: {error}", file=sys.stderr, flush=True)
         return None
@@ -87,7 +95,9 @@ def tried(question: Question, folder: Path, engine: str) -> dict[str, object] | 
 def line(result: dict[str, object]) -> str:
     """One question in a line."""
     question, answer, truth = result["question"], result["answer"], result["truth"]
-    hidden = [(e["effect"], e["where"], round(e.get("times_noise_floor", 0), 1)) for e in truth["effect"]]
+    hidden = [
+        (e["effect"], e["form"], e["where"], round(e.get("times_noise_floor", 0), 1)) for e in truth["effect"]
+    ]
     gap = answer["gap"]
     return (
         f"{question.robot} {hidden} -> {answer['effects']} {[round(c, 2) for c in answer['confidence']]} "

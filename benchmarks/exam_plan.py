@@ -1,16 +1,26 @@
-"""What the exam asks: robots, effects, heights, all drawn from one seed; and the campaigns themselves."""
+"""What the exam asks: robots, effects, heights, all drawn from one seed; and the campaigns themselves.
+
+The exam of the rig's own forms is on the shipped robots; those of forms looked at and of sealed ones, planned
+in `exam_forms`, are on arms drawn at random besides.
+"""
 
 from __future__ import annotations
 
 import sys
-from dataclasses import dataclass
+import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 import flexmodal
 from flexmodal.campaign import write_campaign
-from flexmodal.rig import EFFECTS, draw_scenario, simulate
+from flexmodal.model import Robot
+from flexmodal.rig import EFFECTS, FORMS, ParameterError, draw_scenario, simulate
+from flexmodal.rig.arms import draw_arm
+from flexmodal.rig.positions import choose_points
+from flexmodal.rig.result import RigResult
 from flexmodal.rig.robot_folder import write_robot
 
 ROBOTS = ("fanuc_s360", "six_link", "six_axis")
@@ -21,6 +31,13 @@ EACH, NOTHING, PAIRS, UNKNOWN = 2, 4, 5, 5
 POSTURES, POINTS = 5, 5
 ENGINES = ("rig", "mujoco")
 """Who integrates the motion: the virtual rig, or MuJoCo (see `mujoco_campaign`)."""
+WHICH = ("own", "looked", "sealed")
+"""Physical forms that are hidden: the rig's own, those looked at while tuning, those for the exam alone."""
+ARM = "arm"
+"""Instead of the name of a robot: one drawn at random."""
+MASS_ERRORS = (0.02, 0.2)
+"""Standard deviation of the logarithm of masses and inertias of a drawn arm: 2 to 40 % off at twice that."""
+_ARMS_TRIED = 20
 
 
 @dataclass(frozen=True)
@@ -30,13 +47,21 @@ class Question:
     name: str
     robot: str
     kind: str
-    """single, nothing, pair or outside."""
+    """single, nothing, pair, several or outside."""
     effects: tuple[str, ...]
     seed: int
+    forms: tuple[str, ...] = ()
+    """Of each effect; the rig's own if none are named."""
+    arm: int = 0
+    """Seed of a drawn arm."""
 
 
-def plan(seed: int, engine: str = "rig") -> list[Question]:
+def plan(seed: int, engine: str = "rig", forms: str = "own") -> list[Question]:
     """All questions, in an order in which any beginning is a fair sample."""
+    if forms != "own":
+        from exam_forms import plan_forms
+
+        return plan_forms(seed, forms)
     random = np.random.default_rng([seed, 99])
     found = []
     for robot in ROBOTS:
@@ -62,24 +87,54 @@ def _mujoco() -> list[tuple[str, tuple[str, ...]]]:
     return [("single", (name,)) for name in HIDDEN] + [("nothing", ())]
 
 
+def find_robot(question: Question, folder: Path) -> Robot:
+    """The robot of a question; of arms the first from its seed on that has places for what is hidden."""
+    if question.robot != ARM:
+        return flexmodal.load(question.robot)
+    for number in range(_ARMS_TRIED):
+        place = folder / f"{question.name}-{number}"
+        robot = flexmodal.load(draw_arm(place, question.arm + number))
+        points = choose_points(robot, min(POINTS, len(robot.points)))
+        wanted = zip(question.effects, question.forms, strict=True)
+        if all(FORMS[name][form].places(robot, points) for name, form in wanted):
+            return robot
+    raise RuntimeError(f"no arm from seed {question.arm} on has places for {question.effects}")
+
+
+def parameter_error(question: Question, usual: float) -> float | ParameterError:
+    """How far the card is off; the masses of a drawn arm are off by their own."""
+    if question.robot != ARM:
+        return usual
+    low, high = np.log(MASS_ERRORS)
+    mass = float(np.exp(np.random.default_rng([question.seed, 96]).uniform(low, high)))
+    return ParameterError(usual, usual, mass, mass)
+
+
 def pose(question: Question, folder: Path, truth: Path, engine: str = "rig") -> None:
     """Simulate a question's campaign; what is hidden goes elsewhere."""
     if engine == "mujoco":
         from mujoco_campaign import simulate_mujoco as simulated
     else:
         simulated = simulate
-    robot = flexmodal.load(question.robot)
+    with tempfile.TemporaryDirectory() as scratch:
+        _pose(question, find_robot(question, Path(scratch)), folder, truth, simulated)
+
+
+def _pose(
+    question: Question, robot: Robot, folder: Path, truth: Path, simulated: Callable[..., RigResult]
+) -> None:
     count = len(question.effects)
     points = min(POINTS, len(robot.points))
     scenario = draw_scenario(
         robot, question.seed, count=count, effects=question.effects or None, points=points
     )
+    forms = dict(zip(question.effects, question.forms, strict=False))
     result = simulated(
         robot,
         postures=POSTURES,
         points=points,
-        hide=scenario.hide,
-        parameter_error=scenario.parameter_error,
+        hide=[replace(item, form=forms.get(item.effect, "own")) for item in scenario.hide],
+        parameter_error=parameter_error(question, scenario.parameter_error),
         seed=question.seed,
         time=False,
     )
@@ -90,6 +145,6 @@ def pose(question: Question, folder: Path, truth: Path, engine: str = "rig") -> 
 
 
 if __name__ == "__main__":
-    _engine, _seed, _name, _folder, _truth = sys.argv[1:]
-    _question = next(one for one in plan(int(_seed), _engine) if one.name == _name)
+    _engine, _forms, _seed, _name, _folder, _truth = sys.argv[1:]
+    _question = next(one for one in plan(int(_seed), _engine, _forms) if one.name == _name)
     pose(_question, Path(_folder), Path(_truth), _engine)

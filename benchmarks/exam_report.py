@@ -8,12 +8,18 @@ from collections import Counter, defaultdict
 from pathlib import Path
 
 import numpy as np
+from exam_forms import at_once, by_form
 from exam_plan import NAMED, OUTSIDE, ROBOTS
 
 from flexmodal.files import whole_file
 
-FILES = {"rig": "exam", "mujoco": "exam_mujoco"}
-PHYSICS = {"rig": "The virtual rig on", "mujoco": "Motion integrated by MuJoCo, of"}
+FILES = {"rig": "exam", "mujoco": "exam_mujoco", "looked": "exam_looked", "sealed": "exam_sealed"}
+PHYSICS = {
+    "rig": "The virtual rig on",
+    "mujoco": "Motion integrated by MuJoCo, of",
+    "looked": "The virtual rig, effects in forms that were looked at while tuning, on random arms and",
+    "sealed": "The virtual rig, effects in forms that nobody looked at while tuning, on random arms and",
+}
 TABLES = Path(__file__).parents[1] / "docs" / "tables"
 
 
@@ -28,6 +34,7 @@ def judged(result: dict) -> dict:
         "kind": question.kind,
         "robot": question.robot,
         "hidden": hidden,
+        "forms": [e.get("form", "own") for e in truth["effect"]],
         "said": said,
         "heights": [e.get("times_noise_floor", float("nan")) for e in truth["effect"]],
         "over": gap["after"] / gap["noise_floor"],
@@ -76,8 +83,8 @@ def _page(rows: list[dict], asked: int, seed: int, engine: str) -> list[str]:
     for row in rows:
         kinds[row["kind"]].append(row)
     single, nothing = kinds["single"], kinds["nothing"]
-    pairs, outside = kinds["pair"], kinds["outside"]
-    explained = [r for r in single + pairs if r["explained"] and r["said"]]
+    pairs, outside, several = kinds["pair"], kinds["outside"], kinds["several"]
+    explained = [r for r in single + pairs + several if r["explained"] and r["said"]]
     low = [r for r in explained if r["over"] <= 1.6]
     half = [r for r in explained if r["held"] is not None]
     good = [r for r in half if r["held"] < 0.5]
@@ -103,6 +110,7 @@ def _page(rows: list[dict], asked: int, seed: int, engine: str) -> list[str]:
         f"| outside the catalogue: recognised as unknown | ≥ 80 % | {_share(outside, 'effect')} |",
         f"| two effects hidden: both effects | ≥ 80 % | {_share(pairs, 'effect')} |",
         f"| two effects hidden: both with their places | – | {_share(pairs, 'place')} |",
+        f"| three to five effects hidden: all of them | – | {_share(several, 'effect')} |",
         f"| explained: gap after ≤ 1.6 × noise floor | 9 in 10 | {len(low)} of {len(explained)} |",
         f"| explained: held-out gap below half of before | ≥ 90 % | {len(good)} of {len(half)} |",
         f"| the same, where half of before is above the noise floor | – | {len(fell)} of {len(able)} |",
@@ -135,6 +143,8 @@ def _page(rows: list[dict], asked: int, seed: int, engine: str) -> list[str]:
     for r in pairs:
         told = [", ".join(f"{e} {w}" for e, w in some) or "nothing" for some in (r["hidden"], r["said"])]
         lines.append(f"| {r['robot']} | {told[0]} | {told[1]} | {r['over']:.2f} |")
+    if any(form != "own" for r in single for form in r["forms"]):
+        lines += ["", "## By form", "", *by_form(rows), "", "## Several at once", "", *at_once(rows)]
     lines += ["", "## Confusion", "", "Rows: hidden, one effect; columns: the first effect named.", ""]
     lines += _confusion(single + nothing + outside)
     lines += [
@@ -174,7 +184,7 @@ def _picture(rows: list[dict], path: Path) -> None:
     said = [*NAMED, "nothing", "unknown"]
     table = np.zeros((len(hidden), len(said)))
     for row in rows:
-        if row["kind"] == "pair":
+        if row["kind"] in ("pair", "several"):
             continue
         name = {"nothing": "nothing", "outside": "outside"}.get(row["kind"]) or row["hidden"][0][0]
         table[hidden.index(name), said.index(row["said"][0][0] if row["said"] else "nothing")] += 1

@@ -95,6 +95,7 @@ def _next(measurement: NextMeasurement | None) -> dict[str, Any] | None:
         "response": [int(number) for number in measurement.response],
         "reference": [int(number) for number in measurement.reference],
         "separates": separated(measurement),
+        "gain": _known(measurement.gain),
     }
 
 

@@ -91,11 +91,13 @@ class NextMeasurement:
     separates: tuple[str, str]
     """Two explanations, `effect@where`."""
     expected: float
-    """Root mean square of |ln| between the two, over the noise floor."""
+    """Root mean square difference of the two, line by line, over what noise and unsure parameters make."""
     force_peak: float
     """[N]"""
     point: str | None = None
     """Where a sensor not in the campaign should sit, by name; None for one of its own points."""
+    gain: float | None = None
+    """Expected information: the logarithm of the odds that it brings [nat]."""
 
 
 @dataclass(frozen=True)

@@ -70,7 +70,7 @@ def strike_posture(
     chosen = plan.trials if trials is None else trials
     linear = all(effect.linear for effect, _ in hidden)
     mounted = sensors(stand, hidden)
-    shared = None if any(s.mass for s in mounted.values()) else build(stand, posture, hidden)
+    shared = None if any(s.weighs for s in mounted.values()) else build(stand, posture, hidden)
     averages = max(trial.averages for trial in chosen)
     shape = (len(chosen), len(plan.references), len(plan.points), averages)
     force = np.zeros((*shape, plan.analyser.samples))
@@ -79,7 +79,7 @@ def strike_posture(
         groups = [(shared, list(plan.points))]
     else:
         groups = [
-            (shared or build(stand, posture, hidden, (point.name, mounted[point.name].mass)), [point])
+            (shared or build(stand, posture, hidden, (point.name, mounted[point.name])), [point])
             for point in plan.points
         ]
     place = 0
@@ -156,12 +156,9 @@ def response_rows(
         point: that carries the sensor.
         sensor: as it truly is.
     """
-    axes = plant.orientation(point.link)
+    axes, place = plant.orientation(point.link), np.array(point.xyz) + sensor.offset
     return np.array(
-        [
-            plant.row(point.link, np.array(point.xyz), sensor.direction(axes, world_axis(axis)))
-            for axis in stand.plan.axes
-        ]
+        [plant.row(point.link, place, sensor.direction(axes, world_axis(axis))) for axis in stand.plan.axes]
     )
 
 
@@ -192,6 +189,9 @@ def _record(
         y = analyser.sampled(fine, analyser.weights(sensor.delay), 0, analyser.samples)
     gain = np.repeat([mounted[point.name].gain for point in points], each)
     y = y * gain[:, None, None]
+    for number, point in enumerate(points):
+        mine = slice(number * each, (number + 1) * each)
+        y[mine] = mounted[point.name].filtered(y[mine], analyser.rate)
     f = force_records(blows, analyser)
     return f.reshape(len(points), each, -1), y.reshape(len(points), each, len(stand.plan.axes), -1)
 

@@ -2,10 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Complex, Float
+
+from flexmodal.campaign import CampaignPoint
+from flexmodal.rig.plant.assembly import PlantAssembly
+
+Filter = Callable[[np.ndarray], np.ndarray]
+"""Reading over truth by angular frequency [rad/s]."""
 
 
 @dataclass
@@ -17,11 +24,36 @@ class Sensor:
     delay: float = 0.0
     """[s]"""
     turned: Float[np.ndarray, "3 3"] = field(default_factory=lambda: np.eye(3))
-    """Rotation of the sensor on its link, axes of the link."""
+    """Rotation of the sensor on its link, axes of the link; or any other mixture of its axes."""
+    leaning: Float[np.ndarray, "3 3"] = field(default_factory=lambda: np.eye(3))
+    """Rotation of the sensor that stays the same in the world, whatever the posture."""
+    offset: Float[np.ndarray, "3"] = field(default_factory=lambda: np.zeros(3))
+    """From the marked point to where it truly measures, in the frame of the link [m]."""
     mass: float = 0.0
     """[kg]"""
+    loads: list[Callable[[PlantAssembly, CampaignPoint], None]] = field(default_factory=list)
+    """What else it puts onto the structure where it sits."""
+    filters: list[Filter] = field(default_factory=list)
+    """What its electronics and its mount make of the signal."""
     range: float = np.inf
     """Where it saturates [m/s²]."""
+
+    @property
+    def weighs(self) -> bool:
+        """Whether the structure feels it."""
+        return self.mass > 0 or bool(self.loads)
+
+    def load(self, assembly: PlantAssembly, point: CampaignPoint) -> None:
+        """Put it onto the structure.
+
+        Args:
+            assembly: the plant in the making.
+            point: that carries it.
+        """
+        if self.mass > 0:
+            assembly.add_body(point.link, np.array(point.xyz), self.mass)
+        for load in self.loads:
+            load(assembly, point)
 
     def direction(
         self, axes: Float[np.ndarray, "3 3"], nominal: Float[np.ndarray, "3"]
@@ -32,4 +64,29 @@ class Sensor:
             axes: of the link in the world, column by column.
             nominal: unit vector in the world that the record names.
         """
-        return axes @ self.turned @ axes.T @ nominal
+        return self.leaning @ axes @ self.turned @ axes.T @ nominal
+
+    def response(self, frequency: Float[np.ndarray, " line"]) -> Complex[np.ndarray, " line"]:
+        """Reading over the acceleration along its direction."""
+        value = self.gain * np.exp(-2j * np.pi * frequency * self.delay)
+        for shape in self.filters:
+            value = value * shape(2 * np.pi * frequency)
+        return value
+
+    def filtered(
+        self, record: Float[np.ndarray, "*many sample"], rate: float
+    ) -> Float[np.ndarray, "*many sample"]:
+        """Records as its filters leave them; the filters are causal, so that nothing of the end comes back.
+
+        Args:
+            record: samples.
+            rate: of sampling [Hz].
+        """
+        if not self.filters:
+            return record
+        count = record.shape[-1]
+        omega = 2 * np.pi * np.fft.rfftfreq(2 * count, 1 / rate)
+        spectrum = np.fft.rfft(record, 2 * count, axis=-1)
+        for shape in self.filters:
+            spectrum = spectrum * shape(omega)
+        return np.fft.irfft(spectrum, 2 * count, axis=-1)[..., :count]

@@ -10,7 +10,7 @@ from flexmodal.campaign import estimate_frfs
 from flexmodal.diagnosis import diagnose
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.placed import Placed
-from flexmodal.diagnosis.search.looking import looked_at
+from flexmodal.diagnosis.search.close_fit import fitted_closely
 from flexmodal.diagnosis.selection.asked import asked_of
 from flexmodal.diagnosis.selection.beside_frfs import SETTINGS, ModesBeside
 from flexmodal.diagnosis.selection.frf_data import FrfData
@@ -69,11 +69,11 @@ def test_evidence_of_modes_adds_to_that_of_frfs():
     setup = prepare(campaign, robot, None, asked_of(["added_mass"]), None, 0, lambda doing, part: None)
     modes = ModesBeside(modes_of_table(campaign), setup.fitted)
     root = Hypothesis(setup.context, setup.base)
-    before = looked_at(setup, root, np.zeros(len(setup.base)))
+    before = fitted_closely(setup, root, np.zeros(len(setup.base)))
     placed = Placed(setup.effects[0], "link_3")
     mass = root.and_also(placed)
     start = mass.start(placed, placed.effect.starts(setup.context, "link_3")[0], np.zeros(len(setup.base)))
-    after = looked_at(setup, mass, start)
+    after = fitted_closely(setup, mass, start)
     alone = FrfData(setup).compare([before, after])
     both = FrfData(setup, modes).compare([before, after])
     more = [modes.predicted(one)[0].evidence for one in (before, after)]

@@ -13,8 +13,8 @@ from flexmodal.diagnosis.disagreement.gaps import over_noise
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.outcome import Gaps, Step
 from flexmodal.diagnosis.placed import Placed
+from flexmodal.diagnosis.search.close_fit import fitted_closely
 from flexmodal.diagnosis.search.coarse import Candidate, look_at
-from flexmodal.diagnosis.search.looking import looked_at
 from flexmodal.diagnosis.search.search import restarted, simpler
 from flexmodal.diagnosis.selection.asked import asked_of
 from flexmodal.diagnosis.selection.decision import SIGNIFICANT, Answer
@@ -147,7 +147,7 @@ def test_parameters_beyond_belief_count_against_whoever_needs_them(loaded):
     """A heavy payload that a re-tuned mass could take up as well: nobody believes that mass."""
     setup = laid_out(*loaded, ["added_mass"])
     root = Hypothesis(setup.context, setup.base)
-    here = looked_at(setup, root, np.zeros(len(setup.base)))
+    here = fitted_closely(setup, root, np.zeros(len(setup.base)))
     far = replace(here, prior=here.prior + 2 * SIGNIFICANT + 1)
     comparison = compare_models([far, here], setup.observations)
     assert comparison.gain(1) > SIGNIFICANT
@@ -167,7 +167,7 @@ def test_started_from_everywhere_it_leaves_a_local_minimum():
     beside = seen.fitted(Candidate(hypothesis, hypothesis.start(placed, stiff, card), np.inf), 0.1, 10)
     again = restarted(hypothesis, beside.x, [card], seen)
     assert again.cost < 0.5 * beside.cost
-    assert over_noise(setup, looked_at(setup, hypothesis, again.x, near=True)) < FLOOR_REACHED
+    assert over_noise(setup, fitted_closely(setup, hypothesis, again.x, near=True)) < FLOOR_REACHED
 
 
 @pytest.mark.parametrize("last", ["local_absorber@link_1", "added_mass@link_3"])
@@ -185,7 +185,7 @@ def test_an_effect_that_nobody_misses_goes_whether_found_first_or_last(loaded, l
         hypothesis = hypothesis.and_also(placed)
         start = hypothesis.start(placed, placed.effect.starts(setup.context, where)[0], start)
         selection.steps.append(SimpleNamespace(effect=effect, where=where))
-    selection.current = looked_at(setup, hypothesis, start)
+    selection.current = fitted_closely(setup, hypothesis, start)
     selection.drop_needless()
     assert [(step.effect, step.where) for step in selection.steps] == [("added_mass", "link_3")]
     assert selection.current.hypothesis.keys == (("added_mass", "link_3"),)
@@ -207,7 +207,7 @@ def test_the_first_of_two_effects_is_looked_for_again_beside_the_second(two):
     beside = selection.root.hypothesis.and_also(wrong)
     x = beside.start(wrong, absorber.starts(setup.context, "link_1")[0], np.zeros(len(setup.base)))
     pair = beside.and_also(second)
-    selection.current = looked_at(setup, pair, pair.start(second, {"gain": 1.1}, x))
+    selection.current = fitted_closely(setup, pair, pair.start(second, {"gain": 1.1}, x))
     assert over_noise(setup, selection.current) > FLOOR_REACHED
     selection.exchange(selection.current)
     assert {(step.effect, step.where) for step in selection.steps} == {
@@ -224,7 +224,7 @@ def test_an_exchange_that_does_not_help_is_taken_back(loaded):
         placed = Placed(setup.effects[0], where)
         hypothesis = hypothesis.and_also(placed)
         x = hypothesis.start(placed, {"gain": 1.1}, x)
-    selection.current = was = looked_at(setup, hypothesis, x)
+    selection.current = was = fitted_closely(setup, hypothesis, x)
     selection.exchange(was)
     assert selection.current is was
     assert selection.steps == []
@@ -239,9 +239,9 @@ def test_an_absorber_too_stiff_to_be_told_from_a_mass_is_a_mass(loaded):
     placed = Placed(absorber, "link_3")
     hypothesis = Hypothesis(setup.context, setup.base).and_also(placed)
     start = {"frequency": 1.4 * setup.context.band[1], "along": 0.6}
-    at = looked_at(setup, hypothesis, hypothesis.start(placed, start, np.zeros(len(setup.base))))
+    at = fitted_closely(setup, hypothesis, hypothesis.start(placed, start, np.zeros(len(setup.base))))
     (less,) = simpler(hypothesis, at.fitted.x, setup.effects, look_at(setup.fitted))
     assert less.key == ("added_mass", "link_3")
-    assert over_noise(setup, looked_at(setup, less.hypothesis, less.x, near=True)) < FLOOR_REACHED
+    assert over_noise(setup, fitted_closely(setup, less.hypothesis, less.x, near=True)) < FLOOR_REACHED
     assert not simpler(less.hypothesis, less.x, setup.effects, look_at(setup.fitted))
     assert not simpler(hypothesis, at.fitted.x, [absorber], look_at(setup.fitted))

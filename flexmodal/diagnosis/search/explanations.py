@@ -10,9 +10,9 @@ from jaxtyping import Float
 from flexmodal.diagnosis.disagreement.gaps import over_noise
 from flexmodal.diagnosis.effects import Effect
 from flexmodal.diagnosis.march.model import has_law
+from flexmodal.diagnosis.search.close_fit import fitted_closely
 from flexmodal.diagnosis.search.coarse import Candidate, Look, look_at
 from flexmodal.diagnosis.search.lines import worst_lines
-from flexmodal.diagnosis.search.looking import looked_at
 from flexmodal.diagnosis.search.search import candidates, narrowed, restarted, simpler
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.setup import Setup
@@ -81,7 +81,7 @@ def _kinds(effects: Sequence[Effect], *, loud: bool) -> list[tuple[list[Effect],
 
 
 def _close(setup: Setup, one: Candidate) -> FittedFrfs:
-    return looked_at(setup, one.hypothesis, one.x, near=True)
+    return fitted_closely(setup, one.hypothesis, one.x, near=True)
 
 
 def _elsewhere(

@@ -25,7 +25,7 @@ beliefs [nat]: within 5 is a tie."""
 MARGIN = 1.0
 """On both sides of what evidence has to reach: inside, nothing is decided, and no rounding decides it [nat].
 
-Laplace's integral itself is some tenths of a nat off (tests/identification/likelihood)."""
+Laplace's integral itself is some tenths of a nat off (tests/diagnosis/modes/test_fit.py)."""
 
 
 @runtime_checkable

@@ -18,8 +18,8 @@ from flexmodal.diagnosis.lawfree.first_look import looked_freely
 from flexmodal.diagnosis.lawfree.result import CLASSES_OF
 from flexmodal.diagnosis.lawfree.result import Findings as LawFree
 from flexmodal.diagnosis.outcome import Gaps, NextMeasurement
+from flexmodal.diagnosis.search.close_fit import fitted_closely
 from flexmodal.diagnosis.search.explanations import explanations
-from flexmodal.diagnosis.search.looking import looked_at
 from flexmodal.diagnosis.search.modal_search import unmatched
 from flexmodal.diagnosis.search.unstructured import unstructured_mode
 from flexmodal.diagnosis.selection.beside_frfs import ModesBeside
@@ -28,7 +28,7 @@ from flexmodal.diagnosis.selection.data import Conclusion, Data
 from flexmodal.diagnosis.selection.decision import SIGNIFICANT, Answer, reaches
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs, compare_models
 from flexmodal.diagnosis.setup import Setup
-from flexmodal.diagnosis.verdict.next_measurement import next_measurement
+from flexmodal.diagnosis.verdict.next_measurement import Sure, next_among_records
 from flexmodal.identification import gap, predict, uncertainty
 
 FORCE, FORCE_MARGIN = 1.6, 0.1
@@ -67,7 +67,7 @@ class FrfData(Data[FittedFrfs]):
         setup.advance("re-tuning the robot", 0.0)
         bare, zero = Hypothesis(setup.context, setup.base), np.zeros(len(setup.base))
         self.believed = predict(bare, zero, setup.observations)
-        self._root = looked_at(setup, bare, zero)
+        self._root = fitted_closely(setup, bare, zero)
         self.force = reaches(force_dependence(setup.observations), FORCE, FORCE_MARGIN)
         """Whether FRFs change with the force of the blow."""
 
@@ -145,7 +145,7 @@ class FrfData(Data[FittedFrfs]):
         """See `Data`."""
         prefix = "{}@{}.".format(*key)
         kept = [not name.startswith(prefix) for name in model.hypothesis.space.names]
-        return looked_at(self.setup, model.hypothesis.without(key), model.x[np.array(kept)])
+        return fitted_closely(self.setup, model.hypothesis.without(key), model.x[np.array(kept)])
 
     def worth(self, before: FittedFrfs, after: FittedFrfs, number: int) -> Answer:
         """Of the sum of squares; the first effect from the data, or from parameters beyond belief."""
@@ -179,8 +179,8 @@ class FrfData(Data[FittedFrfs]):
         setup.advance("fitting everything once more", 0.0)
         apart, before, after = gaps_of(setup, first, last), first, last
         if setup.held.any():
-            after = looked_at(setup, last.hypothesis, last.x, fitted_to=every)
-            before = looked_at(setup, first.hypothesis, first.x, fitted_to=every)
+            after = fitted_closely(setup, last.hypothesis, last.x, fitted_to=every)
+            before = fitted_closely(setup, first.hypothesis, first.x, fitted_to=every)
         gaps = gaps_of(setup, before, after, gap(every, self.believed).value)
         over = over_noise(setup, after)
         sure = uncertainty(after.hypothesis.space, after.fitted.normal, every)
@@ -210,8 +210,8 @@ class FrfData(Data[FittedFrfs]):
 
     def next_measurement(self, one: FittedFrfs, other: FittedFrfs) -> NextMeasurement:
         """See `Data`."""
-        pair = ((one.hypothesis, one.x), (other.hypothesis, other.x))
-        return next_measurement(self.setup.observations, *pair)
+        first, second = (Sure(fit.hypothesis, fit.x, self.covariance(fit)) for fit in (one, other))
+        return next_among_records(self.setup.observations, first, second, self.setup.seed)
 
     def shown(self, conclusion: Conclusion[FittedFrfs]) -> dict[str, Any]:
         """The FRFs and what the models have for them."""

@@ -95,6 +95,8 @@ class Effect:
     linear: bool = True
     catalogued: bool = True
     """Whether a diagnosis has a name for it."""
+    active: bool = False
+    """Whether there is a motor in it that might ring up."""
     form: str = OWN
     """Which of the physical forms under this name."""
     source: str = ""

@@ -8,19 +8,24 @@ from __future__ import annotations
 
 from flexmodal.rig.effects import EFFECTS, Effect
 from flexmodal.rig.forms import (
+    added_mass,
     base_flexibility,
     coulomb_friction,
     joint_coupling,
     link_flexibility,
+    local_absorber,
     nonlinear_stiffness,
+    sensor_mass,
+    sensors,
+    servo_compliance,
     structural_damping,
 )
 
 FORMS: dict[str, dict[str, Effect]] = {name: {effect.form: effect} for name, effect in EFFECTS.items()}
 """By name of the effect, then of the form."""
 for _room in (
-    link_flexibility, base_flexibility, structural_damping, coulomb_friction, nonlinear_stiffness,
-    joint_coupling,
+    link_flexibility, base_flexibility, servo_compliance, structural_damping, coulomb_friction,
+    nonlinear_stiffness, joint_coupling, added_mass, local_absorber, sensor_mass, sensors,
 ):  # fmt: skip
     for _effect in _room.FORMS:
         FORMS[_effect.name][_effect.form] = _effect
@@ -28,19 +33,33 @@ for _room in (
 LOOKED_AT: dict[str, tuple[str, ...]] = {
     "link_flexibility": ("hinge", "tapered", "flange"),
     "base_flexibility": ("directions", "block"),
+    "servo_compliance": ("brake", "cascade"),
     "structural_damping": ("power_law", "zener", "prony"),
     "coulomb_friction": ("tanh", "iwan"),
     "nonlinear_stiffness": ("cubic", "wind_up", "play"),
     "joint_coupling": ("ratio", "idler"),
+    "added_mass": ("point", "two"),
+    "local_absorber": ("two_way", "pendulum"),
+    "sensor_mass": ("block", "cable"),
+    "sensor_gain": ("inverted", "aged"),
+    "time_delay": ("low_pass", "all_pass"),
+    "sensor_misalignment": ("cross", "stand_off"),
 }
 """Forms that may be simulated and studied while a diagnosis is being tuned."""
 SEALED: dict[str, tuple[str, ...]] = {
     "link_flexibility": ("timoshenko", "twisting", "pieces"),
     "base_flexibility": ("feet", "bolted", "radiating"),
+    "servo_compliance": ("delayed", "current"),
     "structural_damping": ("fractional", "by_joint"),
     "coulomb_friction": ("stribeck", "lugre", "bouc_wen"),
     "nonlinear_stiffness": ("levelling", "exponential", "leaning"),
     "joint_coupling": ("damped", "belt", "rod"),
+    "added_mass": ("disc", "rod", "stalk"),
+    "local_absorber": ("twin", "rubber"),
+    "sensor_mass": ("sprung", "dragged"),
+    "sensor_gain": ("high_pass", "resonant"),
+    "time_delay": ("bessel", "hold"),
+    "sensor_misalignment": ("leaning", "skewed"),
 }
 """Forms of the exam: whoever tunes a diagnosis leaves them alone."""
 

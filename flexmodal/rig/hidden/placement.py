@@ -13,11 +13,13 @@ from flexmodal.rig.forms import find
 from flexmodal.rig.hammer_test import Conduct
 from flexmodal.rig.hidden.hide import Hide, canonical
 from flexmodal.rig.hidden.severity import CLOSE, Floor, noise_floor, severity_for
-from flexmodal.rig.plant.build import Hidden
+from flexmodal.rig.plant.build import Hidden, build
 from flexmodal.rig.truth import HiddenEffect
 
 NEAR = 0.2
 """Relative distance from the height asked for at which a place will do."""
+_MOST_DRAWS = 10
+"""Draws of a control loop, until one dies down."""
 _MOST_PLACES = 4
 """Places tried for an effect that may choose where it sits, one height being asked for."""
 
@@ -65,7 +67,18 @@ def put_in(
                 placed.height, effect.catalogued,
             )
         )  # fmt: skip
+    if any(effect.active for effect, _ in hidden) and not _dies_down(stand, hidden):
+        found = "a loop that rings up with the other effects"
+        raise InvalidRequest(Fault("call", "hide", found, "lower gains, another seed or place"))
     return hidden, tuple(effects), None if floor is None else floor.height
+
+
+def _dies_down(stand: Stand, hidden: Sequence[Hidden]) -> bool:
+    """Whether every pole lies on the left, in every posture."""
+    return all(
+        float(np.linalg.eigvals(build(stand, posture, hidden).state_matrix).real.max()) < 0
+        for posture in stand.plan.postures
+    )
 
 
 def _place(stand: Stand, item: Hide, random: np.random.Generator, floor: Floor | None) -> _Placed:
@@ -94,8 +107,9 @@ def _place(stand: Stand, item: Hide, random: np.random.Generator, floor: Floor |
 
 def _at(
     stand: Stand, item: Hide, where: str, random: np.random.Generator, target: float | None,
-    floor: Floor | None,
+    floor: Floor | None, again: int = _MOST_DRAWS,
 ) -> _Placed:  # fmt: skip
+    """Draw it at a place and bring it to its height; a loop that rings up is drawn again."""
     effect = find(item.effect, item.form)
     site = Site(stand, where, {**effect.draw(stand, where, random), **item.parameters})
     severity, reached = item.severity, None
@@ -103,4 +117,8 @@ def _at(
         severity, reached = severity_for(stand, effect, site, target, floor)
     if severity != 1:
         site = Site(stand, where, effect.scaled(site.parameters, severity))
+    if effect.active and not _dies_down(stand, [(effect, site)]):
+        if again:
+            return _at(stand, item, where, random, target, floor, again - 1)
+        reached = None
     return _Placed(site, severity, reached)

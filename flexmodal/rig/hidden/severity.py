@@ -175,15 +175,15 @@ def _predicted(
     """Inertance [reference, point, axis, line] as the sensors would tell it."""
     plan = stand.plan
     mounted = sensors(stand, hidden)
-    shared = None if any(s.mass for s in mounted.values()) else build(stand, posture, hidden)
+    shared = None if any(s.weighs for s in mounted.values()) else build(stand, posture, hidden)
     by_point = []
     for point in plan.points:
         sensor = mounted[point.name]
-        plant = shared or build(stand, posture, hidden, (point.name, sensor.mass))
+        plant = shared or build(stand, posture, hidden, (point.name, sensor))
         pushed = reference_rows(stand, plant, [(None, reference) for reference in plan.references])
         rows = response_rows(stand, plant, point, sensor)
         value = plant.inertance(rows, pushed, frequency)
-        value = value * (sensor.gain * np.exp(-2j * np.pi * frequency * sensor.delay))[:, None, None]
+        value = value * sensor.response(frequency)[:, None, None]
         by_point.append(np.transpose(value, (2, 1, 0)))
     return np.stack(by_point, axis=1)
 

@@ -36,7 +36,7 @@ def build(
     stand: Stand,
     posture: CampaignPosture,
     hidden: Sequence[Hidden],
-    carrying: tuple[str, float] | None = None,
+    carrying: tuple[str, Sensor] | None = None,
 ) -> Plant:
     """The plant in one posture.
 
@@ -44,7 +44,7 @@ def build(
         stand: robot, true parameters and plan.
         posture: where it stands.
         hidden: what is put in.
-        carrying: name of the point with the sensor on it, and the sensor's mass [kg].
+        carrying: name of the point with the sensor on it, and the sensor.
     """
     assembly = PlantAssembly(stand.robot.at(dict(posture.q)))
     ordered = sorted(hidden, key=lambda item: list(EFFECTS).index(item[0].name))
@@ -63,9 +63,8 @@ def build(
         if effect.act is not None:
             effect.act(assembly, site)
     add_card_springs(assembly, stand.robot, stand.true, stand.plan)
-    if carrying is not None and carrying[1] > 0:
-        point = next(point for point in stand.plan.points if point.name == carrying[0])
-        assembly.add_body(point.link, np.array(point.xyz), carrying[1])
+    if carrying is not None:
+        carrying[1].load(assembly, next(p for p in stand.plan.points if p.name == carrying[0]))
     plant = assembly.plant()
     _check_holds(plant, stand)
     return plant

@@ -1,0 +1,154 @@
+"""Other things a card may lack: a point, two points, a disc, a body on a soft stalk, a rod."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from flexmodal.rig.effects.added_mass import EFFECT as OWN
+from flexmodal.rig.effects.added_mass import on_link
+from flexmodal.rig.effects.effect import Effect, Parameters, Site, Stand, positive
+from flexmodal.rig.plant.assembly import PlantAssembly
+
+_PLACE = {"mass": "kg", "x": "m", "y": "m", "z": "m"}
+_AXIS = {"ax": "", "ay": "", "az": "unit vector, in the frame of the link"}
+
+
+def _draw_point(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
+    drawn = OWN.draw(stand, where, random)
+    return {name: drawn[name] for name in _PLACE}
+
+
+def _act_point(assembly: PlantAssembly, site: Site) -> None:
+    assembly.add_body(site.where, site.vector("x", "y", "z"), site["mass"])
+
+
+def _draw_two(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
+    drawn = _draw_point(stand, where, random)
+    other = on_link(stand, where, random.uniform(0.1, 1.0), random.uniform(-0.12, 0.12))
+    found = dict(zip(("x2", "y2", "z2"), map(float, other), strict=True))
+    return {**drawn, **found, "share": float(random.uniform(0.3, 0.7))}
+
+
+def _act_two(assembly: PlantAssembly, site: Site) -> None:
+    assembly.add_body(site.where, site.vector("x", "y", "z"), site["mass"] * (1 - site["share"]))
+    assembly.add_body(site.where, site.vector("x2", "y2", "z2"), site["mass"] * site["share"])
+
+
+def _direction(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
+    """Any direction; in the plane of a planar chain, where it makes a difference."""
+    way, normal = random.standard_normal(3), stand.normal_in(where)
+    if normal is not None:
+        way = way - (way @ normal) * normal
+    way = way / np.linalg.norm(way)
+    return dict(zip(_AXIS, map(float, way), strict=True))
+
+
+def _draw_disc(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
+    drawn = {**_draw_point(stand, where, random), **_direction(stand, where, random)}
+    return {**drawn, "radius": float(random.uniform(0.05, 0.2))}
+
+
+def _act_disc(assembly: PlantAssembly, site: Site) -> None:
+    """Thin: m r²/2 about its axis, half of it about the others."""
+    axis = site.vector(*_AXIS)
+    inertia = site["mass"] * site["radius"] ** 2 / 4 * (np.eye(3) + np.outer(axis, axis))
+    assembly.add_body(site.where, site.vector("x", "y", "z"), site["mass"], inertia)
+
+
+def _draw_rod(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
+    drawn = {**_draw_point(stand, where, random), **_direction(stand, where, random)}
+    return {**drawn, "length": float(random.uniform(0.15, 0.5))}
+
+
+def _act_rod(assembly: PlantAssembly, site: Site) -> None:
+    """Held at one end: its centre half a length away, m l²/12 about it."""
+    axis, length = site.vector(*_AXIS), site["length"]
+    inertia = site["mass"] * length**2 / 12 * (np.eye(3) - np.outer(axis, axis))
+    assembly.add_body(site.where, site.vector("x", "y", "z") + length / 2 * axis, site["mass"], inertia)
+
+
+def _draw_stalk(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
+    """Its own resonance on a link held still lies beyond the band."""
+    return {
+        **_draw_point(stand, where, random),
+        "frequency": float(random.uniform(1.3, 3.0) * stand.plan.band[1]),
+        "damping_ratio": float(random.uniform(0.01, 0.05)),
+    }
+
+
+def _act_stalk(assembly: PlantAssembly, site: Site) -> None:
+    """A point that moves on equal springs each way."""
+    carried = assembly.motion(site.where, site.vector("x", "y", "z"))[:3]
+    names = [f"stalk {axis}" for axis in "xyz"]
+    assembly.add_coordinates(names)
+    omega = 2 * np.pi * site["frequency"]
+    for name, row in zip(names, carried, strict=True):
+        own = assembly.row(name)
+        assembly.add_inertia(np.pad(row, (0, len(own) - len(row))) + own, site["mass"])
+        assembly.add_spring(own, site["mass"] * omega**2, 2 * site["damping_ratio"] * site["mass"] * omega)
+
+
+def _unit(*names: str) -> Callable[[Parameters], str | None]:
+    def check(parameters: Parameters) -> str | None:
+        size = float(np.linalg.norm([parameters[name] for name in _AXIS]))
+        if abs(size - 1) > 1e-6:
+            return f"ax, ay, az of length {size:g}, where 1 is needed"
+        return positive(*names)(parameters)
+
+    return check
+
+
+def _check_two(parameters: Parameters) -> str | None:
+    if not 0 <= parameters["share"] <= 1:
+        return f"share = {parameters['share']:g}, where 0 to 1 is allowed"
+    return positive("mass")(parameters)
+
+
+_INERTIA = "Featherstone, Rigid Body Dynamics Algorithms, Springer 2008, section 2.13"
+
+POINT: Effect = replace(
+    OWN, form="point", says="a point mass beside the axis of a link", source=_INERTIA, units=_PLACE,
+    draw=_draw_point, act=_act_point,
+)  # fmt: skip
+TWO: Effect = replace(
+    POINT,
+    form="two",
+    says="two point masses on a link",
+    units={**_PLACE, "x2": "m", "y2": "m", "z2": "m, of the second", "share": "of the mass, the second's"},
+    draw=_draw_two,
+    check=_check_two,
+    act=_act_two,
+)
+DISC: Effect = replace(
+    POINT,
+    form="disc",
+    says="a disc with an axis of its own",
+    units={**_PLACE, **_AXIS, "radius": "m"},
+    draw=_draw_disc,
+    check=_unit("mass", "radius"),
+    act=_act_disc,
+)
+ROD: Effect = replace(
+    POINT,
+    form="rod",
+    says="a rod held at one end",
+    units={**_PLACE, **_AXIS, "length": "m"},
+    draw=_draw_rod,
+    check=_unit("mass", "length"),
+    act=_act_rod,
+)
+STALK: Effect = replace(
+    POINT,
+    form="stalk",
+    says="a body on a short stalk that gives",
+    source="Den Hartog, Mechanical Vibrations, 4th ed., section 2.5: an appendage below its own resonance",
+    units={**_PLACE, "frequency": "Hz, on a link held still", "damping_ratio": ""},
+    draw=_draw_stalk,
+    check=positive("mass", "frequency"),
+    act=_act_stalk,
+)
+
+FORMS = (POINT, TWO, DISC, ROD, STALK)

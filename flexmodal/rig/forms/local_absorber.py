@@ -1,0 +1,163 @@
+"""Other resilient things on a link: free two ways, a pendulum, two of them, one on rubber."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from flexmodal.rig.effects.effect import Effect, Parameters, Site, Stand
+from flexmodal.rig.effects.local_absorber import EFFECT as OWN
+from flexmodal.rig.plant.assembly import PlantAssembly
+from flexmodal.rig.plant.geometry import across
+from flexmodal.rig.plant.plant import Branch
+
+
+def _ways(assembly: PlantAssembly, site: Site) -> tuple[np.ndarray, np.ndarray]:
+    """The direction of the mass and one across it, in the plane of a planar chain; world axes."""
+    axes = assembly.orientation(site.where)
+    way = site.vector("dx", "dy", "dz")
+    way = way / np.linalg.norm(way)
+    normal = None if assembly.normal is None else axes.T @ assembly.normal
+    if normal is not None and np.linalg.norm(np.cross(normal, way)) < 1e-9:
+        normal = None
+    return axes @ way, axes @ across(way, normal)[0]
+
+
+def _coordinates(assembly: PlantAssembly, count: int) -> list[np.ndarray]:
+    names = [f"absorber {len(assembly.coordinates) + k}" for k in range(count)]
+    assembly.add_coordinates(names)
+    return [assembly.row(name) for name in names]
+
+
+def _hang(assembly: PlantAssembly, link: str, place: np.ndarray, mass: float, own: np.ndarray) -> None:
+    """A mass that moves with its link and by `own` besides [3, coordinate]."""
+    carried = assembly.motion(link, place)[:3]
+    for axis in range(3):
+        assembly.add_inertia(carried[axis] + own[axis], mass)
+
+
+def _spring(assembly: PlantAssembly, row: np.ndarray, mass: float, frequency: float, ratio: float) -> None:
+    omega = 2 * np.pi * frequency
+    assembly.add_spring(row, mass * omega**2, 2 * ratio * mass * omega)
+
+
+def _act_two_way(assembly: PlantAssembly, site: Site) -> None:
+    first, second = _ways(assembly, site)
+    one, other = _coordinates(assembly, 2)
+    moved = np.outer(first, one) + np.outer(second, other)
+    _hang(assembly, site.where, site.vector("x", "y", "z"), site["mass"], moved)
+    _spring(assembly, one, site["mass"], site["frequency"], site["damping_ratio"])
+    _spring(assembly, other, site["mass"], site["frequency"] * site["second"], site["damping_ratio"])
+
+
+def _act_pendulum(assembly: PlantAssembly, site: Site) -> None:
+    """A body on an arm that turns about a hinge; the arm points along `d`, the hinge lies across."""
+    arm, sweep = _ways(assembly, site)
+    axis, length, mass = np.cross(arm, sweep), site["arm"], site["mass"]
+    (own,) = _coordinates(assembly, 1)
+    axes = assembly.orientation(site.where)
+    hinge = site.vector("x", "y", "z")
+    _hang(assembly, site.where, hinge + length * (axes.T @ arm), mass, length * np.outer(sweep, own))
+    turning, inertia = assembly.motion(site.where, hinge)[3:], mass * site["gyration"] ** 2
+    for k in range(3):
+        assembly.add_inertia(turning[k] + axis[k] * own, inertia)
+    _spring(assembly, own, mass * length**2 + inertia, site["frequency"], site["damping_ratio"])
+
+
+def _act_twin(assembly: PlantAssembly, site: Site) -> None:
+    """The second hangs at the first one's place and swings across it."""
+    first, second = _ways(assembly, site)
+    place = site.vector("x", "y", "z")
+    for way, share, factor in ((first, 1 - site["share"], 1.0), (second, site["share"], site["second"])):
+        (own,) = _coordinates(assembly, 1)
+        mass = share * site["mass"]
+        _hang(assembly, site.where, place, mass, np.outer(way, own))
+        _spring(assembly, own, mass, factor * site["frequency"], site["damping_ratio"])
+
+
+def _act_rubber(assembly: PlantAssembly, site: Site) -> None:
+    """A spring beside a Maxwell element whose loss is largest where the mass would swing."""
+    way, _ = _ways(assembly, site)
+    (own,) = _coordinates(assembly, 1)
+    _hang(assembly, site.where, site.vector("x", "y", "z"), site["mass"], np.outer(way, own))
+    omega, strength = 2 * np.pi * site["frequency"], site["relaxing"]
+    static = site["mass"] * omega**2 / (1 + strength / 2)
+    assembly.add_spring(own, static)
+    assembly.branches.append(Branch(own, strength * static, 1 / omega))
+
+
+def _drawing(**spans: tuple[float, float]) -> Callable[[Stand, str, np.random.Generator], dict[str, float]]:
+    def draw(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
+        drawn = OWN.draw(stand, where, random)
+        return {**drawn, **{name: float(random.uniform(*span)) for name, span in spans.items()}}
+
+    return draw
+
+
+def _draw_rubber(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
+    drawn = _drawing(relaxing=(0.1, 0.6))(stand, where, random)
+    del drawn["damping_ratio"]
+    return drawn
+
+
+def _checking(*names: str) -> Callable[[Parameters], str | None]:
+    def check(parameters: Parameters) -> str | None:
+        low = [name for name in names if parameters[name] <= 0]
+        if low:
+            return f"{low[0]} = {parameters[low[0]]:g}, where a number above 0 is needed"
+        if parameters.get("share", 0.5) >= 1:
+            return f"share = {parameters['share']:g}, where less than 1 is allowed"
+        return OWN.check({"damping_ratio": 0.0, **parameters})
+
+    return check
+
+
+_SECOND = {"second": "frequency of the second way over the first"}
+
+TWO_WAY: Effect = replace(
+    OWN,
+    form="two_way",
+    says="a mass on springs that is free two ways",
+    source="Den Hartog, Mechanical Vibrations, 4th ed., chapter 3",
+    units={**OWN.units, **_SECOND},
+    draw=_drawing(second=(0.5, 2.2)),
+    check=_checking("second"),
+    act=_act_two_way,
+)
+PENDULUM: Effect = replace(
+    OWN,
+    form="pendulum",
+    says="a body on an arm that turns about a hinge",
+    source="Hunt, Dynamic Vibration Absorbers, Mechanical Engineering Publications 1979 (pendulum absorbers)",
+    units={**OWN.units, "arm": "m", "gyration": "m, radius"},
+    draw=_drawing(arm=(0.05, 0.25), gyration=(0.01, 0.06)),
+    check=_checking("arm", "gyration"),
+    act=_act_pendulum,
+)
+TWIN: Effect = replace(
+    OWN,
+    form="twin",
+    says="two masses on springs, one across the other",
+    source="Iwanami and Seto, Bulletin of JSME 27 (1984) 1506 (dual dynamic dampers)",
+    units={**OWN.units, **_SECOND, "share": "of the mass, the second's"},
+    draw=_drawing(second=(1.3, 2.5), share=(0.3, 0.6)),
+    check=_checking("second", "share"),
+    act=_act_twin,
+)
+RUBBER: Effect = replace(
+    OWN,
+    form="rubber",
+    says="a mass on rubber: a Maxwell element beside the spring",
+    source="Snowdon, Vibration and Shock in Damped Mechanical Systems, Wiley 1968",
+    units={
+        **{name: unit for name, unit in OWN.units.items() if name != "damping_ratio"},
+        "relaxing": "stiffness that relaxes over the one that stays",
+    },
+    draw=_draw_rubber,
+    check=_checking("relaxing"),
+    act=_act_rubber,
+)
+
+FORMS = (TWO_WAY, PENDULUM, TWIN, RUBBER)

@@ -1,0 +1,129 @@
+"""Other ways for the sensor that goes from point to point to weigh on what it measures."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from flexmodal.campaign import CampaignPoint
+from flexmodal.rig.effects.effect import Effect, Site, Stand, multiplied, positive
+from flexmodal.rig.effects.sensors import SENSOR_MASS as OWN
+from flexmodal.rig.plant.assembly import PlantAssembly
+from flexmodal.rig.plant.chain import reach
+from flexmodal.rig.plant.geometry import across
+from flexmodal.rig.sensing import Sensor
+
+
+def _everywhere(
+    load: Callable[[PlantAssembly, CampaignPoint, Site], None],
+) -> Callable[[dict[str, Sensor], Site], None]:
+    def sense(sensors: dict[str, Sensor], site: Site) -> None:
+        for sensor in sensors.values():
+            sensor.loads.append(lambda assembly, point: load(assembly, point, site))
+
+    return sense
+
+
+def _drawing(**spans: tuple[float, float]) -> Callable[[Stand, str, np.random.Generator], dict[str, float]]:
+    def draw(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
+        drawn = OWN.draw(stand, where, random)
+        return {**drawn, **{name: float(random.uniform(*span)) for name, span in spans.items()}}
+
+    return draw
+
+
+def _outward(assembly: PlantAssembly, point: CampaignPoint, site: Site) -> np.ndarray:
+    """Away from the axis of the link, in the plane of a planar chain; in the frame of the link."""
+    end = reach(site.stand.robot, point.link)
+    length = float(np.linalg.norm(end))
+    axis = end / length if length > 1e-6 else np.array([1.0, 0.0, 0.0])
+    axes = assembly.orientation(point.link)
+    sides = across(axis, None if assembly.normal is None else axes.T @ assembly.normal)
+    return sides[0] if sides else across(axis, None)[0]
+
+
+def _block(assembly: PlantAssembly, point: CampaignPoint, site: Site) -> None:
+    """A cube of that height on the surface: its centre half of it away."""
+    place = np.array(point.xyz) + site["height"] / 2 * _outward(assembly, point, site)
+    inertia = site["mass"] * site["height"] ** 2 / 6 * np.eye(3)
+    assembly.add_body(point.link, place, site["mass"], inertia)
+
+
+def _cable(assembly: PlantAssembly, point: CampaignPoint, site: Site) -> None:
+    """A part of the mass is the cable's, taped to the link at its origin."""
+    assembly.add_body(point.link, np.array(point.xyz), site["mass"] * (1 - site["share"]))
+    assembly.add_body(point.link, np.zeros(3), site["mass"] * site["share"])
+
+
+def _sprung(assembly: PlantAssembly, point: CampaignPoint, site: Site) -> None:
+    """The mass sits on its mount's springs, equal each way; what is measured moves with the surface."""
+    carried = assembly.motion(point.link, np.array(point.xyz))[:3]
+    names = [f"sensor {axis}" for axis in "xyz"]
+    assembly.add_coordinates(names)
+    omega = 2 * np.pi * site["frequency"]
+    for name, row in zip(names, carried, strict=True):
+        own = assembly.row(name)
+        assembly.add_inertia(np.pad(row, (0, len(own) - len(row))) + own, site["mass"])
+        assembly.add_spring(own, site["mass"] * omega**2, 2 * site["damping_ratio"] * site["mass"] * omega)
+
+
+def _draw_sprung(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
+    drawn = _drawing(damping_ratio=(0.02, 0.1))(stand, where, random)
+    return {**drawn, "frequency": float(random.uniform(1.5, 4.0) * stand.plan.band[1])}
+
+
+def _dragging(assembly: PlantAssembly, point: CampaignPoint, site: Site) -> None:
+    """The cable hangs on the sensor: it weighs, holds back a little and rubs, all ways alike."""
+    assembly.add_body(point.link, np.array(point.xyz), site["mass"])
+    omega = 2 * np.pi * site["frequency"]
+    for row in assembly.motion(point.link, np.array(point.xyz))[:3]:
+        assembly.add_spring(row, site["mass"] * omega**2, 2 * site["damping_ratio"] * site["mass"] * omega)
+
+
+BLOCK: Effect = replace(
+    OWN,
+    form="block",
+    says="a sensor on a block, its mass off the surface",
+    source="ISO 5348, mechanical mounting of accelerometers",
+    units={"mass": "kg", "height": "m"},
+    draw=_drawing(height=(0.03, 0.12)),
+    check=positive("mass", "height"),
+    sense=_everywhere(_block),
+)
+CABLE: Effect = replace(
+    OWN,
+    form="cable",
+    says="a sensor and its cable, taped to the link",
+    source="Ewins, Modal Testing, 2nd ed., section 3.5 (attachment of transducers)",
+    units={"mass": "kg", "share": "of it, the cable's"},
+    draw=_drawing(share=(0.2, 0.5)),
+    check=lambda p: (
+        positive("mass")(p) or (None if p["share"] < 1 else f"share = {p['share']:g}, where below 1")
+    ),
+    sense=_everywhere(_cable),
+)
+SPRUNG: Effect = replace(
+    OWN,
+    form="sprung",
+    says="a sensor on a magnet that gives",
+    source="Den Hartog, Mechanical Vibrations, 4th ed., section 2.5; ISO 5348 on magnets",
+    units={"mass": "kg", "frequency": "Hz, of the mass on its mount", "damping_ratio": ""},
+    draw=_draw_sprung,
+    check=positive("mass", "frequency"),
+    sense=_everywhere(_sprung),
+)
+DRAGGED: Effect = replace(
+    OWN,
+    form="dragged",
+    says="a sensor whose cable hangs in the air and holds it back",
+    source="McConnell and Varoto, Vibration Testing, 2nd ed., Wiley 2008, chapter 4 (cables)",
+    units={"mass": "kg", "frequency": "Hz, of the mass on its cable", "damping_ratio": ""},
+    draw=_drawing(frequency=(1.0, 4.0), damping_ratio=(0.1, 0.5)),
+    scaled=multiplied("mass"),
+    check=positive("mass", "frequency"),
+    sense=_everywhere(_dragging),
+)
+
+FORMS = (BLOCK, CABLE, SPRUNG, DRAGGED)

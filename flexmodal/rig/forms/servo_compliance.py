@@ -1,0 +1,188 @@
+"""Other ways for the motor side to move: held by its brake, on two loops, late, behind its current loop.
+
+As in the rig's own form the joint's spring and damper go from link to rotor. Severity s divides the gains by
+s. A loop stiffer than drawn takes its times along, by √s; a softer one keeps them, since the joint's spring
+then sets how fast the rotor swings.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from flexmodal.rig.effects.effect import Effect, Parameters, Site, Stand, positive
+from flexmodal.rig.effects.servo_compliance import EFFECT as OWN
+from flexmodal.rig.plant.assembly import PlantAssembly
+from flexmodal.rig.plant.plant import Branch, Feedback
+
+_GAINS = {"proportional_gain": -1.0, "derivative_gain": -0.5, "brake_stiffness": -1.0}
+"""Powers of the severity by which they are multiplied."""
+_TIMES = ("delay", "current_time", "filter_time", "relaxation_time")
+
+
+def _scaled(parameters: Parameters, s: float) -> dict[str, float]:
+    factors = {name: s**power for name, power in _GAINS.items()}
+    factors |= {name: min(s, 1.0) ** 0.5 for name in _TIMES}
+    return {name: float(value * factors.get(name, 1.0)) for name, value in parameters.items()}
+
+
+def _rotor(assembly: PlantAssembly, site: Site) -> np.ndarray:
+    """Free the rotor: the joint's spring goes to it instead of to a locked motor."""
+    joint = site.where
+    k, b = site.stand.true.stiffness[joint], site.stand.true.damping[joint]
+    assembly.add_coordinates([f"{joint} motor"])
+    motor, link = assembly.row(f"{joint} motor"), assembly.row(joint)
+    assembly.add_spring(link, -k, -b)
+    assembly.add_spring(link - motor, k, b)
+    assembly.add_inertia(motor, site["rotor_inertia"])
+    assembly.elongation[joint] = link - motor
+    return motor
+
+
+def _drawing(
+    damping: tuple[float, float], **spans: tuple[float, float]
+) -> Callable[[Stand, str, np.random.Generator], dict[str, float]]:
+    """Gains and rotor as in the rig's own form, a damping ratio of the loop, times over K_D/K_P."""
+
+    def draw(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
+        drawn = OWN.draw(stand, where, random)
+        loop, inertia = drawn["proportional_gain"], drawn["rotor_inertia"]
+        derivative = float(2 * random.uniform(*damping) * np.sqrt(loop * inertia))
+        found = {**drawn, "derivative_gain": derivative}
+        for name, span in spans.items():
+            size = derivative / loop if name.endswith(("time", "delay")) else 1.0
+            found[name] = float(random.uniform(*span) * size)
+        return found
+
+    return draw
+
+
+def _draw_brake(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
+    drawn = OWN.draw(stand, where, random)
+    loop, inertia = drawn["proportional_gain"], drawn["rotor_inertia"]
+    return {
+        "brake_stiffness": loop,
+        "rotor_inertia": inertia,
+        "relaxing": float(random.uniform(0.1, 0.5)),
+        "relaxation_time": float(random.uniform(0.5, 2.0) * np.sqrt(inertia / loop)),
+    }
+
+
+def _act_brake(assembly: PlantAssembly, site: Site) -> None:
+    """The loop is off; the brake's hub is a spring with a Maxwell element beside it."""
+    motor, k = _rotor(assembly, site), site["brake_stiffness"]
+    assembly.add_spring(motor, k)
+    assembly.branches.append(Branch(motor, site["relaxing"] * k, site["relaxation_time"]))
+
+
+def _act_cascade(assembly: PlantAssembly, site: Site) -> None:
+    """P on the angle around PI on its rate, the torque through a low-pass.
+
+    K_v (1 + 1/(T_i s)) (K + s) = K_v s + K_v (K + 1/T_i) + K_v K/(T_i s), the middle of it being the
+    proportional gain; `outer` is the part of it that comes from K.
+    """
+    motor = _rotor(assembly, site)
+    gain, rate, time = site["proportional_gain"], site["derivative_gain"], site["filter_time"]
+    integral = site["outer"] * (1 - site["outer"]) * gain**2 / rate
+    a = np.array([[0.0, 0.0], [integral / time, -1 / time]])
+    b, b_rate = np.array([1.0, gain / time]), np.array([0.0, rate / time])
+    assembly.feedbacks.append(Feedback(motor, motor, a, b, b_rate, np.array([0.0, 1.0])))
+
+
+def _act_delayed(assembly: PlantAssembly, site: Site) -> None:
+    """K_P + K_D s, late by T: Padé's approximant of order 2, 1 − s T/(1 + s T/2 + s² T²/12)."""
+    motor, late = _rotor(assembly, site), site["delay"]
+    gain, rate = site["proportional_gain"], site["derivative_gain"]
+    a = np.array([[0.0, 1.0], [-12.0, -6.0]]) / late
+    b, b_rate = np.array([0.0, 12 * gain / late]), np.array([0.0, 12 * rate / late])
+    c = np.array([0.0, -1.0])
+    assembly.feedbacks.append(Feedback(motor, motor, a, b, b_rate, c, gain, rate))
+
+
+def _act_current(assembly: PlantAssembly, site: Site) -> None:
+    """The torque follows through a current loop of first order; the back-EMF brakes at once."""
+    motor, time = _rotor(assembly, site), site["current_time"]
+    a, c = np.array([[-1 / time]]), np.ones(1)
+    b, b_rate = np.array([site["proportional_gain"] / time]), np.array([site["derivative_gain"] / time])
+    brake = site["back_emf"] * site["derivative_gain"]
+    assembly.feedbacks.append(Feedback(motor, motor, a, b, b_rate, c, 0.0, brake))
+
+
+def _checking(**most: float) -> Callable[[Parameters], str | None]:
+    """Times stay below a part of T_D = K_D/K_P, beyond which the loop may ring up."""
+
+    def check(parameters: Parameters) -> str | None:
+        wrong = positive("proportional_gain", "derivative_gain", "rotor_inertia", *most)(parameters)
+        if wrong:
+            return wrong
+        lead = parameters["derivative_gain"] / parameters["proportional_gain"]
+        for name, part in most.items():
+            if parameters[name] > part * lead * (1 + 1e-9):
+                return f"{name} = {parameters[name]:g}, where at most {part * lead:g} is allowed"
+        return None
+
+    return check
+
+
+def _check_cascade(parameters: Parameters) -> str | None:
+    if not 0 < parameters["outer"] <= 0.3:
+        return f"outer = {parameters['outer']:g}, where 0 to 0.3 is allowed"
+    return _checking(filter_time=0.3)(parameters)
+
+
+_LOOP = OWN.units
+
+BRAKE: Effect = replace(
+    OWN,
+    form="brake",
+    says="the motor is held by a brake that gives",
+    source="rotor after Spong, ASME J. Dyn. Sys. Meas. Control 109 (1987) 310; brake as Zener's solid",
+    units={
+        "brake_stiffness": "N·m/rad", "rotor_inertia": "kg·m²",
+        "relaxing": "stiffness that relaxes, relative", "relaxation_time": "s",
+    },
+    draw=_draw_brake,
+    scaled=_scaled,
+    check=positive("brake_stiffness", "rotor_inertia", "relaxing", "relaxation_time"),
+    act=_act_brake,
+)  # fmt: skip
+CASCADE: Effect = replace(
+    OWN,
+    form="cascade",
+    says="the motor on a position loop around a velocity loop, filtered",
+    source="Groß, Hamann and Wiegärtner, Electrical Feed Drives in Automation, Publicis 2001",
+    units={**_LOOP, "outer": "part of the gain that comes from the position loop", "filter_time": "s"},
+    draw=_drawing((0.5, 0.9), outer=(0.08, 0.25), filter_time=(0.05, 0.2)),
+    scaled=_scaled,
+    check=_check_cascade,
+    act=_act_cascade,
+    active=True,
+)
+DELAYED: Effect = replace(
+    OWN,
+    form="delayed",
+    says="the motor on a loop that comes late",
+    source="Åström and Murray, Feedback Systems, Princeton 2008, section 9.5 (delay, Padé)",
+    units={**_LOOP, "delay": "s"},
+    draw=_drawing((0.3, 0.7), delay=(0.1, 0.3)),
+    scaled=_scaled,
+    check=_checking(delay=0.4),
+    act=_act_delayed,
+    active=True,
+)
+CURRENT: Effect = replace(
+    OWN,
+    form="current",
+    says="the motor on a loop behind its current loop",
+    source="Leonhard, Control of Electrical Drives, 3rd ed., Springer 2001, chapter 15",
+    units={**_LOOP, "current_time": "s", "back_emf": "over the derivative gain"},
+    draw=_drawing((0.25, 0.6), current_time=(0.1, 0.3), back_emf=(0.02, 0.1)),
+    scaled=_scaled,
+    check=_checking(current_time=0.4),
+    act=_act_current,
+    active=True,
+)
+
+FORMS = (BRAKE, CASCADE, DELAYED, CURRENT)
