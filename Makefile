@@ -11,12 +11,13 @@
 # make appendix  diagnose the thesis's measured modes: docs/appendix_c.md with its pictures; some minutes
 # make recovery  identify 300 simulated campaigns; goes on where it was stopped; half an hour
 # make fuzz    read 100000 mutated campaigns; no crash, no hang, no flood of memory
+# make chaos   kill every command that writes at each of its file events; some minutes
 # make clean   remove what these made
 
 PYTHON ?= python3.11
 BIN := .venv/bin
 .DEFAULT_GOAL := help
-.PHONY: help demo test slow check tables pictures studies exam arithmetic appendix recovery bench fuzz browser clean
+.PHONY: help demo test slow check tables pictures studies exam arithmetic appendix recovery bench fuzz chaos browser clean
 
 help:
 	@grep '^# make' Makefile | cut -c3-
@@ -97,6 +98,9 @@ clean:
 
 fuzz: .venv/tested
 	$(BIN)/python benchmarks/fuzz_campaign.py
+
+chaos: .venv/tested
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/chaos.py
 
 .venv/peers: .venv/tested
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --group bench

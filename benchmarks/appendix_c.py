@@ -17,8 +17,8 @@ from tables import ROOT
 import flexmodal
 from flexmodal.campaign import Campaign, read_campaign
 from flexmodal.diagnosis import Diagnosis, diagnose
-from flexmodal.diagnosis.report.modal_page import after_name, compared_fits
 from flexmodal.diagnosis.report.modal_pictures import draw_evidence, draw_frequencies, draw_shapes
+from flexmodal.diagnosis.report.modal_sections import after_name, compared_fits
 from flexmodal.diagnosis.report.modal_tables import (
     SHAPES,
     SUMMARY,

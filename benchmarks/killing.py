@@ -13,11 +13,12 @@ import hashlib
 import io
 import json
 import os
+import resource
 import shutil
 import signal
 import sys
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -40,17 +41,19 @@ class Found:
     read: list[str] = field(default_factory=list)
     """As the next reader finds it."""
     written: list[str] = field(default_factory=list)
-    """After the next writer."""
+    """After the next writer; of an event whose next writer was not tried, what the reader found."""
+    full: list[str] = field(default_factory=list)
+    """On a disk that takes no more than so many bytes of a file."""
 
     def broken(self) -> list[str]:
         """Kills after which the next reader finds neither the old nor the new, or the next writer fails."""
-        pairs = zip(self.events, self.read, self.written, strict=True)
-        sound = {self.old, self.new}
-        return [
-            f"{number}: {event}"
-            for number, (event, read, written) in enumerate(pairs, start=1)
-            if read not in sound or written != self.new
-        ]
+        sound, found = {self.old, self.new}, []
+        for number, event in enumerate(self.events):
+            if self.read[number] not in sound:
+                found.append(f"{event}: neither the old nor the new")
+            if self.written[number] not in (self.new, self.read[number]):
+                found.append(f"{event}: the next writer was barred")
+        return found + ["full disk"] * sum(one not in sound for one in self.full)
 
 
 def digest(folder: Path) -> str:
@@ -64,20 +67,24 @@ def digest(folder: Path) -> str:
     return total.hexdigest()
 
 
-def killed_everywhere(work: Callable[[], Any], folder: Path, target: Path) -> Found:
+def killed_everywhere(
+    work: Callable[[], Any], folder: Path, target: Path, *, writers: int = 1, limits: Sequence[int] = ()
+) -> Found:
     """Kill `work` at each of its file events under `folder`, and look at the folder after each.
 
     Args:
         work: writes under `folder`; may raise when there is nothing to be done any more.
         folder: what is looked at; it is put back after each kill, and in the end.
         target: what is written, for the next reader.
+        writers: after each of so many kills the next writer is tried.
+        limits: sizes of a file at which the disk is full [bytes].
     """
     with tempfile.TemporaryDirectory() as home:
         kept, answer = Path(home, "kept"), Path(home, "answer.json")
         shutil.copytree(folder, kept, symlinks=True)
         child = os.fork()
         if child == 0:
-            _Killer(folder, target, kept, answer).run(work)
+            _Killer(folder, target, kept, answer, writers, limits).run(work)
         _, status = os.waitpid(child, 0)
         if status or not answer.is_file():
             raise RuntimeError(f"the process that kills ended with {status}")
@@ -85,7 +92,10 @@ def killed_everywhere(work: Callable[[], Any], folder: Path, target: Path) -> Fo
 
 
 class _Killer:
-    def __init__(self, folder: Path, target: Path, kept: Path, answer: Path) -> None:
+    def __init__(
+        self, folder: Path, target: Path, kept: Path, answer: Path, writers: int, limits: Sequence[int]
+    ) -> None:
+        self.writers, self.limits = writers, limits
         self.folder, self.target, self.kept, self.answer = folder.resolve(), target, kept, answer
         self.found = Found(digest(folder))
         self.count, self.at, self.active, self.first = 0, 0, True, True
@@ -129,18 +139,26 @@ class _Killer:
                 break
             self.found.events.append(told)
             self.found.seen.append(digest(self.folder))
+            left = self.kept.with_name("left")
+            shutil.copytree(self.folder, left, symlinks=True)
             complete(self.target)
             self.found.read.append(digest(self.folder))
-            self._put_back()
-            if self._fork(at) is None:
-                return
-            if self._fork(0) is None:
-                return
+            if at % self.writers == 0:
+                self._put_back(left)
+                if self._fork(0) is None:
+                    return
             self.found.written.append(digest(self.folder))
-            self._put_back()
+            shutil.rmtree(left)
+            self._put_back(self.kept)
             at += 1
         self.found.new = digest(self.folder)
-        self._put_back()
+        self._put_back(self.kept)
+        for limit in self.limits:
+            if self._fork(0) is None:
+                resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
+                return
+            self.found.full.append(digest(self.folder))
+            self._put_back(self.kept)
         self.active = False
         self.answer.write_text(json.dumps(vars(self.found)), encoding="utf-8")
         os._exit(0)
@@ -163,10 +181,10 @@ class _Killer:
         os.close(here)
         return told if os.WIFSIGNALED(status) else ""
 
-    def _put_back(self) -> None:
+    def _put_back(self, kept: Path) -> None:
         for entry in self.folder.iterdir():
             shutil.rmtree(entry) if entry.is_dir() and not entry.is_symlink() else entry.unlink()
-        shutil.copytree(self.kept, self.folder, symlinks=True, dirs_exist_ok=True)
+        shutil.copytree(kept, self.folder, symlinks=True, dirs_exist_ok=True)
 
     def _is_inside(self, path: object) -> bool:
         if isinstance(path, int):

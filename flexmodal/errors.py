@@ -24,6 +24,13 @@ class Fault:
     allowed: str
     """What may stand there, or what to do."""
 
+    def __post_init__(self) -> None:
+        """Shorten what somebody else's file made long: a fault is a sentence."""
+        for name, most in (("key", 300), ("found", 600), ("allowed", 6000)):
+            text = getattr(self, name)
+            if len(text) > most:
+                object.__setattr__(self, name, f"{text[:most]}…")
+
     def __str__(self) -> str:
         """`file: key: found …; allowed: …`."""
         where = f"{self.file}: {self.key}" if self.key else self.file
@@ -114,6 +121,10 @@ class SingularResponse(FlexmodalError, ArithmeticError):
 
 class DefectiveModes(FlexmodalError, ArithmeticError):
     """Critically damped poles without a full set of modes; use the direct solve instead."""
+
+
+class InaccurateModes(FlexmodalError, ArithmeticError):
+    """Poles that rounding has left no digits of; use the direct solve instead."""
 
 
 class Unreachable(FlexmodalError):

@@ -42,6 +42,8 @@ class Campaign:
     """The folder it was read from."""
     warnings: tuple[str, ...] = ()
     """What is odd about it but does not keep it from being used."""
+    separate_modes: bool = False
+    """Whether the modes are a measurement of their own, not an estimate from these FRFs."""
 
     def __post_init__(self) -> None:
         faults = campaign_faults(self, self.frfs, self.blows, self.modes, self.path)

@@ -9,6 +9,7 @@ import numpy as np
 
 from flexmodal.campaign.blow import Blow
 from flexmodal.campaign.campaign import Campaign, default_band
+from flexmodal.campaign.completeness import blow_gaps, frf_gaps
 from flexmodal.campaign.description.read import read_toml
 from flexmodal.campaign.description.tested import Tested
 from flexmodal.campaign.mode_table import ModeTable
@@ -71,6 +72,7 @@ def read_campaign(path: str | os.PathLike[str]) -> Campaign:
         modes=modes,
         path=folder,
         warnings=tuple(warnings),
+        separate_modes=tested.separate_modes,
     )
 
 
@@ -117,16 +119,9 @@ def _oddities(
         silent = np.flatnonzero(~np.any(frfs.value, axis=1))
         if silent.size:
             odd.append(f"{folder / FRF}: {silent.size} FRFs are zero throughout")
-    if frfs is not None or blows:
-        tested_in = set() if frfs is None else set(frfs.posture.tolist())
-        tested_in |= {blow.posture for blow in blows}
-        missing = [posture.name for posture in tested.postures if posture.id not in tested_in]
-        if missing:
-            odd.append(f"{folder}: no record of posture {', '.join(missing)}")
-        tried = set() if frfs is None else set(frfs.trial.tolist())
-        untried = {trial.id for trial in tested.trials} - tried - {blow.trial for blow in blows}
-        if untried:
-            odd.append(f"{folder}: no record of trial {', '.join(map(str, sorted(untried)))}")
+        odd += frf_gaps(folder / FRF, frfs, tested)
+    elif blows:  # beside FRFs they may be a part of those
+        odd += blow_gaps(folder / TIME, blows, tested)
     peaks = {trial.id: trial.force_peak for trial in tested.trials}
     for blow in blows:
         ratio = float(np.abs(blow.force).max()) / peaks[blow.trial]

@@ -59,6 +59,8 @@ def campaign_toml(campaign: Campaign) -> str:
     if math.isfinite(campaign.band[1]):
         lines.append(f"band = {list(map(float, campaign.band))}")
     lines.append(f"robot = {_text(campaign.robot)}")
+    if campaign.separate_modes:
+        lines.append("separate_modes = true")
     for posture in campaign.postures:
         angles = ", ".join(f"{_key(joint)} = {float(angle)!r}" for joint, angle in posture.q.items())
         q = f"{{ {angles} }}" if angles else "{}"

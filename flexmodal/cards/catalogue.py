@@ -67,7 +67,10 @@ def find(reference: str) -> Path:
     named = cards.get(reference) or arms.get(reference)
     if named is not None:
         return named
-    path = Path(reference).expanduser()
+    try:
+        path = Path(reference).expanduser()
+    except RuntimeError:  # a user that there is not
+        path = Path(reference)
     complete(path)
     try:
         if path.is_dir() and (path / CARD).is_file():

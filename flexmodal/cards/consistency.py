@@ -66,6 +66,10 @@ def _check_links(card: RobotCard, urdf: Urdf, faults: FaultList) -> None:
             names = urdf.link_by_name
             allowed = f"{nearest(link, names)}the links of {urdf.path.name} are {listing(names)}"
             faults.add(key, f'"{link}", a link that the URDF does not have', allowed)
+    for name, point in card.points.items():
+        if name in urdf.link_by_name and (point.link != name or any(point.xyz)):
+            found = "the name of a link of the URDF, for another place"
+            faults.add(f"point.{name}", found, "a name that no link has: both are asked for by name")
 
 
 def _is_commanded(name: str, key: str, card: RobotCard, urdf: Urdf, faults: FaultList) -> bool:

@@ -16,8 +16,9 @@ from flexmodal.text.words import shown
 _CARD_NAME = "a name of letters, digits, _ . and -"
 _ANGLE = "a finite number in rad (m for a prismatic joint)"
 
-Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0, le=1e18)]
+Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=1e-12, le=1e18)]
 NotNegative = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0, le=1e18)]
+Hertz = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=1e-6, le=1e9)]
 LossFactor = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0, le=10)]
 Signed = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-1e18, le=1e18)]
 Above1 = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=1)]
@@ -34,7 +35,7 @@ class JointTable(Table):
     """`[joint.<name>]`."""
 
     stiffness: Positive = Field(
-        description="a number in N·m/rad (N/m for a prismatic joint), above 0 and at most 1e18"
+        description="a number in N·m/rad (N/m for a prismatic joint), above 0 (from 1e-12) and at most 1e18"
     )
     damping: NotNegative = Field(
         description="a number in N·m·s/rad (N·s/m for a prismatic joint), from 0 to 1e18"
@@ -61,7 +62,7 @@ class PointTable(Table):
     """`[point.<name>]`."""
 
     link: Text = Field(description="the name of a URDF link")
-    xyz: Triple = Field(description="three finite numbers in m")
+    xyz: Triple = Field(description="three finite numbers in m, of at most 1e4")
 
 
 class FamilyTable(Table):
@@ -91,9 +92,9 @@ class CardTable(Table):
     urdf: Text = Field(description="a path to a URDF: relative to this file, absolute, or package://")
     tool: Text = Field(description="the name of a URDF link")
     source: Text = Field(description=f"{TEXT}: where the numbers come from")
-    loss_frequency: Positive | None = Field(
+    loss_frequency: Hertz | None = Field(
         default=None,
-        description="a number in Hz, above 0, at most 1e18, where lossy joints have their stiffness",
+        description="a number in Hz, from 1e-6 to 1e9, where lossy joints have their stiffness",
     )
     joint: dict[JointName, JointTable] = Field(min_length=1, description="at least one table [joint.<name>]")
     coupling: dict[Pair, CouplingTable] = Field(default={}, description='tables [coupling."jointA+jointB"]')

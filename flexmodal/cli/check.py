@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from flexmodal.cli.options import json_option
-from flexmodal.cli.printing import print_json
+from flexmodal.cli.printing import print_json, say
 
 if TYPE_CHECKING:
     from flexmodal.errors import Report
@@ -33,7 +33,7 @@ def check(paths: tuple[str, ...], as_json: bool) -> None:
         except RobotNotFound as error:
             missing = True
             for fault in error.faults:
-                click.echo(f"flexmodal: {fault}", err=True)
+                say(f"flexmodal: {fault}", err=True)
     if as_json:
         listed = [
             {
@@ -48,11 +48,9 @@ def check(paths: tuple[str, ...], as_json: bool) -> None:
     else:
         for report in reports:
             for fault in report.faults:
-                click.echo(str(fault))
+                say(str(fault))
             for warning in report.warnings:
-                click.echo(f"warning: {warning}")
+                say(f"warning: {warning}")
             count = len(report.faults)
-            click.echo(
-                f"{report.path}: " + ("sound" if report.is_sound else f"{count} fault{'s' * (count > 1)}")
-            )
+            say(f"{report.path}: " + ("sound" if report.is_sound else f"{count} fault{'s' * (count > 1)}"))
     sys.exit(2 if missing else int(not all(report.is_sound for report in reports)))

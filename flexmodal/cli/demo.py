@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from flexmodal.cli.options import force_option, quiet_option
-from flexmodal.cli.printing import print_table, progress
+from flexmodal.cli.printing import print_table, progress, say
 
 if TYPE_CHECKING:
     from flexmodal.model import Robot
@@ -47,7 +47,7 @@ def demo(out: Path, force: bool, quiet: bool) -> None:
         _better_posture(arm, scratch, quiet)
         _something_missing(scratch / _FOUND, quiet)
     for name in (*_FILES, f"{_FOUND}/report.html"):
-        click.echo(f"wrote {(out / name).resolve()}")
+        say(f"wrote {(out / name).resolve()}")
 
 
 def _modes(robot: Robot, posture: str) -> None:
@@ -98,7 +98,7 @@ def _better_posture(robot: Robot, out: Path, quiet: bool) -> None:
     held = ", ".join(f"{value:g}" for value in _TARGET)
     title = f"{robot.title}: |receptance| of {up} at {_FREQUENCY:g} Hz, end-effector held at ({held}) m"
     print_table(title, ["posture", "[m/N]"], rows)
-    click.echo(outcome.verdict)
+    say(outcome.verdict)
     lines = frequency_axis(np.geomspace(0.2, 60, 800))
     curves = {
         "before": robot.frf(start, lines),
@@ -138,4 +138,4 @@ def _something_missing(out: Path, quiet: bool) -> None:
         ["noise floor", f"{gaps.noise_floor:.4f}"],
     ]
     print_table(f"{card.title}: a simulated hammer test, diagnosed", ["", ""], rows)
-    click.echo(found.verdict.says)
+    say(found.verdict.says)

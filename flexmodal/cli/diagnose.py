@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from flexmodal.cli.measured import campaign_at, robot_of
+from flexmodal.cli.measured import campaign_at, robot_of, say_doubled
 from flexmodal.cli.options import force_option, json_option, quiet_option, trust_of, trust_option
-from flexmodal.cli.printing import print_json, print_table, stages
+from flexmodal.cli.printing import print_json, print_table, say, stages
 
 if TYPE_CHECKING:
     from flexmodal.diagnosis import Diagnosis
@@ -19,6 +19,12 @@ if TYPE_CHECKING:
 @click.command()
 @click.argument("campaign", type=click.Path(path_type=Path))
 @click.option("--out", required=True, type=click.Path(path_type=Path), help="A new folder for what is found.")
+@click.option(
+    "--from",
+    "source",
+    type=click.Choice(["modes", "frf", "both"]),
+    help="What counts; everything that was measured by default.",
+)
 @click.option("--robot", metavar="ROBOT", help="Instead of the robot that the campaign names.")
 @click.option(
     "--hold-out",
@@ -29,7 +35,7 @@ if TYPE_CHECKING:
 @click.option(
     "--effects",
     metavar="NAME,…",
-    help="Look for these effects only; with modes alone NAME@WHERE adds it if it explains anything.",
+    help="Look for these effects only; NAME@WHERE in that place, added if it explains anything.",
 )
 @trust_option
 @click.option(
@@ -41,6 +47,7 @@ if TYPE_CHECKING:
 def diagnose(
     campaign: Path,
     out: Path,
+    source: str | None,
     robot: str | None,
     hold_out: tuple[str, ...],
     effects: str | None,
@@ -63,10 +70,12 @@ def diagnose(
     wanted, trusted = _names(effects), trust_of(trust)
     measured = campaign_at(campaign)
     arm = robot_of(measured, robot)
+    say_doubled(measured, source)
     with stages(quiet=quiet) as advance:
         diagnosis = find(
             measured,
             arm,
+            source=source,  # type: ignore[arg-type]  # click has seen to it
             hold_out=hold_out or None,
             effects=wanted,
             trust=trusted,
@@ -75,7 +84,7 @@ def diagnose(
         )
         advance("writing the report", 0.0)
         write_diagnosis(diagnosis, out, overwrite=force)
-    click.echo(f"wrote {out}: report {out / 'report.html'}, robot {out / 'robot' / 'robot.toml'}", err=True)
+    say(f"wrote {out}: report {out / 'report.html'}, robot {out / 'robot' / 'robot.toml'}", err=True)
     if as_json:
         print_json(as_object(diagnosis))
     else:
@@ -88,7 +97,7 @@ def _names(text: str | None) -> list[str] | None:
 
 
 def _print(diagnosis: Diagnosis) -> None:
-    click.echo(diagnosis.verdict.says)
+    say(diagnosis.verdict.says)
     for step in diagnosis.steps:
         rows = [
             [name, f"{value:.5g}", _error(step.uncertainty.get(name)), step.units.get(name, "")]
@@ -106,7 +115,7 @@ def _print(diagnosis: Diagnosis) -> None:
     rows = [[name, _size(value), _size(held)] for name, value, held in cells]
     print_table("gap between model and measurement", ["", "all", "held out"], rows)
     for name, why in diagnosis.untestable.items():
-        click.echo(f"could not be tested: {name}: {why}")
+        say(f"could not be tested: {name}: {why}")
 
 
 def _size(value: object) -> str:

@@ -11,7 +11,7 @@ import click
 
 from flexmodal.cli.measured import campaign_at
 from flexmodal.cli.options import SOURCE, band_of, force_option, json_option, number, refuse_existing
-from flexmodal.cli.printing import print_json, print_table
+from flexmodal.cli.printing import print_json, print_table, say
 from flexmodal.errors import Fault, InvalidRequest
 
 if TYPE_CHECKING:
@@ -114,7 +114,7 @@ def fit(
     results = _Results(fits, found, flags, records, measured, choices)
     if out is not None:
         _write(results, out, force)
-        click.echo(f"wrote {out}", err=True)
+        say(f"wrote {out}", err=True)
     if pictures is not None:
         _draw(results, pictures, ".svg" if svg else ".png", force)
     if as_json:
@@ -218,7 +218,7 @@ def _draw(results: _Results, folder: Path, ending: str, force: bool) -> None:
 
     drawn = pictures(results.fits, results.records, results.campaign, results.choices)
     written = write_pictures(drawn, folder, ending, overwrite=force)
-    click.echo(f"wrote {len(written)} pictures to {folder}", err=True)
+    say(f"wrote {len(written)} pictures to {folder}", err=True)
 
 
 def _print(results: _Results, method: str) -> None:
@@ -227,12 +227,12 @@ def _print(results: _Results, method: str) -> None:
 
     rows = [cells for one in results.fits for cells in mode_cells(one)]
     print_table(f"{results.campaign.title}: modes by {method}", HEADER, rows)
-    click.echo(LEGEND)
+    say(LEGEND)
     for one in results.fits:
         for line in refused_lines(one):
-            click.echo(f"refused: {line}")
+            say(f"refused: {line}")
     lines = flag_lines(results.flags)
     for line in lines[:_MOST_LINES]:
-        click.echo(f"flag: {line}")
+        say(f"flag: {line}")
     if len(lines) > _MOST_LINES:
-        click.echo(f"and {len(lines) - _MOST_LINES} flags more: see --json or --out PAGE.html")
+        say(f"and {len(lines) - _MOST_LINES} flags more: see --json or --out PAGE.html")

@@ -17,7 +17,7 @@ from flexmodal.cli.options import (
     refuse_existing,
     robot_options,
 )
-from flexmodal.cli.printing import print_json, print_table
+from flexmodal.cli.printing import print_json, print_table, say
 
 if TYPE_CHECKING:
     from flexmodal.frf import Frf
@@ -61,7 +61,7 @@ def frf(
     found = arm.frf(where, axis, response=response or None, reference=reference or None, form=form)
     if out is not None:
         _write(found, arm, where, out, force)
-        click.echo(f"wrote {out}", err=True)
+        say(f"wrote {out}", err=True)
     if as_json:
         print_json(_json(found, arm, where))
     elif out is None:

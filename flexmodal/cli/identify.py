@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from flexmodal.cli.measured import campaign_at, robot_of
-from flexmodal.cli.options import force_option, json_option, quiet_option, trust_of, trust_option
-from flexmodal.cli.printing import print_json, print_table, progress
+from flexmodal.cli.measured import campaign_at, robot_of, say_doubled
+from flexmodal.cli.options import MOST_STARTS, force_option, json_option, quiet_option, trust_of, trust_option
+from flexmodal.cli.printing import print_json, print_table, progress, say
 
 if TYPE_CHECKING:
     from flexmodal.identification import Identification, IdentificationProblem
@@ -46,7 +46,11 @@ OWN = ("identification.json", "report.html", *PICTURES, "robot/robot.toml", "rob
 )
 @trust_option
 @click.option(
-    "--starts", type=int, default=1, show_default=True, help="Starting points: the card, then random."
+    "--starts",
+    type=click.IntRange(1, MOST_STARTS),
+    default=1,
+    show_default=True,
+    help="Starting points: the card, then random.",
 )
 @click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Of those.")
 @click.option(
@@ -81,6 +85,7 @@ def identify(
     arm = robot_of(measured, robot)
     if out is not None:
         _refuse_out(out, arm, force)
+    say_doubled(measured, source)
     wanted = [kind.strip() for kind in kinds.split(",") if kind.strip()]
     with progress(STAGES, "identifying", quiet=quiet) as advance:
         outcome = find(
@@ -98,7 +103,7 @@ def identify(
     found = as_object(outcome)
     if out is not None:
         _write(outcome, found, out, force)
-        click.echo(f"wrote {out}: improved card {out / 'robot' / 'robot.toml'}", err=True)
+        say(f"wrote {out}: improved card {out / 'robot' / 'robot.toml'}", err=True)
     if as_json:
         print_json(found)
     else:
@@ -108,7 +113,7 @@ def identify(
 
 def _say_before(problem: IdentificationProblem) -> None:
     """What the data can tell, while the fit is still to come."""
-    click.echo(f"before the fit: {problem.identifiability.verdict}", err=True)
+    say(f"before the fit: {problem.identifiability.verdict}", err=True)
 
 
 def _refuse_out(out: Path, robot: Robot, force: bool) -> None:
@@ -146,7 +151,7 @@ def _print(outcome: Identification) -> None:
     print_table(f"{problem.campaign.title}: {problem.robot.name} from {problem.what}", HEADER, rows)
     print_table("gap", GAPS, gap_cells(outcome))
     for a, b, r in outcome.correlated:
-        click.echo(f"correlated: {a} and {b}, {r:+.3f}")
+        say(f"correlated: {a} and {b}, {r:+.3f}")
     for one in outcome.not_identified:
-        click.echo(f"not identified: {one.says}")
-    click.echo(outcome.verdict)
+        say(f"not identified: {one.says}")
+    say(outcome.verdict)

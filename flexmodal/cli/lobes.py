@@ -19,7 +19,7 @@ from flexmodal.cli.options import (
     refuse_existing,
     robot_options,
 )
-from flexmodal.cli.printing import noted_progress, print_json, print_table, progress
+from flexmodal.cli.printing import noted_progress, print_json, print_table, progress, say
 from flexmodal.errors import Fault, InvalidRequest
 
 if TYPE_CHECKING:
@@ -119,13 +119,13 @@ def _mention(cut: Cut, added: MeasuredTip | None) -> None:
     """What is assumed of a measured receptance, and what is counted twice."""
     if added is not None and added.lines[0] > 0:
         first, last = added.lines[0], added.lines[-1]
-        click.echo(
+        say(
             f"note: chatter is sought between {first:g} and {last:g} Hz, the lines of --spindle; below them "
             "its real part is held",
             err=True,
         )
     if added is not None and cut.modes:
-        click.echo("note: the modes of the cut and --spindle are both added to the arm", err=True)
+        say("note: the modes of the cut and --spindle are both added to the arm", err=True)
 
 
 def _single(
@@ -163,7 +163,7 @@ def _searched(
             improved=lambda value: note(f"best {1e3 * value:.4g} mm"),
         )
     if found.interrupted:
-        click.echo(f"note: {found.verdict}", err=True)
+        say(f"note: {found.verdict}", err=True)
     return [optimum.posture for optimum in found.optima[:_LISTED]]
 
 
@@ -207,7 +207,7 @@ def _give_one(arm: Robot, one: PostureDepth, out: Path | None, force: bool, as_j
             report.write_lobes_page(arm.name, one, out, overwrite=force)
         else:
             write_figure(report.lobes_picture(arm.name, one), out, overwrite=force)
-        click.echo(f"wrote {out}", err=True)
+        say(f"wrote {out}", err=True)
     if as_json:
         print_json(found)
     elif out is None:
@@ -232,7 +232,7 @@ def _give_several(several: Comparison, out: Path | None, force: bool, as_json: b
             report.write_comparison_page(several, out, overwrite=force)
         else:
             write_figure(draw_comparison(several), out, overwrite=force)
-        click.echo(f"wrote {out}", err=True)
+        say(f"wrote {out}", err=True)
     if as_json:
         print_json(found)
     elif out is None:
@@ -240,4 +240,4 @@ def _give_several(several: Comparison, out: Path | None, force: bool, as_json: b
             f"{several.robot.name}: {several.cut.title}", report.POSTURES, report.posture_rows(several)
         )
         best = report.posture_rows(several)[several.best][0]
-        click.echo(f"best by critical depth: {best}, {several.gain:.3g} times the worst")
+        say(f"best by critical depth: {best}, {several.gain:.3g} times the worst")

@@ -6,11 +6,15 @@ import importlib
 import os
 import signal
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
+
+from flexmodal.cli.printing import say
 
 if TYPE_CHECKING:
     from flexmodal.errors import Fault
@@ -72,7 +76,8 @@ def main(arguments: list[str] | None = None) -> None:
     if arguments is None:
         _settle_in()
     try:
-        status: Any = group.main(arguments, prog_name="flexmodal", standalone_mode=False)
+        with _pipes():
+            status: Any = group.main(arguments, prog_name="flexmodal", standalone_mode=False)
         sys.stdout.flush()
         sys.exit(status if isinstance(status, int) else 0)
     except InvalidInput as error:
@@ -92,11 +97,23 @@ def main(arguments: list[str] | None = None) -> None:
         _complain("interrupted")
         sys.exit(130)
     except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
         sys.exit(0)
     except OSError as error:
-        _complain(f"{error.filename or 'file'}: {error.strerror}")
+        _complain(f"{error.filename or 'standard output'}: {error.strerror}")
         sys.exit(2)
+
+
+@contextmanager
+def _pipes() -> Iterator[None]:
+    """A reader that has enough is no failure; click leaves with 1 then, the pipe in a wrapper of its own."""
+    before = sys.stdout
+    try:
+        yield
+    except SystemExit as left:
+        if left.code == 1 and sys.stdout is not before:
+            raise BrokenPipeError from None
+        raise
 
 
 def _settle_in() -> None:
@@ -128,4 +145,4 @@ def _here(fault: Fault, options: set[str]) -> Fault:
 
 def _complain(*sentences: str) -> None:
     for sentence in sentences:
-        click.echo(f"flexmodal: {sentence}", err=True)
+        say(f"flexmodal: {sentence}", err=True)

@@ -5,8 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import click
-
+from flexmodal.cli.printing import say
 from flexmodal.errors import Fault, InvalidCampaign
 
 if TYPE_CHECKING:
@@ -35,8 +34,21 @@ def campaign_at(path: str | Path) -> Campaign:
         raise InvalidCampaign(Fault(str(path), "", "a folder without a campaign.toml", allowed))
     measured = read_campaign(path)
     for warning in measured.warnings:
-        click.echo(f"warning: {warning}", err=True)
+        say(f"warning: {warning}", err=True)
     return measured
+
+
+def say_doubled(campaign: Campaign, source: str | None) -> None:
+    """Warn where FRFs and modes both count and one may have been made from the other.
+
+    Args:
+        campaign: what was measured.
+        source: what was asked for; None for everything.
+    """
+    from flexmodal.identification.source import doubled
+
+    for warning in doubled(campaign, source):  # type: ignore[arg-type]  # click has seen to it
+        say(f"warning: {warning}", err=True)
 
 
 def card_of(campaign: Campaign) -> str:

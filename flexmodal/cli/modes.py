@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 
 from flexmodal.cli.options import RobotOptions, json_option, posture_of, posture_option, robot_options
-from flexmodal.cli.printing import print_json, print_table
+from flexmodal.cli.printing import print_json, print_table, say
 
 
 @click.command()
@@ -24,7 +24,7 @@ def modes(
     where = posture_of(arm, posture)
     found = arm.modes(where)
     if found.is_defective:
-        click.echo("note: critically damped poles; their shapes are not modes of a full set", err=True)
+        say("note: critically damped poles; their shapes are not modes of a full set", err=True)
     if as_json:
         listed = [
             {
@@ -59,4 +59,4 @@ def modes(
     if show:
         from flexmodal.cli.viewing import viewer
 
-        viewer("show_robot")(arm, where, modes=True, announce=lambda text: click.echo(text, err=True))
+        viewer("show_robot")(arm, where, modes=True, announce=lambda text: say(text, err=True))

@@ -11,6 +11,7 @@ import click
 from flexmodal.cli.holds import hold_of, orientation_options
 from flexmodal.cli.objectives import judging_options, objective_of
 from flexmodal.cli.options import (
+    MOST_STARTS,
     SOURCE,
     RobotOptions,
     force_option,
@@ -20,7 +21,7 @@ from flexmodal.cli.options import (
     robot_options,
 )
 from flexmodal.cli.picturing import draw_pictures, pictures_of, plot_option
-from flexmodal.cli.printing import degrees, noted_progress, print_json, print_table
+from flexmodal.cli.printing import degrees, noted_progress, print_json, print_table, say
 from flexmodal.cli.viewing import viewer
 from flexmodal.errors import Fault, InvalidRequest
 
@@ -38,7 +39,7 @@ if TYPE_CHECKING:
 @click.option("--start", metavar="POSTURE", help="Compare with this posture, and start from it too.")
 @click.option(
     "--starts",
-    type=int,
+    type=click.IntRange(1, MOST_STARTS),
     help="Starts in all, random but for --start; if none, till the best is found again.",
 )
 @click.option(
@@ -110,13 +111,13 @@ def optimise(
         _print(outcome, judging["objective"])
     draw_pictures(outcome, where, pictures, force=force, quiet=quiet)
     if show:
-        viewer("show_outcome")(outcome, start=where, announce=lambda text: click.echo(text, err=True))
+        viewer("show_outcome")(outcome, start=where, announce=lambda text: say(text, err=True))
     _leave(outcome)
 
 
 def _leave(outcome: Outcome) -> NoReturn:
     if outcome.interrupted:
-        click.echo("flexmodal: interrupted", err=True)
+        say("flexmodal: interrupted", err=True)
         sys.exit(130)
     sys.exit(0 if outcome.converged else 1)
 
@@ -169,16 +170,14 @@ def _print(outcome: Outcome, objective: str) -> None:
         rows.append([f"optimum {place}", f"{optimum.objective:.5g}", str(optimum.hits), *angles])
     print_table(f"{robot.name}: best postures found", columns, rows)
     if len(outcome.optima) > 10:
-        click.echo(f"and {len(outcome.optima) - 10} more; --json lists them all")
+        say(f"and {len(outcome.optima) - 10} more; --json lists them all")
     if outcome.start is not None and math.isinf(outcome.start):
-        click.echo("start: infinite, an undamped mode is driven at its natural frequency there")
+        say("start: infinite, an undamped mode is driven at its natural frequency there")
     elif outcome.start is not None:
         better, worse = sorted((outcome.best.objective, outcome.start))
         factor = f": a factor of {worse / better:.3g}" if better > 0 else ""
-        click.echo(f"start {outcome.start:.5g} {unit}, best {outcome.best.objective:.5g}{factor}")
+        say(f"start {outcome.start:.5g} {unit}, best {outcome.best.objective:.5g}{factor}")
     chosen = _frequency(outcome)
     if chosen is not None:
-        click.echo(f"best frequency {chosen:.6g} Hz")
-    click.echo(
-        f"{robot.tool} at ({', '.join(f'{value:.4f}' for value in outcome.tool)}) m; {outcome.verdict}"
-    )
+        say(f"best frequency {chosen:.6g} Hz")
+    say(f"{robot.tool} at ({', '.join(f'{value:.4f}' for value in outcome.tool)}) m; {outcome.verdict}")

@@ -23,6 +23,10 @@ SOURCE = "command line"
 SMALLEST, LARGEST = 1e-100, 1e100
 """Sizes between which a number is taken: beyond them its square or cube is no finite number."""
 
+_LEAST_HERTZ = 1e-9
+MOST_STARTS = 100_000
+"""Of a search: more is a slip of the keyboard."""
+
 Command = TypeVar("Command", bound=Callable[..., Any])
 
 
@@ -199,8 +203,9 @@ def band_of(text: str) -> tuple[float, float]:
         low, high = (float(part) for part in text.split(":"))
     except ValueError:
         low, high = math.nan, math.nan
-    if not 0 <= low < high <= LARGEST:
-        raise InvalidRequest(Fault(SOURCE, "--band", repr(text), "LOW:HIGH in Hz, 0 ≤ LOW < HIGH"))
+    if not (0 <= low < high and _LEAST_HERTZ <= high <= LARGEST):
+        allowed = f"LOW:HIGH in Hz, 0 ≤ LOW < HIGH, HIGH from {_LEAST_HERTZ:g}"
+        raise InvalidRequest(Fault(SOURCE, "--band", repr(text), allowed))
     return low, high
 
 

@@ -23,7 +23,7 @@ from flexmodal.cli.options import (
     refuse_existing,
     robot_options,
 )
-from flexmodal.cli.printing import degrees, noted_progress, print_json, print_table
+from flexmodal.cli.printing import degrees, noted_progress, print_json, print_table, say
 from flexmodal.errors import Fault, InvalidRequest
 
 if TYPE_CHECKING:
@@ -109,13 +109,13 @@ def path(
         found |= _others(judged, problem(0.0), nodes, seed)
     if out is not None:
         _write(found, out, force)
-        click.echo(f"wrote {out}", err=True)
+        say(f"wrote {out}", err=True)
     if as_json:
         print_json(_json(found))
     else:
         _print(arm, found)
     if planned.interrupted:
-        click.echo("flexmodal: interrupted; the best sequence so far is kept", err=True)
+        say("flexmodal: interrupted; the best sequence so far is kept", err=True)
         sys.exit(130)
 
 
@@ -147,7 +147,7 @@ def _others(judged: PathProblem, static: PathProblem, nodes: int, seed: int) -> 
             else:
                 found[name] = plan_path(static, nodes=nodes, seed=seed).judged_by(judged)
         except Unreachable as error:
-            click.echo(f"note: {name}: {error}", err=True)
+            say(f"note: {name}: {error}", err=True)
     return found
 
 

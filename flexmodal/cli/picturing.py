@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from flexmodal.cli.options import SOURCE, refuse_existing
-from flexmodal.cli.printing import progress
+from flexmodal.cli.printing import progress, say
 from flexmodal.errors import Fault, FlexmodalError, InvalidRequest
 
 if TYPE_CHECKING:
@@ -69,10 +69,10 @@ def draw_pictures(
         try:
             figure = _draw(kind, outcome, start, quiet)
         except FlexmodalError as error:
-            click.echo(f"flexmodal: no picture of the {kind}: {error}", err=True)
+            say(f"flexmodal: no picture of the {kind}: {error}", err=True)
             continue
         write_figure(figure, path, overwrite=force)
-        click.echo(f"wrote {path}", err=True)
+        say(f"wrote {path}", err=True)
 
 
 def _draw(kind: str, outcome: Outcome, start: Posture | None, quiet: bool) -> Any:

@@ -7,6 +7,7 @@ import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
+from unicodedata import category
 
 import click
 
@@ -24,6 +25,21 @@ def print_json(result: dict[str, Any]) -> None:
     click.echo(text)
 
 
+def say(text: str = "", *, err: bool = False) -> None:
+    """Print a text, without what would steer the terminal: names and titles come from other people's files.
+
+    Args:
+        text: may have several lines.
+        err: on standard error.
+    """
+    click.echo(plain(text), err=err)
+
+
+def plain(text: str) -> str:
+    """A text whose control characters are ?, but for the ends of its lines."""
+    return "".join(sign if sign in "\n\t" or category(sign)[0] != "C" else "?" for sign in text)
+
+
 def print_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
     """A table, its numbers aligned right.
 
@@ -37,13 +53,16 @@ def print_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]
     from rich.table import Table
     from rich.text import Text
 
-    table = Table(title=Text(title), title_justify="left", box=box.SIMPLE_HEAD)
+    table = Table(title=Text(plain(title)), title_justify="left", box=box.SIMPLE_HEAD)
     for place, column in enumerate(columns):
-        table.add_column(Text(column), justify="left" if place == 0 else "right")
+        table.add_column(Text(plain(column)), justify="left" if place == 0 else "right")
     for row in rows:
-        table.add_row(*map(Text, row))
+        table.add_row(*(Text(plain(cell)) for cell in row))
     width = None if sys.stdout.isatty() else 200
-    Console(width=width, highlight=False).print(table)
+    console = Console(width=width, highlight=False)
+    with console.capture() as told:  # rich itself would leave with 1 where a pipe closes early
+        console.print(table)
+    sys.stdout.write(told.get())
 
 
 @contextmanager

@@ -19,7 +19,7 @@ from flexmodal.cli.options import (
     quiet_option,
     robot_options,
 )
-from flexmodal.cli.printing import print_json, print_table, progress
+from flexmodal.cli.printing import print_json, print_table, progress, say
 from flexmodal.errors import Fault, InvalidInput, InvalidRequest
 
 if TYPE_CHECKING:
@@ -216,4 +216,4 @@ def _print(arm: Robot, result: RigResult, out: Path, truth: Path) -> None:
             ["hidden effects", str(len(result.truth.effects))],
         ],
     )
-    click.echo(f"campaign in {out}, what is hidden in it in {truth}")
+    say(f"campaign in {out}, what is hidden in it in {truth}")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 
 from flexmodal.cli.options import json_option
-from flexmodal.cli.printing import print_json, print_table
+from flexmodal.cli.printing import print_json, print_table, say
 
 
 @click.command()
@@ -46,11 +46,11 @@ def robots(as_json: bool) -> None:
     columns = ["card", "joints, (pseudo-joints)", "points", "postures", "families", "tool"]
     print_table("Cards", columns, rows)
     for robot in loaded:
-        click.echo(f"{robot.name}: {robot.title}")
-        click.echo(f"  points    {', '.join(robot.points) or '–'}")
-        click.echo(f"  postures  {', '.join(robot.postures) or '–'}")
+        say(f"{robot.name}: {robot.title}")
+        say(f"  points    {', '.join(robot.points) or '–'}")
+        say(f"  postures  {', '.join(robot.postures) or '–'}")
     arms = example_arms()
     if arms:
-        click.echo(f"\nExample arms (bare URDFs, give --stiffness and --damping): {', '.join(arms)}")
+        say(f"\nExample arms (bare URDFs, give --stiffness and --damping): {', '.join(arms)}")
     else:
-        click.echo("\nMore arms by name, as bare URDFs: pip install 'flexmodal[arms]'")
+        say("\nMore arms by name, as bare URDFs: pip install 'flexmodal[arms]'")

@@ -18,6 +18,7 @@ from flexmodal.cli.options import (
     refuse_existing,
     robot_options,
 )
+from flexmodal.cli.printing import say
 from flexmodal.errors import Fault, InvalidRequest
 
 if TYPE_CHECKING:
@@ -60,7 +61,7 @@ def show(
 
     refuse_existing(out, force, (".html",))
     deliver: dict[str, Any] = {"out": out, "port": port, "overwrite": force}
-    deliver["announce"] = lambda text: click.echo(text, err=True)
+    deliver["announce"] = lambda text: say(text, err=True)
     if campaign is not None or is_campaign(robot.robot):
         _refuse_beside(modes=modes, response=response, frequency=frequency)
         measured = _campaign(Path(robot.robot) if campaign is None else campaign, posture)

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from flexmodal.cli.options import SOURCE, json_option, quiet_option
-from flexmodal.cli.printing import print_json, print_table, progress
+from flexmodal.cli.options import MOST_STARTS, SOURCE, json_option, quiet_option
+from flexmodal.cli.printing import print_json, print_table, progress, say
 from flexmodal.errors import Fault, InvalidRequest
 
 if TYPE_CHECKING:
@@ -16,7 +16,11 @@ if TYPE_CHECKING:
 
 @click.command()
 @click.argument("names", nargs=-1, metavar="[NAME]…")
-@click.option("--starts", type=int, help="Starts of each global search; as `flexmodal optimise` if none.")
+@click.option(
+    "--starts",
+    type=click.IntRange(1, MOST_STARTS),
+    help="Starts of each global search; as `flexmodal optimise` if none.",
+)
 @click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True)
 @quiet_option
 @json_option
@@ -83,10 +87,10 @@ def _print(result: StudyResult) -> None:
     ]
     print_table(f"{study.name}: {study.title}", ["", "printed", "in this model"], rows)
     if result.outcome is not None and study.kind == "posture":
-        click.echo(result.outcome.verdict)
+        say(result.outcome.verdict)
     for hop in result.hops:
-        click.echo(f"a fixed gain hops over a maximum from {hop}")
-    click.echo(study.says)
+        say(f"a fixed gain hops over a maximum from {hop}")
+    say(study.says)
 
 
 def _rows(result: StudyResult) -> list[tuple[str, float | None, float | None]]:

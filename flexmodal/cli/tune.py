@@ -14,7 +14,7 @@ from flexmodal.cli.options import (
     posture_option,
     robot_options,
 )
-from flexmodal.cli.printing import print_json, print_table
+from flexmodal.cli.printing import print_json, print_table, say
 
 if TYPE_CHECKING:
     from flexmodal.optimisation import Tuning
@@ -67,4 +67,4 @@ def _print(found: Tuning, title: str, unit: str) -> None:
         for name, one in listed
     ]
     print_table(title, ["", "frequency [Hz]", f"[{unit}]", ""], rows)
-    click.echo(f"best at {found.best.frequency:.6g} Hz: {found.verdict}")
+    say(f"best at {found.best.frequency:.6g} Hz: {found.verdict}")

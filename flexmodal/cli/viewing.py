@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from importlib.metadata import entry_points
 from typing import Any
 
 from flexmodal.errors import MissingExtra
+from flexmodal.plugins import left_out, plugins
+
+_GROUP = "flexmodal.viewer"
 
 
 def viewer(name: str) -> Callable[..., Any]:
@@ -15,7 +17,9 @@ def viewer(name: str) -> Callable[..., Any]:
     Raises:
         MissingExtra: no viewer is installed.
     """
-    for entry in entry_points(group="flexmodal.viewer", name=name):
-        function: Callable[..., Any] = entry.load()
-        return function
+    for entry, found in plugins(_GROUP, name):
+        if callable(found):
+            function: Callable[..., Any] = found
+            return function
+        left_out(_GROUP, entry.name, f"{entry.value}: no function but {type(found).__name__}")
     raise MissingExtra("no viewer is installed; reinstall flexmodal, which brings flexmodal_viewer")

@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+from flexmodal.diagnosis.lawfree.as_json import look_json
 from flexmodal.diagnosis.outcome import Diagnosis, Gaps, NextMeasurement, Region, Step
 from flexmodal.errors import FlexmodalError
 
@@ -31,8 +32,12 @@ def as_json(diagnosis: Diagnosis) -> dict[str, Any]:
             "effects": [list(key) for key in diagnosis.verdict.effects],
             "explained": bool(diagnosis.verdict.explained),
             "says": diagnosis.verdict.says,
+            "share": _known(diagnosis.verdict.share),
+            "undecided": list(diagnosis.verdict.undecided),
         },
+        "law_free": None if diagnosis.look is None else look_json(diagnosis.look),
         "next_measurement": _next(diagnosis.next_measurement),
+        "warnings": list(diagnosis.warnings),
     }
 
 
@@ -90,6 +95,7 @@ def _next(measurement: NextMeasurement | None) -> dict[str, Any] | None:
         "response": [int(number) for number in measurement.response],
         "reference": [int(number) for number in measurement.reference],
         "separates": separated(measurement),
+        "gain": _known(measurement.gain),
     }
 
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cache, cached_property
 
 import numpy as np
 from jaxtyping import Float
@@ -14,27 +14,18 @@ from flexmodal.diagnosis.effects.effect import Placement
 from flexmodal.diagnosis.march.law import Law
 from flexmodal.diagnosis.placed import Placed
 from flexmodal.diagnosis.reader import Reader
+from flexmodal.diagnosis.shift import Shift, Still, differences
 from flexmodal.identification import Observations
 from flexmodal.identification.layout import Part, unmeasured
 from flexmodal.identification.model import Group
 from flexmodal.structure import ParameterSpace
 from flexmodal.structure.assembly import KINDS, Assembly, put_together
 from flexmodal.structure.frame import Frame, Frames, proportional
-from flexmodal.structure.stack import Slopes, Structures, joined
+from flexmodal.structure.stack import Structures, joined
 from flexmodal.structure.structure import Structure
 
 STEP = 1e-6
 """Of the forward differences along an effect's own parameters."""
-
-
-@dataclass(frozen=True, eq=False)
-class _Shift:
-    """The parameters a step further along one of an effect's own."""
-
-    number: int
-    placed: Placed
-    step: float
-    values: Mapping[str, float]
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,12 +88,25 @@ class Hypothesis:
     ) -> Sequence[Group]:
         """See `identification.FrfModel`."""
         values = self.space.values(x)
-        shifts = self._shifts(x, values) if slopes else None
+        shifts = cache(lambda: self._shifts(x, values))
         wanted = {variant for one in self.placed for variant in one.effect.variants}
         return [
-            Group(self._structures(part, values, shifts), part, self._reader(part, values, shifts))
-            for part in observations.layout.parts(wanted)
+            self._group(part, values, shifts, slopes=slopes) for part in observations.layout.parts(wanted)
         ]
+
+    def _group(
+        self, part: Part, values: Mapping[str, float], shifts: Callable[[], Sequence[Shift]], *, slopes: bool
+    ) -> Group:
+        still = self._still(part, values)
+
+        def sloped() -> Group:
+            moved = self._reader(part, values, shifts())
+            return Group(self._structures(still, part, values, shifts()), part, moved)
+
+        if slopes:
+            return sloped()
+        plain = self._structures(still, part, values, None)
+        return Group(plain, part, self._reader(part, values, None), sloped)
 
     def structures(
         self,
@@ -123,7 +127,8 @@ class Hypothesis:
         values = self.space.values(x)
         where, struck = (np.array(list(table), dtype=int).reshape(-1, 2) for table in (responses, references))
         part = unmeasured(len(self.context.postures), where, struck)
-        found = self._structures(part, values, self._shifts(x, values) if slopes else None)
+        shifts = self._shifts(x, values) if slopes else None
+        found = self._structures(self._still(part, values), part, values, shifts)
         return [found[k] for k in range(len(found))]
 
     def laws(self, part: Part, values: Mapping[str, float]) -> list[tuple[Law, ...]]:
@@ -147,34 +152,37 @@ class Hypothesis:
         assembly = self._frame(part, values).assembly
         return [(assembly, self._placement(one, part, values)) for one in self.placed]
 
-    def _shifts(self, x: np.ndarray, values: Mapping[str, float]) -> list[_Shift]:
+    def _shifts(self, x: np.ndarray, values: Mapping[str, float]) -> list[Shift]:
         _, high = self.space.bounds
         found = []
         for k, parameter in enumerate(self.space.parameters[len(self.base) :], start=len(self.base)):
             step = STEP if x[k] + STEP <= high[k] else -STEP
             placed = next(one for one in self.placed if parameter.name.startswith(f"{one.label}."))
             moved = {**values, parameter.name: parameter.value(float(x[k]) + step)}
-            found.append(_Shift(k, placed, step, moved))
+            found.append(Shift(k, placed, step, moved))
         return found
 
     # structures
 
-    def _structures(
-        self, part: Part, values: Mapping[str, float], shifts: Sequence[_Shift] | None
-    ) -> Structures:
+    def _still(self, part: Part, values: Mapping[str, float]) -> Still:
         frame = self._frame(part, values)
-        total, slopes = frame.scaled(values)
         acted = {
             one: self._act(frame, one, part, values) for one in self.placed if one.effect.act is not None
         }
         sums = {one: assembly.summed() for one, assembly in acted.items()}
-        found = [] if shifts is None else [slopes]
+        return Still(frame, *frame.scaled(values), acted, sums, self._rows(frame, part, values))
+
+    def _structures(
+        self, still: Still, part: Part, values: Mapping[str, float], shifts: Sequence[Shift] | None
+    ) -> Structures:
+        frame, total, rows = still.frame, dict(still.total), still.rows
+        acted, sums = still.acted, still.sums
+        found = [] if shifts is None else [still.slopes]
         for one, assembly in acted.items():
             for kind in KINDS:
                 total[kind] = total[kind] + sums[one][kind]
             if found:
                 found.append(proportional(assembly, self.space.index, total["mass"].shape))
-        rows = self._rows(frame, part, values)
         turned: dict[int, tuple[np.ndarray, np.ndarray]] = {}
         loss: dict[int, float] = {}
         for shift in shifts or ():
@@ -186,12 +194,12 @@ class Hypothesis:
                 change = {kind: summed[kind] - sums[shift.placed][kind] for kind in KINDS}
                 loss[shift.number] = (other.loss_factor - acted[shift.placed].loss_factor) / shift.step
             if moved is not frame:
-                was, now = frame.scaled(values)[0], moved.scaled(shift.values)[0]
+                was, now = still.total, moved.scaled(shift.values)[0]
                 change = {kind: change[kind] + now[kind] - was[kind] for kind in KINDS}
             if moved is not frame or shift.placed.effect.turn is not None:
                 others = self._rows(moved, part, shift.values)
                 turned[shift.number] = (others[0] - rows[0]) / shift.step, (others[1] - rows[1]) / shift.step
-            found.append(_along(shift, change, total["mass"].shape))
+            found.append(differences(shift, change, total["mass"].shape))
         return Structures(
             coordinates=tuple(frame.assembly.coordinates),
             mass=total["mass"],
@@ -268,7 +276,7 @@ class Hypothesis:
         return frame.assembly.rows(measured), frame.reference
 
     def _reader(
-        self, part: Part, values: Mapping[str, float], shifts: Sequence[_Shift] | None
+        self, part: Part, values: Mapping[str, float], shifts: Sequence[Shift] | None
     ) -> Reader | None:
         reading = [one for one in self.placed if one.effect.read is not None]
         if not reading:
@@ -280,13 +288,3 @@ class Hypothesis:
             if shift.placed in reading
         ]
         return Reader(points, [(one.effect, self._placement(one, part, values)) for one in reading], moved)
-
-
-def _along(shift: _Shift, change: Mapping[str, np.ndarray], shape: tuple[int, ...]) -> Slopes:
-    """Differences over a step as derivatives; of what does not change, none."""
-    number = np.array([shift.number])
-    return {
-        kind: (number, np.broadcast_to(matrix / shift.step, shape)[None])
-        for kind, matrix in change.items()
-        if matrix.any()
-    }

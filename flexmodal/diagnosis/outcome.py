@@ -10,6 +10,8 @@ from jaxtyping import Complex, Float
 
 from flexmodal.diagnosis.findings import Findings
 from flexmodal.diagnosis.hypothesis import Hypothesis
+from flexmodal.diagnosis.lawfree.result import Findings as LawFreeFindings
+from flexmodal.diagnosis.names import UNKNOWN
 from flexmodal.identification import Observations
 
 
@@ -89,11 +91,13 @@ class NextMeasurement:
     separates: tuple[str, str]
     """Two explanations, `effect@where`."""
     expected: float
-    """Root mean square of |ln| between the two, over the noise floor."""
+    """Root mean square difference of the two, line by line, over what noise and unsure parameters make."""
     force_peak: float
     """[N]"""
     point: str | None = None
     """Where a sensor not in the campaign should sit, by name; None for one of its own points."""
+    gain: float | None = None
+    """Expected information: the logarithm of the odds that it brings [nat]."""
 
 
 @dataclass(frozen=True)
@@ -102,7 +106,17 @@ class Verdict:
 
     effects: tuple[tuple[str, str], ...]
     explained: bool
+    """Whether nothing significant is left."""
     says: str
+    undecided: tuple[str, ...] = ()
+    """Sentences on figures too near to their threshold for a yes or a no; the simpler answer was kept."""
+    share: float | None = None
+    """Part of the disagreement above the noise that the named effects take; None where that has no figure."""
+
+    @property
+    def named(self) -> bool:
+        """Whether something of the catalogue is named."""
+        return any(name != UNKNOWN for name, _ in self.effects)
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,8 +150,12 @@ class Diagnosis:
     """Receptances by stage: "believed", "before", "after"."""
     refused: tuple[Weighed, ...] = ()
     """What was weighed last and not found worth adding, the best first; `NONE` among them."""
+    warnings: tuple[str, ...] = ()
+    """What was taken for granted that may not be so."""
     provenance: Mapping[str, str] = field(default_factory=dict)
     """Versions, hashes of the inputs, seed, settings, seconds."""
+    look: LawFreeFindings | None = None
+    """What was found without a law; None of a diagnosis from modes alone."""
     modal: Findings | None = None
     """What a diagnosis from modes alone knows besides; None of one from FRFs."""
 

@@ -9,9 +9,11 @@ import numpy as np
 from jaxtyping import Bool
 
 from flexmodal.campaign import Campaign, CampaignPosture
-from flexmodal.diagnosis.effects import Context, Effect, catalogue
+from flexmodal.diagnosis.effects import Context, Effect
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.search.lines import COARSE, some_lines, unlimited
+from flexmodal.diagnosis.selection.asked import effects_of
+from flexmodal.diagnosis.selection.decision import Asked
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.identification import Observations, fit, gap, observe, predict
 from flexmodal.identification.compatibility import check_compatible
@@ -38,6 +40,8 @@ class Setup:
     """Without the postures held out."""
     held: Bool[np.ndarray, " observation"]
     effects: tuple[Effect, ...]
+    asked: Asked | None
+    """Effects that the caller named; None for the whole catalogue."""
     seed: int
     advance: Advance
 
@@ -51,7 +55,7 @@ def prepare(
     campaign: Campaign,
     robot: Robot,
     hold_out: Sequence[int | str] | None,
-    effects: Sequence[str] | None,
+    asked: Asked | None,
     trust: Mapping[str, float] | None,
     seed: int,
     advance: Advance,
@@ -65,13 +69,13 @@ def prepare(
     observations = observe(campaign)
     context = Context.of(robot, observations)
     observations = _whole(observations, context)
-    known = tuple(catalogue(effects).values())
+    known = effects_of(asked, context)
     base = robot_space(robot, trust={**trust_of(robot, TRUST), **(trust or {})})
     if hold_out is None:
         held = _middling(context, base, observations)
     else:
         held = np.isin(observations.posture, numbers_of(observations.postures, hold_out, seen_by="FRFs"))
-    return Setup(context, base, observations, observations.keeping(~held), held, known, seed, advance)
+    return Setup(context, base, observations, observations.keeping(~held), held, known, asked, seed, advance)
 
 
 def trust_of(robot: Robot, trust: Mapping[str, float]) -> dict[str, float]:

@@ -3,38 +3,38 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
 from flexmodal.campaign import Campaign
-from flexmodal.diagnosis.disagreement.compare import disagreement
-from flexmodal.diagnosis.disagreement.gaps import gaps_of, left, over_noise
-from flexmodal.diagnosis.modal_workflow import diagnose_modes, is_modal
-from flexmodal.diagnosis.outcome import Diagnosis, NextMeasurement
-from flexmodal.diagnosis.provenance import provenance
-from flexmodal.diagnosis.search.looking import looked_at
+from flexmodal.diagnosis.outcome import Diagnosis
+from flexmodal.diagnosis.result import diagnosis_of
+from flexmodal.diagnosis.selection.asked import asked_of
 from flexmodal.diagnosis.selection.beside_frfs import ModesBeside
-from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
-from flexmodal.diagnosis.selection.frf_selection import FLOOR_REACHED, FrfSelection
-from flexmodal.diagnosis.setup import Advance, prepare
-from flexmodal.diagnosis.verdict.next_measurement import next_measurement
-from flexmodal.diagnosis.verdict.verdict import verdict
-from flexmodal.identification import gap, uncertainty
+from flexmodal.diagnosis.selection.comparison import M
+from flexmodal.diagnosis.selection.data import Data
+from flexmodal.diagnosis.selection.decision import Asked
+from flexmodal.diagnosis.selection.frf_data import FrfData
+from flexmodal.diagnosis.selection.modal_data import ModalData
+from flexmodal.diagnosis.selection.selection import ForwardSelection
+from flexmodal.diagnosis.setup import Advance, numbers_of, prepare, trust_of
+from flexmodal.identification.compatibility import check_compatible, placed_on
 from flexmodal.identification.evidence.mode_sources import modes_of_table
+from flexmodal.identification.source import Source, doubled, source_of
 from flexmodal.model import Robot
+from flexmodal.structure import robot_space
 
-EXPLAINED = 2.0
-"""Distance of a model from the measurement, over that of the noise, that a strong effect may leave."""
-LEFT = 0.03
-"""Part of the disagreement above the noise that may be left then."""
+MODAL_TRUST = {"stiffness": 0.5, "damping": 1.0, "mass": 0.2, "inertia": 0.2}
+"""Standard deviation of ln(true / card) with modes alone, unless the card or the caller says other; weighing
+halves and doubles it."""
 
 
 def diagnose(
     campaign: Campaign,
     robot: Robot,
     *,
+    source: Source | None = None,
     hold_out: Sequence[int | str] | None = None,
     effects: Sequence[str] | None = None,
     trust: Mapping[str, float] | None = None,
@@ -44,85 +44,57 @@ def diagnose(
     """Find what is missing between a robot and a campaign of hammer tests on it.
 
     Args:
-        campaign: with FRFs, blows to estimate them from, modes, or FRFs and modes, which both count then.
+        campaign: with FRFs, blows to estimate them from, modes, or FRFs and modes, which both count then. Of
+            modes alone, a point on a link that the robot lacks is taken where its card has a point of that
+            name.
         robot: as it is believed to be.
+        source: "frf", "modes" or "both"; everything that was measured by default.
         hold_out: postures (ids or names) that no weighed fit sees. By default one in four, at least one,
             those on which the re-tuned robot is neither best nor worst; with fewer than three postures none.
-        effects: names from the catalogue; all by default.
+            With modes alone each is left out in turn, with three or more.
+        effects: names from the catalogue; all by default. `NAME@WHERE` looks in that place only, and adds the
+            effect there if it gains more than a tie.
         trust: standard deviation of ln(true / card) by kind or parameter name.
-        seed: of the bootstrap.
+        seed: of the bootstrap, and of the postures tried for the next measurement.
         advance: called with what is being done and the part of it that is done.
 
     Raises:
         InvalidRequest: no data, unknown effects or postures, a campaign that does not belong to the robot.
     """
-    if is_modal(campaign):
-        return diagnose_modes(
-            campaign, robot, hold_out=hold_out, effects=effects, trust=trust, seed=seed, advance=advance
-        )
+    asked, chosen, warnings = asked_of(effects), source_of(campaign, source), doubled(campaign, source)
     with threadpool_limits(1):  # matrices this small only wait for the threads of a BLAS
-        setup = prepare(campaign, robot, hold_out, effects, trust, seed, advance)
-        modes = None if campaign.modes is None else ModesBeside(modes_of_table(campaign), setup.fitted)
-        selection = FrfSelection(setup, modes)
-        selection.run()
-        return _diagnosis_of(selection)
+        if chosen != "modes":
+            setup = prepare(campaign, robot, hold_out, asked, trust, seed, advance)
+            modes = ModesBeside(modes_of_table(campaign), setup.fitted) if chosen == "both" else None
+            left_out = setup.observations.silent
+            return _concluded(FrfData(setup, modes), left_out=left_out, warnings=warnings, seed=seed)
+        placed, moved = placed_on(campaign, robot)
+        data = _modal(placed, robot, hold_out, asked, trust, seed, advance)
+        return _concluded(data, left_out=moved, warnings=warnings, seed=seed)
 
 
-def _diagnosis_of(selection: FrfSelection) -> Diagnosis:
-    setup = selection.setup
-    setup.advance("fitting everything once more", 0.0)
-    held_pair = gaps_of(setup, selection.root, selection.current)
-    final = selection.current
-    if setup.held.any():
-        every = setup.observations
-        final = looked_at(setup, final.hypothesis, final.x, fitted_to=every)
-        before = looked_at(setup, selection.root.hypothesis, selection.root.x, fitted_to=every)
-    else:
-        before = selection.root
-    over = over_noise(setup, final)
-    explained = over <= FLOOR_REACHED or (over <= EXPLAINED and left(setup, selection.root, final) <= LEFT)
-    if selection.force_matters and not final.hypothesis.by_force:
-        explained = False  # nothing linear changes with the force
-    lacking = selection.lacking(selection.current)
-    explained = explained and not lacking
-    everything = gap(setup.observations, selection.believed)
-    gaps = replace(
-        gaps_of(setup, before, final, everything.value),
-        held_out_before=held_pair.held_out_before,
-        held_out_after=held_pair.held_out_after,
-    )
-    says = verdict(setup, selection.steps, final, gaps, over, explained=explained, lacking=lacking)
-    sure = uncertainty(final.hypothesis.space, final.fitted.normal, setup.observations)
-    setup.advance("what to measure next", 0.5)
-    return Diagnosis(
-        campaign=setup.observations.campaign.title,
-        robot=setup.context.robot.name,
-        gaps=gaps,
-        disagreement=disagreement(setup.observations, before.predicted),
-        remaining=disagreement(setup.observations, final.predicted),
-        steps=tuple(selection.steps) if explained else (),
-        verdict=says,
-        next_measurement=_next(selection, final),
-        untestable=setup.untestable,
-        left_out=setup.observations.silent,
-        held_out=tuple(
-            setup.observations.postures[int(k)].id for k in np.unique(setup.observations.posture[setup.held])
-        ),
-        model=final.hypothesis,
-        x=final.x,
-        deviation=sure.deviation,
-        frfs=setup.observations,
-        predicted={"believed": selection.believed, "before": before.predicted, "after": final.predicted},
-        refused=tuple(selection.refused),
-        provenance=provenance(setup.observations.campaign, setup.context.robot, setup.seed),
-    )
+def _concluded(
+    data: Data[M], *, left_out: tuple[str, ...], warnings: tuple[str, ...], seed: int
+) -> Diagnosis:
+    selection = ForwardSelection(data)
+    selection.run()
+    return diagnosis_of(selection, left_out=left_out, warnings=warnings, seed=seed)
 
 
-def _next(selection: FrfSelection, final: FittedFrfs) -> NextMeasurement | None:
-    if selection.runner_up is None:
-        return None
-    return next_measurement(
-        selection.setup.observations,
-        (final.hypothesis, final.x),
-        (selection.runner_up.hypothesis, selection.runner_up.x),
-    )
+def _modal(
+    campaign: Campaign,
+    robot: Robot,
+    hold_out: Sequence[int | str] | None,
+    asked: Asked | None,
+    trust: Mapping[str, float] | None,
+    seed: int,
+    advance: Advance,
+) -> ModalData:
+    check_compatible(campaign, robot)
+    measured = modes_of_table(campaign)
+    base = robot_space(robot, trust={**trust_of(robot, MODAL_TRUST), **(trust or {})})
+    held = None
+    if hold_out is not None:
+        away = numbers_of(measured.postures, hold_out, seen_by="modes")
+        held = np.array([mode.posture in away for mode in measured.modes])
+    return ModalData(measured, robot, base, asked, held, seed, advance)

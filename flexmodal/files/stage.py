@@ -54,7 +54,12 @@ def claimed(target: Path) -> Iterator[Path]:
         OutputExists: another process is writing it.
     """
     stage = stage_of(target)
-    handle = _lock(stage)
+    try:
+        handle = _lock(stage)
+    except BaseException:  # told to end on the way; the lock is free again
+        if (handle := _lock(stage)) is not None:
+            _leave(stage, handle)
+        raise
     if handle is None:
         allowed = "a new name, or waiting until that process is done"
         raise OutputExists(Fault(str(target), "", "something that another process is writing", allowed))
@@ -180,6 +185,9 @@ def _lock(stage: Path) -> int | None:
             return None
         except FileNotFoundError:
             pass
+        except BaseException:
+            os.close(handle)
+            raise
         os.close(handle)
 
 

@@ -14,6 +14,29 @@ MOST_LINES = 10_000_000
 MOST_HERTZ = 1e12
 """Higher frequencies mean nothing here, and their squares and fourth powers leave the range of numbers."""
 
+LEAST_HERTZ = 1e-9
+"""Lower frequencies but 0 mean nothing either."""
+
+MOST_VALUES = 20_000_000
+"""Values of an FRF, lines times responses times references (320 MB); JSON takes several times that."""
+
+
+def check_values(lines: int, responses: int, references: int) -> None:
+    """Complain about an FRF before it is allocated.
+
+    Args:
+        lines: of its axis.
+        responses: how many.
+        references: how many.
+
+    Raises:
+        InvalidFrequencies: it would hold more than `MOST_VALUES`.
+    """
+    if lines * responses * references > MOST_VALUES:
+        found = f"{lines} lines × {responses} responses × {references} references"
+        allowed = f"at most {MOST_VALUES:,} values: fewer lines, or fewer directions at a time"
+        raise InvalidFrequencies(Fault("call", "frequencies", found, allowed))
+
 
 def frequency_axis(values: ArrayLike | float, *, source: str = "call") -> Float[np.ndarray, " line"]:
     """Check a frequency axis and return it as a read-only array.

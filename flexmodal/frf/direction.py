@@ -1,4 +1,4 @@
-"""A point and a direction at it, written "tool:+z"."""
+"""A point and a direction at it, written "tool:+z"; a point's own name may hold colons, as `ns:tool0`."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from flexmodal.errors import Fault, InvalidPoint
 AXES = ("x", "y", "z", "rx", "ry", "rz")
 """Translations, then rotations, along and about the axes of the world frame."""
 
-_TEXT = re.compile(r"(?P<point>[^:\s]([^:]*[^:\s])?):(?P<sign>[+-]?)(?P<axis>r?[xyz])")
+_TEXT = re.compile(r"(?P<point>[^:\s](.*[^:\s])?):(?P<sign>[+-]?)(?P<axis>r?[xyz])", re.DOTALL)
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,7 @@ class PointDirection:
     sign: int = 1
 
     def __post_init__(self) -> None:
-        named = self.point and self.point == self.point.strip() and ":" not in self.point
+        named = self.point and self.point == self.point.strip(": \t")
         if not named or self.axis not in AXES or self.sign not in (1, -1):
             raise _fault(f"{self.point}:{self.sign:+d}{self.axis}")
 

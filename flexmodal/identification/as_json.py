@@ -38,6 +38,7 @@ def as_json(outcome: Identification) -> dict[str, Any]:
         "over_noise": _finite(outcome.over_noise),
         "converged": outcome.fitted.converged,
         "verdict": outcome.verdict,
+        "warnings": list(outcome.problem.warnings),
         "provenance": dict(outcome.provenance),
     }
 

@@ -39,7 +39,7 @@ class Descent:
     """Where a descent ended."""
 
     x: Float[np.ndarray, " parameter"]
-    normal: Normal
+    cost: float
     steps: int
     converged: bool
 
@@ -77,7 +77,7 @@ def descend(
     for taken in range(1, most + 1):
         free = ~(((x <= low) & (normal.gradient > 0)) | ((x >= high) & (normal.gradient < 0)))
         if not free.any():
-            return Descent(x, normal, taken, True)
+            return Descent(x, normal.cost, taken, True)
         hessian = normal.curvature + prior
         found = None
         while found is None and damping < LAST:
@@ -92,14 +92,14 @@ def descend(
             else:
                 damping = max(damping, 1e-6) * 8
         if found is None:
-            return Descent(x, normal, taken, True)
+            return Descent(x, normal.cost, taken, True)
         gained = (normal.cost - value) / max(normal.cost, 1e-300)
         x, damping = found, damping / 5
+        advance(taken, value)
+        if gained < settled or taken == most:
+            return Descent(x, value, taken, gained < settled)
         normal = equations(x)
-        advance(taken, normal.cost)
-        if gained < settled:
-            return Descent(x, normal, taken, True)
-    return Descent(x, normal, most, False)
+    return Descent(x, normal.cost, most, False)
 
 
 def robust(scaled: Float[np.ndarray, "*shape"]) -> Float[np.ndarray, "*shape"]:

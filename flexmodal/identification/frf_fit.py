@@ -10,8 +10,9 @@ posteriori estimate; steps are damped after Levenberg and Marquardt.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from jaxtyping import Complex, Float, Int
@@ -19,7 +20,7 @@ from jaxtyping import Complex, Float, Int
 from flexmodal.errors import Fault, InvalidRequest, SingularResponse
 from flexmodal.identification.descent import Normal, descend, prior_cost, robust, robust_weight
 from flexmodal.identification.layout import summed
-from flexmodal.identification.model import Model, predictions
+from flexmodal.identification.model import Model, ReceptanceModel, Seen, predictions
 from flexmodal.identification.observations import Observations
 
 FLOORS = (0.2, 0.05, 0.01)
@@ -49,17 +50,6 @@ class Weighing:
         return weight if self.share is None else weight * self.share[:, None]
 
 
-@dataclass(frozen=True, eq=False)
-class FrfFit:
-    """Where a fit ended."""
-
-    x: Float[np.ndarray, " parameter"]
-    normal: Normal
-    weighing: Weighing
-    converged: bool
-    steps: int
-
-
 def residual(
     predicted: Complex[np.ndarray, "*shape"], measured: Complex[np.ndarray, "*shape"]
 ) -> Complex[np.ndarray, "*shape"]:
@@ -77,24 +67,119 @@ def residual(
     return found
 
 
-def _square(r: np.ndarray) -> np.ndarray:
+def square(r: np.ndarray) -> np.ndarray:
+    """|r|²."""
     return np.asarray(r.real**2 + r.imag**2)
+
+
+@dataclass(frozen=True, eq=False)
+class FrfMisfit:
+    """Robust sum of squares of a model on FRFs, and its normal equations; see `evidence.Misfit`.
+
+    What the model predicted where it was asked last is kept: a fit asks for the normal equations where a step
+    has just been tried.
+    """
+
+    model: Model
+    observations: Observations
+    weighing: Weighing
+
+    def cost(self, x: Float[np.ndarray, " parameter"]) -> float:
+        """The cost alone; infinite where there is no model."""
+        total = 0.0
+        try:
+            for seen in self._predictions(x, slopes=False):
+                total += float(np.sum(robust(self._weight[seen.observations] * square(self._residual(seen)))))
+        except (np.linalg.LinAlgError, SingularResponse):
+            return float("inf")
+        return total + prior_cost(self.model.space, x)
+
+    def equations(self, x: Float[np.ndarray, " parameter"], *, apart: bool = False) -> Normal:
+        """Cost, gradient and curvature at x; `apart`: with what each observation adds to the curvature."""
+        size = len(self.model.space)
+        if apart:
+            return self._apart(x)
+        curvature, gradient = np.zeros((size, size)), self.model.space.precision * x
+        data_cost = 0.0
+        for seen in self._predictions(x, slopes=True):
+            r, w, scaled = self._weighed(seen)
+            data_cost += float(np.sum(robust(scaled)))
+            # observations of one receptance have their derivatives in common
+            value = np.where(seen.value == 0, np.inf, seen.value)
+            together = summed(w, seen.entry, len(value))
+            root = np.sqrt(together)
+            pull = summed(w * r, seen.entry, len(value)) / np.where(root > 0, root, np.inf)
+            flat = seen.slopes(root / value).reshape(size, -1)
+            curvature += flat @ flat.T
+            gradient = gradient + flat @ np.stack([pull.real, pull.imag], axis=1).ravel()
+        cost = data_cost + prior_cost(self.model.space, x)
+        return Normal(cost, data_cost, gradient, curvature, np.zeros((0, size)), np.zeros(0), None)
+
+    def same_pairs(self, other: object) -> bool:
+        """There are none."""
+        return True
+
+    def _apart(self, x: Float[np.ndarray, " parameter"]) -> Normal:
+        size, count = len(self.model.space), len(self.observations)
+        blocks, scores, squared = np.zeros((count, size, size)), np.zeros((count, size)), np.zeros(count)
+        data_cost = 0.0
+        for seen in self._predictions(x, slopes=True):
+            r, w, scaled = self._weighed(seen)
+            data_cost += float(np.sum(robust(scaled)))
+            rows = seen.observations
+            squared[rows] = scaled.sum(axis=1)
+            relative, root = seen.slopes(1 / np.where(seen.value == 0, np.inf, seen.value)), np.sqrt(w)
+            for row, entry, half, own in zip(rows.tolist(), seen.entry.tolist(), root, r, strict=True):
+                each = (relative[:, entry] * half).reshape(size, -1)
+                scores[row] = each @ np.concatenate([own.real * half, own.imag * half])
+                blocks[row] = each @ each.T
+        space = self.model.space
+        gradient = space.precision * x + scores.sum(axis=0)
+        cost = data_cost + prior_cost(space, x)
+        return Normal(cost, data_cost, gradient, blocks.sum(axis=0), scores, squared, blocks)
+
+    def _weighed(self, seen: Seen) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Residuals, their weights, and their squares in units of variances."""
+        weight, r = self._weight[seen.observations], self._residual(seen)
+        scaled = weight * square(r)
+        return r, weight * robust_weight(scaled), scaled
+
+    def _residual(self, seen: Seen) -> np.ndarray:
+        return residual(seen.value[seen.entry], self._measured[seen.observations])
+
+    def _predictions(self, x: np.ndarray, *, slopes: bool) -> Iterable[Seen]:
+        if not self._is_kept:
+            return predictions(self.model, x, self.observations, self.weighing.lines, slopes=slopes)
+        key = x.tobytes()
+        if key not in self._kept:
+            made = list(predictions(self.model, x, self.observations, self.weighing.lines, slopes=False))
+            self._kept.clear()
+            self._kept[key] = made
+        return self._kept[key]
+
+    @cached_property
+    def _is_kept(self) -> bool:
+        """Whether derivatives are found from what was predicted, once they are asked for."""
+        return not isinstance(self.model, ReceptanceModel)
+
+    @cached_property
+    def _kept(self) -> dict[bytes, list[Seen]]:
+        return {}
+
+    @cached_property
+    def _weight(self) -> Float[np.ndarray, "observation line"]:
+        return self.weighing.weight(self.observations)
+
+    @cached_property
+    def _measured(self) -> Complex[np.ndarray, "observation line"]:
+        return np.ascontiguousarray(self.observations.value[:, self.weighing.lines])
 
 
 def cost_of(
     model: Model, x: Float[np.ndarray, " parameter"], observations: Observations, weighing: Weighing
 ) -> float:
     """Cost alone: the robust sum of squares plus the prior's; infinite where there is no model."""
-    weight = weighing.weight(observations)
-    total = 0.0
-    try:
-        for seen in predictions(model, x, observations, weighing.lines, slopes=False):
-            rows = seen.observations
-            r = residual(seen.value[seen.entry], observations.value[rows][:, weighing.lines])
-            total += float(np.sum(robust(weight[rows] * _square(r))))
-    except (np.linalg.LinAlgError, SingularResponse):
-        return float("inf")
-    return total + prior_cost(model.space, x)
+    return FrfMisfit(model, observations, weighing).cost(x)
 
 
 def normal_equations(
@@ -106,37 +191,30 @@ def normal_equations(
     apart: bool = False,
 ) -> Normal:
     """Cost, gradient and curvature at x; `apart`: with what each observation adds to the curvature."""
-    weight = weighing.weight(observations)
-    size, count = len(model.space), len(observations) if apart else 0
-    curvature, gradient = np.zeros((size, size)), model.space.precision * x
-    blocks = np.zeros((count, size, size)) if apart else None
-    scores, squared = np.zeros((count, size)), np.zeros(count)
-    data_cost = 0.0
-    for seen in predictions(model, x, observations, weighing.lines, slopes=True):
-        rows, value = seen.observations, np.where(seen.value == 0, np.inf, seen.value)
-        r = residual(seen.value[seen.entry], observations.value[rows][:, weighing.lines])
-        scaled = weight[rows] * _square(r)
-        data_cost += float(np.sum(robust(scaled)))
-        w = weight[rows] * robust_weight(scaled)
-        if blocks is None:  # observations of one receptance have their derivatives in common
-            together = summed(w, seen.entry, len(value))
-            root = np.sqrt(together)
-            pull = summed(w * r, seen.entry, len(value)) / np.where(root > 0, root, np.inf)
-            flat = seen.slopes(root / value).reshape(size, -1)
-            curvature += flat @ flat.T
-            gradient = gradient + flat @ np.stack([pull.real, pull.imag], axis=1).ravel()
-            continue
-        squared[rows] = scaled.sum(axis=1)
-        relative, root = seen.slopes(1 / value), np.sqrt(w)
-        for row, entry, half, own in zip(rows.tolist(), seen.entry.tolist(), root, r, strict=True):
-            each = (relative[:, entry] * half).reshape(size, -1)
-            scores[row] = each @ np.concatenate([own.real * half, own.imag * half])
-            blocks[row] = each @ each.T
-    if blocks is not None:
-        curvature, gradient = blocks.sum(axis=0), gradient + scores.sum(axis=0)
-    return Normal(
-        data_cost + prior_cost(model.space, x), data_cost, gradient, curvature, scores, squared, blocks
-    )
+    return FrfMisfit(model, observations, weighing).equations(x, apart=apart)
+
+
+@dataclass(frozen=True, eq=False)
+class FrfFit:
+    """Where a fit ended."""
+
+    x: Float[np.ndarray, " parameter"]
+    cost: float
+    misfit: FrfMisfit
+    converged: bool
+    steps: int
+    apart: bool = True
+    """Whether the normal equations are with what each observation adds to the curvature."""
+
+    @property
+    def weighing(self) -> Weighing:
+        """How residuals counted at the end."""
+        return self.misfit.weighing
+
+    @cached_property
+    def normal(self) -> Normal:
+        """Normal equations there."""
+        return self.misfit.equations(self.x, apart=self.apart)
 
 
 def fit(
@@ -177,11 +255,11 @@ def fit(
         raise InvalidRequest(Fault("call", "floors", "none", "at least one"))
     total = 0
     for number, floor in enumerate(floors):
-        weighing = Weighing(floor, lines, share)
+        misfit = FrfMisfit(model, observations, Weighing(floor, lines, share))
         found = descend(
             model.space,
-            lambda x, w=weighing: normal_equations(model, x, observations, w),  # type: ignore[misc]
-            lambda x, w=weighing: cost_of(model, x, observations, w),  # type: ignore[misc]
+            misfit.equations,
+            misfit.cost,
             x,
             most=steps,
             settled=settled if number == len(floors) - 1 else SETTLED,
@@ -189,7 +267,4 @@ def fit(
             advance=lambda step, cost, before=total: advance(before + step, cost),  # type: ignore[misc]
         )
         x, total = found.x, total + found.steps
-    normal = found.normal
-    if apart:
-        normal = normal_equations(model, x, observations, weighing, apart=True)
-    return FrfFit(x, normal, weighing, found.converged, total)
+    return FrfFit(x, found.cost, misfit, found.converged, total, apart)

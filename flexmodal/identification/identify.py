@@ -13,7 +13,8 @@ from flexmodal.identification.evidence.modal import MODEL_ERROR
 from flexmodal.identification.held_out import predicted_apart
 from flexmodal.identification.optima import search
 from flexmodal.identification.outcome import Gaps, HeldOut, Identification
-from flexmodal.identification.problem import IdentificationProblem, Source, build_identification
+from flexmodal.identification.problem import IdentificationProblem, build_identification
+from flexmodal.identification.source import Source
 from flexmodal.model import Robot
 from flexmodal.structure.parameter import ParameterSpace
 

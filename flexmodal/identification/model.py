@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Protocol, runtime_checkable
 
@@ -40,6 +40,8 @@ class Group:
     structures: Structures
     part: Part
     reading: Reading | None = None
+    sloped: Callable[[], Group] | None = None
+    """The same with derivatives; None where they are in it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -236,26 +238,27 @@ def _parts_of(value: np.ndarray) -> np.ndarray:
 
 
 def seen_in(group: Group, axis: Axis) -> Seen:
-    """Receptances of a group as the sensors read them, and their derivatives."""
-    part, structures = group.part, group.structures
-    found = solved(structures, axis, part.entries)
+    """Receptances of a group as the sensors read them, and their derivatives once they are asked for."""
+    part = group.part
+    found = solved(group.structures, axis, part.entries)
     value, factor = found.value, None
     lost = missing_of(found) if axis.length > 0 else None
     if lost is not None:
         value = value + lost
-    log, changes = group.reading(axis) if group.reading is not None else (None, {})
-    if log is not None:
-        factor = np.exp(log)
+    if group.reading is not None:
+        factor = np.exp(group.reading(axis)[0])
         value = value * factor
 
     def slopes(scale: np.ndarray) -> np.ndarray:
+        full = group if group.sloped is None else group.sloped()
+        sloped = replace(found, structures=full.structures)
         inner = scale if factor is None else scale * factor
-        made = found.slopes(inner)
+        made = sloped.slopes(inner)
         if lost is not None and axis.cut_slopes:
-            both = missing_with_slopes(found, structures.names)
+            both = missing_with_slopes(sloped, full.structures.names)
             if both is not None:
                 made += _parts_of(both[1] * inner)
-        for number, change in changes.items():
+        for number, change in ({} if full.reading is None else full.reading(axis)[1]).items():
             made[number] += _parts_of(value * change * scale)
         return made
 

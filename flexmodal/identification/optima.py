@@ -38,14 +38,14 @@ def search(evidence: Evidence, *, starts: int = 1, seed: int = 0) -> tuple[Fitte
         raise InvalidRequest(Fault("call", "starts", str(starts), f"1 to {MOST}"))
     if starts == 1:
         fitted = evidence.fit()
-        return fitted, (Optimum(tuple(fitted.x.tolist()), fitted.normal.cost, 1),)
+        return fitted, (Optimum(tuple(fitted.x.tolist()), fitted.cost, 1),)
     quick = [evidence.fit(start, quick=True) for start in _starts(evidence, starts, seed)]
-    best = min(one.normal.cost for one in quick)
+    best = min(one.cost for one in quick)
     finals: list[tuple[Fitted, int]] = []
     seen: list[tuple[Fitted, int]] = []  # quick optimum, number of its final one
     for one in quick:
         known = next((n for other, n in seen if _same(one, other)), None)
-        if known is None and one.normal.cost <= NO_BETTER * best:
+        if known is None and one.cost <= NO_BETTER * best:
             full = evidence.fit(one.x)
             known = next((n for n, (other, _) in enumerate(finals) if _same(full, other)), None)
             if known is None:
@@ -54,8 +54,8 @@ def search(evidence: Evidence, *, starts: int = 1, seed: int = 0) -> tuple[Fitte
         if known is not None:
             seen.append((one, known))
             finals[known] = (finals[known][0], finals[known][1] + 1)
-    order = sorted(finals, key=lambda item: item[0].normal.cost)
-    optima = tuple(Optimum(tuple(f.x.tolist()), f.normal.cost, hits) for f, hits in order)
+    order = sorted(finals, key=lambda item: item[0].cost)
+    optima = tuple(Optimum(tuple(f.x.tolist()), f.cost, hits) for f, hits in order)
     return order[0][0], optima
 
 

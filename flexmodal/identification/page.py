@@ -51,6 +51,7 @@ def write_identification_page(outcome: Identification, path: Path, *, overwrite:
     lead: Parts = [
         f"{verdict}.",
         f"Before the fit: {outcome.before_fit.verdict}.",
+        *outcome.problem.warnings,
         Table(columns(HEADER, words=HEADER[-1:]), rows, faint=faint),
     ]
     gap: Parts = [f"The gap between model and measurement: the root mean square of {GAP_OF[problem.source]}.",

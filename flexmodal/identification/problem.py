@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal
 
 import numpy as np
 
@@ -21,12 +20,12 @@ from flexmodal.identification.evidence.mode_sources import modes_of_frfs, modes_
 from flexmodal.identification.identifiability import Identifiability
 from flexmodal.identification.model import RobotModel
 from flexmodal.identification.observations import observe
+from flexmodal.identification.source import Source, doubled, source_of
 from flexmodal.model import Robot
 from flexmodal.structure.parameter import ParameterSpace
 from flexmodal.structure.space import robot_space
 from flexmodal.text.words import listing, nearest
 
-Source = Literal["frf", "modes", "both"]
 OSCILLATING = 0.5
 """Damping ratio up to which a mode makes a peak."""
 
@@ -45,6 +44,8 @@ class IdentificationProblem:
     """The same with what is held out."""
     held_out: tuple[tuple[str, str], ...] = ()
     """Kind and name of what the fit never sees."""
+    warnings: tuple[str, ...] = ()
+    """What was taken for granted that may not be so."""
 
     @property
     def what(self) -> str:
@@ -95,7 +96,7 @@ def build_identification(
     check_compatible(campaign, robot)
     if not 0 <= model_error < 1:
         raise InvalidRequest(Fault("call", "model_error", f"{model_error:g}", "0 to 1"))
-    source = source or _source_of(campaign)
+    warnings, source = doubled(campaign, source), source_of(campaign, source)
     if use is not None and source == "frf":
         found = f"{', '.join(use)} of modes, while FRFs are fitted"
         raise InvalidRequest(Fault("call", "use", found, "none, or modes as the source"))
@@ -116,14 +117,7 @@ def build_identification(
     faults = evidence.faults()
     if faults:
         raise InvalidRequest(faults)
-    return IdentificationProblem(campaign, robot, chosen, source, evidence, whole, held)
-
-
-def _source_of(campaign: Campaign) -> Source:
-    """Everything that was measured."""
-    if campaign.frfs is None and not campaign.blows:
-        return "modes"
-    return "frf" if campaign.modes is None else "both"
+    return IdentificationProblem(campaign, robot, chosen, source, evidence, whole, held, warnings)
 
 
 def _of_modes(

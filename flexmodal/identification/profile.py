@@ -87,7 +87,7 @@ def _end(
     for refit in range(1, MOST + 1):
         at = min(max(x + step, low), high)
         found: Fitted = evidence.fit(base.x + ridge * (at - x), warm=True, hold={name: at})
-        risen = found.normal.cost - base.normal.cost
+        risen = found.cost - base.cost
         at_bound = at in (low, high)
         if abs(risen / rise - 1) < CLOSE or (at_bound and risen < rise):
             return at, refit

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Complex, Float
 
+from flexmodal.modal.graded import RANGE, check_digits, graded_squares, mended
 from flexmodal.modal.hysteretic import with_hysteresis
 from flexmodal.modal.system import SecondOrderSystem
 
@@ -70,19 +71,25 @@ def solve_modes(system: SecondOrderSystem) -> Modes:
     """Find the modes of a system.
 
     Undamped and proportionally damped systems (those whose `M⁻¹C` and `M⁻¹K` commute) are solved by a
-    real symmetric eigenproblem, exact for repeated frequencies; all others by the companion form in
-    coordinates that make the mass matrix the identity. Hysteretic loss comes on top, pole by pole.
+    real symmetric eigenproblem, exact for repeated frequencies, and for those that range widely to their own
+    digits; all others by the companion form in coordinates that make the mass matrix the identity. Hysteretic
+    loss comes on top, pole by pole.
 
     Args:
         system: mass, damping and stiffness, and hysteresis if it has any.
 
     Returns:
         The modes, ordered by |pole|.
+
+    Raises:
+        InaccurateModes: stiffness and damping range over too many decades for a double.
     """
     root = np.linalg.inv(np.linalg.cholesky(system.mass))  # x = rootᵀ y makes M the identity
     stiffness = root @ system.stiffness @ root.T
     damping = root @ system.damping @ root.T
     square, vectors = np.linalg.eigh((stiffness + stiffness.T) / 2)
+    if square[0] < RANGE * square[-1]:
+        square, vectors = graded_squares(system.stiffness, root) or (square, vectors)
     unit = float(np.sqrt(np.max(np.abs(square)))) or 1.0  # a frequency near the others, for balance
     square = np.maximum(square, 0.0) / unit**2
     damping = vectors.T @ ((damping + damping.T) / 2 / unit) @ vectors
@@ -93,17 +100,14 @@ def solve_modes(system: SecondOrderSystem) -> Modes:
         poles, shapes = _decoupled(square, np.diag(damping))
         shapes, condition = _scale(poles, shapes, damping)
     else:
-        poles, shapes = _coupled(square, damping)
+        poles, shapes = mended(*_coupled(square, damping), square, damping)
         shapes, condition = _scale(poles, shapes, damping)
         shapes = _straighten(poles, shapes, damping, np.isfinite(condition))
     keep = poles.imag >= 0
     order = np.lexsort((poles[keep].real, np.abs(poles[keep])))
-    pole, shape, condition = with_hysteresis(
-        system,
-        poles[keep][order] * unit,
-        (root.T @ vectors @ turn @ shapes)[:, keep][:, order] / np.sqrt(unit),
-        condition[keep][order],
-    )
+    poles, shapes = poles[keep][order] * unit, (root.T @ vectors @ turn @ shapes)[:, keep][:, order]
+    check_digits(system, poles, shapes)
+    pole, shape, condition = with_hysteresis(system, poles, shapes / np.sqrt(unit), condition[keep][order])
     return Modes(pole, _signed(shape), condition, system.coordinates)
 
 

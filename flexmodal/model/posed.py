@@ -12,6 +12,7 @@ from jaxtyping import Float
 
 from flexmodal.errors import Fault, InvalidPoint, InvalidSystem, InvalidUrdf
 from flexmodal.frf import Frf, PointDirection, frequency_axis, receptance
+from flexmodal.frf.axis import check_values
 from flexmodal.modal import Modes, SecondOrderSystem, solve_modes
 from flexmodal.model.build import pinocchio
 from flexmodal.model.chain import FlexibleChain
@@ -165,6 +166,7 @@ class PosedRobot:
         axis = frequency_axis(frequencies)
         responses = self.directions(response)
         references = responses if reference is None else self.directions(reference)
+        check_values(len(axis), len(responses), len(references))
         value = receptance(self.system, self.rows(responses), self.rows(references), axis)
         return Frf(axis, value, responses, references).to(form)
 

@@ -15,9 +15,12 @@ from flexmodal.rig.blow import TIPS
 from flexmodal.rig.positions import AXES, choose_points, choose_references
 from flexmodal.structure.arm import plane_normal
 from flexmodal.text.gather import Gathering
+from flexmodal.text.words import listing
 
 MOST = 1000
 """The most postures, points, references or trials: beyond, it is a slip of the keyboard."""
+PEAKS = 1e-3, 1e6
+"""Peaks of a blow [N], from a pencil's to a pile driver's."""
 MOST_SAMPLES = 2**20
 """In one record."""
 _WIDEST = np.radians(150.0)
@@ -105,8 +108,8 @@ def _check(
 
     need(1 <= trials <= MOST, "trials", trials, f"1 to {MOST}")
     need(1 <= averages <= MOST, "averages", averages, f"1 to {MOST}")
-    sound = len(peaks) > 0 and all(np.isfinite(peak) and peak > 0 for peak in peaks)
-    need(sound, "peaks", peaks, "at least one finite force above 0 N")
+    sound = 0 < len(peaks) <= MOST and all(PEAKS[0] <= peak <= PEAKS[1] for peak in peaks)
+    need(sound, "peaks", listing(f"{peak:g}" for peak in peaks), "forces from {:g} to {:g} N".format(*PEAKS))
     need(tip in TIPS, "tip", repr(tip), ", ".join(TIPS))
     ordered = all(np.isfinite(band)) and 0 < band[0] < band[1] <= 1e5
     need(ordered, "band", f"{band[0]:g}:{band[1]:g}", "LOW:HIGH in Hz, 0 < LOW < HIGH ≤ 100000")

@@ -5,10 +5,12 @@ compliance port is a coordinate e whose spring 1/c(s) stands beside what Z has t
 
     Z′ = Z + e eᵀ/c,    [Z diag(1, …, c, …, 1) + e eᵀ] x = jᵀ,    y = diag(1, …, c, …, 1) x,
 
-in which x_e = f is the force through the port; this form is regular at c = 0, where the port is rigid. With
+in which x_e = f is the force through the port; this form is regular at c = 0, where the port is rigid.
+Several such coordinates may share a symmetric matrix of compliances in place of the diagonal. With
 y = Z′⁻¹ jᵀ of the rows u and v
 
-    ∂α/∂z = −y_uᵀ P y_v,    ∂α/∂c = f_u f_v,    ∂α/∂p = −y_uᵀ (∂Z + z ∂P) y_v + ∂u y_v + y_uᵀ ∂vᵀ,
+    ∂α/∂z = −y_uᵀ P y_v,    ∂α/∂c = f_u f_v,    ∂α/∂c_ij = f_ui f_vj + f_uj f_vi,
+    ∂α/∂p = −y_uᵀ (∂Z + z ∂P) y_v + ∂u y_v + y_uᵀ ∂vᵀ,
 
 exact at any z and c. Substructuring by frequency: de Klerk, Rixen and Voormeeren, AIAA Journal 46, 2008.
 """
@@ -46,6 +48,8 @@ class CompliancePort:
     coordinate: int
     value: Complex[np.ndarray, "#system line"]
     """c, the same in every system or one for each [m/N, rad/(N·m)]."""
+    other: int | None = None
+    """Another such coordinate, for what the force through one does to both; itself if None."""
 
 
 Port = StiffnessPort | CompliancePort
@@ -65,8 +69,10 @@ class Ported:
         """Derivatives along z or c of a port, by its number; each line depends on its own alone."""
         one, (system, left, right) = self.ports[port], self._rows
         if isinstance(one, CompliancePort):
-            k = one.coordinate
-            return np.asarray(self.force[system, left, k] * self.force[system, right, k])
+            i, force = one.coordinate, self.force
+            j = i if one.other is None else one.other
+            found = force[system, left, i] * force[system, right, j]
+            return np.asarray(found if i == j else found + force[system, left, j] * force[system, right, i])
         return -self._between(one.pattern)
 
     def slopes(self, scale: Complex[np.ndarray, "entry line"]) -> Float[np.ndarray, "parameter entry 2 line"]:
@@ -113,12 +119,8 @@ def solved_with(structures: Structures, axis: Axis, entries: Entries, ports: Seq
     for one in ports:
         if isinstance(one, StiffnessPort):
             matrix += one.value[:, :, None, None] * one.pattern[:, None]
-    factor = np.ones((len(structures), len(axis), matrix.shape[-1]), dtype=complex)
-    rigid = np.zeros(matrix.shape[-1])
-    for one in ports:
-        if isinstance(one, CompliancePort):
-            factor[:, :, one.coordinate], rigid[one.coordinate] = one.value, 1.0
-    matrix = matrix * factor[:, :, None] + np.diag(rigid)
+    factor, rigid = _compliances(ports, matrix.shape)
+    matrix = matrix @ factor + np.diag(rigid)
     rows = np.concatenate([structures.response, structures.reference], axis=1)
     right = np.broadcast_to(np.swapaxes(rows, 1, 2)[:, None], (*matrix.shape[:3], rows.shape[1]))
     try:
@@ -126,6 +128,21 @@ def solved_with(structures: Structures, axis: Axis, entries: Entries, ports: Seq
     except np.linalg.LinAlgError:
         raise SingularResponse("the receptance is infinite here: with its ports Z is singular") from None
     force = np.moveaxis(x, (3, 2), (1, 2))  # system, row, dof, line
-    y = force * np.swapaxes(factor, 1, 2)[:, None]
+    y = np.moveaxis(factor @ x, (3, 2), (1, 2))
     parts_of_y = np.ascontiguousarray(np.stack([y.real, y.imag], axis=3))
     return Ported(Solved(structures, axis, entries, parts_of_y, compiled=False), tuple(ports), force)
+
+
+def _compliances(
+    ports: Sequence[Port], shape: tuple[int, ...]
+) -> tuple[Complex[np.ndarray, "system line dof dof"], Float[np.ndarray, " dof"]]:
+    """What turns forces through the ports into motions, 1 elsewhere; and which coordinates have a port."""
+    factor = np.zeros(shape, dtype=complex)
+    factor[...] = np.eye(shape[-1])
+    rigid = np.zeros(shape[-1])
+    for one in ports:
+        if isinstance(one, CompliancePort):
+            i, j = one.coordinate, one.coordinate if one.other is None else one.other
+            factor[:, :, i, j] = factor[:, :, j, i] = one.value
+            rigid[[i, j]] = 1.0
+    return factor, rigid

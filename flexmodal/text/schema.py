@@ -11,7 +11,9 @@ Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0)]
 NotNegative = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0)]
 Text = Annotated[str, Field(strict=True, min_length=1)]
-Triple = Annotated[list[Number], Field(min_length=3, max_length=3)]
+Metres = Annotated[float, Field(strict=True, ge=-1e4, le=1e4)]
+"""No robot reaches ten kilometres."""
+Triple = Annotated[list[Metres], Field(min_length=3, max_length=3)]
 
 
 class Table(BaseModel):

@@ -1,5 +1,6 @@
 """Files that are spoilt on purpose: each is a clear sentence, in time and in little memory."""
 
+import re
 import resource
 import shutil
 import struct
@@ -162,11 +163,37 @@ def test_mixed_abscissas(text: Path) -> None:
         (12, 0, f"{8:10d}", "ordinate denominator data type: found 8; allowed: 13 force"),
         (12, 47, "lbf    ", "unit of the ordinate denominator: found 'lbf'"),
         (12, 10, "\x85\x85", "bytes that are no text"),
+        (11, 0, f"{8:10d}", "unit of the ordinate numerator: found 'm/s^2'; allowed: SI units: m for data"),
+        (11, 47, "m/s    ", "found 'm/s'; allowed: SI units: m/s^2 for data type 12"),
+        (11, 47, "kg     ", "unit of the ordinate numerator: found 'kg'"),
+        (11, 47, "banana ", "unit of the ordinate numerator: found 'banana'"),
+        (12, 47, "m      ", "unit of the ordinate denominator: found 'm'; allowed: SI units: N"),
+        (10, 47, "s      ", "unit of the abscissa: found 's'; allowed: SI units: Hz"),
     ],
 )
 def test_a_header_field(folder: Path, line: int, start: int, field: str, says: str) -> None:
     change_line(folder / "frf.uff", line, column(start, field))
     refused(folder, says)
+
+
+@pytest.mark.parametrize("label", ["", "NONE", "M/S**2", "(m/s^2)/N", "m / sec^2", "metres/s^2"])
+def test_labels_that_say_the_same(folder: Path, label: str) -> None:
+    change_line(folder / "frf.uff", 11, column(47, f"{label:20}"))
+    read_campaign(folder)
+
+
+@pytest.mark.parametrize(
+    ("part", "says"), [(0.34, "no FRF of posture"), (0.9, "fewer kinds of FRF of posture")]
+)
+def test_a_file_that_lost_its_end_where_a_record_ends(folder: Path, part: float, says: str) -> None:
+    """The first posture is whole; of the last nothing is left, or half. Its blows are all there."""
+    assert check_campaign(folder).warnings == ()
+    file = folder / "frf.uff"
+    ends = [found.end() for found in re.finditer(rb"    -1\n(?=    -1\n|\Z)", file.read_bytes())]
+    file.write_bytes(file.read_bytes()[: ends[int(part * len(ends))]])
+    report = check_campaign(folder)
+    assert report.is_sound
+    assert [one for one in report.warnings if f"{file}: {says}" in one]
 
 
 def test_a_time_history_of_an_unknown_quantity(folder: Path) -> None:
@@ -243,14 +270,14 @@ def test_a_record_twice(text: Path) -> None:
 
 def test_a_posture_without_records_is_a_warning(text: Path) -> None:
     change(text / "campaign.toml", "[[point]]", '[[posture]]\nid = 3\nname = "third"\nq = {}\n\n[[point]]')
-    assert any("no record of posture third" in warning for warning in read_campaign(text).warnings)
+    assert any("no FRF of posture third" in warning for warning in read_campaign(text).warnings)
 
 
 def test_a_file_cut_between_two_datasets_lacks_a_trial_or_posture(text: Path) -> None:
     content = (text / "frf.uff").read_text()
     datasets = content.split("    -1\n")
     (text / "frf.uff").write_text("    -1\n".join(datasets[: len(datasets) // 4 * 2]) + "    -1\n")
-    assert any("no record of posture bent" in warning for warning in read_campaign(text).warnings)
+    assert any("no FRF of posture bent" in warning for warning in read_campaign(text).warnings)
 
 
 def test_missing_coherence_is_a_warning_and_taken_as_one(text: Path) -> None:

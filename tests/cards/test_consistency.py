@@ -31,6 +31,8 @@ def test_a_card_and_its_urdf(folder):
 
 
 CASES = [
+    ("[point.end]", "[point.tool]", "point.tool", "the name of a link", "a name that no link has"),
+    ("[point.end]", "[point.arm]", "point.arm", "the name of a link", "a name that no link has"),
     ("[joint.q1]", "[joint.q3]", "joint.q3", "does not have", "q1, bend, q2"),
     ("[joint.q1]", "[joint.mount]", "joint.mount", "a fixed joint", "q1, bend, q2"),
     ('tool = "tool"', 'tool = "tol"', "tool", '"tol"', 'did you mean "tool"'),

@@ -202,7 +202,7 @@ REQUESTS = {
     ),
     "no starts": (
         ("optimise", "fanuc_s360", "--free", "--frequency", "5", "--starts", "0"),
-        ["starts", "at least 1"],
+        ["--starts", "1<=x<=100000"],
     ),
     "a bad start": ((*SEARCH, "--free", "--start", "q1=9"), ["--start", "q1", "limits"]),
     "seed -1": ((*SEARCH, "--free", "--seed", "-1"), ["--seed"]),

@@ -116,3 +116,24 @@ THESIS = "robots/fanuc_s360/campaigns/thesis"
 def test_a_name_that_is_not_there_is_told_by_its_option(cli, tmp_path, option, value, allowed):
     words = ("diagnose", THESIS, "--robot", "fanuc_s360_rigid_link", "--out", tmp_path / "out", option, value)
     cli(*words).refused(f"command line: {option}: found '{value}'", allowed)
+
+
+def test_data_that_may_count_twice_are_warned_of_once(campaign, tmp_path):
+    from click.testing import CliRunner
+
+    from flexmodal.campaign import read_campaign, write_campaign
+    from flexmodal.cli.main import group
+    from flexmodal.ema import fit, mode_table
+
+    measured = read_campaign(campaign)
+    with_modes = replace(measured, modes=mode_table(fit(measured, "least-squares", per="posture")))
+    folder = write_campaign(with_modes, tmp_path / "both")
+    words = ["diagnose", str(folder), "--effects", "sensor_gain", "--json", "--quiet"]
+    words += ["--robot", str(campaign / "robot" / "robot.toml"), "--out"]
+    ran = CliRunner().invoke(group, [*words, str(tmp_path / "warned")])
+    assert ran.stderr.count("count twice") == 1
+    assert len(json.loads(ran.stdout)["warnings"]) == 1
+    assert "count twice" in (tmp_path / "warned" / "report.html").read_text(encoding="utf-8")
+    ran = CliRunner().invoke(group, [*words, str(tmp_path / "chosen"), "--from", "frf"])
+    assert "count twice" not in ran.stderr
+    assert json.loads(ran.stdout)["warnings"] == []

@@ -160,7 +160,7 @@ def test_a_full_standard_output(shell, options):
     with open("/dev/full", "w") as full:
         ran = shell("robots", *options, capture_output=False, stdout=full, stderr=subprocess.PIPE)
     assert ran.status == 2
-    assert ran.err == "flexmodal: file: No space left on device\n"
+    assert ran.err == "flexmodal: standard output: No space left on device\n"
 
 
 @pytest.mark.parametrize("options", [(), ("--json",)])

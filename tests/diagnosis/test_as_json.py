@@ -9,7 +9,8 @@ from flexmodal.diagnosis.as_json import as_json
 from flexmodal.errors import FlexmodalError
 
 GAP = {"before", "after", "held_out_before", "held_out_after", "noise_floor"}
-TOP = {"format", "campaign", "robot", "gap", "disagreement", "steps", "verdict", "next_measurement"}
+TOP = {"format", "campaign", "robot", "gap", "disagreement", "steps", "verdict", "warnings"}
+TOP |= {"next_measurement", "law_free"}
 REGION = {"rank", "posture", "response", "reference", "trial", "band", "share", "kind", "says"}
 STEP = {"effect", "where", "parameters", "uncertainty", "confidence", "alternatives", "gap"}
 
@@ -31,8 +32,8 @@ def test_keys_are_those_of_the_format(diagnosed):
     assert set(step) == STEP
     assert set(step["gap"]) == GAP
     assert all(set(one) == {"effect", "where", "confidence"} for one in step["alternatives"])
-    assert set(found["verdict"]) == {"effects", "explained", "says"}
-    assert set(found["next_measurement"]) == {"posture", "response", "reference", "separates"}
+    assert set(found["verdict"]) == {"effects", "explained", "says", "share", "undecided"}
+    assert set(found["next_measurement"]) == {"posture", "response", "reference", "separates", "gain"}
 
 
 def test_values_are_those_of_the_diagnosis(diagnosed):

@@ -10,9 +10,10 @@ from flexmodal.campaign import estimate_frfs
 from flexmodal.diagnosis import diagnose
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.placed import Placed
-from flexmodal.diagnosis.search.looking import looked_at
+from flexmodal.diagnosis.search.close_fit import fitted_closely
+from flexmodal.diagnosis.selection.asked import asked_of
 from flexmodal.diagnosis.selection.beside_frfs import SETTINGS, ModesBeside
-from flexmodal.diagnosis.selection.frf_selection import FrfSelection
+from flexmodal.diagnosis.selection.frf_data import FrfData
 from flexmodal.diagnosis.setup import prepare
 from flexmodal.ema import fit, mode_table
 from flexmodal.identification.evidence.mode_sources import modes_of_table
@@ -50,6 +51,7 @@ def with_a_peak(campaign):
 
 def test_where_nothing_is_missing_both_say_so(clean):
     found = diagnose(*clean, effects=["sensor_gain"])
+    assert len(found.warnings) == 1
     assert found.verdict.effects == ()
     assert found.verdict.explained, found.verdict.says
 
@@ -64,16 +66,16 @@ def test_a_mode_that_only_the_table_has_is_missing(clean):
 
 def test_evidence_of_modes_adds_to_that_of_frfs():
     campaign, robot = campaign_with("added_mass@link_3")
-    setup = prepare(campaign, robot, None, ["added_mass"], None, 0, lambda doing, part: None)
+    setup = prepare(campaign, robot, None, asked_of(["added_mass"]), None, 0, lambda doing, part: None)
     modes = ModesBeside(modes_of_table(campaign), setup.fitted)
     root = Hypothesis(setup.context, setup.base)
-    before = looked_at(setup, root, np.zeros(len(setup.base)))
+    before = fitted_closely(setup, root, np.zeros(len(setup.base)))
     placed = Placed(setup.effects[0], "link_3")
     mass = root.and_also(placed)
     start = mass.start(placed, placed.effect.starts(setup.context, "link_3")[0], np.zeros(len(setup.base)))
-    after = looked_at(setup, mass, start)
-    alone = FrfSelection(setup).compare([before, after])
-    both = FrfSelection(setup, modes).compare([before, after])
+    after = fitted_closely(setup, mass, start)
+    alone = FrfData(setup).compare([before, after])
+    both = FrfData(setup, modes).compare([before, after])
     more = [modes.predicted(one)[0].evidence for one in (before, after)]
     np.testing.assert_allclose(both.scores, alone.scores + more)
     assert both.table.shape[1] == len(SETTINGS) * alone.table.shape[1]

@@ -8,7 +8,7 @@ import pytest
 import flexmodal
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.names import UNSTRUCTURED
-from flexmodal.diagnosis.search.looking import looked_at
+from flexmodal.diagnosis.search.close_fit import fitted_closely
 from flexmodal.diagnosis.search.unstructured import unstructured_mode
 from flexmodal.diagnosis.selection.frf_comparison import cluster_costs, compare_models
 from flexmodal.diagnosis.setup import prepare
@@ -37,7 +37,7 @@ def setup():
 def planted(setup):
     """The re-tuned robot less a mode that each posture has a little elsewhere: what a missing mode leaves."""
     root = Hypothesis(setup.context, setup.base)
-    fitted = looked_at(setup, root, np.zeros(len(setup.base)))
+    fitted = fitted_closely(setup, root, np.zeros(len(setup.base)))
     observations = setup.observations
     omega = 2 * np.pi * observations.axis.frequency
     frequencies = FREQUENCY * (1 + 0.1 * observations.posture)
@@ -75,7 +75,7 @@ def test_foretells_the_mean_for_a_posture_held_out(setup, planted):
 
 
 def test_is_no_better_than_nothing_where_nothing_is_missing(setup):
-    before = looked_at(setup, Hypothesis(setup.context, setup.base), np.zeros(len(setup.base)))
+    before = fitted_closely(setup, Hypothesis(setup.context, setup.base), np.zeros(len(setup.base)))
     found = unstructured_mode(setup, before)
     assert found.occam > before.occam
     comparison = compare_models([before, found], setup.observations)

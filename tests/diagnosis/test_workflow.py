@@ -13,13 +13,16 @@ from flexmodal.diagnosis.disagreement.gaps import over_noise
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.outcome import Gaps, Step
 from flexmodal.diagnosis.placed import Placed
+from flexmodal.diagnosis.search.close_fit import fitted_closely
 from flexmodal.diagnosis.search.coarse import Candidate, look_at
-from flexmodal.diagnosis.search.looking import looked_at
 from flexmodal.diagnosis.search.search import restarted, simpler
+from flexmodal.diagnosis.selection.asked import asked_of
+from flexmodal.diagnosis.selection.decision import SIGNIFICANT, Answer
 from flexmodal.diagnosis.selection.frf_comparison import compare_models
-from flexmodal.diagnosis.selection.frf_selection import FLOOR_REACHED, FrfSelection
-from flexmodal.diagnosis.selection.selection import SIGNIFICANT
+from flexmodal.diagnosis.selection.frf_data import FLOOR_REACHED, FrfData
+from flexmodal.diagnosis.selection.selection import ForwardSelection
 from flexmodal.diagnosis.setup import prepare
+from flexmodal.diagnosis.verdict.facts import Facts
 from flexmodal.diagnosis.verdict.verdict import verdict
 from flexmodal.errors import InvalidRequest
 from flexmodal.identification import RobotModel, observe, predict
@@ -33,6 +36,11 @@ def campaign(*hidden, seed=11, height=12.0, **more):
     hide = [replace(Hide.parse(one), height=height) for one in hidden]
     result = simulate(flexmodal.load("fanuc_s360"), hide=hide, seed=seed, **{**SMALL, **more})
     return result.campaign, result.robot
+
+
+def laid_out(measured, robot, names):
+    """What a diagnosis works with, of these effects alone."""
+    return prepare(measured, robot, None, asked_of(names), None, 0, lambda doing, part: None)
 
 
 @pytest.fixture(scope="module")
@@ -80,13 +88,12 @@ def test_one_level_of_force_leaves_friction_untestable(clean):
     assert found.verdict.effects == ()
 
 
-def test_ties_are_said_in_words(loaded):
-    setup = prepare(*loaded, None, ["added_mass"], None, 0, lambda doing, part: None)
+def test_ties_are_said_in_words():
     ties = (("unstructured_mode", ""), ("none", ""), ("local_absorber", "link_2"))
-    selection = FrfSelection(setup)
     gaps = Gaps(0.2, 0.1, None, None, 0.1)
     step = Step("added_mass", "link_3", {}, {}, {}, 0.9, gaps, (), ties)
-    says = verdict(setup, [step], selection.current, gaps, 1.0, explained=True).says
+    facts = Facts((step,), {"added_mass": "a mass"}, gaps, 1.0, Answer.YES, {}, open_=False, place="link_3")
+    says = verdict(facts).says
     assert "from a mode with no structure, nothing added, local_absorber at link_2." in says
 
 
@@ -138,9 +145,9 @@ def test_a_mode_with_no_structure_is_always_weighed(clean, loaded):
 
 def test_parameters_beyond_belief_count_against_whoever_needs_them(loaded):
     """A heavy payload that a re-tuned mass could take up as well: nobody believes that mass."""
-    setup = prepare(*loaded, None, ["added_mass"], None, 0, lambda doing, part: None)
+    setup = laid_out(*loaded, ["added_mass"])
     root = Hypothesis(setup.context, setup.base)
-    here = looked_at(setup, root, np.zeros(len(setup.base)))
+    here = fitted_closely(setup, root, np.zeros(len(setup.base)))
     far = replace(here, prior=here.prior + 2 * SIGNIFICANT + 1)
     comparison = compare_models([far, here], setup.observations)
     assert comparison.gain(1) > SIGNIFICANT
@@ -150,7 +157,7 @@ def test_parameters_beyond_belief_count_against_whoever_needs_them(loaded):
 def test_started_from_everywhere_it_leaves_a_local_minimum():
     """A soft foundation: from a stiff tilt a fit ends beside the truth, from all starts it ends on it."""
     measured, robot = campaign("base_flexibility@base", seed=4)
-    setup = prepare(measured, robot, None, ["base_flexibility"], None, 0, lambda doing, part: None)
+    setup = laid_out(measured, robot, ["base_flexibility"])
     placed = Placed(setup.effects[0], "base")
     hypothesis = Hypothesis(setup.context, setup.base).and_also(placed)
     card = np.zeros(len(setup.base))
@@ -160,13 +167,15 @@ def test_started_from_everywhere_it_leaves_a_local_minimum():
     beside = seen.fitted(Candidate(hypothesis, hypothesis.start(placed, stiff, card), np.inf), 0.1, 10)
     again = restarted(hypothesis, beside.x, [card], seen)
     assert again.cost < 0.5 * beside.cost
-    assert over_noise(setup, looked_at(setup, hypothesis, again.x, near=True)) < FLOOR_REACHED
+    assert over_noise(setup, fitted_closely(setup, hypothesis, again.x, near=True)) < FLOOR_REACHED
 
 
 @pytest.mark.parametrize("last", ["local_absorber@link_1", "added_mass@link_3"])
 def test_an_effect_that_nobody_misses_goes_whether_found_first_or_last(loaded, last):
-    setup = prepare(*loaded, None, ["added_mass", "local_absorber"], None, 0, lambda doing, part: None)
-    selection = FrfSelection(setup)
+    setup = prepare(
+        *loaded, None, asked_of(["added_mass", "local_absorber"]), None, 0, lambda doing, part: None
+    )
+    selection = ForwardSelection(FrfData(setup))
     names = sorted(["local_absorber@link_1", "added_mass@link_3"], key=lambda name: name == last)
     effects = {effect.name: effect for effect in setup.effects}
     hypothesis, start = selection.root.hypothesis, np.zeros(len(setup.base))
@@ -176,7 +185,7 @@ def test_an_effect_that_nobody_misses_goes_whether_found_first_or_last(loaded, l
         hypothesis = hypothesis.and_also(placed)
         start = hypothesis.start(placed, placed.effect.starts(setup.context, where)[0], start)
         selection.steps.append(SimpleNamespace(effect=effect, where=where))
-    selection.current = looked_at(setup, hypothesis, start)
+    selection.current = fitted_closely(setup, hypothesis, start)
     selection.drop_needless()
     assert [(step.effect, step.where) for step in selection.steps] == [("added_mass", "link_3")]
     assert selection.current.hypothesis.keys == (("added_mass", "link_3"),)
@@ -191,14 +200,14 @@ def two():
 def test_the_first_of_two_effects_is_looked_for_again_beside_the_second(two):
     """Alone it may have been put in the wrong place."""
     names = ["local_absorber", "sensor_gain"]
-    setup = prepare(*two, None, names, None, 0, lambda doing, part: None)
-    selection = FrfSelection(setup)
+    setup = laid_out(*two, names)
+    selection = ForwardSelection(FrfData(setup))
     absorber, gain = (next(one for one in setup.effects if one.name == name) for name in names)
     wrong, second = Placed(absorber, "link_1"), Placed(gain, "location_3")
     beside = selection.root.hypothesis.and_also(wrong)
     x = beside.start(wrong, absorber.starts(setup.context, "link_1")[0], np.zeros(len(setup.base)))
     pair = beside.and_also(second)
-    selection.current = looked_at(setup, pair, pair.start(second, {"gain": 1.1}, x))
+    selection.current = fitted_closely(setup, pair, pair.start(second, {"gain": 1.1}, x))
     assert over_noise(setup, selection.current) > FLOOR_REACHED
     selection.exchange(selection.current)
     assert {(step.effect, step.where) for step in selection.steps} == {
@@ -208,14 +217,14 @@ def test_the_first_of_two_effects_is_looked_for_again_beside_the_second(two):
 
 
 def test_an_exchange_that_does_not_help_is_taken_back(loaded):
-    setup = prepare(*loaded, None, ["sensor_gain"], None, 0, lambda doing, part: None)
-    selection = FrfSelection(setup)
+    setup = laid_out(*loaded, ["sensor_gain"])
+    selection = ForwardSelection(FrfData(setup))
     hypothesis, x = selection.root.hypothesis, np.zeros(len(setup.base))
     for where in setup.context.sensors[:2]:
         placed = Placed(setup.effects[0], where)
         hypothesis = hypothesis.and_also(placed)
         x = hypothesis.start(placed, {"gain": 1.1}, x)
-    selection.current = was = looked_at(setup, hypothesis, x)
+    selection.current = was = fitted_closely(setup, hypothesis, x)
     selection.exchange(was)
     assert selection.current is was
     assert selection.steps == []
@@ -223,14 +232,16 @@ def test_an_exchange_that_does_not_help_is_taken_back(loaded):
 
 def test_an_absorber_too_stiff_to_be_told_from_a_mass_is_a_mass(loaded):
     """Its rigid limit is looked at from where the fit of the absorber ended."""
-    setup = prepare(*loaded, None, ["added_mass", "local_absorber"], None, 0, lambda doing, part: None)
+    setup = prepare(
+        *loaded, None, asked_of(["added_mass", "local_absorber"]), None, 0, lambda doing, part: None
+    )
     absorber = next(one for one in setup.effects if one.name == "local_absorber")
     placed = Placed(absorber, "link_3")
     hypothesis = Hypothesis(setup.context, setup.base).and_also(placed)
     start = {"frequency": 1.4 * setup.context.band[1], "along": 0.6}
-    at = looked_at(setup, hypothesis, hypothesis.start(placed, start, np.zeros(len(setup.base))))
+    at = fitted_closely(setup, hypothesis, hypothesis.start(placed, start, np.zeros(len(setup.base))))
     (less,) = simpler(hypothesis, at.fitted.x, setup.effects, look_at(setup.fitted))
     assert less.key == ("added_mass", "link_3")
-    assert over_noise(setup, looked_at(setup, less.hypothesis, less.x, near=True)) < FLOOR_REACHED
+    assert over_noise(setup, fitted_closely(setup, less.hypothesis, less.x, near=True)) < FLOOR_REACHED
     assert not simpler(less.hypothesis, less.x, setup.effects, look_at(setup.fitted))
     assert not simpler(hypothesis, at.fitted.x, [absorber], look_at(setup.fitted))

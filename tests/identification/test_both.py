@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flexmodal.campaign import ModeTable
+from flexmodal.campaign import ModeTable, read_campaign, write_campaign
+from flexmodal.errors import InvalidCampaign
 from flexmodal.identification import RobotModel, build_identification, identify
 from flexmodal.identification.evidence.both import Both
 from flexmodal.identification.model import places_of
@@ -91,3 +92,25 @@ def test_a_posture_that_is_held_out_loses_its_frfs_and_its_modes(tested_twice, f
     assert not np.any(frfs.observations.posture == 1)
     assert all(mode.posture != 1 for mode in modes.observations.modes)
     assert len(modes.observations.modes) == 8
+
+
+def test_data_that_may_count_twice_are_warned_of_unless_somebody_chose_or_says_they_are_apart(
+    tested_twice, fanuc
+):
+    (warning,) = build_identification(tested_twice, fanuc).warnings
+    for word in ("count twice", "--from frf", "separate_modes = true"):
+        assert word in warning
+    assert build_identification(tested_twice, fanuc, source="both").warnings == ()
+    assert build_identification(tested_twice, fanuc, source="modes").warnings == ()
+    assert build_identification(replace(tested_twice, separate_modes=True), fanuc).warnings == ()
+    assert build_identification(replace(tested_twice, modes=None), fanuc).warnings == ()
+
+
+def test_that_modes_were_measured_apart_is_kept_in_the_campaigns_folder(tested_twice, tmp_path):
+    folder = write_campaign(replace(tested_twice, modes=None, separate_modes=True), tmp_path / "apart")
+    assert "separate_modes = true" in (folder / "campaign.toml").read_text(encoding="utf-8")
+    assert read_campaign(folder).separate_modes
+    text = (folder / "campaign.toml").read_text(encoding="utf-8")
+    (folder / "campaign.toml").write_text(text.replace("= true", '= "yes"'), encoding="utf-8")
+    with pytest.raises(InvalidCampaign, match=r"separate_modes.*true or false"):
+        read_campaign(folder)

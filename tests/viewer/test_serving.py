@@ -5,6 +5,7 @@ import signal
 import socket
 import subprocess
 import sys
+import time
 import urllib.error
 import urllib.request
 from pathlib import Path
@@ -123,6 +124,54 @@ def ctrl_c():
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     yield
     signal.signal(signal.SIGINT, before)
+
+
+@linux_only
+def test_it_ends_when_whoever_called_it_is_killed(tmp_path):
+    """A shell, an editor or a test killed with SIGKILL cannot tell its child to end."""
+    script = tmp_path / "serve.py"
+    script.write_text(_SCRIPT)
+    caller = f"import subprocess, sys; subprocess.run([sys.executable, {str(script)!r}])"
+    process = subprocess.Popen([sys.executable, "-c", caller], stdout=subprocess.PIPE, text=True)
+    try:
+        url = process.stdout.readline().split()[2]
+        (server,) = children(process.pid)
+        assert get(url).status == 200
+    finally:
+        process.kill()
+        process.wait()
+        process.stdout.close()
+    until = time.monotonic() + 30
+    while Path(f"/proc/{server}").exists() and time.monotonic() < until:
+        time.sleep(0.1)
+    with pytest.raises(OSError, match="refused"):
+        get(url)
+
+
+@pytest.mark.parametrize("hosts", [[], ["own", "own"], ["own", "evil.example"], ["evil.example", "own"]])
+def test_one_host_is_named_and_it_is_its_own(hosts):
+    with PageServer("<p>page</p>") as server:
+        server.start()
+        port = int(server.url.rsplit(":", 1)[1].strip("/"))
+        lines = [f"Host: {f'127.0.0.1:{port}' if host == 'own' else host}\r\n" for host in hosts]
+        with socket.create_connection(("127.0.0.1", port), timeout=10) as line:
+            line.sendall(f"GET / HTTP/1.1\r\n{''.join(lines)}Connection: close\r\n\r\n".encode())
+            answer = line.makefile("rb").read()
+    assert b" 421 " in answer.split(b"\r\n")[0]
+    assert b"page" not in answer.split(b"\r\n\r\n")[1]
+
+
+def test_every_answer_says_what_it_may_load():
+    with PageServer("<p>page</p>") as server:
+        server.start()
+        for path, status in (("", 200), ("elsewhere", 404)):
+            try:
+                answer = get(server.url + path)
+            except urllib.error.HTTPError as error:
+                answer = error
+            with answer:
+                assert answer.status == status
+                assert answer.headers["Content-Security-Policy"].startswith("default-src 'none'")
 
 
 @linux_only

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import socket
 import threading
 import webbrowser
@@ -14,12 +15,23 @@ from flexmodal.errors import Fault, InvalidRequest
 HOST = "127.0.0.1"
 """The one address listened on: whoever is not on this computer cannot ask."""
 
+POLICY = (
+    "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:; "
+    "worker-src blob:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+)
+
 _open: list[PageServer] = []
+
+
+class _Left(Exception):
+    """Whoever called this program has gone."""
 
 
 class _Server(ThreadingHTTPServer):
     daemon_threads = True
     block_on_close = False
+    caller: int | None = None
+    """Process that this one ends with; none if it serves in the background of another's work."""
 
     def server_bind(self) -> None:
         # The base class asks the name service what 127.0.0.1 is called, which can take long.
@@ -27,6 +39,11 @@ class _Server(ThreadingHTTPServer):
         self.socket.bind(self.server_address)
         self.server_address = self.socket.getsockname()
         self.server_name, self.server_port = HOST, int(self.server_address[1])
+
+    def service_actions(self) -> None:
+        """Looked at between requests: whether whoever called this program is still there."""
+        if self.caller is not None and os.getppid() != self.caller:
+            raise _Left
 
     def handle_error(self, request: Any, client_address: Any) -> None:
         """A browser that hangs up early is no error."""
@@ -62,10 +79,11 @@ class PageServer:
         self.close()
 
     def run(self) -> None:
-        """Serve until Ctrl-C, then close."""
+        """Serve until Ctrl-C or until whoever called this program has gone, then close."""
+        self._server.caller = os.getppid()
         try:
             self._server.serve_forever(poll_interval=0.2)
-        except KeyboardInterrupt:
+        except (KeyboardInterrupt, _Left):
             pass
         finally:
             self._server.server_close()
@@ -128,7 +146,8 @@ def _handler(page: bytes) -> type[BaseHTTPRequestHandler]:
         def _answer(self, *, with_body: bool) -> None:
             # A name that somebody else's site resolves to 127.0.0.1 is not ours to answer to.
             names = {f"{name}:{self.server.server_port}" for name in (HOST, "localhost")}
-            if self.headers.get("Host") not in names:
+            asked = self.headers.get_all("Host", [])
+            if len(asked) != 1 or asked[0] not in names:
                 self.send_error(421)
                 return
             if self.path.partition("?")[0] != "/":
@@ -141,6 +160,12 @@ def _handler(page: bytes) -> type[BaseHTTPRequestHandler]:
             self.end_headers()
             if with_body:
                 self.wfile.write(page)
+
+        def end_headers(self) -> None:
+            """Every answer says what it may load, those that say no too; the page says more itself."""
+            self.send_header("Content-Security-Policy", POLICY)
+            self.send_header("X-Content-Type-Options", "nosniff")
+            super().end_headers()
 
         def version_string(self) -> str:
             return "flexmodal"

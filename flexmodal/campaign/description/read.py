@@ -50,6 +50,7 @@ def _tested(table: CampaignTable) -> Tested:
             CampaignPoint(p.id, p.name, p.link, (p.xyz[0], p.xyz[1], p.xyz[2])) for p in table.point
         ),
         trials=tuple(_trial(trial) for trial in table.trial),
+        separate_modes=table.separate_modes,
     )
 
 

@@ -35,7 +35,7 @@ class PointTable(Table):
     id: Id = Field(description=_ID)
     name: Text = Field(description=TEXT)
     link: Text = Field(description="the name of a URDF link")
-    xyz: Triple = Field(description="three finite numbers in m")
+    xyz: Triple = Field(description="three finite numbers in m, of at most 1e4")
 
 
 class WindowTable(Table):
@@ -78,6 +78,7 @@ class CampaignTable(Table):
     band: Annotated[list[NotNegative], Field(min_length=2, max_length=2)] | None = Field(
         default=None, description=BAND
     )
+    separate_modes: bool = Field(default=False, strict=True, description="true or false")
     posture: list[PostureTable] = Field(min_length=1, description="at least one table [[posture]]")
     point: list[PointTable] = Field(min_length=1, description="at least one table [[point]]")
     trial: list[TrialTable] = Field(min_length=1, description="at least one table [[trial]]")

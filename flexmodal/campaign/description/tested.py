@@ -67,3 +67,5 @@ class Tested:
     postures: tuple[CampaignPosture, ...]
     points: tuple[CampaignPoint, ...]
     trials: tuple[Trial, ...]
+    separate_modes: bool = False
+    """Whether `modes.csv` is a measurement of its own, not an estimate from the FRFs beside it."""

@@ -13,31 +13,9 @@ from flexmodal.campaign.description.tested import Tested
 from flexmodal.campaign.uff.codes import EXPONENTS, FORCE, FRF, FUNCTIONS, QUANTITY_OF, TIME_RESPONSE, WORDS
 from flexmodal.campaign.uff.header import Character, Header
 from flexmodal.campaign.uff.scan import scan_uff
+from flexmodal.campaign.uff.units import UNITS, says
 from flexmodal.campaign.uff.values import UffRecord, read_values
 from flexmodal.text.words import FaultList, listing
-
-_LENGTHS = ("mm", "cm", "um", "µm", "in", "inch", "ft")
-_OTHERS: tuple[str, ...] = (
-    "g",
-    "gn",
-    "g's",
-    "gs",
-    "lb",
-    "lbf",
-    "kn",
-    "kgf",
-    "mn",
-    "v",
-    "mv",
-    "volt",
-    "volts",
-    "db",
-    "deg",
-)
-_OTHERS += ("rad/s", "rpm", "khz", "ms", "us", "min")
-_RATES = ("", "/s", "/s^2", "/s2", "/s²")
-_NOT_SI = frozenset([length + rate for length in _LENGTHS for rate in _RATES]) | frozenset(_OTHERS)
-"""Unit labels, in lower case, that contradict SI."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -182,18 +160,17 @@ def _check_characters(
         parts += [(header.numerator, (*QUANTITY_OF, FORCE), "ordinate numerator")]
     for character, codes, name in parts:
         unknown_axis = name == "abscissa" and character.code in (0, 1)
+        code = codes[0] if unknown_axis else character.code
         if character.code not in codes and not unknown_axis:
             allowed = " or ".join(f"{code} {WORDS.get(code, '')}".strip() for code in codes)
             faults.add(f"{key}: {name} data type", str(character.code), allowed)
-        _check_units(character, name, key, faults, odd, number)
+        if not says(character.unit, code):
+            allowed = f"SI units: {UNITS[code][0]} for data type {code}, or no label"
+            faults.add(f"{key}: unit of the {name}", repr(character.unit), allowed)
+        _note_exponents(character, odd, number)
 
 
-def _check_units(
-    character: Character, name: str, key: str, faults: FaultList, odd: dict[str, list[int]], number: int
-) -> None:
-    label = character.unit.lower().strip("()[] ").replace("**", "^").replace(" ", "")
-    if label.split("/n")[0].strip("()[]") in _NOT_SI or label in _NOT_SI:
-        faults.add(f"{key}: unit of the {name}", repr(character.unit), "SI units")
+def _note_exponents(character: Character, odd: dict[str, list[int]], number: int) -> None:
     expected = EXPONENTS.get(character.code)
     length, force, temperature = character.exponents
     if expected and (length, force, temperature) not in ((0, 0, 0), (*expected, 0)):

@@ -19,6 +19,8 @@ LARGEST = 10_000_000
 """The most a URDF may hold [bytes]."""
 MOST_ATTRIBUTES = 100
 """The most attributes of one element: the parser behind Pinocchio takes time quadratic in them."""
+FURTHEST = 1e4
+"""Coordinates of a URDF [m, rad]: no robot reaches ten kilometres."""
 MOST_ELEMENTS = 100_000
 XACRO = "expand it first: xacro robot.xacro > robot.urdf"
 NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
@@ -137,6 +139,9 @@ def vector(
     numbers = [value for value in values if value is not None]
     if len(values) != 3 or len(numbers) != 3:
         faults.add(key, shown(text), "three finite numbers")
+        return np.array(default)
+    if max(map(abs, numbers)) > FURTHEST:
+        faults.add(key, shown(text), f"three finite numbers of at most {FURTHEST:g}")
         return np.array(default)
     return np.array(numbers)
 

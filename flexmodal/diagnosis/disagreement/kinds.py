@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from jaxtyping import Complex, Float
 
+from flexmodal.diagnosis.disagreement.peaks import peaks
 from flexmodal.identification import Observations
 from flexmodal.identification.frf_fit import residual
 
@@ -190,11 +191,9 @@ def _extrema(
     value: Signal, sign: float, lines: slice | None = None, prominence: float = PROMINENT
 ) -> np.ndarray:
     """Peaks (sign 1) or dips (−1) of the magnitude."""
-    from scipy.signal import find_peaks
-
     log = sign * np.log(np.maximum(np.abs(value), 1e-300))
     smooth = np.convolve(np.pad(log, 1, mode="edge"), np.ones(3) / 3, mode="valid")
-    found, _ = find_peaks(smooth, prominence=prominence)
+    found = peaks(smooth, prominence)
     if lines is not None:
         found = found[(found >= lines.start) & (found < lines.stop)]
     return found

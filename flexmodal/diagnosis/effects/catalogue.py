@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from importlib.metadata import entry_points
 
 from flexmodal.diagnosis.effects import (
     added_mass,
@@ -18,6 +17,7 @@ from flexmodal.diagnosis.effects import (
 )
 from flexmodal.diagnosis.effects.effect import Effect
 from flexmodal.errors import Fault, InvalidRequest
+from flexmodal.plugins import left_out, plugins
 
 OWN = (
     link_flexibility.EFFECT,
@@ -41,19 +41,19 @@ def catalogue(names: Sequence[str] | None = None) -> dict[str, Effect]:
     """Effects by name, some or all.
 
     Raises:
-        InvalidRequest: a name that nothing answers to, or an entry point that is no effect.
+        InvalidRequest: a name that nothing answers to.
     """
     found = {effect.name: effect for effect in OWN}
     faults = []
-    for point in entry_points(group=GROUP):
-        effect = point.load()
-        if not isinstance(effect, Effect) or effect.name in found:
-            what = f"{point.value}: " + (
-                "an effect of a name that is taken" if isinstance(effect, Effect) else type(effect).__name__
+    for point, effect in plugins(GROUP):
+        if not isinstance(effect, Effect):
+            left_out(GROUP, point.name, f"{point.value}: no Effect but {type(effect).__name__}")
+        elif effect.name in found:
+            left_out(
+                GROUP, point.name, f"{point.value}: an effect of the name {effect.name!r}, which is taken"
             )
-            faults.append(Fault("entry points", f"{GROUP}: {point.name}", what, "an Effect of its own name"))
-            continue
-        found[effect.name] = effect
+        else:
+            found[effect.name] = effect
     if names is not None:
         faults += [
             Fault("call", "effects", repr(name), ", ".join(found)) for name in names if name not in found

@@ -17,38 +17,11 @@ from scipy.optimize import minimize
 
 from flexmodal.diagnosis.lawfree.look import Sighting
 from flexmodal.diagnosis.lawfree.profile import Profile, State
+from flexmodal.diagnosis.lawfree.result import Class, Curve
 from flexmodal.diagnosis.lawfree.templates import Template, templates_for
 
 _NEXT = 6.0
 """Difference in score [2 nat] from which a class stands alone."""
-
-
-@dataclass(frozen=True, eq=False)
-class Curve:
-    """Free functions of a port as they were found; one posture and blow, if they differ."""
-
-    frequency: Float[np.ndarray, " line"]
-    """[Hz]"""
-    names: tuple[str, ...]
-    unit: str
-    value: Complex[np.ndarray, "function line"]
-    deviation: Float[np.ndarray, "function line"]
-    """Standard deviation of the real and of the imaginary part."""
-
-
-@dataclass(frozen=True)
-class Class:
-    """A class of physics laid beside the curve."""
-
-    name: str
-    says: str
-    """In words with its numbers."""
-    coefficients: tuple[tuple[float, ...], ...]
-    """Of the terms of each function."""
-    misfit: float
-    """Root of the reduced χ² of the template; about 1 where the curve is of this class."""
-    score: float
-    """χ², tempered by that of the best class, and ln(number of values) for each parameter."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,6 +105,7 @@ def classes_of(sighting: Sighting, curve: Curve, metric: Metric) -> tuple[Class,
                 template.words(at, linear, curve.names, curve.unit),
                 tuple(tuple(row) for row in linear.tolist()),
                 float(np.sqrt(2 * square / free)),
+                1.0 - square / max(float(target @ target), 1e-300),
                 float(2 * square / temper + parameters * np.log(count)),
             )
         )

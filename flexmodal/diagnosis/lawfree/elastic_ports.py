@@ -14,29 +14,52 @@ from flexmodal.diagnosis.lawfree.port import Patterns, PortKind, constant
 from flexmodal.structure.assembly import Assembly
 
 
+def _base_terms(context: Context) -> list[tuple[int, int]]:
+    """Coordinates of the foundation that have a compliance, by themselves or between two.
+
+    Where springs do not meet at the root's origin a force there also tilts it: in a plane along and up with
+    the tilt, in space along x with ry and along y with rx.
+    """
+    count = len(base_flexibility.motions(context.normal)[0])
+    return [(k, k) for k in range(count)] + ([(0, 2), (1, 2)] if count == 3 else [(0, 4), (1, 3)])
+
+
 def _base_patterns(assembly: Assembly, placement: Placement) -> Patterns:
-    names, _ = base_flexibility.motions(placement.context.normal)
-    return Patterns(compliance=np.stack([assembly.row(name) for name in names]))
+    context = placement.context
+    rows = [assembly.row(name) for name in base_flexibility.motions(context.normal)[0]]
+    found = []
+    for i, j in _base_terms(context):
+        product = np.outer(rows[i], rows[j])
+        found.append(product if i == j else product + product.T)
+    return Patterns(compliance=np.stack(found))
+
+
+def _base_functions(context: Context, where: str) -> tuple[str, ...]:
+    names = base_flexibility.motions(context.normal)[0]
+    return tuple(names[i] if i == j else f"{names[i]} × {names[j]}" for i, j in _base_terms(context))
 
 
 def _base_sizes(context: Context, where: str, frequency: np.ndarray) -> np.ndarray:
     tilt, shift = base_flexibility.sizes(context)
     _, motion = base_flexibility.motions(context.normal)
-    return constant([1 / (tilt if way[3:].any() else shift) for way in motion.T], frequency)
+    each = [1 / (tilt if way[3:].any() else shift) for way in motion.T]
+    return constant([float(np.sqrt(each[i] * each[j])) for i, j in _base_terms(context)], frequency)
 
 
 def _base_starts(context: Context, where: str) -> tuple[tuple[float, ...], ...]:
     _, motion = base_flexibility.motions(context.normal)
-    turns = [bool(way[3:].any()) for way in motion.T]
+    turns, terms = [bool(way[3:].any()) for way in motion.T], _base_terms(context)
     grid = product((0.03, 0.2, 1.0, 5.0, 30.0), (0.01, 0.2, 1.0, 5.0, 30.0))
-    return tuple(tuple(tilt if turn else shift for turn in turns) for tilt, shift in grid)
+    return tuple(
+        tuple(0.0 if i != j else tilt if turns[i] else shift for i, j in terms) for tilt, shift in grid
+    )
 
 
 BASE = PortKind(
     name="base",
     says="the foundation",
     places=lambda context: (context.robot.urdf.root,),
-    functions=lambda context, where: tuple(base_flexibility.motions(context.normal)[0]),
+    functions=_base_functions,
     sizes=_base_sizes,
     starts=_base_starts,
     unit="1/stiffness",
@@ -58,12 +81,12 @@ def _link_patterns(assembly: Assembly, placement: Placement) -> Patterns:
     weights = link_flexibility.gauss(len(places))[1]
     planes = 1 if context.normal is not None else 2
     names = link_flexibility.names_of(context, where)
-    found = np.zeros((2 * planes, len(assembly.coordinates)))
+    found = np.zeros((2 * planes, *(len(assembly.coordinates),) * 2))
     for number, name in enumerate(names):
         hinge, plane = divmod(number, planes)
-        row = weights[hinge] * assembly.row(name)
-        found[plane] += row
-        found[planes + plane] += 2 * (places[hinge] - 0.5) * row
+        one = weights[hinge] * np.diag(assembly.row(name))
+        found[plane] += one
+        found[planes + plane] += 2 * (places[hinge] - 0.5) * one
     return Patterns(compliance=found)
 
 

@@ -159,10 +159,9 @@ class PortedModel:
         patterns, *_ = self._patterns(group, x)
         value = z[self._of_systems(group)] * self.size  # system, function, line
         if patterns.compliance is not None:
-            columns = np.flatnonzero(np.any(patterns.compliance, axis=0))
             return [
-                CompliancePort(k, np.einsum("f,sfl->sl", patterns.compliance[:, k], value))
-                for k in columns.tolist()
+                CompliancePort(i, np.einsum("f,sfl->sl", patterns.compliance[:, i, j], value), j)
+                for i, j in _pairs(patterns.compliance)
             ]
         assert patterns.stiffness is not None
         moved = self._moved(group, x)
@@ -192,8 +191,7 @@ class PortedModel:
         patterns, *_ = self._patterns(group, x)
         each = np.stack([ported.along(k) for k in range(len(ported.ports))], axis=-1)  # entry line port
         if patterns.compliance is not None:
-            columns = np.flatnonzero(np.any(patterns.compliance, axis=0))
-            each = each @ patterns.compliance[:, columns].T
+            each = each @ np.array([patterns.compliance[:, i, j] for i, j in _pairs(patterns.compliance)])
         return np.asarray(each * self.size.T)
 
     def _of_systems(self, group: Group) -> Int[np.ndarray, " system"]:
@@ -216,3 +214,9 @@ class PortedModel:
         found[seen] += z[self.cell[seen], 0] * self.size[0]
         found.imag[seen] = (found.imag[seen] + np.pi) % (2 * np.pi) - np.pi
         return found
+
+
+def _pairs(compliance: Float[np.ndarray, "function dof dof"]) -> list[tuple[int, int]]:
+    """Coordinates that have a compliance, by themselves or between two."""
+    first, second = np.nonzero(np.triu(np.any(compliance, axis=0)))
+    return list(zip(first.tolist(), second.tolist(), strict=True))

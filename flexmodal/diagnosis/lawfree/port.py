@@ -27,8 +27,8 @@ class Patterns:
 
     stiffness: Float[np.ndarray, "function system dof dof"] | None = None
     """Symmetric; the functions are dynamic stiffnesses [N/m, N·m/rad]."""
-    compliance: Float[np.ndarray, "function dof"] | None = None
-    """Share of each function in the compliance of each coordinate [m/N, rad/(N·m)]."""
+    compliance: Float[np.ndarray, "function dof dof"] | None = None
+    """Share of each function in the compliance of each coordinate, and between two [m/N, rad/(N·m)]."""
 
 
 STILL = Effect("port", "", "", lambda context: (), lambda c, w: (), lambda c, w: ())

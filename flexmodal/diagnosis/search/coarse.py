@@ -14,7 +14,7 @@ from flexmodal.diagnosis.march.model import MarchedModel, has_law
 from flexmodal.diagnosis.search.lines import COARSE, some_lines, unlimited
 from flexmodal.identification import Observations
 from flexmodal.identification.descent import robust
-from flexmodal.identification.frf_fit import Weighing, cost_of, fit, residual
+from flexmodal.identification.frf_fit import FrfMisfit, Weighing, fit, residual
 from flexmodal.identification.model import Model
 
 ROUGH = 5.0
@@ -67,7 +67,8 @@ class Look:
         """The best of some starts, not fitted yet."""
         model, weighing = coarse_model(hypothesis), Weighing(floor, self.lines)
         seen = self.apart if hypothesis.by_force else self.merged
-        costs = [cost_of(model, one, seen, weighing) for one in starts]
+        misfit = FrfMisfit(model, seen, weighing)
+        costs = [misfit.cost(one) for one in starts]
         return [Candidate(hypothesis, starts[k], costs[k]) for k in np.argsort(costs, kind="stable")[:most]]
 
     def fitted(self, one: Candidate, floor: float, steps: int) -> Candidate:
@@ -79,7 +80,7 @@ class Look:
             share=share, apart=False,
         )  # fmt: skip
         more = 0.0 if loud else self.constant(floor)
-        return Candidate(one.hypothesis, made.x, made.normal.cost + more)
+        return Candidate(one.hypothesis, made.x, made.cost + more)
 
 
 def coarse_model(hypothesis: Hypothesis) -> Model:

@@ -10,9 +10,9 @@ from jaxtyping import Float
 from flexmodal.diagnosis.disagreement.gaps import over_noise
 from flexmodal.diagnosis.effects import Effect
 from flexmodal.diagnosis.march.model import has_law
+from flexmodal.diagnosis.search.close_fit import fitted_closely
 from flexmodal.diagnosis.search.coarse import Candidate, Look, look_at
 from flexmodal.diagnosis.search.lines import worst_lines
-from flexmodal.diagnosis.search.looking import looked_at
 from flexmodal.diagnosis.search.search import candidates, narrowed, restarted, simpler
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.setup import Setup
@@ -33,6 +33,7 @@ def explanations(
     loud: bool,
     enough: float,
     advance: Callable[[float], None],
+    allowed: Callable[[str, str], bool] = lambda effect, where: True,
 ) -> list[FittedFrfs]:
     """Candidates for the next step, fitted closely and looked at, the best first.
 
@@ -43,12 +44,13 @@ def explanations(
         loud: whether effects that depend on the force of the blow are among them.
         enough: distance over noise from which no other starts are tried.
         advance: called with the part that is done.
+        allowed: names and places that are tried.
     """
     advance(0.0)
     seen = look_at(setup.fitted, worst_lines(setup.fitted, before.predicted[~setup.held]))
     finalists: list[Candidate] = []
     for some, most in _kinds(setup.effects, loud=loud):
-        found = candidates(before.hypothesis, set_out, some, seen)
+        found = candidates(before.hypothesis, set_out, some, seen, allowed)
         finalists += narrowed(found, seen, lambda part: advance(0.6 * part))[:most]
     looked = []
     for number, one in enumerate(finalists, start=1):
@@ -79,7 +81,7 @@ def _kinds(effects: Sequence[Effect], *, loud: bool) -> list[tuple[list[Effect],
 
 
 def _close(setup: Setup, one: Candidate) -> FittedFrfs:
-    return looked_at(setup, one.hypothesis, one.x, near=True)
+    return fitted_closely(setup, one.hypothesis, one.x, near=True)
 
 
 def _elsewhere(

@@ -17,7 +17,7 @@ from flexmodal.diagnosis.march.model import MarchedModel
 from flexmodal.diagnosis.search.coarse import ROUGH
 from flexmodal.diagnosis.search.lines import CLOSE, COARSE, some_lines
 from flexmodal.identification import FrfFit, Observations, fit, predict
-from flexmodal.identification.frf_fit import Weighing, cost_of
+from flexmodal.identification.frf_fit import FrfMisfit, Weighing
 
 SEARCH = 0.1
 """Model error at which starts are compared."""
@@ -46,7 +46,7 @@ class Refined:
     @property
     def cost(self) -> float:
         """On the lines of the fit, at its model error."""
-        return self.fitted.normal.cost
+        return self.fitted.cost
 
 
 def refined(
@@ -93,5 +93,6 @@ def _start(
                 k = space.index[f"{placed.label}.{name}"]
                 other[k] = space.parameters[k].coordinate(given[name]) if name in given else 0.0
             tried.append(np.clip(other, *space.bounds))
-    costs = [cost_of(model, one, observations, weighing) for one in tried]
+    misfit = FrfMisfit(model, observations, weighing)
+    costs = [misfit.cost(one) for one in tried]
     return tried[int(np.argmin(costs))]

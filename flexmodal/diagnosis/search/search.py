@@ -39,6 +39,7 @@ def candidates(
     set_out: Sequence[Float[np.ndarray, " before"]],
     effects: Sequence[Effect],
     look: Look,
+    allowed: Callable[[str, str], bool] = lambda effect, where: True,
 ) -> list[Candidate]:
     """Every effect in every place beside what the root holds already, at its best starts.
 
@@ -47,13 +48,14 @@ def candidates(
         set_out: parameters of the root from which the search sets out; the best starts are kept of each.
         effects: to add.
         look: the coarse look.
+        allowed: names and places that are tried.
     """
     found = []
     for effect in effects:
         if effect.untestable(root.context):
             continue
         for where in effect.places(root.context):
-            if (effect.name, where) in root.keys:
+            if (effect.name, where) in root.keys or not allowed(effect.name, where):
                 continue
             placed = Placed(effect, where)
             hypothesis = root.and_also(placed)

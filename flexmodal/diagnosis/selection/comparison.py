@@ -18,9 +18,14 @@ from jaxtyping import Float
 from flexmodal.diagnosis.hypothesis import Hypothesis
 
 TIE = 0.05
-"""Probability from which a model counts as tied with the best."""
-TIED = 5.0
-"""Margin of evidence under which two models are tied, where settings are sets of beliefs [nat]."""
+"""Probability from which a model counts as tied with the best. Nothing but what is told hangs on it."""
+TIED = 4.0
+"""Evidence by which models differ that are not tied, with `MARGIN` on both sides, where settings are sets of
+beliefs [nat]: within 5 is a tie."""
+MARGIN = 1.0
+"""On both sides of what evidence has to reach: inside, nothing is decided, and no rounding decides it [nat].
+
+Laplace's integral itself is some tenths of a nat off (tests/diagnosis/modes/test_fit.py)."""
 
 
 @runtime_checkable
@@ -62,8 +67,8 @@ class Comparison(Generic[M]):
     """The same under each setting."""
     level: float = 0.0
     """Part of the settings that a gain may miss."""
-    margin: float | None = None
-    """Under any setting within this of the best is a tie [nat]; None: by the probability."""
+    beliefs: bool = False
+    """Whether settings are sets of beliefs, none of them better than another; else draws of a bootstrap."""
 
     @cached_property
     def over_best(self) -> Float[np.ndarray, "model setting"]:
@@ -91,9 +96,12 @@ class Comparison(Generic[M]):
 
     @cached_property
     def tied(self) -> list[int]:
-        """Models that these data cannot tell from the best, itself among them, the most probable first."""
-        if self.margin is None:
-            close = (self.probability >= TIE) | (np.arange(len(self.models)) == self.order[0])
+        """Models that these data cannot tell from the best, itself among them, the most probable first.
+
+        Under any set of beliefs no more than `TIED` and its margin behind; of draws, by their probability.
+        """
+        if self.beliefs:
+            close = np.any(self.over_best >= -(TIED + MARGIN), axis=1)
         else:
-            close = np.any(self.over_best >= -self.margin, axis=1)
+            close = (self.probability >= TIE) | (np.arange(len(self.models)) == self.order[0])
         return [k for k in self.order if close[k]]

@@ -1,31 +1,141 @@
-"""What an explanation of modes has to gain; with a margin, so that no rounding turns it into a name."""
+"""What an explanation has to gain before it is added: thresholds with a margin on both sides.
+
+A figure within the margin of its threshold is undecided: the simpler explanation stays, and the answer says
+so, so that no rounding turns a no into a yes. The thresholds were tuned on campaigns of the virtual rig, on
+seeds apart from those of the published exam.
+"""
 
 from __future__ import annotations
 
-from flexmodal.diagnosis.selection.comparison import TIED, Comparison
-from flexmodal.diagnosis.selection.selection import SIGNIFICANT
-from flexmodal.diagnosis.selection.variants import FittedModes
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Generic
 
-MARGIN = 1.0
-"""On both sides of what an explanation that was asked for by its place has to gain: inside, it is undecided,
-and no rounding turns that into a name [nat]."""
+from flexmodal.diagnosis.names import UNSTRUCTURED
+from flexmodal.diagnosis.selection.comparison import MARGIN, TIED, Comparison, M
 
+SIGNIFICANT = 7.0
+"""Evidence that an explanation has to gain, with `MARGIN` on both sides [nat]: 8 are odds of 3000 to 1."""
+ASKED = 5.0
+"""The same for what was asked for by its place."""
 
-def needed(comparison: Comparison[FittedModes], number: int) -> bool:
-    """Whether a candidate gains enough under the first beliefs, and more than a tie under all."""
-    return comparison.first_gain(number) >= SIGNIFICANT and comparison.gain(number) >= TIED
-
-
-def more_than_tied(gain: float) -> bool:
-    """Whether what was asked for by its place gains clearly more than a tie under the first beliefs [nat]."""
-    return gain > TIED + MARGIN
+Asked = Mapping[str, tuple[str, ...]]
+"""Effects that the caller named, each with the places that were named along."""
 
 
-def undecided(gain: float) -> bool:
-    """Whether that gain is too near to a tie's for a yes or a no."""
-    return abs(gain - TIED) <= MARGIN
+class Answer(IntEnum):
+    """Whether a figure reaches its threshold; the least of several is that of all of them together."""
+
+    NO = 0
+    UNDECIDED = 1
+    YES = 2
 
 
-def significant(comparison: Comparison[FittedModes]) -> bool:
-    """Whether anything at all gains enough."""
-    return any(needed(comparison, k) for k in range(1, len(comparison.models)))
+def reaches(value: float, threshold: float, margin: float) -> Answer:
+    """Whether a figure reaches a threshold.
+
+    Args:
+        value: the figure; NaN reaches nothing.
+        threshold: in the same unit.
+        margin: on both sides of it, within which nothing is decided.
+    """
+    if value > threshold + margin:
+        return Answer.YES
+    return Answer.UNDECIDED if value >= threshold - margin else Answer.NO
+
+
+def gains_enough(comparison: Comparison[M], number: int) -> Answer:
+    """Whether a model gains enough as believed and with all data, and under (nearly) every setting too.
+
+    Args:
+        comparison: of several models.
+        number: which.
+    """
+    first = reaches(comparison.first_gain(number), SIGNIFICANT, MARGIN)
+    # Draws of a bootstrap are of one kind; sets of beliefs are not, and none of them may speak against it.
+    least = TIED if comparison.beliefs else SIGNIFICANT
+    return min(first, reaches(comparison.gain(number), least, MARGIN))
+
+
+def any_gains(comparison: Comparison[M]) -> Answer:
+    """Whether anything at all gains enough, a mode with no structure included."""
+    every = range(1, len(comparison.models))
+    return max((gains_enough(comparison, k) for k in every), default=Answer.NO)
+
+
+def named_with_place(key: tuple[str, str], asked: Asked | None) -> bool:
+    """Whether the caller named an effect with this place.
+
+    Args:
+        key: name and place.
+        asked: what was named; None for nothing.
+    """
+    return asked is not None and key[1] in asked.get(key[0], ())
+
+
+@dataclass(frozen=True)
+class Choice:
+    """What is added, and what came too near to its threshold for a yes or a no."""
+
+    number: int | None
+    undecided: tuple[int, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Round(Generic[M]):
+    """One comparison, and what came of it."""
+
+    comparison: Comparison[M]
+    choice: Choice
+
+
+def choice(comparison: Comparison[M], asked: Asked | None, worth: Sequence[Answer]) -> Choice:
+    """The best model that has a structure, if it gains enough; where effects were named, the first that does.
+
+    What was named with its place only has to gain more than a tie. Where settings are sets of beliefs, and
+    nothing was named, whatever is tied with the best keeps it from being added.
+
+    Args:
+        comparison: of the model as it is and of what might be added.
+        asked: effects that were named; None for none.
+        worth: of each model whether it takes enough away besides.
+    """
+    ranked = sorted(range(1, len(comparison.models)), key=lambda k: -comparison.scores[k])
+    ranked = [k for k in ranked if comparison.models[k].key[0] != UNSTRUCTURED]
+    if asked is None:
+        if comparison.beliefs and len(comparison.tied) > 1:
+            return Choice(None)
+        ranked = ranked[:1]
+    open_ = []
+    for k in ranked:
+        answer = min(gains_enough(comparison, k), worth[k])
+        if named_with_place(comparison.models[k].key, asked):
+            answer = max(answer, reaches(comparison.first_gain(k), ASKED, MARGIN))
+        if answer is Answer.YES:
+            return Choice(k)
+        if answer is Answer.UNDECIDED:
+            open_.append(k)
+    return Choice(None, tuple(open_))
+
+
+def rivals(
+    comparison: Comparison[M], chosen: int | None, alike: Callable[[M, M], bool]
+) -> tuple[M, M] | None:
+    """What was added, or is best, and what is tied with it and makes predictions of its own.
+
+    An effect comes before nothing added, one that explains as much before one that does not.
+
+    Args:
+        comparison: of several models.
+        chosen: number of the one that was added, if any.
+        alike: whether two models explain as much.
+    """
+    able = [k for k in comparison.tied if comparison.models[k].key[0] != UNSTRUCTURED]
+    number = chosen if chosen is not None else next((k for k in able if k), None)
+    if number is None:
+        return None
+    first = comparison.models[number]
+    others = [k for k in able if k != number]
+    others.sort(key=lambda k: (k == 0, not alike(first, comparison.models[k])))
+    return (first, comparison.models[others[0]]) if others else None

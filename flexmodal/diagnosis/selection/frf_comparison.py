@@ -67,7 +67,7 @@ class FittedFrfs:
     @property
     def cost(self) -> float:
         """Sum of squares of the fit, the prior's among them."""
-        return self.fitted.normal.cost
+        return self.fitted.cost
 
 
 def fitted_model(

@@ -2,104 +2,105 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping
 from typing import Generic
 
 import numpy as np
 from jaxtyping import Float
 
 from flexmodal.diagnosis.hypothesis import Hypothesis
-from flexmodal.diagnosis.names import NONE
-from flexmodal.diagnosis.outcome import Gaps, Step, Weighed
+from flexmodal.diagnosis.names import NONE, UNSTRUCTURED
+from flexmodal.diagnosis.outcome import Step, Weighed
 from flexmodal.diagnosis.selection.comparison import Comparison, M
+from flexmodal.diagnosis.selection.data import Data
+from flexmodal.diagnosis.selection.decision import Answer, Choice, Round, any_gains, choice, rivals
 
 MOST_STEPS = 2
 """Effects added at most: more of them explain anything."""
-SIGNIFICANT = 8.0
-"""Score that an effect has to gain [nat]."""
 STEP = 1e-5
 """Of the differences along parameters."""
 
 
-@dataclass(frozen=True, eq=False)
-class Round(Generic[M]):
-    """One comparison."""
+class ForwardSelection(Generic[M]):
+    """One run; keeps what it has found so far. The data, of whatever kind, fit and compare."""
 
-    comparison: Comparison[M]
-    chosen: int | None
-    """Number of the model that was added; None where none was."""
-
-
-class ForwardSelection(ABC, Generic[M]):
-    """One run; keeps what it has found so far. What depends on the kind of data is left open."""
-
-    def __init__(self, root: M) -> None:
-        """Begin.
-
-        Args:
-            root: the robot re-tuned, nothing added.
-        """
-        self.root = self.current = root
+    def __init__(self, data: Data[M]) -> None:
+        """Begin with the robot re-tuned, nothing added."""
+        self.data = data
+        self.root = self.current = data.root
         self.rounds: list[Round[M]] = []
         self.steps: list[Step] = []
         self.refused: list[Weighed] = []
         """What was compared last and not added."""
-
-    @abstractmethod
-    def candidates(self, number: int) -> list[M]:
-        """The current model, and what might be added to it."""
-
-    @abstractmethod
-    def compare(self, models: Sequence[M]) -> Comparison[M]:
-        """Their scores."""
-
-    @abstractmethod
-    def choose(self, comparison: Comparison[M], number: int) -> int | None:
-        """The model that is added, if any."""
-
-    @abstractmethod
-    def is_enough(self, model: M) -> bool:
-        """Whether nothing is left to be explained."""
-
-    @abstractmethod
-    def gaps(self, before: M, after: M) -> Gaps:
-        """Of a pair of models."""
-
-    @abstractmethod
-    def covariance(self, model: M) -> Float[np.ndarray, "parameter parameter"]:
-        """Of the coordinates of its hypothesis."""
-
-    @abstractmethod
-    def weighed_gaps(self, model: M) -> tuple[float, float | None]:
-        """Its gap on what it was fitted to, and on what was held out."""
+        self.rivals: tuple[M, M] | None = None
+        """What was added last, or is best, and what it is tied with."""
+        self.pair: M | None = None
+        """The best pair of effects, added or not."""
 
     def run(self) -> None:
-        """Add effects until nothing significant is left."""
+        """Add effects until nothing significant is left; those that nobody misses go."""
         for number in range(MOST_STEPS):
-            if number and self.is_enough(self.current):
+            if number and self.data.is_over(self.current):
                 break
             if self.step(number) is None:
                 break
+        if self.pair is not None and not self.data.is_over(self.current):
+            self.exchange(self.pair)
+        self.drop_needless()
 
     def step(self, number: int) -> Step | None:
         """One effect more, if one is needed."""
-        comparison = self.compare(self.candidates(number))
-        chosen = self.choose(comparison, number)
-        self.rounds.append(Round(comparison, chosen))
-        if chosen is None:
+        comparison = self.data.compare(self.data.candidates(self.current, number))
+        found = self._chosen(comparison, number)
+        self.rounds.append(Round(comparison, found))
+        pairs = [k for k, one in enumerate(comparison.models) if k and one.key[0] != UNSTRUCTURED]
+        if number and pairs:
+            self.pair = comparison.models[max(pairs, key=lambda k: comparison.scores[k])]
+        if found.number is not None or (not self.steps and any_gains(comparison) > Answer.NO):
+            self.rivals = rivals(comparison, found.number, self.data.alike)
+        if found.number is None:
             self.refused = [self.weighed(comparison, k) for k in comparison.order]
             return None
-        self.current = comparison.models[chosen]
-        self.steps.append(self.describe(comparison, chosen))
+        self.current = comparison.models[found.number]
+        self.steps.append(self.describe(comparison, found.number))
         return self.steps[-1]
+
+    def exchange(self, pair: M) -> None:
+        """Look for the first effect again beside the second, where both together are not enough.
+
+        Alone, an effect takes up what it can of another one, and may then sit in the wrong place.
+        """
+        kept = self.current, list(self.steps), self.refused, self.rivals, list(self.rounds)
+        alone = self.data.without(pair, pair.hypothesis.keys[0])
+        self.steps[:] = [self.describe(self.data.compare([self.root, alone]), 1)]
+        self.current, self.refused = alone, []
+        if self.step(1) is None or not self.data.is_enough(self.current):
+            self.current, self.steps, self.refused, self.rivals, self.rounds = kept
+
+    def drop_needless(self) -> None:
+        """Leave out every effect in turn; those that nobody misses go.
+
+        The last one too: what it took away may have been due to a fit of those before it that had not ended.
+        """
+        for number, step in enumerate(list(self.steps)):
+            if len(self.steps) == 1:
+                break
+            less = self.data.without(self.current, (step.effect, step.where))
+            comparison = self.data.compare([less, self.current])
+            if self._chosen(comparison, number).number is None:
+                self.current = less
+                self.steps.remove(step)
+
+    def _chosen(self, comparison: Comparison[M], number: int) -> Choice:
+        before = comparison.models[0]
+        worth = [self.data.worth(before, one, number) for one in comparison.models]
+        return choice(comparison, self.data.asked, worth)
 
     def describe(self, comparison: Comparison[M], chosen: int) -> Step:
         """What a step added, how large it is and how surely, and what it was compared with."""
         model = comparison.models[chosen]
         parameters, units, errors = effect_parameters(
-            model.hypothesis, model.key, model.x, self.covariance(model)
+            model.hypothesis, model.key, model.x, self.data.covariance(model)
         )
         ties = [k for k in comparison.tied if k != chosen]
         others = {k: self.weighed(comparison, k) for k in comparison.order if k != chosen}
@@ -110,7 +111,7 @@ class ForwardSelection(ABC, Generic[M]):
             units=units,
             uncertainty=errors,
             confidence=float(comparison.probability[chosen]),
-            gaps=self.gaps(comparison.models[0], model),
+            gaps=self.data.gaps(comparison.models[0], model),
             alternatives=tuple(others.values()),
             ties=tuple((others[k].effect, others[k].where) for k in ties),
         )
@@ -122,7 +123,7 @@ class ForwardSelection(ABC, Generic[M]):
         return Weighed(
             effect,
             where,
-            *self.weighed_gaps(model),
+            *self.data.weighed_gaps(model),
             float(comparison.scores[number] - comparison.scores.max()),
             float(comparison.probability[number]),
             model.parameters - comparison.models[0].parameters,

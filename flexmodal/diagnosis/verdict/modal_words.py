@@ -8,6 +8,7 @@ import numpy as np
 
 from flexmodal.diagnosis.findings import Findings
 from flexmodal.diagnosis.names import NONE, UNSTRUCTURED
+from flexmodal.diagnosis.verdict.facts import Facts
 from flexmodal.identification.evidence.likelihood.errors import errors, figures
 from flexmodal.identification.evidence.likelihood.shapes import ModeShapes
 from flexmodal.text.words import enumeration
@@ -28,6 +29,46 @@ def named(key: Key) -> str:
 def hertz(modes: Sequence[tuple[int, float]]) -> str:
     """Frequencies of modes."""
     return f"{enumeration([f'{frequency:.3g}' for _, frequency in modes])} Hz"
+
+
+def modal_words(facts: Facts, *, explained: bool) -> list[str]:
+    """What is missing, or that nothing is; with the ties, the shapes and what is left.
+
+    Args:
+        facts: what the verdict goes by.
+        explained: whether nothing is left.
+    """
+    found = facts.modal
+    assert found is not None
+    if facts.steps:
+        added = (named((step.effect, step.where)) for step in facts.steps)
+        why = "as asked, " if found.told else ""
+        said = [f"Added, {why}{' and '.join(added)}.", _gain_words(facts, found)]
+        tie = tie_words(found) if found.tied else ""
+        return [missing_words(found), *said, tie, shape_words(found), left_words(found)]
+    if not facts.open_:
+        if found.missing:
+            look = f"Nothing that was tried earns its parameters: look near {hertz(found.missing)}."
+            return [missing_words(found), *facts.refused, look]
+        return ["Nothing is missing that these modes could show.", missing_words(found), *facts.refused]
+    head = "A mode is missing." if found.missing else "Something is missing."
+    best = found.comparison.models[found.comparison.order[0]].key
+    tie = tie_words(found) if found.tied else f"Best is {named(best)}."
+    return [head, missing_words(found), *facts.refused, tie, shape_words(found), left_words(found)]
+
+
+def _gain_words(facts: Facts, found: Findings) -> str:
+    """What the first step gains over nothing added."""
+    step, comparison = facts.steps[0], found.comparison
+    chosen = next(
+        (k for k, one in enumerate(comparison.models) if one.key == (step.effect, step.where)), None
+    )
+    if chosen is None:
+        return ""  # found again beside another
+    gained = comparison.table[chosen] - comparison.table[0]
+    low, middle, high = (f"{v:.0f}".replace("-", "−") for v in (gained.min(), gained[0], gained.max()))
+    what = "The first gains" if len(facts.steps) > 1 else "It gains"
+    return f"{what} {middle} nats ({low} to {high} under other priors)."
 
 
 def missing_words(found: Findings) -> str:

@@ -1,81 +1,44 @@
-"""Which measurement would separate two explanations best.
+"""Which FRF would tell two explanations apart best: the one that brings most information.
 
-Over the robot's own postures and random ones within the limits, every response and hammer point of the
-campaign and every level of force, the two fitted models' receptances are compared: root mean square of
-|ln(α₁/α₂)| over the noise of the campaign, which is taken to be as it was.
+Over the robot's own postures and random ones within its limits, every place of sensor and hammer, and every
+level of force, the two fitted models predict ln α with what is unsure of their parameters, to first order. If
+the first is right, the difference Δ of the two is measured under the errors of both and the noise σ,
 
-Where modes alone were measured, the difference of the two predictions is weighed by all that could hide it:
-the noise of the FRF and what is unsure of both models' parameters, to first order,
+    I = ½ Δᵀ (J₁C₁J₁ᵀ + J₂C₂J₂ᵀ + σ²)⁻¹ Δ  [nat],
 
-    d² = Δᵀ (J₁C₁J₁ᵀ + J₂C₂J₂ᵀ + σ²)⁻¹ Δ,    Δ = ln(α₁/α₂),
-
-over real and imaginary parts of all lines. A point that hardly moves has a noisier FRF: σ² grows with the
-square of what points move typically over what it moves.
+over real and imaginary parts of all lines: the expected logarithm of the odds between them (Kullback and
+Leibler's divergence of two normal densities of one covariance). A point that hardly moves has a noisier FRF:
+σ² grows with the square of what points move typically over what it moves.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Complex, Float
 
 from flexmodal.campaign import Campaign, CampaignPosture
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.names import NONE
 from flexmodal.diagnosis.outcome import NextMeasurement
-from flexmodal.identification import Observations, predict
+from flexmodal.identification import Observations
 from flexmodal.identification.frf_fit import residual
-from flexmodal.identification.gap import Gap, gap
+from flexmodal.identification.gap import gap
+from flexmodal.identification.model import evaluated
 from flexmodal.structure.structure import Axis, receptance
 
 RANDOM = 24
 """Random postures that are tried beside the card's."""
-LINES = 80
 NOISE = 0.05
-"""Relative noise of a line of the FRF at a point that moves as points typically do; with modes alone."""
-FEW_LINES = 64
-"""Of such an FRF."""
+"""Relative noise of a line at a point that moves as points typically do, where no FRF was measured."""
+LINES = 64
+"""Of the FRF."""
 _WIDEST = np.radians(150)
 
-
-def next_measurement(
-    observations: Observations,
-    one: tuple[Hypothesis, Float[np.ndarray, " parameter"]],
-    other: tuple[Hypothesis, Float[np.ndarray, " parameter"]],
-    seed: int = 0,
-) -> NextMeasurement:
-    """The posture, response, hammer point and level at which two fitted models differ most.
-
-    Args:
-        observations: the campaign's.
-        one: a hypothesis and its coordinates.
-        other: the one it is tied with.
-        seed: of the random postures.
-    """
-    context = one[0].context
-    planned = _planned(observations, postures_to_try(context, seed))
-    there = replace(context, postures=planned.postures)
-    stride = max(1, len(planned.axis) // LINES)
-    lines = slice(stride // 2, None, stride)
-    values = []
-    for hypothesis, x in (one, other):
-        moved = Hypothesis(there, hypothesis.base, hypothesis.placed)
-        values.append(predict(moved, x, planned, lines))
-    apart = np.sqrt(np.mean(np.minimum(np.abs(residual(*values)) ** 2, 4.0), axis=1))
-    best = int(np.argmax(apart))
-    floor = gap(observations, observations.value).noise_floor
-    response, reference = planned.response[best].tolist(), planned.reference[best].tolist()
-    return NextMeasurement(
-        posture=dict(planned.postures[int(planned.posture[best])].q),
-        response=(response[0], response[1]),
-        reference=(reference[0], reference[1]),
-        separates=(_label(one[0]), _label(other[0])),
-        expected=float(Gap(float(apart[best]), floor).over_floor),
-        force_peak=planned.peak(int(planned.level[best])),
-    )
+Place = tuple[int, int]
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,8 +50,57 @@ class Sure:
     covariance: Float[np.ndarray, "parameter parameter"]
 
 
+@dataclass(frozen=True, eq=False)
+class Predicted:
+    """What a fitted model predicts for several measurements."""
+
+    value: Complex[np.ndarray, "row line"]
+    slopes: Complex[np.ndarray, "parameter row line"]
+    """Of ln(value)."""
+    covariance: Float[np.ndarray, "parameter parameter"]
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """Measurements in one posture, and what two models predict for them."""
+
+    q: Mapping[str, float]
+    rows: Sequence[tuple[Place, Place, float]]
+    """Response, reference, peak of the force [N]."""
+    predicted: tuple[Predicted, Predicted]
+
+
+def next_among_records(observations: Observations, one: Sure, other: Sure, seed: int = 0) -> NextMeasurement:
+    """The best of the campaign's own places and levels of force, in other postures; noise as it was.
+
+    Args:
+        observations: the campaign's.
+        one: a fitted hypothesis.
+        other: the one it is tied with.
+        seed: of the random postures.
+    """
+    context = one.hypothesis.context
+    stride = max(1, len(observations.axis) // LINES)
+    lines = slice(stride // 2, None, stride)
+
+    def plans() -> Iterator[Plan]:
+        for q in postures_to_try(context, seed):
+            planned = _planned(observations, q)
+            there = replace(context, postures=planned.postures)
+            rows = [
+                (_place(response), _place(reference), planned.peak(int(level)))
+                for response, reference, level in zip(
+                    planned.response, planned.reference, planned.level, strict=True
+                )
+            ]
+            yield Plan(q, rows, (_seen(one, there, planned, lines), _seen(other, there, planned, lines)))
+
+    floor = gap(observations, observations.value).noise_floor
+    return _best(plans(), floor if floor > 0 else NOISE, one, other)
+
+
 def next_frf(campaign: Campaign, direction: int, one: Sure, other: Sure, seed: int = 0) -> NextMeasurement:
-    """Look through the card's and random postures, every point as sensor and every point as hammer point.
+    """The best FRF where modes alone were measured, every point as sensor and every point as hammer point.
 
     Args:
         campaign: of modes, whose points there are.
@@ -100,49 +112,82 @@ def next_frf(campaign: Campaign, direction: int, one: Sure, other: Sure, seed: i
     context = one.hypothesis.context
     places = [(point.id, direction) for point in context.points]
     pairs = np.array([(u, v) for v in range(len(places)) for u in range(len(places))])
-    axis = Axis(np.linspace(*context.band, FEW_LINES), context.middle)
-    best = (-np.inf, {}, 0)  # type: tuple[float, Mapping[str, float], int]
-    for number, q in enumerate(postures_to_try(context, seed), start=1):
-        there = replace(context, postures=(CampaignPosture(number, f"planned_{number}", q),))
-        values = []
-        for fit in (one, other):
-            moved = Hypothesis(there, fit.hypothesis.base, fit.hypothesis.placed)
-            (structure,) = moved.structures(fit.x, places, places, slopes=True)
-            value, slopes = receptance(structure, axis, pairs, moved.space.names)
-            values.append((value, slopes / np.where(value == 0, 1e-300, value), fit.covariance))
-        apart = _worth(values)
-        row = int(np.argmax(apart))
-        best = max(best, (float(apart[row]), q, row), key=lambda found: found[0])
-    expected, q, row = best
-    response, reference = (places[k] for k in pairs[row].tolist())
+    axis = Axis(np.linspace(*context.band, LINES), context.middle)
     peaks = [trial.force_peak for trial in campaign.trials]
-    return NextMeasurement(
-        posture=dict(q),
-        response=response,
-        reference=reference,
-        separates=(_label(one.hypothesis), _label(other.hypothesis)),
-        expected=expected,
-        force_peak=float(np.mean(peaks)) if peaks else 0.0,
-    )
+    peak = float(np.mean(peaks)) if peaks else 0.0
+    rows = [(places[u], places[v], peak) for u, v in pairs.tolist()]
+
+    def seen(fit: Sure, there: Context) -> Predicted:
+        moved = Hypothesis(there, fit.hypothesis.base, fit.hypothesis.placed)
+        (structure,) = moved.structures(fit.x, places, places, slopes=True)
+        value, slopes = receptance(structure, axis, pairs, moved.space.names)
+        return Predicted(value, slopes / np.where(value == 0, 1e-300, value), fit.covariance)
+
+    def plans() -> Iterator[Plan]:
+        for number, q in enumerate(postures_to_try(context, seed), start=1):
+            there = replace(context, postures=(CampaignPosture(number, f"planned_{number}", q),))
+            yield Plan(q, rows, (seen(one, there), seen(other, there)))
+
+    return _best(plans(), NOISE, one, other)
 
 
-def _worth(values: list[tuple[np.ndarray, np.ndarray, np.ndarray]]) -> np.ndarray:
-    """D of every response and hammer point, a line: how many times what could hide it."""
-    away = residual(values[0][0], values[1][0])
-    size = np.minimum(*(np.abs(value) for value, _, _ in values))
+def information(one: Predicted, other: Predicted, noise: float) -> Float[np.ndarray, " row"]:
+    """Expected logarithm of the odds between two models by each measurement [nat]; 0 where nothing moves.
+
+    Args:
+        one: predictions of a model.
+        other: of another.
+        noise: relative, of a line at a point that moves as points typically do.
+    """
+    away = residual(one.value, other.value)
+    size = np.minimum(np.abs(one.value), np.abs(other.value))
     typical = np.median(size, axis=0)
     found = np.zeros(len(away))
     for row in range(len(away)):
         if not np.isfinite(away[row]).all() or size[row].min() == 0:
             continue  # a point that stands still
         delta = np.concatenate([away[row].real, away[row].imag])
-        noise = NOISE**2 / 2 * (1 + (typical / size[row]) ** 2)
-        spread = np.diag(np.concatenate([noise, noise]))
-        for _, slopes, covariance in values:
-            j = np.concatenate([slopes[:, row].real, slopes[:, row].imag], axis=1)
-            spread += j.T @ covariance @ j
-        found[row] = np.sqrt(float(delta @ np.linalg.solve(spread, delta)) / len(delta))
+        spread = np.diag(np.tile(noise**2 / 2 * (1 + (typical / size[row]) ** 2), 2))
+        for model in (one, other):
+            j = np.concatenate([model.slopes[:, row].real, model.slopes[:, row].imag], axis=1)
+            spread += j.T @ model.covariance @ j
+        found[row] = 0.5 * float(delta @ np.linalg.solve(spread, delta))
     return found
+
+
+def _best(plans: Iterable[Plan], noise: float, one: Sure, other: Sure) -> NextMeasurement:
+    """The measurement that brings most."""
+    gained, q, (response, reference, peak), lines = -1.0, dict[str, float](), ((0, 0), (0, 0), 0.0), 1
+    for plan in plans:
+        gain = information(*plan.predicted, noise)
+        row = int(np.argmax(gain))
+        if gain[row] > gained:
+            gained, q, lines = float(gain[row]), dict(plan.q), plan.predicted[0].value.shape[1]
+            response, reference, peak = plan.rows[row]
+    return NextMeasurement(
+        posture=q,
+        response=response,
+        reference=reference,
+        separates=(_label(one.hypothesis), _label(other.hypothesis)),
+        expected=float(np.sqrt(gained / lines)),
+        force_peak=peak,
+        gain=gained,
+    )
+
+
+def _seen(fit: Sure, there: Context, planned: Observations, lines: slice) -> Predicted:
+    moved = Hypothesis(there, fit.hypothesis.base, fit.hypothesis.placed)
+    count = len(planned.axis.take(lines))
+    value = np.zeros((len(planned), count), dtype=complex)
+    slopes = np.zeros((len(moved.space), len(planned), count), dtype=complex)
+    for some, seen, changes in evaluated(moved, fit.x, planned, lines, slopes=True):
+        value[some], slopes[:, some] = seen, changes
+    return Predicted(value, slopes / np.where(value == 0, 1e-300, value), fit.covariance)
+
+
+def _place(row: np.ndarray) -> Place:
+    point, direction = row.tolist()
+    return point, direction
 
 
 def _label(hypothesis: Hypothesis) -> str:
@@ -150,7 +195,12 @@ def _label(hypothesis: Hypothesis) -> str:
 
 
 def postures_to_try(context: Context, seed: int) -> list[Mapping[str, float]]:
-    """The card's postures, those of the campaign, and random ones."""
+    """The card's postures, those of the campaign, and random ones.
+
+    Args:
+        context: whose robot and campaign.
+        seed: of the random ones.
+    """
     robot, random = context.robot, np.random.default_rng(seed)
     found: list[Mapping[str, float]] = [dict(q) for q in robot.postures.values()]
     found += [dict(p.q) for p in context.postures]
@@ -164,21 +214,20 @@ def postures_to_try(context: Context, seed: int) -> list[Mapping[str, float]]:
     return found
 
 
-def _planned(observations: Observations, postures: list[Mapping[str, float]]) -> Observations:
-    """Every response, hammer point and level of the campaign in other postures; nothing measured yet."""
-    key = np.unique(
+def _planned(observations: Observations, q: Mapping[str, float]) -> Observations:
+    """Every response, hammer point and level of the campaign in another posture; nothing measured yet."""
+    table = np.unique(
         np.column_stack([observations.response, observations.reference, observations.level]), axis=0
     )
-    count, lines = len(postures), observations.value.shape[1]
-    table = np.tile(key, (count, 1))
+    shape = len(table), observations.value.shape[1]
     return replace(
         observations,
-        postures=tuple(CampaignPosture(k + 1, f"planned_{k + 1}", q) for k, q in enumerate(postures)),
-        posture=np.repeat(np.arange(count), len(key)),
+        postures=(CampaignPosture(1, "planned", q),),
+        posture=np.zeros(len(table), dtype=int),
         response=table[:, :2],
         reference=table[:, 2:4],
         level=table[:, 4],
-        value=np.ones((len(table), lines), dtype=complex),
-        variance=np.zeros((len(table), lines)),
-        used=np.ones((len(table), lines), dtype=bool),
+        value=np.ones(shape, dtype=complex),
+        variance=np.zeros(shape),
+        used=np.ones(shape, dtype=bool),
     )

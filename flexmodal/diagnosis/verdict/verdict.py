@@ -1,82 +1,35 @@
-"""The verdict in words."""
+"""The verdict: one rule for every kind of evidence.
+
+Explained is what is noise. Where the data have a noise floor it decides; where the scatter is inferred along
+nothing may be left that gains enough, and nothing that is tied. A mode that was measured and that the model
+lacks leaves it open in any case. Where a floor shows that the model is not there, the name of its effect
+stands only if a law-free look points to the same place and class and the effect takes the larger part of the
+disagreement; where there is no floor, what was added stands beside what is left.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from flexmodal.diagnosis.names import UNKNOWN
+from flexmodal.diagnosis.outcome import Verdict
+from flexmodal.diagnosis.selection.decision import Answer
+from flexmodal.diagnosis.verdict.facts import Facts
+from flexmodal.diagnosis.verdict.frf_words import frf_words
+from flexmodal.diagnosis.verdict.modal_words import modal_words
 
-import numpy as np
-
-from flexmodal.diagnosis.disagreement.compare import excess
-from flexmodal.diagnosis.names import NONE, UNKNOWN, UNSTRUCTURED
-from flexmodal.diagnosis.outcome import Gaps, Step, Verdict
-from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
-from flexmodal.diagnosis.setup import Setup
-from flexmodal.text.words import enumeration
+BORDER = "How far the model is from the measurements lies at the border of what counts as noise."
 
 
-def verdict(
-    setup: Setup,
-    steps: Sequence[Step],
-    final: FittedFrfs,
-    gaps: Gaps,
-    over: float,
-    *,
-    explained: bool,
-    lacking: Mapping[int, float] | None = None,
-) -> Verdict:
-    """Nothing is missing, something of the catalogue is, or something else.
-
-    Args:
-        setup: what the diagnosis works with.
-        steps: effects that were added.
-        final: the model with them.
-        gaps: before and after.
-        over: how far the model is from the averages, over their noise.
-        explained: whether that is near enough.
-        lacking: measured modes that the model has none for, frequencies [Hz].
-    """
-    floors = gaps.after / gaps.noise_floor
-    effects = tuple((step.effect, step.where) for step in steps)
-    silent = f" Of {', '.join(setup.untestable)} these data cannot tell." if setup.untestable else ""
-    if explained and not effects:
-        says = f"Nothing is missing: re-tuned, the robot's gap is {floors:.2f} × the noise floor.{silent}"
-        return Verdict((), True, says)
-    if explained:
-        words = " and ".join(f"{_says(setup, step.effect)} ({step.where})" for step in steps)
-        tied = [_named(*tie) for step in steps for tie in step.ties]
-        tail = f" These data cannot tell it from {', '.join(tied)}." if tied else ""
-        says = f"Missing: {words}.{tail} The gap falls to {floors:.2f} × the noise floor."
-        return Verdict(effects, True, says)
-    where = place(setup, final)
-    near = f" Nearest comes {effects[-1][0]} at {effects[-1][1]}, which is not enough." if effects else ""
-    modes = ""
-    if lacking:
-        frequencies = enumeration([f"{frequency:.3g}" for frequency in lacking.values()])
-        modes = f" It has no mode for those measured near {frequencies} Hz."
-    says = (
-        "Something is missing that nothing in the catalogue explains: averaged over repeats, the model stays "
-        f"{over:.1f} times as far from the measurements as noise alone would put it.{modes} "
-        f"Look at {where}.{near}{silent}"
-    )
-    return Verdict(((UNKNOWN, where),), False, says)
-
-
-def _named(effect: str, where: str) -> str:
-    """A tied explanation in words."""
-    plain = {NONE: "nothing added", UNSTRUCTURED: "a mode with no structure"}
-    return plain.get(effect, f"{effect} at {where}")
-
-
-def _says(setup: Setup, name: str) -> str:
-    return next(effect.says for effect in setup.effects if effect.name == name)
-
-
-def place(setup: Setup, final: FittedFrfs) -> str:
-    """Where an unexplained disagreement sits best: the place of what comes nearest, or the worst point."""
-    if final.hypothesis.placed:
-        return final.hypothesis.keys[-1][1]
-    observations = setup.observations
-    above = excess(observations, final.predicted).sum(axis=1)
-    points = np.unique(observations.response[:, 0])
-    share = [above[observations.response[:, 0] == p].sum() for p in points]
-    return observations.campaign.point(int(points[int(np.argmax(share))])).name
+def verdict(facts: Facts) -> Verdict:
+    """Nothing is missing, something is and what, or something and nobody knows what."""
+    floor = facts.over_noise is not None
+    open_ = bool(facts.lacking) or facts.tied or (facts.open_ and not floor)
+    explained = facts.reached > Answer.NO and not open_
+    added = tuple((step.effect, step.where) for step in facts.steps)
+    stands = explained or facts.named or (bool(added) and not floor)
+    undecided = facts.undecided
+    if explained and facts.reached is Answer.UNDECIDED:
+        undecided = (*undecided, BORDER)
+    words = frf_words if facts.modal is None else modal_words
+    says = " ".join(part for part in (*words(facts, explained=explained), *undecided) if part)
+    share = facts.share if added and stands else None
+    return Verdict(added if stands else ((UNKNOWN, facts.place),), explained, says, undecided, share)

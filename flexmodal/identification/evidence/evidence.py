@@ -5,6 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Protocol, runtime_checkable
 
 import numpy as np
@@ -24,16 +25,6 @@ PAIRINGS = 4
 """Fits at one model error at most, while pairs of modes still change."""
 
 
-@dataclass(frozen=True, eq=False)
-class Fitted:
-    """Where a fit ended."""
-
-    x: Float[np.ndarray, " parameter"]
-    normal: Normal
-    converged: bool
-    steps: int
-
-
 @runtime_checkable
 class Misfit(Protocol):
     """Sum of squares of a model on some data at one model error, with its prior."""
@@ -49,6 +40,23 @@ class Misfit(Protocol):
     def same_pairs(self, other: Misfit) -> bool:
         """Whether both take the same mode of the model for each measured one."""
         ...
+
+
+@dataclass(frozen=True, eq=False)
+class Fitted:
+    """Where a fit ended."""
+
+    x: Float[np.ndarray, " parameter"]
+    misfit: Misfit
+    """At the last model error."""
+    cost: float
+    converged: bool
+    steps: int
+
+    @cached_property
+    def normal(self) -> Normal:
+        """Normal equations there, with what each observation adds."""
+        return self.misfit.equations(self.x, apart=True)
 
 
 class Evidence(ABC):
@@ -125,6 +133,7 @@ class Evidence(ABC):
         quick: bool = False,
         warm: bool = False,
         hold: Mapping[str, float] | None = None,
+        settled: float = FINE,
         advance: Advance = lambda step, cost: None,
     ) -> Fitted:
         """Fit; pairs of modes are looked for anew whenever a round has ended.
@@ -134,6 +143,7 @@ class Evidence(ABC):
             quick: a first look.
             warm: `start` is near.
             hold: coordinates that stay where they are put, by name.
+            settled: a step that changes the cost relatively by less is the last.
             advance: called after each step with its number and the cost.
         """
         x = np.zeros(len(self.space)) if start is None else np.array(start, dtype=float)
@@ -148,7 +158,7 @@ class Evidence(ABC):
                     misfit.cost,
                     x,
                     most=self.most,
-                    settled=FINE if last else SETTLED,
+                    settled=settled if last else SETTLED,
                     hold=hold,
                     advance=lambda step, cost, before=steps: advance(before + step, cost),  # type: ignore[misc]
                 )
@@ -157,7 +167,7 @@ class Evidence(ABC):
                 if misfit.same_pairs(before):
                     break
             near = True
-        return Fitted(x, before.equations(x, apart=True), found.converged, steps)
+        return Fitted(x, before, found.cost, found.converged, steps)
 
 
 def few(source: str, count: int, parameters: int, what: str) -> list[Fault]:

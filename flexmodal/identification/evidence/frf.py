@@ -9,9 +9,8 @@ import numpy as np
 from jaxtyping import Bool, Float, Int, Shaped
 
 from flexmodal.errors import Fault
-from flexmodal.identification.descent import Normal
-from flexmodal.identification.evidence.evidence import Evidence, Fitted, Key, Misfit, few
-from flexmodal.identification.frf_fit import FLOORS, Weighing, cost_of, normal_equations
+from flexmodal.identification.evidence.evidence import Evidence, Fitted, Key, few
+from flexmodal.identification.frf_fit import FLOORS, FrfMisfit, Weighing, normal_equations
 from flexmodal.identification.gap import Gap, gap, over_noise
 from flexmodal.identification.model import FrfModel, predict
 from flexmodal.identification.observations import Observations
@@ -22,27 +21,6 @@ QUICK_LINES = 120
 """Lines of each FRF that a first look takes."""
 SHARE_ABOVE_NOISE = 0.05
 """Of all lines, that must be above the noise for a fit to make sense."""
-
-
-@dataclass(frozen=True, eq=False)
-class FrfMisfit:
-    """Of a model on FRFs; see `Misfit`."""
-
-    model: FrfModel
-    observations: Observations
-    weighing: Weighing
-
-    def cost(self, x: Float[np.ndarray, " parameter"]) -> float:
-        """See `Misfit`."""
-        return cost_of(self.model, x, self.observations, self.weighing)
-
-    def equations(self, x: Float[np.ndarray, " parameter"], *, apart: bool = False) -> Normal:
-        """See `Misfit`."""
-        return normal_equations(self.model, x, self.observations, self.weighing, apart=apart)
-
-    def same_pairs(self, other: Misfit) -> bool:
-        """There are none."""
-        return True
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,10 +68,14 @@ class FrfEvidence(Evidence):
     def misfit(
         self, x: Float[np.ndarray, " parameter"], floor: float, *, near: bool = True, quick: bool = False
     ) -> FrfMisfit:
-        """On every line, or every so many at a first look; nothing is paired."""
+        """On every line, or every so many at a first look; nothing is paired.
+
+        Until the last model error steps need not be exact: what records cut off is not differentiated.
+        """
+        seen = self.observations if floor == FLOORS[-1] else replace(self.observations, cut_slopes=False)
         stride = max(1, len(self.observations.axis) // QUICK_LINES) if quick else 1
         lines = np.arange(stride // 2, len(self.observations.axis), stride)
-        return FrfMisfit(self.model, self.observations, Weighing(floor, lines, self.share))
+        return FrfMisfit(self.model, seen, Weighing(floor, lines, self.share))
 
     def information(self) -> Float[np.ndarray, "parameter parameter"]:
         """JᵀWJ at the card, with the noise of the lines."""

@@ -5,10 +5,25 @@ from __future__ import annotations
 import numpy as np
 from jaxtyping import Float
 
-from flexmodal.identification.evidence.measured_modes import ModeObservations
+from flexmodal.identification.evidence.measured_modes import MeasuredMode, ModeObservations
 from flexmodal.identification.evidence.modal_residuals import ModeProblem
 
 DAMPING_SHARE = 0.1
+
+
+def mode_errors(
+    mode: MeasuredMode, frequency: float, damping_ratio: float, alike: float
+) -> tuple[float, float, float]:
+    """Relative error of frequency, a tenth of that of damping, and 1 − MAC; NaN where nothing was measured.
+
+    Args:
+        mode: as it was measured.
+        frequency: predicted [Hz].
+        damping_ratio: predicted.
+        alike: MAC of the shapes.
+    """
+    damping = DAMPING_SHARE * (damping_ratio / mode.damping_ratio - 1)
+    return frequency / mode.frequency - 1, damping, 1 - alike
 
 
 def errors_of(problem: ModeProblem, x: Float[np.ndarray, " parameter"]) -> Float[np.ndarray, "observation 3"]:
@@ -29,9 +44,9 @@ def errors_of(problem: ModeProblem, x: Float[np.ndarray, " parameter"]) -> Float
             mode, partner = observed.modes[k], partners[k]
             if partner < 0:
                 continue
-            table[k, 0] = seen.found.frequency[partner] / mode.frequency - 1
-            table[k, 1] = DAMPING_SHARE * (seen.found.damping_ratio[partner] / mode.damping_ratio - 1)
-            table[k, 2] = 1 - alike[row, partner] if shapes else np.nan
+            mac = float(alike[row, partner]) if shapes else float("nan")
+            found = seen.found
+            table[k] = mode_errors(mode, found.frequency[partner], found.damping_ratio[partner], mac)
     if "antiresonance" in problem.use:
         entries = problem.entries(x, partners, slopes=False)[len(observed.modes) :]
         for k, one in enumerate(entries):

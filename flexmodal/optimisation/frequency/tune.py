@@ -8,7 +8,7 @@ import numpy as np
 
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.frf import PointDirection
-from flexmodal.frf.axis import MOST_HERTZ
+from flexmodal.frf.axis import LEAST_HERTZ, MOST_HERTZ
 from flexmodal.model import PosedRobot
 from flexmodal.optimisation.frequency.partial_fractions import (
     LogarithmicSlope,
@@ -95,8 +95,8 @@ def tune(
         InvalidPoint: a bad direction.
     """
     low, high = band
-    if not 0 <= low < high <= MOST_HERTZ:
-        allowed = f"0 ≤ low < high ≤ {MOST_HERTZ:g} Hz"
+    if not (0 <= low < high <= MOST_HERTZ and high >= LEAST_HERTZ):
+        allowed = f"0 ≤ low < high, high from {LEAST_HERTZ:g} to {MOST_HERTZ:g} Hz"
         raise InvalidRequest(Fault("call", "band", f"{low:g} to {high:g} Hz", allowed))
     (out,) = posed.directions(response)
     (into,) = posed.directions(out if reference is None else reference)

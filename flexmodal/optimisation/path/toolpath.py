@@ -10,11 +10,14 @@ import numpy as np
 from jaxtyping import Float
 
 from flexmodal.errors import Fault, InvalidRequest
+from flexmodal.text.reading import read_regular
 from flexmodal.text.words import FaultList, shown
 
 _POSITION, _FORCE = ("x", "y", "z"), ("fx", "fy", "fz")
 MOST_POINTS = 2000
 """More points than this are not planned in one go."""
+LARGEST = 20_000_000
+"""The most a table may hold [bytes]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,12 +86,13 @@ def read_toolpath(path: str | Path, *, planar: bool, feed: float | None = None) 
     """
     file = Path(path)
     faults = FaultList(file)
+    content = read_regular(file, limit=LARGEST, kind="a CSV file with a header")
+    if isinstance(content, Fault):
+        raise InvalidRequest(content)
     try:
-        with file.open(newline="", encoding="utf-8-sig") as stream:
-            rows = list(csv.reader(stream))
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        reason = getattr(error, "strerror", None) or "not a text table"
-        raise InvalidRequest(Fault(str(file), "", reason, "a CSV file with a header")) from None
+        rows = list(csv.reader(content.decode("utf-8-sig").splitlines()))
+    except (UnicodeDecodeError, csv.Error):
+        raise InvalidRequest(Fault(str(file), "", "not a text table", "a CSV file with a header")) from None
     header = [name.strip().lower() for name in rows[0]] if rows else []
     wanted = ("x", "z") if planar and "y" not in header else _POSITION
     force = [name for name in _FORCE if name in header]

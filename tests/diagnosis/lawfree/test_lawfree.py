@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from flexmodal.diagnosis.hypothesis import Hypothesis
-from flexmodal.diagnosis.lawfree import classes_of, curve_of, law_free
 from flexmodal.diagnosis.lawfree.body_ports import BODY, CARRIED, GROUND
+from flexmodal.diagnosis.lawfree.curve import classes_of, curve_of
 from flexmodal.diagnosis.lawfree.elastic_ports import BASE, LINK
 from flexmodal.diagnosis.lawfree.joint_ports import COUPLING, DAMPING, JOINT, TORQUE
 from flexmodal.diagnosis.lawfree.kinds import KINDS
-from flexmodal.diagnosis.lawfree.look import ALIKE, noise_of, sighted
+from flexmodal.diagnosis.lawfree.look import ALIKE, law_free, noise_of, sighted
 from flexmodal.diagnosis.lawfree.model import PortedModel
 from flexmodal.diagnosis.lawfree.port import Port
 from flexmodal.diagnosis.lawfree.profile import Profile, profiled

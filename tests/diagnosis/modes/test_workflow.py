@@ -10,10 +10,8 @@ from flexmodal.campaign import read_campaign, write_campaign
 from flexmodal.diagnosis import diagnose
 from flexmodal.diagnosis.as_json import as_json
 from flexmodal.diagnosis.effects import catalogue
-from flexmodal.diagnosis.modal_workflow import diagnose_modes
-from flexmodal.diagnosis.selection import modal_selection as selection
-from flexmodal.diagnosis.selection import variants
-from flexmodal.diagnosis.selection.decision import more_than_tied, undecided
+from flexmodal.diagnosis.selection import asked, variants
+from flexmodal.diagnosis.selection.modal_data import untestable
 from flexmodal.diagnosis.write import write_diagnosis
 from flexmodal.errors import InvalidRequest
 from flexmodal.identification.evidence.likelihood.errors import errors, figures, mean_of_others
@@ -54,8 +52,8 @@ def poor(bending, rigid):
     """Asked for nothing in particular, with a catalogue of two so that it takes less long."""
     with pytest.MonkeyPatch.context() as patch:
         few = [catalogue([name])[name] for name in ("link_flexibility", "local_absorber")]
-        patch.setattr(selection, "catalogue", lambda names=None: {one.name: one for one in few})
-        return diagnose_modes(bending(shape=1.5), rigid)
+        patch.setattr(asked, "catalogue", lambda names=None: {one.name: one for one in few})
+        return diagnose(bending(shape=1.5), rigid)
 
 
 @pytest.mark.slow
@@ -120,11 +118,8 @@ def test_the_improved_robot_loads_and_has_the_modes_of_the_model(told, tmp_path)
 @pytest.mark.slow
 def test_what_modes_cannot_tell_of_is_said_to_be_untestable(nothing):
     for name in ("coulomb_friction", "sensor_gain", "structural_damping", "sensor_mass", "time_delay"):
-        assert selection.untestable(catalogue([name])[name], nothing.model.context)
-    assert (
-        selection.untestable(catalogue(["base_flexibility"])["base_flexibility"], nothing.model.context)
-        is None
-    )
+        assert untestable(catalogue([name])[name], nothing.model.context)
+    assert untestable(catalogue(["base_flexibility"])["base_flexibility"], nothing.model.context) is None
 
 
 @pytest.mark.slow
@@ -147,15 +142,6 @@ def test_the_mean_of_the_others_by_hand(told):
     mean = np.exp(np.mean(np.log(first[1:])))
     assert table[0, 0] == pytest.approx(mean / first[0] - 1, rel=1e-12)
     assert np.median(table[:, 2]) < 0.1  # most shapes of these postures are alike, and clean
-
-
-@pytest.mark.parametrize(
-    ("gained", "added", "open_"), [(1.0, False, False), (5.5, False, True), (6.5, True, False)]
-)
-def test_what_is_asked_for_needs_more_than_a_tie_and_no_rounding_decides(gained, added, open_):
-    for rounding in (-1e-9, 1e-9):
-        assert more_than_tied(gained + rounding) == added
-        assert undecided(gained + rounding) == open_
 
 
 def test_points_of_another_card_are_found_by_name(rigid):

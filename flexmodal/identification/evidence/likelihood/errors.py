@@ -14,7 +14,7 @@ from jaxtyping import Float
 
 from flexmodal.identification.evidence.likelihood.laplace import ModalFit
 from flexmodal.identification.evidence.measured_modes import MeasuredMode, ModeObservations
-from flexmodal.identification.evidence.modal_gap import DAMPING_SHARE, gap_of_errors
+from flexmodal.identification.evidence.modal_gap import DAMPING_SHARE, gap_of_errors, mode_errors
 from flexmodal.modal.mac import mac_with
 
 Errors = Float[np.ndarray, "mode 3"]
@@ -44,8 +44,6 @@ def errors(fit: ModalFit) -> Errors:
             table[k] = lacking(mode)
             continue
         seen = fit.forecasts[mode.posture]
-        table[k, 0] = np.exp(seen.log_frequency[m]) / mode.frequency - 1
-        table[k, 1] = DAMPING_SHARE * (np.exp(seen.log_damping[m]) / mode.damping_ratio - 1)
         alike = [
             0.0
             if np.isnan(seen.shape[0, m])
@@ -53,7 +51,10 @@ def errors(fit: ModalFit) -> Errors:
             for s in mode.shapes
             if len(s.places) > 1
         ]
-        table[k, 2] = 1 - np.mean(alike) if alike else np.nan
+        mac = float(np.mean(alike)) if alike else float("nan")
+        table[k] = mode_errors(
+            mode, float(np.exp(seen.log_frequency[m])), float(np.exp(seen.log_damping[m])), mac
+        )
     return table
 
 
@@ -86,16 +87,15 @@ def mean_of_others(measured: ModeObservations) -> Errors:
         if not others:
             table[k] = lacking(mode)
             continue
-        table[k, 0] = np.exp(np.mean([np.log(m.frequency) for m in others])) / mode.frequency - 1
+        frequency = float(np.exp(np.mean([np.log(m.frequency) for m in others])))
         damped = [m.damping_ratio for m in others if np.isfinite(m.damping_ratio)]
-        if damped:
-            table[k, 1] = DAMPING_SHARE * (np.exp(np.mean(np.log(damped))) / mode.damping_ratio - 1)
-        table[k, 2] = _shape_of_others(mode, others)
+        ratio = float(np.exp(np.mean(np.log(damped)))) if damped else float("nan")
+        table[k] = mode_errors(mode, frequency, ratio, _alike_others(mode, others))
     return table
 
 
-def _shape_of_others(mode: MeasuredMode, others: list[MeasuredMode]) -> float:
-    """1 − MAC with the shape that is nearest to those of the others, at the places they share."""
+def _alike_others(mode: MeasuredMode, others: list[MeasuredMode]) -> float:
+    """MAC with the shape that is nearest to those of the others, at the places they share."""
     if not mode.shapes:
         return float("nan")
     own = {
@@ -111,7 +111,7 @@ def _shape_of_others(mode: MeasuredMode, others: list[MeasuredMode]) -> float:
     if not rows or len(own) < 2:
         return float("nan")
     best = np.linalg.svd(np.array(rows))[2][0].conj()
-    return 1 - mac_with(np.array(list(own.values())), best.conj())
+    return mac_with(np.array(list(own.values())), best.conj())
 
 
 def _rms(values: np.ndarray) -> float:

@@ -1,4 +1,4 @@
-"""The report of a diagnosis from modes alone."""
+"""The parts of the page that modes have."""
 
 from __future__ import annotations
 
@@ -20,13 +20,11 @@ from flexmodal.diagnosis.report.modal_tables import (
     weighing_rows,
 )
 from flexmodal.diagnosis.report.pictures import draw_descent
-from flexmodal.diagnosis.report.tables import next_task, parameters
-from flexmodal.diagnosis.report.words import held_out, not_testable, placed, state
+from flexmodal.diagnosis.report.words import held_out, placed
 from flexmodal.diagnosis.selection.variants import VARIANTS
 from flexmodal.diagnosis.verdict.modal_words import left_words, named, shape_words, tie_words
 from flexmodal.identification.evidence.likelihood.laplace import ModalFit
 from flexmodal.report import (
-    Facts,
     Gallery,
     Items,
     Part,
@@ -35,8 +33,6 @@ from flexmodal.report import (
     Section,
     Table,
     Text,
-    Verdict,
-    page_text,
 )
 from flexmodal.report.words import percent, size
 from flexmodal.text.words import enumeration
@@ -58,47 +54,23 @@ _EVIDENCE = (
     "fitted, over that of nothing added. Within 5 nats of the best under any of these sets of beliefs is a "
     "tie: {}. Probabilities are means over them, among what was weighed."
 )
+WHY = (
+    "measure an FRF where the two models differ most: {:.1f} times what noise and unsure parameters would "
+    "make of it, line by line."
+)
+SHAPES_TOO = (
+    "And shapes of the modes above, at all places in one run, with the sensors' directions written down: "
+    "modes have no direction in modes.csv, and the vertical is assumed."
+)
+NO_PAIR = (
+    "FRFs, rather than modes fitted to them: a mode without structure makes no prediction that a measurement "
+    "could rule out, but an explanation with structure does."
+)
+SIZES = "Sizes of residues were not used: they hang on how hard and how straight the hammer fell."
 _SHAPES = (
     "MAC, means over postures. As measured: what the shapes say for the first explanation. If careful: what "
     "shapes that follow one of the two would say, measured so that their MAC with the truth is 0.95."
 )
-
-
-def modal_text(diagnosis: Diagnosis, notes: Sequence[str] = ()) -> str:
-    """The page as text."""
-    found = diagnosis.modal
-    assert found is not None
-    name = after_name(diagnosis, found)
-    held = (
-        "the postures named for it."
-        if diagnosis.held_out
-        else "each posture in turn, predicted by the others."
-    )
-    sections = [
-        Section("Frequencies, measured and modelled", _frequencies(diagnosis, found, name)),
-        Section("Where they disagree", _disagreement(diagnosis)),
-        Section("What was weighed", _weighed(diagnosis, found)),
-        Section("What the shapes say", _shapes(found)),
-        Section("What to measure next", _next(diagnosis, found)),
-        Section("Mode by mode", [mode_table(found, name)]),
-        Section("Parameters", parameters(diagnosis)),
-        Section("What this does not say", [Items(_not_said(diagnosis, notes))]),
-        Section("Where it comes from", [Facts(diagnosis.provenance)]),
-    ]
-    title = f"Diagnosis, from modes alone, of “{diagnosis.campaign}” with the robot {diagnosis.robot}"
-    return page_text(title, [_verdict(diagnosis, found), Text(_GAP + held, note=True)], sections)
-
-
-def _verdict(diagnosis: Diagnosis, found: Findings) -> Verdict:
-    gaps = diagnosis.gaps
-    figures = [("re-tuned, nothing added", size(gaps.before), held_out(gaps.held_out_before))]
-    if gaps.believed is not None:
-        figures.insert(0, ("gap of the card as it came", size(gaps.believed), ""))
-    if diagnosis.steps:
-        figures.append(("with what was added", size(gaps.after), held_out(gaps.held_out_after)))
-    figures.append(("scatter over places", size(gaps.noise_floor), ""))
-    says = verdict_paragraphs(diagnosis, found)
-    return Verdict(state(diagnosis), headline(diagnosis, found), says, figures)
 
 
 def _frequencies(diagnosis: Diagnosis, found: Findings, name: str) -> Parts:
@@ -140,36 +112,41 @@ def _shapes(found: Findings) -> Parts:
     return [says[:1].upper() + says[1:], picture, Table(SHAPES, rows), Text(_SHAPES, note=True)]
 
 
-def _next(diagnosis: Diagnosis, found: Findings) -> Parts:
-    if diagnosis.next_measurement is not None:
-        why = (
-            "measure an FRF where the two models differ most: {:.1f} times what noise and unsure parameters "
-            "would make of it, line by line."
-        )
-        return [
-            next_task(diagnosis, diagnosis.next_measurement, why),
-            "And shapes of the modes above, at all places in one run, with the sensors' directions written "
-            "down: modes have no direction in modes.csv, and the vertical is assumed.",
-        ]
-    if found.tied:
-        return [
-            "FRFs, rather than modes fitted to them: a mode without structure makes no prediction that a "
-            "measurement could rule out, but an explanation with structure does."
-        ]
-    return ["No second explanation is left that another measurement would have to rule out."]
+def modal_sections(diagnosis: Diagnosis, found: Findings) -> list[Section]:
+    """Frequencies, where they disagree, what was weighed, what the shapes say, and mode by mode.
 
-
-def _not_said(diagnosis: Diagnosis, notes: Sequence[str]) -> list[str]:
+    Args:
+        diagnosis: what was found.
+        found: what of it the modes say.
+    """
+    name = after_name(diagnosis, found)
     return [
-        *not_testable(diagnosis),
-        *(f"{one}." for one in diagnosis.left_out),
-        *(f"In the improved robot: {note}." for note in notes),
-        "What could not be tested may be there all the same.",
-        "Sizes of residues were not used: they hang on how hard and how straight the hammer fell.",
+        Section("Frequencies, measured and modelled", _frequencies(diagnosis, found, name)),
+        Section("Where they disagree", _disagreement(diagnosis)),
+        Section("What was weighed", _weighed(diagnosis, found)),
+        Section("What the shapes say", _shapes(found)),
+        Section("Mode by mode", [mode_table(found, name)]),
     ]
 
 
-def headline(diagnosis: Diagnosis, found: Findings) -> str:
+def modal_figures(diagnosis: Diagnosis) -> list[tuple[str, str, str]]:
+    """The gaps, large."""
+    gaps = diagnosis.gaps
+    figures = [("re-tuned, nothing added", size(gaps.before), held_out(gaps.held_out_before))]
+    if gaps.believed is not None:
+        figures.insert(0, ("gap of the card as it came", size(gaps.believed), ""))
+    if diagnosis.steps:
+        figures.append(("with what was added", size(gaps.after), held_out(gaps.held_out_after)))
+    return [*figures, ("scatter over places", size(gaps.noise_floor), "")]
+
+
+def modal_note(diagnosis: Diagnosis) -> Text:
+    """What the gap is, and what was held out."""
+    each = "each posture in turn, predicted by the others."
+    return Text(_GAP + ("the postures named for it." if diagnosis.held_out else each), note=True)
+
+
+def modal_headline(diagnosis: Diagnosis, found: Findings) -> str:
     """The verdict in a line."""
     if diagnosis.steps:
         names = enumeration([placed(s.effect, s.where) for s in diagnosis.steps])
@@ -181,7 +158,7 @@ def headline(diagnosis: Diagnosis, found: Findings) -> str:
     return "A mode is missing; these data do not say what makes it"
 
 
-def verdict_paragraphs(diagnosis: Diagnosis, found: Findings) -> list[Text]:
+def modal_paragraphs(diagnosis: Diagnosis, found: Findings) -> list[Text]:
     """The verdict's sentences by what they are of: the gap, the ties, the shapes, what is left."""
     says = diagnosis.verdict.says
     tie = tie_words(found) if found.tied else ""

@@ -19,7 +19,7 @@ STEPS = 25
 """Most at each of them."""
 
 
-def looked_at(
+def fitted_closely(
     setup: Setup,
     hypothesis: Hypothesis,
     start: Float[np.ndarray, " parameter"],

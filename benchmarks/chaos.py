@@ -1,0 +1,203 @@
+"""Every command that writes, killed at each of its file events, on a full disk, and several at once.
+
+Figures go to docs/tables/chaos.md. After a kill the next reader has to find the old or the new, whole, and
+the next writer may not be barred. Events, kills and full disks are those of `killing`.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import os
+import shutil
+import sys
+import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from killing import digest, killed_everywhere
+from tables import write
+
+from flexmodal.cli.main import main as flexmodal
+
+LIMITS = (0, 2_000, 20_000)
+"""Sizes of a file at which the disk is full [bytes]."""
+ROUNDS, WRITERS = 25, 4
+NOWHERE = Path("/sys/kernel")
+"""A file system in which nobody may make a file."""
+SMALL = ("--postures", "2", "--points", "2", "--trials", "1", "--averages", "2", "--record-length", "1")
+RIG = ("rig", "fanuc_s360", *SMALL, "--references", "1", "--quiet")
+AXIS = ("--posture", "configuration_1", "--frequencies", "1:60:1")
+
+
+@dataclass(frozen=True)
+class Case:
+    """A command, how it is called, and what it replaces."""
+
+    name: str
+    words: tuple[str, ...]
+    out: str
+    """Name of what it writes."""
+    option: str = "--out"
+    before: tuple[str, ...] = ()
+    """The command that made what stands there; none where there is nothing to replace."""
+    writers: int = 1
+    """After each of so many kills the next writer is tried."""
+
+
+def cases(campaign: str, single: str) -> tuple[Case, ...]:
+    """All of them, on one small campaign and on one of a single FRF."""
+    frf, fit = ("frf", "fanuc_s360", *AXIS), ("fit", campaign, "--no-vary", "--per", "posture")
+    identify, diagnose = ("identify", campaign, "--quiet"), ("diagnose", campaign, "--quiet")
+    lean = (*diagnose, "--effects", "added_mass")
+    path = ("optimise", "fanuc_s360", "--family", "second_link_horizontal", "--frequency", "8", "--quiet")
+    return (
+        Case("frf", frf, "frf.csv"),
+        Case("frf --force", frf, "frf.uff", before=(*frf, "--form", "mobility")),
+        Case("frf --force, a page", frf, "frf.html", before=(*frf, "--form", "mobility"), writers=5),
+        Case("optimise, a picture", path, "receptance=best.png", "--plot"),
+        Case("show", ("show", "fanuc_s360"), "page.html"),
+        Case("fit --force", fit, "modes.csv", before=("fit", campaign, "--no-vary", "--band", "5:100")),
+        Case("fit, pictures", ("fit", single, "--no-vary"), "pictures", "--pictures", writers=10),
+        Case("rig", (*RIG, "--seed", "2", "--hide", "added_mass"), "test"),
+        Case("identify", identify, "found", writers=10),
+        Case("identify --force", identify, "found", before=(*identify, "--kinds", "stiffness"), writers=10),
+        Case("diagnose", lean, "found", writers=20),
+        Case("diagnose --force", lean, "found", before=(*lean, "--seed", "1"), writers=20),
+    )
+
+
+def run(words: tuple[str, ...]) -> tuple[int, str]:
+    """A command in this process: its status and what it complained of."""
+    with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()) as told:
+        try:
+            flexmodal([str(word) for word in words])
+        except SystemExit as left:
+            return int(left.code or 0), told.getvalue()
+    return 0, told.getvalue()
+
+
+def call(case: Case, folder: Path) -> tuple[str, ...]:
+    """The command with its output in a folder."""
+    kind, equals, name = case.out.rpartition("=")
+    force = ("--force",) if case.before else ()
+    return (*case.words, case.option, f"{kind}{equals}{folder / name}", *force)
+
+
+def killed(case: Case, home: Path) -> tuple[list[str], int]:
+    """The row of a case, and how much is broken."""
+    folder = home / case.name.replace(" ", "_").replace(",", "")
+    folder.mkdir()
+    target = folder / case.out.rpartition("=")[2]
+    if case.before and run((*case.before, case.option, str(target)))[0] > 1:
+        raise RuntimeError(f"{case.name}: nothing to replace")
+    found = killed_everywhere(
+        lambda: run(call(case, folder)), folder, target, writers=case.writers, limits=LIMITS
+    )
+    if found.new == found.old:
+        raise RuntimeError(f"{case.name}: nothing was written")
+    broken = found.broken()
+    for one in broken:
+        print(f"{case.name}: {one}", file=sys.stderr)
+    halves = sum(one not in (found.old, found.new) for one in found.seen)
+    kept = sum(one == found.old for one in found.full)
+    status, told = run(call(case, NOWHERE))
+    refused = status == 2 and str(NOWHERE) in told and "Traceback" not in told
+    shutil.rmtree(folder)
+    row = [case.name, str(len(found.events)), str(len(broken)), str(halves), f"{kept} of {len(LIMITS)}"]
+    return [*row, "yes" if refused else "NO"], len(broken) + (not refused)
+
+
+def at_once(words: Callable[[int], tuple[str, ...]], folder: Path, *, replacing: bool) -> tuple[int, int]:
+    """Rounds in which what stands there is no single writer's, and writers that were told to wait or go.
+
+    Args:
+        words: the command of each writer, which differs from the others' in what it writes.
+        folder: where all of them write.
+        replacing: whether each may replace what another wrote.
+    """
+    alone = {}
+    for number in range(WRITERS):
+        run(words(number))
+        alone[digest(folder)] = number
+        _empty(folder)
+    mixed = told = 0
+    for _ in range(ROUNDS):
+        hold, start = os.pipe()
+        children = []
+        for number in range(WRITERS):
+            child = os.fork()
+            if child == 0:
+                os.close(start)
+                _wait_at_first_event(folder, hold)
+                os._exit(run(words(number))[0])
+            children.append(child)
+        os.close(hold)
+        os.close(start)
+        ended = [os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) for child in children]
+        wrote = [number for number, status in enumerate(ended) if status == 0]
+        told += WRITERS - len(wrote)
+        mixed += alone.get(digest(folder)) not in wrote or (not replacing and len(wrote) != 1)
+        _empty(folder)
+    return mixed, told
+
+
+def _wait_at_first_event(folder: Path, hold: int) -> None:
+    waited = False
+
+    def hook(name: str, given: tuple[object, ...]) -> None:
+        nonlocal waited
+        if not waited and name == "os.mkdir" and str(given[0]).startswith(str(folder)):
+            waited = True
+            os.read(hold, 1)  # until all of them are let go
+
+    sys.addaudithook(hook)
+
+
+def _empty(folder: Path) -> None:
+    for entry in folder.iterdir():
+        shutil.rmtree(entry) if entry.is_dir() else entry.unlink()
+
+
+def main() -> None:
+    """Run all of it; exit 1 if anything was lost, mixed or barred."""
+    with tempfile.TemporaryDirectory(prefix="chaos-") as name:
+        home = Path(name).resolve()
+        campaign, single, together = home / "campaign", home / "single", home / "together"
+        run((*RIG, "--out", str(campaign)))
+        run((*RIG, "--postures", "1", "--points", "1", "--out", str(single)))
+        together.mkdir()
+        rows, bad = [], 0
+        for case in cases(str(campaign), str(single)):
+            row, broken = killed(case, home)
+            print(*row, sep=" | ", flush=True)
+            rows.append(row)
+            bad += broken
+        frf = ("frf", "fanuc_s360", *AXIS, "--out", str(together / "frf.csv"), "--force", "--form")
+        forms = ("receptance", "mobility", "inertance", "receptance")
+        pairs = {
+            "rig": at_once(
+                lambda n: (*RIG, "--seed", str(n), "--out", str(together / "t")), together, replacing=False
+            ),
+            "frf --force": at_once(lambda n: (*frf, forms[n]), together, replacing=True),
+        }
+    bad += sum(mixed for mixed, _ in pairs.values())
+    ends = [
+        f"`{name}`: {WRITERS} writers at once, {ROUNDS} times: {mixed} mixed or lost, "
+        f"{told} of {ROUNDS * WRITERS} told that another process writes there or has written."
+        for name, (mixed, told) in pairs.items()
+    ]
+    events = sum(int(row[1]) for row in rows)
+    lead = (
+        f"`make chaos`. {events} kills. Lost: kills after which the next reader found neither the old nor "
+        "the new, or the next writer was barred. In between: kills after which `ls` shows a part of several "
+        "names until the next command."
+    )
+    header = ["command", "events", "lost", "in between", "full disk: old kept", "nowhere to write: said"]
+    write("chaos", "Writers killed", lead, header, rows, end="\n".join(ends))
+    sys.exit(int(bad > 0))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,71 @@
+"""The law-free look in the report: places by their misfit, and the curve that was found with its band."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from flexmodal.diagnosis.lawfree.result import Curve, Findings, PlaceTried
+from flexmodal.report import Cell, Column, Gallery, Part, Parts, Picture, Table, Text
+from flexmodal.report.figure import INK, NARROW, PALETTE, drawing, frequency_axis, new_figure
+from flexmodal.report.words import percent
+
+_SHOWN = 8
+"""Places in the table."""
+_WIDEST = 0.5
+"""Standard deviation over the size of the largest value, from which a line is not drawn: it says nothing."""
+_COLUMNS = (
+    Column("place", words=True), Column("what it would be", words=True), Column("free functions"),
+    Column("misfit", "noise"), Column("held out", "noise"),
+)  # fmt: skip
+_NOTE = (
+    "No law is assumed here: at each place the dynamic stiffness or compliance is one free complex number at "
+    "every frequency, the same in all postures, and the robot's own parameters are fitted along. A wrong "
+    "place cannot explain several postures with one function. Misfit: root mean square distance from the "
+    "averages over repeats in units of their noise, 0.6 if perfect. The look is blind to places that move "
+    "alike in every posture, which are listed as alike, and sees little with one point or few postures."
+)
+
+
+def look_parts(look: Findings) -> Parts:
+    """The section."""
+    rows: list[list[str | Cell]] = [["none", "the robot re-tuned", "0", f"{look.alone:.2f}", "–"]]
+    rows += [_row(one, tied=one in look.alike[1:]) for one in look.places[:_SHOWN]]
+    best = 1 + look.places.index(look.best)
+    chosen = frozenset({best if look.needed and best < len(rows) else 0})
+    parts: list[Part | str] = [look.says, Table(_COLUMNS, rows, chosen=chosen)]
+    if look.curve is not None:
+        says = f"Free function at {look.best.where}: real and imaginary part with their standard deviation"
+        parts.append(Gallery([Picture(partial(draw_curve, look.curve), says)]))
+        parts += [f"{one.says}: takes {percent(one.share)} of the curve." for one in look.classes]
+    return [*parts, Text(_NOTE, note=True)]
+
+
+def _row(one: PlaceTried, *, tied: bool) -> list[str | Cell]:
+    apart = "–" if one.held_out is None else f"{one.held_out:.2f}"
+    place = Cell(f"{one.port} {one.where}".strip(), tag="alike" if tied else "")
+    return [place, one.says, str(one.unknowns), f"{one.misfit:.2f}", apart]
+
+
+@drawing
+def draw_curve(curve: Curve) -> Any:
+    """Real and imaginary part of every function over frequency, with a band of one standard deviation."""
+    figure = new_figure(NARROW, 3.6)
+    panels = figure.subplots(2, 1, sharex=True)
+    known = curve.deviation <= _WIDEST * np.abs(curve.value).max(axis=1, keepdims=True)
+    for part, axes, word in ((np.real, panels[0], "real"), (np.imag, panels[1], "imaginary")):
+        axes.axhline(0.0, color=INK, linewidth=0.6)
+        for number, name in enumerate(curve.names):
+            value, spread = part(curve.value[number]), curve.deviation[number]
+            shown, color = known[number], PALETTE[number % len(PALETTE)]
+            f, y, d = curve.frequency[shown], value[shown], spread[shown]
+            axes.fill_between(f, y - d, y + d, color=color, alpha=0.25, linewidth=0)
+            axes.plot(f, y, ".-", color=color, markersize=3, linewidth=1, label=name)
+        unit = f" [{curve.unit}]" if curve.unit else ""
+        axes.set_ylabel(f"{word}{unit}")
+    frequency_axis(panels[1], curve.frequency)
+    if len(curve.names) > 1:
+        panels[0].legend(fontsize=7, ncols=min(3, len(curve.names)))
+    return figure

@@ -1,0 +1,82 @@
+"""From a forward selection to a diagnosis: gaps, verdict, steps, the next measurement."""
+
+from __future__ import annotations
+
+from flexmodal.diagnosis.findings import Findings
+from flexmodal.diagnosis.outcome import Diagnosis
+from flexmodal.diagnosis.provenance import provenance
+from flexmodal.diagnosis.selection.comparison import M
+from flexmodal.diagnosis.selection.data import Conclusion
+from flexmodal.diagnosis.selection.decision import Answer, any_gains
+from flexmodal.diagnosis.selection.selection import ForwardSelection
+from flexmodal.diagnosis.verdict.facts import Facts
+from flexmodal.diagnosis.verdict.undecided import refused_words, undecided_words
+from flexmodal.diagnosis.verdict.verdict import verdict
+
+
+def diagnosis_of(
+    selection: ForwardSelection[M], *, left_out: tuple[str, ...], warnings: tuple[str, ...], seed: int
+) -> Diagnosis:
+    """Put everything together.
+
+    Args:
+        selection: after its run.
+        left_out: sentences on what was not used, or taken elsewhere.
+        warnings: sentences on what was taken for granted.
+        seed: of everything that was drawn.
+    """
+    data = selection.data
+    found = data.conclude(selection.root, selection.current)
+    modal = data.findings(selection.rounds, selection.current, selection.rivals)
+    says = verdict(facts_of(selection, found, modal))
+    data.advance("what to measure next", 0.5)
+    return Diagnosis(
+        campaign=data.campaign.title,
+        robot=data.context.robot.name,
+        gaps=found.gaps,
+        disagreement=found.disagreement,
+        remaining=found.remaining,
+        steps=tuple(selection.steps) if says.named else (),
+        verdict=says,
+        next_measurement=None if selection.rivals is None else data.next_measurement(*selection.rivals),
+        untestable=data.untestable,
+        left_out=left_out,
+        held_out=data.held_out,
+        model=found.after.hypothesis,
+        x=found.after.x,
+        deviation=found.deviation,
+        refused=tuple(selection.refused),
+        provenance=provenance(data.campaign, data.context.robot, seed),
+        modal=modal,
+        look=data.look,
+        warnings=warnings,
+        **data.shown(found),
+    )
+
+
+def facts_of(selection: ForwardSelection[M], found: Conclusion[M], modal: Findings | None) -> Facts:
+    """What the verdict goes by.
+
+    Args:
+        selection: after its run.
+        found: its first and last models on everything that was measured.
+        modal: what measured modes say besides.
+    """
+    data, first = selection.data, selection.rounds[0].comparison
+    return Facts(
+        steps=tuple(selection.steps),
+        says={effect.name: effect.says for effect in data.effects},
+        gaps=found.gaps,
+        over_noise=found.over_noise,
+        reached=found.reached,
+        lacking=dict(modal.left) if modal is not None else data.lacking(selection.current),
+        open_=not selection.steps and any_gains(first) is Answer.YES,
+        named=data.is_named(selection.current),
+        share=data.share(selection.root, found.after),
+        look=data.look,
+        place=data.place(found.after, modal),
+        untestable=tuple(data.untestable),
+        refused=refused_words(selection.rounds, data.asked),
+        undecided=undecided_words(selection.rounds),
+        modal=modal,
+    )

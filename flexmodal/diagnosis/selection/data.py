@@ -1,0 +1,194 @@
+"""What forward selection asks of measured data of any kind: fits, their evidence, and what they leave."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Generic
+
+import numpy as np
+from jaxtyping import Float
+
+from flexmodal.campaign import Campaign
+from flexmodal.diagnosis.effects import Context, Effect
+from flexmodal.diagnosis.findings import Findings
+from flexmodal.diagnosis.lawfree.result import Findings as LawFree
+from flexmodal.diagnosis.outcome import Gaps, NextMeasurement, Region
+from flexmodal.diagnosis.selection.comparison import Comparison, M
+from flexmodal.diagnosis.selection.decision import Answer, Asked, Round
+
+
+@dataclass(frozen=True, eq=False)
+class Conclusion(Generic[M]):
+    """The first and the last model on everything that was measured, what was held out included."""
+
+    before: M
+    after: M
+    gaps: Gaps
+    disagreement: tuple[Region, ...]
+    remaining: tuple[Region, ...]
+    deviation: Float[np.ndarray, " parameter"]
+    """Standard errors of the last model's coordinates."""
+    over_noise: float | None
+    """Distance of the last model from the measurement, over that of the noise; None where scatter is inferred
+    along, so that there is no such figure."""
+    reached: Answer
+    """Whether that is noise."""
+
+
+class Data(ABC, Generic[M]):
+    """FRFs, modes, or both, as forward selection sees them."""
+
+    campaign: Campaign
+    context: Context
+    effects: tuple[Effect, ...]
+    asked: Asked | None
+    """Effects that the caller named; None for the whole catalogue."""
+    advance: Callable[[str, float], None]
+
+    @property
+    @abstractmethod
+    def root(self) -> M:
+        """The robot re-tuned, nothing added."""
+
+    @property
+    @abstractmethod
+    def untestable(self) -> Mapping[str, str]:
+        """Effects that these data cannot tell of, and why."""
+
+    @property
+    @abstractmethod
+    def held_out(self) -> tuple[int, ...]:
+        """Ids of the postures that no fit sees."""
+
+    @abstractmethod
+    def candidates(self, before: M, number: int) -> list[M]:
+        """A model, and what might be added to it.
+
+        Args:
+            before: the model.
+            number: how many effects were looked for before.
+        """
+
+    @abstractmethod
+    def compare(self, models: Sequence[M]) -> Comparison[M]:
+        """Their evidence, the first being the one without anything new."""
+
+    @abstractmethod
+    def without(self, model: M, key: tuple[str, str]) -> M:
+        """A model fitted again with one effect less.
+
+        Args:
+            model: with the effect.
+            key: name and place of the effect.
+        """
+
+    @abstractmethod
+    def worth(self, before: M, after: M, number: int) -> Answer:
+        """Whether an effect takes enough of the misfit away, apart from its evidence.
+
+        Args:
+            before: the model without.
+            after: the model with it.
+            number: how many effects were added before.
+        """
+
+    @abstractmethod
+    def is_enough(self, model: M) -> bool:
+        """Whether nothing is left to be explained."""
+
+    def is_over(self, model: M) -> bool:
+        """Whether no further effect is looked for."""
+        return self.is_enough(model) or self.is_named(model)
+
+    def is_named(self, model: M) -> bool:
+        """Whether a model's effect is sure although its law leaves more than noise."""
+        return False
+
+    def share(self, first: M, last: M) -> float | None:
+        """Part of the disagreement above the noise that a model takes; None where that has no figure.
+
+        Args:
+            first: the robot re-tuned.
+            last: the model.
+        """
+        return None
+
+    @property
+    def look(self) -> LawFree | None:
+        """What is found without a law; None where there are no FRFs."""
+        return None
+
+    @abstractmethod
+    def lacking(self, model: M) -> Mapping[int, float]:
+        """Measured modes that a model has none for in half the postures and more: number, frequency [Hz]."""
+
+    @abstractmethod
+    def gaps(self, before: M, after: M) -> Gaps:
+        """Of a pair of models.
+
+        Args:
+            before: without the effect.
+            after: with it.
+        """
+
+    @abstractmethod
+    def weighed_gaps(self, model: M) -> tuple[float, float | None]:
+        """A model's gap on what it was fitted to, and on what was held out."""
+
+    @abstractmethod
+    def covariance(self, model: M) -> Float[np.ndarray, "parameter parameter"]:
+        """Of the coordinates of its hypothesis."""
+
+    @abstractmethod
+    def conclude(self, first: M, last: M) -> Conclusion[M]:
+        """Look at two models once more, on everything that was measured.
+
+        Args:
+            first: the robot re-tuned.
+            last: the final model.
+        """
+
+    @abstractmethod
+    def place(self, model: M, findings: Findings | None) -> str:
+        """Where something sits that has no name.
+
+        Args:
+            model: the final one.
+            findings: what measured modes say.
+        """
+
+    def findings(
+        self, rounds: Sequence[Round[M]], current: M, compared: tuple[M, M] | None
+    ) -> Findings | None:
+        """What measured modes say besides; None where FRFs decide.
+
+        Args:
+            rounds: every comparison.
+            current: the final model.
+            compared: it, or the best, and what it is tied with.
+        """
+        return None
+
+    @abstractmethod
+    def next_measurement(self, one: M, other: M) -> NextMeasurement:
+        """What would tell two models apart best.
+
+        Args:
+            one: a fitted model.
+            other: the one it is tied with.
+        """
+
+    def alike(self, one: M, other: M) -> bool:
+        """Whether two models explain as much of what can be counted.
+
+        Args:
+            one: a fitted model.
+            other: another.
+        """
+        return True
+
+    def shown(self, conclusion: Conclusion[M]) -> dict[str, Any]:
+        """Fields of a diagnosis that data of this kind alone have."""
+        return {}

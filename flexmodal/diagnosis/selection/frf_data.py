@@ -1,0 +1,253 @@
+"""FRFs as forward selection sees them, with modes beside them or without."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float
+
+from flexmodal.diagnosis.disagreement.compare import disagreement, excess, force_dependence
+from flexmodal.diagnosis.disagreement.gaps import gap_of, gaps_of, left, over_noise
+from flexmodal.diagnosis.findings import Findings
+from flexmodal.diagnosis.hypothesis import Hypothesis
+from flexmodal.diagnosis.lawfree.first_look import looked_freely
+from flexmodal.diagnosis.lawfree.result import CLASSES_OF
+from flexmodal.diagnosis.lawfree.result import Findings as LawFree
+from flexmodal.diagnosis.outcome import Gaps, NextMeasurement
+from flexmodal.diagnosis.search.close_fit import fitted_closely
+from flexmodal.diagnosis.search.explanations import explanations
+from flexmodal.diagnosis.search.modal_search import unmatched
+from flexmodal.diagnosis.search.unstructured import unstructured_mode
+from flexmodal.diagnosis.selection.beside_frfs import ModesBeside
+from flexmodal.diagnosis.selection.comparison import MARGIN, Comparison
+from flexmodal.diagnosis.selection.data import Conclusion, Data
+from flexmodal.diagnosis.selection.decision import SIGNIFICANT, Answer, reaches
+from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs, compare_models
+from flexmodal.diagnosis.setup import Setup
+from flexmodal.diagnosis.verdict.next_measurement import Sure, next_among_records
+from flexmodal.identification import gap, predict, uncertainty
+
+FORCE, FORCE_MARGIN = 1.6, 0.1
+"""Change of FRFs with the force of the blow, over their noise, from which a structure is not linear."""
+WORTH, WORTH_MARGIN = 0.025, 0.005
+"""Part of the sum of squares that an effect has to take away besides."""
+ANOTHER, ANOTHER_MARGIN = 0.33, 0.02
+"""The same for every further effect: what a good but not perfect model leaves is not another effect."""
+LARGER_PART, NEARLY_ALL = 0.5, 0.9
+"""Part of the disagreement that an effect takes to be named where its law is not quite the catalogue's; the
+second where no curve tells its class."""
+FLOOR_REACHED = 1.4
+"""Distance of a model from the measurement, over that of the noise, that needs no explanation; a
+perfect one is somewhat above 1, since what repeats share is not in the noise."""
+EXPLAINED = 2.0
+"""The same that a strong effect may leave."""
+LEFT = 0.03
+"""Part of the disagreement above the noise that may be left then."""
+FLOOR_MARGIN = 0.035
+"""The last 7 % up to these three are the border, which is told: a threshold with this relative margin."""
+
+
+class FrfData(Data[FittedFrfs]):
+    """Effects are needed as long as the model is far from the averages over repeats."""
+
+    def __init__(self, setup: Setup, modes: ModesBeside | None = None) -> None:
+        """Re-tune the robot.
+
+        Args:
+            setup: what the diagnosis works with.
+            modes: that were measured too; they count in every comparison.
+        """
+        self.setup, self.modes = setup, modes
+        self.campaign, self.context = setup.observations.campaign, setup.context
+        self.effects, self.asked, self.advance = setup.effects, setup.asked, setup.advance
+        setup.advance("re-tuning the robot", 0.0)
+        bare, zero = Hypothesis(setup.context, setup.base), np.zeros(len(setup.base))
+        self.believed = predict(bare, zero, setup.observations)
+        self._root = fitted_closely(setup, bare, zero)
+        self.force = reaches(force_dependence(setup.observations), FORCE, FORCE_MARGIN)
+        """Whether FRFs change with the force of the blow."""
+
+    @property
+    def root(self) -> FittedFrfs:
+        """See `Data`."""
+        return self._root
+
+    @property
+    def untestable(self) -> Mapping[str, str]:
+        """See `Data`."""
+        return self.setup.untestable
+
+    @property
+    def held_out(self) -> tuple[int, ...]:
+        """See `Data`."""
+        seen = self.setup.observations
+        return tuple(seen.postures[int(k)].id for k in np.unique(seen.posture[self.setup.held]))
+
+    def candidates(self, before: FittedFrfs, number: int) -> list[FittedFrfs]:
+        """The finalists of a search, and a mode with no structure last.
+
+        The first search is where the law-free look points; if nothing there is enough, it is everywhere.
+        """
+        found: list[FittedFrfs] = []
+        if not number and self.look.explains:
+            found = self._searched(before, number, self.look.worth_trying)
+        if not any(self.is_over(one) for one in found):
+            found = self._searched(before, number, lambda effect, where: True)
+        return [before, *found, unstructured_mode(self.setup, before)]
+
+    def _searched(
+        self, before: FittedFrfs, number: int, allowed: Callable[[str, str], bool]
+    ) -> list[FittedFrfs]:
+        doing = f"looking for {'an effect' if not number else 'another effect'}"
+        return explanations(
+            self.setup,
+            before,
+            _starts(before),
+            loud=self.force > Answer.NO,
+            enough=FLOOR_REACHED,
+            advance=lambda part: self.setup.advance(doing, part),
+            allowed=allowed,
+        )
+
+    @cached_property
+    def look(self) -> LawFree:
+        """See `Data`; of the re-tuned robot."""
+        return looked_freely(
+            self.setup, self.root, by_force=self.force > Answer.NO, advance=self.setup.advance
+        )
+
+    def is_named(self, model: FittedFrfs) -> bool:
+        """Whether its only effect sits where the law-free look points and takes the larger part.
+
+        With its function free that place explains everything, so that what the model leaves is due to the law
+        of the effect and not to another one.
+        """
+        if len(model.hypothesis.placed) != 1 or not self.look.explains or self.lacking(model):
+            return False
+        name, where = model.key
+        enough = LARGER_PART if name in CLASSES_OF else NEARLY_ALL
+        return self.look.could_be(name, where) and self.share(self.root, model) >= enough
+
+    def share(self, first: FittedFrfs, last: FittedFrfs) -> float:
+        """See `Data`."""
+        return 1.0 - left(self.setup, first, last)
+
+    def compare(self, models: Sequence[FittedFrfs]) -> Comparison[FittedFrfs]:
+        """On the postures that were fitted and those held out, and on modes."""
+        found = compare_models(models, self.setup.observations, self.setup.seed)
+        return found if self.modes is None else self.modes.added_to(found)
+
+    def without(self, model: FittedFrfs, key: tuple[str, str]) -> FittedFrfs:
+        """See `Data`."""
+        prefix = "{}@{}.".format(*key)
+        kept = [not name.startswith(prefix) for name in model.hypothesis.space.names]
+        return fitted_closely(self.setup, model.hypothesis.without(key), model.x[np.array(kept)])
+
+    def worth(self, before: FittedFrfs, after: FittedFrfs, number: int) -> Answer:
+        """Of the sum of squares; the first effect from the data, or from parameters beyond belief."""
+        taken = float(1 - after.costs.sum() / max(before.costs.sum(), 1e-300))
+        return takes_enough(taken, (before.prior - after.prior) / 2, number)
+
+    def is_enough(self, model: FittedFrfs) -> bool:
+        """Whether it reaches the noise, and every mode has a partner."""
+        return over_noise(self.setup, model) <= FLOOR_REACHED and not self.lacking(model)
+
+    def lacking(self, model: FittedFrfs) -> Mapping[int, float]:
+        """See `Data`."""
+        return {} if self.modes is None else unmatched(self.modes.predicted(model)[0])
+
+    def gaps(self, before: FittedFrfs, after: FittedFrfs) -> Gaps:
+        """Of single records."""
+        return gaps_of(self.setup, before, after)
+
+    def weighed_gaps(self, model: FittedFrfs) -> tuple[float, float | None]:
+        """Of postures fitted, and held out."""
+        held = self.setup.held
+        return gap_of(self.setup, model, ~held), gap_of(self.setup, model, held) if held.any() else None
+
+    def covariance(self, model: FittedFrfs) -> Float[np.ndarray, "parameter parameter"]:
+        """By clusters."""
+        return uncertainty(model.hypothesis.space, model.fitted.normal, self.setup.fitted).covariance
+
+    def conclude(self, first: FittedFrfs, last: FittedFrfs) -> Conclusion[FittedFrfs]:
+        """Both fitted once more to everything; the gaps on what was held out are those of before."""
+        setup, every = self.setup, self.setup.observations
+        setup.advance("fitting everything once more", 0.0)
+        apart, before, after = gaps_of(setup, first, last), first, last
+        if setup.held.any():
+            after = fitted_closely(setup, last.hypothesis, last.x, fitted_to=every)
+            before = fitted_closely(setup, first.hypothesis, first.x, fitted_to=every)
+        gaps = gaps_of(setup, before, after, gap(every, self.believed).value)
+        over = over_noise(setup, after)
+        sure = uncertainty(after.hypothesis.space, after.fitted.normal, every)
+        return Conclusion(
+            before, after,
+            replace(gaps, held_out_before=apart.held_out_before, held_out_after=apart.held_out_after),
+            disagreement(every, before.predicted), disagreement(every, after.predicted), sure.deviation, over,
+            self._reached(over, left(setup, first, after), after),
+        )  # fmt: skip
+
+    def _reached(self, over: float, rest: float, after: FittedFrfs) -> Answer:
+        if after.hypothesis.by_force:
+            return at_the_noise(over, rest)
+        return min(at_the_noise(over, rest), Answer(Answer.YES - self.force))  # nothing linear changes so
+
+    def place(self, model: FittedFrfs, findings: Findings | None) -> str:
+        """Where the law-free look points, else the place of what comes nearest, or the worst point."""
+        if self.look.explains:
+            return self.look.best.where
+        if model.hypothesis.placed:
+            return model.hypothesis.keys[-1][1]
+        seen = self.setup.observations
+        above = excess(seen, model.predicted).sum(axis=1)
+        points = np.unique(seen.response[:, 0])
+        share = [above[seen.response[:, 0] == p].sum() for p in points]
+        return seen.campaign.point(int(points[int(np.argmax(share))])).name
+
+    def next_measurement(self, one: FittedFrfs, other: FittedFrfs) -> NextMeasurement:
+        """See `Data`."""
+        first, second = (Sure(fit.hypothesis, fit.x, self.covariance(fit)) for fit in (one, other))
+        return next_among_records(self.setup.observations, first, second, self.setup.seed)
+
+    def shown(self, conclusion: Conclusion[FittedFrfs]) -> dict[str, Any]:
+        """The FRFs and what the models have for them."""
+        stages = {"before": conclusion.before.predicted, "after": conclusion.after.predicted}
+        return {"frfs": self.setup.observations, "predicted": {"believed": self.believed, **stages}}
+
+
+def at_the_noise(over: float, rest: float) -> Answer:
+    """Whether a model is at the noise, or as near as a strong effect has to come.
+
+    Args:
+        over: its distance from the measurement over that of the noise.
+        rest: part of the first model's disagreement above the noise that it leaves.
+    """
+    distance = min(over / FLOOR_REACHED, max(over / EXPLAINED, rest / LEFT))
+    return reaches(-distance, FLOOR_MARGIN - 1, FLOOR_MARGIN)
+
+
+def takes_enough(taken: float, believable: float, number: int) -> Answer:
+    """Whether an effect takes enough of the misfit away.
+
+    Args:
+        taken: part of the sum of squares.
+        believable: what the parameters' prior gains, the first effect's if it need not take much [nat].
+        number: how many effects were added before.
+    """
+    if number:
+        return reaches(taken, ANOTHER, ANOTHER_MARGIN)
+    return max(reaches(taken, WORTH, WORTH_MARGIN), reaches(believable, SIGNIFICANT, MARGIN))
+
+
+def _starts(before: FittedFrfs) -> list[np.ndarray]:
+    """Where a search sets out: at the card, with the effects there are, and where the last fit ended.
+
+    A fit without an effect that is there runs away from the truth.
+    """
+    count = len(before.hypothesis.base)
+    at_card = np.concatenate([np.zeros(count), before.x[count:]])
+    return [at_card, before.x] if before.hypothesis.placed else [at_card]

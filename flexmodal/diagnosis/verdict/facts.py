@@ -1,0 +1,54 @@
+"""What a verdict goes by, whatever the data."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from flexmodal.diagnosis.findings import Findings
+from flexmodal.diagnosis.lawfree.result import Findings as LawFree
+from flexmodal.diagnosis.outcome import Gaps, Step
+from flexmodal.diagnosis.selection.decision import Answer
+
+
+@dataclass(frozen=True, eq=False)
+class Facts:
+    """A forward selection that has ended."""
+
+    steps: tuple[Step, ...]
+    says: Mapping[str, str]
+    """What each effect is, in words."""
+    gaps: Gaps
+    over_noise: float | None
+    """Distance of the final model from the measurement over that of the noise; None where the scatter is
+    inferred along, so that nothing says where noise begins."""
+    reached: Answer
+    """Whether that is noise."""
+    lacking: Mapping[int, float]
+    """Measured modes that the final model has none for: number, frequency [Hz]."""
+    open_: bool
+    """Whether something gains enough though nothing was added."""
+    place: str
+    """Where to look if it has no name."""
+    untestable: tuple[str, ...] = ()
+    """Effects that these data cannot tell of."""
+    refused: tuple[str, ...] = ()
+    """Sentences on effects that were asked for by their place and not added."""
+    undecided: tuple[str, ...] = ()
+    """Sentences on figures too near to their threshold for a yes or a no."""
+    named: bool = False
+    """Whether the effect is sure although its law leaves more than noise."""
+    share: float | None = None
+    """Part of the disagreement above the noise that the effects take; None where that has no figure."""
+    look: LawFree | None = None
+    """What was found without a law."""
+    modal: Findings | None = None
+    """What measured modes say, where they decide."""
+
+    @property
+    def tied(self) -> bool:
+        """Whether a tie keeps the question open.
+
+        One between sets of beliefs does; one between draws of a bootstrap has a probability that is told.
+        """
+        return self.modal is not None and bool(self.modal.tied)

@@ -1,0 +1,62 @@
+"""Sentences of a verdict on FRFs."""
+
+from __future__ import annotations
+
+from flexmodal.diagnosis.names import NONE, UNSTRUCTURED
+from flexmodal.diagnosis.verdict.facts import Facts
+from flexmodal.report.words import percent
+from flexmodal.text.words import enumeration
+
+
+def frf_words(facts: Facts, *, explained: bool) -> list[str]:
+    """Nothing is missing, something of the catalogue is, or something else.
+
+    Args:
+        facts: what the verdict goes by.
+        explained: whether what is left is noise.
+    """
+    floors = facts.gaps.after / facts.gaps.noise_floor
+    silent = f"Of {', '.join(facts.untestable)} these data cannot tell." if facts.untestable else ""
+    look = "" if facts.look is None else facts.look.says
+    if not explained and facts.named:
+        return [_partly(facts), look, *facts.refused, silent]
+    if not explained:
+        return [_unknown(facts), look, *facts.refused, silent]
+    if not facts.steps:
+        fits = f"Nothing is missing: re-tuned, the robot's gap is {floors:.2f} × the noise floor."
+        return [fits, *facts.refused, silent]
+    words = " and ".join(f"{facts.says[step.effect]} ({step.where})" for step in facts.steps)
+    tied = [_named(*tie) for step in facts.steps for tie in step.ties]
+    tail = f"These data cannot tell it from {', '.join(tied)}." if tied else ""
+    return [f"Missing: {words}.", tail, f"The gap falls to {floors:.2f} × the noise floor.", *facts.refused]
+
+
+def _partly(facts: Facts) -> str:
+    step = facts.steps[-1]
+    return (
+        f"Missing: {facts.says[step.effect]} ({step.where}). It takes {percent(facts.share or 0.0)} of the "
+        f"disagreement; averaged over repeats the model stays {facts.over_noise:.1f} times as far from the "
+        "measurements as noise alone would put it, for its law is not quite the catalogue's."
+    )
+
+
+def _unknown(facts: Facts) -> str:
+    near = ""
+    if facts.steps:
+        last = facts.steps[-1]
+        near = f" Nearest comes {last.effect} at {last.where}, which is not enough."
+    modes = ""
+    if facts.lacking:
+        frequencies = enumeration([f"{frequency:.3g}" for frequency in facts.lacking.values()])
+        modes = f" It has no mode for those measured near {frequencies} Hz."
+    return (
+        "Something is missing that nothing in the catalogue explains: averaged over repeats, the model stays "
+        f"{facts.over_noise:.1f} times as far from the measurements as noise alone would put it.{modes} "
+        f"Look at {facts.place}.{near}"
+    )
+
+
+def _named(effect: str, where: str) -> str:
+    """A tied explanation in words."""
+    plain = {NONE: "nothing added", UNSTRUCTURED: "a mode with no structure"}
+    return plain.get(effect, f"{effect} at {where}")

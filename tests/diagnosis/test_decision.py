@@ -1,0 +1,169 @@
+"""No answer turns with the last digit: within a margin the simpler explanation stays, and that is told."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from flexmodal.diagnosis.outcome import Gaps, Step
+from flexmodal.diagnosis.selection.comparison import MARGIN, TIED, Comparison
+from flexmodal.diagnosis.selection.decision import (
+    ASKED,
+    SIGNIFICANT,
+    Answer,
+    Choice,
+    any_gains,
+    choice,
+    gains_enough,
+    reaches,
+    rivals,
+)
+from flexmodal.diagnosis.selection.frf_data import (
+    ANOTHER,
+    ANOTHER_MARGIN,
+    EXPLAINED,
+    FLOOR_MARGIN,
+    FLOOR_REACHED,
+    LEFT,
+    WORTH,
+    WORTH_MARGIN,
+    at_the_noise,
+    takes_enough,
+)
+from flexmodal.diagnosis.verdict.facts import Facts
+from flexmodal.diagnosis.verdict.verdict import BORDER, verdict
+
+MIDDLE = 1 - FLOOR_MARGIN
+"""Of the border of the noise, over its end."""
+LAST_DIGIT = (-1e-9, 0.0, 1e-9)
+KEYS = [("none", ""), ("added_mass", "link_2"), ("local_absorber", "link_3"), ("unstructured_mode", "")]
+
+
+def compared(*gains, beliefs=False, table=None):
+    """Models that gain so much over the first, under every setting unless a table is given."""
+    scores = np.array([0.0, *gains])
+    models = [
+        SimpleNamespace(key=key, number=k, hypothesis=None, x=None, parameters=k)
+        for k, key in enumerate(KEYS[: len(scores)])
+    ]
+    rows = np.tile(scores[:, None], 3) if table is None else np.array(table)
+    return Comparison(models, scores, rows, beliefs=beliefs)
+
+
+def chosen(comparison, asked=None, worth=Answer.YES):
+    return choice(comparison, asked, [worth] * len(comparison.models))
+
+
+@pytest.mark.parametrize("rounding", LAST_DIGIT)
+def test_a_gain_at_its_threshold_is_undecided_whatever_the_rounding(rounding):
+    found = chosen(compared(SIGNIFICANT + rounding))
+    assert found == Choice(None, (1,))
+    assert any_gains(compared(SIGNIFICANT + rounding)) is Answer.UNDECIDED
+
+
+@pytest.mark.parametrize(
+    ("gain", "expected"),
+    [
+        (SIGNIFICANT - 1.1 * MARGIN, Choice(None)),
+        (SIGNIFICANT - 0.9 * MARGIN, Choice(None, (1,))),
+        (SIGNIFICANT + 0.9 * MARGIN, Choice(None, (1,))),
+        (SIGNIFICANT + 1.1 * MARGIN, Choice(1)),
+    ],
+)
+def test_a_no_and_a_yes_lie_two_margins_apart(gain, expected):
+    assert chosen(compared(gain)) == expected
+
+
+def test_a_gain_that_few_draws_bear_out_is_none():
+    table = [[0.0] * 3, [30.0, 30.0, SIGNIFICANT - 2 * MARGIN]]
+    assert gains_enough(compared(30.0, table=table), 1) is Answer.NO
+    # of sets of beliefs none may speak against it, but a tie's margin is enough
+    assert gains_enough(compared(30.0, table=table, beliefs=True), 1) is Answer.UNDECIDED
+
+
+@pytest.mark.parametrize("rounding", LAST_DIGIT)
+def test_what_is_asked_for_by_its_place_needs_more_than_a_tie(rounding):
+    asked = {"added_mass": ("link_2",)}
+    assert chosen(compared(ASKED + rounding), asked) == Choice(None, (1,))
+    assert chosen(compared(ASKED + 1.1 * MARGIN), asked) == Choice(1)
+    assert chosen(compared(ASKED - 1.1 * MARGIN), asked) == Choice(None)
+    assert chosen(compared(ASKED + 0.9 * MARGIN), {"added_mass": ()}) == Choice(None)
+
+
+@pytest.mark.parametrize("rounding", LAST_DIGIT)
+def test_what_is_as_far_behind_as_a_tie_may_be_is_tied_whatever_the_rounding(rounding):
+    close = compared(40.0, 40.0 - TIED + rounding, beliefs=True)
+    assert close.tied == [1, 2]
+    assert chosen(close) == Choice(None)
+    assert chosen(compared(40.0, 40.0 - TIED - 1.1 * MARGIN, beliefs=True)) == Choice(1)
+    assert chosen(close, {"added_mass": ()}) == Choice(1)  # asked for, it is added with its ties
+
+
+def test_the_best_with_a_structure_is_added_and_a_mode_without_never():
+    assert chosen(compared(20.0, 30.0, 90.0)) == Choice(2)
+    assert chosen(compared(2.0, 3.0, 90.0)) == Choice(None)
+    assert chosen(compared(20.0, 30.0), worth=Answer.UNDECIDED) == Choice(None, (2,))
+
+
+def test_rivals_are_tied_and_make_predictions():
+    def alike(one, other):
+        return one.number != other.number
+
+    assert rivals(compared(40.0, 39.9, 39.8), 1, alike)[1].key == KEYS[2]
+    assert rivals(compared(40.0), 1, alike) is None
+    assert rivals(compared(40.0, -9.0, 39.9), 1, alike) is None  # a mode without structure predicts nothing
+    both = rivals(compared(1.0), None, alike)
+    assert [one.key for one in both] == [KEYS[1], KEYS[0]]
+
+
+@pytest.mark.parametrize("rounding", LAST_DIGIT)
+@pytest.mark.parametrize(
+    ("over", "rest"), [(MIDDLE * FLOOR_REACHED, 1.0), (MIDDLE * EXPLAINED, LEFT / 2), (1.7, MIDDLE * LEFT)]
+)
+def test_the_border_of_the_noise_is_explained_and_told(over, rest, rounding):
+    assert at_the_noise(over + rounding, rest + rounding) is Answer.UNDECIDED
+    step = Step("added_mass", "link_2", {}, {}, {}, 0.9, Gaps(1.0, 1.0, None, None, 1.0), ())
+    facts = Facts(
+        (step,), {"added_mass": "a mass"}, step.gaps, over, Answer.UNDECIDED, {}, open_=False, place="link_2"
+    )
+    found = verdict(facts)
+    assert found.explained
+    assert found.effects == (("added_mass", "link_2"),)
+    assert found.undecided == (BORDER,)
+    assert BORDER in found.says
+
+
+def test_beyond_the_border_nothing_is_explained():
+    assert at_the_noise(FLOOR_REACHED * 1.01, 1.0) is Answer.NO
+    assert at_the_noise(FLOOR_REACHED * (1 - 2.1 * FLOOR_MARGIN), 1.0) is Answer.YES
+    assert at_the_noise(EXPLAINED * 0.9, LEFT * 1.01) is Answer.NO
+
+
+@pytest.mark.parametrize("rounding", LAST_DIGIT)
+@pytest.mark.parametrize(("number", "share"), [(0, WORTH), (1, ANOTHER)])
+def test_what_an_effect_takes_away_has_a_margin_too(number, share, rounding):
+    assert takes_enough(share + rounding, 0.0, number) is Answer.UNDECIDED
+    margin = 1.1 * (ANOTHER_MARGIN if number else WORTH_MARGIN)
+    assert takes_enough(share + margin, 0.0, number) is Answer.YES
+    assert takes_enough(share - margin, 0.0, number) is Answer.NO
+
+
+def test_a_first_effect_may_bring_parameters_back_instead():
+    assert takes_enough(0.0, SIGNIFICANT + 1.1 * MARGIN, 0) is Answer.YES
+    assert takes_enough(0.0, SIGNIFICANT + 1.1 * MARGIN, 1) is Answer.NO
+
+
+def test_no_number_reaches_nothing():
+    assert reaches(float("nan"), 1.0, 0.1) is Answer.NO
+    assert reaches(float("-inf"), 1.0, 0.1) is Answer.NO
+
+
+def test_where_the_noise_is_reached_nothing_that_gains_leaves_it_open_but_a_lacking_mode_does():
+    gaps = Gaps(1.0, 1.0, None, None, 1.0)
+    facts = Facts((), {}, gaps, 1.0, Answer.YES, {}, open_=True, place="link_1")
+    assert verdict(facts).effects == ()
+    assert verdict(facts).explained
+    lacks = verdict(replace(facts, lacking={2: 38.0}))
+    assert (lacks.effects, lacks.explained) == ((("unknown", "link_1"),), False)
+    assert "near 38 Hz" in lacks.says
