@@ -16,6 +16,7 @@ import numpy as np
 
 import flexmodal
 from flexmodal.campaign import write_campaign
+from flexmodal.errors import InvalidRequest
 from flexmodal.model import Robot
 from flexmodal.rig import EFFECTS, FORMS, ParameterError, draw_scenario, simulate
 from flexmodal.rig.arms import draw_arm
@@ -37,7 +38,7 @@ ARM = "arm"
 """Instead of the name of a robot: one drawn at random."""
 MASS_ERRORS = (0.02, 0.2)
 """Standard deviation of the logarithm of masses and inertias of a drawn arm: 2 to 40 % off at twice that."""
-_ARMS_TRIED = 20
+_ARMS_TRIED, _SEEDS_TRIED = 20, 5
 
 
 @dataclass(frozen=True)
@@ -123,13 +124,27 @@ def pose(question: Question, folder: Path, truth: Path, engine: str = "rig") -> 
 def _pose(
     question: Question, robot: Robot, folder: Path, truth: Path, simulated: Callable[..., RigResult]
 ) -> None:
+    for number in range(_SEEDS_TRIED):
+        try:
+            result = _simulated(replace(question, seed=question.seed + number), robot, simulated)
+            break
+        except InvalidRequest:  # a control loop that rings up with what else is hidden
+            if number == _SEEDS_TRIED - 1:
+                raise
+    truth.parent.mkdir(parents=True, exist_ok=True)
+    result.truth.write(truth)
+    write_campaign(result.campaign, folder)
+    write_robot(result.robot, folder, result.plan.postures, result.plan.points)
+
+
+def _simulated(question: Question, robot: Robot, simulated: Callable[..., RigResult]) -> RigResult:
     count = len(question.effects)
     points = min(POINTS, len(robot.points))
     scenario = draw_scenario(
         robot, question.seed, count=count, effects=question.effects or None, points=points
     )
     forms = dict(zip(question.effects, question.forms, strict=False))
-    result = simulated(
+    return simulated(
         robot,
         postures=POSTURES,
         points=points,
@@ -138,10 +153,6 @@ def _pose(
         seed=question.seed,
         time=False,
     )
-    truth.parent.mkdir(parents=True, exist_ok=True)
-    result.truth.write(truth)
-    write_campaign(result.campaign, folder)
-    write_robot(result.robot, folder, result.plan.postures, result.plan.points)
 
 
 if __name__ == "__main__":

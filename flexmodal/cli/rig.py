@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 @click.option(
     "--hide",
     multiple=True,
-    metavar="EFFECT[@WHERE][,NAME=VALUE…]",
+    metavar="EFFECT[:FORM][@WHERE][,NAME=VALUE…]",
     help="An effect to hide; may be repeated. Where and how strong is drawn unless said.",
 )
 @click.option("--height", metavar="X", help="Each hidden effect X times the noise floor; LOW:HIGH draws it.")

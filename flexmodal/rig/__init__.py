@@ -1,5 +1,6 @@
 """The virtual test rig: hammer tests of any robot, simulated in time, with effects hidden in them."""
 
+from flexmodal.rig.arms import draw_arm as draw_arm
 from flexmodal.rig.believed import ParameterError as ParameterError
 from flexmodal.rig.effects import EFFECTS as EFFECTS
 from flexmodal.rig.forms import FORMS as FORMS

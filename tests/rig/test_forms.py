@@ -1,6 +1,7 @@
 """Forms of effects: listed once, passive, repeatable, and not to be told from the campaign's folder."""
 
 import tomllib
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -56,6 +57,17 @@ def test_every_form_is_either_looked_at_or_sealed():
     listed = [f"{name}:{form}" for table in (LOOKED_AT, SEALED) for name in table for form in table[name]]
     assert sorted(listed) == sorted(OTHERS)
     assert all(find(*key.split(":")).source for key in OTHERS)
+
+
+def test_the_page_lists_every_form():
+    page = (Path(__file__).parents[2] / "docs" / "rig.md").read_text(encoding="utf-8")
+    for word, table in (("looked at", LOOKED_AT), ("sealed", SEALED)):
+        for name, forms in table.items():
+            for form in forms:
+                effect = FORMS[name][form]
+                row = f"| `{name}` | `{form}` | {word} | {effect.says} | {effect.source} |"
+                assert row in page, f"to be added to docs/rig.md: {row}"
+    assert page.count("| looked at |") + page.count("| sealed |") == len(OTHERS)
 
 
 @pytest.mark.parametrize("key", OTHERS)

@@ -240,7 +240,7 @@ def test_nothing_is_written_over(fanuc, tmp_path):
         ({"references": 99}, "1 to 6 with these points"),
         ({"axes": "w"}, "some of x, y, z"),
         ({"trials": 0}, "trials: found 0"),
-        ({"peaks": (0.0,)}, "force above 0"),
+        ({"peaks": (0.0,)}, "peaks: found 0; allowed: forces from"),
         ({"tip": "rubber"}, "soft, medium, hard"),
         ({"band": (200.0, 2.0)}, "LOW:HIGH"),
         ({"band": (float("nan"), 2.0)}, "LOW:HIGH"),

@@ -1,0 +1,102 @@
+"""The exams: planned from a seed alone, each form asked alike, the sealed ones in the sealed exam only."""
+
+import hashlib
+import importlib.util
+import sys
+from collections import Counter
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+import flexmodal
+from flexmodal.campaign import read_campaign
+from flexmodal.rig import LOOKED_AT, SEALED
+from flexmodal.structure.arm import plane_normal
+
+BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
+
+
+def load(name: str):
+    if name not in sys.modules:
+        spec = importlib.util.spec_from_file_location(name, BENCHMARKS / f"{name}.py")
+        sys.modules[name] = importlib.util.module_from_spec(spec)
+        spec.loader.exec_module(sys.modules[name])
+    return sys.modules[name]
+
+
+exam_plan, exam_forms = load("exam_plan"), load("exam_forms")
+
+
+def test_the_exam_of_own_forms_is_the_one_that_was_published():
+    asked = [(q.name, q.robot, q.kind, q.effects, q.seed) for q in exam_plan.plan(20261128)]
+    assert hashlib.sha256(repr(asked).encode()).hexdigest().startswith("501c3af09062d91d")
+    assert all(q.forms == () and q.arm == 0 for q in exam_plan.plan(20261128))
+
+
+@pytest.mark.parametrize(
+    ("which", "table", "others"), [("looked", LOOKED_AT, SEALED), ("sealed", SEALED, LOOKED_AT)]
+)
+def test_an_exam_of_forms_asks_each_of_its_own_alike(which, table, others):
+    questions = exam_plan.plan(4, forms=which)
+    assert questions == exam_plan.plan(4, forms=which)
+    assert questions != exam_plan.plan(5, forms=which)
+    singles = Counter((q.effects[0], q.forms[0]) for q in questions if q.kind == "single")
+    assert singles == {(name, form): 3 for name, forms in table.items() for form in forms}
+    foreign = {(name, form) for name, forms in others.items() for form in forms}
+    assert not foreign & {pair for q in questions for pair in zip(q.effects, q.forms, strict=True)}
+    kinds = Counter(q.kind for q in questions)
+    assert {kind for kind in kinds if kinds[kind]} == {"single", "pair", "several", "nothing", "outside"}
+    assert {len(q.effects) for q in questions if q.kind == "several"} == {3, 4, 5}
+    assert len({q.name for q in questions}) == len({q.seed for q in questions}) == len(questions)
+    assert {q.robot for q in questions} == {"fanuc_s360", "six_link", "six_axis", "arm"}
+    assert all((q.arm > 0) == (q.robot == "arm") for q in questions)
+
+
+def test_an_arm_has_places_for_what_is_hidden_in_it(tmp_path):
+    """A twist needs an arm that is not planar, whichever arm the seed would give."""
+    question = exam_plan.Question("1", "arm", "single", ("link_flexibility",), 1, ("twisting",), 0)
+    for arm in range(8):
+        robot = exam_plan.find_robot(replace(question, arm=arm), tmp_path / str(arm))
+        assert plane_normal(robot) is None
+
+
+def test_a_question_is_posed_without_telling_what_is_hidden(tmp_path):
+    question = exam_plan.Question(
+        "1", "arm", "pair", ("time_delay", "joint_coupling"), 3, ("all_pass", "idler"), 17
+    )
+    exam_plan.pose(question, tmp_path / "campaign", tmp_path / "truth" / "1.toml")
+    told = (tmp_path / "truth" / "1.toml").read_text()
+    assert 'form = "all_pass"' in told
+    assert 'form = "idler"' in told
+    for file in (tmp_path / "campaign").rglob("*.toml"):
+        for secret in (b"idler", b"all_pass", b"time_delay", b"coupling", b"seed = "):
+            assert secret not in file.read_bytes()
+    robot = flexmodal.load(tmp_path / "campaign" / "robot" / "robot.toml")
+    assert len(read_campaign(tmp_path / "campaign").postures) == exam_plan.POSTURES
+    assert set(robot.joints) == {f"q{n}" for n in range(1, len(robot.joints) + 1)}
+
+
+def row(kind, hidden, forms, said):
+    named = sorted(name for name, _ in said) == sorted(name for name, _ in hidden)
+    placed = sorted(said) == sorted(hidden)
+    return {"kind": kind, "hidden": hidden, "forms": forms, "said": said, "effect": named, "place": placed}
+
+
+def test_tables_count_what_was_named():
+    gain, delay = ("sensor_gain", "tip"), ("time_delay", "tip")
+    said_three = [delay, gain, delay]
+    rows = [
+        row("single", [gain], ["aged"], [gain]),
+        row("single", [gain], ["aged"], [("sensor_gain", "elbow")]),
+        row("single", [gain], ["aged"], [delay]),
+        row("single", [gain], ["inverted"], []),
+        row("pair", [gain, delay], ["aged", "bessel"], [gain]),
+        row("several", [gain, delay, ("added_mass", "l")], ["aged", "bessel", "two"], said_three),
+    ]
+    text = exam_forms.by_form(rows)
+    assert "| sensor_gain | aged | 2/3 | 1/3 | 67 % | time_delay (1) |" in text
+    assert "| sensor_gain | inverted | 0/1 | 0/1 | 0 % | nothing (1) |" in text
+    counts = exam_forms.at_once(rows)
+    assert "| 2 | 1 | 0 | 0 | 1 of 2 | 0 |" in counts
+    assert "| 3 | 1 | 0 | 0 | 2 of 3 | 1 |" in counts
