@@ -288,7 +288,7 @@ def test_bad_tables(tmp_path, text, says):
         read_toolpath(file, planar=True)
     for word in (*says, "path.csv"):
         assert word in str(caught.value)
-    with pytest.raises(InvalidRequest, match="No such file"):
+    with pytest.raises(InvalidRequest, match="no such file"):
         read_toolpath(tmp_path / "none.csv", planar=True)
 
 
