@@ -147,7 +147,8 @@ def write_figure(figure: Any, path: Path, *, overwrite: bool = False) -> None:
         OutputExists: the file exists.
     """
     with whole_file(path, overwrite=overwrite) as scratch:
-        _save(figure, scratch)
+        timeless = {"metadata": {"Date": None}} if scratch.suffix == ".svg" else {}  # the same bytes each time
+        _save(figure, scratch, **timeless)
 
 
 def svg_text(figure: Any) -> str:
