@@ -147,7 +147,9 @@ def write_figure(figure: Any, path: Path, *, overwrite: bool = False) -> None:
         OutputExists: the file exists.
     """
     with whole_file(path, overwrite=overwrite) as scratch:
-        timeless = {"metadata": {"Date": None}} if scratch.suffix == ".svg" else {}  # the same bytes each time
+        timeless = (
+            {"metadata": {"Date": None}} if scratch.suffix == ".svg" else {}
+        )  # the same bytes each time
         _save(figure, scratch, **timeless)
 
 

@@ -28,6 +28,9 @@ KEPT = 6
 WITHIN = 3.0
 """And others up to so many times the misfit of the best."""
 MOST_KEPT = 10
+BEST_OF_KIND = 15.0
+"""And of each kind the best up to so many times: a coupling of two joints is near its end after a few steps,
+the link between them that does the same, with its many hinges, is not."""
 ALIKE = 1.25
 """Ports whose misfits are within this factor cannot be told apart; the one with the fewest unknowns is taken.
 
@@ -105,8 +108,7 @@ def law_free(
         first.append((profile.reduced(state.residual), port))
         advance(0.6 * (number + 1) / len(ports))
     first.sort(key=lambda one: one[0])
-    limit = WITHIN * first[0][0]
-    kept = [port for k, (misfit, port) in enumerate(first[:MOST_KEPT]) if k < KEPT or misfit < limit]
+    kept = _kept(first)
     if by_force:
         kept += [Port.at(TORQUE, where, root.context) for where in TORQUE.places(root.context)]
     found = []
@@ -117,6 +119,18 @@ def law_free(
     alike = [one for one in found if one.judged <= ALIKE * found[0].judged]
     alike.sort(key=lambda one: (one.unknowns, one.judged))
     return LawFree(_without(root, seen), tuple(found), tuple(alike))
+
+
+def _kept(first: Sequence[tuple[float, Port]]) -> list[Port]:
+    """Of all ports with their misfits, the best first, those that go on."""
+    limit, far = WITHIN * first[0][0], BEST_OF_KIND * first[0][0]
+    kept = [port for k, (misfit, port) in enumerate(first[:MOST_KEPT]) if k < KEPT or misfit < limit]
+    kinds = {port.kind.name for port in kept}
+    for misfit, port in first:
+        if misfit < far and port.kind.name not in kinds:
+            kept.append(port)
+            kinds.add(port.kind.name)
+    return kept
 
 
 def sighted(port: Port, root: Hypothesis, seen: Look, away: Look | None) -> Sighting:

@@ -39,7 +39,7 @@ ANOTHER, ANOTHER_MARGIN = 0.33, 0.02
 """The same for every further effect: what a good but not perfect model leaves is not another effect."""
 LARGER_PART, NEARLY_ALL = 0.5, 0.9
 """Part of the disagreement that an effect takes to be named where its law is not quite the catalogue's; the
-second where no curve tells its class."""
+second where no curve tells its class, or other places cannot be told from its own."""
 FLOOR_REACHED = 1.4
 """Distance of a model from the measurement, over that of the noise, that needs no explanation; a
 perfect one is somewhat above 1, since what repeats share is not in the noise."""
@@ -129,7 +129,8 @@ class FrfData(Data[FittedFrfs]):
         if len(model.hypothesis.placed) != 1 or not self.look.explains or self.lacking(model):
             return False
         name, where = model.key
-        enough = LARGER_PART if name in CLASSES_OF else NEARLY_ALL
+        sure = name in CLASSES_OF and len(self.look.alike) == 1
+        enough = LARGER_PART if sure else NEARLY_ALL
         return self.look.could_be(name, where) and self.share(self.root, model) >= enough
 
     def share(self, first: FittedFrfs, last: FittedFrfs) -> float:
