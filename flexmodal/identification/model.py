@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Protocol, runtime_checkable
 
 import numpy as np
@@ -113,8 +113,20 @@ class RobotModel:
         for part in observations.layout.parts():
             rows = places(observations, part.where), places(observations, part.struck)
             postures = [observations.postures[k].q for k in part.posture.tolist()]
-            made.append(Group(self._structures(x, postures, *rows, slopes=slopes), part))
+            sloped = partial(self._group, x, part, postures, rows)
+            made.append(sloped() if slopes else self._group(x, part, postures, rows, sloped))
         return made
+
+    def _group(
+        self,
+        x: Float[np.ndarray, " parameter"],
+        part: Part,
+        postures: Sequence[Mapping[str, float]],
+        rows: tuple[Sequence[Spot], Sequence[Spot]],
+        sloped: Callable[[], Group] | None = None,
+    ) -> Group:
+        """With derivatives, unless they are left to `sloped`."""
+        return Group(self._structures(x, postures, *rows, slopes=sloped is None), part, sloped=sloped)
 
     def structure_at(
         self,

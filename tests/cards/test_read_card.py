@@ -71,7 +71,7 @@ def test_joint_names_need_not_be_ascii(folder):
     assert "épaule 1" in read_card(path).joints
 
 
-STIFFNESS = "a number in N·m/rad (N/m for a prismatic joint), above 0 and at most 1e18"
+STIFFNESS = "a number in N·m/rad (N/m for a prismatic joint), above 0 (from 1e-12) and at most 1e18"
 CASES = [
     ("stiffness = 1000.0", 'stiffness = "5e5 N"', "joint.q1.stiffness", '"5e5 N"', STIFFNESS),
     ("stiffness = 1000.0", "stiffness = true", "joint.q1.stiffness", "true", STIFFNESS),

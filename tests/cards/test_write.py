@@ -31,7 +31,7 @@ def urdf(tmp_path, urdf_text):
 def doubles(count, seed=0):
     """Numbers that need all their digits, of every size that a URDF may have."""
     random = np.random.default_rng(seed)
-    return random.uniform(-1, 1, count) * 10.0 ** random.integers(-12, 6, count)
+    return random.uniform(-1, 1, count) * 10.0 ** random.integers(-12, 5, count)
 
 
 def sound(seed=0):

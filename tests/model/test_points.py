@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 import flexmodal
-from flexmodal.errors import InvalidFrequencies, InvalidPoint, InvalidRequest
+from flexmodal.errors import InvalidCard, InvalidFrequencies, InvalidPoint, InvalidRequest
 from flexmodal.frf import PointDirection
 
 from .writing import body, joint, save
@@ -69,8 +69,8 @@ def test_other_bad_requests(fanuc):
         fanuc.frf("configuration_1", [1.0], form="compliance")
 
 
-def test_joints_links_and_points_may_share_a_name(tmp_path):
-    """Each URDF joint is a frame too; the frame of the link is what is meant, and a point comes first."""
+def test_joints_and_links_may_share_a_name_and_points_may_not(tmp_path):
+    """Each URDF joint is a frame too, and the frame of the link is meant; points are asked for like links."""
     inertia = (0.1, 0.1, 0.1, 0, 0, 0)
     path = save(
         tmp_path / "shared.urdf",
@@ -86,11 +86,14 @@ def test_joints_links_and_points_may_share_a_name(tmp_path):
     card = (
         'format = 1\nname = "shared"\ntitle = "t"\nurdf = "shared.urdf"\ntool = "tool"\nsource = "s"\n'
         "[joint.hand]\nstiffness = 1.0\ndamping = 0.0\n"
-        '[point.hand]\nlink = "hand"\nxyz = [0.25, 0, 0]\n[point.arm]\nlink = "arm"\nxyz = [0.5, 0, 0]\n'
+        '[point.{}]\nlink = "hand"\nxyz = [0.25, 0, 0]\n'
     )
-    (tmp_path / "robot.toml").write_text(card, encoding="utf-8")
+    (tmp_path / "robot.toml").write_text(card.format("palm"), encoding="utf-8")
     posed = flexmodal.load(tmp_path).at({})
-    assert [posed.position(name)[0] for name in ("arm", "hand", "tool")] == [0.5, 1.25, 2]
+    assert [posed.position(name)[0] for name in ("arm", "hand", "palm", "tool")] == [0, 1, 1.25, 2]
+    (tmp_path / "robot.toml").write_text(card.format("hand"), encoding="utf-8")
+    with pytest.raises(InvalidCard, match="the name of a link"):
+        flexmodal.load(tmp_path)
 
 
 def test_full_matrix_with_rotations(mixed_robot):

@@ -41,7 +41,7 @@ def test_any_real_number_will_do(fanuc, untyped, value):
 def test_no_number(fanuc, untyped, value):
     (fault,) = faults(fanuc, {"q1": value})
     assert fault.key == "posture: q1"
-    assert fault.found == repr(value)
+    assert repr(value).startswith(fault.found.removesuffix("…"))
 
 
 def test_unknown_name(fanuc):

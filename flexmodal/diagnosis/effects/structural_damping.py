@@ -16,7 +16,8 @@ def _act(assembly: Assembly, placement: Placement) -> None:
     for joint, card in placement.context.robot.joints.items():
         name = f"stiffness.{joint}"
         viscous = placement.values.get(f"damping.{joint}", float(card.damping))
-        assembly.add_damper(assembly.stretch_of(joint), (placement["viscous"] - 1.0) * viscous)
+        more = (placement["viscous"] - 1.0) * viscous
+        assembly.add_damper(assembly.stretch_of(joint), more, f"damping.{joint}")
         assembly.add_loss(assembly.stretch_of(joint), placement.values.get(name, float(card.stiffness)), name)
 
 
