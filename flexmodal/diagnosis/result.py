@@ -72,6 +72,7 @@ def facts_of(selection: ForwardSelection[M], found: Conclusion[M], modal: Findin
         lacking=dict(modal.left) if modal is not None else data.lacking(selection.current),
         open_=not selection.steps and any_gains(first) is Answer.YES,
         named=data.is_named(selection.current),
+        contradicted=data.is_contradicted(selection.current),
         share=data.share(selection.root, found.after),
         look=data.look,
         place=data.place(found.after, modal),

@@ -106,6 +106,10 @@ class Data(ABC, Generic[M]):
         """Whether a model's effect is sure although its law leaves more than noise."""
         return False
 
+    def is_contradicted(self, model: M) -> bool:
+        """Whether several effects stand for what one place explains at which none of them sits."""
+        return False
+
     def share(self, first: M, last: M) -> float | None:
         """Part of the disagreement above the noise that a model takes; None where that has no figure.
 

@@ -15,7 +15,7 @@ from flexmodal.diagnosis.disagreement.gaps import gap_of, gaps_of, left, over_no
 from flexmodal.diagnosis.findings import Findings
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.lawfree.first_look import looked_freely
-from flexmodal.diagnosis.lawfree.result import CLASSES_OF
+from flexmodal.diagnosis.lawfree.result import CLASSES_OF, PORT_OF
 from flexmodal.diagnosis.lawfree.result import Findings as LawFree
 from flexmodal.diagnosis.outcome import Gaps, NextMeasurement
 from flexmodal.diagnosis.search.close_fit import fitted_closely
@@ -132,6 +132,13 @@ class FrfData(Data[FittedFrfs]):
         sure = name in CLASSES_OF and len(self.look.alike) == 1
         enough = LARGER_PART if sure else NEARLY_ALL
         return self.look.could_be(name, where) and self.share(self.root, model) >= enough
+
+    def is_contradicted(self, model: FittedFrfs) -> bool:
+        """See `Data`; effects that no port stands for are taken at their word."""
+        keys = model.hypothesis.keys
+        if len(keys) < 2 or not self.look.explains:
+            return False
+        return not any(name not in PORT_OF or self.look.could_be(name, where) for name, where in keys)
 
     def share(self, first: FittedFrfs, last: FittedFrfs) -> float:
         """See `Data`."""

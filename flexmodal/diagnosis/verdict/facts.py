@@ -38,6 +38,8 @@ class Facts:
     """Sentences on figures too near to their threshold for a yes or a no."""
     named: bool = False
     """Whether the effect is sure although its law leaves more than noise."""
+    contradicted: bool = False
+    """Whether several effects stand for what one place explains at which none of them sits."""
     share: float | None = None
     """Part of the disagreement above the noise that the effects take; None where that has no figure."""
     look: LawFree | None = None

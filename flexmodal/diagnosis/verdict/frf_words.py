@@ -20,6 +20,8 @@ def frf_words(facts: Facts, *, explained: bool) -> list[str]:
     look = "" if facts.look is None else facts.look.says
     if not explained and facts.named:
         return [_partly(facts), look, *facts.refused, silent]
+    if not explained and facts.contradicted:
+        return [_contradicted(facts), look, *facts.refused, silent]
     if not explained:
         return [_unknown(facts), look, *facts.refused, silent]
     if not facts.steps:
@@ -37,6 +39,15 @@ def _partly(facts: Facts) -> str:
         f"Missing: {facts.says[step.effect]} ({step.where}). It takes {percent(facts.share or 0.0)} of the "
         f"disagreement; averaged over repeats the model stays {facts.over_noise:.1f} times as far from the "
         "measurements as noise alone would put it, for its law is not quite the catalogue's."
+    )
+
+
+def _contradicted(facts: Facts) -> str:
+    names = enumeration([f"{step.effect} at {step.where}" for step in facts.steps])
+    return (
+        f"Something is missing that no single effect of the catalogue explains. {names} together would leave "
+        f"{facts.over_noise:.1f} times the noise, but one place alone explains as much, and none of them "
+        f"sits there: look at {facts.place}."
     )
 
 

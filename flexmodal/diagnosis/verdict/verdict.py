@@ -23,7 +23,7 @@ def verdict(facts: Facts) -> Verdict:
     """Nothing is missing, something is and what, or something and nobody knows what."""
     floor = facts.over_noise is not None
     open_ = bool(facts.lacking) or facts.tied or (facts.open_ and not floor)
-    explained = facts.reached > Answer.NO and not open_
+    explained = facts.reached > Answer.NO and not open_ and not facts.contradicted
     added = tuple((step.effect, step.where) for step in facts.steps)
     stands = explained or facts.named or (bool(added) and not floor)
     undecided = facts.undecided

@@ -119,6 +119,15 @@ def test_an_effect_of_another_law_is_named_with_its_share(facts):
     assert "It bends." in says.says
 
 
+def test_two_effects_for_what_one_place_explains_are_not_named(facts):
+    both = replace(facts, steps=facts.steps * 2, reached=Answer.YES, over_noise=1.0)
+    assert verdict(both).explained
+    says = verdict(replace(both, contradicted=True))
+    assert says.effects == (("unknown", "link_2"),)
+    assert not says.explained
+    assert "none of them sits there" in says.says
+
+
 def test_without_the_look_behind_it_the_answer_stays_unknown(facts):
     says = verdict(facts)
     assert says.effects == (("unknown", "link_2"),)
