@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
-from itertools import combinations_with_replacement
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from flexmodal.diagnosis.effects.added_mass import EFFECT as ADDED_MASS
 from flexmodal.diagnosis.effects.added_mass import place_on
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Placement, along, sides
-from flexmodal.diagnosis.lawfree.port import STILL, Patterns, PortKind, outer
+from flexmodal.diagnosis.lawfree.port import STILL, Patterns, PortKind, tensor, tensor_names
 from flexmodal.structure.assembly import Assembly
 
 ATTACHED = 0.05
@@ -26,18 +26,21 @@ def _ways(context: Context, where: str) -> list[np.ndarray]:
     return [axis, *sides(context, where, axis)]
 
 
+def _tensor(placement: Placement, assembly: Assembly, ways: Sequence[np.ndarray]) -> Patterns:
+    """Of the port's place along some world directions."""
+    place = place_on(placement.context, placement.where, placement.values)
+    motion = assembly.motion(placement.where, place)[..., :3, :]
+    rows = [np.einsum("...i,...ij->...j", way, motion) for way in ways]
+    return Patterns(tensor(rows, len(placement.posture)))
+
+
 def _body_patterns(assembly: Assembly, placement: Placement) -> Patterns:
-    context, where = placement.context, placement.where
-    motion = assembly.motion(where, place_on(context, where, placement.values))[..., :3, :]
-    axes = assembly.axes(where)
-    rows = [np.einsum("...i,...ij->...j", axes @ way, motion) for way in _ways(context, where)]
-    count = len(placement.posture)
-    return Patterns(np.stack([outer(a, b, count) for a, b in combinations_with_replacement(rows, 2)]))
+    axes = assembly.axes(placement.where)
+    return _tensor(placement, assembly, [axes @ way for way in _ways(placement.context, placement.where)])
 
 
 def _body_functions(context: Context, where: str) -> tuple[str, ...]:
-    letters = ("along", "beside", "above")[: len(_ways(context, where))]
-    return tuple(a if a == b else f"{a} × {b}" for a, b in combinations_with_replacement(letters, 2))
+    return tensor_names(GEOMETRY[: len(_ways(context, where))])
 
 
 def _body_sizes(context: Context, where: str, frequency: np.ndarray) -> np.ndarray:
@@ -67,17 +70,13 @@ BODY = PortKind(
 
 def _ground_patterns(assembly: Assembly, placement: Placement) -> Patterns:
     """The same along the axes of the world."""
-    context, where = placement.context, placement.where
-    motion = assembly.motion(where, place_on(context, where, placement.values))[..., :3, :]
-    ways = np.eye(3) if context.normal is None else base_flexibility.motions(context.normal)[1][:3, :2].T
-    rows = [np.einsum("i,...ij->...j", way, motion) for way in ways]
-    count = len(placement.posture)
-    return Patterns(np.stack([outer(a, b, count) for a, b in combinations_with_replacement(rows, 2)]))
+    normal = placement.context.normal
+    ways = np.eye(3) if normal is None else base_flexibility.motions(normal)[1][:3, :2].T
+    return _tensor(placement, assembly, list(ways))
 
 
 def _ground_functions(context: Context, where: str) -> tuple[str, ...]:
-    letters = "xyz" if context.normal is None else ("across", "up")
-    return tuple(a if a == b else f"{a} × {b}" for a, b in combinations_with_replacement(letters, 2))
+    return tensor_names("xyz" if context.normal is None else ("across", "up"))
 
 
 GROUND = replace(

@@ -10,7 +10,7 @@ import numpy as np
 from flexmodal.diagnosis.effects import base_flexibility, link_flexibility
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Placement
-from flexmodal.diagnosis.lawfree.port import Patterns, PortKind, constant
+from flexmodal.diagnosis.lawfree.port import Patterns, PortKind, constant, outer
 from flexmodal.structure.assembly import Assembly
 
 
@@ -27,11 +27,7 @@ def _base_terms(context: Context) -> list[tuple[int, int]]:
 def _base_patterns(assembly: Assembly, placement: Placement) -> Patterns:
     context = placement.context
     rows = [assembly.row(name) for name in base_flexibility.motions(context.normal)[0]]
-    found = []
-    for i, j in _base_terms(context):
-        product = np.outer(rows[i], rows[j])
-        found.append(product if i == j else product + product.T)
-    return Patterns(compliance=np.stack(found))
+    return Patterns(compliance=np.stack([outer(rows[i], rows[j], 1)[0] for i, j in _base_terms(context)]))
 
 
 def _base_functions(context: Context, where: str) -> tuple[str, ...]:
@@ -68,9 +64,13 @@ BASE = PortKind(
 )
 
 
+def _planes(context: Context) -> int:
+    """In how many planes a link bends."""
+    return 1 if context.normal is not None else 2
+
+
 def _link_functions(context: Context, where: str) -> tuple[str, ...]:
-    planes = 1 if context.normal is not None else 2
-    names = [f"bend {plane + 1}" for plane in range(planes)]
+    names = [f"bend {plane + 1}" for plane in range(_planes(context))]
     return (*names, *(f"{name}, outwards" for name in names))
 
 
@@ -79,7 +79,7 @@ def _link_patterns(assembly: Assembly, placement: Placement) -> Patterns:
     context, where = placement.context, placement.where
     places = link_flexibility.hinges(context, where)
     weights = link_flexibility.gauss(len(places))[1]
-    planes = 1 if context.normal is not None else 2
+    planes = _planes(context)
     names = link_flexibility.names_of(context, where)
     found = np.zeros((2 * planes, *(len(assembly.coordinates),) * 2))
     for number, name in enumerate(names):
@@ -91,7 +91,7 @@ def _link_patterns(assembly: Assembly, placement: Placement) -> Patterns:
 
 
 def _link_starts(context: Context, where: str) -> tuple[tuple[float, ...], ...]:
-    planes = 1 if context.normal is not None else 2
+    planes = _planes(context)
     return tuple((*(size,) * planes, *(0.0,) * planes) for size in (0.03, 0.1, 0.3, 1.0, 3.0))
 
 

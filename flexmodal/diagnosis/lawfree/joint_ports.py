@@ -9,7 +9,7 @@ import numpy as np
 
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Placement
-from flexmodal.diagnosis.lawfree.port import STILL, Patterns, PortKind, constant, outer
+from flexmodal.diagnosis.lawfree.port import STILL, Patterns, PortKind, constant, outer, tensor
 from flexmodal.structure.assembly import Assembly
 
 
@@ -40,10 +40,8 @@ TORQUE = replace(
 
 
 def _coupling_patterns(assembly: Assembly, placement: Placement) -> Patterns:
-    one, other = (assembly.stretch_of(name) for name in placement.where.split("+"))
-    count = len(placement.posture)
-    pairs = (one, one), (one, other), (other, other)
-    return Patterns(np.stack([outer(a, b, count) for a, b in pairs]))
+    rows = [assembly.stretch_of(name) for name in placement.where.split("+")]
+    return Patterns(tensor(rows, len(placement.posture)))
 
 
 def _coupling_sizes(context: Context, where: str, frequency: np.ndarray) -> np.ndarray:

@@ -34,8 +34,8 @@ the link between them that does the same, with its many hinges, is not."""
 ALIKE = 1.25
 """Ports whose misfits are within this factor cannot be told apart; the one with the fewest unknowns is taken.
 
-On twelve campaigns of the rig with a single effect the next best place had at least 1.4 times the misfit
-where its port does not contain that of the true one; from 1.1 to 1.35 the same places come first."""
+Tuned on twelve campaigns of the rig with a single effect: the next best place had at least 1.4 times the
+misfit where its port does not contain that of the true one. How sharply was not measured."""
 SMALLEST = 5e-4
 """Model error at least, with which the last fits are judged."""
 
@@ -46,7 +46,8 @@ class Sighting:
 
     port: Port
     misfit: float
-    """Root of the reduced χ² on the postures fitted, in units of the noise of the averages; 1 if perfect."""
+    """Root of the reduced χ² on the postures fitted, in units of the noise of the averages; about 0.6 if
+    perfect, since Huber's function and the smallest model error take their part."""
     apart: float | None
     """The same on the postures held out; None where there are none, or the functions differ by posture."""
     unknowns: int

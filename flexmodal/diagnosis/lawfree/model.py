@@ -9,7 +9,6 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Complex, Float, Int
 
-from flexmodal.diagnosis.effects.effect import Placement
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.lawfree.port import Patterns, Port
 from flexmodal.diagnosis.placed import Placed
@@ -17,7 +16,6 @@ from flexmodal.identification import Observations
 from flexmodal.identification.frf_fit import residual
 from flexmodal.identification.model import Group
 from flexmodal.structure import ParameterSpace
-from flexmodal.structure.assembly import Assembly
 from flexmodal.structure.ports import CompliancePort, Ported, StiffnessPort, solved_with
 from flexmodal.structure.ports import Port as StructurePort
 
@@ -104,7 +102,7 @@ class PortedModel:
         """The residuals alone."""
         found = np.zeros((len(self.observations), len(self.lines)), dtype=complex)
         for group in self.hypothesis.groups(x, self.observations, slopes=False):
-            ported, log, _ = self._solved(group, x, z)
+            ported, log, _ = self._solved(group, x, z, slopes=False)
             part = group.part
             value = ported.solved.value * np.exp(log)
             measured = self.observations.value[part.observations][:, self.lines]
@@ -118,7 +116,7 @@ class PortedModel:
         along = np.zeros((*shape, len(self.port.names)), dtype=complex)
         parameters = np.zeros((len(self.space), *shape), dtype=complex)
         for group in self.hypothesis.groups(x, self.observations, slopes=True):
-            ported, log, more = self._solved(group, x, z)
+            ported, log, more = self._solved(group, x, z, slopes=True)
             part, rows = group.part, group.part.observations
             plain = ported.solved.value
             safe = np.where(plain == 0, np.inf, plain)
@@ -138,25 +136,24 @@ class PortedModel:
     # the unknown in the structure
 
     def _solved(
-        self, group: Group, x: np.ndarray, z: Unknown
+        self, group: Group, x: np.ndarray, z: Unknown, *, slopes: bool
     ) -> tuple[Ported, np.ndarray, dict[int, np.ndarray]]:
         axis = self.observations.axis_of(group.part.level).take(self.lines)
-        ports = self._ports(group, x, z)
+        ports = self._ports(group, x, z, slopes=slopes)
         ported = solved_with(group.structures, axis, group.part.entries, ports)
         if group.reading is None:
             return ported, np.zeros((1, 1)), {}
         log, more = group.reading(axis)
         return ported, log, dict(more)
 
-    def _patterns(self, group: Group, x: np.ndarray) -> tuple[Patterns, Assembly, Placement]:
-        assembly, placement = self.hypothesis.placed_in(group.part, x)[-1]
+    def _patterns(self, group: Group, x: np.ndarray) -> Patterns:
         assert self.port.kind.patterns is not None
-        return self.port.kind.patterns(assembly, placement), assembly, placement
+        return self.port.kind.patterns(*self.hypothesis.placed_in(group.part, x)[-1])
 
-    def _ports(self, group: Group, x: np.ndarray, z: Unknown) -> Sequence[StructurePort]:
+    def _ports(self, group: Group, x: np.ndarray, z: Unknown, *, slopes: bool) -> Sequence[StructurePort]:
         if self.port.kind.patterns is None:
             return []
-        patterns, *_ = self._patterns(group, x)
+        patterns = self._patterns(group, x)
         value = z[self._of_systems(group)] * self.size  # system, function, line
         if patterns.compliance is not None:
             return [
@@ -164,7 +161,7 @@ class PortedModel:
                 for i, j in _pairs(patterns.compliance)
             ]
         assert patterns.stiffness is not None
-        moved = self._moved(group, x)
+        moved = self._moved(group, x) if slopes else None
         return [
             StiffnessPort(pattern, value[:, k], None if moved is None else (moved[0], moved[1][:, k]))
             for k, pattern in enumerate(patterns.stiffness)
@@ -178,7 +175,7 @@ class PortedModel:
         found = []
         for number in numbers.tolist():
             step = np.where(np.arange(len(x)) == number, _STEP, 0.0)
-            ahead, behind = (self._patterns(group, x + way * step)[0].stiffness for way in (1, -1))
+            ahead, behind = (self._patterns(group, x + way * step).stiffness for way in (1, -1))
             assert ahead is not None
             assert behind is not None
             found.append((ahead - behind) / (2 * _STEP))
@@ -188,7 +185,7 @@ class PortedModel:
         self, group: Group, x: np.ndarray, ported: Ported
     ) -> Complex[np.ndarray, "entry line function"]:
         """Derivatives of the receptances along the functions in their sizes."""
-        patterns, *_ = self._patterns(group, x)
+        patterns = self._patterns(group, x)
         each = np.stack([ported.along(k) for k in range(len(ported.ports))], axis=-1)  # entry line port
         if patterns.compliance is not None:
             each = each @ np.array([patterns.compliance[:, i, j] for i, j in _pairs(patterns.compliance)])

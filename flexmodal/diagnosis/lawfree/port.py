@@ -9,8 +9,9 @@ and law identifiable from a few points).
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from itertools import combinations_with_replacement
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -108,3 +109,18 @@ def constant(size: list[float], frequency: np.ndarray) -> Float[np.ndarray, "fun
         frequency: lines.
     """
     return np.repeat(np.array(size)[:, None], len(frequency), axis=1)
+
+
+def tensor(rows: Sequence[np.ndarray], count: int) -> Float[np.ndarray, "function system dof dof"]:
+    """Patterns of a symmetric matrix of functions between some motions.
+
+    Args:
+        rows: of the motions.
+        count: number of systems.
+    """
+    return np.stack([outer(a, b, count) for a, b in combinations_with_replacement(rows, 2)])
+
+
+def tensor_names(names: Sequence[str]) -> tuple[str, ...]:
+    """What these functions are called, by the names of the motions."""
+    return tuple(a if a == b else f"{a} × {b}" for a, b in combinations_with_replacement(names, 2))

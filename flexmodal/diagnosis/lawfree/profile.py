@@ -12,6 +12,7 @@ not be bought by re-tuning the robot.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from jaxtyping import Complex, Float
@@ -66,7 +67,7 @@ class Profile:
     pooled: bool = False
     """Whether a function is one number over all lines, in its size."""
 
-    @property
+    @cached_property
     def weight(self) -> Float[np.ndarray, "observation line"]:
         """1/(σ² + ε²)."""
         return Weighing(self.floor, self.model.lines).weight(self.model.observations)
@@ -242,18 +243,17 @@ def _offers(z: Unknown) -> list[Unknown]:
 
 
 def profiled(
-    model: PortedModel, start: State | None = None, *, floors: tuple[float, ...] = FLOORS, steps: int = 8
+    model: PortedModel, *, floors: tuple[float, ...] = FLOORS, steps: int = 8
 ) -> tuple[Profile, State]:
     """Fit a ported model: constants first, then free at every line.
 
     Args:
         model: to be fitted.
-        start: where a fit of it ended, on the same lines; otherwise constants are tried first.
         floors: relative model errors, lowered one after the other.
         steps: most at each of them.
     """
     profile = Profile(model, floors[0])
-    state = _constant(model, floors[0], steps) if start is None else profile.state(start.x, start.z)
+    state = _constant(model, floors[0], steps)
     for floor in floors:
         profile = replace(profile, floor=floor)
         state = profile.descended(profile.state(state.x, state.z), steps)

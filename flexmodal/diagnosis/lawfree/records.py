@@ -18,7 +18,7 @@ from flexmodal.identification import Observations, predict
 from flexmodal.identification.frf_fit import residual
 
 _UNSURE = 2.0
-"""Standard deviation of what is cut off, over its size by the re-tuned robot; 0.6 to 2 on a six-link arm
+"""Standard deviation of what is cut off, over its size by the re-tuned robot; 0.9 to 2 on a six-link arm
 whose first link bends, from the lowest line to the highest."""
 
 

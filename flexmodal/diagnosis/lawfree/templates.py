@@ -123,7 +123,9 @@ _SOFT_HEAVY = Template(
 )  # fmt: skip
 
 _GAIN = Template("gain", lambda w, at: [_one(w)], 1, ("ln gain = {:.4g}",))
-_SIGN = Template("gain with the sign turned", lambda w, at: [_one(w) + 1j * np.pi], 1, ("ln gain = {:.4g}",))
+_PHASE = Template(
+    "gain and phase", lambda w, at: [_one(w), 1j * _one(w)], 2, ("ln gain = {:.4g}", "{:.4g} rad")
+)
 _DELAY = Template("delay", lambda w, at: [-1j * w], 1, ("{:.4g} s",))
 _GAIN_DELAY = Template(
     "gain and delay", lambda w, at: [_one(w), -1j * w], 2, ("ln gain = {:.4g}", "{:.4g} s")
@@ -142,8 +144,8 @@ _OF = {
     "carried": (_MASS, _SPRING, _BOTH, _ABSORBER),
     "ground": (_SPRING, _DAMPER, _BOTH, _MASS, _RELAXATION),
     "body": (_MASS, _SPRING, _BOTH, _ABSORBER),
-    "sensor": (_GAIN, _SIGN, _DELAY, _GAIN_DELAY, _LOW, _HIGH),
-    "hammer": (_GAIN, _SIGN, _DELAY, _GAIN_DELAY, _LOW, _HIGH),
+    "sensor": (_GAIN, _PHASE, _DELAY, _GAIN_DELAY, _LOW, _HIGH),
+    "hammer": (_GAIN, _PHASE, _DELAY, _GAIN_DELAY, _LOW, _HIGH),
 }
 
 
