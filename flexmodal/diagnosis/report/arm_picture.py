@@ -39,8 +39,8 @@ def draw_arm(diagnosis: Diagnosis) -> Any:
     _sticks(axes, robot, placed[worst], plane, LINK, 6.0)
     _joints(axes, robot, placed[worst], plane)
     _points(axes, diagnosis, placed[worst], plane)
-    for _, where in diagnosis.verdict.effects:
-        _mark(axes, diagnosis, placed[worst], plane, where)
+    for number, (_, where) in enumerate(diagnosis.verdict.effects):
+        _mark(axes, diagnosis, placed[worst], plane, where, number)
     axes.set_aspect("equal", adjustable="datalim")
     axes.margins(0.1, 0.2)
     axes.set_axis_off()
@@ -108,8 +108,8 @@ def _points(axes: Any, diagnosis: Diagnosis, placed: Placed, plane: Plane) -> No
             )  # fmt: skip
 
 
-def _mark(axes: Any, diagnosis: Diagnosis, placed: Placed, plane: Plane, where: str) -> None:
-    """A ring, or a thick line along a link, with the name of the place."""
+def _mark(axes: Any, diagnosis: Diagnosis, placed: Placed, plane: Plane, where: str, rank: int = 0) -> None:
+    """A ring, or a thick line along a link, with the name of the place; that of the next stands higher."""
     robot = diagnosis.model.context.robot
     points = {point.name: point for point in diagnosis.model.context.points}
     spots: list[np.ndarray] = []
@@ -141,8 +141,9 @@ def _mark(axes: Any, diagnosis: Diagnosis, placed: Placed, plane: Plane, where: 
             )
         if number == 0:
             axes.annotate(
-                short(where, 30), (x, y), xytext=(16, 22), textcoords="offset points", fontsize=11,
-                fontweight="bold", color=INK, arrowprops={"arrowstyle": "-", "color": FOUND}, zorder=6,
+                short(where, 30), (x, y), xytext=(16, 22 + 15 * rank), textcoords="offset points",
+                fontsize=11, fontweight="bold", color=INK,
+                arrowprops={"arrowstyle": "-", "color": FOUND}, zorder=6,
             )  # fmt: skip
 
 

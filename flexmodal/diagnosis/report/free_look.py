@@ -21,6 +21,10 @@ _COLUMNS = (
     Column("place", words=True), Column("what it would be", words=True), Column("free functions"),
     Column("misfit", "noise"), Column("held out", "noise"),
 )  # fmt: skip
+_TOGETHER = (
+    Column("free together", words=True), Column("what it would be", words=True),
+    Column("misfit without it", "noise"),
+)  # fmt: skip
 _NOTE = (
     "No law is assumed here: at each place the dynamic stiffness or compliance is one free complex number at "
     "every frequency, the same in all postures, and the robot's own parameters are fitted along. A wrong "
@@ -39,6 +43,9 @@ def look_parts(look: Findings) -> Parts:
     chosen = {(one.port, one.where) for one in look.found} if look.needed else set()
     numbers = {k for k, one in enumerate(look.places[:_SHOWN], start=1) if (one.port, one.where) in chosen}
     parts: list[Part | str] = [look.says, Table(_COLUMNS, rows, chosen=frozenset(numbers or {0}))]
+    if len(look.found) > 1:
+        found = [[f"{one.port} {one.where}", one.says, f"{one.without:.2f}"] for one in look.found]
+        parts += [Table(_TOGETHER, [["all of these", "", f"{look.left:.2f}"], *found])]
     pictures = [
         Picture(partial(draw_curve, one.curve), f"Free function of {one.port} at {one.where}, {_DRAWN}")
         for one in look.found
