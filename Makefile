@@ -26,7 +26,7 @@ help:
 .venv/installed: pyproject.toml constraints.txt
 	@$(PYTHON) -m venv .venv || { echo "this Python has no venv module; on Debian: apt-get install python3.11-venv"; exit 1; }
 	$(BIN)/python -m pip install --quiet --upgrade "pip>=25.1"
-	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable .
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable ".[arms]"
 	@touch $@
 
 .venv/tested: .venv/installed

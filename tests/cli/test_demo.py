@@ -11,7 +11,7 @@ from PIL import Image
 def test_demo(shell, tmp_path):
     ran = shell("demo", "--out", "tour", timeout=300)
     assert (ran.status, ran.err) == (0, "")
-    names = ["frf_before_after.png", "frf_before_after.svg", "six_link.html"]
+    names = ["frf_before_after.png", "frf_before_after.svg", "six_link.html", "ur5.html"]
     assert sorted(path.name for path in (tmp_path / "tour").iterdir()) == ["diagnosis", *names]
     for name in names:
         assert f"wrote {tmp_path / 'tour' / name}\n" in ran.out
