@@ -1,5 +1,7 @@
 """The picture of the README: the UR5 of the first tutorial before and after, its FRFs, the diagnosis's page.
 
+And two of the tutorials.
+
 Drawn from the pages as chromium shows them; run by `make pictures`.
 """
 
@@ -12,7 +14,7 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
-from flexmodal_viewer import show_outcome
+from flexmodal_viewer import show_outcome, show_robot
 from PIL import Image
 
 import flexmodal
@@ -23,7 +25,7 @@ from flexmodal.report import write_figure
 from flexmodal.rig import Hide, simulate
 
 ROOT = Path(__file__).resolve().parents[1]
-PICTURE = ROOT / "docs" / "pictures" / "welcome.png"
+PICTURES = ROOT / "docs" / "pictures"
 HEIGHT = 640
 
 
@@ -67,6 +69,21 @@ def diagnosis_panel(folder: Path) -> Image.Image:
     return screenshot(folder / "diagnosis" / "report.html", (820, 820))
 
 
+def modes_page(folder: Path) -> Image.Image:
+    """The page of `flexmodal show … --modes`, in the middle of a swing of the first mode."""
+    arm = load(ROOT / "docs" / "tutorials" / "ur5" / "robot.toml")
+    page = folder / "modes.html"
+    quietly = {"open_browser": False, "announce": lambda text: None}
+    show_robot(arm, arm.posture("bench"), modes=True, out=page, **quietly)
+    return screenshot(page, (1000, 640), "#motion=0&phase=0.25")
+
+
+def save(picture: Image.Image, name: str) -> None:
+    """Write a picture of few colours into docs/pictures."""
+    picture.quantize(128).save(PICTURES / name, optimize=True)
+    print(f"wrote {PICTURES / name}")
+
+
 def main() -> int:
     """Draw the three, put them side by side, write the picture."""
     with tempfile.TemporaryDirectory() as scratch:
@@ -77,8 +94,9 @@ def main() -> int:
         for panel in scaled:
             whole.paste(panel, (left, 0))
             left += panel.width
-        whole.quantize(128).save(PICTURE, optimize=True)
-    print(f"wrote {PICTURE}")
+        save(whole, "welcome.png")
+        save(panels[2].crop((0, 0, 820, 390)), "tutorial_diagnosis.png")
+        save(modes_page(Path(scratch)), "tutorial_modes.png")
     return 0
 
 

@@ -1,9 +1,9 @@
-"""The wheel and the sdist, each in an environment of its own, for every Python there is; the tests against it.
+"""The wheel and the sdist, each in an environment of its own, for every Python there is; the tests with it.
 
     python tests/distribution/clean_environment.py [--lowest] [--python NAME …] [--sdist] [TEST …]
 
-`--lowest` installs the oldest versions that pyproject.toml allows instead of those of constraints.txt. The tests
-named are run against what is installed, a choice that touches every room if none is named. Run by
+`--lowest` installs the oldest versions that pyproject.toml allows instead of those of constraints.txt. The
+tests named are run against what is installed, a choice that touches every room if none is named. Run by
 `make distribution`; takes minutes and a build environment, so it is no pytest.
 """
 
@@ -55,7 +55,7 @@ def build(folder: Path) -> list[Path]:
 def works(python: str) -> bool:
     """Whether a Python of that name runs; pyenv has shims of those that do not."""
     return (
-        bool(shutil.which(python)) and not subprocess.run([python, "-c", ""], capture_output=True).returncode
+        bool(shutil.which(python)) and not subprocess.run([python, "-c", ""], capture_output=True, check=False).returncode
     )
 
 
@@ -82,7 +82,7 @@ def main() -> int:
     asked = argparse.ArgumentParser()
     asked.add_argument("--lowest", action="store_true")
     asked.add_argument("--sdist", action="store_true", help="the sdist too, not the wheel alone")
-    asked.add_argument("--python", nargs="+", default=PYTHONS)
+    asked.add_argument("--python", action="append", help="may be repeated; all there are if none")
     asked.add_argument("tests", nargs="*", default=list(TESTS))
     given = asked.parse_args()
     failed = False
@@ -94,7 +94,7 @@ def main() -> int:
         for package in build(Path(folder)):
             if package.suffix != ".whl" and not given.sdist:
                 continue
-            for python in given.python:
+            for python in given.python or PYTHONS:
                 if not works(python):
                     print(f"{python}: not on this machine")
                     continue
