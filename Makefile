@@ -104,7 +104,7 @@ recovery: .venv/tested
 # A warning is an error: a page that nothing leads to, a link to nowhere, a name that is not there.
 docs: .venv/documented
 	OPENBLAS_NUM_THREADS=1 NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
-	@echo "open site/index.html"
+	@echo "site/index.html; with search: python -m http.server --directory site"
 
 # In an environment of its own, outside the checkout.
 tour: .venv/tested

@@ -96,8 +96,12 @@ def _better_posture(robot: Robot, out: Path, quiet: bool) -> None:
     with progress(starts, "searching postures", quiet=quiet) as advance:
         outcome = optimise(problem, start=start, starts=starts, advance=advance)
     printed = objective.value(robot.at("table_3_9_final"))
-    rows = [
-        ["start of the thesis (Table 3.9)", f"{outcome.start:.4g}"],
+    brought = problem.retract(problem.vector(start))
+    rows = [["start of the thesis (Table 3.9), tool elsewhere", f"{objective.value(robot.at(start)):.4g}"]]
+    if brought is not None:
+        nearest = objective.value(robot.at(problem.posture(brought)))
+        rows.append(["the start, its tool brought to the target", f"{nearest:.4g}"])
+    rows += [
         ["final posture of the thesis, in this model", f"{printed:.4g}"],
         ["best posture found here", f"{outcome.best.objective:.4g}"],
     ]

@@ -19,7 +19,7 @@ def test_demo(shell, tmp_path):
         assert word in ran.out
     start, printed, found = (
         float(re.search(rf"{label}\s+(\S+)", ran.out)[1])
-        for label in (r"start of the thesis \(Table 3.9\)", "in this model", "best posture found here")
+        for label in (r"brought to the target", "in this model", "best posture found here")
     )
     assert found <= printed < start
     with Image.open(tmp_path / "tour" / names[0]) as image:

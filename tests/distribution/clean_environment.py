@@ -55,7 +55,8 @@ def build(folder: Path) -> list[Path]:
 def works(python: str) -> bool:
     """Whether a Python of that name runs; pyenv has shims of those that do not."""
     return (
-        bool(shutil.which(python)) and not subprocess.run([python, "-c", ""], capture_output=True, check=False).returncode
+        bool(shutil.which(python))
+        and not subprocess.run([python, "-c", ""], capture_output=True, check=False).returncode
     )
 
 
