@@ -177,7 +177,7 @@ def in_terminal(
             break
     os.close(ours)
     text = b"".join(parts).decode("utf-8", "replace")
-    return process.wait(), ESCAPES.sub("", text).replace("\r", "\n"), silence
+    return process.wait(), ESCAPES.sub("", text).replace("\r\n", "\n").replace("\r", "\n"), silence
 
 
 def clone(place: Path) -> None:
