@@ -101,7 +101,7 @@ recovery: .venv/tested
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --group docs
 	@touch $@
 
-# A warning is an error: a page that nothing leads to, a link to nowhere, a name that is not there.
+# A warning is an error: a link to nowhere, a name that is not there.
 docs: .venv/documented
 	OPENBLAS_NUM_THREADS=1 NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
 	@echo "site/index.html; with search: python -m http.server --directory site"
