@@ -1,5 +1,8 @@
 # make demo    set up and run the main job: FRFs, a better posture, pictures and a page in demo/
 # make test    set up and run the tests
+# make docs    build the documentation as a site, in site/
+# make tour    act a newcomer in an empty environment: README and tutorials to the letter; some minutes
+# make distribution  wheel and sdist in clean environments, for each Python there is, and with the oldest dependencies
 # make slow    run the tests that take half a minute each and more
 # make check   ruff, mypy, import-linter, and what is in the wheel
 # make tables  remake the tables in docs/
@@ -17,7 +20,7 @@
 PYTHON ?= python3.11
 BIN := .venv/bin
 .DEFAULT_GOAL := help
-.PHONY: help demo test slow check tables pictures studies exam arithmetic appendix recovery bench fuzz chaos browser clean
+.PHONY: help demo test docs tour distribution slow check tables pictures studies exam arithmetic appendix recovery bench fuzz chaos browser clean
 
 help:
 	@grep '^# make' Makefile | cut -c3-
@@ -26,7 +29,7 @@ help:
 .venv/installed: pyproject.toml constraints.txt
 	@$(PYTHON) -m venv .venv || { echo "this Python has no venv module; on Debian: apt-get install python3.11-venv"; exit 1; }
 	$(BIN)/python -m pip install --quiet --upgrade "pip>=25.1"
-	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable .
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable ".[arms]"
 	@touch $@
 
 .venv/tested: .venv/installed
@@ -70,6 +73,7 @@ pictures: .venv/tested
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/optimisation_pictures.py
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/machining_checks.py
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/machining_posture.py
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/welcome_pictures.py
 
 studies: .venv/tested
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/studies.py
@@ -93,8 +97,25 @@ recovery: .venv/tested
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/identification_speed.py
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/identification_program.py
 
+.venv/documented: .venv/installed
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --group docs
+	@touch $@
+
+# A warning is an error: a link to nowhere, a name that is not there.
+docs: .venv/documented
+	OPENBLAS_NUM_THREADS=1 NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
+	@echo "site/index.html; with search: python -m http.server --directory site"
+
+# In an environment of its own, outside the checkout.
+tour: .venv/tested
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/tour.py
+
+distribution: .venv/tested
+	$(BIN)/python tests/distribution/clean_environment.py --sdist
+	$(BIN)/python tests/distribution/clean_environment.py --lowest --python $(PYTHON)
+
 clean:
-	rm -rf .venv dist build demo exam .pytest_cache .mypy_cache .ruff_cache
+	rm -rf .venv dist build demo exam site .pytest_cache .mypy_cache .ruff_cache
 
 fuzz: .venv/tested
 	$(BIN)/python benchmarks/fuzz_campaign.py

@@ -19,7 +19,7 @@ from flexmodal.campaign.uff.export import is_export, read_export
 from flexmodal.campaign.uff.read_blows import read_time_uff
 from flexmodal.campaign.uff.read_frfs import read_frf_uff
 from flexmodal.errors import Fault, InvalidCampaign, Report
-from flexmodal.files import complete
+from flexmodal.files import complete, path_or_shipped
 from flexmodal.text.words import FaultList
 
 TOML, FRF, TIME, MODES = "campaign.toml", "frf.uff", "time.uff", "modes.csv"
@@ -29,12 +29,14 @@ def read_campaign(path: str | os.PathLike[str]) -> Campaign:
     """Read a campaign.
 
     Args:
-        path: its folder, or the `campaign.toml` in it; or a universal file by itself, see `read_export`.
+        path: its folder, or the `campaign.toml` in it; or a universal file by itself, see `read_export`; or
+            the name of a campaign that ships, `fanuc_s360/thesis`.
 
     Raises:
         InvalidCampaign: with every fault of every file.
     """
     complete(path)
+    path = path_or_shipped(path, "campaigns")
     if is_export(file := Path(os.path.abspath(path))):
         return read_export(file)
     folder = campaign_folder(path)
@@ -89,7 +91,7 @@ def is_campaign(path: str | os.PathLike[str]) -> bool:
     """Whether a path is that of a campaign: a folder with a campaign.toml, that file, or a universal file."""
     complete(path)
     try:
-        file = Path(path)
+        file = path_or_shipped(path, "campaigns")
         return (file.name == TOML and file.is_file()) or (file / TOML).is_file() or is_export(file)
     except (OSError, ValueError):  # too long for a path, or a null byte in it
         return False

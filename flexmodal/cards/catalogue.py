@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from flexmodal.cards.places import catalogue_folder, example_robots_folder
+from flexmodal.cards.places import example_robots_folder
 from flexmodal.errors import Fault, RobotNotFound
-from flexmodal.files import complete
+from flexmodal.files import catalogue_folder, complete
 from flexmodal.text.words import listing, nearest, shown
 
 CARD = "robot.toml"
@@ -89,6 +89,13 @@ def _not_found(reference: str, path: Path, there: bool, names: dict[str, Path]) 
         advice = "; expand xacro first: xacro robot.xacro > robot.urdf" if path.suffix == ".xacro" else ""
         found = f"a file of the kind {shown(path.suffix)}"
         return Fault(reference, "", found, f"a {CARD} or a .urdf{advice}")
+    if reference in ARMS:
+        allowed = (
+            f"pip install 'flexmodal[arms]', or in a checkout pip install --editable '.[arms]'; "
+            f"without it the names are {listing(names)}"
+        )
+        found = f"{shown(reference)}, an arm of example-robot-data, which is not installed"
+        return Fault("robot", "", found, allowed)
     hint = nearest(reference, names)
     found = f"no robot of the name {shown(reference)}, and no such file"
     return Fault("robot", "", found, f"{hint}the names are {listing(names)}; {paths}")

@@ -1,4 +1,4 @@
-"""Where data lie: the catalogue that ships, the optional example arms, ROS packages."""
+"""Where data lie: the optional example arms, ROS packages."""
 
 from __future__ import annotations
 
@@ -7,31 +7,8 @@ import importlib.metadata
 import os
 from pathlib import Path
 
-from flexmodal.errors import Fault, RobotNotFound
-
-VARIABLE = "FLEXMODAL_CATALOGUE"
-
-
-def catalogue_folder() -> Path:
-    """The folder that holds `robots/` and `urdf/`.
-
-    `FLEXMODAL_CATALOGUE` where it is set, else the data inside an installed package, else the checkout.
-
-    Raises:
-        RobotNotFound: no such folder, or it has no `robots/` in it.
-    """
-    package = Path(__file__).resolve().parent.parent
-    override = os.environ.get(VARIABLE)
-    if override:
-        folder, origin = Path(override).expanduser().resolve(), VARIABLE
-    else:
-        installed = package / "_catalogue"
-        folder, origin = installed if installed.is_dir() else package.parent, "catalogue"
-    if not (folder / "robots").is_dir():
-        raise RobotNotFound(
-            Fault(origin, "", f"{folder} without a folder robots in it", "a folder with robots/ and urdf/")
-        )
-    return folder
+from flexmodal.errors import RobotNotFound
+from flexmodal.files import catalogue_folder
 
 
 def example_robots_folder() -> Path | None:

@@ -15,8 +15,11 @@ if TYPE_CHECKING:
 
 _TARGET = (-2.0, 2.0)
 _FREQUENCY = 5.0
-_FILES = ("frf_before_after.png", "frf_before_after.svg", "six_link.html")
+_FILES = ("frf_before_after.png", "frf_before_after.svg", "six_link.html", "ur5.html")
 _FOUND = "diagnosis"
+_UR5 = {"shoulder_lift_joint": -1.2, "elbow_joint": 1.5, "wrist_1_joint": -0.3}
+_GUESSED = (2e4, 30.0)
+"""Stiffness [N·m/rad] and damping [N·m·s/rad] of each joint of an arm whose maker prints neither."""
 _HIDDEN = ("link_flexibility", "link_2")
 
 
@@ -31,7 +34,7 @@ _HIDDEN = ("link_flexibility", "link_2")
 @force_option
 @quiet_option
 def demo(out: Path, force: bool, quiet: bool) -> None:
-    """Load both robots, print modes and receptance, better a posture; hide a bending link and find it."""
+    """Load three robots, print modes and receptance, better a posture; hide a bending link and find it."""
     from flexmodal.diagnosis.write import OWN
     from flexmodal.files import whole_folder
     from flexmodal.model import load
@@ -45,8 +48,11 @@ def demo(out: Path, force: bool, quiet: bool) -> None:
         arm = load("six_link")
         _modes(arm, "start_2")
         _better_posture(arm, scratch, quiet)
+        _bare_urdf(scratch)
         _something_missing(scratch / _FOUND, quiet)
     for name in (*_FILES, f"{_FOUND}/report.html"):
+        if not (out / name).exists():
+            continue
         say(f"wrote {(out / name).resolve()}")
 
 
@@ -90,8 +96,12 @@ def _better_posture(robot: Robot, out: Path, quiet: bool) -> None:
     with progress(starts, "searching postures", quiet=quiet) as advance:
         outcome = optimise(problem, start=start, starts=starts, advance=advance)
     printed = objective.value(robot.at("table_3_9_final"))
-    rows = [
-        ["start of the thesis (Table 3.9)", f"{outcome.start:.4g}"],
+    brought = problem.retract(problem.vector(start))
+    rows = [["start of the thesis (Table 3.9), tool elsewhere", f"{objective.value(robot.at(start)):.4g}"]]
+    if brought is not None:
+        nearest = objective.value(robot.at(problem.posture(brought)))
+        rows.append(["the start, its tool brought to the target", f"{nearest:.4g}"])
+    rows += [
         ["final posture of the thesis, in this model", f"{printed:.4g}"],
         ["best posture found here", f"{outcome.best.objective:.4g}"],
     ]
@@ -109,6 +119,28 @@ def _better_posture(robot: Robot, out: Path, quiet: bool) -> None:
         write_figure(figure, out / name)
     quietly = {"open_browser": False, "announce": lambda text: None}
     viewer("show_outcome")(outcome, start=start, out=out / _FILES[2], **quietly)
+
+
+def _bare_urdf(out: Path) -> None:
+    """An arm that comes as a URDF alone, its stiffness guessed: modes, and a page that shows them move."""
+    from flexmodal.cards import example_arms
+    from flexmodal.cli.viewing import viewer
+    from flexmodal.model import load
+
+    if "ur5" not in example_arms():
+        say("\nThe UR5 is left out, it needs the example arms: pip install 'flexmodal[arms]'\n")
+        return
+    stiffness, damping = _GUESSED
+    arm = load("ur5", stiffness=stiffness, damping=damping)
+    found = arm.modes(_UR5)
+    rows = [
+        [str(mode + 1), f"{frequency:.2f}", f"{ratio:.4f}"]
+        for mode, (frequency, ratio) in enumerate(zip(found.frequency, found.damping_ratio, strict=True))
+    ]
+    title = f"UR5, {stiffness:g} N·m/rad guessed for each joint: modes"
+    print_table(title, ["mode", "frequency [Hz]", "damping ratio"], rows)
+    quietly = {"open_browser": False, "announce": lambda text: None}
+    viewer("show_robot")(arm, arm.posture(_UR5), modes=True, out=out / _FILES[3], **quietly)
 
 
 def _something_missing(out: Path, quiet: bool) -> None:

@@ -50,8 +50,8 @@ _METHODS = ("zero-order", "multi-frequency", "semi-discretisation")
 @click.option("--starts", type=click.IntRange(1, 1000), default=6, show_default=True, help="With --hold.")
 @click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Of the starts.")
 @click.option(
-    "--cut", "cut_file", required=True, type=click.Path(path_type=Path), metavar="FILE.toml",
-    help="Cutter, forces, engagement, frame; see docs/machining.md.",
+    "--cut", "cut_file", required=True, type=click.Path(path_type=Path), metavar="FILE.toml|NAME",
+    help="Cutter, forces, engagement, frame (see docs/machining.md), or a cut that ships: aluminium.",
 )  # fmt: skip
 @click.option(
     "--spindle", type=click.Path(path_type=Path), metavar="FILE.csv",

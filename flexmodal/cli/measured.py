@@ -20,19 +20,20 @@ def campaign_at(path: str | Path) -> Campaign:
         InvalidCampaign: nothing there, or with every fault of every file.
     """
     from flexmodal.campaign import UNIVERSAL_SUFFIXES, read_campaign
-    from flexmodal.files import complete
+    from flexmodal.files import complete, path_or_shipped, shipped
 
-    place = Path(path)
+    place = path_or_shipped(path, "campaigns")
     complete(place)
     if not place.exists():
-        allowed = "a folder with a campaign.toml, or a universal file by itself"
+        names = ", ".join(shipped("campaigns"))
+        allowed = f"a folder with a campaign.toml, a universal file by itself, or the name of one: {names}"
         raise InvalidCampaign(Fault(str(path), "", "no such file or folder", allowed))
     if place.is_dir() and not (place / "campaign.toml").exists():
         files = sorted(one.name for one in place.iterdir() if one.suffix.lower() in UNIVERSAL_SUFFIXES)
         named = f", such as {place / files[0]}" if files else ""
         allowed = f"one that has; or a universal file by itself{named}"
         raise InvalidCampaign(Fault(str(path), "", "a folder without a campaign.toml", allowed))
-    measured = read_campaign(path)
+    measured = read_campaign(place)
     for warning in measured.warnings:
         say(f"warning: {warning}", err=True)
     return measured

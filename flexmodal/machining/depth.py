@@ -140,7 +140,7 @@ def lobes(
         advance: see `stability_lobes`.
 
     Raises:
-        As `critical_depth` and `stability_lobes`.
+        FlexmodalError: as `critical_depth` and `stability_lobes`.
     """
     posed = robot.at(pose)
     tip = tool_tip(posed, cut, added)
@@ -176,7 +176,7 @@ def compare_postures(
 
     Raises:
         InvalidRequest: no posture.
-        As `critical_depth`.
+        FlexmodalError: as `critical_depth`.
     """
     if not poses:
         raise InvalidRequest(Fault("call", "postures", "none", "at least one"))
@@ -211,7 +211,7 @@ def compare_family(
 
     Raises:
         InvalidRequest: no such family, or fewer than two members.
-        As `critical_depth`.
+        FlexmodalError: as `critical_depth`.
     """
     card = robot.family(family)
     if isinstance(members, bool) or not 2 <= members <= 10_000:

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from flexmodal.errors import Fault, InvalidCut
+from flexmodal.files import path_or_shipped, shipped
 from flexmodal.machining.cut import (
     CUTTER,
     ENGAGEMENT,
@@ -44,13 +45,21 @@ Record = TypeVar("Record")
 def read_cut(path: str | os.PathLike[str]) -> Cut:
     """Read the TOML file of a cut.
 
+    Args:
+        path: the file, or the name of a cut that ships, `aluminium`.
+
     Raises:
         InvalidCut: with every fault of the file at once.
     """
-    file = Path(os.path.abspath(path))
+    file = Path(os.path.abspath(path_or_shipped(path, "cuts", ".toml")))
     content = parse_toml(file, kind="a cut")
     if isinstance(content, Fault):
-        raise InvalidCut(content)
+        names = (
+            ""
+            if file.exists()
+            else f"; or the name of a cut that ships: {', '.join(shipped('cuts', '.toml'))}"
+        )
+        raise InvalidCut(replace(content, allowed=content.allowed + names))
     faults = FaultList(file)
     _check_head(content, faults)
     cutter = _record(Cutter, content.get("cutter"), CUTTER, "cutter", faults)

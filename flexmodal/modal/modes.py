@@ -219,4 +219,5 @@ def _inverse_root(gram: np.ndarray) -> np.ndarray:
     gaps = np.diff(angles, append=angles[0] + 2 * np.pi)
     widest = int(np.argmax(gaps))
     turn = -np.exp(1j * (angles[widest] + gaps[widest] / 2))
-    return np.linalg.inv(sqrtm(gram / turn) * np.sqrt(turn))
+    root = np.asarray(sqrtm(gram / turn), dtype=complex)  # older SciPy gives more digits than inv takes
+    return np.linalg.inv(root * np.sqrt(turn))

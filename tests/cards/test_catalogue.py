@@ -2,8 +2,9 @@ import importlib.metadata
 
 import pytest
 
-from flexmodal.cards import catalogue_folder, example_arms, find, shipped_cards
+from flexmodal.cards import example_arms, find, shipped_cards
 from flexmodal.errors import RobotNotFound
+from flexmodal.files import catalogue_folder
 
 
 def test_find_by_name_and_by_path(folder, monkeypatch):
@@ -53,5 +54,5 @@ def test_without_the_optional_arms(monkeypatch):
 
     monkeypatch.setattr(importlib.metadata, "distribution", missing)
     assert example_arms() == {}
-    with pytest.raises(RobotNotFound):
+    with pytest.raises(RobotNotFound, match=r"pip install 'flexmodal\[arms\]'.*editable '\.\[arms\]'"):
         find("ur5")

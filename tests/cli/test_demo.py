@@ -11,7 +11,7 @@ from PIL import Image
 def test_demo(shell, tmp_path):
     ran = shell("demo", "--out", "tour", timeout=300)
     assert (ran.status, ran.err) == (0, "")
-    names = ["frf_before_after.png", "frf_before_after.svg", "six_link.html"]
+    names = ["frf_before_after.png", "frf_before_after.svg", "six_link.html", "ur5.html"]
     assert sorted(path.name for path in (tmp_path / "tour").iterdir()) == ["diagnosis", *names]
     for name in names:
         assert f"wrote {tmp_path / 'tour' / name}\n" in ran.out
@@ -19,7 +19,7 @@ def test_demo(shell, tmp_path):
         assert word in ran.out
     start, printed, found = (
         float(re.search(rf"{label}\s+(\S+)", ran.out)[1])
-        for label in (r"start of the thesis \(Table 3.9\)", "in this model", "best posture found here")
+        for label in (r"brought to the target", "in this model", "best posture found here")
     )
     assert found <= printed < start
     with Image.open(tmp_path / "tour" / names[0]) as image:

@@ -1,13 +1,13 @@
-"""What the documentation shows, runs: commands as written, Python page by page.
+"""What the documentation shows, runs: commands as written, Python page by page, files as they are shown.
 
-Fenced blocks of three kinds are run; all others (`toml`, `text`, …) are left alone.
-
-- `console` and `sh`: each line that begins with `$ ` (in `sh`, each line) is a command. `flexmodal …` is run
-  in a folder of its own for the page and has to end with status 0, but for those that other tests run; of
-  `make …` the target has to exist.
-- `python`: run in order, the blocks of a page sharing their names.
+`benchmarks/tour_pages.py` says what is a step of a page; blocks of other kinds (`toml` without a title,
+`text`, …) are left alone. `flexmodal …` is run in a folder of its own for the page and has to end with status
+0, but for those that other tests run; of `make …` the target has to exist. What a page shows as output has to
+come out.
 """
 
+import contextlib
+import io
 import os
 import re
 import shlex
@@ -18,29 +18,20 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "benchmarks"))
+
+from tour_pages import steps, words  # noqa: E402
+
 PAGES = [*sorted(ROOT.glob("*.md")), *sorted((ROOT / "docs").rglob("*.md"))]
-FENCE = re.compile(r"^```(\w+)[^\n]*\n(.*?)^```\s*$", re.MULTILINE | re.DOTALL)
 TARGETS = set(re.findall(r"^([a-z]+):", (ROOT / "Makefile").read_text(), re.MULTILINE))
-LEFT_ALONE = {"git", "cd", "pip", "cat"}
-"""Commands that need a network or a clone."""
+LEFT_ALONE = {"git", "cd", "pip", "cat", ".", "python", "python3.11", "ls"}
+"""Commands that need a network or a clone; `make tour` runs them."""
 ELSEWHERE = {"demo": ROOT / "tests" / "cli" / "test_demo.py"}
 """Commands of flexmodal that take long, and the tests that run them."""
 
 
-def blocks(page, *kinds):
-    return [text for kind, text in FENCE.findall(page.read_text(encoding="utf-8")) if kind in kinds]
-
-
-def commands(page):
-    """The command lines of a page, those that a backslash breaks put together again."""
-    found = []
-    for kind, block in FENCE.findall(page.read_text(encoding="utf-8")):
-        text = block.replace("\\\n", " ")
-        if kind == "console":
-            found += [line[2:] for line in text.splitlines() if line.startswith("$ ")]
-        elif kind == "sh":
-            found += [line for line in text.splitlines() if line.strip() and not line.startswith("#")]
-    return [shlex.split(line, comments=True) for line in found]
+def acts(page):
+    return [step for step in steps(page) if step.kind != "file"]
 
 
 def named(pages):
@@ -55,37 +46,56 @@ def place(tmp_path):
     return tmp_path
 
 
-@pytest.mark.parametrize("page", named(page for page in PAGES if commands(page)))
-def test_commands(page, place):
-    for words in commands(page):
-        program, *rest = words
-        if program == "make":
-            assert set(rest) <= TARGETS, f"{page.name}: make {' '.join(rest)}"
-        elif program == "flexmodal" and rest[0] in ELSEWHERE:
-            assert f'shell("{rest[0]}"' in ELSEWHERE[rest[0]].read_text(encoding="utf-8")
-        elif program == "flexmodal":
-            done = subprocess.run(
-                [Path(sys.executable).with_name("flexmodal"), *rest],
-                cwd=place, capture_output=True, text=True, timeout=300, check=False,
-            )  # fmt: skip
-            assert done.returncode == 0, f"{page.name}: {shlex.join(words)}\n{done.stderr}"
-        else:
-            assert program in LEFT_ALONE, (
-                f"{page.name}: {shlex.join(words)} is not a command these tests know"
-            )
+def run(command, page, place):
+    """Run one command line; what it prints."""
+    program, *rest = words(command)
+    if program == "make":
+        assert set(rest) <= TARGETS, f"{page.name}: {command}"
+    elif program == "flexmodal" and rest[0] in ELSEWHERE:
+        assert f'shell("{rest[0]}"' in ELSEWHERE[rest[0]].read_text(encoding="utf-8")
+    elif program == "flexmodal":
+        done = subprocess.run(
+            [Path(sys.executable).with_name("flexmodal"), *rest],
+            cwd=place, capture_output=True, text=True, timeout=300, check=False,
+        )  # fmt: skip
+        assert done.returncode == 0, f"{page.name}: {shlex.join(words(command))}\n{done.stderr}"
+        return done.stdout + done.stderr
+    else:
+        assert program in LEFT_ALONE, f"{page.name}: {command} is not a command these tests know"
+    return ""
 
 
-@pytest.mark.parametrize("page", named(page for page in PAGES if blocks(page, "python")))
-def test_python(page, place, monkeypatch):
+@pytest.mark.parametrize("page", named(page for page in PAGES if acts(page)))
+def test_the_page_does_what_it_says(page, place, monkeypatch):
     monkeypatch.chdir(place)
     names = {"__name__": "__main__"}
-    for number, block in enumerate(blocks(page, "python"), start=1):
-        exec(compile(block, f"{page.name}, Python block {number}", "exec"), names)
+    for number, step in enumerate(steps(page), start=1):
+        if step.kind == "file":
+            target = place / step.title
+            target.parent.mkdir(parents=True, exist_ok=True)
+            target.write_text(step.text, encoding="utf-8")
+            continue
+        if step.kind == "python":
+            with contextlib.redirect_stdout(io.StringIO()) as caught:
+                exec(compile(step.text, f"{page.name}, step {number}", "exec"), names)
+            printed = caught.getvalue()
+        else:
+            printed = "".join(run(command, page, place) for command in step.commands)
+        assert not step.missing(printed), f"{page.name}, step {number}: shown, not printed\n{printed}"
 
 
 def test_there_is_something_to_run():
-    assert any(commands(page) for page in PAGES)
-    assert any(blocks(page, "python") for page in PAGES)
+    kinds = {step.kind for page in PAGES for step in steps(page)}
+    assert kinds == {"commands", "python", "file"}
+    assert any(step.expected for page in PAGES for step in steps(page))
+
+
+def test_what_is_shown_and_not_printed_is_noticed(tmp_path):
+    page = tmp_path / "page.md"
+    page.write_text("```console\n$ flexmodal robots\n```\n\n```output\nsix_link 7.25\n```\n")
+    (step,) = steps(page)
+    assert step.missing("│ six_link │") == ["7.25"]
+    assert step.missing("six_link 7.25 and more") == []
 
 
 @pytest.mark.parametrize("page", named(PAGES))

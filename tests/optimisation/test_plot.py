@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from flexmodal.frf import PointDirection
+from flexmodal.model import load
 from flexmodal.optimisation import (
     CombinedObjective,
     Hold,
@@ -95,3 +96,21 @@ def test_self_motion(arm, held, found):
     turned = replace(held, hold=Hold.at(arm, (-2.0, 2.0), orientation=(1.0,)))
     once = optimise(turned, starts=2, seed=4)
     assert draw_self_motion(turned, once.best.posture, reach=0.2, count=5).axes
+
+
+def test_long_joint_names_fit_the_picture():
+    """Of an arm whose joints are named at length, the labels of both axes are broken."""
+    robot = load("ur5", stiffness=2e4)
+    bench = {
+        "shoulder_lift_joint": -1.6,
+        "elbow_joint": 1.2,
+        "wrist_1_joint": -1.1708,
+        "wrist_2_joint": -1.5708,
+    }
+    judge = ReceptanceObjective((PointDirection(robot.tool, "z"),), np.array([10.0]))
+    place = tuple(float(x) for x in robot.at(bench).position(robot.tool))
+    problem = PostureProblem(robot, judge, Hold.at(robot, place))
+    figure = draw_self_motion(problem, robot.posture(bench), count=3)
+    axes = figure.axes[0]
+    for label in (axes.get_xlabel(), axes.get_ylabel()):
+        assert max(len(line) for line in label.splitlines()) <= 42  # in one line it had a hundred

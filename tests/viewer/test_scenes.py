@@ -1,6 +1,7 @@
 """What is in a scene, and whether it stands where it should."""
 
 import json
+import sys
 from dataclasses import replace
 
 import numpy as np
@@ -8,12 +9,14 @@ import pytest
 from flexmodal_viewer import outcome_scene, robot_scene
 from flexmodal_viewer.arm import Arm
 from flexmodal_viewer.commands import payload
-from flexmodal_viewer.shapes import Box, Cylinder, Sphere
+from flexmodal_viewer.meshfile import load_mesh
+from flexmodal_viewer.shapes import Box, Cylinder, Mesh, Sphere
 from flexmodal_viewer.visuals import read_looks
 
 from flexmodal.cards import read_urdf
 from flexmodal.errors import InvalidFrequencies, InvalidPoint
 from flexmodal.frf import PointDirection
+from flexmodal.model import load
 from flexmodal.optimisation import (
     CombinedObjective,
     Optimum,
@@ -338,3 +341,18 @@ def test_meshes_of_several_arms_are_stored_once():
     meshes = [name for name, text in plain["arrays"].items() if len(text) > 2000]
     assert sum(map(len, modes["arrays"].values())) < 1.05 * sum(map(len, plain["arrays"].values()))
     assert set(meshes) <= set(modes["arrays"])
+
+
+def test_arms_with_collada_meshes_are_drawn_whole():
+    """Sixteen of the UR5's parts are COLLADA; without their reader it was a stick figure with notes."""
+    looks = read_looks(load("ur5", stiffness=2e4).urdf)
+    assert looks.notes == ()
+    assert sum(isinstance(visual.shape, Mesh) for visual in looks.visuals) > 20
+
+
+def test_a_missing_reader_is_named(monkeypatch, tmp_path):
+    """A module set to None cannot be imported, as one that is not installed."""
+    monkeypatch.setitem(sys.modules, "collada", None)
+    path = tmp_path / "part.dae"
+    path.write_text("<COLLADA/>")
+    assert load_mesh(path) == "its reader is not installed: pip install pycollada"

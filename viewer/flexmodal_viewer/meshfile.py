@@ -21,6 +21,9 @@ LARGEST = 100_000_000
 MOST_FACES = 2_000_000
 """The most triangles a mesh may have."""
 
+_READERS = {"collada": "pycollada"}
+"""Modules that trimesh imports for a kind of mesh, and the packages that bring them."""
+
 Part = tuple[Mesh, Colour | None]
 
 
@@ -45,6 +48,8 @@ def load_mesh(path: Path) -> tuple[Part, ...] | str:
         if not path.is_file() or path.stat().st_size > LARGEST:
             return f"no regular file of at most {LARGEST // 1_000_000} MB"
         parts = list(_parts(path.read_bytes(), kind[1:]))
+    except ImportError as error:  # a reader that trimesh asks for by itself
+        return f"its reader is not installed: pip install {_READERS.get(str(error.name), 'trimesh[easy]')}"
     except Exception as error:  # readers of foreign files fail in every way there is
         return f"it cannot be read ({type(error).__name__})"
     if not parts:

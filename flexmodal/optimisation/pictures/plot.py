@@ -36,6 +36,8 @@ from flexmodal.report.figure import (
 )
 
 _SIZES = {"weighted": "|tᵀαw|", "force": "‖αw‖", "worst": "Largest singular value"}
+_LABEL = 40
+"""Characters of a label beside the axis of a picture; longer ones are broken."""
 
 
 @drawing
@@ -192,8 +194,8 @@ def draw_self_motion(problem: PostureProblem, centre: Posture, *, reach: float =
         axes.contour(steps, steps, np.log(grid), **lines)
         figure.colorbar(shown, label=label)
         axes.plot(0, 0, "x", color="white", markersize=11, markeredgewidth=2)
-        axes.set_ylabel(f"Second axis of the self-motion [rad]: {_words(problem, free[:, 1])}")
-    axes.set_xlabel(f"First axis of the self-motion [rad]: {_words(problem, free[:, 0])}")
+        axes.set_ylabel(f"Second axis of the self-motion [rad]:\n{_words(problem, free[:, 1])}")
+    axes.set_xlabel(f"First axis of the self-motion [rad]:\n{_words(problem, free[:, 0])}")
     title = f"{problem.robot.title or problem.robot.name}: objective over the self-motion"
     axes.set_title(title)
     return figure
@@ -237,6 +239,8 @@ def _telling(problem: PostureProblem, vector: np.ndarray, free: np.ndarray, reac
 
 
 def _words(problem: PostureProblem, direction: np.ndarray) -> str:
-    """A direction in joint space by its largest parts."""
+    """A direction in joint space by its largest parts, no longer than the picture is high."""
     order = np.argsort(-np.abs(direction))[:3]
-    return ", ".join(f"{direction[place]:+.2f} {problem.names[place]}" for place in order)
+    parts = [f"{direction[place]:+.2f} {problem.names[place]}" for place in order]
+    text = ", ".join(parts)
+    return text if len(text) <= _LABEL else ",\n".join(parts)

@@ -6,8 +6,8 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
-from flexmodal.cards.places import catalogue_folder
 from flexmodal.errors import Fault, InvalidRequest
+from flexmodal.files import catalogue_folder
 from flexmodal.optimisation.studies.study import KINDS, Study
 from flexmodal.text.toml import parse_toml
 from flexmodal.text.words import FaultList, listing, nearest, shown

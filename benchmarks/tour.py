@@ -1,0 +1,225 @@
+"""Act the newcomer: an empty environment, the README to the letter, the tutorials, on 80 columns.
+
+    python benchmarks/tour.py [--python NAME] [--patience S] [PAGE …]
+
+A copy of the checkout is made, as a clone would be, and flexmodal is installed from it as the README says.
+Each command of the pages runs in a pseudo-terminal. The tour fails on any exit status other than 0, any
+traceback, any number that is cut off by an ellipsis, any output of a page that does not come, and any command
+that says nothing for some seconds (5 unless told). Two are not run: `make test`, which is the tests, and what
+only repeats the installation. Run by `make tour`.
+"""
+
+from __future__ import annotations
+
+import argparse
+import fcntl
+import os
+import pty
+import re
+import select
+import struct
+import subprocess
+import sys
+import tempfile
+import termios
+import time
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from tour_pages import Step, steps
+
+ROOT = Path(__file__).resolve().parents[1]
+PAGES = (
+    "README.md",
+    "docs/tutorials/posture.md",
+    "docs/tutorials/hammer.md",
+    "docs/tutorials/own_robot.md",
+    "docs/tutorials/own_data.md",
+    "docs/tutorials/cut.md",
+)
+COLUMNS, ROWS = 80, 24
+SKIPPED = re.compile(r"make test\b|python3\S* -m venv |\. \S*/activate$")
+CUT = re.compile(r"[\d.]…|\w\.…")
+"""A number, or a dotted name such as stiffness.q2, of which an ellipsis left the beginning."""
+ESCAPES = re.compile(r"\x1b\[[0-9;?]*[ -/]*[@-~]|\x1b[()][A-Z0-9]|\x1b[=>]")
+
+
+@dataclass
+class Tour:
+    """What has been seen so far."""
+
+    place: Path
+    python: str
+    patience: float
+    faults: list[str] = field(default_factory=list)
+    longest: tuple[float, str] = (0.0, "")
+    """The longest silence [s], and of which command."""
+    done: int = 0
+
+    def environment(self) -> dict[str, str]:
+        """As a newcomer's shell has it, the environment of the README's first lines active."""
+        kept = {
+            name: value
+            for name, value in os.environ.items()
+            if name.startswith(("PIP_", "LANG", "LC_", "SSL"))
+        }
+        venv = self.place / "flexmodal" / ".venv"
+        path = f"{venv / 'bin'}{os.pathsep}{os.environ['PATH']}"
+        own = {"PATH": path, "VIRTUAL_ENV": str(venv), "HOME": str(self.place), "TERM": "xterm-256color"}
+        return {
+            **kept,
+            **own,
+            "OPENBLAS_NUM_THREADS": "1",
+            "PYENV_VERSION": os.environ.get("PYENV_VERSION", ""),
+        }
+
+    def run(self, words: list[str], where: Path, label: str, *, patient: bool = False) -> str:
+        """Run one command in a terminal of 80 columns; what it printed, escapes taken out."""
+        status, printed, silence = in_terminal(words, where, self.environment(), give_up=600.0)
+        self.done += 1
+        if not patient and silence > self.longest[0]:
+            self.longest = (silence, label)
+        if status != 0:
+            self.faults.append(f"{label}: exit status {status}\n{printed[-1500:]}")
+        if "Traceback (most recent call last)" in printed:
+            self.faults.append(f"{label}: a traceback\n{printed[-1500:]}")
+        for line in printed.splitlines():
+            if CUT.search(line):
+                self.faults.append(f"{label}: cut off: {line.strip()}")
+        if silence > self.patience and not patient:
+            self.faults.append(f"{label}: {silence:.1f} s without a sign of life")
+        return printed
+
+    def page(self, page: str) -> None:
+        """Do what a page says; the README in the clone, the others in an empty folder each."""
+        clone = self.place / "flexmodal"
+        where = clone if page == "README.md" else self.place / Path(page).stem
+        where.mkdir(exist_ok=True)
+        python = ""
+        for number, step in enumerate(steps(ROOT / page), start=1):
+            if step.kind == "file":
+                (where / step.title).write_text(step.text, encoding="utf-8")
+                continue
+            before = len(self.faults)
+            if step.kind == "python":
+                printed, python = self.python_step(step, python, where, f"{page}, step {number}")
+            else:
+                printed = "".join(self.command(line, where, page) for line in step.commands)
+            missing = step.missing(printed)
+            if missing and len(self.faults) == before:
+                self.faults.append(
+                    f"{page}, step {number}: shown, not printed: {' '.join(missing)}\n{printed}"
+                )
+
+    def command(self, line: str, where: Path, page: str) -> str:
+        """Run a command line of a page, unless it is one of those that are not."""
+        bare = line.split("#", maxsplit=1)[0].strip()
+        if SKIPPED.match(bare):
+            return ""
+        print(f"  $ {bare}", flush=True)
+        installs = bare.startswith(("pip ", "make "))  # they are silent while they download
+        return self.run(["bash", "-c", bare], where, f"{page}: {bare}", patient=installs)
+
+    def python_step(self, step: Step, before: str, where: Path, label: str) -> tuple[str, str]:
+        """Run a block after those before it, whose output is left out; what it printed, and all so far."""
+        print(f"  Python, {label}", flush=True)
+        quiet = (
+            f"import contextlib, io\nwith contextlib.redirect_stdout(io.StringIO()):\n    exec({before!r})\n"
+        )
+        (where / "block.py").write_text(quiet + step.text, encoding="utf-8")
+        return self.run(["python", "block.py"], where, label), before + "\n" + step.text
+
+
+def in_terminal(
+    words: list[str], where: Path, environment: dict[str, str], *, give_up: float
+) -> tuple[int, str, float]:
+    """Run a command in a pseudo-terminal.
+
+    Args:
+        words: the command.
+        where: its folder.
+        environment: its environment.
+        give_up: after so long [s] it is stopped.
+
+    Returns:
+        Exit status, what it printed without escapes, and the longest time [s] in which it printed nothing.
+    """
+    ours, theirs = pty.openpty()
+    fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", ROWS, COLUMNS, 0, 0))
+    process = subprocess.Popen(
+        words,
+        cwd=where,
+        env=environment,
+        stdin=subprocess.DEVNULL,
+        stdout=theirs,
+        stderr=theirs,
+        close_fds=True,
+    )
+    os.close(theirs)
+    parts, silence, start = [], 0.0, time.monotonic()
+    last = start
+    while True:
+        ready, _, _ = select.select([ours], [], [], 0.2)
+        silence = max(silence, time.monotonic() - last)
+        if ready:
+            try:
+                part = os.read(ours, 65536)
+            except OSError:  # Linux says so when the other side is closed
+                break
+            if not part:
+                break
+            parts.append(part)
+            last = time.monotonic()
+        elif process.poll() is not None:
+            break
+        if time.monotonic() - start > give_up:
+            process.kill()
+            break
+    os.close(ours)
+    text = b"".join(parts).decode("utf-8", "replace")
+    return process.wait(), ESCAPES.sub("", text).replace("\r\n", "\n").replace("\r", "\n"), silence
+
+
+def clone(place: Path) -> None:
+    """The files of the checkout that git knows, as they are now, in `place`/flexmodal."""
+    listed = ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"]
+    names = subprocess.run(listed, cwd=ROOT, check=True, capture_output=True).stdout.split(b"\0")
+    (place / "flexmodal").mkdir()
+    existing = b"\0".join(name for name in names if name and (ROOT / os.fsdecode(name)).exists())
+    packed = subprocess.run(
+        ["tar", "--create", "--null", "--files-from=-"],
+        cwd=ROOT,
+        input=existing,
+        check=True,
+        capture_output=True,
+    )
+    subprocess.run(["tar", "--extract"], cwd=place / "flexmodal", input=packed.stdout, check=True)
+
+
+def main() -> int:
+    """Make the clone and the environment, go through the pages, say what was met."""
+    asked = argparse.ArgumentParser()
+    asked.add_argument("--python", default="python3.11")
+    asked.add_argument("--patience", type=float, default=5.0, help="longest silence of a command [s]")
+    asked.add_argument("pages", nargs="*", default=list(PAGES))
+    given = asked.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        tour = Tour(Path(folder), given.python, given.patience)
+        clone(tour.place)
+        subprocess.run([given.python, "-m", "venv", tour.place / "flexmodal" / ".venv"], check=True)
+        if "README.md" not in given.pages:
+            tour.run(
+                ["pip", "install", "-q", "-e", ".[arms]"], tour.place / "flexmodal", "install", patient=True
+            )
+        for page in given.pages:
+            print(page, flush=True)
+            tour.page(page)
+    print(f"{tour.done} commands; longest silence {tour.longest[0]:.1f} s, of {tour.longest[1]}")
+    for fault in tour.faults:
+        print(f"FAULT {fault}")
+    print(f"{len(tour.faults)} faults" if tour.faults else "no fault met")
+    return int(bool(tour.faults))
+
+
+if __name__ == "__main__":
+    sys.exit(main())
