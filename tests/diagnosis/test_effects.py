@@ -198,6 +198,19 @@ def test_a_sensor_lags_by_a_delay_and_a_low_pass(bench):
     np.testing.assert_allclose(found[~here], plain[~here], rtol=1e-12)
 
 
+def test_a_gain_has_either_sign_and_may_change_with_frequency(bench):
+    context, observed, _ = bench
+    where = context.sensors[0]
+    here = observed.response[:, 0] == next(p.id for p in observed.campaign.points if p.name == where)
+    plain, other = (
+        ours(context, observed, "sensor_gain", where, values)
+        for values in ({"gain": 1.0, "exponent": 0.0}, {"gain": -0.8, "exponent": 0.1})
+    )
+    factor = -0.8 * (observed.axis.frequency / 50.0) ** 0.1
+    np.testing.assert_allclose(other[here], factor * plain[here], rtol=1e-9)
+    np.testing.assert_allclose(other[~here], plain[~here], rtol=1e-12)
+
+
 def test_a_sensor_that_sits_off_its_point_reads_what_is_there(bench):
     """Two sensors side by side read the turn of the link between them."""
     context, observed, _ = bench

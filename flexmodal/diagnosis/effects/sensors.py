@@ -73,17 +73,30 @@ SENSOR_MASS = Effect(
 )
 
 
+LEAST_GAIN = 0.02
+"""Size of a gain at least, of either sign."""
+MIDDLE = 2 * np.pi * 50.0
+"""Where a gain that changes with frequency is what its parameter says [rad/s]."""
+
+
 def _gain(placement: Placement, axis: Axis) -> np.ndarray:
-    return np.full(len(axis), np.log(placement["gain"]), dtype=complex)
+    """A factor of either sign, and a weak power of frequency."""
+    gain = placement["gain"]
+    size = np.log(max(abs(gain), LEAST_GAIN)) + (1j * np.pi if gain < 0 else 0.0)
+    slope = placement["exponent"] * np.log(np.where(axis.frequency > 0, axis.s, 1j * MIDDLE) / (1j * MIDDLE))
+    return np.asarray(size + slope, dtype=complex)
 
 
 SENSOR_GAIN = Effect(
     name="sensor_gain",
-    says="a sensor reads too much or too little",
+    says="a sensor reads too much or too little, or the wrong way round",
     looks_like="one point's FRFs off by the same factor at every frequency",
     places=lambda context: context.sensors,
-    parameters=lambda context, where: (positive("gain", "", 1.0, 0.3, 0.05, 20.0),),
-    starts=lambda context, where: [{"gain": 1.1}],
+    parameters=lambda context, where: (
+        signed("gain", "", 0.3, -20.0, 20.0, centre=1.0),
+        signed("exponent", "of frequency", 0.05, -0.6, 0.6),
+    ),
+    starts=lambda context, where: [{"gain": 1.1}, {"gain": -1.0}],
     read=_gain,
 )
 

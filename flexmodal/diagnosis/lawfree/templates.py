@@ -123,6 +123,12 @@ _SOFT_HEAVY = Template(
 )  # fmt: skip
 
 _GAIN = Template("gain", lambda w, at: [_one(w)], 1, ("ln gain = {:.4g}",))
+_SLOPE = Template(
+    "gain with a power of frequency",
+    lambda w, at: [_one(w), np.log(w / np.sqrt(w[0] * w[-1])) + 0j],
+    2,
+    ("ln gain = {:.4g}", "exponent {:.3g}"),
+)
 _PHASE = Template(
     "gain and phase", lambda w, at: [_one(w), 1j * _one(w)], 2, ("ln gain = {:.4g}", "{:.4g} rad")
 )
@@ -144,8 +150,8 @@ _OF = {
     "carried": (_MASS, _SPRING, _BOTH, _ABSORBER),
     "ground": (_SPRING, _DAMPER, _BOTH, _MASS, _RELAXATION),
     "body": (_MASS, _SPRING, _BOTH, _ABSORBER),
-    "sensor": (_GAIN, _PHASE, _DELAY, _GAIN_DELAY, _LOW, _HIGH),
-    "hammer": (_GAIN, _PHASE, _DELAY, _GAIN_DELAY, _LOW, _HIGH),
+    "sensor": (_GAIN, _SLOPE, _PHASE, _DELAY, _GAIN_DELAY, _LOW, _HIGH),
+    "hammer": (_GAIN, _SLOPE, _PHASE, _DELAY, _GAIN_DELAY, _LOW, _HIGH),
 }
 
 
