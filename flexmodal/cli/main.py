@@ -29,6 +29,8 @@ _COMMANDS = {
     "lobes": "Stability lobes of a milling cut, and postures by depth of cut.",
     "tune": "The operating frequency that vibrates least.",
     "path": "A posture for each point of a toolpath.",
+    "atlas": "A sweep over many postures, kept as a Zarr store; goes on where it was stopped.",
+    "lookup": "What an atlas has: near a posture, between postures, the best, a map.",
     "studies": "Published optimisations run again beside their printed numbers.",
     "fit": "Modal parameters of measured FRFs, with uncertainty.",
     "identify": "Stiffness, damping and inertia from a campaign, with uncertainty.",

@@ -2,6 +2,7 @@
 
 from flexmodal.files.refusal import refuse_file as refuse_file
 from flexmodal.files.refusal import refuse_folder as refuse_folder
+from flexmodal.files.stage import claimed as claimed
 from flexmodal.files.stage import complete as complete
 from flexmodal.files.whole import whole_file as whole_file
 from flexmodal.files.whole import whole_folder as whole_folder
