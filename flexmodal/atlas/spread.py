@@ -137,7 +137,7 @@ def _on_cluster(
                 return
             for future in _finished(client, going):
                 yield going.pop(future), _result(future, distributed)
-    except (distributed.CommClosedError, OSError) as error:
+    except OSError as error:
         raise FlexmodalError(f"the scheduler {address} does not answer any more") from error
     finally:
         client.close(timeout=5)
@@ -168,14 +168,19 @@ def _finished(client: Any, going: dict[Any, Any]) -> list[Any]:
         time.sleep(_LOOK)
         return []
     try:
-        done, _ = wait_for(list(going), timeout=_LOOK, return_when="FIRST_COMPLETED")
+        with client.as_current():
+            done, _ = wait_for(list(going), timeout=_LOOK, return_when="FIRST_COMPLETED")
     except TimeoutError:
         return []
     return list(done)
 
 
 def _result(future: Any, distributed: Any) -> Any:
-    try:
-        return future.result()
-    except distributed.KilledWorker as error:
-        raise FlexmodalError(f"{error.allowed_failures + 1} workers died at the same piece of work") from None
+    if future.cancelled():
+        raise OSError("lost")
+    error = future.exception()
+    if isinstance(error, distributed.KilledWorker):
+        raise FlexmodalError(f"{error.allowed_failures + 1} workers died at the same piece of work")
+    if isinstance(error, OSError):  # not one of the line to the scheduler
+        raise FlexmodalError(f"on a worker: {error}")
+    return future.result()

@@ -27,7 +27,7 @@ class WorkspaceMap:
     """The best value over each cell of a plane that the tool was seen in."""
 
     plane: str
-    edges: tuple[Float[np.ndarray, " edge"], Float[np.ndarray, " edge"]]
+    edges: tuple[Float[np.ndarray, " first_edge"], Float[np.ndarray, " second_edge"]]
     """Of the cells along both axes [m]."""
     value: Float[np.ndarray, "first second"]
     """By the task; not a number where no posture of the atlas brings the tool."""

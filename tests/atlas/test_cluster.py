@@ -80,6 +80,7 @@ def test_without_any_worker_it_ends_with_a_sentence(grid, tmp_path):
         alone.close()
 
 
+@pytest.mark.slow  # Dask tries for 15 s to find it again
 def test_a_scheduler_that_goes_away_ends_it_with_a_sentence(tmp_path):
     alone = Cluster(tmp_path)
     alone.add_worker()
