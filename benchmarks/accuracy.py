@@ -163,14 +163,18 @@ def _dot(a: mp.matrix, b: mp.matrix) -> mp.mpf:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-def _column(slides: bool, axis: mp.matrix, origin: mp.matrix, point: mp.matrix) -> tuple[mp.matrix, mp.matrix]:
+def _column(
+    slides: bool, axis: mp.matrix, origin: mp.matrix, point: mp.matrix
+) -> tuple[mp.matrix, mp.matrix]:
     if slides:
         return axis, mp.matrix(3, 1)
     a, b = axis, point - origin
     return mp.matrix([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]), axis
 
 
-def frf_error(robot: Made, loaded: flexmodal.Robot, mass: mp.matrix, rows: mp.matrix, axis: list[float]) -> float:
+def frf_error(
+    robot: Made, loaded: flexmodal.Robot, mass: mp.matrix, rows: mp.matrix, axis: list[float]
+) -> float:
     """Largest error of the 3 × 3 receptance, relative to its own largest entry at each line."""
     pose = {f"j{i}": value for i, value in enumerate(robot.posture)}
     along = [f"l{len(robot.axes) - 1}:+{name}" for name in "xyz"]
@@ -184,7 +188,9 @@ def frf_error(robot: Made, loaded: flexmodal.Robot, mass: mp.matrix, rows: mp.ma
         Z = stiff - omega**2 * mass + mp.mpc(0, 1) * omega * mp.diag(robot.damping)
         exact = np.array((rows * _solved(Z, rows.T)).tolist(), dtype=object)
         size = max(abs(one) for one in exact.ravel())
-        gaps = [abs(mp.mpmathify(complex(a)) - b) for a, b in zip(value[line].ravel(), exact.ravel(), strict=True)]
+        gaps = [
+            abs(mp.mpmathify(complex(a)) - b) for a, b in zip(value[line].ravel(), exact.ravel(), strict=True)
+        ]
         worst = max(worst, float(max(gaps) / size))
     return worst
 
@@ -247,7 +253,11 @@ def one_robot(number: int) -> tuple[str, int, float, list[tuple[float, float]], 
     mass, rows = truth(robot)
     pose = {f"j{i}": value for i, value in enumerate(robot.posture)}
     system = loaded.at(pose).system
-    natural = np.sort(np.sqrt(np.abs(np.linalg.eigvals(np.linalg.solve(system.mass, system.stiffness))))) / 2 / np.pi
+    natural = (
+        np.sort(np.sqrt(np.abs(np.linalg.eigvals(np.linalg.solve(system.mass, system.stiffness)))))
+        / 2
+        / np.pi
+    )
     low, high = natural[0], natural[-1]
     axis = 10 ** rng.uniform(np.log10(low / 3), np.log10(high * 3), LINES - 1)
     if kind != "undamped":

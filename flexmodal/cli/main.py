@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from flexmodal.cli.printing import say
+from flexmodal.cli.printing import plain, say
 
 if TYPE_CHECKING:
     from flexmodal.errors import Fault
@@ -39,6 +39,9 @@ _COMMANDS = {
     "show": "The robot, its modes or its deflection in the browser.",
     "demo": "A tour: two robots, their FRFs, a better posture, a page.",
 }
+
+_LONGEST = 500
+"""Characters of a complaint about the words of a call."""
 
 
 class _Commands(click.Group):
@@ -93,6 +96,7 @@ def main(arguments: list[str] | None = None) -> None:
         _complain(str(error))
         sys.exit(1)
     except click.ClickException as error:
+        error.message = _short(error.message)
         error.show()
         sys.exit(error.exit_code)
     except (click.Abort, KeyboardInterrupt):
@@ -104,6 +108,11 @@ def main(arguments: list[str] | None = None) -> None:
     except OSError as error:
         _complain(f"{error.filename or 'standard output'}: {error.strerror}")
         sys.exit(2)
+
+
+def _short(text: str) -> str:
+    """What click quotes back, cut to what somebody reads and without what would steer the terminal."""
+    return plain(text if len(text) <= _LONGEST else f"{text[:_LONGEST]}…")
 
 
 @contextmanager
