@@ -1,6 +1,6 @@
 """Every command that writes, killed at each of its file events, on a full disk, and several at once.
 
-Figures go to docs/tables/chaos.md. After a kill the next reader has to find the old or the new, whole, and
+Figures go to docs/tables/chaos.md, unless only some are asked for: `python benchmarks/chaos.py [CASE …]`. After a kill the next reader has to find the old or the new, whole, and
 the next writer may not be barred; of an atlas, which goes on where it was killed, every chunk that is there
 has to be whole and the next call has to end with what an undisturbed one makes. Events, kills and full disks are those of `killing`.
 """
@@ -79,8 +79,10 @@ def cases(campaign: str, single: str) -> tuple[Case, ...]:
         Case("path", (*toolpath, "--quiet"), "path.csv"),
         Case("lobes --force", lobes, "lobes.json", before=(*lobes, "--method", "multi-frequency"), writers=5),
         Case("fit --force", fit, "modes.csv", before=("fit", campaign, "--no-vary", "--band", "5:100")),
-        Case("fit, pictures", ("fit", single, "--no-vary"), "pictures", "--pictures", writers=10),
-        Case("rig", (*RIG, "--seed", "2", "--hide", "added_mass"), "test"),
+        Case(
+            "fit, pictures", ("fit", single, "--no-vary"), "pictures", "--pictures", writers=10, signals=kill
+        ),
+        Case("rig", (*RIG, "--seed", "2", "--hide", "added_mass"), "test", signals=kill),
         Case("identify", identify, "found", writers=10, signals=kill),
         Case(
             "identify --force",
@@ -248,7 +250,10 @@ def main() -> None:
         run((*RIG, "--postures", "1", "--points", "1", "--out", str(single)))
         together.mkdir()
         rows, bad = [], 0
+        only = sys.argv[1:]
         for case in cases(str(campaign), str(single)):
+            if only and case.name not in only:
+                continue
             row, broken = killed(case, home)
             print(*row, sep=" | ", flush=True)
             rows.append(row)
@@ -257,6 +262,8 @@ def main() -> None:
         print(*row, sep=" | ", flush=True)
         rows.append(row)
         bad += broken
+        if only:
+            sys.exit(int(bad > 0))
         frf = ("frf", "fanuc_s360", *AXIS, "--out", str(together / "frf.csv"), "--force", "--form")
         forms = ("receptance", "mobility", "inertance", "receptance")
         pairs = {

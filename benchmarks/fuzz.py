@@ -259,6 +259,7 @@ def main() -> int:
         for done, (found, failed, more) in enumerate(pool.map(call, *zip(*asked, strict=True)), start=1):
             total, grown = total + found, max(grown, more)
             failures += failed
+            print("\n".join(failed), end="", flush=True)
             if done % 20 == 0 or failed:
                 print(f"{sum(total.values())} inputs, {len(failures)} failures", flush=True)
     for name, count in sorted(total.items()):
@@ -267,8 +268,6 @@ def main() -> int:
     print(
         f"{sum(total.values())} inputs in {seconds:.0f} s, at most {grown / 1e3:.0f} MB more, {len(failures)} failures"
     )
-    for failure in failures[:20]:
-        print(failure)
     return int(bool(failures))
 
 

@@ -117,13 +117,16 @@ def draw_map(found: WorkspaceMap, title: str) -> Any:
     figure = new_figure(7.5, 6.0)
     axes = figure.subplots()
     shown = found.value[np.isfinite(found.value)]
-    log = len(shown) > 0 and shown.min() > 0 and shown.max() > 10 * shown.min()
-    scale = {"norm": LogNorm(shown.min(), shown.max())} if log else {}
+    low, high = (
+        np.percentile(shown, [2, 98]) if len(shown) else (0.0, 1.0)
+    )  # a singular posture tells nothing
+    log = low > 0 and high > 10 * low
+    scale: dict[str, Any] = {"norm": LogNorm(low, high)} if log else {"vmin": low, "vmax": high}
     colours = "cividis" if found.larger_is_better else "cividis_r"
     held = np.ma.masked_invalid(found.value.T)
     mesh = axes.pcolormesh(*found.edges, held, cmap=colours, rasterized=True, **scale)
     word = "largest" if found.larger_is_better else "smallest"
-    figure.colorbar(mesh, ax=axes, label=f"{word} there [{found.unit}]")
+    figure.colorbar(mesh, ax=axes, extend="both", label=f"{word} there [{found.unit}]")
     axes.set_xlabel(f"{found.plane[0]} of the tool [m]")
     axes.set_ylabel(f"{found.plane[1]} of the tool [m]")
     axes.set_aspect("equal")
