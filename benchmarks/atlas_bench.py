@@ -1,4 +1,4 @@
-"""An atlas of the six-link arm: points a second against the kernel alone, memory, one worker and two, a billion.
+"""An atlas of the six-link arm: points a second against the kernel alone, memory, workers, a billion.
 
 Writes docs/tables/atlas.md. `python benchmarks/atlas_bench.py [POSTURES [FOLDER]]`: as many postures as are
 given and as the disk has room for, 400 lines each. All rates are of this machine in this hour; what counts
@@ -141,7 +141,8 @@ def main() -> None:
     finally:
         shutil.rmtree(home, ignore_errors=True)
     lead = (
-        f"`make atlas-bench`, on a machine of {CORES} cores: the six-link arm, {LINES} lines, one direction, random "
+        f"`make atlas-bench`, on a machine of {CORES} cores: the six-link arm, {LINES} "
+        f"lines, one direction, random "
         f"postures. Medians of {ROUNDS} runs of {SMALL:,} postures, but for the whole atlas."
     )
     write(
@@ -203,10 +204,13 @@ def measured(postures: int, home: Path) -> tuple[list[list[str]], str]:
     billion = 1e9 * LINES
     bytes_each = size / postures
     end = (
-        f"The whole atlas took {found.seconds:.0f} s for {size / 1e9:.2f} GB in {found.chunks} chunks; the process "
-        f"grew by {(memory.most - memory.before) / 1e6:.0f} MB at most. Called again, it looked at every checksum "
+        f"The whole atlas took {found.seconds:.0f} s for {size / 1e9:.2f} GB in "
+        f"{found.chunks} chunks; the process "
+        f"grew by {(memory.most - memory.before) / 1e6:.0f} MB at most. Called again, it "
+        f"looked at every checksum "
         f"in {again:.1f} s and computed nothing.\n\n"
-        f"On paper, 10⁹ postures × {LINES} lines: {billion / whole / 3600:.1f} hours at the rate of the whole atlas on "
+        f"On paper, 10⁹ postures × {LINES} lines: {billion / whole / 3600:.1f} hours at the "
+        f"rate of the whole atlas on "
         f"this machine, {billion / clusters[1] / 3600:.1f} at that of two Dask processes, so some "
         f"{billion / (clusters[1] / 2) / 3600 / 10:.1f} on ten times two if disk and scheduler keep up: "
         f"{1e9 / plan_of(10**9).layout.chunk[0]:,.0f} tasks, {1e9 * bytes_each / 1e12:.1f} TB "

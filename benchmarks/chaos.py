@@ -1,8 +1,10 @@
 """Every command that writes, killed at each of its file events, on a full disk, and several at once.
 
-Figures go to docs/tables/chaos.md, unless only some are asked for: `python benchmarks/chaos.py [CASE …]`. After a kill the next reader has to find the old or the new, whole, and
+Figures go to docs/tables/chaos.md, unless only some are asked for: `python benchmarks/chaos.py [CASE …]`.
+After a kill the next reader has to find the old or the new, whole, and
 the next writer may not be barred; of an atlas, which goes on where it was killed, every chunk that is there
-has to be whole and the next call has to end with what an undisturbed one makes. Events, kills and full disks are those of `killing`.
+has to be whole and the next call has to end with what an undisturbed one makes.
+Events, kills and full disks are those of `killing`.
 """
 
 from __future__ import annotations
@@ -280,7 +282,8 @@ def main() -> None:
     ]
     events, asked = (sum(int(row[place]) for row in rows) for place in (1, 2))
     lead = (
-        f"`make chaos`. {events} kills by SIGKILL, {asked} ends by SIGTERM and SIGINT. Lost: kills after which the next reader found neither the old nor "
+        f"`make chaos`. {events} kills by SIGKILL, {asked} ends by SIGTERM and SIGINT. "
+        f"Lost: kills after which the next reader found neither the old nor "
         "the new, or the next writer was barred. In between: kills after which `ls` shows a part of several "
         "names until the next command."
     )

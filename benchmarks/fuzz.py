@@ -1,4 +1,4 @@
-"""Everything a user hands in, spoilt: read or refused with sentences; what is accepted is judged by another reader.
+"""What a user hands in, spoilt: read or refused with sentences; a second reader judges what was accepted.
 
 `python benchmarks/fuzz.py [TARGET …] [--count N] [--first N]`, run by `make fuzz`, which ends with the
 campaigns of `fuzz_campaign`. Each input follows from the seed and its number, so that a finding repeats. What
@@ -7,8 +7,8 @@ is judged:
 - the call ends with status 0, 1 or 2 within some seconds, in little memory, without a traceback, and what it
   says is shorter than 2 kB a sentence and steers no terminal;
 - what it accepts, a second reader accepts too, with the same numbers: `urdf` by yourdfpy and lxml, `card` and
-  `cut` by tomllib, `toolpath` by the csv module, `posture` and `arguments` by rules of their own; every number
-  that comes out is finite;
+  `cut` by tomllib, `toolpath` by the csv module, `posture` and `arguments` by rules of their
+  own; every number that comes out is finite;
 - `--guided SECONDS` lets atheris look for inputs by what they reach, where it is installed.
 """
 
@@ -45,13 +45,18 @@ CHUNK = 200
 TARGETS = ("urdf", "card", "cut", "toolpath", "posture", "arguments")
 JOINTS = ("q1", "q2", "q3", "rho", "q9", "", "tool", "ΩÅ")
 VALUES = (
-    "0", "1", "-1", "0.5", "50deg", "-30deg", "1e999", "nan", "inf", "-inf", "1e-320", "1_0", "0x10", "²", "1,2", "",
-    " ", "1e", "--", "deg", "180deg", "1e308deg", "9" * 400, "\x1b[31m", "\u202e1", "1:2:3", "٣", "true", "None",
+    "0", "1", "-1", "0.5", "50deg", "-30deg", "1e999", "nan", "inf", "-inf", "1e-320", "1_0", "0x10",
+    "²", "1,2", "",
+    " ", "1e", "--", "deg", "180deg", "1e308deg", "9" * 400, "\x1b[31m", "\u202e1", "1:2:3", "٣",
+    "true", "None",
 )  # fmt: skip
 WORDS = (
-    "fanuc_s360", "six_link", "six_axis", "nobody", "", ".", "/", "/dev/null", "~", "tool:+z", "tool:+q", ":", "tool:",
-    "configuration_1", "1:20:1", "1:2", "5", "1,5,20", "1:1e9:1e-9", "-1", "0", "nan", "1e999", "0.9,0.6", "x,y",
-    "second_link_horizontal", "zero-order", "receptance", "best", "\x1b]0;x\x07", "a" * 3000, "q1=1", "q1=1:2:3",
+    "fanuc_s360", "six_link", "six_axis", "nobody", "", ".", "/", "/dev/null", "~", "tool:+z",
+    "tool:+q", ":", "tool:",
+    "configuration_1", "1:20:1", "1:2", "5", "1,5,20", "1:1e9:1e-9", "-1", "0", "nan", "1e999",
+    "0.9,0.6", "x,y",
+    "second_link_horizontal", "zero-order", "receptance", "best", "\x1b]0;x\x07", "a" * 3000, "q1=1",
+    "q1=1:2:3",
 )  # fmt: skip
 OPTIONS = {
     "frf": ("--posture", "--frequencies", "--response", "--reference", "--form", "--json"),
@@ -266,7 +271,8 @@ def main() -> int:
         print(f"{name}: {count}")
     seconds = time.perf_counter() - started
     print(
-        f"{sum(total.values())} inputs in {seconds:.0f} s, at most {grown / 1e3:.0f} MB more, {len(failures)} failures"
+        f"{sum(total.values())} inputs in {seconds:.0f} s, at most {grown / 1e3:.0f} MB "
+        f"more, {len(failures)} failures"
     )
     return int(bool(failures))
 

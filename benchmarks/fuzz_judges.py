@@ -39,7 +39,8 @@ SOUND: dict[str, tuple[bytes, str, tuple[str, ...]]] = {
     "toolpath": (
         TOOLPATH,
         "path.csv",
-        ("path", "fanuc_s360", "--toolpath", "FOLDER/path.csv", "--feed", "0.1", "--frequency", "5", "--stride", "3",
+        ("path", "fanuc_s360", "--toolpath", "FOLDER/path.csv", "--feed", "0.1", "--frequency", "5",
+        "--stride", "3",
          "--json", "--quiet"),
     ),
 }  # fmt: skip
@@ -228,6 +229,7 @@ def _finite(told: Any) -> None:
 
 
 JUDGES: dict[str, Callable[..., None]] = {
-    "urdf": judge_urdf, "card": judge_card, "cut": judge_cut, "toolpath": judge_toolpath, "posture": judge_posture,
+    "urdf": judge_urdf, "card": judge_card, "cut": judge_cut, "toolpath": judge_toolpath,
+    "posture": judge_posture,
     "arguments": judge_arguments,
 }  # fmt: skip

@@ -96,7 +96,7 @@ def main(arguments: list[str] | None = None) -> None:
         _complain(str(error))
         sys.exit(1)
     except click.ClickException as error:
-        error.message = _short(error.message)
+        error.message = _short(error.message)  # type: ignore[misc]
         error.show()
         sys.exit(error.exit_code)
     except (click.Abort, KeyboardInterrupt):

@@ -92,7 +92,7 @@ class Cluster:
                 str(self.folder),
                 "--host",
                 "127.0.0.1",
-            )  # fmt: skip
+            )
         )
         return self.workers[-1]
 

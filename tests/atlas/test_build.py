@@ -21,6 +21,8 @@ from flexmodal.atlas import (
     Receptances,
     Sample,
     Stiffnesses,
+    Task,
+    best,
     build_atlas,
     open_atlas,
     whole_range,
@@ -100,8 +102,6 @@ def test_a_missing_a_cut_and_a_spoilt_chunk_are_computed_again(whole, grid, tmp_
     spoilt.write_bytes(flipped)
     (path / "receptance" / "c" / "0.abc.partial").write_bytes(b"half")
     with pytest.raises(FlexmodalError, match="cannot be read"):
-        from flexmodal.atlas import Task, best
-
         best(open_atlas(path), Task())
     built = build_atlas(grid, path)
     assert (built.standing, built.spoilt) == (grid.chunks - 3, 1)
@@ -221,7 +221,8 @@ def test_depths_are_those_of_each_posture_by_itself(tmp_path):
 def test_an_undamped_pole_is_infinite_and_its_neighbours_are_not(tmp_path):
     urdf = tmp_path / "one.urdf"
     urdf.write_text(
-        '<robot name="one"><link name="base"/><link name="arm"><inertial><origin xyz="0.5 0 0"/><mass value="2"/>'
+        '<robot name="one"><link name="base"/><link name="arm"><inertial>'
+        '<origin xyz="0.5 0 0"/><mass value="2"/>'
         '<inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial></link>'
         '<joint name="q1" type="revolute"><parent link="base"/><child link="arm"/><axis xyz="0 0 1"/>'
         '<limit lower="-1" upper="1" effort="1" velocity="1"/></joint></robot>'
