@@ -38,6 +38,7 @@ from mutations import mutated
 
 SEED = 20_261
 SECONDS = 20
+"""Of processor time; ten times as long by the clock."""
 LONGEST = 2000
 """Characters of one sentence."""
 MOST_SENTENCES = 400
@@ -189,6 +190,7 @@ def some(target: str, first: int, count: int) -> tuple[Counter[str], list[str], 
     resource.setrlimit(resource.RLIMIT_AS, (limit, resource.getrlimit(resource.RLIMIT_AS)[1]))
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     signal.signal(signal.SIGALRM, out_of_time)
+    signal.signal(signal.SIGPROF, out_of_time)
     counts: Counter[str] = Counter()
     failures = []
     home = Path(tempfile.mkdtemp(prefix="fuzz-"))
@@ -197,11 +199,13 @@ def some(target: str, first: int, count: int) -> tuple[Counter[str], list[str], 
             rng = random.Random(f"{SEED} {target} {number}")
             folder = home / "case"
             folder.mkdir()
-            signal.alarm(SECONDS)
+            signal.setitimer(signal.ITIMER_PROF, SECONDS)
+            signal.alarm(10 * SECONDS)
             try:
                 counts[f"{target}: {one(target, rng, folder)}"] += 1
             except BaseException:
                 failures.append(f"{target} {number}:\n{traceback.format_exc(limit=-5)}")
+            signal.setitimer(signal.ITIMER_PROF, 0)
             signal.alarm(0)
             shutil.rmtree(folder, ignore_errors=True)
     finally:
