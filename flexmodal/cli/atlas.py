@@ -23,7 +23,7 @@ from flexmodal.cli.printing import print_json, say
 from flexmodal.errors import Fault, InvalidRequest
 
 if TYPE_CHECKING:
-    from flexmodal.atlas import Points, Quantity
+    from flexmodal.atlas import Built, Plan, Points, Quantity
     from flexmodal.model import Robot
 
 _QUANTITIES = ("receptance", "modes", "stiffness", "depth")
@@ -112,6 +112,10 @@ def atlas(
             begin=begin,
             advance=advance,
         )
+    _tell(plan, built, out, as_json)
+
+
+def _tell(plan: Plan, built: Built, out: Path, as_json: bool) -> None:
     for one in built.others:
         say(f"note: begun with {one}; the last digits of what was added may differ", err=True)
     if built.spoilt:
@@ -121,10 +125,10 @@ def atlas(
     if as_json:
         print_json(
             {
-                "robot": arm.name,
-                "quantity": quantity,
+                "robot": plan.robot.name,
+                "quantity": plan.quantity.name,
                 "out": str(out),
-                "postures": points.count,
+                "postures": plan.points.count,
                 "chunks": built.chunks,
                 "standing": built.standing,
                 "spoilt": built.spoilt,
