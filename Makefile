@@ -13,14 +13,16 @@
 # make arithmetic  the same verdicts on every processor: campaigns diagnosed under other kinds of arithmetic
 # make appendix  diagnose the thesis's measured modes: docs/appendix_c.md with its pictures; some minutes
 # make recovery  identify 300 simulated campaigns; goes on where it was stopped; half an hour
-# make fuzz    read 100000 mutated campaigns; no crash, no hang, no flood of memory
+# make fuzz    read mutated campaigns, URDFs, cards, cuts, toolpaths, postures and arguments, judged by second readers
 # make chaos   kill every command that writes at each of its file events; some minutes
+# make accuracy  FRFs and modes of 500 random robots against sixty digits; half an hour
+# make atlas-bench  an atlas of a million postures against the kernel alone; some minutes and 7 GB of disk
 # make clean   remove what these made
 
 PYTHON ?= python3.11
 BIN := .venv/bin
 .DEFAULT_GOAL := help
-.PHONY: help demo test docs tour distribution slow check tables pictures studies exam arithmetic appendix recovery bench fuzz chaos browser clean
+.PHONY: help demo test docs tour distribution slow check tables pictures studies exam arithmetic appendix recovery bench fuzz chaos accuracy atlas-bench browser clean
 
 help:
 	@grep '^# make' Makefile | cut -c3-
@@ -117,8 +119,17 @@ distribution: .venv/tested
 clean:
 	rm -rf .venv dist build demo exam site .pytest_cache .mypy_cache .ruff_cache
 
+# INPUTS of each target: `make fuzz INPUTS=150000` is a million in all, and some hours.
+INPUTS ?= 20000
 fuzz: .venv/tested
-	$(BIN)/python benchmarks/fuzz_campaign.py
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/fuzz.py --count $(INPUTS)
+	$(BIN)/python benchmarks/fuzz_campaign.py --count $$((5 * $(INPUTS)))
+
+accuracy: .venv/tested
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/accuracy.py
+
+atlas-bench: .venv/tested
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/atlas_bench.py
 
 chaos: .venv/tested
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/chaos.py

@@ -68,7 +68,13 @@ def digest(folder: Path) -> str:
 
 
 def killed_everywhere(
-    work: Callable[[], Any], folder: Path, target: Path, *, writers: int = 1, limits: Sequence[int] = ()
+    work: Callable[[], Any],
+    folder: Path,
+    target: Path,
+    *,
+    writers: int = 1,
+    limits: Sequence[int] = (),
+    by: signal.Signals = signal.SIGKILL,
 ) -> Found:
     """Kill `work` at each of its file events under `folder`, and look at the folder after each.
 
@@ -78,13 +84,14 @@ def killed_everywhere(
         target: what is written, for the next reader.
         writers: after each of so many kills the next writer is tried.
         limits: sizes of a file at which the disk is full [bytes].
+        by: the signal; one that asks to end is heeded as by the program.
     """
     with tempfile.TemporaryDirectory() as home:
         kept, answer = Path(home, "kept"), Path(home, "answer.json")
         shutil.copytree(folder, kept, symlinks=True)
         child = os.fork()
         if child == 0:
-            _Killer(folder, target, kept, answer, writers, limits).run(work)
+            _Killer(folder, target, kept, answer, writers, limits, by).run(work)
         _, status = os.waitpid(child, 0)
         if status or not answer.is_file():
             raise RuntimeError(f"the process that kills ended with {status}")
@@ -93,9 +100,16 @@ def killed_everywhere(
 
 class _Killer:
     def __init__(
-        self, folder: Path, target: Path, kept: Path, answer: Path, writers: int, limits: Sequence[int]
+        self,
+        folder: Path,
+        target: Path,
+        kept: Path,
+        answer: Path,
+        writers: int,
+        limits: Sequence[int],
+        by: signal.Signals,
     ) -> None:
-        self.writers, self.limits = writers, limits
+        self.writers, self.limits, self.signal = writers, limits, by
         self.folder, self.target, self.kept, self.answer = folder.resolve(), target, kept, answer
         self.found = Found(digest(folder))
         self.count, self.at, self.active, self.first = 0, 0, True, True
@@ -105,6 +119,8 @@ class _Killer:
         """Never returns."""
         status = 1
         try:
+            if self.signal == signal.SIGTERM:
+                signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
             self._listen()
             work()
             status = 0
@@ -127,7 +143,7 @@ class _Killer:
         self.count += 1
         if self.count == self.at:
             os.write(self.pipe, self.last.encode()[:500])
-            os.kill(os.getpid(), signal.SIGKILL)
+            os.kill(os.getpid(), self.signal)
 
     def _conduct(self) -> None:
         at = 1
@@ -172,14 +188,14 @@ class _Killer:
             self.at, self.count, self.active = at, 0, True
             if at == 1:  # the event that is just to come
                 os.write(self.pipe, self.last.encode()[:500])
-                os.kill(os.getpid(), signal.SIGKILL)
+                os.kill(os.getpid(), self.signal)
             self.count = 1
             return None
         os.close(self.pipe)
-        _, status = os.waitpid(child, 0)
+        os.waitpid(child, 0)
         told = os.read(here, 1000).decode()
         os.close(here)
-        return told if os.WIFSIGNALED(status) else ""
+        return told
 
     def _put_back(self, kept: Path) -> None:
         for entry in self.folder.iterdir():

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from flexmodal.cli.printing import say
+from flexmodal.cli.printing import plain, say
 
 if TYPE_CHECKING:
     from flexmodal.errors import Fault
@@ -29,6 +29,8 @@ _COMMANDS = {
     "lobes": "Stability lobes of a milling cut, and postures by depth of cut.",
     "tune": "The operating frequency that vibrates least.",
     "path": "A posture for each point of a toolpath.",
+    "atlas": "A sweep over many postures, kept as a Zarr store; goes on where it was stopped.",
+    "lookup": "What an atlas has: near a posture, between postures, the best, a map.",
     "studies": "Published optimisations run again beside their printed numbers.",
     "fit": "Modal parameters of measured FRFs, with uncertainty.",
     "identify": "Stiffness, damping and inertia from a campaign, with uncertainty.",
@@ -37,6 +39,9 @@ _COMMANDS = {
     "show": "The robot, its modes or its deflection in the browser.",
     "demo": "A tour: two robots, their FRFs, a better posture, a page.",
 }
+
+_LONGEST = 500
+"""Characters of a complaint about the words of a call."""
 
 
 class _Commands(click.Group):
@@ -91,6 +96,7 @@ def main(arguments: list[str] | None = None) -> None:
         _complain(str(error))
         sys.exit(1)
     except click.ClickException as error:
+        error.message = _short(error.message)  # type: ignore[misc]
         error.show()
         sys.exit(error.exit_code)
     except (click.Abort, KeyboardInterrupt):
@@ -102,6 +108,11 @@ def main(arguments: list[str] | None = None) -> None:
     except OSError as error:
         _complain(f"{error.filename or 'standard output'}: {error.strerror}")
         sys.exit(2)
+
+
+def _short(text: str) -> str:
+    """What click quotes back, cut to what somebody reads and without what would steer the terminal."""
+    return plain(text if len(text) <= _LONGEST else f"{text[:_LONGEST]}…")
 
 
 @contextmanager

@@ -32,7 +32,7 @@ FUNCTIONS = {
 }
 METHODS = {"frf": "frf", "modes": "modes", "measures": "measures"}
 """Of `Robot`."""
-NONE = {"show", "demo"}
+NONE = {"atlas", "lookup", "show", "demo"}
 """Pictures in the browser, which are the viewer's, and a tour of the other commands."""
 
 

@@ -353,6 +353,13 @@ def test_records_that_pyuff_wrote_with_its_own_byte_count(campaign: Campaign, tm
         ("force_peak", "force_peek", 'did you mean "force_peak"'),
         ("repeat_of = 3", "repeat_of = 9", "trial[3].repeat_of: found 9; allowed: the id of another trial"),
         ('kind = "exponential"', 'kind = "hann"', "trial[2].window"),
+        ("[[posture]]", '[[posture]]\nwindow = "none"', "posture[0].window: found an unknown key"),
+        (
+            "[[point]]",
+            '[[point]]\nwindow = { kind = "force", decay = 1.0 }',
+            "point[0].window: found an unknown",
+        ),
+        ("format = 1", 'format = 1\nwindow = "none"', "window: found an unknown key"),
         ("xyz = [0.5, 0.0, -0.1]", "xyz = [0.5, 0.0]", "point[0].xyz: found a list of 2"),
         ('robot = "two_link"\n', "", "robot: found nothing; allowed: a card's name"),
         ("[[trial]]", "[[trail]]", 'did you mean "trial"'),

@@ -121,3 +121,28 @@ def test_a_reader_that_has_enough(program, command):
     told = process.stderr.read()
     process.stderr.close()
     assert (process.wait(60), told) == (0, "")
+
+
+@pytest.mark.parametrize(
+    "words", [("frf", "--starts" + "x" * 3000), ("optimise", "six_link", "--starts", "9" * 3000)]
+)
+def test_a_long_word_is_not_quoted_whole(cli, words):
+    lines = cli(*words).refused()
+    assert max(map(len, lines)) < 1000
+
+
+def test_a_word_does_not_steer_the_terminal(cli):
+    assert "\x1b" not in "".join(cli("optimise", "six_link", "--starts", "\x1b[31m").refused("--starts"))
+
+
+def test_two_points_in_one_place_name_the_file(cli, tmp_path):
+    file = tmp_path / "path.csv"
+    file.write_text("x,z\n0.9,0.6\n0.9,0.6\n")
+    cli(*PATH, file).refused(file, "point 2", "where the one before is")
+
+
+def test_lines_of_a_toolpath_end_where_csv_ends_them(cli, tmp_path):
+    """A vertical tab is white space in a cell, not the end of a row."""
+    file = tmp_path / "path.csv"
+    file.write_bytes(b"x,z\n0.9,0.6\x0b0.92,0.6\n0.95,0.6\n")
+    cli(*PATH, file).refused(file, "row 2", "3 cells")

@@ -23,7 +23,7 @@ sys.path.insert(0, str(ROOT / "benchmarks"))
 from tour_pages import steps, words  # noqa: E402
 
 PAGES = [*sorted(ROOT.glob("*.md")), *sorted((ROOT / "docs").rglob("*.md"))]
-TARGETS = set(re.findall(r"^([a-z]+):", (ROOT / "Makefile").read_text(), re.MULTILINE))
+TARGETS = set(re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(), re.MULTILINE))
 LEFT_ALONE = {"git", "cd", "pip", "cat", ".", "python", "python3.11", "ls"}
 """Commands that need a network or a clone; `make tour` runs them."""
 ELSEWHERE = {"demo": ROOT / "tests" / "cli" / "test_demo.py"}

@@ -10,7 +10,7 @@ import pytest
 
 import flexmodal
 from flexmodal.errors import InvalidInput, InvalidRequest, MissingExtra
-from flexmodal.model.batch import gradient_batch, posture_array, receptance_batch
+from flexmodal.model.batch import gradient_batch, position_batch, posture_array, receptance_batch
 from flexmodal.model.batch.chain import chain_of, places_of
 from flexmodal.model.batch.compiled import pose_kernel
 from flexmodal.model.sensitivity import sensitivity
@@ -244,3 +244,31 @@ def test_without_numba(function, monkeypatch):
     with pytest.raises(MissingExtra, match="numba"):
         function(robot, ["start_1"], ["tool:+z"], [1.0], way="compiled")
     assert function(robot, ["start_1"] * 3, ["tool:+z"], np.linspace(1, 2, 500)).route.way == "numpy"
+
+
+def test_an_arm_of_one_joint(tmp_path):
+    """Pinocchio gives a single column of a Jacobian as a flat array."""
+    (tmp_path / "one.urdf").write_text(
+        '<robot name="one"><link name="base"/><link name="arm"><inertial><origin xyz="0.5 0 0"/>'
+        '<mass value="2"/><inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial></link>'
+        '<link name="tip"/><joint name="q1" type="revolute"><parent link="base"/><child link="arm"/>'
+        '<axis xyz="0 0 1"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint>'
+        '<joint name="end" type="fixed"><parent link="arm"/><child link="tip"/><origin xyz="1 0 0"/></joint>'
+        "</robot>"
+    )
+    arm = flexmodal.load(tmp_path / "one.urdf", stiffness=100.0, damping=1.0, tool="tip")
+    found = receptance_batch(arm, np.array([[0.3], [-0.2]]), ["tip:+y"], [1.0, 2.0], way="compiled").value
+    one = arm.frf({"q1": 0.3}, [1.0, 2.0], response="tip:+y").value[:, 0, 0]
+    np.testing.assert_allclose(found[0, :, 0], one, rtol=1e-12)
+
+
+def test_positions_are_those_of_each_posture(tmp_path):
+    for name, named in (("six_axis", ""), ("six_link", "tip"), ("fanuc_s360", "")):
+        arm = flexmodal.load(name)
+        low = np.maximum([joint.lower for joint in arm.commanded.values()], -1.0)
+        high = np.minimum([joint.upper for joint in arm.commanded.values()], 1.0)
+        values = np.random.default_rng(0).uniform(low, high, (5, len(low)))
+        point = named or arm.tool
+        for vector, found in zip(values, position_batch(arm, values, point), strict=True):
+            posed = arm.at(dict(zip(arm.commanded, map(float, vector), strict=True)))
+            np.testing.assert_allclose(found, posed.position(point), atol=1e-12)

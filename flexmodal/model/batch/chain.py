@@ -69,7 +69,7 @@ def _extract(robot: Robot) -> Chain | None:
         return None
     pin = pinocchio()
     data = model.createData()
-    columns = pin.computeJointJacobians(model, data, pin.neutral(model))
+    columns = pin.computeJointJacobians(model, data, pin.neutral(model)).reshape(6, -1)  # flat for one joint
     local = np.array([data.oMi[i + 1].actInv(pin.Motion(columns[:, i])).vector for i in range(count)])
     turns = np.linalg.norm(local[:, 3:], axis=1) > 0.5
     axis = np.where(turns[:, None], local[:, 3:], local[:, :3])

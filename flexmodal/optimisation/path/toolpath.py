@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import io
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -90,7 +91,7 @@ def read_toolpath(path: str | Path, *, planar: bool, feed: float | None = None) 
     if isinstance(content, Fault):
         raise InvalidRequest(content)
     try:
-        rows = list(csv.reader(content.decode("utf-8-sig").splitlines()))
+        rows = list(csv.reader(io.StringIO(content.decode("utf-8-sig"), newline="")))
     except (UnicodeDecodeError, csv.Error):
         raise InvalidRequest(Fault(str(file), "", "not a text table", "a CSV file with a header")) from None
     header = [name.strip().lower() for name in rows[0]] if rows else []
@@ -129,7 +130,7 @@ def read_toolpath(path: str | Path, *, planar: bool, feed: float | None = None) 
     if "time" in columns:
         return Toolpath(position, columns["time"] - columns["time"][0], pushes)
     assert feed is not None
-    timed = _timed(position, feed)
+    timed = _timed(position, feed, source=str(file))
     return Toolpath(timed.position, timed.time, pushes)
 
 
@@ -168,11 +169,11 @@ def _count(points: int) -> int:
     return points
 
 
-def _timed(position: np.ndarray, feed: float) -> Toolpath:
+def _timed(position: np.ndarray, feed: float, *, source: str = "call") -> Toolpath:
     if not (np.isfinite(feed) and feed > 0):
         raise InvalidRequest(Fault("call", "feed", f"{feed:g} m/s", "a finite speed above 0"))
     steps = np.linalg.norm(np.diff(position, axis=0), axis=1)
     if np.any(steps == 0):
         place = int(np.argmin(steps)) + 2
-        raise InvalidRequest(Fault("call", f"point {place}", "where the one before is", "another place"))
+        raise InvalidRequest(Fault(source, f"point {place}", "where the one before is", "another place"))
     return Toolpath(position, np.r_[0.0, np.cumsum(steps)] / feed)

@@ -1,0 +1,30 @@
+"""Sweeps over many postures, kept as a Zarr store: on this machine's cores or on Dask."""
+
+from flexmodal.atlas.atlas import Atlas as Atlas
+from flexmodal.atlas.atlas import open_atlas as open_atlas
+from flexmodal.atlas.best import best as best
+from flexmodal.atlas.best import scan as scan
+from flexmodal.atlas.best import within as within
+from flexmodal.atlas.build import Built as Built
+from flexmodal.atlas.build import build_atlas as build_atlas
+from flexmodal.atlas.near import Spot as Spot
+from flexmodal.atlas.near import interpolated as interpolated
+from flexmodal.atlas.near import nearest as nearest
+from flexmodal.atlas.plan import Plan as Plan
+from flexmodal.atlas.points import Grid as Grid
+from flexmodal.atlas.points import Points as Points
+from flexmodal.atlas.points import Sample as Sample
+from flexmodal.atlas.points import whole_range as whole_range
+from flexmodal.atlas.quantities import DepthOfCut as DepthOfCut
+from flexmodal.atlas.quantities import NaturalModes as NaturalModes
+from flexmodal.atlas.quantities import Quantity as Quantity
+from flexmodal.atlas.quantities import Receptances as Receptances
+from flexmodal.atlas.quantities import Stiffnesses as Stiffnesses
+from flexmodal.atlas.search import check_robot as check_robot
+from flexmodal.atlas.search import search_from as search_from
+from flexmodal.atlas.spread import spread as spread
+from flexmodal.atlas.task import Task as Task
+from flexmodal.atlas.workspace import WorkspaceMap as WorkspaceMap
+from flexmodal.atlas.workspace import draw_map as draw_map
+from flexmodal.atlas.workspace import workspace_map as workspace_map
+from flexmodal.atlas.workspace import write_map_page as write_map_page
