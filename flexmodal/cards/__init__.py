@@ -15,6 +15,7 @@ from flexmodal.cards.mass import check_masses as check_masses
 from flexmodal.cards.mass import massless_joints as massless_joints
 from flexmodal.cards.places import catalogue_folder as catalogue_folder
 from flexmodal.cards.read_card import read_card as read_card
+from flexmodal.cards.read_card import urdf_named_in as urdf_named_in
 from flexmodal.cards.urdf.meshes import mesh_path as mesh_path
 from flexmodal.cards.urdf.read import read_urdf as read_urdf
 from flexmodal.cards.urdf.urdf import Urdf as Urdf

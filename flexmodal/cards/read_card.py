@@ -47,6 +47,17 @@ def read_card(path: str | os.PathLike[str]) -> RobotCard:
     return _card(table, urdf, file, joints, couplings)
 
 
+def urdf_named_in(path: str | os.PathLike[str]) -> Path | None:
+    """The URDF that a card names, whatever else is wrong with the card; None where no file is there.
+
+    Args:
+        path: a `robot.toml`.
+    """
+    file = Path(os.path.abspath(path))
+    content = parse_toml(file, kind="a robot card")
+    return None if isinstance(content, Fault) else _find_urdf(content.get("urdf"), FaultList(file))
+
+
 def _parse(file: Path) -> dict[str, Any]:
     content = parse_toml(file, kind="a robot card")
     if isinstance(content, Fault):

@@ -16,6 +16,7 @@ from flexmodal.cli.options import (
     posture_option,
     refuse_existing,
     robot_options,
+    say_motionless,
 )
 from flexmodal.cli.printing import print_json, print_table, say
 
@@ -58,7 +59,9 @@ def frf(
     axis = frequencies_of(frequencies)
     arm = robot.load()
     where = posture_of(arm, posture)
-    found = arm.frf(where, axis, response=response or None, reference=reference or None, form=form)
+    posed = arm.at(where)
+    found = posed.frf(axis, response=response or None, reference=reference or None, form=form)
+    say_motionless(posed, [*found.response, *found.reference])
     if out is not None:
         _write(found, arm, where, out, force)
         say(f"wrote {out}", err=True)

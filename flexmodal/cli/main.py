@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import importlib
 import os
 import signal
@@ -15,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from flexmodal.cli.printing import say
+from flexmodal.cli.width import NARROWEST, WIDEST, WIDTH
 
 if TYPE_CHECKING:
     from flexmodal.errors import Fault
@@ -50,11 +52,44 @@ class _Commands(click.Group):
             return None
         module = importlib.import_module(f"flexmodal.cli.{cmd_name}")
         command: click.Command = getattr(module, cmd_name)
+        if not any(one.name == "width" for one in command.params):
+            command.params.append(_width_option())
         return command
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        name = args[0]
+        if name not in _COMMANDS and not name.startswith("-"):
+            ctx.fail(f"No such command {name!r}.{_meant(name)}")
+        return super().resolve_command(ctx, args)
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         with formatter.section("Commands"):
             formatter.write_dl(list(_COMMANDS.items()))
+
+
+def _meant(name: str) -> str:
+    """The command that was meant, where one resembles the name."""
+    close = difflib.get_close_matches(name, _COMMANDS, n=1)
+    return f" Did you mean {close[0]!r}?" if close else f" The commands are {', '.join(_COMMANDS)}."
+
+
+def _width_option() -> click.Option:
+    """`--width`, which every command takes and none is told of."""
+
+    def keep(context: click.Context, param: click.Parameter, width: int | None) -> None:
+        if width is not None:
+            context.find_root().meta[WIDTH] = width
+
+    return click.Option(
+        ["--width"],
+        type=click.IntRange(NARROWEST, WIDEST),
+        callback=keep,
+        expose_value=False,
+        metavar="COLUMNS",
+        help="Of tables and sentences; those of the terminal if none.",
+    )
 
 
 @click.group(cls=_Commands, context_settings={"help_option_names": ["-h", "--help"]})

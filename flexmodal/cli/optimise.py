@@ -15,6 +15,7 @@ from flexmodal.cli.options import (
     SOURCE,
     RobotOptions,
     force_option,
+    is_typed_in_radians,
     json_option,
     posture_of,
     quiet_option,
@@ -108,7 +109,7 @@ def optimise(
     if as_json:
         print_json(_json(outcome))
     else:
-        _print(outcome, judging["objective"])
+        _print(outcome, judging["objective"], radians=is_typed_in_radians(start))
     draw_pictures(outcome, where, pictures, force=force, quiet=quiet)
     if show:
         viewer("show_outcome")(outcome, start=where, announce=lambda text: say(text, err=True))
@@ -157,14 +158,18 @@ def _frequency(outcome: Outcome) -> float | None:
     return objective.frequency_at(outcome.problem.robot.at(outcome.best.posture))
 
 
-def _print(outcome: Outcome, objective: str) -> None:
+def _print(outcome: Outcome, objective: str, *, radians: bool) -> None:
     robot = outcome.problem.robot
     unit = outcome.problem.objective.unit
-    columns = ["", f"{objective} [{unit}]", "hits", *robot.commanded]
+    names = [
+        f"{name} [rad]" if radians and not joint.is_prismatic else name
+        for name, joint in robot.commanded.items()
+    ]
+    columns = ["", f"{objective} [{unit}]", "hits", *names]
     rows = []
     for place, optimum in enumerate(outcome.optima[:10], start=1):
         angles = [
-            degrees(value, prismatic=robot.commanded[name].is_prismatic)
+            degrees(value, prismatic=robot.commanded[name].is_prismatic, radians=radians)
             for name, value in optimum.posture.values.items()
         ]
         rows.append([f"optimum {place}", f"{optimum.objective:.5g}", str(optimum.hits), *angles])

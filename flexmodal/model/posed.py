@@ -18,6 +18,9 @@ from flexmodal.model.build import pinocchio
 from flexmodal.model.chain import FlexibleChain
 from flexmodal.model.posture import Posture
 
+_STILL = 1e-12
+"""Motion for a unit motion of any joint that is rounding, beside a metre or what other directions have."""
+
 Directions = str | PointDirection | Sequence[str | PointDirection] | None
 
 
@@ -104,6 +107,23 @@ class PosedRobot:
             InvalidPoint: no such point.
         """
         return np.array([d.selector @ self.jacobian(d.point) for d in directions])
+
+    def motionless(self, directions: Sequence[PointDirection]) -> tuple[PointDirection, ...]:
+        """Those of some directions in which no flexible joint moves the point: receptance is 0 there.
+
+        As out of the plane of a planar arm, or along a stretched one.
+
+        Raises:
+            InvalidPoint: no such point.
+        """
+        found = []
+        for one in directions:
+            jacobian = self.jacobian(one.point)
+            part = jacobian[3:] if one.is_rotation else jacobian[:3]
+            scale = max(float(np.max(np.abs(part), initial=0.0)), 1.0)
+            if np.max(np.abs(one.selector @ jacobian), initial=0.0) <= _STILL * scale:
+                found.append(one)
+        return tuple(found)
 
     def mass_derivative(self) -> Float[np.ndarray, "joint joint moving"]:
         """∂D/∂q_k of the mass matrix over the flexible joints, k last and along every moving joint.
