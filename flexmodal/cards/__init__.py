@@ -18,6 +18,8 @@ from flexmodal.cards.read_card import read_card as read_card
 from flexmodal.cards.read_card import urdf_named_in as urdf_named_in
 from flexmodal.cards.urdf.meshes import mesh_path as mesh_path
 from flexmodal.cards.urdf.read import read_urdf as read_urdf
+from flexmodal.cards.urdf.tool import FoundTool as FoundTool
+from flexmodal.cards.urdf.tool import find_tool as find_tool
 from flexmodal.cards.urdf.urdf import Urdf as Urdf
 from flexmodal.cards.urdf.urdf import UrdfJoint as UrdfJoint
 from flexmodal.cards.urdf.urdf import UrdfLink as UrdfLink

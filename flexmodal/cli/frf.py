@@ -95,6 +95,7 @@ def _json(found: Frf, arm: Robot, where: Posture) -> dict[str, Any]:
 def _write(found: Frf, arm: Robot, where: Posture, out: Path, force: bool) -> None:
     from flexmodal.campaign import write_frf
     from flexmodal.frf import export, page, plot
+    from flexmodal.model.chain import TOOL
     from flexmodal.report import write_figure
 
     title = f"{arm.name} at {where}"
@@ -106,6 +107,7 @@ def _write(found: Frf, arm: Robot, where: Posture, out: Path, force: bool) -> No
     elif ending == ".uff":
         names = [*arm.points, *(link.name for link in arm.urdf.links)]
         nodes = {name: number for number, name in enumerate(dict.fromkeys(names), start=1)}
+        nodes.setdefault(TOOL, nodes[arm.tool])
         posture = list(arm.postures).index(where.name) + 1 if where.name else 1
         write_frf(found, out, nodes, posture=posture, title=title, overwrite=force)
     elif ending == ".html":

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 _COMMANDS = {
     "robots": "The robots that ship: joints, points, postures.",
     "check": "Is this URDF, card or campaign sound? Every fault at once.",
+    "card": "A card for any URDF, its numbers guessed: card new ARM --out DIR.",
     "frf": "Receptance, mobility or inertance at a posture.",
     "modes": "Natural frequencies, damping ratios and shapes at a posture.",
     "measures": "Stiffness, mobility and receptance of a posture along a direction.",
@@ -52,8 +53,9 @@ class _Commands(click.Group):
             return None
         module = importlib.import_module(f"flexmodal.cli.{cmd_name}")
         command: click.Command = getattr(module, cmd_name)
-        if not any(one.name == "width" for one in command.params):
-            command.params.append(_width_option())
+        for one in (command, *(command.commands.values() if isinstance(command, click.Group) else ())):
+            if not any(option.name == "width" for option in one.params):
+                one.params.append(_width_option())
         return command
 
     def resolve_command(

@@ -46,6 +46,7 @@ class RobotOptions:
         """The robot they describe."""
         from flexmodal.model import load
 
+        self._say_tool()
         return load(
             self.robot,
             stiffness=per_joint(self.stiffness, "--stiffness"),
@@ -53,6 +54,19 @@ class RobotOptions:
             tool=self.tool,
             fixed=[name.strip() for name in self.fix.split(",")] if self.fix else (),
         )
+
+    def _say_tool(self) -> None:
+        """Say which link of a bare URDF is taken for the end-effector where others may be meant."""
+        from flexmodal.cards import find, find_tool, gripper_joints, read_urdf
+
+        path = find(self.robot)
+        if self.tool is not None or path.suffix != ".urdf":
+            return
+        fixed = [name.strip() for name in self.fix.split(",")] if self.fix else []
+        found = find_tool(read_urdf(path, fixed=(*gripper_joints(path), *fixed)))
+        if not found.sure:
+            others = f"--tool FRAME names another: {', '.join(found.others)}"
+            say(f"note: the end-effector is {found.link}, {found.how}; {others}", err=True)
 
 
 def robot_options(command: Command) -> Command:
@@ -68,7 +82,11 @@ def robot_options(command: Command) -> Command:
         click.option(
             "--fix", metavar="JOINT,…", help="For a bare URDF: joints that stay at 0, as a gripper's."
         ),
-        click.option("--tool", metavar="FRAME", help="URDF link that is the end-effector."),
+        click.option(
+            "--tool",
+            metavar="FRAME",
+            help="URDF link that is the end-effector, called tool everywhere; that of the card, or found.",
+        ),
         click.option(
             "--damping", metavar="VALUE", help="For a bare URDF: one number or joint=number,… [N·m·s/rad]."
         ),

@@ -28,6 +28,9 @@ from flexmodal.model.planar import task_rows
 from flexmodal.model.posture import Pose, Posture, check_posture
 from flexmodal.text.words import strange
 
+TOOL = "tool"
+"""What the end-effector may be called on every robot, whatever its link is called."""
+
 
 @dataclass(frozen=True, eq=False)
 class FlexibleChain(ABC):
@@ -102,9 +105,13 @@ class FlexibleChain(ABC):
 
     @cached_property
     def _frames(self) -> Mapping[str, int]:
-        """Pinocchio's frames by what a user calls them: the named points, then the links."""
+        """Pinocchio's frames by what a user calls them: the named points, then the links.
+
+        "tool" is the end-effector, unless a point or a link has that name itself.
+        """
         names = dict.fromkeys([*self.points, *(link.name for link in self.urdf.links)])
-        return {name: point_frame(self.pinocchio, name, named=name in self.points) for name in names}
+        frames = {name: point_frame(self.pinocchio, name, named=name in self.points) for name in names}
+        return {TOOL: frames[self.tool]} | frames
 
     def frame_of(self, point: str, *, source: str = "call") -> int:
         """Pinocchio's frame of a named point or a URDF link.
