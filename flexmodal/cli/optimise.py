@@ -27,7 +27,11 @@ from flexmodal.cli.viewing import viewer
 from flexmodal.errors import Fault, InvalidRequest
 
 if TYPE_CHECKING:
-    from flexmodal.optimisation import Outcome
+    from flexmodal.optimisation import Outcome, Start
+
+
+_NEAR = 1e-6
+"""A tool this near its target is on it [m]."""
 
 
 @click.command()
@@ -110,9 +114,10 @@ def optimise(
         print_json(_json(outcome))
     else:
         _print(outcome, judging["objective"], radians=is_typed_in_radians(start))
-    draw_pictures(outcome, where, pictures, force=force, quiet=quiet)
+    shown = None if outcome.compared is None else outcome.compared.held
+    draw_pictures(outcome, shown, pictures, force=force, quiet=quiet)
     if show:
-        viewer("show_outcome")(outcome, start=where, announce=lambda text: say(text, err=True))
+        viewer("show_outcome")(outcome, start=shown, announce=lambda text: say(text, err=True))
     _leave(outcome)
 
 
@@ -137,14 +142,29 @@ def _json(outcome: Outcome) -> dict[str, Any]:
         "posture": dict(outcome.best.posture.values),
         "objective": outcome.best.objective,
         "start": None if outcome.start is None or math.isinf(outcome.start) else outcome.start,
+        "start_as_given": None if outcome.compared is None else _start(outcome.compared),
         "unit": outcome.problem.objective.unit,
         "tool": list(outcome.tool),
         "converged": outcome.converged,
         "starts": outcome.starts,
         "optima": [
-            {"posture": dict(optimum.posture.values), "objective": optimum.objective, "hits": optimum.hits}
+            {
+                "posture": dict(optimum.posture.values),
+                "objective": optimum.objective,
+                "hits": optimum.hits,
+                "equals": [dict(other.values) for other in optimum.equals],
+            }
             for optimum in outcome.optima
         ],
+    }
+
+
+def _start(compared: Start) -> dict[str, Any]:
+    """Where the start was, and where it was brought to be compared."""
+    return {
+        "objective": None if math.isinf(compared.objective) else compared.objective,
+        "away": compared.away,
+        "brought_to": None if compared.held is None else dict(compared.held.values),
     }
 
 
@@ -156,6 +176,36 @@ def _frequency(outcome: Outcome) -> float | None:
     if not isinstance(objective, TunedObjective):
         return None
     return objective.frequency_at(outcome.problem.robot.at(outcome.best.posture))
+
+
+def _print_start(outcome: Outcome, compared: Start, *, radians: bool) -> None:
+    """The start as it was given, and as it holds the target: the best is compared with that alone."""
+    unit, start = outcome.problem.objective.unit, outcome.start
+    if not compared.is_held:
+        given = "infinite" if math.isinf(compared.objective) else f"{compared.objective:.5g} {unit}"
+        off = f"{1e3 * compared.away:.4g} mm from the target" if compared.away > _NEAR else "turned otherwise"
+        say(f"start as given: {given}, but its tool is {off}, so it is not compared")
+    if compared.held is None or start is None:
+        say("start: could not be brought onto the target")
+        return
+    name = "start" if compared.is_held else "start brought to the target"
+    moved = "" if compared.is_held else f" ({_moved(outcome, compared, radians)})"
+    if math.isinf(start):
+        say(f"{name}: infinite, an undamped mode is driven at its natural frequency there")
+        return
+    better, worse = sorted((outcome.best.objective, start))
+    factor = f": a factor of {worse / better:.3g}" if better > 0 else ""
+    say(f"{name} {start:.5g} {unit}{moved}, best {outcome.best.objective:.5g}{factor}")
+
+
+def _moved(outcome: Outcome, compared: Start, radians: bool) -> str:
+    """How far the joints had to move for it."""
+    assert compared.held is not None
+    robot = outcome.problem.robot
+    far = {n: abs(compared.held.values[n] - compared.given.values[n]) for n in robot.commanded}
+    name = max(far, key=far.__getitem__)
+    by = degrees(far[name], prismatic=robot.commanded[name].is_prismatic, radians=radians)
+    return f"{name} moved most, by {by}"
 
 
 def _print(outcome: Outcome, objective: str, *, radians: bool) -> None:
@@ -176,12 +226,12 @@ def _print(outcome: Outcome, objective: str, *, radians: bool) -> None:
     print_table(f"{robot.name}: best postures found", columns, rows)
     if len(outcome.optima) > 10:
         say(f"and {len(outcome.optima) - 10} more; --json lists them all")
-    if outcome.start is not None and math.isinf(outcome.start):
-        say("start: infinite, an undamped mode is driven at its natural frequency there")
-    elif outcome.start is not None:
-        better, worse = sorted((outcome.best.objective, outcome.start))
-        factor = f": a factor of {worse / better:.3g}" if better > 0 else ""
-        say(f"start {outcome.start:.5g} {unit}, best {outcome.best.objective:.5g}{factor}")
+    several = sum(bool(optimum.equals) for optimum in outcome.optima)
+    if several:
+        what = "a wrist turned over, an idle joint"
+        say(f"{several} of them stand for several postures of one value ({what}); --json lists them")
+    if outcome.compared is not None:
+        _print_start(outcome, outcome.compared, radians=radians)
     chosen = _frequency(outcome)
     if chosen is not None:
         say(f"best frequency {chosen:.6g} Hz")

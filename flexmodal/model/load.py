@@ -51,6 +51,11 @@ def load(
     Raises:
         RobotNotFound: nothing answers to that reference.
         InvalidCard, InvalidUrdf, InvalidRequest: what is wrong, all of it.
+
+    >>> import flexmodal
+    >>> robot = flexmodal.load("six_axis")
+    >>> robot.tool, list(robot.commanded)
+    ('tool', ['q1', 'q2', 'q3', 'q4', 'q5', 'q6'])
     """
     path = find(str(reference))
     if path.suffix == ".urdf":

@@ -20,4 +20,5 @@ from flexmodal.optimisation.objectives import tooth_passing as tooth_passing
 from flexmodal.optimisation.optimise import optimise as optimise
 from flexmodal.optimisation.outcome import Optimum as Optimum
 from flexmodal.optimisation.outcome import Outcome as Outcome
+from flexmodal.optimisation.outcome import Start as Start
 from flexmodal.optimisation.problem import PostureProblem as PostureProblem

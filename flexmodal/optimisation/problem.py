@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
@@ -14,13 +15,14 @@ from flexmodal.model import PosedRobot, Posture, Robot
 from flexmodal.optimisation.descent import PERFECT, UNBOUNDED, UNSETTLED, Box, retract, work_for
 from flexmodal.optimisation.hold import Hold
 from flexmodal.optimisation.objectives import FunctionObjective, Limit, Objective
+from flexmodal.text.shown import Shown
 
 _TURN = np.pi
 """Continuous joints, and limits wider than a turn, are sampled over one turn [rad]."""
 
 
-@dataclass(frozen=True, eq=False)
-class PostureProblem:
+@dataclass(frozen=True, eq=False, repr=False)
+class PostureProblem(Shown):
     """Minimise the objective's cost over the commanded joints, within limits, the hold kept.
 
     Vectors are in the order of `robot.commanded` [rad, m].
@@ -31,6 +33,14 @@ class PostureProblem:
     hold: Hold | None = None
     limits: tuple[np.ndarray, np.ndarray] | None = None
     """Lower and upper limits that stand in for those of the joints, such as narrower ones [rad, m]."""
+
+    def _facts(self) -> Mapping[str, object]:
+        hold = self.hold
+        return {
+            "": self.robot.name,
+            "objective": f"{type(self.objective).__name__} [{self.objective.unit}]",
+            "hold": "none" if hold is None else f"{hold.point} at {np.round(hold.target, 4)} m",
+        }
 
     @cached_property
     def names(self) -> tuple[str, ...]:

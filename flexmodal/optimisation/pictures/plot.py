@@ -38,6 +38,12 @@ from flexmodal.report.figure import (
 _SIZES = {"weighted": "|tᵀαw|", "force": "‖αw‖", "worst": "Largest singular value"}
 
 
+def draw_outcome(outcome: Outcome, *, frequencies: Float[np.ndarray, " line"] | None = None) -> Any:
+    """Draw the receptance at the start, brought onto the hold, and at the best; see `draw_receptances`."""
+    start = None if outcome.compared is None else outcome.compared.held
+    return draw_receptances(outcome, start, frequencies)
+
+
 @drawing
 def draw_receptances(
     outcome: Outcome,
@@ -121,6 +127,14 @@ def _telling_axis(robot: Robot, postures: Sequence[Posture], judge: Objective) -
     values = np.concatenate(told)
     values = values[np.isfinite(values) & (values > 0)]
     return np.geomspace(values.min() / 4, values.max() * 3, 800)
+
+
+def draw_posed(posed: PosedRobot) -> Any:
+    """Draw an arm in its posture; see `draw_postures`."""
+    robot = posed.robot
+    if not isinstance(robot, Robot):
+        raise TypeError(f"a {type(robot).__name__} is not drawn")
+    return draw_postures(robot, {str(posed.posture): posed.posture})
 
 
 @drawing
