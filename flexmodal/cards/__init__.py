@@ -3,6 +3,7 @@
 from flexmodal.cards.card import CouplingCard as CouplingCard
 from flexmodal.cards.card import FamilyCard as FamilyCard
 from flexmodal.cards.card import JointCard as JointCard
+from flexmodal.cards.card import ObstacleCard as ObstacleCard
 from flexmodal.cards.card import PointCard as PointCard
 from flexmodal.cards.card import RobotCard as RobotCard
 from flexmodal.cards.catalogue import example_arms as example_arms

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
+from flexmodal.cli.clearing import clearance_json, clearance_of, clearance_options, say_clearance
 from flexmodal.cli.holds import hold_of, orientation_options
 from flexmodal.cli.objectives import judging_options, objective_of
 from flexmodal.cli.options import (
@@ -41,6 +42,7 @@ _NEAR = 1e-6
 @click.option("--family", metavar="NAME", help="Search along a family of the card.")
 @click.option("--free", is_flag=True, help="Let the end-effector go anywhere.")
 @judging_options
+@clearance_options
 @click.option("--start", metavar="POSTURE", help="Compare with this posture, and start from it too.")
 @click.option(
     "--starts",
@@ -70,6 +72,8 @@ def optimise(
     orientation: str | None,
     axis: str | None,
     tool_axis: str,
+    clearance: str | None,
+    no_collisions: bool,
     start: str | None,
     starts: int | None,
     seed: int,
@@ -92,7 +96,8 @@ def optimise(
     )
     arm = robot.load()
     judge = objective_of(arm, seed=seed, **judging)
-    problem = PostureProblem(arm, judge, hold_of(arm, hold, orientation, axis, tool_axis))
+    kept = clearance_of(arm, clearance, no_collisions)
+    problem = PostureProblem(arm, judge, hold_of(arm, hold, orientation, axis, tool_axis), clearance=kept)
     chosen = None if family is None else arm.family(family, source=f"{SOURCE} --family")
     where = None if start is None else posture_of(arm, start, "--start")
     way = "plain" if chosen or method != "newton" else choose_way(problem, starts or DEFAULT_STARTS)
@@ -145,6 +150,7 @@ def _json(outcome: Outcome) -> dict[str, Any]:
         "start_as_given": None if outcome.compared is None else _start(outcome.compared),
         "unit": outcome.problem.objective.unit,
         "tool": list(outcome.tool),
+        "collisions": clearance_json(outcome.problem.clearance, outcome.nearest),
         "converged": outcome.converged,
         "starts": outcome.starts,
         "optima": [
@@ -236,3 +242,4 @@ def _print(outcome: Outcome, objective: str, *, radians: bool) -> None:
     if chosen is not None:
         say(f"best frequency {chosen:.6g} Hz")
     say(f"{robot.tool} at ({', '.join(f'{value:.4f}' for value in outcome.tool)}) m; {outcome.verdict}")
+    say_clearance(outcome.problem.clearance, outcome.nearest)

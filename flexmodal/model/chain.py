@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from flexmodal.cards import (
     FamilyCard,
     FrozenDict,
     JointCard,
+    ObstacleCard,
     PointCard,
     Urdf,
     UrdfJoint,
@@ -56,6 +58,12 @@ class FlexibleChain(Shown):
     """Off-diagonal stiffness, by `jointA+jointB`."""
     loss_frequency: float | None = None
     """Where joints with a loss factor have their stiffness [Hz]; None for K (1 + iη) at every frequency."""
+    obstacles: Mapping[str, ObstacleCard] = field(default_factory=FrozenDict)
+    """What the arm may run into, or carries."""
+    srdf: Path | None = None
+    """Says which links may touch."""
+    path: Path | None = None
+    """The card, or the URDF, that it was loaded from."""
 
     def _facts(self) -> Mapping[str, object]:
         return {

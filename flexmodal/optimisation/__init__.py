@@ -1,5 +1,6 @@
 """Choosing a posture, a frequency or a path: objectives, what is held, and the searches."""
 
+from flexmodal.optimisation.clearance import Clearance as Clearance
 from flexmodal.optimisation.frequency import Extremum as Extremum
 from flexmodal.optimisation.frequency import FrequencyDescent as FrequencyDescent
 from flexmodal.optimisation.frequency import Tuning as Tuning

@@ -147,6 +147,8 @@ def _check(
         faults.append(Fault("call", "family", "a family and a hold", "one of them"))
     if family is not None and method == "null-space":
         faults.append(Fault("call", "method", "null-space along a family", "newton"))
+    if problem.clearance is not None and method == "null-space":
+        faults.append(Fault("call", "clearance", "with the null-space method", "newton"))
     if faults:
         raise InvalidRequest(faults)
 

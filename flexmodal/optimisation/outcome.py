@@ -111,6 +111,14 @@ class Outcome(Shown):
         return self.optima[0]
 
     @property
+    def nearest(self) -> tuple[float, tuple[str, str]] | None:
+        """What is nearest to each other in the best posture, and how near [m]; None where unchecked."""
+        clearance = self.problem.clearance
+        if clearance is None:
+            return None
+        return clearance.scene.nearest(self.problem.robot.at(self.best.posture))
+
+    @property
     def tool(self) -> tuple[float, float, float]:
         """Where the end-effector is in the best posture [m]."""
         robot = self.problem.robot

@@ -221,9 +221,9 @@ def _skeleton(posed: PosedRobot) -> Float[np.ndarray, "point 3"]:
 
 
 def _value(problem: PostureProblem, values: np.ndarray) -> float:
-    """Objective at a vector brought onto the hold; NaN where that cannot be."""
+    """Objective at a vector brought onto the hold; NaN where that cannot be, or comes too near something."""
     found = problem.retract(values)
-    if found is None:
+    if found is None or not problem.is_clear(found):
         return float("nan")
     try:
         return problem.objective.value(problem.posed(found))

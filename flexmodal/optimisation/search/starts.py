@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from flexmodal.errors import InCollision
 from flexmodal.optimisation import compiled
 from flexmodal.optimisation.objectives import Limit
 from flexmodal.optimisation.problem import PostureProblem
@@ -145,6 +146,14 @@ def _last_try(problem: PostureProblem, ends: Ends, way: str) -> Basins:
 
     That one takes the place of the last start.
     """
+    if problem.clearance is not None:
+        free = replace(problem, clearance=None)
+        if any(free.retract(values) is not None for values in ends.values):
+            kept = f"{1e3 * problem.clearance.distance:g} mm"
+            raise InCollision(
+                f"none of {len(ends.cost)} starts came to a posture that holds the target {kept} clear of "
+                f"everything: {ends.trouble or 'no way out was found'}"
+            )
     tried = ends if way == "plain" else descend_from(problem, ends.values[:_FEW], way="plain")
     if tried.trouble is not None:
         raise tried.trouble
