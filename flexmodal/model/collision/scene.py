@@ -25,6 +25,9 @@ from flexmodal.model.robot import Robot
 _SAMPLES = 96
 """Random postures by which pairs are told that always touch."""
 
+_TOLERANCE = 1e-9
+"""Of distances [m]."""
+
 _MOSTLY = 0.95
 """Share of them from which a pair counts as touching by its build, as the assistant of MoveIt has it."""
 
@@ -116,7 +119,7 @@ def scene_of(robot: Robot) -> Scene | None:
         InvalidUrdf: collision meshes that are missing or cannot be read.
         InvalidCard: meshes of obstacles, or an SRDF, that cannot be read.
     """
-    pin, model = pinocchio(), robot.pinocchio
+    model = robot.pinocchio
     shapes = shapes_of(robot.urdf, model)
     where = robot.urdf.path if robot.path is None else robot.path
     for name, obstacle in robot.obstacles.items():
@@ -137,7 +140,15 @@ def scene_of(robot: Robot) -> Scene | None:
     if len(shapes.collisionPairs) == 0:
         return None
     watched = tuple(_names(model, shapes, pair) for pair in shapes.collisionPairs)
-    return Scene(robot, watched, left_out, tuple(robot.obstacles), shapes, pin.GeometryData(shapes))
+    return Scene(robot, watched, left_out, tuple(robot.obstacles), shapes, _places(shapes))
+
+
+def _places(shapes: Any) -> Any:
+    """Scratch for distances that are exact enough to be differentiated."""
+    places = pinocchio().GeometryData(shapes)
+    for request in places.distanceRequests:
+        request.gjk_tolerance, request.epa_tolerance = _TOLERANCE, _TOLERANCE
+    return places
 
 
 def _is_neighbourly(model: Any, shapes: Any, pair: Any) -> bool:
