@@ -71,4 +71,4 @@ def say_clearance(kept: Clearance | None, nearest: tuple[float, tuple[str, str]]
     say(f"{said}; nearest {one} to {other}, {1e3 * distance:.1f} mm ({1e3 * kept.distance:g} mm asked)")
     if kept.scene.left_out:
         pairs = "; ".join(f"{a} and {b}" for a, b in kept.scene.left_out)
-        say(f"collisions: left out, since they touch in nearly every posture: {pairs}")
+        say(f"collisions: left out, as near as that in nearly every posture: {pairs}")

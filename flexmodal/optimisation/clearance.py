@@ -59,7 +59,7 @@ class Clearance(Shown):
         Raises:
             InvalidRequest: there is nothing to keep away from.
         """
-        scene = scene_of(robot)
+        scene = scene_of(robot, near=distance)
         if scene is None:
             allowed = "<collision> shapes in the URDF and [obstacle.NAME] in the card: docs/collisions.md"
             raise InvalidRequest(Fault(robot.name, "clearance", "no two shapes that could meet", allowed))

@@ -30,7 +30,7 @@ def problem(arm):
 
 @pytest.fixture(scope="module")
 def outcome(problem):
-    return optimise(problem, starts=5, seed=0)
+    return optimise(problem, starts=3, seed=0)
 
 
 def test_every_optimum_is_clear_and_holds(problem, outcome):

@@ -10,6 +10,7 @@ negative where they overlap: moving the nearest points along their surfaces chan
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -51,7 +52,7 @@ class Scene:
     pairs: tuple[tuple[str, str], ...]
     """What is watched."""
     left_out: tuple[tuple[str, str], ...]
-    """Pairs that touch by the build of the arm, or stand on each other, in nearly every posture."""
+    """Pairs that are as near by the build of the arm, or stand on each other, in nearly every posture."""
     obstacles: tuple[str, ...]
     _shapes: Any
     """Pinocchio's geometry model."""
@@ -81,39 +82,56 @@ class Scene:
         """
         found = self.distances(posed)
         near = np.flatnonzero(found < reach)
-        gradient = np.array([self._slope(posed, int(place)) for place in near])
         names = tuple(self.pairs[int(place)] for place in near)
-        return Nearness(found[near], gradient.reshape(len(near), len(self.robot.moving)), names)
+        return Nearness(found[near], self._slopes(posed, near), names)
 
-    def _slope(self, posed: PosedRobot, place: int) -> Float[np.ndarray, " moving"]:
-        result, pair = self._places.distanceResults[place], self._shapes.collisionPairs[place]
-        normal = np.array(result.normal).ravel()
-        ends = (np.array(result.getNearestPoint1()), np.array(result.getNearestPoint2()))
-        first, second = (
-            self._moved(posed, self._shapes.geometryObjects[number].parentJoint, end.ravel())
-            for number, end in zip((pair.first, pair.second), ends, strict=True)
-        )
-        return normal @ (second - first)
+    def _slopes(self, posed: PosedRobot, near: np.ndarray) -> Float[np.ndarray, "pair moving"]:
+        """Derivatives of some pairs' distances: Jᵀ of a unit force along n at each end.
 
-    def _moved(self, posed: PosedRobot, joint: int, point: np.ndarray) -> Float[np.ndarray, "3 moving"]:
-        """Jacobian of a point of the world that a joint's body carries."""
-        pin, model = pinocchio(), self.robot.pinocchio
-        if joint == 0:
-            return np.zeros((3, model.nv))
-        data = posed._data[0]
-        full = pin.getJointJacobian(model, data, joint, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED).reshape(6, -1)
-        lever = point - data.oMi[joint].translation
-        return full[:3] + np.cross(full[3:].T, lever).T
+        In Jacobians about the world's origin a force f at p is the wrench (f, p × f).
+        """
+        places, pairs, carried = self._places.distanceResults, self._shapes.collisionPairs, self._carried
+        turning = np.array(posed._data[0].J)
+        answer = np.empty((len(near), turning.shape[1]))
+        for row, place in enumerate(near.tolist()):
+            result, pair = places[place], pairs[place]
+            force = result.normal.ravel()
+            push = force @ turning[:3]
+            ends = (result.getNearestPoint1(), pair.first), (result.getNearestPoint2(), pair.second)
+            first, second = (
+                (push + _cross(point.ravel(), force) @ turning[3:]) * carried[shape] for point, shape in ends
+            )
+            answer[row] = second - first
+        return answer
+
+    @cached_property
+    def _carried(self) -> list[np.ndarray]:
+        """For each shape, which of the moving joints carry it."""
+        model = self.robot.pinocchio
+        found = []
+        for shape in self._shapes.geometryObjects:
+            mask, joint = np.zeros(model.nv), shape.parentJoint
+            while joint > 0:
+                mask[model.joints[joint].idx_v] = 1.0
+                joint = model.parents[joint]
+            found.append(mask)
+        return found
 
 
-def scene_of(robot: Robot) -> Scene | None:
+def _cross(left: np.ndarray, right: np.ndarray) -> np.ndarray:
+    (a, b, c), (x, y, z) = left, right
+    return np.array([b * z - c * y, c * x - a * z, a * y - b * x])
+
+
+def scene_of(robot: Robot, *, near: float = 0.0) -> Scene | None:
     """The scene of a robot: shapes of its URDF, obstacles of its card; None without a pair to watch.
 
     Pairs that the SRDF of the card disables are not watched, nor neighbours along the chain, nor pairs that
-    touch in nearly every posture.
+    touch, or are as near as a distance, in nearly every posture: the arm is built so.
 
     Args:
         robot: as it was loaded.
+        near: that distance [m].
 
     Raises:
         InvalidUrdf: collision meshes that are missing or cannot be read.
@@ -132,7 +150,7 @@ def scene_of(robot: Robot) -> Scene | None:
         _disable(model, shapes, robot.srdf, where)
     if len(shapes.collisionPairs) == 0:
         return None
-    touching = _touching(robot, shapes)
+    touching = _touching(robot, shapes, near)
     dropped = [shapes.collisionPairs[place] for place in touching]
     left_out = tuple(_names(model, shapes, pair) for pair in dropped)
     for pair in dropped:
@@ -162,8 +180,8 @@ def _is_neighbourly(model: Any, shapes: Any, pair: Any) -> bool:
     return bool(model.parents[one] == other or model.parents[other] == one)
 
 
-def _touching(robot: Robot, shapes: Any) -> list[int]:
-    """Pairs that overlap in nearly every posture."""
+def _touching(robot: Robot, shapes: Any, near: float) -> list[int]:
+    """Pairs that overlap, or are as near, in nearly every posture."""
     pin, model = pinocchio(), robot.pinocchio
     data, places = model.createData(), pin.GeometryData(shapes)
     generator = np.random.default_rng(0)
@@ -174,7 +192,7 @@ def _touching(robot: Robot, shapes: Any) -> list[int]:
     for _ in range(_SAMPLES):
         values = np.where(pseudo, 0.0, generator.uniform(np.minimum(low, high), np.maximum(low, high)))
         pin.computeDistances(model, data, shapes, places, pin.integrate(model, pin.neutral(model), values))
-        hits += np.array([result.min_distance <= 0 for result in places.distanceResults])
+        hits += np.array([result.min_distance <= near for result in places.distanceResults])
     return np.flatnonzero(hits >= _MOSTLY * _SAMPLES).tolist()
 
 

@@ -16,6 +16,9 @@ WEIGHTS = (1e-2, 1e-4, 1e-6)
 _SPARE = 0.3
 """Share of the barrier's reach that a start is moved away by besides."""
 
+_FLAT = 1e-6
+"""Slope of the barrier, over its weight, that is none [1/rad]: links that are always near have no other."""
+
 _OUT = 60
 """Most iterations of the way out."""
 
@@ -64,7 +67,7 @@ def _one(
         if end[0] == UNREACHED:
             at.trouble = there.trouble
             return
-        if clearance.barrier(problem.posed(values[0]))[0] == 0.0:
+        if not np.any(np.abs(clearance.barrier(problem.posed(values[0]))[1]) > _FLAT * clearance.weight):
             break
     cost[0] = problem.objective.cost_and_gradient(problem.posed(values[0]))[0]
 
