@@ -38,6 +38,7 @@ _COMMANDS = {
     "diagnose": "What is missing in the model: name it, add it, show the gap shrink.",
     "rig": "A simulated hammer test, with effects hidden in it.",
     "show": "The robot, its modes or its deflection in the browser.",
+    "export": "A posture for MuJoCo, python-control, ROS, KUKA or ABB.",
     "demo": "A tour: two robots, their FRFs, a better posture, a page.",
 }
 
