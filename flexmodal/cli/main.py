@@ -43,6 +43,10 @@ _COMMANDS = {
 }
 
 
+SCHEMAS = Path(__file__).with_name("schemas")
+"""What `--json` of each command gives, as JSON Schema."""
+
+
 class _Commands(click.Group):
     """Commands named in a table and imported on use, so that --help is quick."""
 
@@ -55,8 +59,12 @@ class _Commands(click.Group):
         module = importlib.import_module(f"flexmodal.cli.{cmd_name}")
         command: click.Command = getattr(module, cmd_name)
         for one in (command, *(command.commands.values() if isinstance(command, click.Group) else ())):
-            if not any(option.name == "width" for option in one.params):
-                one.params.append(_width_option())
+            if any(option.name == "width" for option in one.params):
+                continue
+            one.params.append(_width_option())
+            schema = SCHEMAS / f"{cmd_name}.json"
+            if any(option.name == "as_json" for option in one.params) and schema.is_file():
+                one.params.append(_schema_option(schema))
         return command
 
     def resolve_command(
@@ -76,6 +84,24 @@ def _meant(name: str) -> str:
     """The command that was meant, where one resembles the name."""
     close = difflib.get_close_matches(name, _COMMANDS, n=1)
     return f" Did you mean {close[0]!r}?" if close else f" The commands are {', '.join(_COMMANDS)}."
+
+
+def _schema_option(schema: Path) -> click.Option:
+    """`--json-schema`, which prints what `--json` gives and leaves."""
+
+    def tell(context: click.Context, param: click.Parameter, asked: bool) -> None:
+        if asked:
+            click.echo(schema.read_text(encoding="utf-8"), nl=False)
+            context.exit()
+
+    return click.Option(
+        ["--json-schema"],
+        is_flag=True,
+        is_eager=True,
+        callback=tell,
+        expose_value=False,
+        help="The JSON Schema of --json.",
+    )
 
 
 def _width_option() -> click.Option:

@@ -1,4 +1,4 @@
-"""A robot in a posture as a MuJoCo model; springs, dampers and armatures of a MuJoCo model as a card's joints.
+"""A robot in a posture as a MuJoCo model; springs, dampers, armatures of a MuJoCo model as joints of a card.
 
 MuJoCo's joint is what a card's joint is: a spring `stiffness` about `springref`, a damper `damping` and an
 `armature` that is added to the mass matrix. Its springs do not couple joints, and have no loss factor.
