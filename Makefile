@@ -10,6 +10,7 @@
 # make arithmetic  the same verdicts on every processor: campaigns diagnosed under other kinds of arithmetic
 # make appendix  diagnose the thesis's measured modes: docs/appendix_c.md with its pictures; some minutes
 # make recovery  identify 300 simulated campaigns; goes on where it was stopped; half an hour
+# make collisions  a hundred random tasks beside a table and a fixture; a quarter of an hour
 # make fuzz    read 100000 mutated campaigns; no crash, no hang, no flood of memory
 # make chaos   kill every command that writes at each of its file events; some minutes
 # make clean   remove what these made
@@ -17,7 +18,7 @@
 PYTHON ?= python3.11
 BIN := .venv/bin
 .DEFAULT_GOAL := help
-.PHONY: help demo test slow check tables pictures studies exam arithmetic appendix recovery bench fuzz chaos browser clean
+.PHONY: help demo test slow check tables pictures studies exam arithmetic appendix recovery bench fuzz chaos collisions browser clean
 
 help:
 	@grep '^# make' Makefile | cut -c3-
@@ -98,6 +99,9 @@ clean:
 
 fuzz: .venv/tested
 	$(BIN)/python benchmarks/fuzz_campaign.py
+
+collisions: .venv/tested
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/collisions.py --starts 6
 
 chaos: .venv/tested
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/chaos.py
