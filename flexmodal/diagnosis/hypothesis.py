@@ -269,8 +269,9 @@ class Hypothesis:
         for one in turning:
             assert one.effect.turn is not None
             placement = self._placement(one, part, values)
+            aside = one.effect.aside or (lambda placement, name: np.zeros(3))
             measured = [
-                (link, place, one.effect.turn(frame.assembly, placement, name, way))
+                (link, place + aside(placement, name), one.effect.turn(frame.assembly, placement, name, way))
                 for (link, place, way), name in zip(measured, names, strict=True)
             ]
         return frame.assembly.rows(measured), frame.reference

@@ -36,7 +36,7 @@ def diagnosis_of(
         gaps=found.gaps,
         disagreement=found.disagreement,
         remaining=found.remaining,
-        steps=tuple(selection.steps) if says.named else (),
+        steps=tuple(one for one in selection.steps if (one.effect, one.where) in says.effects),
         verdict=says,
         next_measurement=None if selection.rivals is None else data.next_measurement(*selection.rivals),
         untestable=data.untestable,
@@ -63,6 +63,7 @@ def facts_of(selection: ForwardSelection[M], found: Conclusion[M], modal: Findin
         modal: what measured modes say besides.
     """
     data, first = selection.data, selection.rounds[0].comparison
+    standing, lacking_at = data.standing(selection.current)
     return Facts(
         steps=tuple(selection.steps),
         says={effect.name: effect.says for effect in data.effects},
@@ -71,7 +72,8 @@ def facts_of(selection: ForwardSelection[M], found: Conclusion[M], modal: Findin
         reached=found.reached,
         lacking=dict(modal.left) if modal is not None else data.lacking(selection.current),
         open_=not selection.steps and any_gains(first) is Answer.YES,
-        named=data.is_named(selection.current),
+        standing=standing,
+        lacking_at=lacking_at,
         contradicted=data.is_contradicted(selection.current),
         share=data.share(selection.root, found.after),
         look=data.look,

@@ -5,7 +5,9 @@ import pytest
 
 import flexmodal
 from flexmodal.diagnosis.effects import Context, catalogue, link_flexibility
+from flexmodal.diagnosis.effects.effect import along, sides
 from flexmodal.diagnosis.effects.link_flexibility import gauss, shares
+from flexmodal.diagnosis.effects.sensors import mounted
 from flexmodal.diagnosis.effects.servo_compliance import loop
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.placed import Placed
@@ -13,8 +15,7 @@ from flexmodal.diagnosis.search.lines import unlimited
 from flexmodal.errors import InvalidRequest
 from flexmodal.identification import observe, predict
 from flexmodal.identification.model import evaluated
-from flexmodal.rig import ParameterError, simulate
-from flexmodal.rig.effects import EFFECTS
+from flexmodal.rig import FORMS, ParameterError, simulate
 from flexmodal.rig.effects.effect import Site
 from flexmodal.rig.plant.build import build
 from flexmodal.rig.simulate import make_stand
@@ -44,12 +45,12 @@ def ours(context, observed, effect, where, values):
     return predict(hypothesis, x, observed)
 
 
-def theirs(observations, stand, effect, where, values):
+def theirs(observations, stand, effect, where, values, form="own"):
     """The same from the plant that the rig strikes."""
     value = np.zeros(observations.value.shape, dtype=complex)
     frequency = observations.axis.frequency
     for number, posture in enumerate(observations.postures):
-        plant = build(stand, posture, [(EFFECTS[effect], Site(stand, where, values))])
+        plant = build(stand, posture, [(FORMS[effect][form], Site(stand, where, values))])
         for row in np.flatnonzero(observations.posture == number):
             places = []
             for point, axis in (observations.response[row], observations.reference[row]):
@@ -118,6 +119,99 @@ def test_added_mass_is_that_of_the_rig(bench):
         theirs(observed, stand, "added_mass", "link_3", other),
         rtol=1e-8,
     )
+
+
+SOIL = {
+    "translation_stiffness": 4e7, "tilt_stiffness": 2e7, "damping_ratio": 0.03,
+    "vertical_over_horizontal": 1.6, "aside": 0.0, "below": 0.3,
+}  # fmt: skip
+
+
+def about(context, body):
+    """Moment of inertia about the normal of the plane."""
+    return float(context.normal @ body.inertia @ context.normal)
+
+
+def test_a_foundation_with_springs_of_its_own_each_way_is_that_of_the_rig(bench):
+    """About a centre below the root, each of the three its own damping; the rig gives the base mass."""
+    context, observed, stand = bench
+    base = stand.true.bodies[context.robot.urdf.root]
+    values = {**SOIL, "spread": 0.5, "phase": 1.0}
+    angle = values["phase"] + 2.399963 * np.arange(3)
+    spring = np.array([4e7, 1.6 * 4e7, 2e7]) * np.exp(0.5 * np.sin(angle))
+    time = np.sqrt(sum(body.mass for body in stand.true.bodies.values()) / 4e7)
+    damper = 2 * 0.03 * np.exp(0.5 * np.cos(angle)) * spring * time
+    found = ours(context, observed, "base_flexibility", "base", {
+        "horizontal_stiffness": spring[0], "vertical_stiffness": spring[1], "tilt_stiffness": spring[2],
+        "translation_damping": damper[0], "vertical_damping_ratio": damper[1] / damper[0],
+        "tilt_damping": damper[2], "below": 0.3, "mass": base.mass, "mass_below": 0.0,
+        "gyration": np.sqrt(about(context, base) / base.mass),
+    })  # fmt: skip
+    other = theirs(observed, stand, "base_flexibility", "base", values, "directions")
+    np.testing.assert_allclose(found, other, rtol=1e-7)
+
+
+def test_a_foundation_on_a_block_is_that_of_the_rig(bench):
+    """The mass is at the block's centre, the springs at its bottom; the base's own mass is taken along."""
+    context, observed, stand = bench
+    base = stand.true.bodies[context.robot.urdf.root]
+    values = {**SOIL, "block_mass": 20.0}
+    arm = sum(body.mass for body in stand.true.bodies.values())
+    loss = 2 * 0.03 * np.sqrt((arm + 20.0) / 4e7)
+    whole = base.mass + 20.0
+    low = 20.0 * 0.3 / whole
+    inertia = about(context, base) + base.mass * low**2 + 20.0 * (0.6**2 / 6 + (0.3 - low) ** 2)
+    found = ours(context, observed, "base_flexibility", "base", {
+        "horizontal_stiffness": 4e7, "vertical_stiffness": 1.6 * 4e7, "tilt_stiffness": 2e7,
+        "translation_damping": loss * 4e7, "vertical_damping_ratio": 1.6, "tilt_damping": loss * 2e7,
+        "below": 0.6, "mass": whole, "mass_below": low, "gyration": np.sqrt(inertia / whole),
+    })  # fmt: skip
+    other = theirs(observed, stand, "base_flexibility", "base", values, "block")
+    np.testing.assert_allclose(found, other, rtol=1e-7)
+
+
+def test_a_sensor_off_the_surface_is_a_body_there(bench):
+    """While it is on one point it is like a mass that is attached for good."""
+    context, observed, _ = bench
+    point = context.point(int(observed.response[0, 0]))
+    values = {"mass": 1.5, "off": 0.08, "gyration": 0.05, "cable": 1e-4}
+    place = mounted(context, point.id, values)
+    length, axis = along(context, point.link)
+    across = sides(context, point.link, axis)[0]
+    fixed = {"mass": 1.5, "along": place @ axis / length, "beside": place @ across, "gyration": 0.05}
+    rows = observed.response[:, 0] == point.id
+    found = ours(context, observed, "sensor_mass", "sensor", values)[rows]
+    other = ours(context, observed, "added_mass", point.link, fixed)[rows]
+    np.testing.assert_allclose(found, other, rtol=1e-3)
+
+
+def test_a_sensor_lags_by_a_delay_and_a_low_pass(bench):
+    context, observed, _ = bench
+    where = context.sensors[0]
+    plain = ours(context, observed, "sensor_gain", where, {"gain": 1.0})
+    found = ours(context, observed, "time_delay", where, {"delay": 2e-3, "time_constant": 3e-3})
+    omega = 2 * np.pi * observed.axis.frequency
+    here = observed.response[:, 0] == next(p.id for p in observed.campaign.points if p.name == where)
+    late = np.exp(-2e-3j * omega) / (1 + 3e-3j * omega)
+    np.testing.assert_allclose(found[here] / plain[here], np.broadcast_to(late, found[here].shape), rtol=1e-9)
+    np.testing.assert_allclose(found[~here], plain[~here], rtol=1e-12)
+
+
+def test_a_sensor_that_sits_off_its_point_reads_what_is_there(bench):
+    """Two sensors side by side read the turn of the link between them."""
+    context, observed, _ = bench
+    where = context.sensors[0]
+    point = next(p for p in observed.campaign.points if p.name == where)
+    here = observed.response[:, 0] == point.id
+    flat = {"angle": 0.0, "sensitivity": 1.0, "off": 0.0, "off_along": 0.0}
+    on, off, further = (
+        ours(context, observed, "sensor_misalignment", where, {**flat, "off_along": size})[here]
+        for size in (0.0, 0.02, 0.04)
+    )
+    assert np.max(np.abs(off - on)) > 0
+    np.testing.assert_allclose(further - on, 2 * (off - on), rtol=1e-6, atol=1e-9 * np.abs(on).max())
+    wide = ours(context, observed, "sensor_misalignment", where, {**flat, "sensitivity": 1.3})[here]
+    np.testing.assert_allclose(wide, 1.3 * on, rtol=1e-12)
 
 
 @pytest.fixture(scope="module")

@@ -1,6 +1,8 @@
 """The foundation gives: the root link tilts and shifts on springs, all of it at once.
 
-Three coordinates under a planar chain, six under a spatial one. The inertia of the root link counts.
+Three coordinates under a planar chain, six under a spatial one. The springs meet somewhere below the root or
+beside it, are not equally stiff every way, and carry a foundation with a mass of its own. The inertia of the
+root link counts.
 """
 
 from __future__ import annotations
@@ -10,9 +12,10 @@ from collections.abc import Mapping
 import numpy as np
 
 from flexmodal.diagnosis.effects.context import Context
-from flexmodal.diagnosis.effects.effect import Effect, Placement, positive
+from flexmodal.diagnosis.effects.effect import Effect, Placement, positive, signed
 from flexmodal.diagnosis.improved.draft import Draft
 from flexmodal.structure import Parameter
+from flexmodal.structure.arm import Body, carried
 from flexmodal.structure.assembly import Assembly
 
 
@@ -30,33 +33,55 @@ def motions(normal: np.ndarray | None) -> tuple[list[str], np.ndarray]:
 def sizes(context: Context) -> tuple[float, float]:
     """A tilt and a translational stiffness that the stiffest joint and the length of the arm suggest."""
     tilt = 10 * max(float(joint.stiffness) for joint in context.robot.joints.values())
-    length = sum(float(np.linalg.norm(context.reach(link))) for link in context.links)
-    return tilt, 3 * tilt / max(length, 1e-3) ** 2
+    return tilt, 3 * tilt / _length(context) ** 2
 
 
 def _parameters(context: Context, where: str) -> tuple[Parameter, ...]:
+    """Springs and dampers; where they meet, how their stiffness differs by direction, the foundation's mass.
+
+    What a simple foundation does not need stays near its prior's centre: ratios of 1, no offset, next to no
+    mass.
+    """
     tilt, shift = sizes(context)
+    mass, length = context.arm_mass, _length(context)
     found = [
         positive("horizontal_stiffness", "N/m", shift, 2.0, shift / 1e3, shift * 1e4),
         positive("vertical_stiffness", "N/m", shift * 1.5, 2.0, shift / 1e3, shift * 1e4),
         positive("tilt_stiffness", "N·m/rad", tilt, 2.0, tilt / 1e3, tilt * 1e4),
         positive("translation_damping", "N·s/m", shift * 3e-4, 2.0, shift * 1e-8, shift),
         positive("tilt_damping", "N·m·s/rad", tilt * 3e-4, 2.0, tilt * 1e-8, tilt),
+        positive("vertical_damping_ratio", "", 1.0, 0.5, 0.05, 20.0),
+        signed("aside", "m", 0.1 * length, -length, length),
+        signed("below", "m", 0.15 * length, -length, length),
+        positive("mass", "kg", 0.01 * mass, 2.5, 1e-5 * mass, 50 * mass),
+        signed("mass_below", "m", 0.15 * length, -length, length),
+        positive("gyration", "m", 0.15 * length, 1.0, 1e-3 * length, 3 * length),
     ]
     if context.normal is None:
-        found.append(positive("twist_stiffness", "N·m/rad", 2 * tilt, 2.0, tilt / 1e3, tilt * 1e4))
+        found += [
+            positive("twist_stiffness", "N·m/rad", 2 * tilt, 2.0, tilt / 1e3, tilt * 1e4),
+            positive("sideways_ratio", "", 1.0, 0.5, 0.05, 20.0),
+            positive("tilt_ratio", "", 1.0, 0.5, 0.05, 20.0),
+            signed("ahead", "m", 0.1 * length, -length, length),
+        ]
     return tuple(found)
+
+
+def _length(context: Context) -> float:
+    return max(sum(float(np.linalg.norm(context.reach(link))) for link in context.links), 1e-3)
 
 
 def _starts(context: Context, where: str) -> list[Mapping[str, float]]:
     tilt, shift = sizes(context)
     grid = [
-        (tilting * tilt, shifting * shift)
+        (tilting * tilt, shifting * shift, heavy)
         for tilting in (0.03, 0.1, 0.3, 1.0, 5.0, 30.0, 200.0)
         for shifting in (0.1, 0.5, 2.0, 8.0, 40.0, 300.0, 2000.0)
+        for heavy in (0.0, 2.0)
     ]
-    return [
-        {
+    found: list[Mapping[str, float]] = []
+    for turn, across, heavy in grid:
+        start = {
             "horizontal_stiffness": across,
             "vertical_stiffness": 1.5 * across,
             "tilt_stiffness": turn,
@@ -64,13 +89,25 @@ def _starts(context: Context, where: str) -> list[Mapping[str, float]]:
             "translation_damping": 3e-4 * across,
             "tilt_damping": 3e-4 * turn,
         }
-        for turn, across in grid
-    ]
+        found.append({**start, "mass": heavy * context.arm_mass} if heavy else start)
+    return found
 
 
 def _shape(assembly: Assembly, placement: Placement) -> None:
     names, motion = motions(placement.context.normal)
     assembly.move_root(assembly.add_coordinates(names), motion)
+
+
+def centre_of(placement: Placement) -> np.ndarray:
+    """Where the springs meet, in the world [m]; the root's origin is at 0."""
+    return _aside(placement) - placement["below"] * np.array([0.0, 0.0, 1.0])
+
+
+def _aside(placement: Placement) -> np.ndarray:
+    _, motion = motions(placement.context.normal)
+    if placement.context.normal is not None:
+        return placement["aside"] * motion[:3, 0]
+    return np.array([placement["aside"], placement["ahead"], 0.0])
 
 
 def _springs(placement: Placement) -> list[tuple[str, np.ndarray, float, float]]:
@@ -81,16 +118,30 @@ def _springs(placement: Placement) -> list[tuple[str, np.ndarray, float, float]]
         kind = "tilt" if way[3:].any() else "vertical" if abs(way[2]) > 0.5 else "horizontal"
         upright = placement.context.normal is None and abs(way[5]) > 0.5
         stiffness = placement["twist_stiffness" if upright else f"{kind}_stiffness"]
-        found.append(
-            (name, way, stiffness, placement["tilt_damping" if kind == "tilt" else "translation_damping"])
-        )
+        damping = placement["tilt_damping" if kind == "tilt" else "translation_damping"]
+        if kind == "vertical":
+            damping *= placement["vertical_damping_ratio"]
+        if name in ("base y", "base ry"):
+            stiffness *= placement["sideways_ratio" if name == "base y" else "tilt_ratio"]
+        found.append((name, way, stiffness, damping))
     return found
 
 
 def _act(assembly: Assembly, placement: Placement) -> None:
-    for name, _, stiffness, damping in _springs(placement):
-        assembly.add_spring(assembly.row(name), stiffness)
-        assembly.add_damper(assembly.row(name), damping)
+    names, motion = motions(placement.context.normal)
+    own = np.array([assembly.row(name) for name in names])
+    rows = motion.T @ carried(motion, centre_of(placement)) @ own
+    for row, (_, _, stiffness, damping) in zip(rows, _springs(placement), strict=True):
+        assembly.add_spring(row, stiffness)
+        assembly.add_damper(row, damping)
+    middle = _mass_centre(placement)
+    inertia = placement["mass"] * placement["gyration"] ** 2
+    for row, way in zip(motion.T @ carried(motion, middle) @ own, motion.T, strict=True):
+        assembly.add_inertia(row, inertia if way[3:].any() else placement["mass"])
+
+
+def _mass_centre(placement: Placement) -> np.ndarray:
+    return _aside(placement) - placement["mass_below"] * np.array([0.0, 0.0, 1.0])
 
 
 def _extend(draft: Draft, placement: Placement) -> None:
@@ -99,7 +150,11 @@ def _extend(draft: Draft, placement: Placement) -> None:
         joint, turns = draft.fresh(name.replace(" ", "_")), bool(way[3:].any())
         motions.append((joint, way[3:] if turns else way[:3], turns))
         draft.flexible(joint, stiffness, damping)
-    draft.under_root(motions)
+    draft.under_root(motions, centre_of(placement))
+    root = draft.robot.urdf.root
+    inertia = placement["mass"] * placement["gyration"] ** 2 * np.eye(3)
+    body = Body(placement["mass"], _mass_centre(placement), inertia)
+    draft.attach(root, body, name="foundation_mass")
 
 
 EFFECT = Effect(

@@ -85,6 +85,8 @@ class Effect:
     search, and the law takes its place where blows are marched in time (`march`)."""
     turn: Callable[[Assembly, Placement, str, np.ndarray], np.ndarray] | None = None
     """World directions that a sensor truly measures: name of its point, the recorded direction."""
+    aside: Callable[[Placement, str], np.ndarray] | None = None
+    """How far off its recorded place a sensor sits, by its point's name [m, in the frame of the link]."""
     read: Callable[[Placement, Axis], complex | np.ndarray] | None = None
     """ln(reading / motion) of the sensor at `where`."""
     simpler: Mapping[str, Sequence[str]] = field(default_factory=dict)

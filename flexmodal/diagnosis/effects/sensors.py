@@ -9,19 +9,53 @@ import numpy as np
 from jaxtyping import Float
 
 from flexmodal.diagnosis.effects.context import Context
-from flexmodal.diagnosis.effects.effect import Effect, Placement, positive, signed
+from flexmodal.diagnosis.effects.effect import Effect, Placement, along, positive, sides, signed
 from flexmodal.structure import Parameter
 from flexmodal.structure.assembly import Assembly
 from flexmodal.structure.structure import Axis
 
 
+def mounted(context: Context, point: int, values: Mapping[str, float]) -> np.ndarray:
+    """Where the mass centre of a sensor on a point is, in the frame of its link [m].
+
+    Args:
+        context: of the campaign.
+        point: its id.
+        values: among them how far it is off the surface, across the link's axis.
+    """
+    at = context.point(point)
+    _, axis = along(context, at.link)
+    place = np.array(at.xyz)
+    for name, side in zip(("off", "off_beside"), sides(context, at.link, axis), strict=False):
+        place = place + values[name] * side
+    return place
+
+
 def _weigh(assembly: Assembly, placement: Placement) -> None:
+    """The sensor off the surface, and a part of its cable that is taped down at the link's origin."""
+    inertia = placement["gyration"] ** 2
     for number in np.unique(placement.response[:, 0]).tolist():
         point = placement.context.point(number)
         here = placement["mass"] * (placement.response[:, 0] == number)
-        motion = assembly.motion(point.link, np.array(point.xyz))
+        motion = assembly.motion(point.link, mounted(placement.context, number, placement.values))
+        foot = assembly.motion(point.link, np.zeros(3))
         for k in range(3):
             assembly.add_inertia(motion[..., k, :], here)
+            assembly.add_inertia(motion[..., k + 3, :], here * inertia)
+            assembly.add_inertia(foot[..., k, :], here * placement["cable"])
+
+
+def _sensor_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
+    mass = context.arm_mass
+    found = [
+        positive("mass", "kg", 0.01 * mass, 1.2, 1e-6 * mass, mass),
+        signed("off", "m", 0.03, -0.3, 0.3),
+        positive("gyration", "m", 0.01, 1.0, 1e-4, 0.3),
+        positive("cable", "", 0.01, 2.0, 1e-4, 3.0),
+    ]
+    if context.normal is None:
+        found.append(signed("off_beside", "m", 0.03, -0.3, 0.3))
+    return tuple(found)
 
 
 SENSOR_MASS = Effect(
@@ -29,10 +63,8 @@ SENSOR_MASS = Effect(
     says="the accelerometer weighs on the structure and moves with the measurement from point to point",
     looks_like="resonances that shift from one response point to the next",
     places=lambda context: ("sensor",),
-    parameters=lambda context, where: (
-        positive("mass", "kg", 0.01 * context.arm_mass, 1.2, 1e-6 * context.arm_mass, context.arm_mass),
-    ),
-    starts=lambda context, where: [{"mass": 0.005 * context.arm_mass}, {"mass": 0.03 * context.arm_mass}],
+    parameters=_sensor_parameters,
+    starts=lambda context, where: [{"mass": share * context.arm_mass} for share in (0.005, 0.03)],
     act=_weigh,
     variants=("response",),
     untestable=lambda context: (
@@ -60,8 +92,13 @@ DELAYS = (1e-4, 1e-3, 2e-3, 4e-3, 7e-3, 0.011, 0.016)
 """Where fits start [s]: phases beyond half a turn are told apart by these only."""
 
 
+LAGS = (1e-5, 1e-3, 6e-3)
+"""Time constants from which fits start [s]; the first is none to speak of."""
+
+
 def _lag(placement: Placement, axis: Axis) -> np.ndarray:
-    return -axis.s * placement["delay"]
+    """A pure delay behind a low pass of first order."""
+    return -axis.s * placement["delay"] - np.log1p(axis.s * placement["time_constant"])
 
 
 SENSOR_DELAY = Effect(
@@ -69,8 +106,13 @@ SENSOR_DELAY = Effect(
     says="a sensor lags",
     looks_like="a phase that falls in proportion to frequency at one point",
     places=lambda context: context.sensors,
-    parameters=lambda context, where: (signed("delay", "s", 5e-3, -0.03, 0.03),),
-    starts=lambda context, where: [{"delay": delay} for delay in DELAYS],
+    parameters=lambda context, where: (
+        signed("delay", "s", 5e-3, -0.03, 0.03),
+        positive("time_constant", "s", 1e-5, 2.5, 1e-6, 0.1),
+    ),
+    starts=lambda context, where: [
+        {"delay": delay, "time_constant": lag} for delay in (0.0, *DELAYS) for lag in LAGS
+    ],
     read=_lag,
 )
 
@@ -86,20 +128,36 @@ def turned(vector: Float[np.ndarray, "*many 3"], way: Float[np.ndarray, "3"]) ->
 
 
 def _tilt(context: Context, where: str) -> tuple[Parameter, ...]:
+    """Angles, what it reads over what it should besides, and how far it sits off its point."""
+    more = (
+        positive("sensitivity", "", 1.0, 0.1, 0.3, 3.0),
+        signed("off", "m", 0.015, -0.3, 0.3),
+        signed("off_along", "m", 0.015, -0.3, 0.3),
+    )
     if context.normal is not None:
-        return (signed("angle", "rad", 0.3, -1.4, 1.4),)
-    return tuple(signed(f"angle_{axis}", "rad", 0.2, -1.4, 1.4) for axis in "xyz")
+        return (signed("angle", "rad", 0.3, -1.4, 1.4), *more)
+    angles = (signed(f"angle_{axis}", "rad", 0.2, -1.4, 1.4) for axis in "xyz")
+    return (*angles, *more, signed("off_beside", "m", 0.015, -0.3, 0.3))
 
 
 def _turn(assembly: Assembly, placement: Placement, point: str, way: np.ndarray) -> np.ndarray:
     """Fixed to its link, so that it turns with the posture."""
     if point != placement.where:
         return way
-    context = placement.context
+    context, size = placement.context, placement["sensitivity"]
     if context.normal is not None:
-        return turned(placement["angle"] * context.normal, way)
+        return size * turned(placement["angle"] * context.normal, way)
     axes = assembly.axes(context.point(point).link)
-    return turned(axes @ np.array([placement[f"angle_{axis}"] for axis in "xyz"]), way)
+    return size * turned(axes @ np.array([placement[f"angle_{axis}"] for axis in "xyz"]), way)
+
+
+def _aside(placement: Placement, point: str) -> np.ndarray:
+    if point != placement.where:
+        return np.zeros(3)
+    context, at = placement.context, placement.context.point(placement.where)
+    _, axis = along(context, at.link)
+    off = mounted(context, at.id, placement.values) - np.array(at.xyz)
+    return off + placement["off_along"] * axis
 
 
 def _tilt_starts(context: Context, where: str) -> list[Mapping[str, float]]:
@@ -119,4 +177,5 @@ SENSOR_MISALIGNMENT = Effect(
     parameters=_tilt,
     starts=_tilt_starts,
     turn=_turn,
+    aside=_aside,
 )

@@ -150,17 +150,24 @@ class Draft:
         self._hung.append(Hung(link, part.centre, body, joint, slides))
         return joint
 
-    def under_root(self, motions: Sequence[tuple[str, Vector, bool]]) -> None:
-        """Let the root link move: names of new joints, axes, and whether each turns or slides."""
+    def under_root(self, motions: Sequence[tuple[str, Vector, bool]], centre: Vector) -> None:
+        """Let the root link move by new joints.
+
+        Args:
+            motions: names, axes, and whether each turns or slides.
+            centre: where their axes meet, in the frame of the root link [m].
+        """
         root = self.robot.urdf.root
         ground = self.fresh(f"world_{root}")
         self.urdf.add_link(ground, first=True)
-        parent = ground
-        for number, (name, axis, turns) in enumerate(motions, start=1):
-            child = root if number == len(motions) else self._dust(f"{name}_part")
+        parent, xyz = ground, centre
+        for name, axis, turns in motions:
+            child = self._dust(f"{name}_part")
             kind = "revolute" if turns else "prismatic"
-            self.urdf.add_joint(_joint(name, kind, parent, child, axis, np.zeros(3)))
-            parent = child
+            self.urdf.add_joint(_joint(name, kind, parent, child, axis, xyz))
+            parent, xyz = child, np.zeros(3)
+        above = self.fresh(f"{root}_on_its_foundation")
+        self.urdf.add_joint(_joint(above, "fixed", parent, root, np.array([1.0, 0.0, 0.0]), -centre))
         fixed = _rigid(self.robot, root)
         if not any(self.robot.urdf.link_by_name[link].mass for link in fixed):
             size = FOOT * self.arm_mass

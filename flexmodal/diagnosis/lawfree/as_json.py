@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from flexmodal.diagnosis.lawfree.result import Class, Curve, Findings, PlaceTried
+from flexmodal.diagnosis.lawfree.result import Class, Curve, Findings, Found, PlaceTried
 
 
 def look_json(look: Findings) -> dict[str, Any]:
@@ -18,9 +18,19 @@ def look_json(look: Findings) -> dict[str, Any]:
         "needed": look.needed,
         "explains": look.explains,
         "places": [_place(one) for one in look.places],
-        "alike": [[one.port, one.where] for one in look.alike],
-        "curve": None if look.curve is None else _curve(look.curve),
-        "classes": [_class(one) for one in look.classes],
+        "misfit_left": _finite(look.left),
+        "found": [_found(one) for one in look.found],
+    }
+
+
+def _found(one: Found) -> dict[str, Any]:
+    return {
+        "port": one.port,
+        "where": one.where,
+        "misfit_without": _finite(one.without),
+        "alike": [list(key) for key in one.alike],
+        "curve": None if one.curve is None else _curve(one.curve),
+        "classes": [_class(each) for each in one.classes],
     }
 
 

@@ -12,6 +12,7 @@ from flexmodal.diagnosis.effects.added_mass import EFFECT as ADDED_MASS
 from flexmodal.diagnosis.effects.added_mass import place_on
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Placement, along, sides
+from flexmodal.diagnosis.effects.sensors import SENSOR_MASS, mounted
 from flexmodal.diagnosis.lawfree.port import STILL, Patterns, PortKind, tensor, tensor_names
 from flexmodal.structure.assembly import Assembly
 
@@ -89,13 +90,13 @@ GROUND = replace(
 
 
 def _carried_patterns(assembly: Assembly, placement: Placement) -> Patterns:
-    """What moves with the sensor, the same along every axis."""
+    """What moves with the sensor, the same along every axis; off the surface by the port's geometry."""
     context = placement.context
     total = np.zeros((len(placement.posture), *(len(assembly.coordinates),) * 2))
     for number in np.unique(placement.response[:, 0]).tolist():
         point = context.point(number)
         here = (placement.response[:, 0] == number)[:, None, None]
-        motion = assembly.motion(point.link, np.array(point.xyz))[..., :3, :]
+        motion = assembly.motion(point.link, mounted(context, number, placement.values))[..., :3, :]
         total = total + here * (np.swapaxes(motion, -1, -2) @ motion)
     return Patterns(total[None])
 
@@ -109,6 +110,12 @@ CARRIED = PortKind(
         0.1 * ATTACHED * context.arm_mass * (2 * np.pi * frequency) ** 2
     )[None],
     unit="N/m",
-    shape=replace(STILL, variants=("response",)),
+    shape=replace(
+        STILL,
+        variants=("response",),
+        parameters=lambda context, where: tuple(
+            one for one in SENSOR_MASS.parameters(context, where) if one.name.startswith("off")
+        ),
+    ),
     patterns=_carried_patterns,
 )

@@ -36,62 +36,73 @@ class Metric:
         return self.root @ np.concatenate([flat.real, flat.imag])
 
 
-def curve_of(sighting: Sighting) -> tuple[Curve, Metric]:
+def curve_of(sighting: Sighting, number: int = -1) -> tuple[Curve, Metric]:
     """The curve of a port's functions, with the metric on its changes.
 
     Args:
-        sighting: of a port whose functions are the same in all postures.
+        sighting: of ports whose functions are the same in all postures.
+        number: of the port; the last one by default.
     """
-    profile, state = sighting.profile, sighting.state
-    metric = _metric(profile, state)
+    profile, state, span = sighting.profile, sighting.state, sighting.profile.model.spans[number]
+    metric = _metric(profile, state, span)
     spread = np.linalg.pinv(metric.T @ metric, hermitian=True)
-    functions, lines = state.z.shape[1:]
+    port, z, size = sighting.ports[number], state.z[0, span], profile.model.size[span]
+    functions, lines = z.shape
     variance = np.diag(spread).reshape(2, lines, functions).sum(axis=0).T / 2
     scale = max(profile.reduced(state.residual), 1.0)
     model = profile.model
     curve = Curve(
         model.observations.axis.frequency[model.lines],
-        model.port.names,
-        model.port.kind.unit,
-        state.z[0] * model.size,
-        np.sqrt(variance * scale) * model.size,
+        port.names,
+        port.kind.unit,
+        z * size,
+        np.sqrt(variance * scale) * size,
     )
     return curve, Metric(metric)
 
 
-def _metric(profile: Profile, state: State) -> Float[np.ndarray, "value value"]:
+def _metric(profile: Profile, state: State, span: slice) -> Float[np.ndarray, "value value"]:
+    """Of the functions of one port, those of the others eliminated with the robot's parameters."""
     equations = profile.equations(state)
     zz, zp = equations.zz[0], equations.zp[0]  # line function function, line function parameter
     lines, functions = zz.shape[:2]
-    size = lines * functions
-    block = np.zeros((size, size), dtype=complex)
+    block = np.zeros((lines, functions, lines, functions), dtype=complex)
     for line in range(lines):
-        part = slice(line * functions, (line + 1) * functions)
-        block[part, part] = zz[line]
+        block[line, :, line] = zz[line]
+    own = np.zeros(functions, dtype=bool)
+    own[span] = True
+    own = np.tile(np.tile(own, lines), 2)
+    block = block.reshape((lines * functions,) * 2)
     full = np.block([[block.real, -block.imag], [block.imag, block.real]])
-    flat = zp.reshape(size, -1)
+    flat = zp.reshape(len(block), -1)
     pull = np.concatenate([flat.real, flat.imag])  # g = pullᵀ d
     prior = profile.temper(state.residual) * profile.model.space.precision
     full = full - pull @ np.linalg.solve(equations.pp + np.diag(prior + 1e-9), pull.T)
-    value, vector = np.linalg.eigh((full + full.T) / 2)
+    kept = full[np.ix_(own, own)]
+    if not own.all():
+        beside, between = full[np.ix_(~own, ~own)], full[np.ix_(~own, own)]
+        kept = kept - between.T @ np.linalg.lstsq(beside, between, rcond=1e-12)[0]
+    value, vector = np.linalg.eigh((kept + kept.T) / 2)
     return np.asarray(np.sqrt(np.maximum(value, 0.0))[:, None] * vector.T)
 
 
-def classes_of(sighting: Sighting, curve: Curve, metric: Metric) -> tuple[Class, ...]:
+def classes_of(sighting: Sighting, curve: Curve, metric: Metric, number: int = -1) -> tuple[Class, ...]:
     """Classes of physics, the likeliest first.
 
     Args:
-        sighting: of the port.
+        sighting: of the port, perhaps with others.
         curve: of its functions.
         metric: on its changes.
+        number: of the port; the last one by default.
     """
-    model, state = sighting.profile.model, sighting.state
+    span = sighting.profile.model.spans[number]
+    size = sighting.profile.model.size[span]
     omega = 2 * np.pi * curve.frequency
-    target = metric.of(state.z[0])
+    target = metric.of(sighting.state.z[0, span])
     count = len(target)
     fits = [
-        (template, *_fitted(template, omega, model.size, metric, target))
-        for template in templates_for(sighting.port)
+        (template, *_fitted(template, omega, size, metric, target))
+        for template in templates_for(sighting.ports[number])
     ]
     spare = [max(count - _parameters(template, len(curve.names)), 1) for template, *_ in fits]
     least = min(2 * square / free for (_, square, *_), free in zip(fits, spare, strict=True))

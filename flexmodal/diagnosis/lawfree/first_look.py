@@ -1,34 +1,49 @@
-"""The law-free look at the start of every diagnosis of FRFs."""
+"""The law-free look at the start of every diagnosis of FRFs: for one place, and for several if need be."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
 
 from flexmodal.diagnosis.lawfree.findings import summed_up
-from flexmodal.diagnosis.lawfree.look import law_free
+from flexmodal.diagnosis.lawfree.look import Field
+from flexmodal.diagnosis.lawfree.pursuit import LawFree, alone, pursued
 from flexmodal.diagnosis.lawfree.result import Findings
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.setup import Setup
 
 
-def looked_freely(
-    setup: Setup, root: FittedFrfs, *, by_force: bool, advance: Callable[[str, float], None]
-) -> Findings:
-    """Look without a law.
+@dataclass(frozen=True, eq=False)
+class LooksWithoutLaw:
+    """Both looks, each taken when it is asked for."""
 
-    Args:
-        setup: what the diagnosis works with.
-        root: the robot re-tuned.
-        by_force: whether FRFs change with the force of the blow.
-        advance: called with what is being done and the part of it that is done.
-    """
-    held = setup.observations.keeping(setup.held) if setup.held.any() else None
-    look = law_free(
-        root.hypothesis,
-        root.x,
-        setup.fitted,
-        held,
-        by_force=by_force,
-        advance=lambda part: advance("looking without a law", part),
-    )
-    return summed_up(look)
+    setup: Setup
+    """What the diagnosis works with."""
+    root: FittedFrfs
+    """The robot re-tuned."""
+    by_force: bool
+    """Whether FRFs change with the force of the blow."""
+    advance: Callable[[str, float], None]
+    """Called with what is being done and the part of it that is done."""
+
+    @cached_property
+    def _field(self) -> Field:
+        setup, root = self.setup, self.root
+        held = setup.observations.keeping(setup.held) if setup.held.any() else None
+        return Field.of(root.hypothesis, root.x, setup.fitted, held, by_force=self.by_force)
+
+    @cached_property
+    def _alone(self) -> LawFree:
+        return alone(self._field, lambda part: self.advance("looking without a law", part))
+
+    @cached_property
+    def one(self) -> Findings:
+        """For one place."""
+        return summed_up(self._alone)
+
+    @cached_property
+    def several(self) -> Findings:
+        """For as many as it takes."""
+        doing = "looking without a law for several places"
+        return summed_up(pursued(self._field, self._alone, lambda part: self.advance(doing, part)))

@@ -1,9 +1,10 @@
-"""The law-free look: every port in every place, judged on postures that the fit has not seen."""
+"""One round of the law-free look: every port in every place, judged on postures that the fit has not seen."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -42,35 +43,42 @@ SMALLEST = 5e-4
 
 @dataclass(frozen=True, eq=False)
 class Sighting:
-    """A port, fitted."""
+    """Ports with free functions, fitted together."""
 
-    port: Port
+    ports: tuple[Port, ...]
     misfit: float
     """Root of the reduced χ² on the postures fitted, in units of the noise of the averages; about 0.6 if
     perfect, since Huber's function and the smallest model error take their part."""
     apart: float | None
     """The same on the postures held out; None where there are none, or the functions differ by posture."""
     unknowns: int
-    """Functions, and parameters of the port's geometry."""
+    """Functions, and parameters of the ports' geometry."""
     profile: Profile
     state: State
 
     @property
+    def port(self) -> Port:
+        """The one that came last."""
+        return self.ports[-1]
+
+    @property
     def judged(self) -> float:
-        """The larger of both."""
+        """The larger of both misfits."""
         return self.misfit if self.apart is None else max(self.misfit, self.apart)
 
 
 @dataclass(frozen=True, eq=False)
-class LawFree:
-    """What a law-free look found."""
+class Round:
+    """Ports tried beside others that are there already."""
 
-    believed: float
-    """Misfit of the re-tuned robot without any port."""
     sightings: tuple[Sighting, ...]
     """The best first."""
-    alike: tuple[Sighting, ...]
-    """What cannot be told apart from the best, itself included; the simplest first."""
+
+    @cached_property
+    def alike(self) -> tuple[Sighting, ...]:
+        """What cannot be told apart from the best, itself included; the simplest first."""
+        found = [one for one in self.sightings if one.judged <= ALIKE * self.sightings[0].judged]
+        return tuple(sorted(found, key=lambda one: (one.unknowns, one.judged)))
 
     @property
     def best(self) -> Sighting:
@@ -78,48 +86,127 @@ class LawFree:
         return self.alike[0]
 
 
-def law_free(
-    root: Hypothesis,
-    x: Float[np.ndarray, " parameter"],
-    fitted: Observations,
-    held: Observations | None,
-    *,
-    by_force: bool = False,
-    kinds: Sequence[PortKind] = KINDS,
-    advance: Callable[[float], None] = lambda part: None,
-) -> LawFree:
-    """Look for the place of what is missing without a law for it.
+@dataclass(frozen=True, eq=False)
+class Field:
+    """What is looked at: observations to fit and to judge, and the ports that might be in them."""
 
-    Args:
-        root: the robot, perhaps with effects that are named already.
-        x: its coordinates, re-tuned.
-        fitted: observations that the functions are fitted to.
-        held: observations of other postures that judge; None where there are none.
-        by_force: whether FRFs change with the force of the blow; torques that do so are tried then.
-        kinds: sorts of ports.
-        advance: called with the part that is done.
-    """
-    seen = look_at(endless(fitted, root, x))
-    away = None if held is None or not len(held) else look_at(endless(held, root, x))
-    ports = [Port.at(kind, where, root.context) for kind in kinds for where in kind.places(root.context)]
-    first = []
-    for number, port in enumerate(ports):
-        model = PortedModel.of(port, root, seen.merged, seen.lines[::SCREEN_LINES])
-        profile, state = profiled(model, floors=SCREENED, steps=SCREEN_STEPS)
-        first.append((profile.reduced(state.residual), port))
-        advance(0.6 * (number + 1) / len(ports))
-    first.sort(key=lambda one: one[0])
-    kept = _kept(first)
-    if by_force:
-        kept += [Port.at(TORQUE, where, root.context) for where in TORQUE.places(root.context)]
-    found = []
-    for number, port in enumerate(kept):
-        found.append(sighted(port, root, seen, away))
-        advance(0.6 + 0.4 * (number + 1) / len(kept))
-    found.sort(key=lambda one: one.judged)
-    alike = [one for one in found if one.judged <= ALIKE * found[0].judged]
-    alike.sort(key=lambda one: (one.unknowns, one.judged))
-    return LawFree(_without(root, seen), tuple(found), tuple(alike))
+    root: Hypothesis
+    seen: Look
+    away: Look | None
+    ports: tuple[Port, ...]
+    torques: tuple[Port, ...]
+    """Those that depend on the blow."""
+
+    @classmethod
+    def of(
+        cls,
+        root: Hypothesis,
+        x: Float[np.ndarray, " parameter"],
+        fitted: Observations,
+        held: Observations | None,
+        *,
+        by_force: bool = False,
+        kinds: Sequence[PortKind] = KINDS,
+    ) -> Field:
+        """Lay it out.
+
+        Args:
+            root: the robot, perhaps with effects that are named already.
+            x: its coordinates, re-tuned.
+            fitted: observations that the functions are fitted to.
+            held: observations of other postures that judge; None where there are none.
+            by_force: whether FRFs change with the force of the blow; torques that do so are tried then.
+            kinds: sorts of ports.
+        """
+        return cls(
+            root,
+            look_at(endless(fitted, root, x)),
+            None if held is None or not len(held) else look_at(endless(held, root, x)),
+            _every(kinds, root),
+            _every([TORQUE], root) if by_force else (),
+        )
+
+    @cached_property
+    def bare(self) -> float:
+        """Misfit without any port: a reading that is nothing."""
+        return self.sighted((Port.at(NOTHING, "", self.root.context),)).misfit
+
+    def round(
+        self,
+        before: Sighting | None = None,
+        ports: Sequence[Port] | None = None,
+        advance: Callable[[float], None] = lambda part: None,
+    ) -> Round:
+        """Every port in turn, those that do best fitted well.
+
+        Args:
+            before: ports that are there already.
+            ports: those that are tried, all of them fitted well; everything that might be there by default.
+            advance: called with the part that is done.
+        """
+        taken = {port.key for port in before.ports} if before else set()
+        if ports is None:
+            kept = self._screened(before, taken, lambda part: advance(0.6 * part))
+            kept += [port for port in self.torques if port.key not in taken]
+        else:
+            kept = [port for port in ports if port.key not in taken]
+        found = []
+        for number, port in enumerate(kept):
+            found.append(self.sighted((port,), before))
+            advance(0.6 + 0.4 * (number + 1) / len(kept))
+        return Round(tuple(sorted(found, key=lambda one: one.judged)))
+
+    def _screened(
+        self, before: Sighting | None, taken: set[tuple[str, str]], advance: Callable[[float], None]
+    ) -> list[Port]:
+        """Those of all ports that go on, after a look at a part of the lines."""
+        state, first = None, []
+        if before is not None:
+            state = replace(before.state, z=before.state.z[..., ::SCREEN_LINES])
+        for number, port in enumerate(self.ports):
+            if port.key not in taken:
+                ports = (*(before.ports if before else ()), port)
+                model = PortedModel.of(ports, self.root, self._seen(ports), self.seen.lines[::SCREEN_LINES])
+                profile, found = profiled(model, state, floors=SCREENED, steps=SCREEN_STEPS)
+                first.append((profile.reduced(found.residual), port))
+            advance((number + 1) / len(self.ports))
+        first.sort(key=lambda one: one[0])
+        return _kept(first)
+
+    def _seen(self, ports: Sequence[Port]) -> Observations:
+        return self.seen.apart if any(port.kind.by_blow for port in ports) else self.seen.merged
+
+    def sighted(self, ports: tuple[Port, ...], before: Sighting | None = None) -> Sighting:
+        """Ports fitted well and judged.
+
+        Args:
+            ports: which; one after the other where there are several.
+            before: others that are there already.
+        """
+        *first, port = ports
+        if first:
+            before = self.sighted(tuple(first), before)
+        every = (*(before.ports if before else ()), port)
+        observations, lines = self._seen(every), self.seen.lines
+        model = PortedModel.of(every, self.root, observations, lines)
+        noise = noise_of(observations, lines)
+        state = None if before is None else before.state
+        profile, state = profiled(model, state, floors=(*FLOORS, noise), steps=STEPS)
+        apart = None
+        if self.away is not None and model.cells == 1:
+            other = Profile(PortedModel.of(every, self.root, self.away.merged, lines), noise)
+            residual = other.state(state.x, state.z).residual
+            apart = float(np.sqrt(other.mean(residual))) if residual.size else np.inf
+        dropped = len(observations) - len(model.observations)
+        unknowns = max(len(model.names), dropped) + len(model.space) - len(self.root.space)
+        return Sighting(
+            every, float(np.sqrt(profile.reduced(state.residual))), apart, unknowns, profile, state
+        )
+
+
+def _every(kinds: Sequence[PortKind], root: Hypothesis) -> tuple[Port, ...]:
+    context = root.context
+    return tuple(Port.at(kind, where, context) for kind in kinds for where in kind.places(context))
 
 
 def _kept(first: Sequence[tuple[float, Port]]) -> list[Port]:
@@ -134,29 +221,6 @@ def _kept(first: Sequence[tuple[float, Port]]) -> list[Port]:
     return kept
 
 
-def sighted(port: Port, root: Hypothesis, seen: Look, away: Look | None) -> Sighting:
-    """A port fitted well and judged.
-
-    Args:
-        port: which.
-        root: the robot.
-        seen: observations to fit.
-        away: of other postures, to judge.
-    """
-    observations = seen.apart if port.kind.by_blow else seen.merged
-    model = PortedModel.of(port, root, observations, seen.lines)
-    noise = noise_of(observations, seen.lines)
-    profile, state = profiled(model, floors=(*FLOORS, noise), steps=STEPS)
-    apart = None
-    if away is not None and not port.kind.by_blow:
-        other = Profile(PortedModel.of(port, root, away.merged, seen.lines), noise)
-        residual = other.state(state.x, state.z).residual
-        apart = float(np.sqrt(other.mean(residual))) if residual.size else np.inf
-    dropped = len(observations) - len(model.observations)
-    unknowns = max(len(port.names), dropped) + len(model.space) - len(root.space)
-    return Sighting(port, float(np.sqrt(profile.reduced(state.residual))), apart, unknowns, profile, state)
-
-
 def noise_of(observations: Observations, lines: Int[np.ndarray, " line"]) -> float:
     """Typical noise of the averages: the model error at which fits are judged.
 
@@ -168,11 +232,3 @@ def noise_of(observations: Observations, lines: Int[np.ndarray, " line"]) -> flo
     if not used.any():
         return SMALLEST
     return max(0.5 * float(np.sqrt(np.median(observations.variance[:, lines][used]))), SMALLEST)
-
-
-def _without(root: Hypothesis, seen: Look) -> float:
-    """Misfit without any port: a reading that is nothing."""
-    port = Port.at(NOTHING, "", root.context)
-    model = PortedModel(port, root, seen.merged, seen.lines)
-    profile, state = profiled(model, floors=(*FLOORS, noise_of(seen.merged, seen.lines)), steps=STEPS)
-    return float(np.sqrt(profile.reduced(state.residual)))

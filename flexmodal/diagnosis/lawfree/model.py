@@ -1,4 +1,4 @@
-"""The believed robot with a port, as residuals of its FRFs and their derivatives line by line."""
+"""The believed robot with ports, as residuals of its FRFs and their derivatives line by line."""
 
 from __future__ import annotations
 
@@ -40,7 +40,8 @@ class Slopes:
 class PortedModel:
     """Residuals ln(model / measurement) of some observations on some lines."""
 
-    port: Port
+    ports: tuple[Port, ...]
+    """Whose functions are free, one after the other."""
     root: Hypothesis
     """What is believed, perhaps with effects that are named already."""
     observations: Observations
@@ -48,43 +49,63 @@ class PortedModel:
 
     @classmethod
     def of(
-        cls, port: Port, root: Hypothesis, observations: Observations, lines: Int[np.ndarray, " line"]
+        cls,
+        ports: Sequence[Port],
+        root: Hypothesis,
+        observations: Observations,
+        lines: Int[np.ndarray, " line"],
     ) -> PortedModel:
-        """Of the observations that the port leaves in.
+        """Of the observations that the ports leave in.
 
         Args:
-            port: which.
+            ports: which.
             root: what is believed.
             observations: all of them.
             lines: numbers of those that are looked at.
         """
-        if port.kind.drops and port.kind.reads is not None:
-            observations = observations.keeping(~port.kind.reads(observations, root.context, port.where))
-        return cls(port, root, observations, lines)
+        for port in ports:
+            if port.kind.drops and port.kind.reads is not None:
+                observations = observations.keeping(~port.kind.reads(observations, root.context, port.where))
+        return cls(tuple(ports), root, observations, lines)
 
     @cached_property
     def hypothesis(self) -> Hypothesis:
-        """With the coordinates of the port."""
-        return self.root.and_also(Placed(self.port.kind.shape, self.port.where))
+        """With the coordinates of the ports."""
+        found = self.root
+        for port in self.ports:
+            found = found.and_also(Placed(port.kind.motions, port.where))
+        return found
 
     @cached_property
     def size(self) -> Float[np.ndarray, "function line"]:
         """Scale of the functions."""
         frequency = self.observations.axis.frequency[self.lines]
-        return self.port.kind.sizes(self.root.context, self.port.where, frequency)
+        context = self.root.context
+        return np.concatenate([port.kind.sizes(context, port.where, frequency) for port in self.ports])
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """Of the functions."""
+        return tuple(name for port in self.ports for name in port.names)
+
+    @cached_property
+    def spans(self) -> tuple[slice, ...]:
+        """The functions of each port."""
+        ends = np.cumsum([len(port.names) for port in self.ports]).tolist()
+        return tuple(slice(end - len(port.names), end) for end, port in zip(ends, self.ports, strict=True))
 
     @cached_property
     def cell(self) -> Int[np.ndarray, " observation"]:
         """The cell of each observation."""
         seen = self.observations
-        if not self.port.kind.by_blow:
+        if not any(port.kind.by_blow for port in self.ports):
             return np.zeros(len(seen), dtype=int)
         key = np.column_stack([seen.posture, seen.level, seen.reference])
         return np.asarray(np.unique(key, axis=0, return_inverse=True)[1]).ravel()
 
     @property
     def space(self) -> ParameterSpace:
-        """The robot's parameters, those of effects that are named already, and the port's geometry."""
+        """The robot's parameters, those of effects that are named already, and the geometry of the ports."""
         return self.hypothesis.space
 
     @property
@@ -94,7 +115,7 @@ class PortedModel:
 
     def zero(self) -> Unknown:
         """Nothing is missing."""
-        return np.zeros((self.cells, len(self.port.names), len(self.lines)), dtype=complex)
+        return np.zeros((self.cells, len(self.names), len(self.lines)), dtype=complex)
 
     def residual(
         self, x: Float[np.ndarray, " parameter"], z: Unknown
@@ -113,7 +134,7 @@ class PortedModel:
         """Residuals with derivatives."""
         shape = len(self.observations), len(self.lines)
         found = np.zeros(shape, dtype=complex)
-        along = np.zeros((*shape, len(self.port.names)), dtype=complex)
+        along = np.zeros((*shape, len(self.names)), dtype=complex)
         parameters = np.zeros((len(self.space), *shape), dtype=complex)
         for group in self.hypothesis.groups(x, self.observations, slopes=True):
             ported, log, more = self._solved(group, x, z, slopes=True)
@@ -122,15 +143,14 @@ class PortedModel:
             safe = np.where(plain == 0, np.inf, plain)
             measured = self.observations.value[rows][:, self.lines]
             found[rows] = residual((plain * np.exp(log))[part.entry], measured)
-            if self.port.kind.patterns is not None:
-                along[rows] = (self._along(group, x, ported) / safe[:, :, None])[part.entry]
+            along[rows] = (self._along(group, x, ported) / safe[:, :, None])[part.entry]
             flat = ported.slopes(1 / safe)
             relative = flat[:, :, 0] + 1j * flat[:, :, 1]
             for number, slope in more.items():
                 relative[number] += slope
             parameters[:, rows] = relative[:, part.entry]
-        if self.port.kind.reads is not None and not self.port.kind.drops:
-            along[self._seen(), :, 0] = self.size[0]
+        for seen, number in self._readings:
+            along[seen, :, number] = self.size[number]
         return Slopes(self._read(found, z), along, parameters)
 
     # the unknown in the structure
@@ -146,50 +166,81 @@ class PortedModel:
         log, more = group.reading(axis)
         return ported, log, dict(more)
 
-    def _patterns(self, group: Group, x: np.ndarray) -> Patterns:
-        assert self.port.kind.patterns is not None
-        return self.port.kind.patterns(*self.hypothesis.placed_in(group.part, x)[-1])
-
-    def _ports(self, group: Group, x: np.ndarray, z: Unknown, *, slopes: bool) -> Sequence[StructurePort]:
-        if self.port.kind.patterns is None:
-            return []
-        patterns = self._patterns(group, x)
-        value = z[self._of_systems(group)] * self.size  # system, function, line
-        if patterns.compliance is not None:
-            return [
-                CompliancePort(i, np.einsum("f,sfl->sl", patterns.compliance[:, i, j], value), j)
-                for i, j in _pairs(patterns.compliance)
-            ]
-        assert patterns.stiffness is not None
-        moved = self._moved(group, x) if slopes else None
+    def _patterns(self, group: Group, x: np.ndarray) -> list[Patterns | None]:
+        """Of each port; None of one in a reading."""
+        placed = self.hypothesis.placed_in(group.part, x)[len(self.root.placed) :]
         return [
-            StiffnessPort(pattern, value[:, k], None if moved is None else (moved[0], moved[1][:, k]))
-            for k, pattern in enumerate(patterns.stiffness)
+            None if port.kind.patterns is None else port.kind.patterns(*here)
+            for port, here in zip(self.ports, placed, strict=True)
         ]
 
-    def _moved(self, group: Group, x: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
-        """Derivatives of the patterns along the port's geometry [parameter function system dof dof]."""
-        numbers = np.arange(len(self.root.space), len(self.space))
-        if not numbers.size:
-            return None
-        found = []
-        for number in numbers.tolist():
-            step = np.where(np.arange(len(x)) == number, _STEP, 0.0)
-            ahead, behind = (self._patterns(group, x + way * step).stiffness for way in (1, -1))
-            assert ahead is not None
-            assert behind is not None
-            found.append((ahead - behind) / (2 * _STEP))
-        return numbers, np.array(found)
+    def _ports(self, group: Group, x: np.ndarray, z: Unknown, *, slopes: bool) -> Sequence[StructurePort]:
+        value = z[self._of_systems(group)] * self.size  # system, function, line
+        moved = self._moved(group, x) if slopes else {}
+        found: list[StructurePort] = []
+        for number, (patterns, span) in enumerate(zip(self._patterns(group, x), self.spans, strict=True)):
+            own = value[:, span]
+            if patterns is None:
+                continue
+            if patterns.compliance is not None:
+                found += [
+                    CompliancePort(i, np.einsum("f,sfl->sl", patterns.compliance[:, i, j], own), j)
+                    for i, j in _pairs(patterns.compliance)
+                ]
+            if patterns.stiffness is not None:
+                of_port = moved.get(number)
+                found += [
+                    StiffnessPort(
+                        pattern, own[:, k], None if of_port is None else (of_port[0], of_port[1][:, k])
+                    )
+                    for k, pattern in enumerate(patterns.stiffness)
+                ]
+        return found
+
+    def _moved(self, group: Group, x: np.ndarray) -> dict[int, tuple[np.ndarray, np.ndarray]]:
+        """Derivatives of the patterns of ports along their geometry [parameter function system dof dof]."""
+        found = {}
+        for port, numbers in enumerate(self._geometry):
+            changes = []
+            for number in numbers.tolist():
+                step = np.where(np.arange(len(x)) == number, _STEP, 0.0)
+                ahead, behind = (self._patterns(group, x + way * step)[port] for way in (1, -1))
+                assert ahead is not None
+                assert behind is not None
+                assert ahead.stiffness is not None
+                assert behind.stiffness is not None
+                changes.append((ahead.stiffness - behind.stiffness) / (2 * _STEP))
+            if changes:
+                found[port] = numbers, np.array(changes)
+        return found
+
+    @cached_property
+    def _geometry(self) -> list[Int[np.ndarray, " parameter"]]:
+        """Numbers of the parameters of each port."""
+        context, begin, found = self.root.context, len(self.root.space), []
+        for port in self.ports:
+            count = len(port.kind.motions.parameters(context, port.where))
+            found.append(np.arange(begin, begin + count))
+            begin += count
+        return found
 
     def _along(
         self, group: Group, x: np.ndarray, ported: Ported
     ) -> Complex[np.ndarray, "entry line function"]:
-        """Derivatives of the receptances along the functions in their sizes."""
-        patterns = self._patterns(group, x)
-        each = np.stack([ported.along(k) for k in range(len(ported.ports))], axis=-1)  # entry line port
-        if patterns.compliance is not None:
-            each = each @ np.array([patterns.compliance[:, i, j] for i, j in _pairs(patterns.compliance)])
-        return np.asarray(each * self.size.T)
+        """Derivatives of the receptances along the functions in their sizes; 0 along those of readings."""
+        found = np.zeros((len(group.part.entries.table), len(self.lines), len(self.names)), dtype=complex)
+        taken = 0
+        for patterns, span in zip(self._patterns(group, x), self.spans, strict=True):
+            if patterns is None:
+                continue
+            pairs = [] if patterns.compliance is None else _pairs(patterns.compliance)
+            count = len(pairs) if patterns.stiffness is None else len(patterns.stiffness)
+            each = np.stack([ported.along(taken + k) for k in range(count)], axis=-1)  # entry line port
+            if patterns.compliance is not None:
+                each = each @ np.array([patterns.compliance[:, i, j] for i, j in pairs])
+            found[..., span] = each * self.size[span].T
+            taken += count
+        return found
 
     def _of_systems(self, group: Group) -> Int[np.ndarray, " system"]:
         """The cell of each system of a part."""
@@ -200,16 +251,19 @@ class PortedModel:
 
     # the unknown in a reading
 
-    def _seen(self) -> np.ndarray:
-        assert self.port.kind.reads is not None
-        return self.port.kind.reads(self.observations, self.root.context, self.port.where)
+    @cached_property
+    def _readings(self) -> list[tuple[np.ndarray, int]]:
+        """Observations that a function multiplies, and its number."""
+        return [
+            (port.kind.reads(self.observations, self.root.context, port.where), span.start)
+            for port, span in zip(self.ports, self.spans, strict=True)
+            if port.kind.reads is not None and not port.kind.drops
+        ]
 
     def _read(self, found: np.ndarray, z: Unknown) -> np.ndarray:
-        if self.port.kind.reads is None or self.port.kind.drops:
-            return found
-        seen = self._seen()
-        found[seen] += z[self.cell[seen], 0] * self.size[0]
-        found.imag[seen] = (found.imag[seen] + np.pi) % (2 * np.pi) - np.pi
+        for seen, number in self._readings:
+            found[seen] += z[self.cell[seen], number] * self.size[number]
+            found.imag[seen] = (found.imag[seen] + np.pi) % (2 * np.pi) - np.pi
         return found
 
 

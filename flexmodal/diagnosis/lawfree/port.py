@@ -10,7 +10,8 @@ and law identifiable from a few points).
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from itertools import combinations_with_replacement
 
 import numpy as np
@@ -61,6 +62,11 @@ class PortKind:
     """Whether these are left out instead, as if each had a function of its own."""
     by_blow: bool = False
     """Whether the function is another one in each posture and under each kind of blow."""
+
+    @cached_property
+    def motions(self) -> Effect:
+        """Its shape by the name of its kind, so that ports of several kinds can be in one place."""
+        return replace(self.shape, name=self.name)
 
 
 @dataclass(frozen=True, eq=False)

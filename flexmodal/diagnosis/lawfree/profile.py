@@ -66,6 +66,8 @@ class Profile:
     floor: float
     pooled: bool = False
     """Whether a function is one number over all lines, in its size."""
+    still: int = 0
+    """Functions, the first so many, that stay as they are."""
 
     @cached_property
     def weight(self) -> Float[np.ndarray, "observation line"]:
@@ -150,6 +152,12 @@ class Profile:
         pull = (slopes.residual * np.sqrt(w)).ravel()
         lines = len(self.model.lines) if self.pooled else 1
         own = state.z.mean(axis=2, keepdims=True) if self.pooled else state.z
+        zz, zp, z, own = (
+            zz[..., self.still :, self.still :],
+            zp[..., self.still :, :],
+            z[..., self.still :],
+            own[:, self.still :],
+        )
         functions = zz.shape[-1]
         return Equations(
             zz + lines * RIDGE * np.eye(functions),
@@ -216,8 +224,9 @@ class Profile:
         if free.any():
             step[free] = -np.linalg.solve(schur[np.ix_(free, free)], right[free])
         step *= min(1.0, 1.0 / max(float(np.max(np.abs(step), initial=0.0)), 1e-300))
-        along = -(solved[..., -1] + solved[..., :-1] @ step)
-        return step, np.broadcast_to(np.swapaxes(along, 1, 2), state.z.shape)
+        along = np.zeros(state.z.shape, dtype=complex)
+        along[:, self.still :] = -np.swapaxes(solved[..., -1] + solved[..., :-1] @ step, 1, 2)
+        return step, along
 
     def _each(self, r: np.ndarray) -> Float[np.ndarray, "observation line"]:
         return robust(self.weight * np.abs(r) ** 2)
@@ -243,17 +252,22 @@ def _offers(z: Unknown) -> list[Unknown]:
 
 
 def profiled(
-    model: PortedModel, *, floors: tuple[float, ...] = FLOORS, steps: int = 8
+    model: PortedModel,
+    before: State | None = None,
+    *,
+    floors: tuple[float, ...] = FLOORS,
+    steps: int = 8,
 ) -> tuple[Profile, State]:
     """Fit a ported model: constants first, then free at every line.
 
     Args:
         model: to be fitted.
+        before: where a fit with all its ports but the last ended, on the same lines.
         floors: relative model errors, lowered one after the other.
         steps: most at each of them.
     """
     profile = Profile(model, floors[0])
-    state = _constant(model, floors[0], steps)
+    state = _constant(model, before, floors[0], steps)
     for floor in floors:
         profile = replace(profile, floor=floor)
         state = profile.descended(profile.state(state.x, state.z), steps)
@@ -261,12 +275,18 @@ def profiled(
     return profile, profile.descended(state, steps)
 
 
-def _constant(model: PortedModel, floor: float, steps: int) -> State:
-    """The best of constants; many starts are looked at, few followed."""
-    pooled = Profile(model, floor, pooled=True)
-    card, none = np.zeros(len(model.space)), model.zero()
-    tried = model.port.kind.starts(model.root.context, model.port.where)
-    states = [pooled.state(card, none + np.array(start)[:, None]) for start in tried]
-    best = sorted((one for one in states if np.isfinite(one.cost)), key=lambda one: one.cost)[:FOLLOWED]
-    found = [pooled.descended(one, steps) for one in (pooled.state(card, none), *best)]
+def _constant(model: PortedModel, before: State | None, floor: float, steps: int) -> State:
+    """The best of constants for the last port's functions; many starts are looked at, few followed."""
+    x, none, port = np.zeros(len(model.space)), model.zero(), model.ports[-1]
+    still = model.spans[-1].start
+    if before is not None:
+        x[: len(before.x)], none[:, :still] = before.x, before.z
+    pooled = Profile(model, floor, pooled=True, still=still)
+    states = [pooled.state(x, none)]
+    for start in port.kind.starts(model.root.context, port.where):
+        z = none.copy()
+        z[:, still:] = np.array(start)[:, None]
+        states.append(pooled.state(x, z))
+    best = sorted((one for one in states[1:] if np.isfinite(one.cost)), key=lambda one: one.cost)[:FOLLOWED]
+    found = [pooled.descended(one, steps) for one in (states[0], *best)]
     return min(found, key=lambda one: one.cost)

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Complex, Float
+from scipy.optimize import linear_sum_assignment
 
 NEAR = 2.5
 """Times the misfit of the best port, up to which an effect at another one is still fitted."""
@@ -26,18 +27,25 @@ PORT_OF: Mapping[str, str] = {
     "nonlinear_stiffness": "torque",
 }
 """The kind of port that each effect of the catalogue sits at."""
-_ELASTIC = ("spring", "spring and damper", "spring with constant loss")
+_WIDER = {"channel": "sensor", "blows": "hammer", "coupling": "joint"}
+"""Kinds of port that can do whatever one of another kind in the same place can."""
+_ELASTIC = ("spring", "spring and damper", "spring with constant loss", "spring, damper and mass")
 CLASSES_OF: Mapping[str, tuple[str, ...]] = {
-    "joint_coupling": ("spring", "spring and damper", "relaxation"),
+    "joint_coupling": (
+        "spring",
+        "spring and damper",
+        "relaxation",
+        "something in series, with a resonance of its own",
+    ),
     "structural_damping": ("constant loss", "relaxation"),
     "base_flexibility": _ELASTIC,
     "link_flexibility": _ELASTIC,
     "added_mass": ("mass",),
     "local_absorber": ("resonance",),
     "servo_compliance": ("resonance", "something in series, with a resonance of its own", "relaxation"),
-    "sensor_mass": ("mass",),
-    "sensor_gain": ("gain",),
-    "time_delay": ("delay",),
+    "sensor_mass": ("mass", "resonance"),
+    "sensor_gain": ("gain", "gain and phase"),
+    "time_delay": ("delay", "gain and delay", "low pass and gain"),
 }
 """The classes that its curve can be of; effects that are not listed have no common curve to be of a class."""
 
@@ -95,47 +103,22 @@ class PlaceTried:
 
 
 @dataclass(frozen=True, eq=False)
-class Findings:
-    """A law-free look in short."""
+class Found:
+    """One of the ports that together explain what they can."""
 
-    alone: float
-    """Misfit of the re-tuned robot without any port."""
-    places: tuple[PlaceTried, ...]
-    """The best first."""
-    alike: tuple[PlaceTried, ...]
-    """Those that cannot be told from the best; the simplest first."""
-    explains: bool
-    """Whether a port takes what is missing down to the noise."""
-    needed: bool
-    """Whether anything is gained by one."""
+    port: str
+    """Kind."""
+    where: str
+    says: str
+    """What it would be, for people."""
+    without: float
+    """Misfit of the others alone; of the re-tuned robot where there are none."""
+    alike: tuple[tuple[str, str], ...]
+    """Kind and place of what cannot be told from it, itself among them; the simplest first."""
     curve: Curve | None
-    """Of the simplest of the best; None where it has no function in common."""
+    """None where it has no function in common to all postures."""
     classes: tuple[Class, ...]
     """Those that its curve may be of, the likeliest first; empty where it is of none."""
-    says: str
-
-    @property
-    def share(self) -> float:
-        """Part of what the robot alone leaves above the noise that the best port takes."""
-        return 1.0 - max(self.best.judged**2 - 1.0, 0.0) / max(self.alone**2 - 1.0, 1e-300)
-
-    @property
-    def best(self) -> PlaceTried:
-        """The simplest of the best."""
-        return self.alike[0]
-
-    def worth_trying(self, effect: str, where: str) -> bool:
-        """Whether an effect is to be fitted at a place at all; everything is where no port explains enough.
-
-        Args:
-            effect: its name; those that no port stands for are tried always.
-            where: its place.
-        """
-        port = PORT_OF.get(effect)
-        if not self.explains or port is None:
-            return True
-        limit = NEAR * self.places[0].judged
-        return any((one.port, one.where) == (port, where) and one.judged <= limit for one in self.places)
 
     def could_be(self, effect: str, where: str) -> bool:
         """Whether the place and the class allow for an effect of the catalogue.
@@ -144,7 +127,77 @@ class Findings:
             effect: its name.
             where: its place.
         """
-        here = any((one.port, one.where) == (PORT_OF.get(effect), where) for one in self.alike)
-        if not here or effect not in CLASSES_OF or self.best.where != where:
+        here = (PORT_OF.get(effect), where) in self.alike
+        if not here or effect not in CLASSES_OF or self.where != where:
             return here
         return any(one.name in CLASSES_OF[effect] for one in self.classes)
+
+    def surely(self, effect: str) -> bool:
+        """Whether nothing else can be in its place and its curve tells the class of an effect.
+
+        Args:
+            effect: its name.
+        """
+        others = [key for key in self.alike if not holds(key, (self.port, self.where))]
+        return effect in CLASSES_OF and not others
+
+
+@dataclass(frozen=True, eq=False)
+class Findings:
+    """A law-free look in short."""
+
+    alone: float
+    """Misfit of the re-tuned robot without any port."""
+    left: float
+    """With all that were found: the larger of those on postures fitted and held out."""
+    places: tuple[PlaceTried, ...]
+    """Each for itself, the best first."""
+    found: tuple[Found, ...]
+    """Those that are needed, in the order in which they were found."""
+    explains: bool
+    """Whether they take what is missing down to the noise."""
+    needed: bool
+    """Whether anything is gained by one."""
+    says: str
+
+    @property
+    def place(self) -> str:
+        """Where the first one is."""
+        return self.found[0].where
+
+    def worth_trying(self, effect: str, where: str) -> bool:
+        """Whether an effect is to be fitted at a place at all.
+
+        Args:
+            effect: its name; those that no port stands for are tried always.
+            where: its place.
+        """
+        port = PORT_OF.get(effect)
+        if port is None or any((port, where) in one.alike for one in self.found):
+            return True
+        if len(self.found) > 1:
+            return False
+        limit = NEAR * self.places[0].judged
+        return any((one.port, one.where) == (port, where) and one.judged <= limit for one in self.places)
+
+    def met(self, keys: Sequence[tuple[str, str]]) -> Mapping[tuple[str, str], Found]:
+        """Which ports some effects sit at, each at one of its own; those that can be at none are left out.
+
+        Args:
+            keys: names and places of the effects.
+        """
+        can = np.array([[one.could_be(*key) for one in self.found] for key in keys], dtype=float)
+        if not can.size:
+            return {}
+        rows, columns = linear_sum_assignment(-can)
+        return {
+            keys[k]: self.found[m]
+            for k, m in zip(rows.tolist(), columns.tolist(), strict=True)
+            if can[k, m] > 0
+        }
+
+
+def holds(wide: tuple[str, str], narrow: tuple[str, str]) -> bool:
+    """Whether a port is the same as another, or can do whatever it can."""
+    same = narrow[1] in wide[1].split("+")
+    return wide == narrow or (_WIDER.get(wide[0]) == narrow[0] and same)

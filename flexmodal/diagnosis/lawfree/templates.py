@@ -137,7 +137,7 @@ _HIGH = Template("high pass and gain", lambda w, at: [_one(w), -np.log(1 + 1 / (
 
 _OF = {
     "joint": (_SPRING, _DAMPER, _LOSS, _MASS, _RELAXATION, _ABSORBER, _SERIES),
-    "coupling": (_SPRING, _DAMPER, _BOTH, _MASS, _RELAXATION),
+    "coupling": (_SPRING, _DAMPER, _BOTH, _MASS, _RELAXATION, _SERIES),
     "damping": (_LOSS_SHARE, _DAMPER, _RELAXATION, _BOTH),
     "base": (_SOFT, _SOFT_DAMPED, _SOFT_LOSS, _SOFT_HEAVY),
     "link": (_SOFT, _SOFT_DAMPED, _SOFT_LOSS, _SOFT_HEAVY),

@@ -12,6 +12,7 @@ from flexmodal.report import Cell, Column, Gallery, Part, Parts, Picture, Table,
 from flexmodal.report.figure import INK, NARROW, PALETTE, drawing, frequency_axis, new_figure
 from flexmodal.report.words import percent
 
+_DRAWN = "real and imaginary part with their standard deviation"
 _SHOWN = 8
 """Places in the table."""
 _WIDEST = 0.5
@@ -25,21 +26,31 @@ _NOTE = (
     "every frequency, the same in all postures, and the robot's own parameters are fitted along. A wrong "
     "place cannot explain several postures with one function. Misfit: root mean square distance from the "
     "averages over repeats in units of their noise, 0.6 if perfect. The look is blind to places that move "
-    "alike in every posture, which are listed as alike, and sees little with one point or few postures."
+    "alike in every posture, which are listed as alike, and sees little with one point or few postures. The "
+    "table has each place for itself; where one is not enough, further ones are freed beside it."
 )
 
 
 def look_parts(look: Findings) -> Parts:
     """The section."""
     rows: list[list[str | Cell]] = [["none", "the robot re-tuned", "0", f"{look.alone:.2f}", "–"]]
-    rows += [_row(one, tied=one in look.alike[1:]) for one in look.places[:_SHOWN]]
-    best = 1 + look.places.index(look.best)
-    chosen = frozenset({best if look.needed and best < len(rows) else 0})
-    parts: list[Part | str] = [look.says, Table(_COLUMNS, rows, chosen=chosen)]
-    if look.curve is not None:
-        says = f"Free function at {look.best.where}: real and imaginary part with their standard deviation"
-        parts.append(Gallery([Picture(partial(draw_curve, look.curve), says)]))
-        parts += [f"{one.says}: takes {percent(one.share)} of the curve." for one in look.classes]
+    alike = {key for one in look.found for key in one.alike if key != (one.port, one.where)}
+    rows += [_row(one, tied=(one.port, one.where) in alike) for one in look.places[:_SHOWN]]
+    chosen = {(one.port, one.where) for one in look.found} if look.needed else set()
+    numbers = {k for k, one in enumerate(look.places[:_SHOWN], start=1) if (one.port, one.where) in chosen}
+    parts: list[Part | str] = [look.says, Table(_COLUMNS, rows, chosen=frozenset(numbers or {0}))]
+    pictures = [
+        Picture(partial(draw_curve, one.curve), f"Free function of {one.port} at {one.where}, {_DRAWN}")
+        for one in look.found
+        if one.curve is not None
+    ]
+    if pictures:
+        parts.append(Gallery(pictures))
+    parts += [
+        f"{each.says}: takes {percent(each.share)} of the curve."
+        for one in look.found
+        for each in one.classes
+    ]
     return [*parts, Text(_NOTE, note=True)]
 
 

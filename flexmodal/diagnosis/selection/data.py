@@ -124,6 +124,27 @@ class Data(ABC, Generic[M]):
         """What is found without a law; None where there are no FRFs."""
         return None
 
+    @property
+    def most(self) -> int:
+        """Effects added at most: more of them explain anything."""
+        return 2
+
+    def vouches(self, model: M) -> bool:
+        """Whether all effects of a model are known to be needed whatever each of them gains alone.
+
+        Args:
+            model: with one effect more than is there.
+        """
+        return False
+
+    def standing(self, model: M) -> tuple[tuple[tuple[str, str], ...], tuple[str, ...]]:
+        """Effects that are sure though their model leaves more than noise, and the places of those it lacks.
+
+        Args:
+            model: the final one.
+        """
+        return (), ()
+
     @abstractmethod
     def lacking(self, model: M) -> Mapping[int, float]:
         """Measured modes that a model has none for in half the postures and more: number, frequency [Hz]."""

@@ -90,19 +90,26 @@ class Round(Generic[M]):
     choice: Choice
 
 
-def choice(comparison: Comparison[M], asked: Asked | None, worth: Sequence[Answer]) -> Choice:
+def choice(
+    comparison: Comparison[M], asked: Asked | None, worth: Sequence[Answer], vouched: Sequence[bool] = ()
+) -> Choice:
     """The best model that has a structure, if it gains enough; where effects were named, the first that does.
 
     What was named with its place only has to gain more than a tie. Where settings are sets of beliefs, and
-    nothing was named, whatever is tied with the best keeps it from being added.
+    nothing was named, whatever is tied with the best keeps it from being added. What is vouched for comes
+    first if it gains anything: of several effects each alone may gain little.
 
     Args:
         comparison: of the model as it is and of what might be added.
         asked: effects that were named; None for none.
         worth: of each model whether it takes enough away besides.
+        vouched: of each whether it is known to be needed; none by default.
     """
     ranked = sorted(range(1, len(comparison.models)), key=lambda k: -comparison.scores[k])
     ranked = [k for k in ranked if comparison.models[k].key[0] != UNSTRUCTURED]
+    known = [k for k in ranked if any(vouched) and vouched[k] and comparison.first_gain(k) > MARGIN]
+    if known:
+        return Choice(known[0])
     if asked is None:
         if comparison.beliefs and len(comparison.tied) > 1:
             return Choice(None)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -14,8 +13,8 @@ from flexmodal.diagnosis.disagreement.compare import disagreement, excess, force
 from flexmodal.diagnosis.disagreement.gaps import gap_of, gaps_of, left, over_noise
 from flexmodal.diagnosis.findings import Findings
 from flexmodal.diagnosis.hypothesis import Hypothesis
-from flexmodal.diagnosis.lawfree.first_look import looked_freely
-from flexmodal.diagnosis.lawfree.result import CLASSES_OF, PORT_OF
+from flexmodal.diagnosis.lawfree.first_look import LooksWithoutLaw
+from flexmodal.diagnosis.lawfree.result import PORT_OF
 from flexmodal.diagnosis.lawfree.result import Findings as LawFree
 from flexmodal.diagnosis.outcome import Gaps, NextMeasurement
 from flexmodal.diagnosis.search.close_fit import fitted_closely
@@ -70,6 +69,8 @@ class FrfData(Data[FittedFrfs]):
         self._root = fitted_closely(setup, bare, zero)
         self.force = reaches(force_dependence(setup.observations), FORCE, FORCE_MARGIN)
         """Whether FRFs change with the force of the blow."""
+        self._looks = LooksWithoutLaw(setup, self._root, self.force > Answer.NO, setup.advance)
+        self._look = self._looks.one
 
     @property
     def root(self) -> FittedFrfs:
@@ -90,13 +91,16 @@ class FrfData(Data[FittedFrfs]):
     def candidates(self, before: FittedFrfs, number: int) -> list[FittedFrfs]:
         """The finalists of a search, and a mode with no structure last.
 
-        The first search is where the law-free look points; if nothing there is enough, it is everywhere.
+        The first search is where the law-free look for one place points. If nothing there is enough, a look
+        for several places says where further searches go; everywhere where that does not explain it either.
         """
         found: list[FittedFrfs] = []
-        if not number and self.look.explains:
+        if not number and self.look.needed:
             found = self._searched(before, number, self.look.worth_trying)
         if not any(self.is_over(one) for one in found):
-            found = self._searched(before, number, lambda effect, where: True)
+            self._look = self._looks.several
+            several = self.look.explains and len(self.look.found) > 1 and number < len(self.look.found)
+            found = self._searched(before, number, self.look.worth_trying if several else _anything)
         return [before, *found, unstructured_mode(self.setup, before)]
 
     def _searched(
@@ -113,32 +117,55 @@ class FrfData(Data[FittedFrfs]):
             allowed=allowed,
         )
 
-    @cached_property
+    @property
     def look(self) -> LawFree:
-        """See `Data`; of the re-tuned robot."""
-        return looked_freely(
-            self.setup, self.root, by_force=self.force > Answer.NO, advance=self.setup.advance
-        )
+        """See `Data`; of the re-tuned robot, for several places once one turned out not to be enough."""
+        return self._look
+
+    @property
+    def most(self) -> int:
+        """Two, or as many as there are places that explain everything without a law."""
+        return max(2, len(self.look.found)) if self.look.explains else 2
 
     def is_named(self, model: FittedFrfs) -> bool:
-        """Whether its only effect sits where the law-free look points and takes the larger part.
+        """Whether its effects sit where the law-free look points, one each, and take the larger part.
 
-        With its function free that place explains everything, so that what the model leaves is due to the law
-        of the effect and not to another one.
+        With their functions free those places explain everything, so that what the model leaves is due to the
+        laws of the effects and not to another one.
         """
-        if len(model.hypothesis.placed) != 1 or not self.look.explains or self.lacking(model):
+        keys = model.hypothesis.keys
+        if not keys or not self.look.explains or self.lacking(model):
             return False
-        name, where = model.key
-        sure = name in CLASSES_OF and len(self.look.alike) == 1
-        enough = LARGER_PART if sure else NEARLY_ALL
-        return self.look.could_be(name, where) and self.share(self.root, model) >= enough
+        met = self.look.met(keys)
+        if len(met) < max(len(keys), len(self.look.found)):
+            return False
+        sure = all(one.surely(name) for (name, _), one in met.items())
+        return self.share(self.root, model) >= (LARGER_PART if sure else NEARLY_ALL)
+
+    def vouches(self, model: FittedFrfs) -> bool:
+        """See `Data`: with several places that explain everything without a law, one effect at each."""
+        keys = model.hypothesis.keys
+        if not self.look.explains or len(self.look.found) < 2:
+            return False
+        return len(self.look.met(keys)) == len(keys)
+
+    def standing(self, model: FittedFrfs) -> tuple[tuple[tuple[str, str], ...], tuple[str, ...]]:
+        """See `Data`: of the places that the law-free look points to, those whose curve tells the effect."""
+        keys = model.hypothesis.keys
+        if self.is_named(model):
+            return keys, ()
+        if not self.look.explains or self.lacking(model):
+            return (), ()
+        met = {key: one for key, one in self.look.met(keys).items() if one.surely(key[0])}
+        open_ = [one.where for one in self.look.found if one not in met.values()]
+        return (tuple(met), tuple(dict.fromkeys(open_))) if open_ else ((), ())
 
     def is_contradicted(self, model: FittedFrfs) -> bool:
         """See `Data`; effects that no port stands for are taken at their word."""
         keys = model.hypothesis.keys
-        if len(keys) < 2 or not self.look.explains:
+        if len(keys) <= len(self.look.found) or not self.look.explains:
             return False
-        return not any(name not in PORT_OF or self.look.could_be(name, where) for name, where in keys)
+        return not any(name not in PORT_OF for name, _ in keys) and not self.look.met(keys)
 
     def share(self, first: FittedFrfs, last: FittedFrfs) -> float:
         """See `Data`."""
@@ -207,7 +234,7 @@ class FrfData(Data[FittedFrfs]):
     def place(self, model: FittedFrfs, findings: Findings | None) -> str:
         """Where the law-free look points, else the place of what comes nearest, or the worst point."""
         if self.look.explains:
-            return self.look.best.where
+            return self.look.place
         if model.hypothesis.placed:
             return model.hypothesis.keys[-1][1]
         seen = self.setup.observations
@@ -225,6 +252,11 @@ class FrfData(Data[FittedFrfs]):
         """The FRFs and what the models have for them."""
         stages = {"before": conclusion.before.predicted, "after": conclusion.after.predicted}
         return {"frfs": self.setup.observations, "predicted": {"believed": self.believed, **stages}}
+
+
+def _anything(effect: str, where: str) -> bool:
+    """Every effect in every place."""
+    return True
 
 
 def at_the_noise(over: float, rest: float) -> Answer:

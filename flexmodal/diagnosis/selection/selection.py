@@ -15,8 +15,6 @@ from flexmodal.diagnosis.selection.comparison import Comparison, M
 from flexmodal.diagnosis.selection.data import Data
 from flexmodal.diagnosis.selection.decision import Answer, Choice, Round, any_gains, choice, rivals
 
-MOST_STEPS = 2
-"""Effects added at most: more of them explain anything."""
 STEP = 1e-5
 """Of the differences along parameters."""
 
@@ -39,10 +37,10 @@ class ForwardSelection(Generic[M]):
 
     def run(self) -> None:
         """Add effects until nothing significant is left; those that nobody misses go."""
-        for number in range(MOST_STEPS):
-            if number and self.data.is_over(self.current):
-                break
-            if self.step(number) is None:
+        number = 0
+        while self.step(number) is not None and not self.data.is_over(self.current):
+            number += 1
+            if number == self.data.most:
                 break
         if self.pair is not None and not self.data.is_over(self.current):
             self.exchange(self.pair)
@@ -94,7 +92,8 @@ class ForwardSelection(Generic[M]):
     def _chosen(self, comparison: Comparison[M], number: int) -> Choice:
         before = comparison.models[0]
         worth = [self.data.worth(before, one, number) for one in comparison.models]
-        return choice(comparison, self.data.asked, worth)
+        vouched = [k > 0 and self.data.vouches(one) for k, one in enumerate(comparison.models)]
+        return choice(comparison, self.data.asked, worth, vouched)
 
     def describe(self, comparison: Comparison[M], chosen: int) -> Step:
         """What a step added, how large it is and how surely, and what it was compared with."""

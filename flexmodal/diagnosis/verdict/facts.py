@@ -36,8 +36,10 @@ class Facts:
     """Sentences on effects that were asked for by their place and not added."""
     undecided: tuple[str, ...] = ()
     """Sentences on figures too near to their threshold for a yes or a no."""
-    named: bool = False
-    """Whether the effect is sure although its law leaves more than noise."""
+    standing: tuple[tuple[str, str], ...] = ()
+    """Effects that are sure although their laws leave more than noise."""
+    lacking_at: tuple[str, ...] = ()
+    """Places of what is missing besides."""
     contradicted: bool = False
     """Whether several effects stand for what one place explains at which none of them sits."""
     share: float | None = None

@@ -18,7 +18,7 @@ def frf_words(facts: Facts, *, explained: bool) -> list[str]:
     floors = facts.gaps.after / facts.gaps.noise_floor
     silent = f"Of {', '.join(facts.untestable)} these data cannot tell." if facts.untestable else ""
     look = "" if facts.look is None else facts.look.says
-    if not explained and facts.named:
+    if not explained and facts.standing:
         return [_partly(facts), look, *facts.refused, silent]
     if not explained and facts.contradicted:
         return [_contradicted(facts), look, *facts.refused, silent]
@@ -34,11 +34,18 @@ def frf_words(facts: Facts, *, explained: bool) -> list[str]:
 
 
 def _partly(facts: Facts) -> str:
-    step = facts.steps[-1]
+    names = enumeration([f"{facts.says[effect]} ({where})" for effect, where in facts.standing])
+    one = len(facts.standing) == 1
+    why = f"for {'its law is' if one else 'their laws are'} not quite the catalogue's"
+    if facts.lacking_at:
+        why = (
+            "for something is missing besides that nothing in the catalogue explains: look at "
+            f"{enumeration(list(facts.lacking_at))}"
+        )
     return (
-        f"Missing: {facts.says[step.effect]} ({step.where}). It takes {percent(facts.share or 0.0)} of the "
+        f"Missing: {names}. {'It takes' if one else 'They take'} {percent(facts.share or 0.0)} of the "
         f"disagreement; averaged over repeats the model stays {facts.over_noise:.1f} times as far from the "
-        "measurements as noise alone would put it, for its law is not quite the catalogue's."
+        f"measurements as noise alone would put it, {why}."
     )
 
 

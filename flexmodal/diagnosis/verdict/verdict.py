@@ -4,7 +4,8 @@ Explained is what is noise. Where the data have a noise floor it decides; where 
 nothing may be left that gains enough, and nothing that is tied. A mode that was measured and that the model
 lacks leaves it open in any case. Where a floor shows that the model is not there, the name of its effect
 stands only if a law-free look points to the same place and class and the effect takes the larger part of the
-disagreement; where there is no floor, what was added stands beside what is left.
+disagreement; the places to which it points besides are told as unknown. Where there is no floor, what was
+added stands beside what is left.
 """
 
 from __future__ import annotations
@@ -25,11 +26,14 @@ def verdict(facts: Facts) -> Verdict:
     open_ = bool(facts.lacking) or facts.tied or (facts.open_ and not floor)
     explained = facts.reached > Answer.NO and not open_ and not facts.contradicted
     added = tuple((step.effect, step.where) for step in facts.steps)
-    stands = explained or facts.named or (bool(added) and not floor)
+    sure = added if explained or not floor else facts.standing
+    effects = sure if explained or not floor else (*sure, *((UNKNOWN, where) for where in facts.lacking_at))
     undecided = facts.undecided
     if explained and facts.reached is Answer.UNDECIDED:
         undecided = (*undecided, BORDER)
     words = frf_words if facts.modal is None else modal_words
     says = " ".join(part for part in (*words(facts, explained=explained), *undecided) if part)
-    share = facts.share if added and stands else None
-    return Verdict(added if stands else ((UNKNOWN, facts.place),), explained, says, undecided, share)
+    share = facts.share if sure else None
+    return Verdict(
+        effects if sure or explained else ((UNKNOWN, facts.place),), explained, says, undecided, share
+    )

@@ -10,7 +10,7 @@ from flexmodal.diagnosis.effects import catalogue
 from flexmodal.diagnosis.lawfree.as_json import look_json
 from flexmodal.diagnosis.lawfree.kinds import KINDS, TORQUE
 from flexmodal.diagnosis.lawfree.port import Port
-from flexmodal.diagnosis.lawfree.result import CLASSES_OF, PORT_OF, Class, Curve, Findings, PlaceTried
+from flexmodal.diagnosis.lawfree.result import CLASSES_OF, PORT_OF, Class, Curve, Findings, Found, PlaceTried
 from flexmodal.diagnosis.lawfree.templates import templates_for
 from flexmodal.diagnosis.outcome import Gaps, Step
 from flexmodal.diagnosis.report.free_look import look_parts
@@ -28,28 +28,63 @@ def class_of(name, share=0.99):
     return Class(name, f"{name}: k = 1", ((1.0,),), 1.0, share, 0.0)
 
 
+CURVE = Curve(
+    np.array([10.0, 20.0, 40.0]), ("bend 1", "bend 1, outwards"), "rad/(N·m)",
+    np.array([[1e-6, 1.1e-6 - 1e-8j, 1e-6], [0, 0, 0]], dtype=complex), np.full((2, 3), 1e-8),
+)  # fmt: skip
+BENT = Found(
+    "link", "link_2", "the bending of the link", 5.0, (("link", "link_2"), ("coupling", "q1+q2")), CURVE,
+    (class_of("spring"),),
+)  # fmt: skip
+
+
 @pytest.fixture
 def look():
     """A link that bends like a spring; a coupling is nearly as good."""
     link, coupling = place("link", "link_2", 0.7, 2), place("coupling", "q1+q2", 0.8, 3)
     far = place("joint", "q1", 5.0)
-    curve = Curve(
-        np.array([10.0, 20.0, 40.0]), ("bend 1", "bend 1, outwards"), "rad/(N·m)",
-        np.array([[1e-6, 1.1e-6 - 1e-8j, 1e-6], [0, 0, 0]], dtype=complex), np.full((2, 3), 1e-8),
-    )  # fmt: skip
-    return Findings(
-        5.0, (link, coupling, far), (link, coupling), True, True, curve, (class_of("spring"),), "It bends."
-    )
+    return Findings(5.0, 0.7, (link, coupling, far), (BENT,), True, True, "It bends.")
 
 
-def test_only_effects_of_the_place_and_class_are_allowed(look):
-    assert look.could_be("link_flexibility", "link_2")
-    assert look.could_be("joint_coupling", "q1+q2")  # alike, and its curve was not looked at
-    assert not look.could_be("link_flexibility", "link_3")
-    assert not look.could_be("servo_compliance", "q1")
-    heavy = replace(look, classes=(class_of("spring, damper and mass"),))
-    assert not heavy.could_be("link_flexibility", "link_2")
-    assert not replace(look, classes=()).could_be("link_flexibility", "link_2")
+@pytest.fixture
+def both(look):
+    """That, and a sensor that lags."""
+    lag = Found("sensor", "tip", "what the sensor reads", 3.0, (("sensor", "tip"), ("channel", "tip")), None,
+                (class_of("delay"),))  # fmt: skip
+    return replace(look, found=(BENT, lag))
+
+
+def test_only_effects_of_the_place_and_class_are_allowed():
+    assert BENT.could_be("link_flexibility", "link_2")
+    assert BENT.could_be("joint_coupling", "q1+q2")  # alike, and its curve was not looked at
+    assert not BENT.could_be("link_flexibility", "link_3")
+    assert not BENT.could_be("servo_compliance", "q1")
+    other = replace(BENT, classes=(class_of("mass"),))
+    assert not other.could_be("link_flexibility", "link_2")
+    assert not replace(BENT, classes=()).could_be("link_flexibility", "link_2")
+
+
+def test_an_effect_is_sure_where_nothing_else_can_be_there(both):
+    bent, lag = both.found
+    assert not bent.surely("link_flexibility")
+    assert replace(bent, alike=bent.alike[:1]).surely("link_flexibility")
+    assert lag.surely("time_delay")  # a channel that is left out can do whatever a function of it can
+    assert not replace(lag, alike=(*lag.alike, ("sensor", "elbow"))).surely("time_delay")
+
+
+def test_each_effect_sits_at_a_place_of_its_own(both):
+    keys = [("time_delay", "tip"), ("link_flexibility", "link_2")]
+    assert {key: one.where for key, one in both.met(keys).items()} == {key: key[1] for key in keys}
+    twice = [("time_delay", "tip"), ("time_delay", "tip")]
+    assert len(both.met(twice)) == 1
+    assert not both.met([("added_mass", "link_2")])
+    assert not both.met([])
+
+
+def test_with_several_places_others_are_not_tried(both):
+    assert both.worth_trying("time_delay", "tip")
+    assert both.worth_trying("link_flexibility", "link_2")
+    assert not both.worth_trying("time_delay", "elbow")
 
 
 def test_what_is_far_is_not_tried_and_others_always_are(look):
@@ -58,8 +93,6 @@ def test_what_is_far_is_not_tried_and_others_always_are(look):
     assert not look.worth_trying("servo_compliance", "q1")
     assert not look.worth_trying("added_mass", "link_2")
     assert look.worth_trying("somebody_elses_effect", "anywhere")
-    blind = replace(look, explains=False)
-    assert blind.worth_trying("added_mass", "link_2")
 
 
 def test_every_effect_of_the_catalogue_has_a_port_and_classes_there_are(context):
@@ -72,22 +105,16 @@ def test_every_effect_of_the_catalogue_has_a_port_and_classes_there_are(context)
         assert set(classes) <= {one.name for one in templates_for(port)}
 
 
-def test_the_share_is_of_what_is_above_the_noise(look):
-    assert look.share == 1.0
-    rest = place("link", "link_2", 2.0, 2)
-    some = replace(look, places=(rest,), alike=(rest,))
-    assert some.share == pytest.approx(1 - 3 / 24)
-
-
 def test_json_holds_plain_numbers(look):
     found = json.loads(json.dumps(look_json(look), allow_nan=False))
     assert found["places"][0] == {
         "port": "link", "where": "link_2", "misfit": 0.7, "held_out": 0.7, "unknowns": 2,
     }  # fmt: skip
-    assert found["alike"] == [["link", "link_2"], ["coupling", "q1+q2"]]
-    assert found["curve"]["functions"][0]["imaginary"] == [0.0, -1e-8, 0.0]
-    assert found["classes"][0]["class"] == "spring"
-    assert look_json(replace(look, alone=np.inf, curve=None))["misfit_alone"] is None
+    one = found["found"][0]
+    assert one["alike"] == [["link", "link_2"], ["coupling", "q1+q2"]]
+    assert one["curve"]["functions"][0]["imaginary"] == [0.0, -1e-8, 0.0]
+    assert one["classes"][0]["class"] == "spring"
+    assert look_json(replace(look, alone=np.inf))["misfit_alone"] is None
 
 
 def test_the_report_shows_places_and_curve(look):
@@ -96,7 +123,8 @@ def test_the_report_shows_places_and_curve(look):
     assert "coupling q1+q2" in text
     assert "alike" in text
     assert text.count("<svg") + text.count("data:image") >= 1
-    hostile = replace(look, places=(place("link", "<script>", 0.7),), alike=(place("link", "<script>", 0.7),))
+    named = replace(BENT, where="<script>", alike=(("link", "<script>"),))
+    hostile = replace(look, places=(place("link", "<script>", 0.7),), found=(named,))
     assert "<script>" not in page_text("t", [], [Section("Without a law", look_parts(hostile))])
 
 
@@ -111,12 +139,20 @@ def facts(look):
 
 
 def test_an_effect_of_another_law_is_named_with_its_share(facts):
-    says = verdict(replace(facts, named=True))
+    says = verdict(replace(facts, standing=(("link_flexibility", "link_2"),)))
     assert says.effects == (("link_flexibility", "link_2"),)
     assert not says.explained
     assert says.share == 0.94
     assert "takes 94" in says.says
     assert "It bends." in says.says
+
+
+def test_what_is_missing_besides_is_unknown_beside_the_names(facts):
+    says = verdict(replace(facts, standing=(("link_flexibility", "link_2"),), lacking_at=("tip",)))
+    assert says.effects == (("link_flexibility", "link_2"), ("unknown", "tip"))
+    assert not says.explained
+    assert "look at tip" in says.says
+    assert says.named
 
 
 def test_two_effects_for_what_one_place_explains_are_not_named(facts):

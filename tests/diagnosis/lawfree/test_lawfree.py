@@ -11,13 +11,12 @@ from flexmodal.diagnosis.lawfree.curve import classes_of, curve_of
 from flexmodal.diagnosis.lawfree.elastic_ports import BASE, LINK
 from flexmodal.diagnosis.lawfree.joint_ports import COUPLING, DAMPING, JOINT, TORQUE
 from flexmodal.diagnosis.lawfree.kinds import KINDS
-from flexmodal.diagnosis.lawfree.look import ALIKE, law_free, noise_of, sighted
+from flexmodal.diagnosis.lawfree.look import ALIKE, Field, noise_of
 from flexmodal.diagnosis.lawfree.model import PortedModel
 from flexmodal.diagnosis.lawfree.port import Port
 from flexmodal.diagnosis.lawfree.profile import Profile, profiled
-from flexmodal.diagnosis.lawfree.reading_ports import SENSOR
-from flexmodal.diagnosis.lawfree.records import endless
-from flexmodal.diagnosis.search.coarse import look_at
+from flexmodal.diagnosis.lawfree.pursuit import MOST, alone, pursued
+from flexmodal.diagnosis.lawfree.reading_ports import CHANNEL, SENSOR
 from flexmodal.diagnosis.search.lines import unlimited
 from flexmodal.identification import predict
 from flexmodal.structure import robot_space
@@ -41,10 +40,13 @@ def root(context):
     return Hypothesis(context, robot_space(context.robot))
 
 
+def port_of(root, kind, where):
+    return Port.at(kind, where or kind.places(root.context)[0], root.context)
+
+
 def model_of(root, observed, kind, where):
-    port = Port.at(kind, where or kind.places(root.context)[0], root.context)
     lines = np.arange(20, len(observed.axis), 41)
-    return PortedModel.of(port, root, observed, lines)
+    return PortedModel.of([port_of(root, kind, where)], root, observed, lines)
 
 
 def somewhere(model, seed=4):
@@ -55,9 +57,19 @@ def somewhere(model, seed=4):
     return 0.03 * random.normal(size=len(model.space)), z
 
 
-@pytest.mark.parametrize(("kind", "where"), PLACES, ids=[kind.name for kind, _ in PLACES])
-def test_derivatives_are_those_of_the_residuals(root, observed, kind, where):
-    model = model_of(root, observed, kind, where)
+TOGETHER = {
+    "two of one kind": [(BODY, "link_2"), (BODY, "link_3")],
+    "two kinds in one place": [(GROUND, "link_2"), (BODY, "link_2"), (LINK, "link_2")],
+    "everywhere": [(BASE, "base"), (SENSOR, None), (BODY, "link_3"), (DAMPING, "joints")],
+    "blow by blow": [(COUPLING, "q1+q2"), (TORQUE, "q2")],
+}
+CASES = {kind.name: [(kind, where)] for kind, where in PLACES} | TOGETHER
+
+
+@pytest.mark.parametrize("places", CASES.values(), ids=CASES)
+def test_derivatives_are_those_of_the_residuals(root, observed, places):
+    ports = [port_of(root, kind, where) for kind, where in places]
+    model = PortedModel.of(ports, root, observed, np.arange(20, len(observed.axis), 41))
     x, z = somewhere(model)
     slopes, step = model.slopes(x, z), 1e-6
     assert slopes.residual == pytest.approx(model.residual(x, z), abs=1e-12)
@@ -82,7 +94,7 @@ def test_functions_that_were_put_in_come_out_again(root, observed, kind):
     model = model_of(root, observed, kind, where)
     frequency = observed.axis.frequency[model.lines]
     smooth = 0.15 / (1 + 1j * frequency / 60)
-    z = model.zero() + smooth * np.linspace(1.0, 0.4, len(model.port.names))[:, None]
+    z = model.zero() + smooth * np.linspace(1.0, 0.4, len(model.names))[:, None]
     x = np.zeros(len(model.space))
     value = observed.value.copy()
     value[:, model.lines] *= np.exp(model.residual(x, z))
@@ -126,21 +138,27 @@ def test_what_is_eliminated_line_by_line_is_the_step_of_the_whole_system(root, o
 def found(root, hinged, observed):
     """The look at a campaign in which link_2 bends; its second posture judges."""
     first = observed.posture == 0
-    return law_free(root, hinged[1].x, observed.keeping(first), observed.keeping(~first))
+    return alone(Field.of(root, hinged[1].x, observed.keeping(first), observed.keeping(~first)))
 
 
 def test_the_place_is_found_without_a_law(found):
-    assert found.best.port.key == ("link", "link_2")
-    assert found.best.judged < 1.2
-    assert found.believed > 3 * found.best.misfit
-    others = [one.judged for one in found.sightings if one not in found.alike]
-    assert all(other > ALIKE * found.best.judged for other in others)
+    assert found.whole.port.key == ("link", "link_2")
+    assert found.whole.judged < 1.2
+    assert found.believed > 3 * found.whole.misfit
+    others = [one.judged for one in found.first.sightings if one not in found.first.alike]
+    assert all(other > ALIKE * found.whole.judged for other in others)
+
+
+def test_one_place_that_is_enough_stays_alone(root, hinged, observed, found):
+    first = observed.posture == 0
+    field = Field.of(root, hinged[1].x, observed.keeping(first), observed.keeping(~first))
+    assert pursued(field, found) is found
 
 
 def test_the_class_is_read_off_the_curve(root, hinged, observed):
     """A bending link is a spring with a little damping, as stiff as the parametric fit has it."""
     port = Port.at(LINK, "link_2", root.context)
-    one = sighted(port, root, look_at(endless(observed, root, hinged[1].x)), None)
+    one = Field.of(root, hinged[1].x, observed, None).sighted((port,))
     curve, metric = curve_of(one)
     classes = classes_of(one, curve, metric)
     assert classes[0].name.startswith("spring")
@@ -156,9 +174,64 @@ def test_where_nothing_is_missing_no_port_gains(root, observed, hinged):
     noisy = noise * (random.normal(size=noise.shape) + 1j * random.normal(size=noise.shape))
     still = unlimited(observed)
     made = replace(still, value=predict(root, np.zeros(len(root.space)), still) * np.exp(noisy))
-    look = law_free(root, np.zeros(len(root.space)), made, None, kinds=(JOINT, DAMPING, LINK, SENSOR))
+    field = Field.of(root, np.zeros(len(root.space)), made, None, kinds=(JOINT, DAMPING, LINK, SENSOR))
+    look = pursued(field, alone(field))
     assert look.believed < 1.2
-    assert all(one.misfit > 0.75 * look.believed for one in look.sightings)
+    assert not look.needed
+    assert len(look.members) == 1
+    assert all(one.misfit > 0.75 * look.believed for one in look.first.sightings)
+
+
+@pytest.fixture(scope="module")
+def several(root, observed):
+    """FRFs with noise of a robot with a spring between two joints, a sensor that lags, a motor's loop."""
+    random = np.random.default_rng(8)
+    sensor = SENSOR.places(root.context)[-1]
+    ports = [port_of(root, COUPLING, "q1+q3"), port_of(root, SENSOR, sensor), port_of(root, JOINT, "q2")]
+    lines = np.arange(len(observed.axis))
+    still = unlimited(observed)
+    model = PortedModel.of(ports, root, still, lines)
+    z = model.zero()
+    omega = 2 * np.pi * observed.axis.frequency
+    z[0, 1] = 0.2
+    z[0, 3] = -1j * omega * 1e-3
+    z[0, 4] = 0.3 / (1 - (omega / 250) ** 2 + 0.3j * omega / 250)
+    noise = np.sqrt(observed.variance / 2)
+    noisy = noise * (random.normal(size=noise.shape) + 1j * random.normal(size=noise.shape))
+    x = np.zeros(len(model.space))
+    made = replace(still, value=still.value * np.exp(model.residual(x, z) + noisy))
+    return sensor, Field.of(
+        root, np.zeros(len(root.space)), made, None, kinds=(JOINT, COUPLING, SENSOR, CHANNEL)
+    )
+
+
+def test_several_places_are_found_together(several):
+    sensor, field = several
+    first = alone(field)
+    assert not first.explains
+    found = pursued(field, first)
+    assert found.explains
+    assert {one.key for one in found.whole.ports} == {
+        ("coupling", "q1+q3"), ("sensor", sensor), ("joint", "q2")
+    }  # fmt: skip
+    assert len(found.members) <= MOST
+    assert all(one.without > 1.25 * found.whole.judged for one in found.members)
+
+
+def test_the_curve_of_one_of_several_is_its_own(several):
+    """A delay of 1 ms, the functions of the others free beside it."""
+    sensor, field = several
+    keys = [("coupling", "q1+q3"), ("joint", "q2"), ("sensor", sensor)]
+    ports = tuple(port for key in keys for port in field.ports if port.key == key)
+    whole = field.sighted(ports)
+    curve, metric = curve_of(whole, 2)
+    classes = classes_of(whole, curve, metric, 2)
+    assert classes[0].name == "delay"
+    assert classes[0].coefficients[0][0] == pytest.approx(1e-3, rel=0.03)
+    curve, metric = curve_of(whole, 0)
+    spring = next(one for one in classes_of(whole, curve, metric, 0) if one.name == "spring")
+    assert spring.share > 0.98
+    assert spring.misfit < 1.5
 
 
 def test_every_kind_has_places_on_a_planar_arm(root):

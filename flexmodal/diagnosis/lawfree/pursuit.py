@@ -1,0 +1,159 @@
+"""Several ports at once: one after the other, each looked for again beside the others.
+
+As in a matching pursuit (Mallat and Zhang, IEEE Trans. Signal Process. 41, 1993), but with all functions and
+the robot's own parameters fitted together in every round. A place that was found while others were missing
+may have been taken for one of them, so that each is looked for again among those that did nearly as well; a
+port that nobody misses goes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from flexmodal.diagnosis.lawfree.look import ALIKE, Field, Round, Sighting
+from flexmodal.diagnosis.lawfree.port import Port
+from flexmodal.diagnosis.lawfree.result import holds
+
+SOUND = 1.6
+"""Misfit up to which ports are said to explain what is missing: 0.6 if perfect. Tuned on single
+effects of the virtual rig, whose true places had 0.6 to 1.5; how sharply was not measured."""
+GAINS = 1.25
+"""Times by which the misfit without any port, or without one of several, has to exceed that with it."""
+FURTHER = 1.1
+"""The same for one more port on the way: what two explain together each of them may hardly touch."""
+MOST = 5
+"""Ports at once."""
+RIVALS = 4
+"""Other places that are tried again for each port."""
+
+
+@dataclass(frozen=True, eq=False)
+class Member:
+    """One of the ports that were found."""
+
+    port: Port
+    without: float
+    """Misfit of the others alone."""
+    alike: tuple[Port, ...]
+    """What cannot be told from it beside the others, itself included; the simplest first."""
+
+
+@dataclass(frozen=True, eq=False)
+class LawFree:
+    """What a law-free look found."""
+
+    believed: float
+    """Misfit of the re-tuned robot without any port."""
+    first: Round
+    """One port alone."""
+    whole: Sighting
+    """All ports that are needed, in the order in which they were found."""
+    members: tuple[Member, ...]
+    """Each of them."""
+
+    @property
+    def needed(self) -> bool:
+        """Whether anything is gained by a port."""
+        return self.believed > GAINS * self.whole.judged
+
+    @property
+    def explains(self) -> bool:
+        """Whether the ports take what is missing down to the noise."""
+        return self.needed and self.whole.judged <= SOUND
+
+
+def alone(field: Field, advance: Callable[[float], None] = lambda part: None) -> LawFree:
+    """Look for one place of what is missing without a law for it.
+
+    Args:
+        field: what is looked at.
+        advance: called with the part that is done.
+    """
+    first = field.round(advance=advance)
+    members = (Member(first.best.port, field.bare, tuple(one.port for one in first.alike)),)
+    return LawFree(field.bare, first, first.best, members)
+
+
+def pursued(field: Field, found: LawFree, advance: Callable[[float], None] = lambda part: None) -> LawFree:
+    """Look for several places, where one is not enough.
+
+    Args:
+        field: what is looked at.
+        found: the look for one place.
+        advance: called with the part that is done.
+    """
+    whole, rounds = found.whole, [found.first]
+    gained = field.bare >= FURTHER * whole.judged
+    while gained and whole.judged > SOUND and len(whole.ports) < MOST:
+        advance((len(rounds) - 1) / MOST)
+        tried = field.round(whole)
+        gained = bool(tried.sightings) and whole.judged >= FURTHER * tried.best.judged
+        if gained:
+            rounds.append(tried)
+            whole = _again(field, tried.best, rounds)
+    whole = _narrowed(field, _needed(field, whole))
+    if len(whole.ports) == 1 and whole.port.key == found.whole.port.key:
+        return found
+    return LawFree(field.bare, found.first, *_settled(field, whole, rounds))
+
+
+def _rivals(rounds: list[Round], port: Port) -> list[Port]:
+    """What did nearly as well when a port was found; what did well at first."""
+    found: dict[tuple[str, str], Port] = {port.key: port}
+    for tried in rounds:
+        names = [one.port for one in tried.sightings]
+        if port.key in [one.key for one in names] or tried is rounds[0]:
+            for other in names[:RIVALS]:
+                found.setdefault(other.key, other)
+    return list(found.values())
+
+
+def _others(field: Field, whole: Sighting, port: Port) -> Sighting | None:
+    rest = tuple(one for one in whole.ports if one.key != port.key)
+    return field.sighted(rest) if rest else None
+
+
+def _again(field: Field, whole: Sighting, rounds: list[Round]) -> Sighting:
+    """Each port but the last looked for again beside the others."""
+    for port in whole.ports[:-1]:
+        if whole.judged <= SOUND:
+            break
+        tried = field.round(_others(field, whole, port), _rivals(rounds, port))
+        if tried.sightings and tried.best.judged * FURTHER < whole.judged:
+            whole = tried.best
+    return whole
+
+
+def _needed(field: Field, whole: Sighting) -> Sighting:
+    """Without the ports that nobody misses."""
+    for port in whole.ports:
+        rest = _others(field, whole, port)
+        if rest is not None and rest.judged < GAINS * whole.judged:
+            whole = rest
+    return whole
+
+
+def _narrowed(field: Field, whole: Sighting) -> Sighting:
+    """With ports that can do less in place of those that can do more, where that is as good."""
+    for port in whole.ports:
+        less = [one for one in field.ports if holds(port.key, one.key) and one.key != port.key]
+        if less:
+            tried = field.round(_others(field, whole, port), less)
+            if tried.best.judged <= ALIKE * whole.judged:
+                whole = tried.best
+    return whole
+
+
+def _settled(field: Field, whole: Sighting, rounds: list[Round]) -> tuple[Sighting, tuple[Member, ...]]:
+    """Each port in its simplest form beside the others, and what cannot be told from it."""
+    found: dict[tuple[str, str], Member] = {}
+    for port in whole.ports:
+        rest = _others(field, whole, port)
+        tried = field.round(rest, _rivals(rounds, port))
+        if tried.best.port.key != port.key:
+            whole = tried.best
+        alike = tuple(one.port for one in tried.alike)
+        without = field.bare if rest is None else rest.judged
+        found[tried.best.port.key] = Member(tried.best.port, without, alike)
+    return whole, tuple(found[port.key] for port in whole.ports)
