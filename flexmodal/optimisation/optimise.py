@@ -74,15 +74,6 @@ def optimise(
         InvalidPosture: a bad start.
         Unreachable: no start could be brought to the target.
         SingularResponse: at every start an undamped mode is driven at its natural frequency.
-
-    >>> import flexmodal
-    >>> robot = flexmodal.load("six_link")
-    >>> judge = flexmodal.ReceptanceObjective("tool:+z", 5.0)
-    >>> hold = flexmodal.Hold.at(robot, (-2.0, 2.0))
-    >>> problem = flexmodal.PostureProblem(robot, judge, hold)
-    >>> found = flexmodal.optimise(problem, start="start_2", starts=4, way="plain")
-    >>> found.best.objective < found.start
-    True
     """
     _check(problem, family, start, starts, method, way)
     posture = None if start is None else problem.robot.posture(start)

@@ -27,6 +27,15 @@ class PostureProblem(Shown):
     """Minimise the objective's cost over the commanded joints, within limits, the hold kept.
 
     Vectors are in the order of `robot.commanded` [rad, m].
+
+    >>> import flexmodal
+    >>> robot = flexmodal.load("six_link")
+    >>> judge = flexmodal.ReceptanceObjective("tool:+z", 5.0)
+    >>> hold = flexmodal.Hold.at(robot, (-2.0, 2.0))
+    >>> problem = flexmodal.PostureProblem(robot, judge, hold)
+    >>> found = flexmodal.optimise(problem, start="start_2", starts=4, way="plain")
+    >>> found.best.objective < found.start
+    True
     """
 
     robot: Robot

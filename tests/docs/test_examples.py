@@ -11,7 +11,7 @@ MODULES = (
     "flexmodal.model.posed",
     "flexmodal.model.robot",
     "flexmodal.optimisation.frequency.tune",
-    "flexmodal.optimisation.optimise",
+    "flexmodal.optimisation.problem",
 )
 
 
