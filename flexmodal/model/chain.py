@@ -128,7 +128,7 @@ class FlexibleChain(Shown):
         """
         names = dict.fromkeys([*self.points, *(link.name for link in self.urdf.links)])
         frames = {name: point_frame(self.pinocchio, name, named=name in self.points) for name in names}
-        return {TOOL: frames[self.tool]} | frames
+        return frames | {TOOL: frames.get(TOOL, frames[self.tool])}
 
     def frame_of(self, point: str, *, source: str = "call") -> int:
         """Pinocchio's frame of a named point or a URDF link.

@@ -37,9 +37,11 @@ def find_tool(urdf: Urdf) -> FoundTool:
     Only links that a joint moves are looked at. Of several by one name the one farthest from the base.
 
     Args:
-        urdf: with at least one joint that moves.
+        urdf: the root is answered where no joint moves.
     """
     depth = _depths(urdf)
+    if not depth:  # whoever loads it says so
+        return FoundTool(urdf.root, "no joint moves", True, ())
     carriers = {joint.parent for joint in urdf.joints}
     ends = tuple(link for link in depth if link not in carriers)
     for pattern in _NAMES:
