@@ -45,6 +45,7 @@ from flexmodal.campaign import (
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.model import Robot
 from flexmodal.rig import RigResult, simulate
+from flexmodal.rig.believed import true_robot
 from flexmodal.rig.blow import Strike, strike
 from flexmodal.rig.effects import Stand
 from flexmodal.rig.effects.effect import OWN
@@ -93,7 +94,8 @@ def simulate_mujoco(robot: Robot, **request: Any) -> RigResult:
     if robot.couplings or any(joint.loss_factor for joint in robot.joints.values()):
         raise InvalidRequest(Fault("call", "robot", "couplings or loss factors", "plain springs and dampers"))
     conduct, plan = prepared.conduct, prepared.plan
-    stand = make_stand(robot, plan, prepared.error, conduct.seed)
+    true = true_robot(robot, prepared.error, np.random.default_rng([conduct.seed, 4]))
+    stand = make_stand(robot, plan, true)
     hidden, effects, floor = put_in(stand, prepared.wanted, conduct)
     spoils = [Spoil(effect.name, site.where, site.parameters) for effect, site in hidden]
     blows = [

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Complex, Float, Int
 
+from flexmodal.campaign.abscissa import same_axis
 from flexmodal.campaign.quality_flag import QualityFlag
 from flexmodal.campaign.trial import Trial, repeat_groups
 from flexmodal.errors import Fault, InvalidRequest
@@ -103,6 +104,31 @@ class FrfRecords(Shown):
             trial=self.trial[index],
             response=self.response[index],
             reference=self.reference[index],
+        )
+
+    def joined(self, other: FrfRecords) -> FrfRecords:
+        """These records and others of the same form on the same lines.
+
+        Args:
+            other: they come last.
+
+        Raises:
+            ValueError: another form, or other lines.
+        """
+        if self.form != other.form or not same_axis(self.frequency, other.frequency):
+            raise ValueError("FRFs of one form on the same lines can be joined")
+        coherence = None
+        if self.coherence is not None and other.coherence is not None:
+            coherence = np.concatenate([self.coherence, other.coherence])
+        return replace(
+            self,
+            value=np.concatenate([self.value, other.value]),
+            coherence=coherence,
+            posture=np.concatenate([self.posture, other.posture]),
+            trial=np.concatenate([self.trial, other.trial]),
+            response=np.concatenate([self.response, other.response]),
+            reference=np.concatenate([self.reference, other.reference]),
+            flags=(*self.flags, *other.flags),
         )
 
     def select(

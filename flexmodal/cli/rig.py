@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
@@ -29,7 +30,66 @@ if TYPE_CHECKING:
     from flexmodal.text.gather import Gathering
 
 
-@click.command()
+@click.command("rig")
+@click.option("--continue", "campaign", required=True, type=click.Path(path_type=Path))
+@click.option("--as", "measurement", required=True, type=click.Path(path_type=Path), metavar="NEXT.json")
+@click.option("--out", type=click.Path(path_type=Path), help="A new folder; CAMPAIGN_2 or so if not said.")
+@click.option("--ascii", "as_text", is_flag=True, help="Universal files in ASCII instead of binary.")
+@quiet_option
+@json_option
+def go_on(
+    campaign: Path, measurement: Path, out: Path | None, as_text: bool, quiet: bool, as_json: bool
+) -> None:
+    """The measurement that a diagnosis asked for, taken on the simulated arm of CAMPAIGN.
+
+    OUT holds the campaign with the new posture last; CAMPAIGN stays as it is.
+    """
+    from flexmodal.rig.continued import continued, next_posture
+    from flexmodal.rig.result import refuse_existing
+
+    target = _free(campaign) if out is None else out
+    refuse_existing(target)
+    posture = next_posture(measurement)
+    with progress(1, "striking", quiet=quiet) as advance:
+        result = continued(campaign, posture)
+        advance()
+    truth = result.write(target, binary=not as_text)
+    if as_json:
+        print_json(_json(result, target, truth))
+    else:
+        _print(result.robot, result, target, truth)
+
+
+def _free(campaign: Path) -> Path:
+    """A name beside a campaign's that nothing has, nor its truth."""
+    from flexmodal.rig.truth import truth_path
+
+    plain, number = Path(os.path.abspath(campaign)), 2
+    while True:
+        found = plain.with_name(f"{plain.name}_{number}")
+        if not os.path.lexists(found) and not os.path.lexists(truth_path(found)):
+            return found
+        number += 1
+
+
+class _Rig(click.Command):
+    """With --continue it is another command, which takes no robot."""
+
+    def make_context(
+        self, info_name: str | None, args: list[str], parent: click.Context | None = None, **extra: Any
+    ) -> click.Context:
+        if any(word.partition("=")[0] == "--continue" for word in args):
+            return go_on.make_context(info_name, args, parent, **extra)
+        return super().make_context(info_name, args, parent, **extra)
+
+
+_GO_ON = (
+    "flexmodal rig --continue CAMPAIGN --as NEXT.json [--out DIR] takes the measurement that a diagnosis "
+    "asked for; NEXT.json is its diagnosis.json."
+)
+
+
+@click.command(cls=_Rig, epilog=_GO_ON)
 @robot_options
 @click.option("--out", required=True, type=click.Path(path_type=Path), help="A new folder for the campaign.")
 @click.option(

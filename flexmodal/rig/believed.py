@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -75,24 +75,42 @@ def true_robot(robot: Robot, error: ParameterError, random: np.random.Generator)
         error: how far the card is off.
         random: where it is drawn from.
     """
+
+    def drawn(kind: str, name: str) -> float:
+        size = getattr(error, kind)
+        return float(np.exp(size * float(np.clip(random.standard_normal(), -MOST, MOST))))
+
+    return _made(robot, drawn)
+
+
+def known_robot(robot: Robot, factors: Mapping[str, float]) -> TrueRobot:
+    """The true robot of a campaign that was simulated before.
+
+    Args:
+        robot: as the card says.
+        factors: true over believed, by parameter name; 1 for those that are not among them.
+    """
+    return _made(robot, lambda kind, name: float(factors.get(f"{kind}.{name}", 1.0)))
+
+
+def _made(robot: Robot, drawn: Callable[[str, str], float]) -> TrueRobot:
     factors: dict[str, float] = {}
 
-    def factor(name: str, size: float) -> float:
-        drawn = float(np.clip(random.standard_normal(), -MOST, MOST))
-        factors[name] = float(np.exp(size * drawn))
-        return factors[name]
+    def factor(kind: str, name: str) -> float:
+        factors[f"{kind}.{name}"] = drawn(kind, name)
+        return factors[f"{kind}.{name}"]
 
-    stiffness = {n: j.stiffness * factor(f"stiffness.{n}", error.stiffness) for n, j in robot.joints.items()}
-    damping = {n: j.damping * factor(f"damping.{n}", error.damping) for n, j in robot.joints.items()}
+    stiffness = {n: j.stiffness * factor("stiffness", n) for n, j in robot.joints.items()}
+    damping = {n: j.damping * factor("damping", n) for n, j in robot.joints.items()}
     moved = moved_bodies(robot)
     bodies = {}
     for name, body in believed_bodies(robot).items():
         if name not in moved:
             bodies[name] = body
             continue
-        mass = factor(f"mass.{name}", error.mass)
-        inertia = factor(f"inertia.{name}", error.inertia)
-        centre = factor(f"mass_centre.{name}", error.mass_centre)
+        mass = factor("mass", name)
+        inertia = factor("inertia", name)
+        centre = factor("mass_centre", name)
         bodies[name] = Body(body.mass * mass, body.com * centre, body.inertia * mass * inertia)
     rotor = {name: joint.rotor_inertia for name, joint in robot.joints.items()}
     return TrueRobot(stiffness, damping, rotor, bodies, factors)

@@ -9,13 +9,14 @@ import numpy as np
 
 from flexmodal.campaign import Blow, Campaign
 from flexmodal.model import Robot
-from flexmodal.rig.believed import ParameterError, true_robot
+from flexmodal.rig.believed import ParameterError, TrueRobot, true_robot
 from flexmodal.rig.clean import peaks as clean_peaks
 from flexmodal.rig.effects import Stand
-from flexmodal.rig.hammer_test import Struck, each_posture
+from flexmodal.rig.hammer_test import Conduct, Struck, each_posture
 from flexmodal.rig.hidden.hide import Hide
 from flexmodal.rig.hidden.placement import put_in
 from flexmodal.rig.plan import HammerPlan
+from flexmodal.rig.plant.build import Hidden
 from flexmodal.rig.request import Prepared, prepare
 from flexmodal.rig.result import RigResult
 from flexmodal.rig.robot_folder import CARD
@@ -80,26 +81,49 @@ def simulate(
 
 def _run(prepared: Prepared, time: bool, workers: int, advance: Callable[[], None]) -> RigResult:
     robot, plan, conduct = prepared.robot, prepared.plan, prepared.conduct
-    stand = make_stand(robot, plan, prepared.error, conduct.seed)
+    true = true_robot(robot, prepared.error, np.random.default_rng([conduct.seed, 4]))
+    stand = make_stand(robot, plan, true)
     hidden, effects, floor = put_in(stand, prepared.wanted, conduct)
+    campaign = struck_campaign(robot, stand, hidden, conduct, time=time, workers=workers, advance=advance)
+    truth = Truth(robot.name, conduct.seed, conduct.noise, conduct.scatter, floor, effects, true.factors)
+    return RigResult(campaign, truth, robot, plan, stand, tuple(hidden))
+
+
+def struck_campaign(
+    robot: Robot,
+    stand: Stand,
+    hidden: Sequence[Hidden],
+    conduct: Conduct,
+    *,
+    time: bool,
+    workers: int = 1,
+    advance: Callable[[], None] = lambda: None,
+) -> Campaign:
+    """Strike every posture of a plan.
+
+    Args:
+        robot: as the card says.
+        stand: the true robot and its plan.
+        hidden: effects put in.
+        conduct: noise, scatter and seed.
+        time: whether the time records are kept.
+        workers: postures struck side by side.
+        advance: called once for each posture and point.
+    """
     blows: list[Blow] = []
     for posture, struck in each_posture(stand, hidden, conduct, workers, advance):
-        blows += _blows(plan, posture.id, struck)
-    factors = stand.true.factors
-    truth = Truth(robot.name, conduct.seed, conduct.noise, conduct.scatter, floor, effects, factors)
-    return RigResult(_campaign(robot, plan, blows, time), truth, robot, plan, stand, tuple(hidden))
+        blows += _blows(stand.plan, posture.id, struck)
+    return _campaign(robot, stand.plan, blows, time)
 
 
-def make_stand(robot: Robot, plan: HammerPlan, error: ParameterError, seed: int) -> Stand:
+def make_stand(robot: Robot, plan: HammerPlan, true: TrueRobot) -> Stand:
     """The true robot, and how far it moves when it is struck.
 
     Args:
         robot: as the card says.
         plan: postures, points, references, trials.
-        error: how far the card is off.
-        seed: of what is drawn.
+        true: what the hammer really meets.
     """
-    true = true_robot(robot, error, np.random.default_rng([seed, 4]))
     bare = Stand(robot, true, plan, {}, {})
     found = [clean_peaks(bare, posture) for posture in plan.postures]
     weak, hard = (choose(trial.force_peak for trial in plan.trials) for choose in (min, max))

@@ -65,6 +65,28 @@ class Truth:
             table["noise_floor"] = self.noise_floor
         return {**table, "true_over_believed": dict(self.factors), "effect": effects}
 
+    @classmethod
+    def of_table(cls, table: Mapping[str, Any]) -> Truth:
+        """From such a table.
+
+        Raises:
+            KeyError, TypeError, ValueError: it is none.
+        """
+        effects = tuple(
+            HiddenEffect(
+                str(one["effect"]), str(one["form"]), str(one["where"]),
+                {str(name): float(value) for name, value in one["parameters"].items()},
+                {str(name): str(unit) for name, unit in one["units"].items()},
+                float(one["severity"]), one.get("times_noise_floor"), bool(one["catalogued"]),
+            )
+            for one in table["effect"]
+        )  # fmt: skip
+        factors = {str(name): float(value) for name, value in table["true_over_believed"].items()}
+        return cls(
+            str(table["robot"]), int(table["seed"]), float(table["noise"]), float(table["scatter"]),
+            table.get("noise_floor"), effects, factors,
+        )  # fmt: skip
+
     def write(self, path: Path) -> None:
         """Write as TOML.
 

@@ -15,7 +15,8 @@ from flexmodal.diagnosis.search.lines import unlimited
 from flexmodal.errors import InvalidRequest
 from flexmodal.identification import observe, predict
 from flexmodal.identification.model import evaluated
-from flexmodal.rig import FORMS, ParameterError, simulate
+from flexmodal.rig import FORMS, simulate
+from flexmodal.rig.believed import known_robot
 from flexmodal.rig.effects.effect import Site
 from flexmodal.rig.plant.build import build
 from flexmodal.rig.simulate import make_stand
@@ -30,7 +31,7 @@ def bench():
         robot, postures=["configuration_1", "configuration_6"], points=3, trials=2, averages=2, seed=3,
         record_length=1.0, band=(2.0, 120.0), parameter_error=0.0,
     )  # fmt: skip
-    stand = make_stand(result.robot, result.plan, ParameterError.all(0.0), 3)
+    stand = make_stand(result.robot, result.plan, known_robot(result.robot, {}))
     observed = unlimited(observe(result.campaign))
     return Context.of(robot, observed), observed, stand
 
@@ -222,7 +223,7 @@ def slender():
         robot, postures=1, points=3, trials=2, averages=2, seed=3, record_length=1.0, band=(2.0, 200.0),
         parameter_error=0.0,
     )  # fmt: skip
-    stand = make_stand(result.robot, result.plan, ParameterError.all(0.0), 3)
+    stand = make_stand(result.robot, result.plan, known_robot(result.robot, {}))
     observed = unlimited(observe(result.campaign))
     return Context.of(robot, observed), observed, stand
 

@@ -7,6 +7,7 @@ import pytest
 import flexmodal
 from flexmodal.model import Robot
 from flexmodal.rig import ParameterError
+from flexmodal.rig.believed import true_robot
 from flexmodal.rig.effects import Effect, Site, Stand
 from flexmodal.rig.forms import find
 from flexmodal.rig.plan import make_plan
@@ -69,7 +70,8 @@ def stand() -> Callable[..., Stand]:
             "peaks": (60.0, 240.0), "tip": "soft", "band": (2.0, 100.0), "record_length": 2.0,
             "random": np.random.default_rng(0),
         } | given  # fmt: skip
-        return make_stand(robot, make_plan(robot, **plan), ParameterError.all(error), 0)
+        true = true_robot(robot, ParameterError.all(error), np.random.default_rng([0, 4]))
+        return make_stand(robot, make_plan(robot, **plan), true)
 
     return make
 
