@@ -13,6 +13,7 @@
 # make arithmetic  the same verdicts on every processor: campaigns diagnosed under other kinds of arithmetic
 # make appendix  diagnose the thesis's measured modes: docs/appendix_c.md with its pictures; some minutes
 # make recovery  identify 300 simulated campaigns; goes on where it was stopped; half an hour
+# make collisions  a hundred random tasks beside a table and a fixture; a quarter of an hour
 # make fuzz    read mutated campaigns, URDFs, cards, cuts, toolpaths, postures and arguments, judged by second readers
 # make chaos   kill every command that writes at each of its file events; some minutes
 # make accuracy  FRFs and modes of 500 random robots against sixty digits; half an hour
@@ -22,7 +23,7 @@
 PYTHON ?= python3.11
 BIN := .venv/bin
 .DEFAULT_GOAL := help
-.PHONY: help demo test docs tour distribution slow check tables pictures studies exam arithmetic appendix recovery bench fuzz chaos accuracy atlas-bench browser clean
+.PHONY: help demo test docs tour distribution slow check tables pictures studies exam arithmetic appendix recovery bench fuzz chaos accuracy atlas-bench collisions browser clean
 
 help:
 	@grep '^# make' Makefile | cut -c3-
@@ -130,6 +131,9 @@ accuracy: .venv/tested
 
 atlas-bench: .venv/tested
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/atlas_bench.py
+
+collisions: .venv/tested
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/collisions.py --starts 6
 
 chaos: .venv/tested
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/chaos.py

@@ -18,6 +18,7 @@ from .model import Robot as Robot
 from .model import check as check
 from .model import load as load
 from .model import robots as robots
+from .optimisation import Clearance as Clearance
 from .optimisation import Hold as Hold
 from .optimisation import MobilityObjective as MobilityObjective
 from .optimisation import Outcome as Outcome

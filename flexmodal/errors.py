@@ -129,3 +129,7 @@ class InaccurateModes(FlexmodalError, ArithmeticError):
 
 class Unreachable(FlexmodalError):
     """No posture within the limits puts the held frame on its target."""
+
+
+class InCollision(Unreachable):
+    """Postures that would do come nearer to something than the clearance that was asked for."""

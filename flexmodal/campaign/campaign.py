@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Never
+from typing import Any, Never
 
 from flexmodal.campaign.blow import Blow
 from flexmodal.campaign.consistency import campaign_faults
@@ -13,14 +14,15 @@ from flexmodal.campaign.description.tested import CampaignPoint, CampaignPosture
 from flexmodal.campaign.mode_table import ModeTable
 from flexmodal.campaign.records import FrfRecords
 from flexmodal.campaign.trial import Trial
-from flexmodal.errors import InvalidCampaign
+from flexmodal.errors import Fault, InvalidCampaign
+from flexmodal.text.shown import Shown, several
 
 LOWEST = 2.0
 """Where the lines to compare begin when the campaign does not say [Hz]."""
 
 
-@dataclass(frozen=True, eq=False)
-class Campaign:
+@dataclass(frozen=True, eq=False, repr=False)
+class Campaign(Shown):
     """A sound campaign: every record belongs to a posture, points and a trial that are described.
 
     Raises:
@@ -49,6 +51,34 @@ class Campaign:
         faults = campaign_faults(self, self.frfs, self.blows, self.modes, self.path)
         if faults:
             raise InvalidCampaign(faults)
+
+    def _facts(self) -> Mapping[str, object]:
+        counts = {
+            "FRFs": 0 if self.frfs is None else len(self.frfs),
+            "blows": len(self.blows),
+            "modes": 0 if self.modes is None else len(self.modes),
+        }
+        return {
+            "": self.title,
+            "robot": self.robot,
+            "postures": several((posture.name for posture in self.postures), 4),
+            "points": several((point.name for point in self.points), 4),
+            "data": ", ".join(f"{count} {kind}" for kind, count in counts.items() if count) or "none",
+        }
+
+    def to_xarray(self) -> Any:
+        """Its FRFs as a data set with the names of postures; see `FrfRecords.to_xarray`.
+
+        Raises:
+            InvalidCampaign: it has no FRFs.
+            MissingExtra: xarray is not installed.
+        """
+        if self.frfs is None:
+            raise InvalidCampaign(Fault(self.title, "frfs", "none", "a campaign with measured FRFs"))
+        names = {posture.id: posture.name for posture in self.postures}
+        found = self.frfs.to_xarray()
+        named = [names[int(one)] for one in self.frfs.posture]
+        return found.assign_coords(posture_name=("record", named)).assign_attrs(title=self.title)
 
     def posture(self, which: int | str) -> CampaignPosture:
         """The posture of that id or name; KeyError without one."""

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from typing import Any
 
 import numpy as np
 from jaxtyping import Complex, Float, Int
 
+from flexmodal.text.extras import extra
+from flexmodal.text.shown import Shown, several
 
-@dataclass(frozen=True, eq=False)
-class ModeTable:
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ModeTable(Shown):
     """The rows of `modes.csv`; NaN where a number is missing from the file."""
 
     posture: Int[np.ndarray, " row"]
@@ -25,6 +30,18 @@ class ModeTable:
     """Amplitude multiplier of the mobility residue form; both parts NaN where missing."""
     flag: tuple[str, ...]
     """Remarks on the row, `field:mark` joined by semicolons; empty without one."""
+
+    def _facts(self) -> Mapping[str, object]:
+        return {"": f"{len(self)} rows", "postures": several(sorted(set(self.posture.tolist())))}
+
+    def to_pandas(self) -> Any:
+        """The rows as a table.
+
+        Raises:
+            MissingExtra: pandas is not installed.
+        """
+        pandas = extra("pandas", "pandas", "to_pandas")
+        return pandas.DataFrame({one.name: getattr(self, one.name) for one in fields(self)})
 
     def __len__(self) -> int:
         """How many rows there are."""

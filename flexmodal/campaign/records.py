@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from jaxtyping import Complex, Float, Int
@@ -14,6 +15,8 @@ from flexmodal.campaign.trial import Trial, repeat_groups
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.frf import Form, Frf, PointDirection
 from flexmodal.frf.form import POWER, check_form
+from flexmodal.text.extras import extra
+from flexmodal.text.shown import Shown, several
 
 AXES = "xyz"
 COHERENT = 0.8
@@ -23,8 +26,8 @@ Place = int | tuple[int, int]
 """A point id, or a point id with a direction ±1 ±2 ±3."""
 
 
-@dataclass(frozen=True, eq=False)
-class FrfRecords:
+@dataclass(frozen=True, eq=False, repr=False)
+class FrfRecords(Shown):
     """Records of one form on one frequency axis; record r is the FRF `value[r]`."""
 
     frequency: Float[np.ndarray, " line"]
@@ -51,6 +54,40 @@ class FrfRecords:
         if self.coherence is None:
             return np.ones(self.value.shape)
         return np.where(self.coherence < COHERENT, 0.0, self.coherence)
+
+    def _facts(self) -> Mapping[str, object]:
+        places = {tuple(place) for place in self.response.tolist()}
+        low, high = (self.frequency[0], self.frequency[-1]) if len(self.frequency) else (np.nan, np.nan)
+        return {
+            "": f"{len(self)} records of {self.form}",
+            "postures": several(sorted(set(self.posture.tolist()))),
+            "responses": several(place_text((int(point), int(way))) for point, way in sorted(places)),
+            "lines": f"{len(self.frequency)} from {low:g} to {high:g} Hz",
+        }
+
+    def to_xarray(self) -> Any:
+        """Values and coherence as a data set over record and frequency [Hz].
+
+        Posture, trial, response and reference ("3:+2" is point 3 along y) are coordinates of the records.
+
+        Raises:
+            MissingExtra: xarray is not installed.
+        """
+        xarray = extra("xarray", "xarray", "to_xarray")
+        columns = {"posture": self.posture, "trial": self.trial}
+        for name in ("response", "reference"):
+            places = getattr(self, name).tolist()
+            columns[name] = np.array([f"{point}:{way:+d}" for point, way in places])
+        data: dict[str, Any] = {self.form: (("record", "frequency"), self.value)}
+        if self.coherence is not None:
+            data["coherence"] = (("record", "frequency"), self.coherence)
+        return xarray.Dataset(
+            data,
+            coords={
+                "frequency": ("frequency", self.frequency, {"units": "Hz"}),
+                **{name: ("record", column) for name, column in columns.items()},
+            },
+        )
 
     def __len__(self) -> int:
         """How many records there are."""

@@ -70,6 +70,28 @@ class FamilyCard:
 
 
 @dataclass(frozen=True)
+class ObstacleCard:
+    """Something that the arm may run into, or that it carries; of one of four shapes."""
+
+    box: tuple[float, float, float] | None = None
+    """Lengths along x, y and z [m]."""
+    sphere: float | None = None
+    """Radius [m]."""
+    cylinder: tuple[float, float] | None = None
+    """Radius and length along z [m]."""
+    mesh: Path | None = None
+    """An existing file, absolute; its convex hull is taken."""
+    scale: float = 1.0
+    """Of the mesh: metres for each of its units."""
+    xyz: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """Place of its middle, or of the origin of its mesh, in the frame of the link [m]."""
+    rpy: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """Roll, pitch and yaw about the axes of the link [rad]."""
+    link: str = ""
+    """The URDF link that carries it; the one that stands in the world if empty."""
+
+
+@dataclass(frozen=True)
 class RobotCard:
     """One `robot.toml`, sound in itself; `check_consistency` says whether it belongs to its URDF."""
 
@@ -94,6 +116,10 @@ class RobotCard:
     loss_frequency: float | None = None
     """Where the stiffness of joints with a loss factor is what the card says [Hz]: such a spring is stiffer
     at higher frequencies, as causality asks. None for K (1 + iη) whatever the frequency."""
+
+    obstacles: Mapping[str, ObstacleCard] = field(default_factory=FrozenDict)
+    srdf: Path | None = None
+    """An SRDF that says which links may touch, an existing file, absolute."""
 
     @property
     def pseudo_joints(self) -> tuple[str, ...]:

@@ -61,6 +61,7 @@ def _is_movable(name: str, key: str, urdf: Urdf, faults: FaultList) -> bool:
 
 def _check_links(card: RobotCard, urdf: Urdf, faults: FaultList) -> None:
     places = {"tool": card.tool} | {f"point.{name}.link": point.link for name, point in card.points.items()}
+    places |= {f"obstacle.{name}.link": one.link for name, one in card.obstacles.items() if one.link}
     for key, link in places.items():
         if link not in urdf.link_by_name:
             names = urdf.link_by_name

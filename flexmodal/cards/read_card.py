@@ -4,10 +4,18 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from flexmodal.cards.card import CouplingCard, FamilyCard, JointCard, PointCard, RobotCard
+from flexmodal.cards.card import (
+    CouplingCard,
+    FamilyCard,
+    JointCard,
+    ObstacleCard,
+    PointCard,
+    RobotCard,
+)
 from flexmodal.cards.coupling import couplings_of
 from flexmodal.cards.urdf.packages import PREFIX, resolve_package
 from flexmodal.errors import Fault, InvalidCard
@@ -17,7 +25,7 @@ from flexmodal.text.validation import allowed, validated
 from flexmodal.text.words import FaultList, shown
 
 if TYPE_CHECKING:
-    from flexmodal.cards.schema import CardTable
+    from flexmodal.cards.schema import CardTable, ObstacleTable
 
 
 def read_card(path: str | os.PathLike[str]) -> RobotCard:
@@ -42,9 +50,23 @@ def read_card(path: str | os.PathLike[str]) -> RobotCard:
     joints = {} if table is None else {n: JointCard(**joint.model_dump()) for n, joint in table.joint.items()}
     stiffness = {} if table is None else {name: one.stiffness for name, one in table.coupling.items()}
     couplings = couplings_of(stiffness, joints, faults)
+    srdf = None if table is None or table.srdf is None else _file("srdf", table.srdf, faults)
+    obstacles = {} if table is None else {n: _obstacle(n, one, faults) for n, one in table.obstacle.items()}
     if faults.faults or table is None or urdf is None:
         raise InvalidCard(_in_order(faults.faults))
-    return _card(table, urdf, file, joints, couplings)
+    card = _card(table, urdf, file, joints, couplings)
+    return replace(card, obstacles=FrozenDict(obstacles), srdf=srdf)
+
+
+def urdf_named_in(path: str | os.PathLike[str]) -> Path | None:
+    """The URDF that a card names, whatever else is wrong with the card; None where no file is there.
+
+    Args:
+        path: a `robot.toml`.
+    """
+    file = Path(os.path.abspath(path))
+    content = parse_toml(file, kind="a robot card")
+    return None if isinstance(content, Fault) else _find_urdf(content.get("urdf"), FaultList(file))
 
 
 def _parse(file: Path) -> dict[str, Any]:
@@ -73,6 +95,32 @@ def _find_urdf(address: object, faults: FaultList) -> Path | None:
         faults.add("urdf", found, allowed(CardTable, ["urdf"]))
         return None
     return found
+
+
+def _obstacle(name: str, table: ObstacleTable, faults: FaultList) -> ObstacleCard:
+    box = None if table.box is None else (table.box[0], table.box[1], table.box[2])
+    return ObstacleCard(
+        box=box,
+        sphere=table.sphere,
+        cylinder=None if table.cylinder is None else (table.cylinder[0], table.cylinder[1]),
+        mesh=None if table.mesh is None else _file(f"obstacle.{name}.mesh", table.mesh, faults),
+        scale=table.scale,
+        xyz=(table.xyz[0], table.xyz[1], table.xyz[2]),
+        rpy=(table.rpy[0], table.rpy[1], table.rpy[2]),
+        link=table.link,
+    )
+
+
+def _file(key: str, address: str, faults: FaultList) -> Path:
+    """A file that a card names beside its URDF; a fault where there is none."""
+    path = Path(os.path.abspath(faults.file.parent / address))
+    try:
+        there = path.is_file()
+    except (OSError, ValueError):
+        there = False
+    if not there:
+        faults.add(key, f"{shown(address)}, where no file is", "a path relative to this file, or absolute")
+    return path
 
 
 def _in_order(faults: Sequence[Fault]) -> list[Fault]:

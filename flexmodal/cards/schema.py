@@ -20,6 +20,7 @@ Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=1e-12, le
 NotNegative = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0, le=1e18)]
 Hertz = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=1e-6, le=1e9)]
 LossFactor = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0, le=10)]
+Length = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=1e-9, le=1e4)]
 Signed = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-1e18, le=1e18)]
 Above1 = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=1)]
 Below1 = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0, lt=1)]
@@ -83,6 +84,33 @@ class FamilyTable(Table):
         return self
 
 
+class ObstacleTable(Table):
+    """`[obstacle.<name>]`: one of box, sphere, cylinder and mesh, and where it is."""
+
+    box: Annotated[list[Length], Field(min_length=3, max_length=3)] | None = Field(
+        default=None, description="three lengths in m, above 0"
+    )
+    sphere: Length | None = Field(default=None, description="a radius in m, above 0")
+    cylinder: Annotated[list[Length], Field(min_length=2, max_length=2)] | None = Field(
+        default=None, description="a radius and a length in m, above 0"
+    )
+    mesh: Text | None = Field(default=None, description="a path to a mesh, relative to this file or absolute")
+    scale: Length = Field(default=1.0, description="metres for each unit of the mesh, above 0")
+    xyz: Triple = Field(default=[0.0, 0.0, 0.0], description="three finite numbers in m, of at most 1e4")
+    rpy: Triple = Field(default=[0.0, 0.0, 0.0], description="three finite numbers in rad")
+    link: str = Field(default="", description="the name of a URDF link; left out, what stands in the world")
+
+    @model_validator(mode="after")
+    def _has_one_shape(self) -> ObstacleTable:
+        shapes = [name for name in ("box", "sphere", "cylinder", "mesh") if getattr(self, name) is not None]
+        if len(shapes) != 1:
+            found = " and ".join(shapes) or "no shape"
+            raise Contradiction(
+                shapes[0] if shapes else "box", found, "one of box, sphere, cylinder and mesh"
+            )
+        return self
+
+
 class CardTable(Table):
     """The whole file."""
 
@@ -99,5 +127,9 @@ class CardTable(Table):
     joint: dict[JointName, JointTable] = Field(min_length=1, description="at least one table [joint.<name>]")
     coupling: dict[Pair, CouplingTable] = Field(default={}, description='tables [coupling."jointA+jointB"]')
     point: dict[Name, PointTable] = Field(default={}, description="tables [point.<name>]")
+    srdf: Text | None = Field(
+        default=None, description="a path to an SRDF, relative to this file or absolute"
+    )
+    obstacle: dict[Name, ObstacleTable] = Field(default={}, description="tables [obstacle.<name>]")
     posture: dict[Name, Angles] = Field(default={}, description="tables [posture.<name>]")
     family: dict[Name, FamilyTable] = Field(default={}, description="tables [family.<name>]")

@@ -10,8 +10,16 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from flexmodal.cli.measured import campaign_at
-from flexmodal.cli.options import SOURCE, band_of, force_option, json_option, number, refuse_existing
-from flexmodal.cli.printing import print_json, print_table, say
+from flexmodal.cli.options import (
+    SOURCE,
+    band_of,
+    force_option,
+    json_option,
+    number,
+    quiet_option,
+    refuse_existing,
+)
+from flexmodal.cli.printing import busy, print_json, print_table, say
 from flexmodal.errors import Fault, InvalidRequest
 
 if TYPE_CHECKING:
@@ -80,6 +88,7 @@ _MOST_LINES = 20
 @click.option("--pictures", type=click.Path(path_type=Path), help="A folder to draw every picture into.")
 @click.option("--svg", is_flag=True, help="Pictures as .svg, not .png.")
 @force_option
+@quiet_option
 @json_option
 def fit(
     campaign: Path,
@@ -91,6 +100,7 @@ def fit(
     pictures: Path | None,
     svg: bool,
     force: bool,
+    quiet: bool,
     as_json: bool,
     **wanted: Any,
 ) -> None:
@@ -107,16 +117,19 @@ def fit(
         refuse_folder(pictures, own=PICTURES, overwrite=force)
     measured = campaign_at(campaign)
     choices = _choices(**wanted)
-    fits = find(measured, method, per=per, trials=trials, estimator=estimator, choices=choices)
-    records = records_of(measured, estimator)
-    flags = check_campaign_quality(measured, records)
+    with busy("fitting", quiet=quiet):
+        fits = find(measured, method, per=per, trials=trials, estimator=estimator, choices=choices)
+        records = records_of(measured, estimator)
+        flags = check_campaign_quality(measured, records)
     found = as_object(fits, flags)
     results = _Results(fits, found, flags, records, measured, choices)
     if out is not None:
-        _write(results, out, force)
+        with busy("writing", quiet=quiet):
+            _write(results, out, force)
         say(f"wrote {out}", err=True)
     if pictures is not None:
-        _draw(results, pictures, ".svg" if svg else ".png", force)
+        with busy("drawing", quiet=quiet):
+            _draw(results, pictures, ".svg" if svg else ".png", force)
     if as_json:
         print_json(found)
     elif out is None and pictures is None:

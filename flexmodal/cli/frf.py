@@ -16,6 +16,7 @@ from flexmodal.cli.options import (
     posture_option,
     refuse_existing,
     robot_options,
+    say_motionless,
 )
 from flexmodal.cli.printing import print_json, print_table, say
 
@@ -58,7 +59,9 @@ def frf(
     axis = frequencies_of(frequencies)
     arm = robot.load()
     where = posture_of(arm, posture)
-    found = arm.frf(where, axis, response=response or None, reference=reference or None, form=form)
+    posed = arm.at(where)
+    found = posed.frf(axis, response=response or None, reference=reference or None, form=form)
+    say_motionless(posed, [*found.response, *found.reference])
     if out is not None:
         _write(found, arm, where, out, force)
         say(f"wrote {out}", err=True)
@@ -92,6 +95,7 @@ def _json(found: Frf, arm: Robot, where: Posture) -> dict[str, Any]:
 def _write(found: Frf, arm: Robot, where: Posture, out: Path, force: bool) -> None:
     from flexmodal.campaign import write_frf
     from flexmodal.frf import export, page, plot
+    from flexmodal.model.chain import TOOL
     from flexmodal.report import write_figure
 
     title = f"{arm.name} at {where}"
@@ -103,6 +107,7 @@ def _write(found: Frf, arm: Robot, where: Posture, out: Path, force: bool) -> No
     elif ending == ".uff":
         names = [*arm.points, *(link.name for link in arm.urdf.links)]
         nodes = {name: number for number, name in enumerate(dict.fromkeys(names), start=1)}
+        nodes.setdefault(TOOL, nodes[arm.tool])
         posture = list(arm.postures).index(where.name) + 1 if where.name else 1
         write_frf(found, out, nodes, posture=posture, title=title, overwrite=force)
     elif ending == ".html":

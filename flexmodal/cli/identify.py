@@ -10,7 +10,7 @@ import click
 
 from flexmodal.cli.measured import campaign_at, robot_of, say_doubled
 from flexmodal.cli.options import MOST_STARTS, force_option, json_option, quiet_option, trust_of, trust_option
-from flexmodal.cli.printing import print_json, print_table, progress, say
+from flexmodal.cli.printing import noted_progress, print_json, print_table, say
 
 if TYPE_CHECKING:
     from flexmodal.identification import Identification, IdentificationProblem
@@ -87,7 +87,12 @@ def identify(
         _refuse_out(out, arm, force)
     say_doubled(measured, source)
     wanted = [kind.strip() for kind in kinds.split(",") if kind.strip()]
-    with progress(STAGES, "identifying", quiet=quiet) as advance:
+    with noted_progress(STAGES, "identifying", quiet=quiet) as (advance, note):
+
+        def begin(stage: str) -> None:
+            advance()
+            note(stage)
+
         outcome = find(
             measured,
             arm,
@@ -97,7 +102,7 @@ def identify(
             use=None if use is None else [part.strip() for part in use.split(",")],
             starts=starts,
             seed=seed,
-            advance=lambda _: advance(),
+            advance=begin,
             before=_say_before if not as_json else lambda problem: None,
         )
     found = as_object(outcome)

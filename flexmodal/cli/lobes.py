@@ -19,7 +19,7 @@ from flexmodal.cli.options import (
     refuse_existing,
     robot_options,
 )
-from flexmodal.cli.printing import noted_progress, print_json, print_table, progress, say
+from flexmodal.cli.printing import busy, noted_progress, print_json, print_table, progress, say
 from flexmodal.errors import Fault, InvalidRequest
 
 if TYPE_CHECKING:
@@ -141,8 +141,10 @@ def _single(
     from flexmodal.machining.stability.solve import SPEEDS
 
     where = posture_of(arm, posture)
-    hidden = quiet or method == "zero-order"
-    with progress(speeds or SPEEDS[method], "speeds", quiet=hidden) as advance:
+    if method == "zero-order":  # its speeds come all at once
+        with busy("lobes", quiet=quiet):
+            return find(arm, where, cut, method=method, speeds=speeds, added=added)
+    with progress(speeds or SPEEDS[method], "speeds", quiet=quiet) as advance:
         return find(arm, where, cut, method=method, speeds=speeds, added=added, advance=advance)
 
 

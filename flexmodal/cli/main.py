@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import importlib
 import os
 import signal
@@ -15,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from flexmodal.cli.printing import plain, say
+from flexmodal.cli.width import NARROWEST, WIDEST, WIDTH
 
 if TYPE_CHECKING:
     from flexmodal.errors import Fault
@@ -22,6 +24,7 @@ if TYPE_CHECKING:
 _COMMANDS = {
     "robots": "The robots that ship: joints, points, postures.",
     "check": "Is this URDF, card or campaign sound? Every fault at once.",
+    "card": "A card for any URDF, its numbers guessed: card new ARM --out DIR.",
     "frf": "Receptance, mobility or inertance at a posture.",
     "modes": "Natural frequencies, damping ratios and shapes at a posture.",
     "measures": "Stiffness, mobility and receptance of a posture along a direction.",
@@ -37,11 +40,16 @@ _COMMANDS = {
     "diagnose": "What is missing in the model: name it, add it, show the gap shrink.",
     "rig": "A simulated hammer test, with effects hidden in it.",
     "show": "The robot, its modes or its deflection in the browser.",
+    "export": "A posture for MuJoCo, python-control, ROS, KUKA or ABB.",
     "demo": "A tour: two robots, their FRFs, a better posture, a page.",
 }
 
 _LONGEST = 500
 """Characters of a complaint about the words of a call."""
+
+
+SCHEMAS = Path(__file__).with_name("schemas")
+"""What `--json` of each command gives, as JSON Schema."""
 
 
 class _Commands(click.Group):
@@ -55,11 +63,67 @@ class _Commands(click.Group):
             return None
         module = importlib.import_module(f"flexmodal.cli.{cmd_name}")
         command: click.Command = getattr(module, cmd_name)
+        for one in (command, *(command.commands.values() if isinstance(command, click.Group) else ())):
+            if any(option.name == "width" for option in one.params):
+                continue
+            one.params.append(_width_option())
+            schema = SCHEMAS / f"{cmd_name}.json"
+            if any(option.name == "as_json" for option in one.params) and schema.is_file():
+                one.params.append(_schema_option(schema))
         return command
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        name = args[0]
+        if name not in _COMMANDS and not name.startswith("-"):
+            ctx.fail(f"No such command {name!r}.{_meant(name)}")
+        return super().resolve_command(ctx, args)
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         with formatter.section("Commands"):
             formatter.write_dl(list(_COMMANDS.items()))
+
+
+def _meant(name: str) -> str:
+    """The command that was meant, where one resembles the name."""
+    close = difflib.get_close_matches(name, _COMMANDS, n=1)
+    return f" Did you mean {close[0]!r}?" if close else f" The commands are {', '.join(_COMMANDS)}."
+
+
+def _schema_option(schema: Path) -> click.Option:
+    """`--json-schema`, which prints what `--json` gives and leaves."""
+
+    def tell(context: click.Context, param: click.Parameter, asked: bool) -> None:
+        if asked:
+            click.echo(schema.read_text(encoding="utf-8"), nl=False)
+            context.exit()
+
+    return click.Option(
+        ["--json-schema"],
+        is_flag=True,
+        is_eager=True,
+        callback=tell,
+        expose_value=False,
+        help="The JSON Schema of --json.",
+    )
+
+
+def _width_option() -> click.Option:
+    """`--width`, which every command takes and none is told of."""
+
+    def keep(context: click.Context, param: click.Parameter, width: int | None) -> None:
+        if width is not None:
+            context.find_root().meta[WIDTH] = width
+
+    return click.Option(
+        ["--width"],
+        type=click.IntRange(NARROWEST, WIDEST),
+        callback=keep,
+        expose_value=False,
+        metavar="COLUMNS",
+        help="Of tables and sentences; those of the terminal if none.",
+    )
 
 
 @click.group(cls=_Commands, context_settings={"help_option_names": ["-h", "--help"]})

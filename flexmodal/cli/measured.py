@@ -33,10 +33,26 @@ def campaign_at(path: str | Path) -> Campaign:
         named = f", such as {place / files[0]}" if files else ""
         allowed = f"one that has; or a universal file by itself{named}"
         raise InvalidCampaign(Fault(str(path), "", "a folder without a campaign.toml", allowed))
+    if place.is_file() and place.name != "campaign.toml" and place.suffix.lower() not in UNIVERSAL_SUFFIXES:
+        raise InvalidCampaign(_no_campaign(place))
     measured = read_campaign(place)
     for warning in measured.warnings:
         say(f"warning: {warning}", err=True)
     return measured
+
+
+def _no_campaign(place: Path) -> Fault:
+    """What to do with a file that is no campaign."""
+    kind = f"a file of the kind {place.suffix or 'without an ending'}"
+    allowed = "a folder with a campaign.toml, or a universal file (.uff, .unv) by itself"
+    if place.suffix.lower() in (".csv", ".xlsx", ".txt"):
+        allowed += (
+            "; a table becomes a campaign by flexmodal.campaign.import_table, which is told what each column "
+            "is: docs/campaign.md"
+        )
+    elif place.suffix.lower() in (".toml", ".urdf"):
+        allowed += "; a robot goes to the other commands, such as flexmodal modes"
+    return Fault(str(place), "", kind, allowed)
 
 
 def say_doubled(campaign: Campaign, source: str | None) -> None:
@@ -54,8 +70,30 @@ def say_doubled(campaign: Campaign, source: str | None) -> None:
 
 def card_of(campaign: Campaign) -> str:
     """The card that a campaign names: a file beside it, or a name."""
+    refuse_export(campaign)
     beside = None if campaign.path is None else campaign.path / campaign.robot
     return str(beside) if beside is not None and beside.is_file() else campaign.robot
+
+
+def refuse_export(campaign: Campaign) -> None:
+    """A universal file by itself names no robot, nor where on it its points are.
+
+    Args:
+        campaign: what was measured.
+
+    Raises:
+        InvalidCampaign: with what to do instead.
+    """
+    from flexmodal.campaign.uff.export import NO_ROBOT
+
+    if campaign.robot != NO_ROBOT:
+        return
+    found = "a universal file by itself, which names neither a robot nor the links its points are on"
+    allowed = (
+        "a folder with that file as frf.uff beside a campaign.toml that names them, see docs/campaign.md; "
+        "modes need no robot: flexmodal fit FILE --out modes.html"
+    )
+    raise InvalidCampaign(Fault(campaign.title, "robot", found, allowed))
 
 
 def robot_of(campaign: Campaign, given: str | None) -> Robot:
@@ -70,4 +108,5 @@ def robot_of(campaign: Campaign, given: str | None) -> Robot:
     """
     from flexmodal.model import load
 
+    refuse_export(campaign)
     return load(card_of(campaign) if given is None else given)

@@ -4,7 +4,15 @@ from __future__ import annotations
 
 import click
 
-from flexmodal.cli.options import RobotOptions, hertz, json_option, posture_of, posture_option, robot_options
+from flexmodal.cli.options import (
+    RobotOptions,
+    hertz,
+    json_option,
+    posture_of,
+    posture_option,
+    robot_options,
+    say_motionless,
+)
 from flexmodal.cli.printing import print_json, print_table
 
 
@@ -35,6 +43,7 @@ def measures(
     arm = robot.load()
     where = posture_of(arm, posture)
     found = arm.measures(where, direction=direction, frequency=frequency, task=task)
+    say_motionless(arm.at(where), [] if direction is None else [direction])
     dynamic = found.receptance
     if as_json:
         print_json(

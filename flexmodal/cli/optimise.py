@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
+from flexmodal.cli.clearing import clearance_json, clearance_of, clearance_options, say_clearance
 from flexmodal.cli.holds import hold_of, orientation_options
 from flexmodal.cli.objectives import judging_options, objective_of
 from flexmodal.cli.options import (
@@ -15,6 +16,7 @@ from flexmodal.cli.options import (
     SOURCE,
     RobotOptions,
     force_option,
+    is_typed_in_radians,
     json_option,
     posture_of,
     quiet_option,
@@ -26,7 +28,11 @@ from flexmodal.cli.viewing import viewer
 from flexmodal.errors import Fault, InvalidRequest
 
 if TYPE_CHECKING:
-    from flexmodal.optimisation import Outcome
+    from flexmodal.optimisation import Outcome, Start
+
+
+_NEAR = 1e-6
+"""A tool this near its target is on it [m]."""
 
 
 @click.command()
@@ -36,6 +42,7 @@ if TYPE_CHECKING:
 @click.option("--family", metavar="NAME", help="Search along a family of the card.")
 @click.option("--free", is_flag=True, help="Let the end-effector go anywhere.")
 @judging_options
+@clearance_options
 @click.option("--start", metavar="POSTURE", help="Compare with this posture, and start from it too.")
 @click.option(
     "--starts",
@@ -65,6 +72,8 @@ def optimise(
     orientation: str | None,
     axis: str | None,
     tool_axis: str,
+    clearance: str | None,
+    no_collisions: bool,
     start: str | None,
     starts: int | None,
     seed: int,
@@ -87,7 +96,8 @@ def optimise(
     )
     arm = robot.load()
     judge = objective_of(arm, seed=seed, **judging)
-    problem = PostureProblem(arm, judge, hold_of(arm, hold, orientation, axis, tool_axis))
+    kept = clearance_of(arm, clearance, no_collisions)
+    problem = PostureProblem(arm, judge, hold_of(arm, hold, orientation, axis, tool_axis), clearance=kept)
     chosen = None if family is None else arm.family(family, source=f"{SOURCE} --family")
     where = None if start is None else posture_of(arm, start, "--start")
     way = "plain" if chosen or method != "newton" else choose_way(problem, starts or DEFAULT_STARTS)
@@ -108,10 +118,11 @@ def optimise(
     if as_json:
         print_json(_json(outcome))
     else:
-        _print(outcome, judging["objective"])
-    draw_pictures(outcome, where, pictures, force=force, quiet=quiet)
+        _print(outcome, judging["objective"], radians=is_typed_in_radians(start))
+    shown = None if outcome.compared is None else outcome.compared.held
+    draw_pictures(outcome, shown, pictures, force=force, quiet=quiet)
     if show:
-        viewer("show_outcome")(outcome, start=where, announce=lambda text: say(text, err=True))
+        viewer("show_outcome")(outcome, start=shown, announce=lambda text: say(text, err=True))
     _leave(outcome)
 
 
@@ -136,14 +147,30 @@ def _json(outcome: Outcome) -> dict[str, Any]:
         "posture": dict(outcome.best.posture.values),
         "objective": outcome.best.objective,
         "start": None if outcome.start is None or math.isinf(outcome.start) else outcome.start,
+        "start_as_given": None if outcome.compared is None else _start(outcome.compared),
         "unit": outcome.problem.objective.unit,
         "tool": list(outcome.tool),
+        "collisions": clearance_json(outcome.problem.clearance, outcome.nearest),
         "converged": outcome.converged,
         "starts": outcome.starts,
         "optima": [
-            {"posture": dict(optimum.posture.values), "objective": optimum.objective, "hits": optimum.hits}
+            {
+                "posture": dict(optimum.posture.values),
+                "objective": optimum.objective,
+                "hits": optimum.hits,
+                "equals": [dict(other.values) for other in optimum.equals],
+            }
             for optimum in outcome.optima
         ],
+    }
+
+
+def _start(compared: Start) -> dict[str, Any]:
+    """Where the start was, and where it was brought to be compared."""
+    return {
+        "objective": None if math.isinf(compared.objective) else compared.objective,
+        "away": compared.away,
+        "brought_to": None if compared.held is None else dict(compared.held.values),
     }
 
 
@@ -157,27 +184,62 @@ def _frequency(outcome: Outcome) -> float | None:
     return objective.frequency_at(outcome.problem.robot.at(outcome.best.posture))
 
 
-def _print(outcome: Outcome, objective: str) -> None:
+def _print_start(outcome: Outcome, compared: Start, *, radians: bool) -> None:
+    """The start as it was given, and as it holds the target: the best is compared with that alone."""
+    unit, start = outcome.problem.objective.unit, outcome.start
+    if not compared.is_held:
+        given = "infinite" if math.isinf(compared.objective) else f"{compared.objective:.5g} {unit}"
+        off = f"{1e3 * compared.away:.4g} mm from the target" if compared.away > _NEAR else "turned otherwise"
+        say(f"start as given: {given}, but its tool is {off}, so it is not compared")
+    if compared.held is None or start is None:
+        say("start: could not be brought onto the target")
+        return
+    name = "start" if compared.is_held else "start brought to the target"
+    moved = "" if compared.is_held else f" ({_moved(outcome, compared, radians)})"
+    if math.isinf(start):
+        say(f"{name}: infinite, an undamped mode is driven at its natural frequency there")
+        return
+    better, worse = sorted((outcome.best.objective, start))
+    factor = f": a factor of {worse / better:.3g}" if better > 0 else ""
+    say(f"{name} {start:.5g} {unit}{moved}, best {outcome.best.objective:.5g}{factor}")
+
+
+def _moved(outcome: Outcome, compared: Start, radians: bool) -> str:
+    """How far the joints had to move for it."""
+    assert compared.held is not None
+    robot = outcome.problem.robot
+    far = {n: abs(compared.held.values[n] - compared.given.values[n]) for n in robot.commanded}
+    name = max(far, key=far.__getitem__)
+    by = degrees(far[name], prismatic=robot.commanded[name].is_prismatic, radians=radians)
+    return f"{name} moved most, by {by}"
+
+
+def _print(outcome: Outcome, objective: str, *, radians: bool) -> None:
     robot = outcome.problem.robot
     unit = outcome.problem.objective.unit
-    columns = ["", f"{objective} [{unit}]", "hits", *robot.commanded]
+    names = [
+        f"{name} [rad]" if radians and not joint.is_prismatic else name
+        for name, joint in robot.commanded.items()
+    ]
+    columns = ["", f"{objective} [{unit}]", "hits", *names]
     rows = []
     for place, optimum in enumerate(outcome.optima[:10], start=1):
         angles = [
-            degrees(value, prismatic=robot.commanded[name].is_prismatic)
+            degrees(value, prismatic=robot.commanded[name].is_prismatic, radians=radians)
             for name, value in optimum.posture.values.items()
         ]
         rows.append([f"optimum {place}", f"{optimum.objective:.5g}", str(optimum.hits), *angles])
     print_table(f"{robot.name}: best postures found", columns, rows)
     if len(outcome.optima) > 10:
         say(f"and {len(outcome.optima) - 10} more; --json lists them all")
-    if outcome.start is not None and math.isinf(outcome.start):
-        say("start: infinite, an undamped mode is driven at its natural frequency there")
-    elif outcome.start is not None:
-        better, worse = sorted((outcome.best.objective, outcome.start))
-        factor = f": a factor of {worse / better:.3g}" if better > 0 else ""
-        say(f"start {outcome.start:.5g} {unit}, best {outcome.best.objective:.5g}{factor}")
+    several = sum(bool(optimum.equals) for optimum in outcome.optima)
+    if several:
+        what = "a wrist turned over, an idle joint"
+        say(f"{several} of them stand for several postures of one value ({what}); --json lists them")
+    if outcome.compared is not None:
+        _print_start(outcome, outcome.compared, radians=radians)
     chosen = _frequency(outcome)
     if chosen is not None:
         say(f"best frequency {chosen:.6g} Hz")
     say(f"{robot.tool} at ({', '.join(f'{value:.4f}' for value in outcome.tool)}) m; {outcome.verdict}")
+    say_clearance(outcome.problem.clearance, outcome.nearest)

@@ -4,19 +4,21 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import wraps
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
+from flexmodal.cli.printing import say
 from flexmodal.errors import Fault, InvalidFrequencies, InvalidPosture, InvalidRequest
 
 if TYPE_CHECKING:
     import numpy as np
 
-    from flexmodal.model import Posture, Robot
+    from flexmodal.frf import PointDirection
+    from flexmodal.model import PosedRobot, Posture, Robot
 
 SOURCE = "command line"
 
@@ -44,6 +46,7 @@ class RobotOptions:
         """The robot they describe."""
         from flexmodal.model import load
 
+        self._say_tool()
         return load(
             self.robot,
             stiffness=per_joint(self.stiffness, "--stiffness"),
@@ -51,6 +54,19 @@ class RobotOptions:
             tool=self.tool,
             fixed=[name.strip() for name in self.fix.split(",")] if self.fix else (),
         )
+
+    def _say_tool(self) -> None:
+        """Say which link of a bare URDF is taken for the end-effector where others may be meant."""
+        from flexmodal.cards import find, find_tool, gripper_joints, read_urdf
+
+        path = find(self.robot)
+        if self.tool is not None or path.suffix != ".urdf":
+            return
+        fixed = [name.strip() for name in self.fix.split(",")] if self.fix else []
+        found = find_tool(read_urdf(path, fixed=(*gripper_joints(path), *fixed)))
+        if not found.sure:
+            others = f"--tool FRAME names another: {', '.join(found.others)}"
+            say(f"note: the end-effector is {found.link}, {found.how}; {others}", err=True)
 
 
 def robot_options(command: Command) -> Command:
@@ -66,7 +82,11 @@ def robot_options(command: Command) -> Command:
         click.option(
             "--fix", metavar="JOINT,…", help="For a bare URDF: joints that stay at 0, as a gripper's."
         ),
-        click.option("--tool", metavar="FRAME", help="URDF link that is the end-effector."),
+        click.option(
+            "--tool",
+            metavar="FRAME",
+            help="URDF link that is the end-effector, called tool everywhere; that of the card, or found.",
+        ),
         click.option(
             "--damping", metavar="VALUE", help="For a bare URDF: one number or joint=number,… [N·m·s/rad]."
         ),
@@ -166,17 +186,39 @@ def posture_of(robot: Robot, text: str, option: str = "--posture") -> Posture:
         return robot.posture(text, source=f"{SOURCE} {option}")
     values: dict[str, float] = {}
     faults = []
+    degrees = set()
     for name, value in _pairs(text, option).items():
-        degrees = value.endswith("deg")
+        if value.endswith("deg"):
+            degrees.add(name)
         try:
             plain = float(value.removesuffix("deg"))
         except ValueError:
             faults.append(Fault(f"{SOURCE} {option}", name, repr(value), "a number in rad, or like 50deg"))
             continue
-        values[name] = math.radians(plain) if degrees else plain
+        values[name] = math.radians(plain) if name in degrees else plain
     if faults:
         raise InvalidPosture(faults)
-    return robot.posture(values, source=f"{SOURCE} {option}")
+    return replace(robot.posture(values, source=f"{SOURCE} {option}"), degrees=frozenset(degrees))
+
+
+def is_typed_in_radians(text: str | None) -> bool:
+    """Whether a posture was typed as values and none of them in degrees: answers are given likewise."""
+    return text is not None and "=" in text and "deg" not in text
+
+
+def say_motionless(posed: PosedRobot, directions: Sequence[str | PointDirection]) -> None:
+    """Say of which directions the answer is zero because the arm cannot move that way.
+
+    Args:
+        posed: the robot in its posture.
+        directions: of an answer.
+    """
+    still = posed.motionless(posed.directions(directions or None))
+    if not still:
+        return
+    why = "a planar arm moves in its plane only" if posed.robot.is_planar else "in this posture"
+    names = ", ".join(dict.fromkeys(map(str, still)))
+    say(f"note: no flexible joint moves {names} ({why}): the receptance there is zero", err=True)
 
 
 def frequencies_of(text: str) -> np.ndarray:

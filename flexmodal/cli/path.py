@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from flexmodal.cli.clearing import clearance_json, clearance_of, clearance_options, say_clearance
 from flexmodal.cli.holds import at, orientation_options
 from flexmodal.cli.options import (
     SOURCE,
@@ -46,6 +47,7 @@ _ENDINGS = (".csv", ".png", ".svg")
 @click.option("--frequency", callback=hertz, required=True, metavar="HZ", help="Of the force.")
 @click.option("--way", type=click.Choice(["sum", "worst"]), default="sum", show_default=True)
 @orientation_options
+@clearance_options
 @click.option("--speed", metavar="VALUE", help="Of the joints [rad/s, m/s]: one number or joint=number,…")
 @click.option(
     "--stride",
@@ -76,6 +78,8 @@ def path(
     orientation: str | None,
     axis: str | None,
     tool_axis: str,
+    clearance: str | None,
+    no_collisions: bool,
     speed: str | None,
     stride: str,
     nodes: int,
@@ -101,6 +105,7 @@ def path(
         way=way,
         speed=_speeds(arm, speed),
         stride=number(stride, "--stride", "a step in rad or m"),
+        clearance=clearance_of(arm, clearance, no_collisions),
     )
     judged = problem(float(frequency_axis([frequency], source=f"{SOURCE} --frequency")[0]))
     planned = _planned(judged, nodes, seed, quiet)
@@ -218,6 +223,7 @@ def _json(found: dict[str, PathOutcome]) -> dict[str, Any]:
                 zip(best[1].problem.points, best[1].postures, strict=True)
             )
         ],
+        "collisions": clearance_json(best[1].problem.clearance, best[1].nearest),
         "compare": {name: _summary(outcome) for name, outcome in others},
     }
 
@@ -252,6 +258,8 @@ def _print(arm: Robot, found: dict[str, PathOutcome]) -> None:
         ["sequence", f"sum [{unit}]", f"worst [{unit}]", "of the joint speeds", "between points [m]"],
         rows,
     )
+
+    say_clearance(best.problem.clearance, best.nearest)
 
 
 def _write(found: dict[str, PathOutcome], out: Path, overwrite: bool) -> None:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import sys
+import textwrap
+import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
@@ -11,6 +13,7 @@ from unicodedata import category
 
 import click
 
+from flexmodal.cli.width import width_asked, width_of_output
 from flexmodal.errors import FlexmodalError
 
 _STAGE = "{desc}{percentage:3.0f} % {bar} {elapsed}, {remaining} left"
@@ -32,7 +35,24 @@ def say(text: str = "", *, err: bool = False) -> None:
         text: may have several lines.
         err: on standard error.
     """
-    click.echo(plain(text), err=err)
+    click.echo(_wrapped(plain(text), sys.stderr if err else sys.stdout), err=err)
+
+
+def _wrapped(text: str, stream: Any) -> str:
+    """Long lines broken between words for a terminal; elsewhere as they are, to be searched."""
+    if width_asked() is None and not stream.isatty():
+        return text
+    width = width_of_output()
+    return "\n".join(_broken(line, width) for line in text.split("\n"))
+
+
+def _broken(line: str, width: int) -> str:
+    if len(line) <= width:
+        return line
+    indent = line[: len(line) - len(line.lstrip())] + "  "
+    return textwrap.fill(
+        line, width, subsequent_indent=indent, break_long_words=False, break_on_hyphens=False
+    )
 
 
 def plain(text: str) -> str:
@@ -41,28 +61,18 @@ def plain(text: str) -> str:
 
 
 def print_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
-    """A table, its numbers aligned right.
+    """A table, its numbers aligned right and never cut; see `flexmodal.cli.tables`.
 
     Args:
         title: above the table.
         columns: their headings.
         rows: cells as texts.
     """
-    from rich import box
-    from rich.console import Console
-    from rich.table import Table
-    from rich.text import Text
+    from flexmodal.cli.tables import table_text
 
-    table = Table(title=Text(plain(title)), title_justify="left", box=box.SIMPLE_HEAD)
-    for place, column in enumerate(columns):
-        table.add_column(Text(plain(column)), justify="left" if place == 0 else "right")
-    for row in rows:
-        table.add_row(*(Text(plain(cell)) for cell in row))
-    width = None if sys.stdout.isatty() else 200
-    console = Console(width=width, highlight=False)
-    with console.capture() as told:  # rich itself would leave with 1 where a pipe closes early
-        console.print(table)
-    sys.stdout.write(told.get())
+    cells = [[plain(cell) for cell in row] for row in rows]
+    headings = [plain(column) for column in columns]
+    sys.stdout.write(table_text(plain(title), headings, cells, width_of_output()) + "\n\n")
 
 
 @contextmanager
@@ -86,8 +96,48 @@ def noted_progress(
     from tqdm import tqdm
 
     hidden = quiet or not sys.stderr.isatty()
-    with tqdm(total=total, desc=label, file=sys.stderr, disable=hidden, leave=False) as bar:
+    with tqdm(total=total, desc=label, file=sys.stderr, disable=hidden, leave=False) as bar, _ticking(bar):
         yield lambda: bar.update(1) and None, bar.set_postfix_str
+
+
+@contextmanager
+def _ticking(bar: Any) -> Iterator[None]:
+    """The time beside a bar goes on through a step that takes long."""
+    if bar.disable:
+        yield
+        return
+    over = threading.Event()
+
+    def tick() -> None:
+        while not over.wait(1.0):
+            bar.refresh()
+
+    ticker = threading.Thread(target=tick, daemon=True)
+    ticker.start()
+    try:
+        yield
+    finally:
+        over.set()
+        ticker.join()
+
+
+@contextmanager
+def busy(label: str, *, quiet: bool) -> Iterator[None]:
+    """The time that passes beside a label, for work whose steps nobody counts; nothing off a terminal.
+
+    Args:
+        label: what is being done.
+        quiet: whether to show none.
+    """
+    from tqdm import tqdm
+
+    hidden = quiet or not sys.stderr.isatty()
+    layout = "{desc} {elapsed}"
+    with (
+        tqdm(desc=label, file=sys.stderr, disable=hidden, leave=False, bar_format=layout) as bar,
+        _ticking(bar),
+    ):
+        yield
 
 
 @contextmanager
@@ -113,13 +163,16 @@ def stages(*, quiet: bool) -> Iterator[Callable[[str, float], None]]:
         yield advance
 
 
-def degrees(value: float, *, prismatic: bool = False) -> str:
+def degrees(value: float, *, prismatic: bool = False, radians: bool = False) -> str:
     """A joint value for people: degrees, or metres for a prismatic joint.
 
     Args:
         value: of the joint [rad, m].
         prismatic: whether it is a length.
+        radians: whether angles are wanted so.
     """
     import math
 
+    if radians and not prismatic:
+        return f"{value:.5f}"
     return f"{value:.4f} m" if prismatic else f"{math.degrees(value):.2f}°"

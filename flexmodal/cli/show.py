@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from flexmodal.cli.measured import campaign_at, card_of
+from flexmodal.cli.measured import campaign_at, card_of, refuse_export
 from flexmodal.cli.options import (
     SOURCE,
     RobotOptions,
@@ -65,6 +65,7 @@ def show(
     if campaign is not None or is_campaign(robot.robot):
         _refuse_beside(modes=modes, response=response, frequency=frequency)
         measured = _campaign(Path(robot.robot) if campaign is None else campaign, posture)
+        refuse_export(measured)
         arm = (robot if campaign is not None else replace(robot, robot=card_of(measured))).load()
         viewer("show_campaign")(arm, measured, shapes=_shapes(measured), **deliver)
         return

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 from jaxtyping import Float
 
-from flexmodal.campaign import FrfRecords, QualityFlag
+from flexmodal.campaign import FrfRecords, QualityFlag, place_text
 from flexmodal.ema.choices import Choices
 from flexmodal.ema.estimate import (
     by_reading,
@@ -24,6 +24,9 @@ from flexmodal.ema.measured import LARGEST, Measured
 from flexmodal.ema.mode import EstimatedModes, Method, ModeEstimate
 from flexmodal.ema.records import Place, Trials, by_posture
 from flexmodal.errors import Fault, InvalidRequest
+from flexmodal.modal import LinearModel, modal_model
+from flexmodal.text.extras import extra
+from flexmodal.text.shown import Shown, several
 
 _ALIKE = 0.05
 """Relative distance of two frequencies at which they are hardly those of one mode."""
@@ -32,8 +35,8 @@ Per = Literal["frf", "posture"]
 """Poles of each FRF's own, or common to the FRFs of a posture."""
 
 
-@dataclass(frozen=True, eq=False)
-class Fit:
+@dataclass(frozen=True, eq=False, repr=False)
+class Fit(Shown):
     """The modes of one posture, of one FRF or of several together."""
 
     posture: int
@@ -41,6 +44,49 @@ class Fit:
     modes: EstimatedModes
     numbers: tuple[int, ...] = ()
     """What each mode is called, the same in all FRFs of a posture; from 1 on where this is empty."""
+
+    _PICTURE: ClassVar[str] = "flexmodal.ema.plot:draw_one"
+
+    def _facts(self) -> Mapping[str, object]:
+        return {
+            "posture": self.posture,
+            "of": several(map(str, self.places), 3),
+            "modes at [Hz]": several(f"{mode.frequency:.4g}" for mode in self.modes) or "none",
+        }
+
+    def to_pandas(self) -> Any:
+        """A table: a row for each mode and FRF, with the standard errors.
+
+        Raises:
+            MissingExtra: pandas is not installed.
+        """
+        pandas = extra("pandas", "pandas", "to_pandas")
+        rows = []
+        for row in self.rows():
+            errors = row.pop("uncertainty")
+            spread = {f"{name}_error": errors[name] for name in ("frequency", "damping_ratio", "residue")}
+            whole = {name: complex(*row[name]) for name in ("residue", "amplitude")}
+            rows.append(row | whole | spread)
+        return pandas.DataFrame(rows)
+
+    def to_ss(self) -> LinearModel:
+        """The modes as a state-space model of the receptance; what lies outside the band is left out.
+
+        Raises:
+            InvalidRequest: not every response was measured under every reference, or trials were kept apart.
+        """
+        outputs = list(dict.fromkeys(place_text(place.response) for place in self.places))
+        inputs = list(dict.fromkeys(place_text(place.reference) for place in self.places))
+        where = {
+            (place_text(one.response), place_text(one.reference)): k for k, one in enumerate(self.places)
+        }
+        if len(where) != len(outputs) * len(inputs) or len(where) != len(self.places):
+            found = f"{len(self.places)} FRFs of {len(outputs)} responses and {len(inputs)} references"
+            raise InvalidRequest(Fault("call", "fit", found, "each response under each reference, once"))
+        pick = np.array([[where[out, into] for into in inputs] for out in outputs])
+        residues = np.array([mode.residue[pick] for mode in self.modes]).reshape(-1, *pick.shape)
+        poles = np.array([mode.pole for mode in self.modes], dtype=complex)
+        return modal_model(poles, residues.astype(complex), inputs=tuple(inputs), outputs=tuple(outputs))
 
     def numbered(self) -> Iterator[tuple[int, ModeEstimate]]:
         """The modes with their numbers, in the order of frequency."""

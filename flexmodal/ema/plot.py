@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
+from flexmodal.ema.fit import Fit
 from flexmodal.ema.mode import EstimatedModes, ModeEstimate
 from flexmodal.frf.form import unit
 from flexmodal.report.figure import (
@@ -25,6 +26,11 @@ from flexmodal.report.figure import (
     positive,
     wrapped,
 )
+
+
+def draw_one(fit: Fit, *, title: str = "") -> Any:
+    """Draw the FRFs of a fit and what was found in them; see `draw_fit`."""
+    return draw_fit(fit.modes, title=title)
 
 
 @drawing

@@ -8,6 +8,7 @@ from flexmodal.frf.consistency import antiresonances as antiresonances
 from flexmodal.frf.consistency import check_drive_point as check_drive_point
 from flexmodal.frf.consistency import reciprocity as reciprocity
 from flexmodal.frf.direction import PointDirection as PointDirection
+from flexmodal.frf.direction import directions_of as directions_of
 from flexmodal.frf.form import POWER as POWER
 from flexmodal.frf.form import Form as Form
 from flexmodal.frf.frf import Frf as Frf

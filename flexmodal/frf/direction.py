@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,6 +22,9 @@ class PointDirection:
     """One row of a Jacobian: a named point, an axis of the world frame, and a sense.
 
     As a response it is a displacement [m] or rotation [rad]; as a reference a force [N] or moment [N·m].
+
+    >>> PointDirection("tool", "-z") == PointDirection.parse("tool:-z")
+    True
     """
 
     point: str
@@ -28,6 +32,9 @@ class PointDirection:
     sign: int = 1
 
     def __post_init__(self) -> None:
+        if self.axis[:1] in ("+", "-"):  # PointDirection("tool", "-z")
+            object.__setattr__(self, "sign", -self.sign if self.axis[0] == "-" else self.sign)
+            object.__setattr__(self, "axis", self.axis[1:])
         named = self.point and self.point == self.point.strip(": \t")
         if not named or self.axis not in AXES or self.sign not in (1, -1):
             raise _fault(f"{self.point}:{self.sign:+d}{self.axis}")
@@ -50,6 +57,10 @@ class PointDirection:
             raise _fault(text, source)
         return cls(match["point"], match["axis"], -1 if match["sign"] == "-" else 1)
 
+    def __repr__(self) -> str:
+        """As it is written."""
+        return f"PointDirection({str(self)!r})"
+
     @property
     def is_rotation(self) -> bool:
         """Whether it turns about its axis instead of moving along it."""
@@ -65,6 +76,19 @@ class PointDirection:
     def __str__(self) -> str:
         """The text that `parse` reads."""
         return f"{self.point}:{'+' if self.sign > 0 else '-'}{self.axis}"
+
+
+def directions_of(given: str | PointDirection | Iterable[str | PointDirection]) -> tuple[PointDirection, ...]:
+    """One direction or several, as texts or not.
+
+    Args:
+        given: such as "tool:+z", or several of the kind.
+
+    Raises:
+        InvalidPoint: a text of another form.
+    """
+    several = [given] if isinstance(given, str | PointDirection) else given
+    return tuple(PointDirection.parse(one) for one in several)
 
 
 def _fault(found: str, source: str = "call") -> InvalidPoint:

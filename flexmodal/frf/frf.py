@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import math
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from typing import Any, ClassVar
 
 import numpy as np
 from jaxtyping import Complex, Float
@@ -11,10 +13,12 @@ from jaxtyping import Complex, Float
 from flexmodal.errors import Fault, InvalidPoint
 from flexmodal.frf.direction import PointDirection
 from flexmodal.frf.form import Form, check_form, convert, unit
+from flexmodal.text.extras import extra
+from flexmodal.text.shown import Shown, several
 
 
-@dataclass(frozen=True, eq=False)
-class Frf:
+@dataclass(frozen=True, eq=False, repr=False)
+class Frf(Shown):
     """FRFs between some responses and some references on one frequency axis."""
 
     frequency: Float[np.ndarray, " line"]
@@ -24,6 +28,48 @@ class Frf:
     response: tuple[PointDirection, ...]
     reference: tuple[PointDirection, ...]
     form: Form = "receptance"
+    _PICTURE: ClassVar[str] = "flexmodal.frf.plot:draw_one"
+
+    def _facts(self) -> Mapping[str, object]:
+        low, high = (self.frequency[0], self.frequency[-1]) if len(self.frequency) else (math.nan, math.nan)
+        return {
+            "": self.form,
+            "response": several(self.response, 3),
+            "reference": several(self.reference, 3),
+            "lines": f"{len(self.frequency)} from {low:g} to {high:g} Hz",
+        }
+
+    def to_xarray(self) -> Any:
+        """The values as a labelled array over frequency [Hz], response and reference.
+
+        Raises:
+            MissingExtra: xarray is not installed.
+        """
+        xarray = extra("xarray", "xarray", "to_xarray")
+        units = {self.unit(row, column) for row, column, _ in self.pairs()}
+        return xarray.DataArray(
+            self.value,
+            coords={
+                "frequency": ("frequency", self.frequency, {"units": "Hz"}),
+                "response": [str(one) for one in self.response],
+                "reference": [str(one) for one in self.reference],
+            },
+            dims=("frequency", "response", "reference"),
+            name=self.form,
+            attrs={"units": ", ".join(sorted(units))},
+        )
+
+    def to_pandas(self) -> Any:
+        """The values as a table: a row a line, a column each pair of response and reference.
+
+        Raises:
+            MissingExtra: pandas is not installed.
+        """
+        pandas = extra("pandas", "pandas", "to_pandas")
+        pairs = [(str(r), str(c)) for r in self.response for c in self.reference]
+        columns = pandas.MultiIndex.from_tuples(pairs, names=["response", "reference"])
+        index = pandas.Index(self.frequency, name="frequency [Hz]")
+        return pandas.DataFrame(self.value.reshape(len(self.frequency), -1), index=index, columns=columns)
 
     def to(self, form: str) -> Frf:
         """The same FRFs as receptance, mobility or inertance.

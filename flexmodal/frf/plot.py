@@ -24,6 +24,11 @@ from flexmodal.report.figure import (
 _MOST_CURVES = 12
 
 
+def draw_one(found: Frf, *, title: str = "", mark: float | None = None) -> Any:
+    """Draw one FRF; see `draw_frf`."""
+    return draw_frf({"": found}, title=title, mark=mark)
+
+
 @drawing
 def draw_frf(curves: Mapping[str, Frf], *, title: str = "", mark: float | None = None) -> Any:
     """Draw the pairs of some FRFs over frequency.

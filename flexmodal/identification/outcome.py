@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from jaxtyping import Float
@@ -14,6 +14,8 @@ from flexmodal.identification.evidence.evidence import Fitted
 from flexmodal.identification.identifiability import Combination, Identifiability
 from flexmodal.identification.uncertainty import Uncertainty
 from flexmodal.structure.parameter import Parameter
+from flexmodal.text.extras import extra
+from flexmodal.text.shown import Shown
 
 if TYPE_CHECKING:
     from flexmodal.identification.problem import IdentificationProblem
@@ -79,8 +81,8 @@ class Optimum:
     """Starts that ended there."""
 
 
-@dataclass(frozen=True, eq=False)
-class Identification:
+@dataclass(frozen=True, eq=False, repr=False)
+class Identification(Shown):
     """Result of an identification."""
 
     problem: IdentificationProblem
@@ -95,6 +97,26 @@ class Identification:
     provenance: Mapping[str, Any]
     over_noise: float
     """Misfit of the fit over the noise, on data that are more than noise; 1 for a perfect model."""
+
+    _PICTURE: ClassVar[str] = "flexmodal.identification.plot:draw_identification"
+
+    def _facts(self) -> Mapping[str, object]:
+        known = f"{sum(one.identified for one in self.estimates)} of {len(self.estimates)}"
+        return {
+            "": self.problem.campaign.title,
+            "robot": self.problem.robot.name,
+            "parameters identified": known,
+            "gap": f"{self.gap.before:.4g} to {self.gap.after:.4g}, noise floor {self.gap.noise_floor:.4g}",
+        }
+
+    def to_pandas(self) -> Any:
+        """A table of the parameters: value, standard error, interval, card.
+
+        Raises:
+            MissingExtra: pandas is not installed.
+        """
+        pandas = extra("pandas", "pandas", "to_pandas")
+        return pandas.DataFrame([vars(one) for one in self.estimates]).set_index("name")
 
     @property
     def at(self) -> Float[np.ndarray, " parameter"]:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from jaxtyping import Float
@@ -18,13 +19,14 @@ from flexmodal.machining.stability.mode_coupling import ModeCoupling, mode_coupl
 from flexmodal.machining.stability.solve import stability_lobes, unconditional_depth
 from flexmodal.machining.tip import tool_tip
 from flexmodal.model import Pose, PosedRobot, Posture, Robot
+from flexmodal.text.shown import Shown
 
 SPEEDS, FEW = 200, 24
 """How many spindle speeds postures are compared at, and searched by, if nobody says."""
 
 
-@dataclass(frozen=True, eq=False)
-class PostureDepth:
+@dataclass(frozen=True, eq=False, repr=False)
+class PostureDepth(Shown):
     """What a posture allows a cut."""
 
     posture: Posture
@@ -38,6 +40,10 @@ class PostureDepth:
     """Forced vibration at the cut's own depth, if it says one."""
     parameter: float | None = None
     """Of the family, if there is one [rad, or m]."""
+    _PICTURE: ClassVar[str] = "flexmodal.machining.report:lobes_picture_of"
+
+    def _facts(self) -> Mapping[str, object]:
+        return {"at": self.posture, "critical depth [mm]": 1e3 * self.critical_depth}
 
     @property
     def critical_depth(self) -> float:
@@ -45,8 +51,8 @@ class PostureDepth:
         return self.lobes.critical_depth
 
 
-@dataclass(frozen=True, eq=False)
-class Comparison:
+@dataclass(frozen=True, eq=False, repr=False)
+class Comparison(Shown):
     """Postures of one robot, judged by the depth of one cut."""
 
     robot: Robot
@@ -54,6 +60,16 @@ class Comparison:
     postures: tuple[PostureDepth, ...]
     """In the order given."""
     family: str | None = None
+    _PICTURE: ClassVar[str] = "flexmodal.machining.plot:draw_comparison"
+
+    def _facts(self) -> Mapping[str, object]:
+        best = self.postures[self.best]
+        return {
+            "": self.robot.name,
+            "postures": len(self.postures),
+            "best": best.posture,
+            "its critical depth [mm]": 1e3 * best.critical_depth,
+        }
 
     @property
     def best(self) -> int:

@@ -223,6 +223,11 @@ def _write_csv(path: Path, header: Sequence[str], rows: Sequence[Sequence[Any]],
         writer.writerows([cell(value) for value in row] for row in rows)
 
 
+def lobes_picture_of(found: PostureDepth) -> Any:
+    """The picture of one posture's lobes, whatever robot they are of."""
+    return lobes_picture("lobes", found)
+
+
 def lobes_picture(robot: str, found: PostureDepth) -> Any:
     """The picture of one posture's lobes."""
     title = f"{robot} at {found.posture}\n{found.lobes.cut.title}"

@@ -7,7 +7,9 @@ residue of mode p between two rows is then the product of what the rows see of `
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from jaxtyping import Bool, Complex, Float
@@ -15,6 +17,8 @@ from jaxtyping import Bool, Complex, Float
 from flexmodal.modal.graded import RANGE, check_digits, graded_squares, mended
 from flexmodal.modal.hysteretic import with_hysteresis
 from flexmodal.modal.system import SecondOrderSystem
+from flexmodal.text.extras import extra
+from flexmodal.text.shown import Shown, several
 
 DEFECTIVE = 1e4
 """Pole condition above which a modal sum has lost half its digits: it loses twice as many as the pole."""
@@ -26,8 +30,8 @@ _REPEATED = 1e-9
 """Distance of two eigenvalues, relative to the larger, below which they count as one."""
 
 
-@dataclass(frozen=True, eq=False)
-class Modes:
+@dataclass(frozen=True, eq=False, repr=False)
+class Modes(Shown):
     """Modes in the order of |pole|: one entry for each conjugate pair, one for each real pole."""
 
     pole: Complex[np.ndarray, " mode"]
@@ -38,6 +42,48 @@ class Modes:
     """How much a relative change of the matrices is amplified in the pole; infinite if defective."""
     coordinates: tuple[str, ...]
     """Names of the rows of `shape`."""
+
+    def _facts(self) -> Mapping[str, object]:
+        return {
+            "": f"{len(self.pole)} modes",
+            "at [Hz]": several(f"{value:.4g}" for value in self.frequency),
+            "damping ratios": several(f"{value:.3g}" for value in self.damping_ratio),
+            "coordinates": several(self.coordinates),
+        }
+
+    def to_pandas(self) -> Any:
+        """A table of frequency [Hz], damping ratio, pole [rad/s] and shape by mode, numbered from 1.
+
+        Raises:
+            MissingExtra: pandas is not installed.
+        """
+        pandas = extra("pandas", "pandas", "to_pandas")
+        columns = {
+            "frequency": self.frequency,
+            "damping_ratio": self.damping_ratio,
+            "pole": self.pole,
+            "overdamped": self.overdamped,
+        }
+        shapes = {f"shape_{name}": self.shape[row] for row, name in enumerate(self.coordinates)}
+        index = pandas.RangeIndex(1, len(self.pole) + 1, name="mode")
+        return pandas.DataFrame(columns | shapes, index=index)
+
+    def to_xarray(self) -> Any:
+        """Pole, frequency, damping ratio and shape as a data set over mode and coordinate.
+
+        Raises:
+            MissingExtra: xarray is not installed.
+        """
+        xarray = extra("xarray", "xarray", "to_xarray")
+        return xarray.Dataset(
+            {
+                "frequency": ("mode", self.frequency, {"units": "Hz"}),
+                "damping_ratio": ("mode", self.damping_ratio),
+                "pole": ("mode", self.pole, {"units": "rad/s"}),
+                "shape": (("coordinate", "mode"), self.shape),
+            },
+            coords={"mode": np.arange(1, len(self.pole) + 1), "coordinate": list(self.coordinates)},
+        )
 
     @property
     def frequency(self) -> Float[np.ndarray, " mode"]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,13 +10,14 @@ from jaxtyping import Float
 
 from flexmodal.errors import Fault, InvalidSystem
 from flexmodal.modal.hysteresis import Hysteresis
+from flexmodal.text.shown import Shown, several
 
 _SYMMETRY = 1e-9
 """Largest asymmetry, relative to the largest entry, that counts as rounding."""
 
 
-@dataclass(frozen=True, eq=False)
-class SecondOrderSystem:
+@dataclass(frozen=True, eq=False, repr=False)
+class SecondOrderSystem(Shown):
     """Mass, damping and stiffness of a passive vibrating system about an equilibrium.
 
     To hold one is proof that the matrices are finite and symmetric, that the mass matrix is positive
@@ -56,6 +58,10 @@ class SecondOrderSystem:
             faults.append(Fault("system", "hysteresis", f"{len(loss.stiffness)} springs", f"{count} springs"))
         if faults:
             raise InvalidSystem(faults)
+
+    def _facts(self) -> Mapping[str, object]:
+        loss = "none" if self.hysteresis is None else "yes"
+        return {"coordinates": several(self.coordinates), "hysteresis": loss}
 
     @property
     def dof(self) -> int:

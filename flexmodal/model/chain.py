@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from abc import ABC
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,6 +16,7 @@ from flexmodal.cards import (
     FamilyCard,
     FrozenDict,
     JointCard,
+    ObstacleCard,
     PointCard,
     Urdf,
     UrdfJoint,
@@ -23,14 +24,18 @@ from flexmodal.cards import (
 )
 from flexmodal.errors import Fault, InvalidPoint, InvalidPosture, InvalidRequest
 from flexmodal.modal import Hysteresis
-from flexmodal.model.build import point_frame
+from flexmodal.model.build import pinocchio, point_frame
 from flexmodal.model.planar import task_rows
 from flexmodal.model.posture import Pose, Posture, check_posture
+from flexmodal.text.shown import Shown, several
 from flexmodal.text.words import strange
 
+TOOL = "tool"
+"""What the end-effector may be called on every robot, whatever its link is called."""
 
-@dataclass(frozen=True, eq=False)
-class FlexibleChain(ABC):
+
+@dataclass(frozen=True, eq=False, repr=False)
+class FlexibleChain(Shown):
     """What is known of a robot before it is put in a posture; `Robot` is the one there is.
 
     The motor side is locked: joint stiffness and damping sit between a motor that stands still and its link.
@@ -53,6 +58,21 @@ class FlexibleChain(ABC):
     """Off-diagonal stiffness, by `jointA+jointB`."""
     loss_frequency: float | None = None
     """Where joints with a loss factor have their stiffness [Hz]; None for K (1 + iη) at every frequency."""
+    obstacles: Mapping[str, ObstacleCard] = field(default_factory=FrozenDict)
+    """What the arm may run into, or carries."""
+    srdf: Path | None = None
+    """Says which links may touch."""
+    path: Path | None = None
+    """The card, or the URDF, that it was loaded from."""
+
+    def _facts(self) -> Mapping[str, object]:
+        return {
+            "": self.name,
+            "joints": several(f"({n})" if n in self.pseudo_joints else n for n in self.moving),
+            "tool": self.tool,
+            "points": several(self.points, 4) or "none",
+            "postures": several(self.postures, 4) or "none",
+        }
 
     @property
     def pseudo_joints(self) -> tuple[str, ...]:
@@ -102,9 +122,13 @@ class FlexibleChain(ABC):
 
     @cached_property
     def _frames(self) -> Mapping[str, int]:
-        """Pinocchio's frames by what a user calls them: the named points, then the links."""
+        """Pinocchio's frames by what a user calls them: the named points, then the links.
+
+        "tool" is the end-effector, unless a point or a link has that name itself.
+        """
         names = dict.fromkeys([*self.points, *(link.name for link in self.urdf.links)])
-        return {name: point_frame(self.pinocchio, name, named=name in self.points) for name in names}
+        frames = {name: point_frame(self.pinocchio, name, named=name in self.points) for name in names}
+        return frames | {TOOL: frames.get(TOOL, frames[self.tool])}
 
     def frame_of(self, point: str, *, source: str = "call") -> int:
         """Pinocchio's frame of a named point or a URDF link.
@@ -125,7 +149,9 @@ class FlexibleChain(ABC):
         """Look up or check a posture.
 
         Args:
-            pose: its name, its values by joint [rad, m], or a checked posture.
+            pose: its name, its values by joint [rad, m], a checked posture, or an array in the order of
+                Pinocchio's joints: of the commanded ones, of all that move (pseudo-joints at 0), or a
+                configuration of Pinocchio's.
             source: where it came from, for the error.
 
         Raises:
@@ -139,9 +165,30 @@ class FlexibleChain(ABC):
                 names = ", ".join(self.postures) or "none (the robot has no named postures)"
                 raise InvalidPosture(Fault(source, "posture", found, f"a named posture: {names}; or values"))
             name, values = pose, self.postures[pose]
-        else:
+        elif isinstance(pose, Mapping):
             name, values = "", pose
+        else:
+            name, values = "", self._by_name(pose, source)
         return check_posture(values, self.commanded, self.pseudo_joints, name=name, source=source)
+
+    def _by_name(self, given: Sequence[float | int] | np.ndarray, source: str) -> dict[str, float]:
+        """Values by joint of an array in Pinocchio's order."""
+        model = self.pinocchio
+        try:
+            values = np.array(given, dtype=float)
+        except (TypeError, ValueError):
+            values = np.zeros((0, 0))
+        if values.shape == (model.nq,) and model.nq != model.nv:  # continuous joints by cosine and sine
+            pin = pinocchio()
+            values = np.array(pin.difference(model, pin.neutral(model), values))
+        if values.shape == (len(self.commanded),):
+            return dict(zip(self.commanded, values.tolist(), strict=True))
+        if values.shape != (len(self.moving),):
+            found = f"an array of shape {np.shape(given)}"
+            allowed = f"{len(self.commanded)} values, of {', '.join(self.commanded)}"
+            raise InvalidPosture(Fault(source, "posture", found, allowed))
+        by_name = dict(zip(self.moving, values.tolist(), strict=True))
+        return {name: value for name, value in by_name.items() if name in self.commanded or value != 0}
 
     def family(self, name: str, *, source: str = "call") -> FamilyCard:
         """A one-parameter family of postures of the card.

@@ -13,6 +13,7 @@ from flexmodal.cards import (
     check_consistency,
     check_masses,
     find,
+    find_tool,
     gripper_joints,
     read_card,
     read_urdf,
@@ -43,12 +44,18 @@ def load(
         stiffness: only for a bare URDF, joint stiffness [N·m/rad, N/m]: one number for all joints that
             move, or by name; joints left out are rigid.
         damping: only for a bare URDF, joint damping [N·m·s/rad, N·s/m]; undamped if left out.
-        tool: URDF link that is the end-effector; for a bare URDF the last link if left out.
+        tool: URDF link that is the end-effector; for a bare URDF the one that its name or place makes it if
+            left out. Every robot's end-effector can be called "tool" besides.
         fixed: only for a bare URDF, joints that stay at 0, such as those of a gripper.
 
     Raises:
         RobotNotFound: nothing answers to that reference.
         InvalidCard, InvalidUrdf, InvalidRequest: what is wrong, all of it.
+
+    >>> import flexmodal
+    >>> robot = flexmodal.load("six_axis")
+    >>> robot.tool, list(robot.commanded)
+    ('tool', ['q1', 'q2', 'q3', 'q4', 'q5', 'q6'])
     """
     path = find(str(reference))
     if path.suffix == ".urdf":
@@ -103,7 +110,7 @@ def _card_for(
         name=urdf.name or urdf.path.stem,
         title=f"{urdf.path.name}, a bare URDF",
         urdf=urdf.path,
-        tool=tool or _last_link(urdf),
+        tool=tool or find_tool(urdf).link,
         source="the URDF; stiffness and damping as given",
         joints=FrozenDict(joints),
         points=FrozenDict(),
@@ -137,20 +144,6 @@ def _faults_of(given: PerJoint, names: list[str], key: str, *, strict: bool) -> 
     return faults
 
 
-def _last_link(urdf: Urdf) -> str:
-    """The one link that carries no other, or the first such after the longest chain of joints."""
-    parent = {joint.child: joint.parent for joint in urdf.joints}
-    carriers = {joint.parent for joint in urdf.joints}
-
-    def depth(link: str) -> int:
-        count = 0
-        while link in parent:
-            link, count = parent[link], count + 1
-        return count
-
-    return max((link.name for link in urdf.links if link.name not in carriers), key=depth)
-
-
 def _assemble(card: RobotCard, urdf: Urdf, tool: str | None) -> Robot:
     links = {link.name for link in urdf.links}
     if tool is not None and tool not in links:
@@ -174,4 +167,7 @@ def _assemble(card: RobotCard, urdf: Urdf, tool: str | None) -> Robot:
         pinocchio=model,
         couplings=card.couplings,
         loss_frequency=card.loss_frequency,
+        obstacles=card.obstacles,
+        srdf=card.srdf,
+        path=card.path,
     )

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from jaxtyping import Float
@@ -13,22 +13,34 @@ from jaxtyping import Float
 from flexmodal.errors import Fault, InvalidPoint, InvalidSystem, InvalidUrdf
 from flexmodal.frf import Frf, PointDirection, frequency_axis, receptance
 from flexmodal.frf.axis import check_values
-from flexmodal.modal import Modes, SecondOrderSystem, solve_modes
+from flexmodal.modal import (
+    LinearModel,
+    Modes,
+    SecondOrderSystem,
+    linear_model,
+    model_of_modes,
+    solve_modes,
+)
 from flexmodal.model.build import pinocchio
 from flexmodal.model.chain import FlexibleChain
 from flexmodal.model.posture import Posture
+from flexmodal.text.shown import Shown
+
+_STILL = 1e-12
+"""Motion for a unit motion of any joint that is rounding, beside a metre or what other directions have."""
 
 Directions = str | PointDirection | Sequence[str | PointDirection] | None
 
 
-@dataclass(frozen=True, eq=False)
-class PosedRobot:
+@dataclass(frozen=True, eq=False, repr=False)
+class PosedRobot(Shown):
     """Mass matrix, Jacobians and everything that follows from them, at one posture."""
 
     robot: FlexibleChain
     posture: Posture
     _data: Any = field(init=False, repr=False)
     _mass: np.ndarray = field(init=False, repr=False)
+    _PICTURE: ClassVar[str] = "flexmodal.optimisation.pictures.plot:draw_posed"
 
     def __post_init__(self) -> None:
         pin = pinocchio()
@@ -41,6 +53,10 @@ class PosedRobot:
         pin.updateFramePlacements(model, data)
         object.__setattr__(self, "_data", (data, configuration))
         object.__setattr__(self, "_mass", mass)
+
+    def _facts(self) -> Mapping[str, object]:
+        at = " ".join(f"{value:.4g}" for value in self.position(self.robot.tool))
+        return {"": self.robot.name, "at": self.posture, f"{self.robot.tool} at [m]": at}
 
     @cached_property
     def system(self) -> SecondOrderSystem:
@@ -105,6 +121,23 @@ class PosedRobot:
         """
         return np.array([d.selector @ self.jacobian(d.point) for d in directions])
 
+    def motionless(self, directions: Sequence[PointDirection]) -> tuple[PointDirection, ...]:
+        """Those of some directions in which no flexible joint moves the point: receptance is 0 there.
+
+        As out of the plane of a planar arm, or along a stretched one.
+
+        Raises:
+            InvalidPoint: no such point.
+        """
+        found = []
+        for one in directions:
+            jacobian = self.jacobian(one.point)
+            part = jacobian[3:] if one.is_rotation else jacobian[:3]
+            scale = max(float(np.max(np.abs(part), initial=0.0)), 1.0)
+            if np.max(np.abs(one.selector @ jacobian), initial=0.0) <= _STILL * scale:
+                found.append(one)
+        return tuple(found)
+
     def mass_derivative(self) -> Float[np.ndarray, "joint joint moving"]:
         """∂D/∂q_k of the mass matrix over the flexible joints, k last and along every moving joint.
 
@@ -162,6 +195,11 @@ class PosedRobot:
         Raises:
             InvalidFrequencies, InvalidPoint, InvalidRequest: bad arguments.
             SingularResponse: an undamped mode is driven at its natural frequency.
+
+        >>> import flexmodal
+        >>> found = flexmodal.load("six_axis").at("work").frf([5.0, 10.0], response="tool:+z")
+        >>> found.value.shape, found.unit()
+        ((2, 1, 1), 'm/N')
         """
         axis = frequency_axis(frequencies)
         responses = self.directions(response)
@@ -170,6 +208,63 @@ class PosedRobot:
         value = receptance(self.system, self.rows(responses), self.rows(references), axis)
         return Frf(axis, value, responses, references).to(form)
 
+    def to_ss(
+        self,
+        *,
+        response: Directions = None,
+        reference: Directions = None,
+        form: str = "receptance",
+    ) -> LinearModel:
+        """The state-space model between points and directions, for python-control, scipy and their like.
+
+        Args:
+            response: as for `frf`.
+            reference: as for `frf`.
+            form: receptance, mobility or inertance.
+
+        Raises:
+            InvalidPoint: bad directions.
+            InvalidRequest: no such form, or joints with a loss factor.
+
+        >>> import flexmodal, scipy
+        >>> model = flexmodal.load("six_axis").at("work").to_ss(response="tool:+z")
+        >>> A, B, C, D = model
+        >>> A.shape
+        (12, 12)
+        >>> scipy.signal.StateSpace(*model).inputs
+        1
+        """
+        responses = self.directions(response)
+        references = responses if reference is None else self.directions(reference)
+        inputs, outputs = (tuple(map(str, one)) for one in (references, responses))
+        rows, forces = self.rows(responses), self.rows(references)
+        return linear_model(self.system, rows, forces, inputs=inputs, outputs=outputs, form=form)
+
+    def modal_ss(
+        self, *, response: Directions = None, reference: Directions = None, keep: int | None = None
+    ) -> LinearModel:
+        """The state-space model of the receptance in blocks of one mode, perhaps of the first few alone.
+
+        Args:
+            response: as for `frf`.
+            reference: as for `frf`.
+            keep: how many modes; all if none.
+
+        Raises:
+            InvalidPoint: bad directions.
+        """
+        responses = self.directions(response)
+        references = responses if reference is None else self.directions(reference)
+        inputs, outputs = (tuple(map(str, one)) for one in (references, responses))
+        rows, forces = self.rows(responses), self.rows(references)
+        return model_of_modes(self.modes(), rows, forces, inputs=inputs, outputs=outputs, keep=keep)
+
     def modes(self) -> Modes:
-        """Modes over the flexible joints."""
+        """Modes over the flexible joints.
+
+        >>> import flexmodal
+        >>> modes = flexmodal.load("six_axis").at("work").modes()
+        >>> modes.frequency.round(1).tolist()
+        [12.5, 13.6, 22.6, 53.7, 60.4, 88.6]
+        """
         return solve_modes(self.system)

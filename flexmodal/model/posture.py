@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 import numbers
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
 
 from flexmodal.cards import FrozenDict, UrdfJoint
 from flexmodal.cards.consistency import TOLERANCE
@@ -19,14 +21,25 @@ class Posture:
 
     values: Mapping[str, float]
     name: str = ""
+    degrees: frozenset[str] = field(default=frozenset(), compare=False)
+    """Joints that were given in degrees, and are shown so."""
 
     def __str__(self) -> str:
-        """The name, or the values."""
-        return self.name or ", ".join(f"{joint}={value:.6g}" for joint, value in self.values.items())
+        """The name, or the values as they are typed on the command line."""
+        return self.name or ", ".join(f"{joint}={self._shown(joint)}" for joint in self.values)
+
+    def __repr__(self) -> str:
+        """Its name and its values."""
+        values = " ".join(f"{joint}={value:.4g}" for joint, value in self.values.items())
+        return f"<Posture {self.name + ': ' if self.name else ''}{values}>"
+
+    def _shown(self, joint: str) -> str:
+        value = self.values[joint]
+        return f"{math.degrees(value):.6g}deg" if joint in self.degrees else f"{value:.6g}"
 
 
-Pose = str | Posture | Mapping[str, float]
-"""A posture's name, a checked posture, or values by joint name."""
+Pose = str | Posture | Mapping[str, float] | Sequence[float | int] | np.ndarray
+"""A posture's name, a checked posture, values by joint name, or values in Pinocchio's order."""
 
 
 def middle(commanded: Mapping[str, UrdfJoint]) -> Posture:

@@ -15,7 +15,7 @@ from flexmodal.model.posed import Directions, PosedRobot
 from flexmodal.model.posture import Pose
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Robot(FlexibleChain):
     """A loaded robot; `at` puts it in a posture, all else follows from there.
 
@@ -23,11 +23,18 @@ class Robot(FlexibleChain):
     """
 
     def at(self, pose: Pose) -> PosedRobot:
-        """Put the robot in a posture.
+        """Put the robot in a posture: its name, values by joint, or an array in Pinocchio's order.
 
         Raises:
             InvalidPosture: see `posture`.
             InvalidUrdf: the mass matrix there is not positive definite; names the link at fault.
+
+        >>> import flexmodal
+        >>> robot = flexmodal.load("six_link")
+        >>> by_name = robot.at({"q1": 1.0, "q2": 0.5})
+        >>> by_order = robot.at([1.0, 0.5, 0, 0, 0, 0])
+        >>> bool((by_name.position("tool") == by_order.position("tool")).all())
+        True
         """
         posed = PosedRobot(self, self.posture(pose))
         _ = posed.system  # judges the mass matrix

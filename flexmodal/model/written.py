@@ -36,4 +36,6 @@ def card_of(robot: Robot, folder: Path, *, name: str = "", source: str) -> Robot
         path=place / CARD,
         couplings=robot.couplings,
         loss_frequency=robot.loss_frequency,
+        obstacles=robot.obstacles,
+        srdf=robot.srdf,
     )

@@ -1,5 +1,6 @@
 """Choosing a posture, a frequency or a path: objectives, what is held, and the searches."""
 
+from flexmodal.optimisation.clearance import Clearance as Clearance
 from flexmodal.optimisation.frequency import Extremum as Extremum
 from flexmodal.optimisation.frequency import FrequencyDescent as FrequencyDescent
 from flexmodal.optimisation.frequency import Tuning as Tuning
@@ -20,4 +21,5 @@ from flexmodal.optimisation.objectives import tooth_passing as tooth_passing
 from flexmodal.optimisation.optimise import optimise as optimise
 from flexmodal.optimisation.outcome import Optimum as Optimum
 from flexmodal.optimisation.outcome import Outcome as Outcome
+from flexmodal.optimisation.outcome import Start as Start
 from flexmodal.optimisation.problem import PostureProblem as PostureProblem

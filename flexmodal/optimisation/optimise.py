@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from flexmodal.cards import FamilyCard
 from flexmodal.errors import Fault, InvalidRequest, SingularResponse
 from flexmodal.model import Pose, Posture
-from flexmodal.optimisation.outcome import Optimum, Outcome
+from flexmodal.optimisation.outcome import Optimum, Outcome, Start
 from flexmodal.optimisation.problem import PostureProblem
 from flexmodal.optimisation.search import (
     WAYS,
@@ -16,11 +18,16 @@ from flexmodal.optimisation.search import (
     Ends,
     Improved,
     is_compilable,
+    merged,
+    nearest_held,
     null_space_descent,
     search,
     search_family,
     tell_apart,
 )
+
+_HELD = 1e-6
+"""Error of a hold below which a posture holds: printed angles have so many digits [m, rad]."""
 
 METHODS = ("newton", "null-space")
 
@@ -43,7 +50,7 @@ def optimise(
     Args:
         problem: robot, objective and hold.
         family: search only along this family; excludes a hold.
-        start: a posture to compare with and to start from as well.
+        start: a posture to compare with and to start from as well; brought onto the hold for both.
         starts: how many starts in all, the given one included; the rest are random. If none, 64; where the
             descents run compiled, 256 at a time until five ended in the best, 4096 at most.
         seed: of the random starts; the same seed gives the same answer, but for rounding where one search is
@@ -59,7 +66,8 @@ def optimise(
         doing: told of a compilation, which takes half a minute.
 
     Returns:
-        All distinct optima found, best first. Interrupted by Ctrl-C, what was found until then.
+        All distinct optima found, best first, those of equal value as one. Interrupted by Ctrl-C, what was
+        found until then.
 
     Raises:
         InvalidRequest: options that contradict one another or are out of range.
@@ -69,7 +77,7 @@ def optimise(
     """
     _check(problem, family, start, starts, method, way)
     posture = None if start is None else problem.robot.posture(start)
-    before = None if posture is None else _value(problem, posture)
+    before = None if posture is None else _compared(problem, posture)
     given = None if posture is None else problem.vector(posture)
     if family is not None:
         found = [Descent(values, cost, True, 0) for cost, values in search_family(problem, family, advance)]
@@ -80,6 +88,22 @@ def optimise(
         return _outcome(problem, alone, before, method)
     basins = search(problem, given, starts, seed, way, advance=advance, improved=improved, doing=doing)
     return _outcome(problem, basins, before, method)
+
+
+def _compared(problem: PostureProblem, posture: Posture) -> Start:
+    """The start as given and as it holds the target: only that is compared with what the search finds."""
+    value = _value(problem, posture)
+    if problem.hold is None:
+        return Start(posture, value, 0.0, posture, value)
+    error = problem.hold.error(problem.robot.at(posture))
+    away = float(np.linalg.norm(error[: len(problem.hold.target)]))
+    if float(np.max(np.abs(error))) <= _HELD:
+        return Start(posture, value, away, posture, value)
+    found = nearest_held(problem, problem.vector(posture))
+    if found is None:
+        return Start(posture, value, away, None, None)
+    held = problem.posture(found)
+    return Start(posture, value, away, held, _value(problem, held))
 
 
 def _value(problem: PostureProblem, posture: Posture) -> float:
@@ -114,14 +138,22 @@ def _check(
         faults.append(Fault("call", "family", "a family and a hold", "one of them"))
     if family is not None and method == "null-space":
         faults.append(Fault("call", "method", "null-space along a family", "newton"))
+    if problem.clearance is not None and method == "null-space":
+        faults.append(Fault("call", "clearance", "with the null-space method", "newton"))
     if faults:
         raise InvalidRequest(faults)
 
 
-def _outcome(problem: PostureProblem, found: Basins, before: float | None, method: str) -> Outcome:
+def _outcome(problem: PostureProblem, found: Basins, before: Start | None, method: str) -> Outcome:
+    near = None if before is None else problem.vector(before.held or before.given)
     optima = tuple(
-        Optimum(problem.posture(values), problem.objective.value(problem.posed(values)), int(hits))
-        for values, hits in zip(found.values, found.hits, strict=True)
+        Optimum(
+            problem.posture(group.values[0]),
+            problem.objective.value(problem.posed(group.values[0])),
+            group.hits,
+            tuple(problem.posture(values) for values in group.values[1:]),
+        )
+        for group in merged(problem, found, near)
     )
     ends = found.ends
     counts = (ends.reached, ends.unbounded, method, len(ends.cost))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
@@ -11,19 +12,30 @@ from jaxtyping import Bool, Float
 from flexmodal.cards import FrozenDict
 from flexmodal.errors import FlexmodalError
 from flexmodal.model import PosedRobot, Posture, Robot
+from flexmodal.optimisation.clearance import Clearance
 from flexmodal.optimisation.descent import PERFECT, UNBOUNDED, UNSETTLED, Box, retract, work_for
 from flexmodal.optimisation.hold import Hold
 from flexmodal.optimisation.objectives import FunctionObjective, Limit, Objective
+from flexmodal.text.shown import Shown
 
 _TURN = np.pi
 """Continuous joints, and limits wider than a turn, are sampled over one turn [rad]."""
 
 
-@dataclass(frozen=True, eq=False)
-class PostureProblem:
+@dataclass(frozen=True, eq=False, repr=False)
+class PostureProblem(Shown):
     """Minimise the objective's cost over the commanded joints, within limits, the hold kept.
 
     Vectors are in the order of `robot.commanded` [rad, m].
+
+    >>> import flexmodal
+    >>> robot = flexmodal.load("six_link")
+    >>> judge = flexmodal.ReceptanceObjective("tool:+z", 5.0)
+    >>> hold = flexmodal.Hold.at(robot, (-2.0, 2.0))
+    >>> problem = flexmodal.PostureProblem(robot, judge, hold)
+    >>> found = flexmodal.optimise(problem, start="start_2", starts=4, way="plain")
+    >>> found.best.objective < found.start
+    True
     """
 
     robot: Robot
@@ -31,6 +43,16 @@ class PostureProblem:
     hold: Hold | None = None
     limits: tuple[np.ndarray, np.ndarray] | None = None
     """Lower and upper limits that stand in for those of the joints, such as narrower ones [rad, m]."""
+    clearance: Clearance | None = None
+    """What the arm keeps away from; nothing is checked without it."""
+
+    def _facts(self) -> Mapping[str, object]:
+        hold = self.hold
+        return {
+            "": self.robot.name,
+            "objective": f"{type(self.objective).__name__} [{self.objective.unit}]",
+            "hold": "none" if hold is None else f"{hold.point} at {np.round(hold.target, 4)} m",
+        }
 
     @cached_property
     def names(self) -> tuple[str, ...]:
@@ -67,6 +89,10 @@ class PostureProblem:
         """Whether a commanded joint turns: whole turns are the same posture then."""
         return np.array([not joint.is_prismatic for joint in self.robot.commanded.values()])
 
+    def is_clear(self, values: Float[np.ndarray, " commanded"]) -> bool:
+        """Whether the clearance is kept; always without one."""
+        return self.clearance is None or self.clearance.is_clear(self.posed(values))
+
     @property
     def held_components(self) -> int:
         """How many components the hold's error has."""
@@ -87,14 +113,25 @@ class PostureProblem:
     def cost_and_gradient(
         self, values: Float[np.ndarray, " commanded"]
     ) -> tuple[float, Float[np.ndarray, " commanded"]]:
-        """The objective's cost and its gradient along the commanded joints."""
-        cost, gradient = self.objective.cost_and_gradient(self.posed(values))
-        return cost, gradient[self.columns]
+        """The objective's cost, with the clearance's barrier, and its gradient along the commanded joints.
+
+        Raises:
+            InCollision: the clearance is not kept there.
+        """
+        posed = self.posed(values)
+        if self.clearance is None:
+            cost, gradient = self.objective.cost_and_gradient(posed)
+            return cost, gradient[self.columns]
+        barrier, away = self.clearance.barrier(posed)
+        cost, gradient = self.objective.cost_and_gradient(posed)
+        return cost + barrier, (gradient + away)[self.columns]
 
     def cost(self, values: Float[np.ndarray, " commanded"]) -> float:
         """The cost alone; where the gradient is one of differences, that is a small part of the work."""
         if isinstance(self.objective, FunctionObjective):
-            return self.objective.cost(self.posed(values))
+            posed = self.posed(values)
+            barrier = 0.0 if self.clearance is None else self.clearance.barrier(posed)[0]
+            return barrier + self.objective.cost(posed)
         return self.cost_and_gradient(values)[0]
 
     def held(self, values: Float[np.ndarray, " commanded"]) -> tuple[np.ndarray, np.ndarray]:

@@ -32,8 +32,8 @@ FUNCTIONS = {
 }
 METHODS = {"frf": "frf", "modes": "modes", "measures": "measures"}
 """Of `Robot`."""
-NONE = {"atlas", "lookup", "show", "demo"}
-"""Pictures in the browser, which are the viewer's, and a tour of the other commands."""
+NONE = {"atlas", "lookup", "show", "demo", "card", "export"}
+"""Pictures in the browser, a tour of the other commands, and files for a person or another program."""
 
 
 def taken(command: str) -> list[object]:

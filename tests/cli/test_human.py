@@ -26,7 +26,7 @@ def test_a_long_frf_is_thinned_and_says_so(cli):
 
 
 def test_modes(cli):
-    ran = cli("modes", "fanuc_s360", "--posture", "configuration_1")
+    ran = cli("modes", "fanuc_s360", "--posture", "configuration_1", "--width", 120)
     assert (ran.status, ran.err) == (0, "")
     assert "frequency [Hz]" in ran.out
     assert "pole [rad/s]" in ran.out

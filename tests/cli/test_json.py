@@ -157,8 +157,10 @@ def test_optimise(cli):
         "posture",
         "objective",
         "start",
+        "start_as_given",
         "unit",
         "tool",
+        "collisions",
         "converged",
         "starts",
         "optima",
@@ -178,9 +180,10 @@ def test_optimise(cli):
     assert found["converged"] is True
     assert ran.status == 0
     assert found["starts"] == outcome.starts == sum(optimum["hits"] for optimum in found["optima"])
-    assert [set(optimum) for optimum in found["optima"]] == [{"posture", "objective", "hits"}] * len(
-        outcome.optima
-    )
+    keys = {"posture", "objective", "hits", "equals"}
+    assert [set(optimum) for optimum in found["optima"]] == [keys] * len(outcome.optima)
+    assert found["start_as_given"]["objective"] == outcome.compared.objective
+    assert found["collisions"] == {"checked": False}
     objectives = [optimum["objective"] for optimum in found["optima"]]
     assert objectives == sorted(objectives)
     # The objective is what the frf command says of the posture found.

@@ -69,7 +69,7 @@ def test_bad_text_is_refused(text):
     ("point", "axis", "sign"),
     [
         ("tool", "w", 1),
-        ("tool", "+z", 1),
+        ("tool", "++z", 1),
         ("tool", "z", 0),
         ("tool", "z", 2),
         ("", "z", 1),

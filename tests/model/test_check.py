@@ -55,6 +55,15 @@ def test_numbers_that_only_the_urdf_reader_sees(folder):
     assert fault.key == "link.link_3.inertial.mass"
 
 
+def test_faults_of_a_card_do_not_hide_those_of_its_urdf(folder):
+    text = (folder / "robot.toml").read_text(encoding="utf-8")
+    (folder / "robot.toml").write_text(text.replace("stiffness = 559000.0", "stiffness = -1.0"))
+    text = (folder / "fanuc_s360.urdf").read_text(encoding="utf-8")
+    (folder / "fanuc_s360.urdf").write_text(text.replace('mass value="1.37"', 'mass value="-1"'))
+    keys = [fault.key for fault in flexmodal.check(folder).faults]
+    assert keys == ["joint.q1.stiffness", "link.link_3.inertial.mass"]
+
+
 def test_a_mass_matrix_that_is_none(tmp_path, folder):
     """Only posing the robot finds it: a point mass exactly on its joint's axis."""
     path = save(

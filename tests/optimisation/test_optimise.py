@@ -162,7 +162,11 @@ def test_printed_finals_are_not_better(arm, final, target, frequency):
 def test_a_given_start_counts_and_is_compared_with(arm):
     problem = PostureProblem(arm, receptance(5.0), Hold.at(arm, (-2.0, 2.0)))
     outcome = optimise(problem, start="e11_final", starts=1)
-    assert outcome.start == pytest.approx(problem.objective.value(arm.at("e11_final")), rel=1e-12)
+    compared = outcome.compared
+    assert compared.objective == pytest.approx(problem.objective.value(arm.at("e11_final")), rel=1e-12)
+    assert 0 < compared.away < 0.02  # printed to a hundredth of a degree
+    assert np.linalg.norm(problem.hold.error(arm.at(compared.held))) < 1e-9
+    assert outcome.start == pytest.approx(problem.objective.value(arm.at(compared.held)), rel=1e-12)
     assert outcome.starts == 1
     assert outcome.best.objective < outcome.start
     assert gain_left(problem, problem.vector(outcome.best.posture)) <= 2e-5

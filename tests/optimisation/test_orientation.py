@@ -179,7 +179,8 @@ def test_a_singular_start(arm):
     outcome = optimise(held, start=stretched, starts=1)
     assert outcome.converged
     np.testing.assert_allclose(outcome.tool, (2, 0, 0), atol=1e-9)
-    assert outcome.start == pytest.approx(held.objective.value(arm.at(stretched)))
+    assert outcome.compared.objective == pytest.approx(held.objective.value(arm.at(stretched)))
+    assert outcome.start == pytest.approx(held.objective.value(arm.at(outcome.compared.held)))
 
 
 @pytest.mark.usefixtures("types_unchecked")

@@ -332,7 +332,8 @@ def test_command(capsys, tmp_path):
         main([*words, "--frequency", "5", "--compare", "--json", "--out", str(out)])
     assert left.value.code == 0
     found = json.loads(capsys.readouterr().out)
-    assert set(found) == {"unit", "sum", "worst", "fastest", "deviation", "points", "compare"}
+    keys = {"unit", "sum", "worst", "fastest", "deviation", "points", "collisions", "compare"}
+    assert set(found) == keys
     assert set(found["compare"]) <= {"greedy", "static stiffness"}
     assert len(found["points"]) == 3
     assert sum(point["value"] for point in found["points"]) == pytest.approx(found["sum"])

@@ -46,7 +46,7 @@ def test_receptance_of_several_directions_is_drawn_as_judged(arm, held):
     directions = tuple(PointDirection("tool", axis) for axis in "xz")
     judge = ReceptanceObjective(directions, np.array([5.0, 10.0]), "force", (1.0, 2.0))
     outcome = optimise(replace(held, objective=judge), start="start_2", starts=1)
-    figure = draw_receptances(outcome, arm.posture("start_2"), np.array([5.0, 10.0]))
+    figure = draw_receptances(outcome, outcome.compared.held, np.array([5.0, 10.0]))
     before, after = (line.get_ydata() for line in figure.axes[0].lines[:2])
     assert np.mean(after) == pytest.approx(outcome.best.objective, rel=1e-9)
     assert np.mean(before) == pytest.approx(outcome.start, rel=1e-9)

@@ -3,7 +3,7 @@ import pytest
 
 from flexmodal.frf import PointDirection
 from flexmodal.model import load
-from flexmodal.optimisation import Hold, Optimum, Outcome, PostureProblem, ReceptanceObjective
+from flexmodal.optimisation import Hold, Optimum, Outcome, PostureProblem, ReceptanceObjective, Start
 
 
 @pytest.fixture(scope="session")
@@ -21,11 +21,12 @@ def outcome(six_link):
     """Built by hand from a named posture, so that no search needs to run."""
     best, start = six_link.posture("e6_final"), six_link.posture("start_3")
     objective = ReceptanceObjective((PointDirection("tool", "z"),), np.array([2.0]))
+    value = objective.value(six_link.at(start))
     x, _, z = six_link.at(best).position("tool")
     return Outcome(
         problem=PostureProblem(six_link, objective, Hold.at(six_link, (x, z))),
         optima=(Optimum(best, objective.value(six_link.at(best)), 12),),
-        start=objective.value(six_link.at(start)),
+        compared=Start(start, value, 0.0, start, value),
         converged=True,
         starts=64,
         unbounded=0,

@@ -313,7 +313,8 @@ def test_outcome_of_every_kind_of_objective(outcome, six_link, case):
     build, heading, motions = OTHERS[case]
     problem, best = PostureProblem(six_link, build(six_link)), outcome.best.posture
     value = problem.objective.value(six_link.at(best))
-    found = replace(outcome, problem=problem, optima=(Optimum(best, value, 1),), start=np.inf)
+    first = replace(outcome.compared, objective=np.inf, held_objective=np.inf)
+    found = replace(outcome, problem=problem, optima=(Optimum(best, value, 1),), compared=first)
     scene = outcome_scene(found, start=six_link.posture("start_3"))
     assert heading in words(scene)
     assert "infinite" in words(scene)  # as at the resonance of an undamped arm

@@ -19,6 +19,9 @@ from flexmodal.campaign.uff.scan import scan_uff
 from flexmodal.errors import Fault, InvalidCampaign
 from flexmodal.text.words import FaultList
 
+NO_ROBOT = "none"
+"""What stands for the robot where no file names one."""
+
 UNIVERSAL_SUFFIXES = (".uff", ".unv", ".uf", ".58")
 
 
@@ -78,7 +81,7 @@ def _described(file: Path, headers: list[Header]) -> Tested:
     nodes = sorted({node for one in headers for node, _ in (one.response, one.reference) if node > 0})
     return Tested(
         title=file.name,
-        robot="none",
+        robot=NO_ROBOT,
         band=None,
         postures=tuple(CampaignPosture(case, f"load case {case}", {}) for case in cases),
         points=tuple(CampaignPoint(node, f"node {node}", "unknown", (0.0, 0.0, 0.0)) for node in nodes),

@@ -7,7 +7,7 @@ from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
-from flexmodal.cards.card import JointCard, RobotCard
+from flexmodal.cards.card import JointCard, ObstacleCard, RobotCard
 from flexmodal.cards.read_card import read_card
 from flexmodal.cards.write.urdf import UrdfDraft
 from flexmodal.errors import Fault, InvalidCard
@@ -62,12 +62,16 @@ def _table(card: RobotCard) -> dict[str, Any]:
     }  # fmt: skip
     if card.loss_frequency is not None:
         table["loss_frequency"] = float(card.loss_frequency)
+    if card.srdf is not None:
+        table["srdf"] = str(card.srdf)
     table["joint"] = {name: _joint(joint) for name, joint in card.joints.items()}
     if card.couplings:
         table["coupling"] = {k: {"stiffness": float(one.stiffness)} for k, one in card.couplings.items()}
     table["point"] = {
         name: {"link": one.link, "xyz": list(map(float, one.xyz))} for name, one in card.points.items()
     }
+    if card.obstacles:
+        table["obstacle"] = {name: _obstacle(one) for name, one in card.obstacles.items()}
     table["posture"] = {name: _floats(one) for name, one in card.postures.items()}
     table["family"] = {
         name: {
@@ -87,6 +91,18 @@ def _joint(joint: JointCard) -> dict[str, Any]:
         for key, value in given.items()
         if key in ("stiffness", "damping") or value != left[key]
     }
+
+
+def _obstacle(obstacle: ObstacleCard) -> dict[str, Any]:
+    given = {one.name: getattr(obstacle, one.name) for one in fields(obstacle)}
+    left = {one.name: one.default for one in fields(obstacle)}
+    return {key: _plain(value) for key, value in given.items() if value != left[key]}
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, tuple):
+        return [float(one) for one in value]
+    return str(value) if isinstance(value, Path) else value
 
 
 def _floats(values: Mapping[str, float]) -> dict[str, float]:

@@ -41,6 +41,8 @@ from flexmodal.optimisation.problem import PostureProblem
 
 def arm_of(problem: PostureProblem) -> Arm | None:
     """The arrays of a problem; none where the robot branches or the objective is of another kind."""
+    if problem.clearance is not None:  # shapes are asked of Pinocchio
+        return None
     chain = chain_of(problem.robot)
     judge = judge_of(problem.robot, problem.objective)
     if chain is None or judge is None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,6 +18,7 @@ from flexmodal.optimisation.frequency.partial_fractions import (
 )
 from flexmodal.optimisation.frequency.roots import roots
 from flexmodal.optimisation.frequency.sampled import stationary
+from flexmodal.text.shown import Shown, several
 
 _PIECES = 64
 """Intervals that a band is cut into before they are halved as needed."""
@@ -34,8 +36,8 @@ class Extremum:
     """|α| there [m/N]; infinite at an undamped pole."""
 
 
-@dataclass(frozen=True, eq=False)
-class Tuning:
+@dataclass(frozen=True, eq=False, repr=False)
+class Tuning(Shown):
     """Every minimum and maximum of |receptance| inside a band, and the best frequency of the band."""
 
     posed: PosedRobot
@@ -51,6 +53,13 @@ class Tuning:
     proved: bool = True
     """False with causal hysteresis: the receptance is no rational function then, and its minima are those
     that a fine grid shows."""
+
+    def _facts(self) -> Mapping[str, object]:
+        return {
+            "best at [Hz]": float(self.best.frequency),
+            "receptance": float(self.best.receptance),
+            "minima at [Hz]": several(f"{one.frequency:.4g}" for one in self.minima) or "none",
+        }
 
     @property
     def best(self) -> Extremum:
@@ -93,6 +102,11 @@ def tune(
     Raises:
         InvalidRequest: a band that is no band, or a direction in which nothing gives way.
         InvalidPoint: a bad direction.
+
+    >>> import flexmodal
+    >>> found = flexmodal.tune(flexmodal.load("six_axis").at("work"), (5.0, 30.0))
+    >>> round(found.best.frequency, 2)
+    20.72
     """
     low, high = band
     if not (0 <= low < high <= MOST_HERTZ and high >= LEAST_HERTZ):

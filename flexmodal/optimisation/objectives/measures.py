@@ -13,7 +13,7 @@ from flexmodal.frf import PointDirection
 from flexmodal.model import PosedRobot, Robot
 from flexmodal.model.gradient import jacobian_derivative
 from flexmodal.model.measures import measure, reduced_task
-from flexmodal.optimisation.objectives.objective import Limit
+from flexmodal.optimisation.objectives.objective import Limit, OneGiven
 
 LEVER = 1e-3
 """A lever arm below this [m] counts as none."""
@@ -23,10 +23,13 @@ LEVER = 1e-3
 class StiffnessObjective:
     """The stiffness measure ξ_K = uᵀ J⁺ᵀ K J⁺ u [Hearne 3.17], to be large."""
 
-    direction: PointDirection
+    direction: OneGiven
     task: str = "full"
     unit: str = "N/m"
     larger_is_better: ClassVar[bool] = True
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "direction", PointDirection.parse(self.direction))
 
     def value(self, posed: PosedRobot) -> float:
         """ξ_K [N/m]."""
@@ -74,9 +77,12 @@ class StiffnessObjective:
 class MobilityObjective:
     """The mobility measure ξ_M = uᵀ J Jᵀ u [Hearne 3.18], to be small."""
 
-    direction: PointDirection
+    direction: OneGiven
     unit: str = "m²/rad²"
     larger_is_better: ClassVar[bool] = False
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "direction", PointDirection.parse(self.direction))
 
     def value(self, posed: PosedRobot) -> float:
         """ξ_M [m²/rad²]."""

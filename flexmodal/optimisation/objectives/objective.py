@@ -6,18 +6,28 @@ for stiffness, which is to be large). Raw receptances of 10⁻⁵ lie below the 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
-from typing import ClassVar, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, ClassVar, Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Complex, Float
 
 from flexmodal.errors import Fault, InvalidRequest
-from flexmodal.frf import PointDirection
+from flexmodal.frf import PointDirection, directions_of
 from flexmodal.frf.axis import MOST_HERTZ
 from flexmodal.model import PosedRobot, Robot
 from flexmodal.model.gradient import receptance_and_gradient
+
+if TYPE_CHECKING:
+    OneGiven = PointDirection
+    Given = tuple[PointDirection, ...]
+    Lines = Float[np.ndarray, " line"]
+else:  # what may be given for them; made into those as an objective is made
+    OneGiven = str | PointDirection
+    Given = str | PointDirection | Sequence[str | PointDirection]
+    Lines = float | int | Sequence[float | int] | np.ndarray
 
 BLIND = 1e-15
 """A receptance below this [m/N] counts as none: the force does not shake the robot at all."""
@@ -80,8 +90,10 @@ class ReceptanceObjective:
     - "worst" takes the largest singular value, the motion under the worst force direction among them.
     """
 
-    directions: tuple[PointDirection, ...]
-    frequency: Float[np.ndarray, " line"]
+    directions: Given
+    """One or several, as "tool:+z" too."""
+    frequency: Lines
+    """One or several [Hz]."""
     combine: str = "weighted"
     weights: tuple[float, ...] = ()
     """Components of the force along the directions; scaled to a unit vector."""
@@ -94,6 +106,8 @@ class ReceptanceObjective:
     larger_is_better: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "directions", directions_of(self.directions))
+        object.__setattr__(self, "frequency", np.atleast_1d(np.array(self.frequency, dtype=float)))
         faults = []
         if self.combine not in COMBINE:
             faults.append(Fault("call", "combine", repr(self.combine), ", ".join(COMBINE)))

@@ -12,7 +12,7 @@ from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.frf import PointDirection
 from flexmodal.model import PosedRobot, Robot
 from flexmodal.optimisation.frequency.tune import Band, tune
-from flexmodal.optimisation.objectives.objective import Limit, ReceptanceObjective
+from flexmodal.optimisation.objectives.objective import Limit, OneGiven, ReceptanceObjective
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,12 +23,13 @@ class TunedObjective:
     frequency is 0, or the frequency sits at an end of the band.
     """
 
-    direction: PointDirection
+    direction: OneGiven
     band: Band
     """[Hz]."""
     larger_is_better: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "direction", PointDirection.parse(self.direction))
         if not 0 <= self.band[0] < self.band[1]:
             found = f"{self.band[0]:g} to {self.band[1]:g} Hz"
             raise InvalidRequest(Fault("call", "band", found, "0 ≤ low < high [Hz]"))

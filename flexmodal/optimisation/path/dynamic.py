@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 from jaxtyping import Float
 
-from flexmodal.errors import Unreachable
+from flexmodal.errors import InCollision, Unreachable
 from flexmodal.optimisation.path.nodes import Nodes, cost_of
 from flexmodal.optimisation.path.problem import PathProblem
 
@@ -27,6 +27,9 @@ def best_sequence(problem: PathProblem, nodes: Nodes) -> Float[np.ndarray, "poin
     """
     costs = [np.array([cost_of(at, q) for q in group]) for at, group in zip(problem.at, nodes, strict=True)]
     scale = max(float(group.min()) for group in costs)
+    if not np.isfinite(scale):
+        place = next(k for k, group in enumerate(costs) if not np.isfinite(group.min()))
+        raise InCollision(f"point {place}: no posture that was tried keeps the clearance")
     values = [np.exp(np.minimum(group - scale, 600.0)) for group in costs]
     weight = problem.smoothness * (len(nodes) if problem.way == "sum" else 1) / len(nodes)
     total = values[0].copy()

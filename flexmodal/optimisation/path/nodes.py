@@ -139,6 +139,8 @@ def cost_of(at: PostureProblem, values: np.ndarray) -> float:
         at: problem of one point.
         values: of the commanded joints [rad, m].
     """
+    if not at.is_clear(values):
+        return np.inf
     try:
         value = at.objective.value(at.posed(values))
     except FlexmodalError:

@@ -67,6 +67,11 @@ class PathOutcome:
         """The posture of a point, counted from 0."""
         return self.problem.at[point].posture(self.postures[point])
 
+    @property
+    def nearest(self) -> tuple[float, tuple[str, str]] | None:
+        """What comes nearest along the sequence, and how near [m]; None where nothing was checked."""
+        return self.problem.nearest(self.postures)
+
     def judged_by(self, problem: PathProblem) -> PathOutcome:
         """The same postures under another problem's objectives."""
         return PathOutcome(problem, self.postures, problem.values(self.postures))

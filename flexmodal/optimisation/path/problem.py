@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from jaxtyping import Float
@@ -12,10 +13,14 @@ from jaxtyping import Float
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.frf import PointDirection
 from flexmodal.model import Robot
+from flexmodal.optimisation.clearance import Clearance
 from flexmodal.optimisation.hold import Hold
 from flexmodal.optimisation.objectives import Objective, ReceptanceObjective
 from flexmodal.optimisation.path.toolpath import Toolpath
 from flexmodal.optimisation.problem import PostureProblem
+
+_BETWEEN = 8
+"""Looks at the clearance from point to point."""
 
 _WAYS = ("sum", "worst")
 
@@ -48,6 +53,8 @@ class PathProblem:
     stride: float = 0.2
     """Most that a joint may move between neighbouring points, however long it has [rad, m]: between them the
     joints go straight and the tool does not."""
+    clearance: Clearance | None = None
+    """What the arm keeps away from at every point; nothing is checked without it."""
 
     def __post_init__(self) -> None:
         faults = []
@@ -84,7 +91,25 @@ class PathProblem:
     @cached_property
     def at(self) -> tuple[PostureProblem, ...]:
         """The posture problem of each point."""
-        return tuple(PostureProblem(self.robot, point.objective, point.hold) for point in self.points)
+        return tuple(
+            PostureProblem(self.robot, point.objective, point.hold, clearance=self.clearance)
+            for point in self.points
+        )
+
+    def nearest(self, postures: Float[np.ndarray, "point commanded"]) -> tuple[float, tuple[str, str]] | None:
+        """What comes nearest along the sequence, between points too, and how near [m]; None if unchecked.
+
+        Args:
+            postures: one a point; between them the joints go straight, and are looked at in steps.
+        """
+        if self.clearance is None:
+            return None
+        shares = np.linspace(0, 1, _BETWEEN, endpoint=False)[:, None]
+        way = [a + shares * (b - a) for a, b in pairwise(postures)]
+        found = [
+            self.clearance.scene.nearest(self.at[0].posed(q)) for q in np.concatenate([*way, postures[-1:]])
+        ]
+        return min(found)
 
     def values(self, postures: Float[np.ndarray, "point commanded"]) -> Float[np.ndarray, " point"]:
         """The objective at each point."""
@@ -119,6 +144,7 @@ class PathProblem:
         speed: Float[np.ndarray, " commanded"] | None = None,
         smoothness: float = 1e-3,
         stride: float = 0.2,
+        clearance: Clearance | None = None,
     ) -> PathProblem:
         """Judge each point by ‖α f‖, the tool's whole motion under the cutting force there.
 
@@ -132,6 +158,7 @@ class PathProblem:
             speed: most that each joint may do [rad/s, m/s].
             smoothness: weight of the mean square share of a step.
             stride: most that a joint may move between neighbouring points [rad, m].
+            clearance: what the arm keeps away from.
 
         Raises:
             InvalidRequest: a force across the plane of a planar chain, or bad arguments.
@@ -151,7 +178,7 @@ class PathProblem:
             target = tuple(place.tolist())
             held = Hold.at(robot, target) if hold is None else hold(target)
             points.append(PathPoint(held, objective, float(time)))
-        return cls(robot, tuple(points), way, speed, smoothness, stride)
+        return cls(robot, tuple(points), way, speed, smoothness, stride, clearance)
 
 
 def _moves(robot: Robot, row: np.ndarray) -> bool:

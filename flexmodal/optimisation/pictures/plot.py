@@ -40,6 +40,12 @@ _LABEL = 40
 """Characters of a label beside the axis of a picture; longer ones are broken."""
 
 
+def draw_outcome(outcome: Outcome, *, frequencies: Float[np.ndarray, " line"] | None = None) -> Any:
+    """Draw the receptance at the start, brought onto the hold, and at the best; see `draw_receptances`."""
+    start = None if outcome.compared is None else outcome.compared.held
+    return draw_receptances(outcome, start, frequencies)
+
+
 @drawing
 def draw_receptances(
     outcome: Outcome,
@@ -123,6 +129,14 @@ def _telling_axis(robot: Robot, postures: Sequence[Posture], judge: Objective) -
     values = np.concatenate(told)
     values = values[np.isfinite(values) & (values > 0)]
     return np.geomspace(values.min() / 4, values.max() * 3, 800)
+
+
+def draw_posed(posed: PosedRobot) -> Any:
+    """Draw an arm in its posture; see `draw_postures`."""
+    robot = posed.robot
+    if not isinstance(robot, Robot):
+        raise TypeError(f"a {type(robot).__name__} is not drawn")
+    return draw_postures(robot, {str(posed.posture): posed.posture})
 
 
 @drawing
@@ -209,9 +223,9 @@ def _skeleton(posed: PosedRobot) -> Float[np.ndarray, "point 3"]:
 
 
 def _value(problem: PostureProblem, values: np.ndarray) -> float:
-    """Objective at a vector brought onto the hold; NaN where that cannot be."""
+    """Objective at a vector brought onto the hold; NaN where that cannot be, or comes too near something."""
     found = problem.retract(values)
-    if found is None:
+    if found is None or not problem.is_clear(found):
         return float("nan")
     try:
         return problem.objective.value(problem.posed(found))

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from jaxtyping import Float
 
-from flexmodal.errors import Fault, InvalidRequest
+from flexmodal.errors import Fault, InCollision, InvalidRequest
 from flexmodal.optimisation.hold import Hold
 from flexmodal.optimisation.optimise import optimise
 from flexmodal.optimisation.problem import PostureProblem
@@ -63,7 +64,8 @@ def workspace_map(
         for column, a in enumerate(first):
             there = replace(problem, hold=replace(hold, target=np.array([a, b, *hold.target[2:]])))
             if any(there.retract(there.random_vector(generator)) is not None for _ in range(_TRIES)):
-                grid[row, column] = optimise(there, starts=starts).best.objective
+                with suppress(InCollision):
+                    grid[row, column] = optimise(there, starts=starts).best.objective
             advance()
     return grid
 

@@ -12,6 +12,9 @@ from flexmodal.optimisation.search.ends import Basins as Basins
 from flexmodal.optimisation.search.ends import Descent as Descent
 from flexmodal.optimisation.search.ends import Ends as Ends
 from flexmodal.optimisation.search.ends import tell_apart as tell_apart
+from flexmodal.optimisation.search.equals import merged as merged
+from flexmodal.optimisation.search.equals import nearest_held as nearest_held
+from flexmodal.optimisation.search.equals import within_a_turn as within_a_turn
 from flexmodal.optimisation.search.family import search_family as search_family
 from flexmodal.optimisation.search.null_space import null_space_descent as null_space_descent
 from flexmodal.optimisation.search.starts import BLOCK as BLOCK

@@ -16,6 +16,7 @@ from flexmodal.optimisation import compiled
 from flexmodal.optimisation.descent import PERFECT, SETTLED, UNBOUNDED, UNREACHED, descend_all, work_for
 from flexmodal.optimisation.objectives import Limit, ReceptanceObjective
 from flexmodal.optimisation.problem import Evaluation, PostureProblem
+from flexmodal.optimisation.search.clear import solve_clear
 from flexmodal.optimisation.search.ends import LIMITS, Basins, Descent, Ends, tell_apart
 
 WAYS = ("auto", "compiled", "plain")
@@ -158,6 +159,8 @@ def _compiled(problem: PostureProblem, cores: int) -> _Solve:
 
 def _plain(at: Evaluation) -> _Solve:
     problem = at.problem
+    if problem.clearance is not None:
+        return lambda core, *given: solve_clear(at, *given)
     work, trace = work_for(problem.held_components, len(problem.names)), np.zeros((0, 0))
 
     def solve(

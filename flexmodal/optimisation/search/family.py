@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from flexmodal.cards import FamilyCard
+from flexmodal.errors import InCollision
 from flexmodal.optimisation.problem import PostureProblem
 
 _SAMPLES = 400
@@ -38,8 +39,14 @@ def search_family(
     """
     from scipy.optimize import minimize_scalar
 
+    blocked: list[InCollision] = []
+
     def cost(parameter: float) -> float:
-        return problem.cost(family_values(problem, family, float(parameter)))
+        try:
+            return problem.cost(family_values(problem, family, float(parameter)))
+        except InCollision as error:
+            blocked.append(error)
+            return np.inf
 
     low, high = sorted((family.start, family.stop))
     grid = np.linspace(low, high, _SAMPLES + 1)
@@ -47,9 +54,11 @@ def search_family(
     for place, parameter in enumerate(grid):
         sampled[place] = cost(parameter)
         advance()
+    if not np.any(np.isfinite(sampled)):
+        raise blocked[0]
     left, right = np.r_[np.inf, sampled[:-1]], np.r_[sampled[1:], np.inf]
     minima = []
-    for place in map(int, np.flatnonzero((sampled <= left) & (sampled < right))):
+    for place in map(int, np.flatnonzero((sampled <= left) & (sampled < right) & np.isfinite(sampled))):
         best, value = grid[place], sampled[place]
         if 0 < place < len(grid) - 1:
             bounds = (grid[place - 1], grid[place + 1])

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from flexmodal.errors import InCollision
 from flexmodal.optimisation import compiled
 from flexmodal.optimisation.objectives import Limit
 from flexmodal.optimisation.problem import PostureProblem
@@ -20,6 +21,9 @@ DEFAULT_STARTS, BLOCK = 64, 256
 
 _SURE, _BLOCKS = 5, 16
 """Starts that have to end in the best before a compiled search stops by itself, and most blocks."""
+
+EQUAL = 1e-6
+"""Relative difference of two objectives that counts as none: descents end within some 1e-10 of a minimum."""
 
 _FEW = 4
 """Starts tried one by one to say why none of many came to anything."""
@@ -126,8 +130,9 @@ def _blocks(
 
 def _is_enough(problem: PostureProblem, blocks: list[Ends]) -> bool:
     """Whether some starts ended in the best already, or none comes to anything."""
-    hits = tell_apart(problem, Ends.joined(blocks)).hits
-    return blocks[-1].reached == 0 or (len(hits) > 0 and int(hits[0]) >= _SURE)
+    found = tell_apart(problem, Ends.joined(blocks))
+    best = found.cost - np.min(found.cost, initial=np.inf) <= EQUAL
+    return blocks[-1].reached == 0 or int(np.sum(found.hits[best])) >= _SURE
 
 
 def _is_perfect(problem: PostureProblem, ends: Ends) -> bool:
@@ -141,6 +146,14 @@ def _last_try(problem: PostureProblem, ends: Ends, way: str) -> Basins:
 
     That one takes the place of the last start.
     """
+    if problem.clearance is not None:
+        free = replace(problem, clearance=None)
+        if any(free.retract(values) is not None for values in ends.values):
+            kept = f"{1e3 * problem.clearance.distance:g} mm"
+            raise InCollision(
+                f"none of {len(ends.cost)} starts came to a posture that holds the target {kept} clear of "
+                f"everything: {ends.trouble or 'no way out was found'}"
+            )
     tried = ends if way == "plain" else descend_from(problem, ends.values[:_FEW], way="plain")
     if tried.trouble is not None:
         raise tried.trouble

@@ -78,7 +78,7 @@ def run_study(
     return StudyResult(
         study,
         problem.objective.unit,
-        start=found.start,
+        start=None if found.compared is None else found.compared.objective,  # as it was printed
         printed=printed,
         best=found.best.objective,
         outcome=found,
