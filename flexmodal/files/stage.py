@@ -15,7 +15,7 @@ import json
 import os
 import shutil
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from flexmodal.errors import Fault, OutputExists
@@ -171,7 +171,8 @@ def _exists(paths: Sequence[Path]) -> OutputExists:
 def _lock(stage: Path) -> int | None:
     """Make the stage and lock it, or take over one that a killed process left; None where it is in use."""
     while True:
-        stage.mkdir(exist_ok=True)
+        with suppress(FileExistsError):  # perhaps gone again by now, which opening the lock in it tells
+            os.mkdir(stage)
         try:
             handle = os.open(stage / LOCK, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_CLOEXEC, 0o666)
         except FileNotFoundError:  # its owner has just removed it

@@ -11,7 +11,7 @@ from flexmodal_viewer.palette import EXTREME, FORCE, OPTIMISED, POINT, TARGET
 
 from flexmodal.frf import PointDirection
 from flexmodal.model import load
-from flexmodal.optimisation import Hold, Optimum, Outcome, PostureProblem, ReceptanceObjective
+from flexmodal.optimisation import Hold, Optimum, Outcome, PostureProblem, ReceptanceObjective, Start
 
 PANEL = 340
 """Width of the panel beside the picture at 1200 pixels."""
@@ -38,11 +38,12 @@ def outcome_page(folder):
     robot = load("six_link")
     best, start = robot.posture("e6_final"), robot.posture("start_3")
     objective = ReceptanceObjective((PointDirection("tool", "z"),), np.array([2.0]))
+    value = objective.value(robot.at(start))
     x, _, z = robot.at(best).position("tool")
     outcome = Outcome(
         problem=PostureProblem(robot, objective, Hold.at(robot, (x, z))),
         optima=(Optimum(best, objective.value(robot.at(best)), 12),),
-        start=objective.value(robot.at(start)),
+        compared=Start(start, value, 0.0, start, value),
         converged=True,
         starts=64,
         unbounded=0,

@@ -122,6 +122,23 @@ def test_many_writers_at_once(tmp_path, overwrite):
             beside.unlink()
 
 
+def test_a_stage_that_goes_while_it_is_looked_at_is_made_again(tmp_path, monkeypatch):
+    """Another writer had it when we made ours, and has removed it since."""
+    plain, calls = os.mkdir, []
+
+    def mkdir(path, *words, **options):
+        if stage_of(tmp_path / "out") == Path(path):
+            calls.append(path)
+            if len(calls) == 1:
+                raise FileExistsError(17, "File exists", str(path))
+        plain(path, *words, **options)
+
+    monkeypatch.setattr(os, "mkdir", mkdir)
+    write(tmp_path / "out", "new")
+    assert len(calls) == 2
+    assert (tmp_path / "out" / "mark.json").read_text() == "new"
+
+
 def test_a_full_disk_names_the_file_and_leaves_the_old(tmp_path):
     target = tmp_path / "file.csv"
     target.write_text("old")

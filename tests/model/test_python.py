@@ -88,7 +88,7 @@ def test_what_is_shown_is_short():
 
 
 def _thesis():
-    from flexmodal.cards import catalogue_folder
+    from flexmodal.files import catalogue_folder
 
     return catalogue_folder() / "robots" / "fanuc_s360" / "campaigns" / "thesis"
 
