@@ -17,6 +17,8 @@ PAGES = [*sorted(ROOT.glob("*.md")), *sorted((ROOT / "docs").rglob("*.md"))]
 APART = ("tutorials", "howto")
 """Folders of the documentation whose pages are followed in modules of their own, side by side."""
 TARGETS = set(re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(), re.MULTILINE))
+LONG = {"hammer.md", "optimisation.md", "atlas.md"}
+"""Pages that take a quarter of a minute and more; `make slow` follows them."""
 LEFT_ALONE = {"git", "cd", "pip", "cat", ".", "python", "python3.11", "ls"}
 """Commands that need a network or a clone; `make tour` runs them."""
 ELSEWHERE = {"demo": ROOT / "tests" / "cli" / "test_demo.py"}
@@ -30,7 +32,14 @@ def acting(folder=None):
 
 
 def named(pages):
-    return [pytest.param(page, id=str(page.relative_to(ROOT))) for page in pages]
+    return [
+        pytest.param(
+            page,
+            id=str(page.relative_to(ROOT)),
+            marks=[pytest.mark.slow] if page.name in LONG else [],
+        )
+        for page in pages
+    ]
 
 
 def run(command, page, place):

@@ -118,6 +118,7 @@ def test_a_name_that_is_not_there_is_told_by_its_option(cli, tmp_path, option, v
     cli(*words).refused(f"command line: {option}: found '{value}'", allowed)
 
 
+@pytest.mark.slow
 def test_data_that_may_count_twice_are_warned_of_once(campaign, tmp_path):
     from click.testing import CliRunner
 

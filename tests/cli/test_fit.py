@@ -123,6 +123,7 @@ def test_picture_of_one_frf(cli, tmp_path):
     cli("fit", BEAM, "--out", tmp_path / "beam.png").refused("one picture", "--pictures")
 
 
+@pytest.mark.slow
 def test_every_picture_into_a_folder(cli, tmp_path):
     folder = tmp_path / "pictures"
     options = ("--per", "posture", "--band", "400:990", "--no-vary", "--pictures", folder, "--svg")

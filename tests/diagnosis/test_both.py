@@ -64,6 +64,7 @@ def test_a_mode_that_only_the_table_has_is_missing(clean):
     assert f"no mode for those measured near {PEAK:.3g} Hz" in found.verdict.says
 
 
+@pytest.mark.slow
 def test_evidence_of_modes_adds_to_that_of_frfs():
     campaign, robot = campaign_with("added_mass@link_3")
     setup = prepare(campaign, robot, None, asked_of(["added_mass"]), None, 0, lambda doing, part: None)

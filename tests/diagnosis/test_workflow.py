@@ -197,6 +197,7 @@ def two():
     return campaign("local_absorber@link_2", "sensor_gain@location_3", seed=5)
 
 
+@pytest.mark.slow
 def test_the_first_of_two_effects_is_looked_for_again_beside_the_second(two):
     """Alone it may have been put in the wrong place."""
     names = ["local_absorber", "sensor_gain"]
@@ -216,6 +217,7 @@ def test_the_first_of_two_effects_is_looked_for_again_beside_the_second(two):
     assert over_noise(setup, selection.current) < FLOOR_REACHED
 
 
+@pytest.mark.slow
 def test_an_exchange_that_does_not_help_is_taken_back(loaded):
     setup = laid_out(*loaded, ["sensor_gain"])
     selection = ForwardSelection(FrfData(setup))

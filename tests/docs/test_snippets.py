@@ -15,7 +15,7 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
 
-from tour_followed import PAGES, acting, follow, named
+from tour_followed import PAGES, acting, follow
 from tour_pages import steps
 
 
@@ -38,13 +38,13 @@ def test_what_is_shown_and_not_printed_is_noticed(tmp_path):
     assert step.missing("six_link 7.25 and more") == []
 
 
-@pytest.mark.parametrize("page", named(PAGES))
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_links_within_the_repository_lead_somewhere(page):
     for address in re.findall(r"\]\(([^)#\s]+)[^)]*\)", page.read_text(encoding="utf-8")):
         if not re.match(r"[a-z]+:", address):
             assert os.path.exists(page.parent / address), f"{page.name}: {address}"
 
 
-@pytest.mark.parametrize("page", named(PAGES))
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_fences_are_closed(page):
     assert len(re.findall(r"^```", page.read_text(encoding="utf-8"), re.MULTILINE)) % 2 == 0
