@@ -75,6 +75,16 @@ def test_a_no_and_a_yes_lie_two_margins_apart(gain, expected):
     assert chosen(compared(gain)) == expected
 
 
+def test_what_is_vouched_for_comes_first_if_it_gains_anything():
+    """Of several effects each alone may take little; another that takes more may sit in a wrong place."""
+    found = compared(2.0, 40.0)
+    worth = [Answer.NO, Answer.NO, Answer.YES]
+    assert choice(found, None, worth) == Choice(2)
+    assert choice(found, None, worth, [False, True, False]) == Choice(1)
+    assert choice(found, None, worth, [False, True, True]) == Choice(2)
+    assert choice(compared(0.5 * MARGIN), None, [Answer.NO] * 2, [False, True]) == Choice(None)
+
+
 def test_a_gain_that_few_draws_bear_out_is_none():
     table = [[0.0] * 3, [30.0, 30.0, SIGNIFICANT - 2 * MARGIN]]
     assert gains_enough(compared(30.0, table=table), 1) is Answer.NO
