@@ -135,6 +135,7 @@ def test_unknown_postures_are_named(clean):
         diagnose(*clean, hold_out=["upside_down"])
 
 
+@pytest.mark.slow
 def test_a_mode_with_no_structure_is_always_weighed(clean, loaded):
     nothing, mass = diagnose(*clean, effects=["sensor_gain"]), diagnose(*loaded, effects=["added_mass"])
     assert {one.effect for one in nothing.refused} >= {"none", "unstructured_mode", "sensor_gain"}
