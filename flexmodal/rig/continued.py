@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import flexmodal
-from flexmodal.campaign import Campaign, CampaignPosture, FrfRecords, read_campaign
+from flexmodal.campaign import Campaign, CampaignPosture, read_campaign
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.model import Robot
 from flexmodal.rig.analyser import RATIO, Analyser
@@ -25,7 +25,7 @@ from flexmodal.rig.robot_folder import CARD
 from flexmodal.rig.simulate import make_stand, struck_campaign
 from flexmodal.rig.truth import Truth, truth_path
 
-RECORDS = "one campaign of the virtual rig, with FRFs"
+_RECORDS = "one campaign of the virtual rig, with FRFs"
 
 
 def continued(
@@ -60,7 +60,7 @@ def continued(
     whole = replace(
         campaign,
         postures=(*campaign.postures, new),
-        frfs=_joined(campaign.frfs, more.frfs),
+        frfs=None if campaign.frfs is None or more.frfs is None else campaign.frfs.joined(more.frfs),
         blows=(*campaign.blows, *more.blows),
     )
     plan = replace(plan, postures=whole.postures)
@@ -121,7 +121,7 @@ def read_truth(path: Path) -> Truth:
 def _plan(campaign: Campaign, place: Path) -> HammerPlan:
     frfs = campaign.frfs
     if frfs is None or not campaign.trials or any(not one.force_peak for one in campaign.trials):
-        raise InvalidRequest(Fault(str(place), "", "no FRFs, or trials without force_peak", RECORDS))
+        raise InvalidRequest(Fault(str(place), "", "no FRFs, or trials without force_peak", _RECORDS))
     references = dict.fromkeys((int(a), int(b)) for a, b in frfs.reference)
     axes = dict.fromkeys(abs(int(axis)) for axis in frfs.response[:, 1])
     seen = set(frfs.response[:, 0].tolist())
@@ -149,9 +149,3 @@ def _name(campaign: Campaign, number: int) -> str:
 def _angles(robot: Robot, posture: Mapping[str, float]) -> dict[str, float]:
     found = robot.posture(dict(posture)).values
     return {joint: float(found.get(joint, 0.0)) for joint in robot.commanded}
-
-
-def _joined(one: FrfRecords | None, other: FrfRecords | None) -> FrfRecords | None:
-    if one is None or other is None:
-        return one
-    return one.joined(other)

@@ -137,7 +137,8 @@ def _needed(field: Field, whole: Sighting) -> Sighting:
 def _narrowed(field: Field, whole: Sighting) -> Sighting:
     """With ports that can do less in place of those that can do more, where that is as good."""
     for port in whole.ports:
-        less = [one for one in field.ports if holds(port.key, one.key) and one.key != port.key]
+        taken = {one.key for one in whole.ports}
+        less = [one for one in field.ports if holds(port.key, one.key) and one.key not in taken]
         if less:
             tried = field.round(_others(field, whole, port), less)
             if tried.best.judged <= ALIKE * whole.judged:

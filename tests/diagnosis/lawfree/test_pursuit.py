@@ -1,0 +1,55 @@
+"""How places are put together, on ports whose misfits are given."""
+
+from flexmodal.diagnosis.lawfree.joint_ports import COUPLING, JOINT
+from flexmodal.diagnosis.lawfree.look import Field, Round, Sighting
+from flexmodal.diagnosis.lawfree.port import Port
+from flexmodal.diagnosis.lawfree.profile import Profile, State
+from flexmodal.diagnosis.lawfree.pursuit import alone, pursued
+
+PROFILE, STATE = object.__new__(Profile), object.__new__(State)
+"""Of no port at all; nobody looks at them here."""
+
+
+class Given(Field):
+    """A field in which the misfit of every set of ports is known."""
+
+    bare = 10.0
+
+    def __init__(self, ports, misfits):
+        object.__setattr__(self, "ports", ports)
+        object.__setattr__(self, "misfits", misfits)
+
+    def sighted(self, ports, before=None):
+        every = (*(before.ports if before else ()), *ports)
+        misfit = self.misfits.get(frozenset(one.where for one in every), 9.0)
+        return Sighting(every, misfit, None, sum(len(one.names) for one in every), PROFILE, STATE)
+
+    def round(self, before=None, ports=None, advance=lambda part: None):
+        taken = {one.key for one in before.ports} if before else set()
+        tried = [one for one in (self.ports if ports is None else ports) if one.key not in taken]
+        found = [self.sighted((one,), before) for one in tried]
+        return Round(tuple(sorted(found, key=lambda one: one.judged)))
+
+
+PAIR = Port(COUPLING, "q1+q2", ("first", "between", "second"))
+ONE, OTHER = (Port(JOINT, name, ("stiffness",)) for name in ("q1", "q2"))
+
+
+def test_a_coupling_and_both_of_its_joints_stay_three():
+    """No port that can do less is left for the coupling then."""
+    field = Given((PAIR, ONE, OTHER), {
+        frozenset({"q1+q2"}): 6.0, frozenset({"q1+q2", "q1"}): 3.0, frozenset({"q1+q2", "q1", "q2"}): 0.7,
+    })  # fmt: skip
+    found = pursued(field, alone(field))
+    assert {one.where for one in found.whole.ports} == {"q1+q2", "q1", "q2"}
+    assert found.explains
+    assert {one.port.where: one.without for one in found.members}["q2"] == 3.0
+
+
+def test_a_joint_stands_for_a_coupling_that_is_no_better():
+    """The coupling came first, and a joint of it does as well once the other place is known."""
+    field = Given((PAIR, ONE, OTHER), {
+        frozenset({"q1+q2"}): 3.0, frozenset({"q1+q2", "q2"}): 0.7, frozenset({"q1", "q2"}): 0.75,
+    })  # fmt: skip
+    found = pursued(field, alone(field))
+    assert {one.where for one in found.whole.ports} == {"q1", "q2"}
