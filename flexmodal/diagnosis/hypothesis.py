@@ -11,10 +11,10 @@ from jaxtyping import Float
 
 from flexmodal.diagnosis.effects.context import Context, Place
 from flexmodal.diagnosis.effects.effect import Placement
-from flexmodal.diagnosis.march.law import Law
 from flexmodal.diagnosis.placed import Placed
 from flexmodal.diagnosis.reader import Reader
 from flexmodal.diagnosis.shift import Shift, Still, differences
+from flexmodal.diagnosis.time_domain.law import Law
 from flexmodal.identification import Observations
 from flexmodal.identification.layout import Part, unmeasured
 from flexmodal.identification.model import Group

@@ -48,7 +48,7 @@ class Region:
 
 
 @dataclass(frozen=True)
-class Weighed:
+class Compared:
     """One explanation on the scales."""
 
     effect: str
@@ -75,8 +75,8 @@ class Step:
     """Standard errors."""
     confidence: float
     gaps: Gaps
-    alternatives: tuple[Weighed, ...]
-    """What was weighed against it, the best first; the robot re-tuned among them."""
+    alternatives: tuple[Compared, ...]
+    """What was compared against it, the best first; the robot re-tuned among them."""
     ties: tuple[tuple[str, str], ...] = ()
     """Explanations that these data cannot tell from it."""
 
@@ -148,8 +148,8 @@ class Diagnosis:
     """None where modes alone were measured."""
     predicted: Mapping[str, Complex[np.ndarray, "observation line"]] = field(repr=False, default_factory=dict)
     """Receptances by stage: "believed", "before", "after"."""
-    refused: tuple[Weighed, ...] = ()
-    """What was weighed last and not found worth adding, the best first; `NONE` among them."""
+    refused: tuple[Compared, ...] = ()
+    """What was compared last and not found worth adding, the best first; `NONE` among them."""
     warnings: tuple[str, ...] = ()
     """What was taken for granted that may not be so."""
     provenance: Mapping[str, str] = field(default_factory=dict)

@@ -159,7 +159,7 @@ class Data(ABC, Generic[M]):
         """
 
     @abstractmethod
-    def weighed_gaps(self, model: M) -> tuple[float, float | None]:
+    def compared_gaps(self, model: M) -> tuple[float, float | None]:
         """A model's gap on what it was fitted to, and on what was held out."""
 
     @abstractmethod

@@ -111,7 +111,7 @@ class FrfData(Data[FittedFrfs]):
             self.setup,
             before,
             _starts(before),
-            loud=self.force > Answer.NO,
+            with_force=self.force > Answer.NO,
             enough=FLOOR_REACHED,
             advance=lambda part: self.setup.advance(doing, part),
             allowed=allowed,
@@ -199,7 +199,7 @@ class FrfData(Data[FittedFrfs]):
         """Of single records."""
         return gaps_of(self.setup, before, after)
 
-    def weighed_gaps(self, model: FittedFrfs) -> tuple[float, float | None]:
+    def compared_gaps(self, model: FittedFrfs) -> tuple[float, float | None]:
         """Of postures fitted, and held out."""
         held = self.setup.held
         return gap_of(self.setup, model, ~held), gap_of(self.setup, model, held) if held.any() else None

@@ -10,7 +10,7 @@ from jaxtyping import Float
 
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.names import NONE, UNSTRUCTURED
-from flexmodal.diagnosis.outcome import Step, Weighed
+from flexmodal.diagnosis.outcome import Compared, Step
 from flexmodal.diagnosis.selection.comparison import Comparison, M
 from flexmodal.diagnosis.selection.data import Data
 from flexmodal.diagnosis.selection.decision import Answer, Choice, Round, any_gains, choice, rivals
@@ -28,7 +28,7 @@ class ForwardSelection(Generic[M]):
         self.root = self.current = data.root
         self.rounds: list[Round[M]] = []
         self.steps: list[Step] = []
-        self.refused: list[Weighed] = []
+        self.refused: list[Compared] = []
         """What was compared last and not added."""
         self.rivals: tuple[M, M] | None = None
         """What was added last, or is best, and what it is tied with."""
@@ -57,7 +57,7 @@ class ForwardSelection(Generic[M]):
         if found.number is not None or (not self.steps and any_gains(comparison) > Answer.NO):
             self.rivals = rivals(comparison, found.number, self.data.alike)
         if found.number is None:
-            self.refused = [self.weighed(comparison, k) for k in comparison.order]
+            self.refused = [self.compared(comparison, k) for k in comparison.order]
             return None
         self.current = comparison.models[found.number]
         self.steps.append(self.describe(comparison, found.number))
@@ -102,7 +102,7 @@ class ForwardSelection(Generic[M]):
             model.hypothesis, model.key, model.x, self.data.covariance(model)
         )
         ties = [k for k in comparison.tied if k != chosen]
-        others = {k: self.weighed(comparison, k) for k in comparison.order if k != chosen}
+        others = {k: self.compared(comparison, k) for k in comparison.order if k != chosen}
         return Step(
             effect=model.key[0],
             where=model.key[1],
@@ -115,14 +115,14 @@ class ForwardSelection(Generic[M]):
             ties=tuple((others[k].effect, others[k].where) for k in ties),
         )
 
-    def weighed(self, comparison: Comparison[M], number: int) -> Weighed:
+    def compared(self, comparison: Comparison[M], number: int) -> Compared:
         """A model of a comparison, in figures."""
         model = comparison.models[number]
         effect, where = model.key if number else (NONE, "")
-        return Weighed(
+        return Compared(
             effect,
             where,
-            *self.data.weighed_gaps(model),
+            *self.data.compared_gaps(model),
             float(comparison.scores[number] - comparison.scores.max()),
             float(comparison.probability[number]),
             model.parameters - comparison.models[0].parameters,
