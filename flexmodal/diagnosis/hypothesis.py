@@ -19,8 +19,9 @@ from flexmodal.identification import Observations
 from flexmodal.identification.layout import Part, unmeasured
 from flexmodal.identification.model import Group
 from flexmodal.structure import ParameterSpace
-from flexmodal.structure.assembly import KINDS, Assembly, put_together
+from flexmodal.structure.assembly import KINDS, Assembly
 from flexmodal.structure.frame import Frame, Frames, proportional
+from flexmodal.structure.robot_terms import put_together
 from flexmodal.structure.stack import Structures, joined
 from flexmodal.structure.structure import Structure
 
