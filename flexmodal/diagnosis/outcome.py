@@ -79,6 +79,8 @@ class Step:
     """What was compared against it, the best first; the robot re-tuned among them."""
     ties: tuple[tuple[str, str], ...] = ()
     """Explanations that these data cannot tell from it."""
+    share: float | None = None
+    """Part of the disagreement above the noise that it takes; None where that has no figure."""
 
 
 @dataclass(frozen=True)
@@ -101,6 +103,18 @@ class NextMeasurement:
 
 
 @dataclass(frozen=True)
+class Remaining:
+    """What is left beside the effects that are named."""
+
+    over_noise: float
+    """Distance of the final model from the measurement, over that of the noise."""
+    where: str
+    """The place to look at."""
+    kind: str
+    """Of the region that disagrees most."""
+
+
+@dataclass(frozen=True)
 class Verdict:
     """The answer."""
 
@@ -112,6 +126,8 @@ class Verdict:
     """Sentences on figures too near to their threshold for a yes or a no; the simpler answer was kept."""
     share: float | None = None
     """Part of the disagreement above the noise that the named effects take; None where that has no figure."""
+    remaining: Remaining | None = None
+    """None where everything is explained, or nothing says where noise begins."""
 
     @property
     def named(self) -> bool:

@@ -75,6 +75,7 @@ def facts_of(selection: ForwardSelection[M], found: Conclusion[M], modal: Findin
         standing=standing,
         lacking_at=lacking_at,
         contradicted=data.is_contradicted(selection.current),
+        kind=found.remaining[0].kind if found.remaining else "",
         share=data.share(selection.root, found.after),
         look=data.look,
         place=data.place(found.after, modal),

@@ -13,7 +13,15 @@ from flexmodal.diagnosis.names import NONE, UNSTRUCTURED
 from flexmodal.diagnosis.outcome import Compared, Step
 from flexmodal.diagnosis.selection.comparison import Comparison, M
 from flexmodal.diagnosis.selection.data import Data
-from flexmodal.diagnosis.selection.decision import Answer, Choice, Round, any_gains, choice, rivals
+from flexmodal.diagnosis.selection.decision import (
+    Answer,
+    Choice,
+    Round,
+    among_vouched,
+    any_gains,
+    choice,
+    rivals,
+)
 
 STEP = 1e-5
 """Of the differences along parameters."""
@@ -60,7 +68,9 @@ class ForwardSelection(Generic[M]):
             self.refused = [self.compared(comparison, k) for k in comparison.order]
             return None
         self.current = comparison.models[found.number]
-        self.steps.append(self.describe(comparison, found.number))
+        self.steps.append(
+            self.describe(*among_vouched(comparison, found.number, self.data.vouches, self.data.compare))
+        )
         return self.steps[-1]
 
     def exchange(self, pair: M) -> None:
@@ -113,7 +123,13 @@ class ForwardSelection(Generic[M]):
             gaps=self.data.gaps(comparison.models[0], model),
             alternatives=tuple(others.values()),
             ties=tuple((others[k].effect, others[k].where) for k in ties),
+            share=self._share(comparison.models[0], model),
         )
+
+    def _share(self, before: M, after: M) -> float | None:
+        """Part of the first model's disagreement above the noise that a step takes."""
+        shares = [self.data.share(self.root, one) for one in (before, after)]
+        return None if shares[0] is None or shares[1] is None else shares[1] - shares[0]
 
     def compared(self, comparison: Comparison[M], number: int) -> Compared:
         """A model of a comparison, in figures."""
