@@ -37,6 +37,7 @@ def as_json(diagnosis: Diagnosis) -> dict[str, Any]:
             "remaining": _remaining(diagnosis.verdict.remaining),
         },
         "law_free": None if diagnosis.look is None else look_json(diagnosis.look),
+        "stand_in": [list(key) for key in diagnosis.stand_in],
         "next_measurement": _next(diagnosis.next_measurement),
         "warnings": list(diagnosis.warnings),
     }

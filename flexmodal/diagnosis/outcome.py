@@ -172,6 +172,8 @@ class Diagnosis:
     """Versions, hashes of the inputs, seed, settings, seconds."""
     look: LawFreeFindings | None = None
     """What was found without a law; None of a diagnosis from modes alone."""
+    stand_in: tuple[tuple[str, str], ...] = ()
+    """Effects of the final model that are not named: they stand for something that has no name."""
     modal: Findings | None = None
     """What a diagnosis from modes alone knows besides; None of one from FRFs."""
 

@@ -20,7 +20,7 @@ from flexmodal.diagnosis.selection.decision import (
     reaches,
     rivals,
 )
-from flexmodal.diagnosis.selection.frf_data import (
+from flexmodal.diagnosis.selection.frf_thresholds import (
     ANOTHER,
     ANOTHER_MARGIN,
     EXPLAINED,

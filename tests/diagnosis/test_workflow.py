@@ -19,7 +19,8 @@ from flexmodal.diagnosis.search.search import restarted, simpler
 from flexmodal.diagnosis.selection.asked import asked_of
 from flexmodal.diagnosis.selection.decision import SIGNIFICANT, Answer
 from flexmodal.diagnosis.selection.frf_comparison import compare_models
-from flexmodal.diagnosis.selection.frf_data import FLOOR_REACHED, FrfData
+from flexmodal.diagnosis.selection.frf_data import FrfData
+from flexmodal.diagnosis.selection.frf_thresholds import FLOOR_REACHED
 from flexmodal.diagnosis.selection.selection import ForwardSelection
 from flexmodal.diagnosis.setup import prepare
 from flexmodal.diagnosis.verdict.facts import Facts

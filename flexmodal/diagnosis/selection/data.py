@@ -196,6 +196,14 @@ class Data(ABC, Generic[M]):
         """
         return None
 
+    def stand_in(self, model: M) -> M | None:
+        """What predicts better though it has no name: for the improved robot alone.
+
+        Args:
+            model: the final one.
+        """
+        return None
+
     @abstractmethod
     def next_measurement(self, one: M, other: M) -> NextMeasurement:
         """What would tell two models apart best.
