@@ -149,12 +149,21 @@ def _write(outcome: Identification, found: dict[str, Any], out: Path, force: boo
 
 
 def _print(outcome: Identification) -> None:
-    from flexmodal.identification.page import GAPS, HEADER, estimate_cells, gap_cells
+    from flexmodal.identification.page import (
+        BESIDE,
+        GAPS,
+        HEADER,
+        baseline_cells,
+        estimate_cells,
+        gap_cells,
+    )
 
     problem = outcome.problem
     rows = [estimate_cells(one) for one in outcome.estimates]
     print_table(f"{problem.campaign.title}: {problem.robot.name} from {problem.what}", HEADER, rows)
     print_table("gap", GAPS, gap_cells(outcome))
+    if outcome.baselines is not None:
+        print_table("gap beside simple baselines", BESIDE, baseline_cells(outcome.baselines))
     for a, b, r in outcome.correlated:
         say(f"correlated: {a} and {b}, {r:+.3f}")
     for one in outcome.not_identified:
