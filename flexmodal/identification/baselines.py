@@ -78,9 +78,8 @@ class Baselines:
         mean, near = f"the mean of the others ({self.mean:.2g})", f"the nearest posture ({self.nearest:.2g})"
         if not self.beats_mean:
             also = "" if self.beats_nearest else f", nor than {near}"
-            says = [
-                f"on postures it has not seen this model ({self.model:.2g}) predicts no better than {mean}{also}"
-            ]
+            model = f"on postures it has not seen this model ({self.model:.2g})"
+            says = [f"{model} predicts no better than {mean}{also}"]
         elif not self.beats_nearest:
             says = [
                 f"on postures it has not seen this model ({self.model:.2g}) beats {mean} but predicts no "

@@ -39,8 +39,8 @@ GAP_NOTE = (
 BESIDE = ("held out", "model", "mean of the others", "nearest posture", "which", "noise floor")
 BESIDE_NOTE = (
     "The FRFs of the other postures taken for those of the posture that was held out: their mean at each "
-    "line, and those of the posture whose angles differ least. A model is worth having where it comes nearer. "
-    "Shuffled: fitted while every posture bears another's angles, on what was fitted."
+    "line, and those of the posture whose angles differ least. A model is worth having where it comes "
+    "nearer. Shuffled: fitted while every posture bears another's angles, on what was fitted."
 )
 KEYS = {"fitted_to": "fitted to", "held_out": "held out", "numbers": "numbers fitted"}
 
