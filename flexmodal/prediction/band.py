@@ -1,7 +1,8 @@
 """How far a prediction may be off: the errors of the same method on postures that it had not seen.
 
 At each place and line the squared errors of ln size and of phase, of all postures that were left out, are
-averaged over neighbouring lines, on axes laid over each other at the resonances. The band is
+averaged over neighbouring lines, on axes laid over each other at the resonances; a line that nothing was
+measured on above the noise has the largest of its place. The band is
 
     ± t · √(1 + 1/n) · root mean square,
 
@@ -55,8 +56,8 @@ def band(
             weight[panel.place[row]] += np.interp(there, axis, used)
     means = np.array([_smoothed(part) for part in total]) / np.maximum(_smoothed(weight), 1e-12)
     enough = _smoothed(weight) > 0
-    usual = [np.median(part[enough]) if enough.any() else WIDEST**2 for part in means]
-    means = np.array([np.where(enough, part, one) for part, one in zip(means, usual, strict=True)])
+    most = np.where(enough, means, 0).max(axis=2, keepdims=True)
+    means = np.where(enough, means, np.where(most > 0, most, WIDEST**2))
     factor = float(stdtrit(max(count - 1, 1), (1 + CONFIDENCE) / 2)) * math.sqrt(1 + 1 / count)
     half = factor * np.sqrt(means)
     return np.minimum(half[0], WIDEST), np.minimum(half[1], np.pi)

@@ -11,7 +11,7 @@ from jaxtyping import Complex, Float
 
 from flexmodal.frf import PointDirection
 from flexmodal.identification.baselines import BETTER
-from flexmodal.prediction.leave_one_out import LeftOut
+from flexmodal.prediction.leave_one_out import LeftOut, together
 from flexmodal.prediction.methods import DATA_ALONE, METHODS
 from flexmodal.text.shown import Shown
 
@@ -83,7 +83,7 @@ class FrfPrediction(Shown):
         left, totals = self.left_out, self.left_out.gap
         found = [(name, totals[name], left.gaps[name]) for name in METHODS]
         anew = left.chosen_anew
-        return [*found, ("chosen anew", float(np.sqrt(np.nanmean(anew**2))), anew)]
+        return [*found, ("chosen anew", together(anew, left.weight), anew)]
 
     @property
     def verdict(self) -> str:

@@ -31,6 +31,8 @@ class LeftOut:
     """By method, of each observation by what had not seen its posture [m/N]."""
     gaps: Mapping[str, Float[np.ndarray, " posture"]]
     """By method, of each posture."""
+    weight: Float[np.ndarray, " posture"]
+    """What the lines of each posture count for together."""
     noise_floor: float
     resonances: tuple[Float[np.ndarray, " mode"], ...]
     """The model's natural frequencies in each posture as fitted without it [Hz]."""
@@ -38,12 +40,12 @@ class LeftOut:
     @property
     def gap(self) -> dict[str, float]:
         """Of each method over all postures."""
-        return {name: _together(each) for name, each in self.gaps.items()}
+        return {name: together(each, self.weight) for name, each in self.gaps.items()}
 
     @property
     def chosen(self) -> str:
         """The method that predicts best what it has not seen."""
-        return best(self.gaps)
+        return best(self.gaps, self.weight)
 
     @property
     def chosen_anew(self) -> Float[np.ndarray, " posture"]:
@@ -51,20 +53,21 @@ class LeftOut:
         count, found = len(self.postures), []
         for one in range(count):
             others = np.arange(count) != one
-            name = best({name: each[others] for name, each in self.gaps.items()})
+            name = best({name: each[others] for name, each in self.gaps.items()}, self.weight[others])
             found.append(self.gaps[name][one])
         return np.array(found)
 
 
-def best(gaps: Mapping[str, Float[np.ndarray, " posture"]]) -> str:
+def best(gaps: Mapping[str, Float[np.ndarray, " posture"]], weight: Float[np.ndarray, " posture"]) -> str:
     """The method with the smallest gap, one that is trusted more where the two are alike.
 
     Args:
         gaps: by method, of each posture.
+        weight: what each posture counts for.
     """
     chosen, *others = [name for name in METHODS if name in gaps]
     for name in others:
-        if _together(gaps[name]) < CLEARLY * _together(gaps[chosen]):
+        if together(gaps[name], weight) < CLEARLY * together(gaps[chosen], weight):
             chosen = name
     return chosen
 
@@ -103,7 +106,9 @@ def leave_each_out(
         advance()
     floor = gap(seen, found["physics"]).noise_floor
     each = {name: np.array(values) for name, values in gaps.items()}
-    return LeftOut(panel, numbers, found, each, floor, tuple(resonances))
+    of_posture = seen.posture[seen.of_record]
+    weight = [float(seen.records.weight[of_posture == number].sum()) for number in numbers]
+    return LeftOut(panel, numbers, found, each, np.array(weight), floor, tuple(resonances))
 
 
 def known_by(
@@ -130,6 +135,12 @@ def known_by(
     return Known(panel, postures, predict(model, x, seen), resonances, sliding)
 
 
-def _together(each: Float[np.ndarray, " posture"]) -> float:
-    """Root mean square over postures; those with nothing to judge are left out."""
-    return float(np.sqrt(np.nanmean(each**2)))
+def together(each: Float[np.ndarray, " posture"], weight: Float[np.ndarray, " posture"]) -> float:
+    """The gap over several postures; those with nothing to judge are left out.
+
+    Args:
+        each: gap of each posture.
+        weight: what the lines of each count for together.
+    """
+    there = np.isfinite(each)
+    return float(np.sqrt(np.sum((weight * each**2)[there]) / np.sum(weight[there])))

@@ -13,8 +13,8 @@ from flexmodal.report import Facts, Picture, Section, Table, Text, columns, page
 HEADER = ("method", "gap", "times the noise", "worst posture", "what it is")
 NOTE = (
     "Every posture was left out in turn, of the fit of the physics too, and predicted from the others. "
-    "Chosen anew: the method chosen without the posture that it is judged by, which is what to expect of a new one. "
-    "A gap of 0.1 means that on a typical line the prediction is 10 % off in size or 6° in phase."
+    "Chosen anew: the method chosen without the posture that it is judged by, which is what to expect of a "
+    "new one. A gap of 0.1 means that on a typical line the prediction is 10 % off in size or 6° in phase."
 )
 
 
@@ -73,7 +73,7 @@ def method_cells(prediction: FrfPrediction) -> list[tuple[str, ...]]:
     """
     left = prediction.left_out
     names = [left.panel.observations.postures[number].name for number in left.postures]
-    cells = []
+    cells: list[tuple[str, ...]] = []
     for name, total, each in prediction.rows:
         worst = max(range(len(names)), key=lambda k, own=each: own[k])  # type: ignore[misc]
         cells.append(
