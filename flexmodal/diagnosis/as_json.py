@@ -9,6 +9,7 @@ from typing import Any
 from flexmodal.diagnosis.lawfree.as_json import look_json
 from flexmodal.diagnosis.outcome import Diagnosis, Gaps, NextMeasurement, Region, Remaining, Step
 from flexmodal.errors import FlexmodalError
+from flexmodal.identification.as_json import baselines_json
 
 FORMAT = 1
 
@@ -37,6 +38,7 @@ def as_json(diagnosis: Diagnosis) -> dict[str, Any]:
             "remaining": _remaining(diagnosis.verdict.remaining),
         },
         "law_free": None if diagnosis.look is None else look_json(diagnosis.look),
+        "baselines": None if diagnosis.baselines is None else baselines_json(diagnosis.baselines),
         "stand_in": [list(key) for key in diagnosis.stand_in],
         "next_measurement": _next(diagnosis.next_measurement),
         "warnings": list(diagnosis.warnings),

@@ -13,6 +13,7 @@ from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.lawfree.result import Findings as LawFreeFindings
 from flexmodal.diagnosis.names import UNKNOWN
 from flexmodal.identification import Observations
+from flexmodal.identification.baselines import Baselines
 
 
 @dataclass(frozen=True)
@@ -174,6 +175,8 @@ class Diagnosis:
     """What was found without a law; None of a diagnosis from modes alone."""
     stand_in: tuple[tuple[str, str], ...] = ()
     """Effects of the final model that are not named: they stand for something that has no name."""
+    baselines: Baselines | None = None
+    """What needs no model, beside the final one on the postures held out."""
     modal: Findings | None = None
     """What a diagnosis from modes alone knows besides; None of one from FRFs."""
 

@@ -47,6 +47,7 @@ def diagnosis_of(
         disagreement=found.disagreement,
         remaining=found.remaining,
         stand_in=nameless,
+        baselines=found.baselines,
         steps=tuple(one for one in selection.steps if (one.effect, one.where) in says.effects),
         verdict=says,
         next_measurement=None if selection.rivals is None else data.next_measurement(*selection.rivals),

@@ -11,7 +11,20 @@ from flexmodal.diagnosis.report.free_look import look_parts
 from flexmodal.diagnosis.report.pictures import draw_descent, draw_map, draw_pair, telling_rows
 from flexmodal.diagnosis.report.tables import comparison_table, refused, regions, remaining
 from flexmodal.diagnosis.report.words import effect_words, held_out, pair, placed, posture_name
-from flexmodal.report import Gallery, Heading, Items, Legend, Part, Parts, Picture, Section, Text
+from flexmodal.identification.page import BESIDE, BESIDE_NOTE, baseline_cells
+from flexmodal.report import (
+    Gallery,
+    Heading,
+    Items,
+    Legend,
+    Part,
+    Parts,
+    Picture,
+    Section,
+    Table,
+    Text,
+    columns,
+)
 from flexmodal.report.words import percent, size
 from flexmodal.text.words import enumeration
 
@@ -149,7 +162,12 @@ def _compared(diagnosis: Diagnosis) -> Parts:
 def _left(diagnosis: Diagnosis) -> Parts:
     left = remaining(diagnosis.remaining)
     descent = Picture(partial(draw_descent, diagnosis), "The gap step by step above the noise floor")
+    parts: list[Part | str] = [Gallery([descent])]
+    beside = diagnosis.baselines
+    if beside is not None:
+        table = Table(columns(BESIDE, words=["which"]), baseline_cells(beside))
+        parts += [f"Beside what needs no model: {beside.verdict}.", table, Text(BESIDE_NOTE, note=True)]
     if not left:
-        return [Gallery([descent]), "Nothing that is left stands out of the noise."]
+        return [*parts, "Nothing that is left stands out of the noise."]
     places = f"{len(left)} place{'s' * (len(left) != 1)}"
-    return [Gallery([descent]), f"What is left stands out of the noise in {places}:", Items(left[:6])]
+    return [*parts, f"What is left stands out of the noise in {places}:", Items(left[:6])]

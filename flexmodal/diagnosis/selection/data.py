@@ -17,6 +17,7 @@ from flexmodal.diagnosis.lawfree.result import Findings as LawFree
 from flexmodal.diagnosis.outcome import Gaps, NextMeasurement, Region
 from flexmodal.diagnosis.selection.comparison import Comparison, M
 from flexmodal.diagnosis.selection.decision import Answer, Asked, Round
+from flexmodal.identification.baselines import Baselines
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,6 +36,8 @@ class Conclusion(Generic[M]):
     along, so that there is no such figure."""
     reached: Answer
     """Whether that is noise."""
+    baselines: Baselines | None = None
+    """What needs no model, on the postures held out."""
 
 
 class Data(ABC, Generic[M]):

@@ -22,6 +22,7 @@ from flexmodal.diagnosis.search.explanations import explanations
 from flexmodal.diagnosis.search.modal_search import unmatched
 from flexmodal.diagnosis.search.unstructured import unstructured_mode
 from flexmodal.diagnosis.selection.beside_frfs import ModesBeside
+from flexmodal.diagnosis.selection.beside_nothing import beside_nothing
 from flexmodal.diagnosis.selection.comparison import Comparison
 from flexmodal.diagnosis.selection.data import Conclusion, Data
 from flexmodal.diagnosis.selection.decision import Answer, reaches
@@ -214,7 +215,7 @@ class FrfData(Data[FittedFrfs]):
             before, after,
             replace(gaps, held_out_before=apart.held_out_before, held_out_after=apart.held_out_after),
             disagreement(every, before.predicted), disagreement(every, after.predicted), sure.deviation, over,
-            self._reached(over, left(setup, first, after), after),
+            self._reached(over, left(setup, first, after), after), beside_nothing(setup, last),
         )  # fmt: skip
 
     def _reached(self, over: float, rest: float, after: FittedFrfs) -> Answer:
