@@ -5,8 +5,10 @@
 A copy of the checkout is made, as a clone would be, and flexmodal is installed from it as the README says.
 Each command of the pages runs in a pseudo-terminal. The tour fails on any exit status other than 0, any
 traceback, any number that is cut off by an ellipsis, any output of a page that does not come, and any command
-that says nothing for some seconds (5 unless told). Two are not run: `make test`, which is the tests, and what
-only repeats the installation. Run by `make tour`.
+that says nothing for some seconds: 5 unless told, and more on a machine that others load, by as much as it is
+slower, which is measured before each page and printed. Blocks of Python are calls of a library, which prints
+only what it is told to; their silence is not judged. Two commands are not run: `make test`, which is the tests,
+and what only repeats the installation. Run by `make tour`.
 """
 
 from __future__ import annotations
@@ -55,6 +57,8 @@ class Tour:
     longest: tuple[float, str] = (0.0, "")
     """The longest silence [s], and of which command."""
     done: int = 0
+    slower: float = 1.0
+    """How many times slower the machine is than it would be alone."""
 
     def environment(self) -> dict[str, str]:
         """As a newcomer's shell has it, the environment of the README's first lines active."""
@@ -86,12 +90,14 @@ class Tour:
         for line in printed.splitlines():
             if CUT.search(line):
                 self.faults.append(f"{label}: cut off: {line.strip()}")
-        if silence > self.patience and not patient:
+        if silence > self.slower * self.patience and not patient:
             self.faults.append(f"{label}: {silence:.1f} s without a sign of life")
         return printed
 
     def page(self, page: str) -> None:
         """Do what a page says; the README in the clone, the others in an empty folder each."""
+        self.slower = slower()
+        print(f"{page}, patience {self.patience:g} s × {self.slower:.2f}", flush=True)
         clone = self.place / "flexmodal"
         where = clone if page == "README.md" else self.place / Path(page).stem
         where.mkdir(exist_ok=True)
@@ -127,7 +133,21 @@ class Tour:
             f"import contextlib, io\nwith contextlib.redirect_stdout(io.StringIO()):\n    exec({before!r})\n"
         )
         (where / "block.py").write_text(quiet + step.text, encoding="utf-8")
-        return self.run(["python", "block.py"], where, label), before + "\n" + step.text
+        return self.run(["python", "block.py"], where, label, patient=True), before + "\n" + step.text
+
+
+def slower() -> float:
+    """Time on the clock over time of the processor of a process that only computes, 1 or more.
+
+    On a machine to itself it is 1; where others compute beside it, a command waits for them as long.
+    """
+    before = os.times()
+    start = time.monotonic()
+    subprocess.run([sys.executable, "-c", "sum(range(10**8))"], check=True)
+    clock = time.monotonic() - start
+    after = os.times()
+    used = (after.children_user - before.children_user) + (after.children_system - before.children_system)
+    return max(1.0, clock / used)
 
 
 def in_terminal(
@@ -212,7 +232,6 @@ def main() -> int:
                 ["pip", "install", "-q", "-e", ".[arms]"], tour.place / "flexmodal", "install", patient=True
             )
         for page in given.pages:
-            print(page, flush=True)
             tour.page(page)
     print(f"{tour.done} commands; longest silence {tour.longest[0]:.1f} s, of {tour.longest[1]}")
     for fault in tour.faults:

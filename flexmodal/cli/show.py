@@ -18,7 +18,6 @@ from flexmodal.cli.options import (
     refuse_existing,
     robot_options,
 )
-from flexmodal.cli.printing import say
 from flexmodal.errors import Fault, InvalidRequest
 
 if TYPE_CHECKING:
@@ -57,11 +56,11 @@ def show(
     ROBOT may also be the folder of a campaign, which says itself what robot it is of.
     """
     from flexmodal.campaign import is_campaign
-    from flexmodal.cli.viewing import viewer
+    from flexmodal.cli.viewing import announce, viewer
 
     refuse_existing(out, force, (".html",))
     deliver: dict[str, Any] = {"out": out, "port": port, "overwrite": force}
-    deliver["announce"] = lambda text: say(text, err=True)
+    deliver["announce"] = announce
     if campaign is not None or is_campaign(robot.robot):
         _refuse_beside(modes=modes, response=response, frequency=frequency)
         measured = _campaign(Path(robot.robot) if campaign is None else campaign, posture)
