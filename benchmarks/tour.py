@@ -7,8 +7,8 @@ Each command of the pages runs in a pseudo-terminal. The tour fails on any exit 
 traceback, any number that is cut off by an ellipsis, any output of a page that does not come, and any command
 that says nothing for some seconds: 5 unless told, and more on a machine that others load, by as much as it is
 slower, which is measured before each page and printed. Blocks of Python are calls of a library, which prints
-only what it is told to; their silence is not judged. Two commands are not run: `make test`, the tests, and what
-only repeats the installation. Run by `make tour`.
+only what it is told to; their silence is not judged. Two commands are not run: `make test`, the tests, and
+what only repeats the installation. Run by `make tour`.
 """
 
 from __future__ import annotations
