@@ -3,11 +3,14 @@
 import json
 import os
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
 import flexmodal
 from flexmodal.rig import Hide, simulate
+
+ROOT = Path(__file__).parents[2]
 
 
 @pytest.fixture(scope="module")
@@ -106,7 +109,7 @@ def test_no_campaign(cli, tmp_path):
     assert os.listdir(tmp_path) == []
 
 
-THESIS = "robots/fanuc_s360/campaigns/thesis"
+THESIS = str(ROOT / "robots/fanuc_s360/campaigns/thesis")
 
 
 @pytest.mark.parametrize(
