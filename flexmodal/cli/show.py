@@ -23,6 +23,7 @@ from flexmodal.errors import Fault, InvalidRequest
 if TYPE_CHECKING:
     from flexmodal.campaign import Campaign
     from flexmodal.ema.shapes import FittedShapes
+    from flexmodal.model import Posture, Robot
 
 
 @click.command()
@@ -69,8 +70,15 @@ def show(
         viewer("show_campaign")(arm, measured, shapes=_shapes(measured), **deliver)
         return
     arm = robot.load()
-    where = arm.posture(next(iter(arm.postures), {})) if posture is None else posture_of(arm, posture)
+    where = _first_posture(arm) if posture is None else posture_of(arm, posture)
     viewer("show_robot")(arm, where, modes=modes, response=response, frequency=frequency, **deliver)
+
+
+def _first_posture(arm: Robot) -> Posture:
+    """The card's first; of a robot without one, as near to 0 as the limits of its joints allow."""
+    from flexmodal.model.posture import middle
+
+    return arm.posture(next(iter(arm.postures))) if arm.postures else middle(arm.commanded)
 
 
 def _refuse_beside(**given: object) -> None:
