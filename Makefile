@@ -71,6 +71,7 @@ tables: .venv/tested
 	$(BIN)/python benchmarks/ema_real.py
 	$(BIN)/python benchmarks/ema_selection.py
 	$(BIN)/python benchmarks/identification_thesis.py
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/stumbles.py
 
 pictures: .venv/tested
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/optimisation_pictures.py

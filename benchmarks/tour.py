@@ -77,14 +77,24 @@ class Tour:
             "PYENV_VERSION": os.environ.get("PYENV_VERSION", ""),
         }
 
-    def run(self, words: list[str], where: Path, label: str, *, patient: bool = False) -> str:
-        """Run one command in a terminal of 80 columns; what it printed, escapes taken out."""
-        status, printed, silence = in_terminal(words, where, self.environment(), give_up=600.0)
+    def run(
+        self, words: list[str], where: Path, label: str, *, patient: bool = False, status: int = 0
+    ) -> str:
+        """Run one command in a terminal of 80 columns; what it printed, escapes taken out.
+
+        Args:
+            words: the command.
+            where: its folder.
+            label: what it is called where something is wrong.
+            patient: whether its silence does not count.
+            status: its exit status, as it should be.
+        """
+        left, printed, silence = in_terminal(words, where, self.environment(), give_up=600.0)
         self.done += 1
         if not patient and silence > self.longest[0]:
             self.longest = (silence, label)
-        if status != 0:
-            self.faults.append(f"{label}: exit status {status}\n{printed[-1500:]}")
+        if left != status:
+            self.faults.append(f"{label}: exit status {left}\n{printed[-1500:]}")
         if "Traceback (most recent call last)" in printed:
             self.faults.append(f"{label}: a traceback\n{printed[-1500:]}")
         for line in printed.splitlines():
@@ -116,6 +126,21 @@ class Tour:
                 self.faults.append(
                     f"{page}, step {number}: shown, not printed: {' '.join(missing)}\n{printed}"
                 )
+
+    def stumbles(self) -> None:
+        """The stumbles of a first afternoon, tried again."""
+        from stumbles import STUMBLES, prepare
+
+        where = self.place / "stumbles"
+        where.mkdir()
+        prepare(where)
+        self.slower = slower()
+        print(f"stumbles, patience {self.patience:g} s × {self.slower:.2f}", flush=True)
+        for one in STUMBLES:
+            print(f"  $ {one.command}", flush=True)
+            words = ["bash", "-c", one.command]
+            printed = self.run(words, where, f"stumbles: {one.name}", status=one.status)
+            self.faults += one.faults(one.status, printed)
 
     def command(self, line: str, where: Path, page: str) -> str:
         """Run a command line of a page, unless it is one of those that are not."""
@@ -233,6 +258,8 @@ def main() -> int:
             )
         for page in given.pages:
             tour.page(page)
+        if given.pages == list(PAGES):
+            tour.stumbles()
     print(f"{tour.done} commands; longest silence {tour.longest[0]:.1f} s, of {tour.longest[1]}")
     for fault in tour.faults:
         print(f"FAULT {fault}")

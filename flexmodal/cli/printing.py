@@ -144,6 +144,6 @@ def degrees(value: float, *, prismatic: bool = False, radians: bool = False) -> 
     """
     import math
 
-    if radians and not prismatic:
-        return f"{value:.5f}"
-    return f"{value:.4f} m" if prismatic else f"{math.degrees(value):.2f}°"
+    if prismatic:
+        return f"{value:z.4f} m"
+    return f"{value:z.5f}" if radians else f"{math.degrees(value):z.2f}°"
