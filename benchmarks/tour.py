@@ -113,8 +113,8 @@ class Tour:
         where.mkdir(exist_ok=True)
         python = ""
         for number, step in enumerate(steps(ROOT / page), start=1):
-            if step.kind == "file":
-                (where / step.title).write_text(step.text, encoding="utf-8")
+            if step.writes:
+                step.write(where)
                 continue
             before = len(self.faults)
             if step.kind == "python":

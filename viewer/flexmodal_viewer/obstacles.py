@@ -16,7 +16,7 @@ from flexmodal_viewer.shapes import Box, Cylinder, Mesh, Shape, Sphere
 
 LEGEND = Swatch("obstacles", OBSTACLE, "clear")
 _CLEAR = 0.5
-_FRAMED = 3.0
+_FRAMED = 1.2
 """The camera need not have in the picture what is so many times larger than the reach of the arm."""
 
 
