@@ -4,7 +4,7 @@ Fenced blocks, by the word after the fence:
 
 - `console`: each line that begins with `$ ` is a command; `sh`: each line;
 - `python`: run in order, the blocks of a page sharing their names;
-- any kind with `title="FILE"`: the reader writes that file, or goes on in it: `title="FILE, added at its end"`;
+- any kind with `title="FILE"`: the reader writes that file; with `title="FILE, added at its end"`, its end;
 - `output`, straight after one of these: what it prints, all of it after Python; after commands each of its
   words, wherever the table of the day puts them.
 """
