@@ -17,7 +17,10 @@ PAGES = [*sorted(ROOT.glob("*.md")), *sorted((ROOT / "docs").rglob("*.md"))]
 APART = ("tutorials", "howto")
 """Folders of the documentation whose pages are followed in modules of their own, side by side."""
 TARGETS = set(re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(), re.MULTILINE))
-LONG = {"hammer.md", "identification.md", "optimisation.md", "atlas.md", "machining.md", "rig.md"}
+LONG = {
+    "hammer.md", "identification.md", "optimisation.md", "atlas.md", "machining.md", "prediction.md",
+    "rig.md",
+}  # fmt: skip
 """Pages that take ten seconds and more; `make slow` follows them."""
 LEFT_ALONE = {"git", "cd", "pip", "cat", ".", "python", "python3.11", "ls"}
 """Commands that need a network or a clone; `make tour` runs them."""

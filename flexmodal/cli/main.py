@@ -38,6 +38,7 @@ _COMMANDS = {
     "studies": "Published optimisations run again beside their printed numbers.",
     "fit": "Modal parameters of measured FRFs, with uncertainty.",
     "identify": "Stiffness, damping and inertia from a campaign, with uncertainty.",
+    "predict": "The FRFs of a posture that nobody struck, with their band.",
     "diagnose": "What is missing in the model: name it, add it, show the gap shrink.",
     "rig": "A simulated hammer test, with effects hidden in it.",
     "show": "The robot, its modes or its deflection in the browser.",

@@ -16,7 +16,7 @@ from flexmodal.model import Robot
 from flexmodal.model.placements import link_placements
 from flexmodal.model.written import card_of
 from flexmodal.structure.arm import Body, bodies_of, moved_bodies
-from flexmodal.structure.assembly import scaled
+from flexmodal.structure.robot_terms import scaled
 from flexmodal.structure.shape import outwards
 
 _NOTHING = Body(0.0, np.zeros(3), np.zeros((3, 3)))

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from jaxtyping import Float
 
+from flexmodal.identification.baselines import Baselines
 from flexmodal.identification.evidence.evidence import Fitted
 from flexmodal.identification.identifiability import Combination, Identifiability
 from flexmodal.identification.uncertainty import Uncertainty
@@ -97,6 +98,8 @@ class Identification(Shown):
     provenance: Mapping[str, Any]
     over_noise: float
     """Misfit of the fit over the noise, on data that are more than noise; 1 for a perfect model."""
+    baselines: Baselines | None = None
+    """What needs no model, on the postures held out; None without FRFs of several postures."""
 
     _PICTURE: ClassVar[str] = "flexmodal.identification.plot:draw_identification"
 
@@ -187,6 +190,8 @@ class Identification(Shown):
             says.append("nothing could be held out: how far it carries over is not known")
         elif not any(one.kind == "posture" for one in self.held_out) and len(self.problem.postures) < 2:
             says.append("one posture was measured: how far it carries over to others is not known")
+        if self.baselines is not None:
+            says.append(self.baselines.verdict)
         count = len(self.problem.space)
         known = len(self.uncertainty.identified)
         says.append(

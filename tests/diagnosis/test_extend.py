@@ -25,6 +25,7 @@ from flexmodal.structure.structure import Axis
 
 STRUCTURAL = (
     "link_flexibility", "base_flexibility", "servo_compliance", "structural_damping", "joint_coupling",
+    "bearing_flexibility",
     "added_mass", "local_absorber",
 )  # fmt: skip
 ROBOTS = ("fanuc_s360", "six_link", "six_axis")

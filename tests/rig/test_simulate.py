@@ -19,7 +19,7 @@ SMALL = {"postures": 2, "points": 2, "references": 1, "trials": 2, "averages": 2
 NAMES = [
     "link_flexibility", "base_flexibility", "servo_compliance", "structural_damping", "coulomb_friction",
     "nonlinear_stiffness", "joint_coupling", "added_mass", "local_absorber", "sensor_mass", "sensor_gain",
-    "time_delay", "sensor_misalignment",
+    "time_delay", "sensor_misalignment", "bearing_flexibility",
 ]  # fmt: skip
 
 

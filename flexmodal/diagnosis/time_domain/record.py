@@ -1,4 +1,4 @@
-"""The FRF that a record of a marched blow gives: the response's spectrum over the force's, as receptance.
+"""The FRF that a record of an integrated blow gives: the response's spectrum over the force's, as receptance.
 
 Over a record of length T, under the window e^{−σt} and at s = iω + σ, coordinates that start at rest have
 
@@ -16,9 +16,9 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import Complex, Int
 
-from flexmodal.diagnosis.march.integrate import March, Steps, Struck
-from flexmodal.diagnosis.march.law import Law
-from flexmodal.diagnosis.march.pulse import Pulse
+from flexmodal.diagnosis.time_domain.integration import Steps, Struck, TimeResponse
+from flexmodal.diagnosis.time_domain.law import Law
+from flexmodal.diagnosis.time_domain.pulse import Pulse
 from flexmodal.identification import Observations
 from flexmodal.identification.layout import Part
 from flexmodal.structure.structure import Axis, Structure
@@ -26,26 +26,26 @@ from flexmodal.structure.structure import Axis, Structure
 
 def record_receptance(
     struck: Struck,
-    marched: March,
+    integrated: TimeResponse,
     steps: Steps,
     wanted: Int[np.ndarray, "wanted 2"],
 ) -> Complex[np.ndarray, "wanted line"]:
     """Receptances [m/N] as a record would give them; where `Axis.length` is 0, as if it never ended.
 
     Args:
-        struck: what was marched.
-        marched: by it.
-        steps: of the march.
+        struck: what was integrated.
+        integrated: by it.
+        steps: of the integration.
         wanted: numbers of a row of `structure.response` and of a blow.
     """
     structure, axis = struck.structure, struck.axis
     s, n = axis.s, structure.dof
-    end = marched.last if axis.length > 0 else np.zeros_like(marched.last)
+    end = integrated.last if axis.length > 0 else np.zeros_like(integrated.last)
     x, v = end[:, :n], end[:, n:]
-    cut = np.exp(-s * steps.length) / marched.force  # blow, line
+    cut = np.exp(-s * steps.length) / integrated.force  # blow, line
     rows = structure.reference[[row for row, _ in struck.blows]]
     laws = np.array([law.row for law in struck.laws]).reshape(-1, n)
-    load = rows[:, None, :] - np.einsum("bkl,kd->bld", marched.torque / marched.force[:, None], laws)
+    load = rows[:, None, :] - np.einsum("bkl,kd->bld", integrated.torque / integrated.force[:, None], laws)
     still = (v @ structure.mass + x @ structure.damping)[:, None] + s[:, None] * (x @ structure.mass)[:, None]
     load = load - cut[:, :, None] * still
     back, _ = structure.solve(axis)  # line, dof, response

@@ -1,6 +1,7 @@
-"""The loop of a march in time: plain functions of numbers and arrays, compiled by `integrate`.
+"""The loop of an integration in time: plain functions of numbers and arrays, compiled by `integration`.
 
-`LANES` blows on one system march side by side, so that the products with its matrices fill a vector register.
+`LANES` blows on one system are integrated side by side, so that the products with its matrices fill a vector
+register.
 Codes of the laws are those of `law`: 0 hardening, 1 friction.
 """
 
@@ -11,7 +12,7 @@ from typing import no_type_check
 import numpy as np
 
 LANES = 4
-"""Blows that march together."""
+"""Blows that are integrated together."""
 ROUNDS = 40
 """Newton steps at most in one step of time; two are usual."""
 STUBBORN = 8
@@ -54,8 +55,8 @@ def law(kind, first, second, third, old, new, memory):
 
 
 @no_type_check  # a checker's wrapper cannot be compiled
-def march(phi, carried, late, rows, kinds, parameters, system, push, torque, last):
-    """March blows, `LANES` of one system together.
+def integrate(phi, carried, late, rows, kinds, parameters, system, push, torque, last):
+    """Integrate blows, `LANES` of one system together.
 
     Args:
         phi: exp(A h), [system, state, state].

@@ -19,7 +19,7 @@ PULSES = {"soft": 5e-3, "medium": 2.5e-3, "hard": 1e-3}
 """Usual length of a hammer's pulse of 100 N by its tip [s]; another tip counts as medium."""
 USUAL = 100.0
 """[N]"""
-_HEARD = 0.1
+_STRONG = 0.1
 """Part of the largest size of a force's spectrum from which a line tells of the pulse."""
 _LENGTHS = (5e-5, 5e-2)
 """Shortest and longest pulse that is looked for [s]."""
@@ -76,8 +76,8 @@ def _nearest(
     from scipy.optimize import minimize_scalar
 
     inside = (frequency >= band[0]) & (frequency <= band[1])
-    heard = inside & (size >= _HEARD * size[inside].max())
-    f, log = frequency[heard], np.log(size[heard])
+    strong = inside & (size >= _STRONG * size[inside].max())
+    f, log = frequency[strong], np.log(size[strong])
 
     def off(log_length: float) -> float:
         shape = np.abs(haversine(f, float(np.exp(log_length))))

@@ -1,4 +1,4 @@
-"""Marches in time against closed forms, another integrator, and transforms by quadrature."""
+"""Integration in time against closed forms, another integrator, and transforms by quadrature."""
 
 import itertools
 
@@ -7,12 +7,12 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from flexmodal.diagnosis.effects.joint_laws import dahl
-from flexmodal.diagnosis.march.integrate import Steps, Struck, loop_of, march, torques
-from flexmodal.diagnosis.march.kernel import law
-from flexmodal.diagnosis.march.law import FRICTION, HARDENING, friction, hardening
-from flexmodal.diagnosis.march.pulse import Pulse, haversine, usual
-from flexmodal.diagnosis.march.record import record_receptance
-from flexmodal.diagnosis.march.spectrum import spectrum
+from flexmodal.diagnosis.time_domain.integration import Steps, Struck, integrate, loop_of, torques
+from flexmodal.diagnosis.time_domain.kernel import law
+from flexmodal.diagnosis.time_domain.law import FRICTION, HARDENING, friction, hardening
+from flexmodal.diagnosis.time_domain.pulse import Pulse, haversine, usual
+from flexmodal.diagnosis.time_domain.record import record_receptance
+from flexmodal.diagnosis.time_domain.spectrum import spectrum
 from flexmodal.structure.structure import Axis, Structure, receptance
 from flexmodal.structure.truncation import missing
 
@@ -40,9 +40,9 @@ def struck(axis, *laws, blows=((0, PULSE),), **more):
     return Struck(structure(**more), laws, axis, blows)
 
 
-def marched_receptance(one, length, *, fineness=20.0, **more):
+def integrated_receptance(one, length, *, fineness=20.0, **more):
     steps = Steps.behind(one.axis.frequency, length, fineness)
-    return record_receptance(one, march([one], steps, **more)[0], steps, PAIRS)
+    return record_receptance(one, integrate([one], steps, **more)[0], steps, PAIRS)
 
 
 # laws
@@ -153,7 +153,7 @@ def test_harder_blows_are_shorter():
     assert usual("a tip nobody knows", 100.0) == usual("medium", 100.0)
 
 
-# linear laws: what a march gives is known
+# linear laws: what an integration gives is known
 
 
 def stiffer(extra):
@@ -165,7 +165,7 @@ def stiffer(extra):
 def test_linear_law_gives_what_quadrature_makes_of_the_record(power):
     length = 1.6
     axis = lines(2.0, length=length, power=power)
-    found = marched_receptance(struck(axis, stiffer(1500.0)), length, fineness=80.0)
+    found = integrated_receptance(struck(axis, stiffer(1500.0)), length, fineness=80.0)
     other = structure(extra=1500.0)
     time = np.linspace(0, length, 32_001)
     states, rates = histories_of(other, time)
@@ -180,7 +180,7 @@ def test_linear_law_gives_what_quadrature_makes_of_the_record(power):
     cut, _ = missing(other, axis, PAIRS)  # taken from the middle of a blow that is short
     leakage = np.abs(found - plain).max()
     assert leakage > 0.005 * np.abs(plain).max()
-    late = marched_receptance(struck(axis, stiffer(1500.0)), length + PULSE.length / 2, fineness=80.0)
+    late = integrated_receptance(struck(axis, stiffer(1500.0)), length + PULSE.length / 2, fineness=80.0)
     assert np.abs(late - plain - cut).max() < 0.05 * leakage
 
 
@@ -201,7 +201,9 @@ def test_record_without_end_gives_the_receptance_itself():
     axis = lines(2.0)
     one = struck(axis, stiffer(1500.0), damping=5 * DAMPING)  # decays by e^-25 within the record
     plain, _ = receptance(structure(damping=5 * DAMPING, extra=1500.0), axis, PAIRS)
-    coarse, fine = (np.abs(marched_receptance(one, 0.0, fineness=f) / plain - 1).max() for f in (20.0, 40.0))
+    coarse, fine = (
+        np.abs(integrated_receptance(one, 0.0, fineness=f) / plain - 1).max() for f in (20.0, 40.0)
+    )
     assert coarse < 1e-3
     assert coarse / fine == pytest.approx(4, rel=0.1)  # second order
 
@@ -210,7 +212,7 @@ def test_windowed_record():
     axis = lines(2.0, decay=4.0, length=2.0)
     one = struck(axis, stiffer(1500.0))
     plain, _ = receptance(structure(extra=1500.0), axis, PAIRS)
-    found = marched_receptance(one, 2.0, fineness=80.0)
+    found = integrated_receptance(one, 2.0, fineness=80.0)
     assert np.abs(found - plain).max() < 1e-4 * np.abs(plain).max()  # e^-8 times what is left after 2 s
 
 
@@ -219,7 +221,7 @@ def test_hysteretic_springs_as_a_march_sees_them():
     one = struck(axis, stiffer(300.0), damping=DAMPING, loss_factor=0.05)
     plain, _ = receptance(structure(extra=300.0, loss_factor=0.05), axis, PAIRS)
     bare, _ = receptance(structure(loss_factor=0.05), axis, PAIRS)
-    found = marched_receptance(one, 0.0, fineness=40.0)
+    found = integrated_receptance(one, 0.0, fineness=40.0)
     # the torque alone feels the stand-in: a small part of what it does
     assert np.abs(found - plain).max() < 0.02 * np.abs(bare - plain).max()
 
@@ -297,36 +299,36 @@ def test_compiled_and_plain_loops_agree(name):
     blows = ((0, PULSE), (0, Pulse(30.0, 0.03)), (1, PULSE), (1, Pulse(1.0, 0.02)), (0, Pulse(5.0, 0.02)))
     some = [struck(axis, *LAWS[name], blows=blows, damping=f * DAMPING) for f in (1.0, 2.0)]
     steps = Steps.behind(axis.frequency, 0.98, 10.0)
-    one, other = (march(some, steps, compiled=which) for which in (True, False))
+    one, other = (integrate(some, steps, compiled=which) for which in (True, False))
     for a, b in zip(one, other, strict=True):
         np.testing.assert_allclose(a.torque, b.torque, atol=1e-8 * np.abs(a.torque).max())
         np.testing.assert_allclose(a.last, b.last, atol=1e-8 * np.abs(a.last).max())
         np.testing.assert_array_equal(a.force, b.force)
 
 
-def test_structures_that_occur_twice_are_marched_once(monkeypatch):
-    from flexmodal.diagnosis.march import integrate
+def test_structures_that_occur_twice_are_integrated_once(monkeypatch):
+    from flexmodal.diagnosis.time_domain import integration
 
     axis = lines(1.0)
     one, other = (struck(axis, stiffer(1500.0), damping=f * DAMPING) for f in (1.0, 2.0))
     seen = []
-    real = integrate._marched
+    real = integration._integrated
     monkeypatch.setattr(
-        integrate, "_marched", lambda some, *rest: seen.append(len(some)) or real(some, *rest)
+        integration, "_integrated", lambda some, *rest: seen.append(len(some)) or real(some, *rest)
     )
-    found = march([one, other, one], Steps.behind(axis.frequency))
+    found = integrate([one, other, one], Steps.behind(axis.frequency))
     assert sum(seen) == 2
     assert found[0] is found[2] is not found[1]
 
 
 def test_batches_do_not_change_anything(monkeypatch):
-    from flexmodal.diagnosis.march import integrate
+    from flexmodal.diagnosis.time_domain import integration
 
     axis = lines(1.0)
     some = [struck(axis, *LAWS["both"], damping=f * DAMPING) for f in (1.0, 2.0, 3.0)]
-    together = march(some, Steps.behind(axis.frequency))
-    monkeypatch.setattr(integrate, "_TOGETHER", 1)
-    for a, b in zip(together, march(some, Steps.behind(axis.frequency)), strict=True):
+    together = integrate(some, Steps.behind(axis.frequency))
+    monkeypatch.setattr(integration, "_TOGETHER", 1)
+    for a, b in zip(together, integrate(some, Steps.behind(axis.frequency)), strict=True):
         np.testing.assert_array_equal(a.torque, b.torque)
 
 

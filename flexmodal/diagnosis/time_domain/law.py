@@ -1,4 +1,4 @@
-"""Torques that depend on how far a joint has moved, and on the way there: what a march in time puts in.
+"""Torques that depend on how far a joint has moved, and on the way there.
 
 Two laws, both zero at rest:
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 from jaxtyping import Float, Int
 
-from flexmodal.diagnosis.march.kernel import CLOSE, ROUNDS, STUBBORN
-from flexmodal.diagnosis.march.law import HARDENING
+from flexmodal.diagnosis.time_domain.kernel import CLOSE, ROUNDS, STUBBORN
+from flexmodal.diagnosis.time_domain.law import HARDENING
 
 
-def march(
+def integrate(
     phi: Float[np.ndarray, "system state state"],
     carried: Float[np.ndarray, "system law state"],
     late: Float[np.ndarray, "system law state"],
@@ -21,7 +21,7 @@ def march(
     torque: Float[np.ndarray, "group lane law time"],
     last: Float[np.ndarray, "group lane state"],
 ) -> None:
-    """See `kernel.march`."""
+    """See `kernel.integrate`."""
     owner = np.repeat(system, push.shape[3])
     phi, carried, late, rows, parameters = (a[owner] for a in (phi, carried, late, rows, parameters))
     gain = np.einsum("bli,bmi->blm", rows, late)

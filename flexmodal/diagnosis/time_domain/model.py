@@ -1,7 +1,7 @@
-"""A hypothesis whose non-linear torques are marched in time, as a model that a fit can take.
+"""A hypothesis whose non-linear torques are integrated in time, as a model that a fit can take.
 
 Everything but those torques is the hypothesis' own: effects with a `law` lose their stand-in at one amplitude
-and are marched under every blow. Derivatives are forward differences.
+and are integrated under every blow. Derivatives are forward differences.
 """
 
 from __future__ import annotations
@@ -14,9 +14,9 @@ import numpy as np
 from jaxtyping import Complex, Float, Int
 
 from flexmodal.diagnosis.hypothesis import Hypothesis
-from flexmodal.diagnosis.march.integrate import FINENESS, March, Steps, Struck, march
-from flexmodal.diagnosis.march.record import record_receptance, struck_by
 from flexmodal.diagnosis.placed import Placed
+from flexmodal.diagnosis.time_domain.integration import FINENESS, Steps, Struck, TimeResponse, integrate
+from flexmodal.diagnosis.time_domain.record import record_receptance, struck_by
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.identification import Observations
 from flexmodal.structure import ParameterSpace
@@ -26,7 +26,7 @@ STEP = 1e-5
 
 
 @dataclass(frozen=True, eq=False)
-class MarchedModel:
+class TimeDomainModel:
     """A model of observations (`identification.ReceptanceModel`).
 
     Raises:
@@ -63,18 +63,18 @@ class MarchedModel:
         *,
         slopes: bool,
     ) -> tuple[Complex[np.ndarray, "observation line"], Complex[np.ndarray, "slope observation line"]]:
-        """See `identification.ReceptanceModel`; all that has to be marched is marched at once."""
+        """See `identification.ReceptanceModel`; all that has to be integrated is integrated at once."""
         _, high = self.space.bounds
         sizes = np.where(x + STEP <= high, STEP, -STEP) if slopes else np.zeros(0)
         tried = [x, *(x + np.where(np.arange(len(x)) == k, size, 0.0) for k, size in enumerate(sizes))]
         looks = [self._look(one, observations, lines) for one in tried]
         steps = self._steps(observations)
-        marched = march([one.struck for look in looks for one in look], steps, compiled=self.compiled)
+        integrated = integrate([one.struck for look in looks for one in look], steps, compiled=self.compiled)
         found = np.zeros((len(tried), len(observations), len(observations.axis.take(lines))), dtype=complex)
         number = 0
         for value, look in zip(found, looks, strict=True):
             for one in look:
-                value[one.observations] = one.read(marched[number], steps)
+                value[one.observations] = one.read(integrated[number], steps)
                 number += 1
         return found[0], (found[1:] - found[0]) / sizes[:, None, None]
 
@@ -110,14 +110,14 @@ class _Look:
     factor: Complex[np.ndarray, "observation line"] | None
     """What the sensors make of the motion."""
 
-    def read(self, marched: March, steps: Steps) -> Complex[np.ndarray, "observation line"]:
+    def read(self, integrated: TimeResponse, steps: Steps) -> Complex[np.ndarray, "observation line"]:
         """As the sensors read it."""
-        value = record_receptance(self.struck, marched, steps, self.wanted)
+        value = record_receptance(self.struck, integrated, steps, self.wanted)
         return value if self.factor is None else value * self.factor
 
 
 def has_law(hypothesis: Hypothesis) -> bool:
-    """Whether an effect of it has a torque that can be marched."""
+    """Whether an effect of it has a torque that can be integrated."""
     return any(placed.effect.law is not None for placed in hypothesis.placed)
 
 

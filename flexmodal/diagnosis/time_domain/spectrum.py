@@ -2,7 +2,7 @@
 
     X(s) = h Σ_j x_j e^{−s j h} (sinh(z/2)/(z/2))² + half a hat for the last,    z = s h,
 
-exact for such signals (the transform of a hat of width 2h), so that force and torques of a march enter its
+exact for such signals (the transform of a hat of width 2h), so that force and torques enter the
 response without any further approximation.
 """
 

@@ -1,9 +1,9 @@
-"""Structures with non-linear torques under a hammer, marched in time.
+"""Structures with non-linear torques under a hammer, integrated in time.
 
     M ẍ + C ẋ + K x = jᵀ f(t) − Σ wᵀ T(w x, history)
 
 The linear part is propagated exactly; force and torques are straight lines within a step (first-order hold),
-the torques at its end found by Newton's method: second order in the step. What is kept of a march are the
+the torques at its end found by Newton's method: second order in the step. What is kept of it are the
 spectrum of each torque over the record and the state at its end; the rest is linear (`record`).
 """
 
@@ -16,11 +16,11 @@ from functools import cache, cached_property
 import numpy as np
 from jaxtyping import Complex, Float
 
-from flexmodal.diagnosis.march import kernel, numpy_form
-from flexmodal.diagnosis.march.kernel import LANES
-from flexmodal.diagnosis.march.law import Law
-from flexmodal.diagnosis.march.pulse import Pulse
-from flexmodal.diagnosis.march.spectrum import WHOLE, spectrum
+from flexmodal.diagnosis.time_domain import kernel, numpy_form
+from flexmodal.diagnosis.time_domain.kernel import LANES
+from flexmodal.diagnosis.time_domain.law import Law
+from flexmodal.diagnosis.time_domain.pulse import Pulse
+from flexmodal.diagnosis.time_domain.spectrum import WHOLE, spectrum
 from flexmodal.frf.kernels.compiled import Kernel, together
 from flexmodal.frf.kernels.route import has_numba
 from flexmodal.frf.kernels.worth import is_worth_it
@@ -39,7 +39,7 @@ _TOGETHER = 4_000_000
 
 @dataclass(frozen=True)
 class Steps:
-    """How long is marched, and in what steps."""
+    """How long the integration goes, and in what steps."""
 
     step: float
     """[s]"""
@@ -84,7 +84,7 @@ class Struck:
 
     @cached_property
     def key(self) -> tuple[object, ...]:
-        """What a march of it depends on."""
+        """What an integration of it depends on."""
         s = self.structure
         arrays = (s.mass, s.damping, s.stiffness, s.loss, s.reference, *(law.row for law in self.laws))
         laws = tuple((law.kind, law.parameters) for law in self.laws)
@@ -97,8 +97,8 @@ class Struck:
 
 
 @dataclass(frozen=True, eq=False)
-class March:
-    """What a march leaves, by blow."""
+class TimeResponse:
+    """What an integration leaves, by blow."""
 
     force: Complex[np.ndarray, "blow line"]
     """Spectrum of the pulse [N·s]."""
@@ -108,8 +108,8 @@ class March:
     """Coordinates and velocities at the end of the record."""
 
 
-def march(struck: Sequence[Struck], steps: Steps, *, compiled: bool | None = None) -> list[March]:
-    """March every blow on every structure; structures that occur twice are marched once.
+def integrate(struck: Sequence[Struck], steps: Steps, *, compiled: bool | None = None) -> list[TimeResponse]:
+    """Integrate every blow on every structure; structures that occur twice are integrated once.
 
     Args:
         struck: with the same number of coordinates and the same kinds of law in the same order.
@@ -121,9 +121,9 @@ def march(struck: Sequence[Struck], steps: Steps, *, compiled: bool | None = Non
     numbers = [different.setdefault(one.key, len(different)) for one in struck]
     first = [struck[numbers.index(k)] for k in range(len(different))]
     most = _TOGETHER // (steps.count * max(len(one.laws) for one in first))
-    made: list[March] = []
+    made: list[TimeResponse] = []
     for some in _batches(first, most):
-        made += _marched(some, steps, loop_of(some, steps, compiled))
+        made += _integrated(some, steps, loop_of(some, steps, compiled))
     return [made[number] for number in numbers]
 
 
@@ -174,7 +174,7 @@ def torques(
 
 
 def _lanes(blows: Sequence[Blow]) -> list[Sequence[Blow]]:
-    """So many at once as march together."""
+    """So many at once as are integrated together."""
     return [blows[start : start + LANES] for start in range(0, len(blows), LANES)]
 
 
@@ -228,11 +228,11 @@ def _columns(one: Struck) -> Float[np.ndarray, "state input"]:
     return np.vstack([np.zeros_like(pushed), pushed])
 
 
-def _marched(struck: Sequence[Struck], steps: Steps, loop: Callable[..., None]) -> list[March]:
+def _integrated(struck: Sequence[Struck], steps: Steps, loop: Callable[..., None]) -> list[TimeResponse]:
     force, torque, last = torques(struck, steps, loop)
     ends = np.cumsum([len(one.blows) for one in struck])
     return [
-        March(
+        TimeResponse(
             spectrum(force[own], one.axis, steps.step),
             spectrum(torque[own], one.axis, steps.step, steps.whole),
             last[own],
@@ -258,9 +258,9 @@ def loop_of(struck: Sequence[Struck], steps: Steps, compiled: bool | None = None
         blows = sum(len(one.blows) for one in struck)
         seconds = steps.count * (_STEP_SECONDS + _BLOW_SECONDS * blows)
         compiled = has_numba() and is_worth_it("time steps", seconds, _COMPILATION, _kernel().is_stored)
-    return _kernel().compiled if compiled else numpy_form.march
+    return _kernel().compiled if compiled else numpy_form.integrate
 
 
 @cache
 def _kernel() -> Kernel:
-    return together(kernel.law, last=kernel.march)
+    return together(kernel.law, last=kernel.integrate)
