@@ -47,6 +47,7 @@ ELSEWHERE = {
     "atlas": HERE / "test_atlas.py",
     "lookup": HERE / "test_atlas.py",
     "diagnose": HERE / "test_diagnose.py",
+    "predict": HERE / "test_predict.py",
     "card": Path(__file__),
     "rig": Path(__file__),
 }
