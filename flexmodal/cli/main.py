@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from flexmodal.cli.printing import plain, say
+from flexmodal.cli.waiting import signs_of_life
 from flexmodal.cli.width import NARROWEST, WIDEST, WIDTH
 
 if TYPE_CHECKING:
@@ -146,7 +147,7 @@ def main(arguments: list[str] | None = None) -> None:
     if arguments is None:
         _settle_in()
     try:
-        with _pipes():
+        with _pipes(), _signs(arguments):
             status: Any = group.main(arguments, prog_name="flexmodal", standalone_mode=False)
         sys.stdout.flush()
         sys.exit(status if isinstance(status, int) else 0)
@@ -190,6 +191,16 @@ def _pipes() -> Iterator[None]:
         if left.code == 1 and sys.stdout is not before:
             raise BrokenPipeError from None
         raise
+
+
+@contextmanager
+def _signs(arguments: list[str] | None) -> Iterator[None]:
+    """As the program of a process, say after some seconds that it works, unless told to be quiet."""
+    if arguments is not None or "--quiet" in sys.argv:
+        yield
+        return
+    with signs_of_life():
+        yield
 
 
 def _settle_in() -> None:

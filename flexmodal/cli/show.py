@@ -18,12 +18,12 @@ from flexmodal.cli.options import (
     refuse_existing,
     robot_options,
 )
-from flexmodal.cli.printing import say
 from flexmodal.errors import Fault, InvalidRequest
 
 if TYPE_CHECKING:
     from flexmodal.campaign import Campaign
     from flexmodal.ema.shapes import FittedShapes
+    from flexmodal.model import Posture, Robot
 
 
 @click.command()
@@ -57,11 +57,11 @@ def show(
     ROBOT may also be the folder of a campaign, which says itself what robot it is of.
     """
     from flexmodal.campaign import is_campaign
-    from flexmodal.cli.viewing import viewer
+    from flexmodal.cli.viewing import announce, viewer
 
     refuse_existing(out, force, (".html",))
     deliver: dict[str, Any] = {"out": out, "port": port, "overwrite": force}
-    deliver["announce"] = lambda text: say(text, err=True)
+    deliver["announce"] = announce
     if campaign is not None or is_campaign(robot.robot):
         _refuse_beside(modes=modes, response=response, frequency=frequency)
         measured = _campaign(Path(robot.robot) if campaign is None else campaign, posture)
@@ -70,8 +70,15 @@ def show(
         viewer("show_campaign")(arm, measured, shapes=_shapes(measured), **deliver)
         return
     arm = robot.load()
-    where = arm.posture(next(iter(arm.postures), {})) if posture is None else posture_of(arm, posture)
+    where = _first_posture(arm) if posture is None else posture_of(arm, posture)
     viewer("show_robot")(arm, where, modes=modes, response=response, frequency=frequency, **deliver)
+
+
+def _first_posture(arm: Robot) -> Posture:
+    """The card's first; of a robot without one, as near to 0 as the limits of its joints allow."""
+    from flexmodal.model.posture import middle
+
+    return arm.posture(next(iter(arm.postures))) if arm.postures else middle(arm.commanded)
 
 
 def _refuse_beside(**given: object) -> None:

@@ -73,11 +73,27 @@ def _with_values(card: RobotCard, values: Mapping[str, float], shifts: Mapping[s
         )
         for name, joint in card.joints.items()
     }
-    points = {}
-    for name, point in card.points.items():
-        x, y, z = (np.array(point.xyz) - shifts.get(point.link, 0.0)).tolist()
-        points[name] = PointCard(point.link, (x, y, z))
-    return replace(card, joints=FrozenDict(joints), points=FrozenDict(points))
+    points = {
+        name: PointCard(point.link, _shifted(point.xyz, shifts.get(point.link)))
+        for name, point in card.points.items()
+    }
+    obstacles = {
+        name: replace(obstacle, xyz=_shifted(obstacle.xyz, shifts.get(obstacle.link)))
+        for name, obstacle in card.obstacles.items()
+    }
+    return replace(
+        card, joints=FrozenDict(joints), points=FrozenDict(points), obstacles=FrozenDict(obstacles)
+    )
+
+
+def _shifted(
+    xyz: tuple[float, float, float], shift: Float[np.ndarray, "3"] | None
+) -> tuple[float, float, float]:
+    """A place in the frame of a link that moves by `shift` [m], in that frame; as it is if it does not."""
+    if shift is None:
+        return xyz
+    x, y, z = (np.array(xyz) - shift).tolist()
+    return x, y, z
 
 
 def _urdf(robot: Robot, values: Mapping[str, float], shifts: Mapping[str, np.ndarray]) -> UrdfDraft:

@@ -170,6 +170,7 @@ def test_folder_reads_back_and_holds_nothing_of_the_truth(which, request, tmp_pa
     believed = flexmodal.load(tmp_path / "test" / again.robot)
     for joint, card in robot.joints.items():
         assert believed.joints[joint].stiffness == card.stiffness
+    assert believed.families == robot.families
     for posture in again.postures:
         np.testing.assert_allclose(
             believed.at(dict(posture.q)).system.mass, robot.at(dict(posture.q)).system.mass

@@ -82,7 +82,7 @@ def _table(card: RobotCard) -> dict[str, Any]:
         }
         for name, one in card.families.items()
     }  # fmt: skip
-    return table
+    return {key: value for key, value in table.items() if value != {}}
 
 
 def _joint(joint: JointCard) -> dict[str, Any]:

@@ -254,11 +254,11 @@ def _joint(name: str, kind: str, parent: str, child: str, axis: Vector, xyz: Vec
 
 
 def _joint_card(robot: Robot, name: str, values: Mapping[str, float]) -> JointCard:
-    """A joint with its new values; bounds of the old ones go, the trust stays."""
+    """A joint with its new values; bounds and trust are factors of whatever the card says, and stay."""
     joint = robot.joints[name]
     stiffness = float(values.get(f"stiffness.{name}", joint.stiffness))
     damping = float(values.get(f"damping.{name}", joint.damping))
-    return replace(joint, stiffness=stiffness, damping=damping, lower=None, upper=None)
+    return replace(joint, stiffness=stiffness, damping=damping)
 
 
 def _rigid(robot: Robot, link: str) -> list[str]:
