@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import re
 import struct
 import tempfile
 import tomllib
@@ -153,7 +154,10 @@ def judge(name: str, file: str, content: bytes, found: Campaign) -> None:
     elif file == "modes.csv":
         _judge_modes(content.decode("utf-8-sig"), found)
     elif file == "table.csv":
-        _judge_table(content.decode("utf-8-sig"), found)
+        try:
+            _judge_table(content.decode("utf-8-sig"), found)
+        except UnicodeDecodeError:  # older analysers
+            _judge_table(content.decode("latin-1"), found)
     elif name.startswith("frf.uff"):
         _judge_frfs(content, found)
 
@@ -212,31 +216,38 @@ def frfs_of(content: bytes) -> list[np.ndarray]:
     Returns:
         Their values, in the file's own units.
     """
-    found, lines = [], []
-    rest = content.replace(b"\r\n", b"\n") if b"58b" not in content else content
-    while rest:
-        line, _, rest = rest.partition(b"\n")
-        lines.append(line)
-        header = lines[-12:]
-        if len(header) < 12 or not header[0].strip().startswith(b"58"):
+    found = []
+    for start in re.finditer(rb"(?m)^ {4}58(b?)[^\n]*\n", content):
+        lines, rest = [start[0]], content[start.end() :]
+        for _ in range(11):
+            line, _, rest = rest.partition(b"\n")
+            lines.append(line)
+        try:
+            one = _dataset([line.rstrip(b"\r") for line in lines], rest)
+        except (ValueError, IndexError, struct.error):  # whoever accepts it accepts what is not in the list
             continue
-        kind, count, even = int(header[6][:5]), int(header[7][10:20]), int(header[7][20:30])
-        number = int(header[7][:10])
-        complex_, double = number in (5, 6), number in (4, 6)
-        columns = count * (2 if complex_ else 1) + (0 if even else count)
-        if header[0].strip()[2:3] == b"b":
-            size = 8 if double else 4
-            order = "<" if int(header[0][7:13]) == 1 else ">"
-            body, rest = rest[: columns * size], rest[columns * size :]
-            numbers = np.array(struct.unpack(f"{order}{columns}{'d' if double else 'f'}", body))
-        else:
-            body, _, rest = rest.partition(b"\n    -1")
-            numbers = np.array([float(one) for one in _columns(body, complex_, even, double)][:columns])
-        if kind == 4 and complex_:
-            table = numbers.reshape(count, -1)
-            found.append(table[:, -2] + 1j * table[:, -1])
-        lines = []
+        if one is not None:
+            found.append(one)
     return found
+
+
+def _dataset(header: list[bytes], rest: bytes) -> np.ndarray | None:
+    """The values behind a header of twelve lines; none of another function."""
+    kind, count, even = int(header[6][:5]), int(header[7][10:20]), int(header[7][20:30])
+    number = int(header[7][:10])
+    complex_, double = number in (5, 6), number in (4, 6)
+    columns = count * (2 if complex_ else 1) + (0 if even else count)
+    if kind != 4 or not complex_ or not 0 < count < 10_000:
+        return None
+    if header[0].strip()[2:3] == b"b":
+        size = 8 if double else 4
+        order = "<" if int(header[0][7:13]) == 1 else ">"
+        numbers = np.array(struct.unpack(f"{order}{columns}{'d' if double else 'f'}", rest[: columns * size]))
+    else:
+        body, _, _ = rest.partition(b"\n    -1")
+        numbers = np.array([float(one) for one in _columns(body, complex_, even, double)][:columns])
+    table = numbers.reshape(count, -1)
+    return table[:, -2] + 1j * table[:, -1]
 
 
 def _columns(body: bytes, complex_: bool, even: int, double: bool) -> list[bytes]:

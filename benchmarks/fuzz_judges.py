@@ -54,7 +54,7 @@ def judge_urdf(path: Path, told: dict[str, Any]) -> None:
         root = etree.parse(str(path), parser).getroot()
     except etree.XMLSyntaxError as error:
         raise Misread(f"no XML: {error}") from error
-    robot = told.get("robot") or flexmodal.load(path.with_name("robot.toml"))
+    robot = told.get("_read") or flexmodal.load(path.with_name("robot.toml"))
     links = {one.get("name"): one for one in root.findall("link")}
     joints = {one.get("name"): one for one in root.findall("joint")}
     if len(links) != len(root.findall("link")) or len(joints) != len(root.findall("joint")):
@@ -147,7 +147,7 @@ def _turn(axis: tuple[float, ...], angle: float) -> np.ndarray:
 def judge_card(path: Path, told: dict[str, Any]) -> None:
     """Every number of the joints again by tomllib."""
     content = tomllib.loads(path.read_text(encoding="utf-8"))
-    robot = told.get("robot") or flexmodal.load(path)
+    robot = told.get("_read") or flexmodal.load(path)
     if list(content["joint"]) and set(content["joint"]) != set(robot.joints):
         raise Misread(f"joints {sorted(content['joint'])} read as {sorted(robot.joints)}")
     for name, joint in content["joint"].items():
@@ -184,7 +184,7 @@ def judge_card(path: Path, told: dict[str, Any]) -> None:
 def judge_cut(path: Path, told: dict[str, Any]) -> None:
     """The numbers of the cut again by tomllib, and the depths positive."""
     content = tomllib.loads(path.read_text(encoding="utf-8"))
-    cut = told.get("cut") or flexmodal.read_cut(path)
+    cut = told.get("_read") or flexmodal.read_cut(path)
     _same("diameter", [cut.cutter.diameter], [content["cutter"]["diameter"]])
     _same("teeth", [cut.cutter.teeth], [content["cutter"]["teeth"]])
     _same("force", [cut.force.tangential], [content["force"]["tangential"]])
@@ -207,9 +207,9 @@ def judge_toolpath(path: Path, told: dict[str, Any]) -> None:
     from flexmodal.optimisation.path import read_toolpath
 
     text = path.read_bytes().decode("utf-8-sig")
-    rows = [row for row in csv.reader(io.StringIO(text)) if any(cell.strip() for cell in row)]
+    rows = [row for row in csv.reader(io.StringIO(text, newline="")) if any(cell.strip() for cell in row)]
     names = [name.strip().lower() for name in rows[0]]
-    read = told.get("toolpath") or read_toolpath(path, planar=True, feed=0.1)
+    read = told.get("_read") or read_toolpath(path, planar=True, feed=0.1)
     numbers = np.array([[float(cell) for cell in row] for row in rows[1:]])
     if len(set(names)) != len(names) or not np.all(np.isfinite(numbers)):
         raise Misread("a column twice, or a number that is none")

@@ -164,7 +164,7 @@ def _measures(path: Path) -> dict[str, Any]:
     robot = flexmodal.load(path.with_name("robot.toml"))
     found = robot.measures(posture_of(robot, AT[1]))
     return {
-        "robot": robot,
+        "_read": robot,
         "stiffness": found.stiffness,
         "mobility": found.mobility,
         "static_receptance": found.static_receptance,
@@ -175,8 +175,8 @@ def _measures(path: Path) -> dict[str, Any]:
 READERS: dict[str, Callable[[Path], dict[str, Any]]] = {
     "urdf": _measures,
     "card": _measures,
-    "cut": lambda path: {"cut": flexmodal.read_cut(path)},
-    "toolpath": lambda path: {"toolpath": read_toolpath(path, planar=True, feed=0.1)},
+    "cut": lambda path: {"_read": flexmodal.read_cut(path)},
+    "toolpath": lambda path: {"_read": read_toolpath(path, planar=True, feed=0.1)},
 }
 """What is read of a file, and what is told of it."""
 
