@@ -229,8 +229,8 @@ def table(kept: list[dict[str, Any]]) -> None:
         "the new, or the next writer was barred. In between: kills after which `ls` shows a part of several "
         "names until the next command. Full disk: files that may not grow past 0, 2,000 or 20,000 bytes; "
         "those that do not keep the old are small enough to be written whole. Nowhere to write: a place "
-        "where nobody may make a file, a folder that may only be read, and file systems of 16 and 256 kB that "
-        "fill up are named in a sentence, and what stood there stands, or the new, whole."
+        "where nobody may make a file, a read-only folder, and file systems of 16 and 256 kB, which "
+        "fill up, are named in a sentence; what stood there stands, or the new, whole."
     )
     header = [
         "command", "kill −9", "told to end", "lost", "in between", "full disk: old kept",

@@ -92,5 +92,5 @@ def test_a_new_folder_appears_with_both_files_in_it(tmp_path):
     assert found.broken() == []
     assert set(found.seen) == {found.old, found.new}
     guessed.write()
-    assert sorted(path.name for path in target.iterdir()) == ["robot.toml", "ur5_robot.urdf"]
-    assert find_tool(read_urdf(target / "ur5_robot.urdf")).link == guessed.card.tool
+    assert sorted(path.name for path in target.iterdir()) == ["robot.toml", "ur5.urdf"]
+    assert find_tool(read_urdf(target / "ur5.urdf")).link == guessed.card.tool
