@@ -167,7 +167,7 @@ def main() -> None:
     lead = (
         f"`make atlas-bench`, on a machine of {CORES} cores whose load was {os.getloadavg()[0]:.1f} at the "
         f"end: the six-link arm, {LINES} lines, one direction, random postures. Medians of {ROUNDS} runs of "
-        f"{SMALL:,} postures that took turns, but for the whole atlas, which was made once. Ratios are those of "
+        f"{SMALL:,} postures that took turns; the whole atlas was made once. Ratios are those of "
         "the same turn; by processor time they hang less on what else the machine did."
     )
     write(
