@@ -213,6 +213,11 @@ def test_unit_exponents_that_contradict_are_a_warning(text: Path) -> None:
     assert "dataset 1: unit exponents 0 1 0 of type 12 (acceleration) are passed over" in warning
 
 
+def test_unit_exponents_of_an_unknown_type_are_no_crash(text: Path) -> None:
+    change_line(text / "frf.uff", 10, column(0, f"{0:10d}{1:5d}"))
+    assert "unit exponents 1 0 0 of type 0 (unknown) are passed over" in "".join(read_campaign(text).warnings)
+
+
 def test_units_other_than_si_in_dataset_164(text: Path) -> None:
     units = (
         "    -1\n   164\n         5mm (milli newton)             2\n" + f"{1000.0:25.17e}" * 3 + "\n    -1\n"
