@@ -167,7 +167,8 @@ def _judge_toml(given: dict[str, object], found: Campaign) -> None:
     if {one.id for one in found.postures} != set(postures) or len(found.postures) != len(given["posture"]):  # type: ignore[arg-type]
         raise Misread("a posture lost or twice")
     for one in found.postures:
-        if dict(one.q) != postures[one.id].get("q", {}):
+        theirs = {name: float(value) for name, value in postures[one.id].get("q", {}).items()}
+        if dict(one.q) != theirs or not all(abs(value) <= 1e4 for value in theirs.values()):
             raise Misread(f"posture {one.id}: {dict(one.q)}")
     for one, point in zip(found.points, given["point"], strict=True):  # type: ignore[call-overload]
         if (one.id, one.link) != (point["id"], point["link"]) or list(one.xyz) != list(point["xyz"]):

@@ -365,6 +365,7 @@ def test_records_that_pyuff_wrote_with_its_own_byte_count(campaign: Campaign, tm
             "point[0].window: found an unknown",
         ),
         ("format = 1", 'format = 1\nwindow = "none"', "window: found an unknown key"),
+        ("q1 = 0.0", "q1 = 1e300", "posture[0].q.q1: found 1e+300"),
         ("xyz = [0.5, 0.0, -0.1]", "xyz = [0.5, 0.0]", "point[0].xyz: found a list of 2"),
         ('robot = "two_link"\n', "", "robot: found nothing; allowed: a card's name"),
         ("[[trial]]", "[[trail]]", 'did you mean "trial"'),

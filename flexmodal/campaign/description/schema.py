@@ -11,7 +11,7 @@ from pydantic import Field, field_validator
 
 from flexmodal.campaign.description.tested import BAND
 from flexmodal.campaign.trial import MOST_DIGITS, MOST_TRIAL
-from flexmodal.text.schema import TEXT, NotNegative, Number, Positive, Table, Text, Triple
+from flexmodal.text.schema import TEXT, Metres, NotNegative, Positive, Table, Text, Triple
 
 _ID = f"a whole number from 1 to {MOST_DIGITS}"
 _TRIAL_ID = f"a whole number from 1 to {MOST_TRIAL}"
@@ -26,7 +26,7 @@ class PostureTable(Table):
 
     id: Id = Field(description=_ID)
     name: Text = Field(description=TEXT)
-    q: dict[Text, Number] = Field(description="a table of joint = finite angle in rad")
+    q: dict[Text, Metres] = Field(description="a table of joint = finite angle in rad, of at most 1e4")
 
 
 class PointTable(Table):
