@@ -33,7 +33,7 @@ from flexmodal.optimisation.path import read_toolpath
 LONGEST = 2000
 """Characters of one sentence."""
 MOST_SENTENCES = 400
-AGAIN = {"urdf": 20, "card": 20, "cut": 40, "toolpath": 1000, "posture": 20}
+AGAIN = {"urdf": 20, "card": 20, "cut": 15, "toolpath": 1000, "posture": 20}
 """Of each so many inputs one goes through the command, which for a path or for lobes takes its time."""
 ENDS = ("accepted", "answered no", "refused")
 JOINTS = ("q1", "q2", "q3", "rho", "q9", "", "tool", "ΩÅ")
@@ -162,12 +162,14 @@ def read_file(target: str, folder: Path, *, again: bool = False) -> str:
 
 def _measures(path: Path) -> dict[str, Any]:
     robot = flexmodal.load(path.with_name("robot.toml"))
-    found = robot.measures(posture_of(robot, AT[1]))
+    found = robot.measures(posture_of(robot, AT[1]), frequency=5.0)
+    receptance = complex(found.receptance or 0)
     return {
         "_read": robot,
         "stiffness": found.stiffness,
         "mobility": found.mobility,
         "static_receptance": found.static_receptance,
+        "receptance": [receptance.real, receptance.imag],
         "tool": list(found.tool),
     }
 
