@@ -218,10 +218,8 @@ def main() -> int:
     if unknown := set(chosen) - set(TARGETS):
         parser.error(f"no such target: {', '.join(sorted(unknown))}")
     if options.guided:
-        from fuzz_guided import guided
-
-        guided(chosen[0], options.guided)
-        return 0
+        script = str(Path(__file__).with_name("fuzz_guided.py"))
+        os.execv(sys.executable, [sys.executable, script, chosen[0], str(options.guided)])
     KEPT.parent.mkdir(exist_ok=True)
     if options.fresh:
         KEPT.unlink(missing_ok=True)

@@ -1,4 +1,7 @@
-"""Inputs that atheris looks for by the code they reach, judged as those of `fuzz_targets`."""
+"""Inputs that atheris looks for by the code they reach, judged as those of `fuzz_targets`.
+
+`python benchmarks/fuzz_guided.py TARGET SECONDS`, a process of its own: it has to import what it watches.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +11,7 @@ from pathlib import Path
 
 import atheris
 
-with atheris.instrument_imports(include=["flexmodal"]):
+with atheris.instrument_imports(include=["flexmodal"], enable_loader_override=False):
     import fuzz_campaign
     from fuzz_judges import SOUND
     from fuzz_targets import read_arguments, read_file, read_posture, refusal, warm
@@ -51,6 +54,18 @@ def guided(target: str, seconds: int) -> None:
     )
     (corpus / "sound").write_bytes(first)
     atheris.Setup(
-        [sys.argv[0], f"-max_total_time={seconds}", "-timeout=20", "-max_len=20000", str(corpus)], test
+        [
+            sys.argv[0],
+            "-len_control=0",
+            f"-max_total_time={seconds}",
+            "-timeout=20",
+            "-max_len=20000",
+            str(corpus),
+        ],
+        test,
     )
     atheris.Fuzz()
+
+
+if __name__ == "__main__":
+    guided(sys.argv[1], int(sys.argv[2]))
