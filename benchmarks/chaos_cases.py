@@ -35,6 +35,8 @@ class Case:
     writers: int = 1
     """After each of so many kills the next writer is tried."""
     signals: tuple[signal.Signals, ...] = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT)
+    step: int = 1
+    """It is killed at the first of each so many events."""
 
 
 @dataclass(frozen=True)
@@ -147,7 +149,7 @@ def _folders(inputs: Inputs) -> tuple[Case, ...]:
         Case("identify --force", identify, "found", before=stiff, writers=10, signals=KILL),
         Case("diagnose", lean, "found", writers=30, signals=KILL),
         Case("diagnose --force", lean, "found", before=(*lean, "--seed", "1"), writers=30, signals=KILL),
-        Case("demo", ("demo",), "demo", writers=100, signals=KILL),
+        Case("demo", ("demo",), "demo", writers=100, signals=KILL, step=10),
     )
 
 
