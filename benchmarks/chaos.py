@@ -228,7 +228,7 @@ def table(kept: list[dict[str, Any]]) -> None:
         f"`make chaos`. {events} kills by SIGKILL, {asked} ends by SIGTERM and SIGINT, each before another "
         "file event of the command. Lost: kills after which the next reader found neither the old nor "
         "the new, or the next writer was barred. In between: kills after which `ls` shows a part of several "
-        "names until the next command. `demo`, which works long between its events, was killed at each tenth. "
+        "names until the next command. `demo`, which works long in between, was killed at each tenth. "
         "Full disk: files that may not grow past 0, 2,000 or 20,000 bytes; "
         "those that do not keep the old are small enough to be written whole. Nowhere to write: a place "
         "where nobody may make a file, a read-only folder, and file systems of 16 and 256 kB, which "
