@@ -173,30 +173,34 @@ def _judge_toml(given: dict[str, object], found: Campaign) -> None:
     for one, point in zip(found.points, given["point"], strict=True):  # type: ignore[call-overload]
         if (one.id, one.link) != (point["id"], point["link"]) or list(one.xyz) != list(point["xyz"]):
             raise Misread(f"point {one.id}: {one.xyz}")
-    if "band" in given and list(found.band) != given["band"]:
+    if "band" in given and list(found.band) != [float(one) for one in given["band"]]:
         raise Misread(f"band {found.band}")
 
 
 def _judge_modes(text: str, found: Campaign) -> None:
     rows = [
-        row for row in csv.DictReader(io.StringIO(text)) if any((cell or "").strip() for cell in row.values())
+        row
+        for row in csv.DictReader(io.StringIO(text, newline=""))
+        if any((cell or "").strip() for cell in row.values())
     ]
     modes = found.modes
     if modes is None or len(rows) != len(modes.natural_frequency):
         raise Misread(f"{len(rows)} rows of modes read as {modes and len(modes.natural_frequency)}")
     for key in ("natural_frequency", "damping_ratio"):
-        theirs = [float(row[key]) if row[key].strip() else np.nan for row in rows]
+        theirs = [float(row[key].strip()) if row[key].strip() else np.nan for row in rows]
         _same(key, getattr(modes, key), theirs)
 
 
 def _judge_table(text: str, found: Campaign) -> None:
     rows = [
-        row for row in csv.DictReader(io.StringIO(text)) if any((cell or "").strip() for cell in row.values())
+        row
+        for row in csv.DictReader(io.StringIO(text, newline=""))
+        if any((cell or "").strip() for cell in row.values())
     ]
     if found.frfs is None:
         raise Misread("a table without FRFs")
-    _same("frequency", found.frfs.frequency, [float(row["f"]) for row in rows])
-    theirs = np.array([float(row["re"]) + 1j * float(row["im"]) for row in rows])
+    _same("frequency", found.frfs.frequency, [float(row["f"].strip()) for row in rows])
+    theirs = np.array([float(row["re"].strip()) + 1j * float(row["im"].strip()) for row in rows])
     _same("values", found.frfs.value[0], theirs)
 
 

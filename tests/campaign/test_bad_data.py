@@ -351,6 +351,7 @@ def test_records_that_pyuff_wrote_with_its_own_byte_count(campaign: Campaign, tm
         ("format = 1", "format = true", "format"),
         ("band = [2.0, 9.0]", "band = [9.0, 2.0]", "band: found 9 to 2"),
         ("band = [2.0, 9.0]", "band = [nan, 2.0]", "band[0]: found nan"),
+        ("band = [2.0, 9.0]", "band = [2.0, 1e18]", "band[1]: found 1e+18; allowed: two frequencies"),
         ("id = 2", "id = 1", "posture[1].id: found 1, as in posture[0]"),
         ("id = 1", "id = 0", "posture[0].id: found 0; allowed: a whole number from 1"),
         ("averages = 3", "averages = 0", "trial[0].averages: found 0"),

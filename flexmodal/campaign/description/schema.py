@@ -17,6 +17,7 @@ _ID = f"a whole number from 1 to {MOST_DIGITS}"
 _TRIAL_ID = f"a whole number from 1 to {MOST_TRIAL}"
 _WINDOW = '"none", or { kind = "force" or "exponential", decay = a number in 1/s, 0 or more }'
 
+Frequency = Annotated[float, Field(strict=True, ge=0, le=1e9)]
 Id = Annotated[int, Field(strict=True, ge=1, le=MOST_DIGITS)]
 TrialId = Annotated[int, Field(strict=True, ge=1, le=MOST_TRIAL)]
 
@@ -75,7 +76,7 @@ class CampaignTable(Table):
     format: Literal[1] = Field(description="1")
     title: Text = Field(description=TEXT)
     robot: Text = Field(description="a card's name, or a path relative to this file")
-    band: Annotated[list[NotNegative], Field(min_length=2, max_length=2)] | None = Field(
+    band: Annotated[list[Frequency], Field(min_length=2, max_length=2)] | None = Field(
         default=None, description=BAND
     )
     separate_modes: bool = Field(default=False, strict=True, description="true or false")
