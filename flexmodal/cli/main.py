@@ -49,6 +49,9 @@ _COMMANDS = {
 _LONGEST = 500
 """Characters of a complaint about the words of a call."""
 
+_LONGEST_LINE = 1900
+"""Characters of a line of any complaint; a fault is shorter by itself."""
+
 
 SCHEMAS = Path(__file__).with_name("schemas")
 """What `--json` of each command gives, as JSON Schema."""
@@ -172,7 +175,7 @@ def main(arguments: list[str] | None = None) -> None:
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
         sys.exit(0)
     except OSError as error:
-        _complain(f"{error.filename or 'standard output'}: {error.strerror}")
+        _complain(f"{error.filename or 'standard output'}: {error.strerror or error}")
         sys.exit(2)
 
 
@@ -232,4 +235,11 @@ def _here(fault: Fault, options: set[str]) -> Fault:
 
 def _complain(*sentences: str) -> None:
     for sentence in sentences:
-        say(f"flexmodal: {sentence}", err=True)
+        lines = "\n".join(_cut(line) for line in sentence.splitlines())
+        say(f"flexmodal: {lines}", err=True)
+
+
+def _cut(line: str) -> str:
+    """A line without its middle, where a name or a path of somebody else's made it long."""
+    half = _LONGEST_LINE // 2
+    return line if len(line) <= _LONGEST_LINE else f"{line[:half]}…{line[-half:]}"

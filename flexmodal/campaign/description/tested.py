@@ -8,7 +8,7 @@ from typing import Protocol, runtime_checkable
 
 from flexmodal.campaign.trial import Trial
 
-BAND = "two frequencies in Hz, the lower first"
+BAND = "two frequencies in Hz, the lower first, at most 1e9"
 """What the band of a campaign may be."""
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -51,20 +52,24 @@ def import_table(path: str | os.PathLike[str]) -> Campaign:
         raise InvalidCampaign(faults.faults)
     axis = values[columns.abscissa]
     _check_axis(axis, columns, faults)
+    _check_coherence(columns, values, faults)
     if faults.faults:
         raise InvalidCampaign(faults.faults)
     frfs = _frfs(columns.frf, axis, values, tested) if columns.frf else None
     blows = tuple(_blow(entry, axis, values) for entry in columns.blow)
-    return Campaign(
-        title=tested.title,
-        robot=tested.robot,
-        band=tested.band or default_band(frfs, blows),
-        postures=tested.postures,
-        points=tested.points,
-        trials=tested.trials,
-        frfs=frfs,
-        blows=blows,
-    )
+    try:
+        return Campaign(
+            title=tested.title,
+            robot=tested.robot,
+            band=tested.band or default_band(frfs, blows),
+            postures=tested.postures,
+            points=tested.points,
+            trials=tested.trials,
+            frfs=frfs,
+            blows=blows,
+        )
+    except InvalidCampaign as error:  # a posture, trial or point of the map that is not described
+        raise InvalidCampaign(replace(fault, file=str(file)) for fault in error.faults) from None
 
 
 def _column_map(file: Path) -> ColumnMap:
@@ -105,6 +110,14 @@ def _check_axis(axis: np.ndarray, columns: ColumnMap, faults: FaultList) -> None
         faults.add(key, f"{axis[0]:g} Hz", "0 Hz or more")
     elif columns.blow and evened(axis) is None:
         faults.add(key, "samples that are not evenly spaced", "one time step throughout")
+
+
+def _check_coherence(columns: ColumnMap, values: dict[str, np.ndarray], faults: FaultList) -> None:
+    for name in sorted({entry.coherence for entry in columns.frf if entry.coherence is not None}):
+        wrong = np.flatnonzero(~((values[name] >= 0) & (values[name] <= 1)))
+        if len(wrong):
+            found = f"a coherence outside 0 to 1, {values[name][wrong[0]]:g}"
+            faults.add(f"column {shown(name)}", found, "coherences from 0 to 1")
 
 
 def _frfs(
