@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from flexmodal.cli.measured import campaign_at, refuse_export
+from flexmodal.cli.measured import campaign_at, refuse_export, say_findings
 from flexmodal.cli.options import (
     RobotOptions,
     force_option,
@@ -76,6 +76,7 @@ def predict(
     improved = Path(robot.robot) / "robot" / "robot.toml"
     arm = (replace(robot, robot=str(improved)) if improved.is_file() else robot).load()
     where = posture_of(arm, posture)
+    say_findings(measured, arm)
     trusted = {**(POOR if poor_card else {}), **trust_of(trust)}
     count = 0 if measured.frfs is None else len(np.unique(measured.frfs.posture))
     with progress(1 + (count or len(measured.postures)), "leaving out", quiet=quiet) as advance:
