@@ -11,12 +11,14 @@ from flexmodal.identification.model import predict
 from flexmodal.model import Robot
 from flexmodal.soundness.blows import blow_findings
 from flexmodal.soundness.finding import Finding, FindingKind
-from flexmodal.soundness.hypotheses import angle_hypotheses, record_hypotheses
+from flexmodal.soundness.hypotheses import angle_hypotheses, in_radians, record_hypotheses
 from flexmodal.soundness.low_corner import corner_findings
 from flexmodal.soundness.records import record_findings
-from flexmodal.soundness.suspicion import Accepted, accepted, with_angles
+from flexmodal.soundness.suspicion import EVERYWHERE, Accepted, accepted, with_angles
 from flexmodal.structure import robot_space
 
+TURNED = 3
+"""Joints at most that are looked at the other way round, one after the other."""
 _REMEDY: dict[FindingKind, str] = {
     "sign": "turn the sense of this channel in its records, or mount it as its label says",
     "axes swapped": "exchange the two labels in the records, or measure again",
@@ -56,12 +58,25 @@ def beside_model(observations: Observations, robot: Robot) -> list[Finding]:
     """
     model = RobotModel(robot, robot_space(robot))
     card = np.zeros(len(model.space))
-    hypotheses, angles = angle_hypotheses(observations)
-    models = {"": predict(model, card, observations)}
-    for name, q in angles.items():
-        models[name] = predict(model, card, with_angles(observations, q))
-    explained, told = accepted(observations, models, [*hypotheses, *record_hypotheses(observations)])
-    return [*map(_finding, explained), *corner_findings(observations, told)]
+    found: list[Finding] = []
+    turned = in_radians(observations)
+    if turned is not None:
+        found.append(_degrees(observations))
+        observations = turned
+    for _ in range(TURNED):
+        hypotheses, angles = angle_hypotheses(observations)
+        models = {"": predict(model, card, observations)}
+        for name, q in angles.items():
+            models[name] = predict(model, card, with_angles(observations, q))
+        explained, told = accepted(observations, models, [*hypotheses, *record_hypotheses(observations)])
+        everywhere = [one for one in explained if one.hypothesis.where.endswith(EVERYWHERE)]
+        joint = next((one for one in everywhere if one.hypothesis.kind == "joint sign"), None)
+        if joint is None:
+            break
+        # with this joint turned, what else is wrong with the angles is looked for anew
+        found.append(_finding(joint))
+        observations = with_angles(observations, angles[str(joint.hypothesis.angles)])
+    return [*found, *map(_finding, explained), *corner_findings(observations, told)]
 
 
 def _finding(one: Accepted) -> Finding:
@@ -72,6 +87,18 @@ def _finding(one: Accepted) -> Finding:
         f"so read, these records come from {one.before:.2g} to {one.after:.2g} (|ln|) of the card's model",
         "a fit takes it for stiffness, damping or mass",
         _REMEDY[guess.kind],
+    )
+
+
+def _degrees(observations: Observations) -> Finding:
+    """Angles that no robot's joint has."""
+    most = max(abs(value) for posture in observations.postures for value in posture.q.values())
+    return Finding(
+        "degrees for radians",
+        "all postures",
+        f"angles up to {most:.4g}, where a whole turn is 6.28 rad; what follows takes them for degrees",
+        "every posture is another one",
+        _REMEDY["degrees for radians"],
     )
 
 

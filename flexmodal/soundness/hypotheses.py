@@ -11,9 +11,11 @@ from jaxtyping import Bool, Int
 
 from flexmodal.identification import Observations
 from flexmodal.soundness.finding import FindingKind
-from flexmodal.soundness.suspicion import Hypothesis, scopes
+from flexmodal.soundness.suspicion import EVERYWHERE, Hypothesis, scopes, with_angles
 
 GRAVITY = 9.80665
+TURN = 2 * math.pi + 0.1
+"""Angles beyond are none that a joint is set to [rad]."""
 FACTORS: Mapping[float, str] = {
     GRAVITY: "too small some ten times, as in g for m/s², or with the mV/g of another sensor",
     1 / GRAVITY: "too large some ten times, as by 9.81 once too often, or with the mV/g of another sensor",
@@ -139,7 +141,7 @@ def angle_hypotheses(
     for joint in joints:
         name = f"{joint} the other way"
         angles[name] = [{**q, joint: -q.get(joint, 0.0)} for q in stated]
-        found.append(Hypothesis("joint sign", f"{joint} in all postures", every, angles=name))
+        found.append(Hypothesis("joint sign", f"{joint} in {EVERYWHERE}", every, angles=name))
         for number, posture in enumerate(postures):
             if stated[number].get(joint):
                 where = f"{joint} in posture {posture.name}"
@@ -150,6 +152,20 @@ def angle_hypotheses(
         where = f"posture {posture.name}"
         found.append(Hypothesis("degrees for radians", where, rows[number], angles="degrees"))
     return found, angles
+
+
+def in_radians(observations: Observations) -> Observations | None:
+    """With angles taken for degrees where most postures have one of more than a turn; None elsewhere.
+
+    Args:
+        observations: what was measured.
+    """
+    stated = [dict(one.q) for one in observations.postures]
+    beyond = [any(abs(value) > TURN for value in q.values()) for q in stated]
+    if not sum(beyond) > len(beyond) / 2:
+        return None
+    angles = [{joint: math.radians(value) for joint, value in q.items()} for q in stated]
+    return with_angles(observations, angles)
 
 
 def _exchange(rows: list[np.ndarray], pair: tuple[int, int], count: int, where: str) -> Hypothesis:

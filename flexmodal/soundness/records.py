@@ -14,6 +14,10 @@ TURNED = 0.6
 """Part of the lines of a drive point with negative power from which its sign is wrong."""
 AWAY = 0.15
 """Root mean square of |ln| from which two FRFs that should be one are not."""
+CLEAR = 0.95
+"""Coherence of lines that are compared with each other."""
+CLEAR_SHARE = 0.3
+"""Of all lines, that have to be so clear."""
 OF_BLOWS = 0.1
 """The same of FRFs and the H1 of their own blows."""
 NAMED = 4
@@ -80,9 +84,10 @@ def _reciprocity(records: FrfRecords) -> list[Finding]:
         other = rows.get((posture, trial, q, e, p, d))
         if other is None or (p, d) >= (q, e):
             continue
-        weight = records.weight[row] * records.weight[other]
-        there = (records.value[row] != 0) & (records.value[other] != 0) & (weight > 0)
-        if there.sum() < 8:
+        there = (records.value[row] != 0) & (records.value[other] != 0)
+        if records.coherence is not None:
+            there &= np.minimum(records.coherence[row], records.coherence[other]) > CLEAR
+        if there.mean() < CLEAR_SHARE:
             continue
         ratio = np.log(records.value[row][there] / records.value[other][there])
         middle = np.array([np.median(ratio.real), np.median(np.abs(ratio.imag))])

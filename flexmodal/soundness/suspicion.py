@@ -24,6 +24,7 @@ FAR = 0.2
 """Root mean square of |ln| from which records are suspected."""
 LEFT = 0.4
 """Part of the misfit of its records that a hypothesis may leave."""
+EVERYWHERE = "all postures"
 MOST = 12
 """Hypotheses that are accepted, one after the other."""
 
@@ -146,7 +147,7 @@ def with_angles(observations: Observations, angles: Sequence[Mapping[str, float]
 
 def scopes(observations: Observations) -> Iterator[tuple[str, Bool[np.ndarray, " observation"]]]:
     """All postures together, then each by itself: words and rows."""
-    yield "all postures", np.ones(len(observations), bool)
+    yield EVERYWHERE, np.ones(len(observations), bool)
     if len(observations.postures) > 1:
         for number, posture in enumerate(observations.postures):
             yield f"posture {posture.name}", observations.posture == number

@@ -14,8 +14,9 @@ def fanuc():
 @pytest.fixture(scope="session")
 def planar(fanuc):
     made = simulate(
-        fanuc, postures=3, points=3, references=2, trials=2, averages=3, peaks=(100.0,),
-        band=(2.0, 120.0), record_length=2.0, seed=6,
+        fanuc, postures=["configuration_1", "configuration_3", "configuration_7"],
+        points=2, references=2, trials=2, averages=2, peaks=(100.0,),
+        band=(2.0, 120.0), record_length=1.5, seed=6,
     )  # fmt: skip
     return made.campaign
 

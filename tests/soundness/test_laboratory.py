@@ -47,6 +47,12 @@ def test_three_at_once(planar, fanuc):
     assert {"sign", "postures exchanged", "drift"} <= kinds
 
 
+def test_degrees_do_not_hide_what_else_is_wrong(planar, fanuc):
+    spoilt, _ = with_mishaps(planar, ["degrees for radians", "joint sign"], seed=4)
+    kinds = [one.kind for one in check_soundness(spoilt, fanuc)]
+    assert kinds == ["degrees for radians", "joint sign"]
+
+
 def test_a_finding_says_where_what_it_costs_and_what_to_do(planar, fanuc):
     point = planar.points[1]
     blows = tuple(
