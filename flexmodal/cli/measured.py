@@ -46,10 +46,10 @@ def _no_campaign(place: Path) -> Fault:
     """What to do with a file that is no campaign."""
     kind = f"a file of the kind {place.suffix or 'without an ending'}"
     allowed = "a folder with a campaign.toml, or a universal file (.uff, .unv) by itself"
-    if place.suffix.lower() in (".csv", ".xlsx", ".txt"):
+    if place.suffix.lower() in (".csv", ".xlsx", ".txt", ".mat", ".h5", ".hdf5"):
         allowed += (
-            "; a table becomes a campaign by flexmodal.campaign.import_table, which is told what each column "
-            "is: docs/campaign.md"
+            f"; a table becomes a campaign by a map: flexmodal import {place} --draft map.toml, see "
+            "docs/campaign.md"
         )
     elif place.suffix.lower() in (".toml", ".urdf"):
         allowed += "; a robot goes to the other commands, such as flexmodal modes"
