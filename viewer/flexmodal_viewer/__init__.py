@@ -1,6 +1,7 @@
 """Meshcat scenes of flexmodal robots: postures, deflections, modes, and self-contained pages."""
 
 from flexmodal_viewer.campaign_scene import campaign_scene as campaign_scene
+from flexmodal_viewer.live_scene import live_scene as live_scene
 from flexmodal_viewer.outcome_scene import outcome_scene as outcome_scene
 from flexmodal_viewer.page import write_page as write_page
 from flexmodal_viewer.robot_scene import robot_scene as robot_scene

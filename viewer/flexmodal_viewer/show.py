@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from flexmodal.campaign import Campaign
 from flexmodal.ema.shapes import FittedShapes
@@ -11,6 +12,8 @@ from flexmodal.frf import PointDirection
 from flexmodal.model import Posture, Robot
 from flexmodal.optimisation import Outcome
 from flexmodal_viewer.campaign_scene import campaign_scene
+from flexmodal_viewer.live_numbers import is_serial
+from flexmodal_viewer.live_scene import live_scene
 from flexmodal_viewer.outcome_scene import outcome_scene
 from flexmodal_viewer.page import page_html, write_page
 from flexmodal_viewer.robot_scene import robot_scene
@@ -27,6 +30,8 @@ def show_robot(
     modes: bool = False,
     response: str | PointDirection | None = None,
     frequency: float | None = None,
+    live: bool = True,
+    others: Mapping[str, Robot] | None = None,
     out: str | Path | None = None,
     port: int | None = None,
     overwrite: bool = False,
@@ -39,9 +44,12 @@ def show_robot(
     Args:
         robot: what to show.
         posture: how it stands.
-        modes: with its mode shapes, one button each.
+        modes: swinging in its first mode when the page opens; without `live` with a button for each mode.
         response: point and direction of a force; the tool along z if none.
-        frequency: with its deflection under that force at this frequency [Hz].
+        frequency: swinging as it does under that force at this frequency [Hz] when the page opens.
+        live: with a slider for each joint, receptance and modes following on the page; an arm whose joints
+            branch is drawn as it stands.
+        others: models whose receptance is drawn on the same axes, by what they are called.
         out: write a self-contained page here instead of serving it.
         port: port on 127.0.0.1; a free one if none.
         overwrite: replace a page that stands there already.
@@ -53,11 +61,16 @@ def show_robot(
         Path of the page, or address it is served at.
 
     Raises:
-        InvalidPoint, InvalidFrequencies, InvalidPosture, SingularResponse: see `robot_scene`.
+        InvalidPoint, InvalidFrequencies, InvalidPosture, SingularResponse: see `live_scene`.
         InvalidRequest: the port cannot be used.
         OutputExists: the page exists already, or its folder does not.
     """
-    scene = robot_scene(robot, posture, modes=modes, response=response, frequency=frequency)
+    if live and is_serial(robot):
+        swing = "force" if frequency is not None else "mode" if modes else ""
+        asked: dict[str, Any] = {"response": response, "frequency": frequency, "swing": swing}
+        scene = live_scene(robot, posture, others=others, **asked)
+    else:
+        scene = robot_scene(robot, posture, modes=modes, response=response, frequency=frequency)
     return _deliver(scene, out, port, overwrite, open_browser, announce, block)
 
 

@@ -38,6 +38,11 @@
   }
   window.viewer = viewer;
   const node = (path) => viewer.scene_tree.find(path.split("/").filter((part) => part)).object;
+  // What scripts after this one may use.
+  window.flexmodalPage = {
+    viewer, node, stage,
+    frame: (points) => { scene.view.points = points; touched = false; frame(); },
+  };
 
   // A planar arm is seen without perspective, so that it can be measured against its grid.
   if (scene.view.flat) {
@@ -168,6 +173,18 @@
   };
 
   scene.commands.forEach((command) => viewer.handle_command(fill(command)));
+
+  // Lines that lie on the ground of the page follow its colours.
+  const dark = matchMedia("(prefers-color-scheme: dark)");
+  function recolour() {
+    const colours = { grid: dark.matches ? 0x3a424b : 0xd9dce0, axes: dark.matches ? 0xa3abb5 : 0x4b5058 };
+    for (const [path, colour] of Object.entries(colours)) {
+      node(`/flexmodal/${path}`).traverse((object) => { if (object.material) object.material.color.setHex(colour); });
+    }
+    viewer.set_dirty();
+  }
+  recolour();
+  dark.addEventListener("change", recolour);
 
   // Motions: a button each; the one chosen is loaded as a meshcat animation.
   const buttons = [...document.querySelectorAll("button[data-motion]")];

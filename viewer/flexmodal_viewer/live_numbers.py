@@ -1,0 +1,114 @@
+"""What a page needs to put a robot in postures itself: its chain, its springs, its points."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from flexmodal.model import Robot
+from flexmodal.model.batch.chain import Chain, chain_of, places_of, turn_of
+from flexmodal.model.placements import link_placements
+from flexmodal_viewer.scene import Matrix
+
+
+def is_serial(robot: Robot) -> bool:
+    """Whether its joints stand one behind the other, which the page's own kinematics need."""
+    return chain_of(robot) is not None
+
+
+def live_numbers(robot: Robot, points: Sequence[str] = ()) -> dict[str, Any] | None:
+    """The robot in numbers, ready for JSON, every one with all its digits; None for an arm that branches.
+
+    Args:
+        robot: whose joints are to be moved on the page.
+        points: that can be pushed at besides the tool and the points of the card.
+    """
+    chain = chain_of(robot)
+    if chain is None:
+        return None
+    names = list(robot.moving)
+    hysteresis = robot.hysteresis
+    return {
+        "name": robot.name,
+        "joints": [_joint(robot, chain, number) for number in range(len(names))],
+        "flexible": robot.flexible_index.tolist(),
+        "commanded": [names.index(name) for name in robot.commanded],
+        "stiffness": robot.stiffness.ravel().tolist(),
+        "damping": robot.damping.ravel().tolist(),
+        "hysteresis": None
+        if hysteresis is None
+        else {
+            "stiffness": hysteresis.stiffness.tolist(),
+            "loss": hysteresis.loss_factor.tolist(),
+            "frequency": hysteresis.frequency,
+        },
+        "points": _points(robot, points),
+        "tool": robot.tool,
+        "links": _links(robot, chain),
+        "postures": [[name, dict(values)] for name, values in robot.postures.items()],
+        "planar": robot.is_planar,
+    }
+
+
+def _joint(robot: Robot, chain: Chain, number: int) -> dict[str, Any]:
+    name, joint = list(robot.moving.items())[number]
+    bounded = np.isfinite([joint.lower, joint.upper])
+    return {
+        "name": name,
+        "turns": bool(chain.turns[number]),
+        "axis": chain.axis[number].tolist(),
+        "rotation": chain.rotation[number].ravel().tolist(),
+        "offset": chain.offset[number].tolist(),
+        "mass": float(chain.mass[number]),
+        "centre": chain.centre[number].tolist(),
+        "inertia": chain.inertia[number].ravel().tolist(),
+        "rotor": float(chain.rotor[number]),
+        "lower": float(joint.lower) if bounded[0] else -np.pi,
+        "upper": float(joint.upper) if bounded[1] else np.pi,
+        "pseudo": name in robot.pseudo_joints,
+    }
+
+
+def _points(robot: Robot, more: Sequence[str]) -> dict[str, Any]:
+    """Named points and links that can be pushed at, by name: joint that carries them, offset, turn."""
+    names = dict.fromkeys(["tool", robot.tool, *robot.points, *more])
+    places = places_of(robot, tuple((name, np.zeros(6)) for name in names))
+    return {
+        name: {
+            "joint": int(places.joint[row]),
+            "offset": places.offset[row].tolist(),
+            "turn": turn_of(robot, name).ravel().tolist(),
+        }
+        for row, name in enumerate(names)
+    }
+
+
+def _links(robot: Robot, chain: Chain) -> list[dict[str, Any]]:
+    """Each link in the order of the URDF: the joint that carries it, and its place in that joint's frame."""
+    order = {joint.child: number for number, joint in enumerate(robot.moving.values())}
+    above = {joint.child: joint.parent for joint in robot.urdf.joints}
+    placed = link_placements(robot, {})
+    carried = _joint_frames(chain)
+    found = []
+    for link in robot.urdf.links:
+        at: str | None = link.name
+        while at is not None and at not in order:
+            at = above.get(at)
+        joint = -1 if at is None else order[at]
+        place = placed[link.name] if joint < 0 else np.linalg.inv(carried[joint]) @ placed[link.name]
+        found.append({"joint": joint, "place": place.T.ravel().tolist()})
+    return found
+
+
+def _joint_frames(chain: Chain) -> list[Matrix]:
+    """Frames of the joints in the world with all of them at 0."""
+    found: list[Matrix] = []
+    place = np.eye(4)
+    for rotation, offset in zip(chain.rotation, chain.offset, strict=True):
+        step = np.eye(4)
+        step[:3, :3], step[:3, 3] = rotation, offset
+        place = place @ step
+        found.append(place)
+    return found
