@@ -25,6 +25,9 @@ if TYPE_CHECKING:
     from flexmodal.campaign import Campaign
     from flexmodal.ema.shapes import FittedShapes
 
+_MOST_CARDS = 3
+"""Curves that a reader can tell apart beside the arm's own and the measured ones."""
+
 
 @click.command()
 @robot_options
@@ -38,6 +41,12 @@ if TYPE_CHECKING:
     metavar="DIR",
     help="Show how the robot was tested, and the shapes of the modes fitted to that.",
 )
+@click.option(
+    "--compare",
+    multiple=True,
+    metavar="OTHER",
+    help="Another card, or a campaign with FRFs, on the same axes; may be repeated.",
+)
 @click.option("--out", type=click.Path(path_type=Path), help="Write one self-contained page instead.")
 @click.option("--port", type=click.IntRange(0, 65535), help="Port on 127.0.0.1; a free one if none.")
 @force_option
@@ -48,6 +57,7 @@ def show(
     response: str | None,
     frequency: float | None,
     campaign: Path | None,
+    compare: tuple[str, ...],
     out: Path | None,
     port: int | None,
     force: bool,
@@ -63,7 +73,7 @@ def show(
     deliver: dict[str, Any] = {"out": out, "port": port, "overwrite": force}
     deliver["announce"] = lambda text: say(text, err=True)
     if campaign is not None or is_campaign(robot.robot):
-        _refuse_beside(modes=modes, response=response, frequency=frequency)
+        _refuse_beside(modes=modes, response=response, frequency=frequency, compare=compare)
         measured = _campaign(Path(robot.robot) if campaign is None else campaign, posture)
         refuse_export(measured)
         arm = (robot if campaign is not None else replace(robot, robot=card_of(measured))).load()
@@ -71,7 +81,30 @@ def show(
         return
     arm = robot.load()
     where = arm.posture(next(iter(arm.postures), {})) if posture is None else posture_of(arm, posture)
-    viewer("show_robot")(arm, where, modes=modes, response=response, frequency=frequency, **deliver)
+    beside = _compared(robot, compare)
+    viewer("show_robot")(arm, where, modes=modes, response=response, frequency=frequency, **beside, **deliver)
+
+
+def _compared(robot: RobotOptions, given: tuple[str, ...]) -> dict[str, Any]:
+    """Models by name, and at most one campaign, to stand on the same axes."""
+    from flexmodal.campaign import is_campaign
+
+    folders = [one for one in given if is_campaign(one)]
+    cards = [one for one in given if one not in folders]
+    faults = [
+        Fault(SOURCE, "--compare", repr(one), "one campaign; each other that is compared is a card")
+        for one in folders[1:]
+    ]
+    if len(cards) > _MOST_CARDS:
+        faults.append(Fault(SOURCE, "--compare", f"{len(cards)} cards", f"at most {_MOST_CARDS}"))
+    if faults:
+        raise InvalidRequest(faults)
+    others: dict[str, Any] = {}
+    for one in cards:
+        other = replace(robot, robot=one).load()
+        name = other.name if other.name not in others else one
+        others[name] = other
+    return {"others": others, "measured": campaign_at(folders[0]) if folders else None}
 
 
 def _refuse_beside(**given: object) -> None:

@@ -13,6 +13,7 @@ from flexmodal_viewer import show_robot
 from PIL import Image
 from playwright.sync_api import expect
 
+from flexmodal.campaign import Campaign, CampaignPoint, CampaignPosture, FrfRecords, Trial
 from flexmodal.model import load
 
 _SPEC = importlib.util.spec_from_file_location("live_pages", Path(__file__).with_name("live.py"))
@@ -243,3 +244,58 @@ def test_hostile_names_are_text(browser, tmp_path):
         assert tab.evaluate("document.documentElement.scrollWidth <= innerWidth")
         tab.locator("[data-keep=toml]").click()
         assert HOSTILE in tomllib.loads(tab.locator("#kept").input_value())["posture"]["kept"]
+
+
+@pytest.fixture
+def compared(tmp_path):
+    """Two cards and a campaign whose FRFs are those of a third, so that the curves have to differ."""
+    arm, other = load("fanuc_s360"), load("fanuc_s360_table_2_8")
+    measured = load("fanuc_s360_rigid_link")
+    where = arm.posture("configuration_1")
+    lines = np.arange(2.0, 60.0, 0.5)
+    points = (CampaignPoint(1, "location_1", "link_3", (0.23, 0.0, 0.0)),)
+    value = measured.at(where.values).frf(lines, response="location_1:+z").value[:, 0, 0]
+    records = FrfRecords(
+        frequency=lines,
+        value=value[None],
+        posture=np.array([1]),
+        trial=np.array([1]),
+        response=np.array([[1, 3]]),
+        reference=np.array([[1, 3]]),
+        form="receptance",
+        coherence=None,
+    )
+    campaign = Campaign(
+        title="made by hand",
+        robot="fanuc_s360",
+        band=(2.0, 60.0),
+        postures=(CampaignPosture(1, "configuration_1", dict(where.values)),),
+        points=points,
+        trials=(Trial(1, 100.0, 3, "steel"),),
+        frfs=records,
+    )
+    asked = {"response": "location_1:+z", "others": {"other": other}, "measured": campaign}
+    show_robot(arm, where, out=tmp_path / "page.html", announce=lambda _: None, **asked)
+    return tmp_path / "page.html", other, lines, np.abs(value)
+
+
+def test_other_models_and_measurements_stand_on_the_same_axes(browser, compared):
+    page, other, lines, sizes = compared
+    with live.opened(browser, page) as tab:
+        names = tab.locator("#curve-legend li").all_inner_texts()
+        assert names == ["fanuc_s360", "other", "measured"]
+        theirs = "flexmodalLive.others[0].robot"
+        found = tab.evaluate(
+            f"(({{ at }}, d) => {theirs}.at(flexmodalLive.state.q).frf([9, 50], d, d).re)"
+            f"({theirs}, {theirs}.direction('location_1:+z'))"
+        )
+        wanted = other.at("configuration_1").frf([9.0, 50.0], response="location_1:+z").value[:, 0, 0].real
+        assert list(found) == pytest.approx(wanted, rel=1e-9)
+        assert tab.locator(".curve.measured").count() == 1
+        drawn = tab.evaluate("JSON.parse(document.getElementById('robot').textContent).measured[0]")
+        assert drawn["sizes"] == pytest.approx(sizes, rel=1e-3)
+        assert drawn["frequencies"] == pytest.approx(lines)
+        slide(tab, 0, 1.2)  # nothing was measured there
+        assert tab.locator(".curve.measured").count() == 0
+        tab.locator("#postures").select_option(label="configuration_1 (measured)")
+        assert tab.locator(".curve.measured").count() == 1

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from flexmodal_viewer import show_robot
+from flexmodal_viewer.live_numbers import live_numbers
 
 from flexmodal.model import load
 from flexmodal.model.placements import link_placements
@@ -69,12 +70,19 @@ def robot(request, tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def page(robot, browser, tmp_path_factory):
-    where = robot.posture({name: (joint.lower + joint.upper) / 2 for name, joint in robot.commanded.items()})
+def tab(browser, tmp_path_factory):
+    """One page; the robots are put into it as they would come with their own."""
+    arm = load("six_axis")
     out = tmp_path_factory.mktemp("live") / "page.html"
-    path = show_robot(robot, where, out=out, announce=lambda _: None)
-    with live.opened(browser, path, width=400, height=300) as tab:
-        yield tab
+    path = show_robot(arm, arm.posture("work"), out=out, announce=lambda _: None)
+    with live.opened(browser, path, width=400, height=300) as found:
+        yield found
+
+
+@pytest.fixture(scope="module")
+def page(robot, tab):
+    tab.evaluate("(numbers) => { window.robot = flexmodalLive.make(numbers); }", live_numbers(robot))
+    return tab
 
 
 def _postures(robot, count=6):
@@ -98,7 +106,7 @@ def _off(found, wanted, axis=None):
 
 def test_mass_places_and_receptance(robot, page):
     script = """([q, lines]) => {
-      const { robot } = flexmodalLive, at = robot.at(q);
+      const at = robot.at(q);
       const h = at.frf(lines, robot.direction("tool:+z"), robot.direction("tool:-x"));
       return { mass: [...at.system.mass], re: [...h.re], im: [...h.im], place: at.position("tool"),
                turn: at.turned("tool"), jacobian: at.jacobian("tool").map((row) => [...row]) };
@@ -116,7 +124,7 @@ def test_mass_places_and_receptance(robot, page):
 
 def test_modes_and_shares_of_energy(robot, page):
     script = """(q) => {
-      const at = flexmodalLive.robot.at(q), modes = at.modes();
+      const at = robot.at(q), modes = at.modes();
       return { pole: modes.map((m) => m.pole), shares: modes.map((m) => at.shares(m.shape)),
                shape: modes.map((m) => m.shape.re.map((x, i) => [x, m.shape.im[i]])) };
     }"""
@@ -130,12 +138,12 @@ def test_modes_and_shares_of_energy(robot, page):
 
 
 def test_ellipsoid(robot, page):
-    script = "([q, hertz]) => flexmodalLive.robot.at(q).ellipsoid('tool', hertz)"
+    script = "([q, hertz]) => robot.at(q).ellipsoid('tool', hertz)"
     for posed, q in _postures(robot, 3):
         for hertz in (0.0, 7.0):
             found = page.evaluate(script, [q, hertz])
             alpha = posed.frf([hertz], response=["tool:+x", "tool:+y", "tool:+z"]).value[0]
-            # a force along its longest axis moves the tool as far as that is long, and no other moves it farther
+            # a force along its longest axis moves the tool as far as that is long, and no other does more
             answered = np.linalg.norm(alpha @ np.array(found["axes"][2]))
             assert answered == pytest.approx(found["lengths"][2], rel=CLOSE)
             forces = np.random.default_rng(0).normal(size=(200, 3))
@@ -143,7 +151,8 @@ def test_ellipsoid(robot, page):
             assert np.max(np.linalg.norm(forces @ alpha.T, axis=1)) <= answered * (1 + CLOSE)
 
 
-def test_links_stand_where_python_puts_them(robot, page):
+def test_links_stand_where_python_puts_them(tab):
+    robot = load("six_axis")
     script = """(q) => {
       const { robot, picture } = flexmodalLive;
       picture.arm("arm", robot.at(q).placed);
@@ -154,7 +163,7 @@ def test_links_stand_where_python_puts_them(robot, page):
       });
     }"""
     for posed, q in _postures(robot, 2):
-        found = np.array(page.evaluate(script, q)).reshape(-1, 4, 4).transpose(0, 2, 1)
+        found = np.array(tab.evaluate(script, q)).reshape(-1, 4, 4).transpose(0, 2, 1)
         placed = link_placements(robot, posed.posture.values)
         wanted = np.array([placed[link.name] for link in robot.urdf.links])
         assert _off(found, wanted) < 1e-8  # three.js keeps turns as quaternions
@@ -162,7 +171,6 @@ def test_links_stand_where_python_puts_them(robot, page):
 
 def test_self_motion_leaves_the_tool(robot, page):
     script = """(q) => {
-      const { robot } = flexmodalLive;
       const way = Hold.selfMotion(robot, q, "tool", false, robot.numbers.commanded.map((_, k) => 1 + k));
       return way.map((stop) => stop.q);
     }""".replace("Hold.", "flexmodalLive.hold.")

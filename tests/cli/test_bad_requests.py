@@ -208,6 +208,18 @@ REQUESTS = {
     "seed -1": ((*SEARCH, "--free", "--seed", "-1"), ["--seed"]),
     "port 70000": (("show", "fanuc_s360", "--port", "70000"), ["--port", "65535"]),
     "port -1": (("show", "fanuc_s360", "--port", "-1"), ["--port"]),
+    "two campaigns to compare": (
+        ("show", "fanuc_s360", "--compare", "fanuc_s360/thesis", "--compare", "fanuc_s360/thesis"),
+        ["--compare", "one campaign"],
+    ),
+    "four cards to compare": (
+        ("show", "fanuc_s360", *4 * ("--compare", "six_link")),
+        ["--compare", "at most 3"],
+    ),
+    "a campaign without FRFs to compare": (
+        ("show", "fanuc_s360", "--compare", "fanuc_s360/thesis", "--out", "page.html"),
+        ["no FRFs and no blows"],
+    ),
     "page as a picture": (("show", "fanuc_s360", "--out", "page.png"), ["--out", "'page.png'", ".html"]),
     "unknown form": (
         (*FRF, "--frequencies", "1", "--form", "velocity"),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -18,18 +18,31 @@ def is_serial(robot: Robot) -> bool:
     return chain_of(robot) is not None
 
 
-def live_numbers(robot: Robot, points: Sequence[str] = ()) -> dict[str, Any] | None:
+Place = tuple[str, tuple[float, float, float]]
+"""A link, and a point in its frame [m]."""
+
+
+def live_numbers(
+    robot: Robot, points: Sequence[str] = (), measured: Mapping[str, Place] | None = None
+) -> dict[str, Any] | None:
     """The robot in numbers, ready for JSON, every one with all its digits; None for an arm that branches.
 
     Args:
         robot: whose joints are to be moved on the page.
         points: that can be pushed at besides the tool and the points of the card.
+        measured: points of a campaign, which count before those of the card.
     """
     chain = chain_of(robot)
     if chain is None:
         return None
     names = list(robot.moving)
     hysteresis = robot.hysteresis
+    links = _links(robot, chain)
+    named = _points(robot, points)
+    order = [link.name for link in robot.urdf.links]
+    for name, (link, xyz) in (measured or {}).items():
+        if link in order:
+            named[name] = _on(links[order.index(link)], xyz)
     return {
         "name": robot.name,
         "joints": [_joint(robot, chain, number) for number in range(len(names))],
@@ -44,9 +57,9 @@ def live_numbers(robot: Robot, points: Sequence[str] = ()) -> dict[str, Any] | N
             "loss": hysteresis.loss_factor.tolist(),
             "frequency": hysteresis.frequency,
         },
-        "points": _points(robot, points),
+        "points": named,
         "tool": robot.tool,
-        "links": _links(robot, chain),
+        "links": links,
         "postures": [[name, dict(values)] for name, values in robot.postures.items()],
         "planar": robot.is_planar,
     }
@@ -83,6 +96,13 @@ def _points(robot: Robot, more: Sequence[str]) -> dict[str, Any]:
         }
         for row, name in enumerate(names)
     }
+
+
+def _on(link: Mapping[str, Any], xyz: tuple[float, float, float]) -> dict[str, Any]:
+    """A point of a link, in the frame of the joint that carries it."""
+    place = np.array(link["place"]).reshape(4, 4).T
+    turn, offset = place[:3, :3], place[:3, :3] @ np.array(xyz) + place[:3, 3]
+    return {"joint": link["joint"], "offset": offset.tolist(), "turn": turn.ravel().tolist()}
 
 
 def _links(robot: Robot, chain: Chain) -> list[dict[str, Any]]:

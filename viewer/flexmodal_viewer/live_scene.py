@@ -7,12 +7,14 @@ from typing import Any
 
 import numpy as np
 
+from flexmodal.campaign import Campaign
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.frf import PointDirection
 from flexmodal.model import PosedRobot, Posture, Robot
 from flexmodal_viewer import marks
 from flexmodal_viewer.arm import Arm, along
-from flexmodal_viewer.live_numbers import live_numbers
+from flexmodal_viewer.live_measured import measured_curves, measured_points
+from flexmodal_viewer.live_numbers import Place, live_numbers
 from flexmodal_viewer.palette import FORCE, JOINT, OPTIMISED, PLAIN, POINT, START, TARGET, shade
 from flexmodal_viewer.scene import Caption, Item, Scene, Swatch
 from flexmodal_viewer.shapes import Ring, Sphere
@@ -35,6 +37,7 @@ def live_scene(
     band: tuple[float, float] | None = None,
     swing: str = "",
     others: Mapping[str, Robot] | None = None,
+    measured: Campaign | None = None,
 ) -> Scene:
     """Draw a robot that can be put in postures by hand.
 
@@ -46,11 +49,13 @@ def live_scene(
         band: first and last frequency of the axis [Hz]; from 0 beyond the modes if none.
         swing: "force" or "mode" if it swings when the page opens.
         others: models to compare with on the same axes, by what they are called.
+        measured: a campaign whose FRFs stand on the same axes while the arm is in one of its postures.
 
     Raises:
         InvalidPoint, InvalidFrequencies, InvalidPosture: bad arguments.
         SingularResponse: an undamped mode is driven at its natural frequency.
-        InvalidRequest: an arm that branches, here or among the others, or a band that is none.
+        InvalidRequest: an arm that branches, here or among the others, a campaign without FRFs, or a band
+            that is none.
     """
     posed = robot.at(posture)
     if isinstance(response, list | tuple):
@@ -62,17 +67,20 @@ def live_scene(
     first, last = _band(posed) if band is None else band
     if not 0 <= first < last < np.inf:
         raise InvalidRequest(Fault("call", "band", f"{first:g} to {last:g} Hz", "two ascending frequencies"))
+    points = {} if measured is None else measured_points(measured)
     lowest = float(posed.modes().frequency[0])
     live = {
-        "robot": _numbers(robot, [direction.point]),
+        "robot": _numbers(robot, [direction.point], points),
         "posture": dict(posture.values),
         "response": str(direction),
         "hertz": lowest if frequency is None else frequency,
         "band": [first, last],
         "swing": swing,
         "reach": arm.reach,
-        "others": [{"name": name, "robot": _numbers(other)} for name, other in (others or {}).items()],
-        "measured": [],
+        "others": [
+            {"name": name, "robot": _numbers(other, (), points)} for name, other in (others or {}).items()
+        ],
+        "measured": [] if measured is None else measured_curves(robot, measured),
     }
     drawn = _drawn(arm, posed, direction)
     where = f"{robot.name}, posture {posture.name}" if posture.name else robot.name
@@ -81,8 +89,8 @@ def live_scene(
     return set_stage(Scene(caption, view, drawn.nodes, tuple(drawn.items), tuple(drawn.labels), live=live))
 
 
-def _numbers(robot: Robot, points: Sequence[str] = ()) -> dict[str, Any]:
-    numbers = live_numbers(robot, points)
+def _numbers(robot: Robot, points: Sequence[str], measured: Mapping[str, Place]) -> dict[str, Any]:
+    numbers = live_numbers(robot, points, measured)
     if numbers is None:
         raise InvalidRequest(
             Fault(robot.name, "joints", "a chain that branches", "joints one behind the other on a live page")

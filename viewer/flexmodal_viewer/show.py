@@ -32,6 +32,7 @@ def show_robot(
     frequency: float | None = None,
     live: bool = True,
     others: Mapping[str, Robot] | None = None,
+    measured: Campaign | None = None,
     out: str | Path | None = None,
     port: int | None = None,
     overwrite: bool = False,
@@ -50,6 +51,7 @@ def show_robot(
         live: with a slider for each joint, receptance and modes following on the page; an arm whose joints
             branch is drawn as it stands.
         others: models whose receptance is drawn on the same axes, by what they are called.
+        measured: a campaign whose FRFs stand on the same axes while the arm is in one of its postures.
         out: write a self-contained page here instead of serving it.
         port: port on 127.0.0.1; a free one if none.
         overwrite: replace a page that stands there already.
@@ -68,7 +70,7 @@ def show_robot(
     if live and is_serial(robot):
         swing = "force" if frequency is not None else "mode" if modes else ""
         asked: dict[str, Any] = {"response": response, "frequency": frequency, "swing": swing}
-        scene = live_scene(robot, posture, others=others, **asked)
+        scene = live_scene(robot, posture, others=others, measured=measured, **asked)
     else:
         scene = robot_scene(robot, posture, modes=modes, response=response, frequency=frequency)
     return _deliver(scene, out, port, overwrite, open_browser, announce, block)

@@ -58,11 +58,15 @@ const Live = (() => {
       if (state.pinned) series.push({ name: "pinned", kind: "pinned", sizes: state.pinned });
       others.forEach(({ name, robot: model }, number) => {
         const stands = other(model);
-        if (stands) series.push({ name: `other ${number}: ${name}`, kind: `other-${number % 3}`, sizes: sizes(stands.at.frf(lines, stands.response, stands.reference)) });
+        if (stands) series.push({ name: `other ${number}: ${name}`, kind: `other-${number}`, sizes: sizes(stands.at.frf(lines, stands.response, stands.reference)) });
       });
       for (const one of data.measured) {
-        if (one.response === state.names.response && one.reference === state.names.reference) series.push({ name: one.name, kind: "measured", sizes: one.frequencies ? resampled(one, lines) : one.sizes });
+        if (!fits(one)) continue;
+        let name = `measured: ${one.name}`;
+        while (series.some((taken) => taken.name === name)) name += "′"; // repeats
+        series.push({ name, kind: "measured", sizes: resampled(one, lines) });
       }
+      legend(series);
       chart.draw({
         frequencies: lines, series, hertz: state.hertz, unit: unit(),
         modes: found.modes.map((mode, number) => ({ hertz: Modes.frequency(mode), name: String(number + 1), chosen: state.swing !== null && state.swing.mode === number })),
@@ -70,6 +74,27 @@ const Live = (() => {
       reswing();
       words();
       if (!keepWay) lay();
+    }
+
+    // Measured where the arm stands now, between the points and axes chosen; the senses do not change a size.
+    const place_ = (text) => text.replace(/:[+-]?/, ":");
+    const fits = (one) => place_(one.response) === place_(state.names.response) && place_(one.reference) === place_(state.names.reference)
+      && joints.every(({ name }, k) => Math.abs((one.q[name] || 0) - state.q[k]) < 1e-6);
+
+    function legend(series) {
+      const kinds = new Map(series.map(({ name, kind }) => [kind, name.replace(/^other \d+: |^measured: /, "")]));
+      kinds.set("live", robot.numbers.name);
+      if (kinds.has("pinned")) kinds.set("pinned", "pinned");
+      const key = JSON.stringify([...kinds]);
+      if (by("curve-legend").dataset.key === key) return;
+      by("curve-legend").dataset.key = key;
+      by("curve-legend").replaceChildren(...(kinds.size < 2 ? [] : [...kinds].map(([kind, text]) => {
+        const line = Panel.make("li");
+        const swatch = Chart.element(line, "svg", { width: 30, height: 10, "aria-hidden": "true" });
+        Chart.element(swatch, "path", { class: `curve ${kind}`, d: "M0 5H30" });
+        line.append(Panel.make("span", { textContent: text }));
+        return line;
+      })));
     }
 
     function words() {
@@ -186,7 +211,7 @@ const Live = (() => {
     }
 
     return {
-      robot, others, state, picture, hold: Hold, found: () => found, posed: () => posed, motion: () => motion, motionOf,
+      robot, others, state, picture, hold: Hold, make: Robot.make, found: () => found, posed: () => posed, motion: () => motion, motionOf,
       update, stand, swingIn, swingForced, rest, setHertz, moveJoint, moveTool, pressed, lay, flexible, commanded,
       start: () => requestAnimationFrame(turnOver),
     };

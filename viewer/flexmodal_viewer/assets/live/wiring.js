@@ -16,6 +16,8 @@
     });
   }
   const given = ["", "as opened"];
+  const tested = new Map(data.measured.map((one) => [one.posture, one.q]));
+  for (const [name, q] of tested) postures.push([`${name} (measured)`, q]);
   const named = postures.map(([name], number) => [String(number), name]);
   Panel.options(by("postures"), [given, ...named], "");
   by("postures").addEventListener("change", () => {
