@@ -33,9 +33,8 @@ def measured_curves(robot: Robot, campaign: Campaign) -> list[dict[str, Any]]:
     records = (estimate_frfs(campaign) if campaign.frfs is None else campaign.frfs).to("receptance")
     names = {point.id: point.name for point in campaign.points}
     low, high = campaign.band
-    inside = np.flatnonzero(
-        (records.frequency >= low) & (records.frequency <= high) & (records.frequency > 0)
-    )
+    lines = records.frequency
+    inside = np.flatnonzero((lines >= low) & (lines <= high) & (lines > 0))
     inside = inside[:: max(1, -(-len(inside) // _MOST_LINES))]
     several = len(set(records.trial.tolist())) > 1
     curves = []
