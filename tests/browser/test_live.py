@@ -291,11 +291,11 @@ def test_other_models_and_measurements_stand_on_the_same_axes(browser, compared)
         )
         wanted = other.at("configuration_1").frf([9.0, 50.0], response="location_6:+z").value[:, 0, 0].real
         assert list(found) == pytest.approx(wanted, rel=1e-9, abs=0)
-        assert tab.locator(".curve.measured").count() == 1
+        assert tab.locator("#chart .curve.measured").count() == 1
         drawn = tab.evaluate("JSON.parse(document.getElementById('robot').textContent).measured[0]")
         assert drawn["sizes"] == pytest.approx(sizes, rel=1e-3)
         assert drawn["frequencies"] == pytest.approx(lines)
         slide(tab, 0, 1.2)  # nothing was measured there
-        assert tab.locator(".curve.measured").count() == 0
+        assert tab.locator("#chart .curve.measured").count() == 0
         tab.locator("#postures").select_option(label="configuration_1 (measured)")
-        assert tab.locator(".curve.measured").count() == 1
+        assert tab.locator("#chart .curve.measured").count() == 1

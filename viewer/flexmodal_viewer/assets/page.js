@@ -8,16 +8,19 @@
   const wish = new URLSearchParams(location.hash.slice(1)); // such as #motion=2&phase=0.25
 
   // Numbers of meshes stand in the page once each and are called by name.
-  const kinds = { Float32Array, Uint32Array };
+  const kinds = { Float32Array, Uint16Array, Uint32Array };
   const arrays = {};
   for (const [name, text] of Object.entries(scene.arrays)) {
     arrays[name] = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0)).buffer;
+  }
+  function unpacked({ low, step }, buffer) { // places as whole numbers between the least and the largest
+    return Float32Array.from(new Uint16Array(buffer), (count, i) => low[i % 3] + step[i % 3] * count);
   }
   function fill(value) {
     if (Array.isArray(value) || value === null || typeof value !== "object") return value;
     for (const key of Object.keys(value)) {
       const inner = value[key];
-      if (key === "array" && inner && inner.buffer !== undefined) value.array = new kinds[value.type](arrays[inner.buffer]);
+      if (key === "array" && inner && inner.buffer !== undefined) value.array = value.low ? unpacked(value, arrays[inner.buffer]) : new kinds[value.type](arrays[inner.buffer]);
       else if (key === "geometries") inner.forEach(fill);
       else fill(inner);
     }
