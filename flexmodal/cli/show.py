@@ -47,7 +47,11 @@ _MOST_CARDS = 3
     metavar="OTHER",
     help="Another card, or a campaign with FRFs, on the same axes; may be repeated.",
 )
-@click.option("--out", type=click.Path(path_type=Path), help="Write one self-contained page instead.")
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path),
+    help="Write one self-contained page instead (.html), a picture (.png) or a film (.gif).",
+)
 @click.option("--port", type=click.IntRange(0, 65535), help="Port on 127.0.0.1; a free one if none.")
 @force_option
 def show(
@@ -69,7 +73,7 @@ def show(
     from flexmodal.campaign import is_campaign
     from flexmodal.cli.viewing import viewer
 
-    refuse_existing(out, force, (".html",))
+    refuse_existing(out, force, (".html", ".png", ".gif"))
     deliver: dict[str, Any] = {"out": out, "port": port, "overwrite": force}
     deliver["announce"] = lambda text: say(text, err=True)
     if campaign is not None or is_campaign(robot.robot):

@@ -220,7 +220,11 @@ REQUESTS = {
         ("show", "fanuc_s360", "--compare", "fanuc_s360/thesis", "--out", "page.html"),
         ["no FRFs and no blows"],
     ),
-    "page as a picture": (("show", "fanuc_s360", "--out", "page.png"), ["--out", "'page.png'", ".html"]),
+    "page as a drawing": (("show", "fanuc_s360", "--out", "page.svg"), ["--out", "'page.svg'", ".html"]),
+    "film of an arm at rest": (
+        ("show", "fanuc_s360", "--out", "page.gif"),
+        ["page.gif", "stands still", "--modes or --frequency"],
+    ),
     "unknown form": (
         (*FRF, "--frequencies", "1", "--form", "velocity"),
         ["--form", "'velocity'", "inertance"],

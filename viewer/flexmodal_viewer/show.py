@@ -16,6 +16,7 @@ from flexmodal_viewer.live_numbers import is_serial
 from flexmodal_viewer.live_scene import live_scene
 from flexmodal_viewer.outcome_scene import outcome_scene
 from flexmodal_viewer.page import page_html, write_page
+from flexmodal_viewer.photograph import KINDS, write_picture
 from flexmodal_viewer.robot_scene import robot_scene
 from flexmodal_viewer.scene import Scene
 from flexmodal_viewer.serve import serve
@@ -52,7 +53,8 @@ def show_robot(
             branch is drawn as it stands.
         others: models whose receptance is drawn on the same axes, by what they are called.
         measured: a campaign whose FRFs stand on the same axes while the arm is in one of its postures.
-        out: write a self-contained page here instead of serving it.
+        out: write a self-contained page here instead of serving it; a picture where it ends in .png, a film
+            where it ends in .gif.
         port: port on 127.0.0.1; a free one if none.
         overwrite: replace a page that stands there already.
         open_browser: open the user's browser when serving.
@@ -64,8 +66,9 @@ def show_robot(
 
     Raises:
         InvalidPoint, InvalidFrequencies, InvalidPosture, SingularResponse: see `live_scene`.
-        InvalidRequest: the port cannot be used.
+        InvalidRequest: the port cannot be used, or a film is asked for of what stands still.
         OutputExists: the page exists already, or its folder does not.
+        MissingExtra: a picture without Playwright or Chromium.
     """
     if live and is_serial(robot):
         swing = "force" if frequency is not None else "mode" if modes else ""
@@ -155,6 +158,7 @@ def _deliver(
 ) -> str:
     if out is None:
         return serve(page_html(scene), port=port, open_browser=open_browser, announce=announce, block=block)
-    path = write_page(scene, out, overwrite=overwrite)
+    write = write_picture if Path(out).suffix.lower() in KINDS else write_page
+    path = write(scene, out, overwrite=overwrite)
     announce(f"Written to {path}")
     return str(path)

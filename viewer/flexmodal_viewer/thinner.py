@@ -56,7 +56,7 @@ def _thin(mesh: Mesh, faces: int) -> Mesh:
 
 
 def _welded(mesh: Mesh, seam: float) -> Mesh:
-    """Corners on one another, or in one cell of that size [m], as one; files may give each triangle its own."""
+    """Corners on one another, or in one cell of that size [m], as one."""
     cells = np.round(mesh.vertices / seam) if seam > 0 else mesh.vertices.astype(np.float32)
     _, first, number = np.unique(cells, axis=0, return_index=True, return_inverse=True)
     joined = number.reshape(-1)[mesh.faces]

@@ -27,6 +27,8 @@
     return value;
   }
 
+  document.body.classList.toggle("picture", wish.has("picture")); // without the words beside it
+
   let viewer;
   try {
     // The drawing is kept so that a printer finds it.
@@ -223,6 +225,7 @@
     run(false);
     if (motion && motion.animations.length) viewer.animator.seek(phase * motion.duration);
   }
+  window.flexmodalPage.hold = hold; // at a part of the cycle
   buttons.forEach((button) => button.addEventListener("click", () => choose(Number(button.dataset.motion))));
   if (pause) pause.addEventListener("click", () => run(!viewer.animator.playing));
 

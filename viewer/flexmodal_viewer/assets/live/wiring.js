@@ -93,12 +93,16 @@
   else if (number("mode") >= 1 && number("mode") <= live.found().modes.length) live.swingIn(number("mode") - 1);
   else if (data.swing === "force") live.swingForced();
   else if (data.swing === "mode" && live.found().modes.length) live.swingIn(0);
-  const still = matchMedia("(prefers-reduced-motion: reduce)").matches;
-  if (number("phase") !== null || still) {
+  function hold(phase) {
     state.playing = false;
-    state.phase = number("phase") === null ? (live.motion() ? live.motion().extreme.phase : 0) : 2 * Math.PI * number("phase");
+    state.phase = 2 * Math.PI * phase;
+    live.pressed();
     live.stand();
   }
+  if (window.flexmodalPage) window.flexmodalPage.hold = hold;
+  const still = matchMedia("(prefers-reduced-motion: reduce)").matches;
+  if (number("phase") !== null) hold(number("phase"));
+  else if (still) hold(live.motion() ? live.motion().extreme.phase / (2 * Math.PI) : 0);
   live.pressed();
   live.start();
 })();
