@@ -53,6 +53,7 @@ _MOST_CARDS = 3
     help="Write one self-contained page instead (.html), a picture (.png) or a film (.gif).",
 )
 @click.option("--port", type=click.IntRange(0, 65535), help="Port on 127.0.0.1; a free one if none.")
+@click.option("--host", metavar="ADDRESS", help="Another address of this computer; others can reach it.")
 @force_option
 def show(
     robot: RobotOptions,
@@ -64,6 +65,7 @@ def show(
     compare: tuple[str, ...],
     out: Path | None,
     port: int | None,
+    host: str | None,
     force: bool,
 ) -> None:
     """Show the robot, its modes or its deflection in the browser, or write it as a page.
@@ -75,6 +77,8 @@ def show(
 
     refuse_existing(out, force, (".html", ".png", ".gif"))
     deliver: dict[str, Any] = {"out": out, "port": port, "overwrite": force}
+    if host is not None:
+        deliver["host"] = host
     deliver["announce"] = lambda text: say(text, err=True)
     if campaign is not None or is_campaign(robot.robot):
         _refuse_beside(modes=modes, response=response, frequency=frequency, compare=compare)

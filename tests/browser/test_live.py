@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
-from flexmodal_viewer import show_robot
+from flexmodal_viewer import close_all, show_robot
 from PIL import Image
 from playwright.sync_api import expect
 
@@ -299,3 +299,38 @@ def test_other_models_and_measurements_stand_on_the_same_axes(browser, compared)
         assert tab.locator("#chart .curve.measured").count() == 0
         tab.locator("#postures").select_option(label="configuration_1 (measured)")
         assert tab.locator("#chart .curve.measured").count() == 1
+
+
+def test_a_served_page_shows_pythons_curve(browser, arm):
+    url = show_robot(arm, arm.posture("work"), open_browser=False, announce=lambda _: None, block=False)
+    try:
+        said, asked = [], []
+        tab = browser.new_page(viewport={"width": 700, "height": 500}, reduced_motion="reduce")
+        tab.on("console", lambda message: said.append(message.text))
+        tab.on("request", lambda request: asked.append(request.url))
+        tab.goto(url)
+        expect(tab.locator("#python-says")).to_contain_text("Python's curve")
+        slide(tab, 1, 0.8)
+        tab.wait_for_timeout(500)
+        lines, re, im = tab.evaluate(
+            "(({ curve, lines }) => [lines, curve.re, curve.im].map((x) => [...x]))(flexmodalLive.found())"
+        )
+        wanted = arm.at(joints(tab)).frf(lines).value[:, 0, 0]
+        assert off(re, im, wanted) < 1e-14  # Python's own, through JSON
+        assert tab.evaluate("flexmodalLive.state.python.off") < 1e-9
+        assert said == []
+        assert all(address.startswith((url, "blob:", "data:")) for address in asked)
+        tab.close()
+    finally:
+        close_all()
+
+
+def test_a_warning_goes_with_another_address(arm):
+    said = []
+    where = {"open_browser": False, "announce": said.append, "block": False, "host": "127.0.0.2"}
+    try:
+        url = show_robot(arm, arm.posture("work"), **where)
+    finally:
+        close_all()
+    assert url.startswith("http://127.0.0.2:")
+    assert said[0].startswith("Warning: whoever can reach 127.0.0.2")

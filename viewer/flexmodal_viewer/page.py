@@ -20,7 +20,7 @@ from flexmodal_viewer.scene import Scene
 
 SCRIPTS = (
     *("complex", "symmetric", "chain", "pencil", "modes", "robot", "hold"),
-    *("units", "chart", "swing", "picture", "keep", "panel", "selfmotion", "live", "wiring"),
+    *("units", "chart", "swing", "picture", "keep", "panel", "selfmotion", "python", "live", "wiring"),
 )
 """What a live page runs, in the order in which each needs those before it."""
 
@@ -37,10 +37,16 @@ def write_page(scene: Scene, path: str | Path, *, overwrite: bool = False) -> Pa
     return target
 
 
-def page_html(scene: Scene) -> str:
-    """The page as text; of one scene always the same."""
+def page_html(scene: Scene, *, served: bool = False) -> str:
+    """The page as text; of one scene always the same.
+
+    Args:
+        scene: what it shows.
+        served: whether it may talk to the server that it comes from; otherwise it may talk to nobody.
+    """
     viewer = _meshcat()
     parts = {
+        "connect": "connect-src 'self'; " if served else "",
         "title": escape(scene.caption.title),
         "css": asset("page.css") + ("" if scene.live is None else asset("live/live.css")),
         "caption": caption_html(scene),

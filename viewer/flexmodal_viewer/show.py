@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ from flexmodal.frf import PointDirection
 from flexmodal.model import Posture, Robot
 from flexmodal.optimisation import Outcome
 from flexmodal_viewer.campaign_scene import campaign_scene
+from flexmodal_viewer.live_answers import LiveAnswers
 from flexmodal_viewer.live_numbers import is_serial
 from flexmodal_viewer.live_scene import live_scene
 from flexmodal_viewer.outcome_scene import outcome_scene
@@ -19,7 +21,8 @@ from flexmodal_viewer.page import page_html, write_page
 from flexmodal_viewer.photograph import KINDS, write_picture
 from flexmodal_viewer.robot_scene import robot_scene
 from flexmodal_viewer.scene import Scene
-from flexmodal_viewer.serve import serve
+from flexmodal_viewer.serve import HOST, serve
+from flexmodal_viewer.socket_talk import Answer
 
 Announce = Callable[[str], None]
 
@@ -36,6 +39,7 @@ def show_robot(
     measured: Campaign | None = None,
     out: str | Path | None = None,
     port: int | None = None,
+    host: str = HOST,
     overwrite: bool = False,
     open_browser: bool = True,
     announce: Announce = print,
@@ -55,7 +59,8 @@ def show_robot(
         measured: a campaign whose FRFs stand on the same axes while the arm is in one of its postures.
         out: write a self-contained page here instead of serving it; a picture where it ends in .png, a film
             where it ends in .gif.
-        port: port on 127.0.0.1; a free one if none.
+        port: port to serve on; a free one if none.
+        host: address to serve on; others can reach any but 127.0.0.1, which is said.
         overwrite: replace a page that stands there already.
         open_browser: open the user's browser when serving.
         announce: told where the picture is.
@@ -70,13 +75,15 @@ def show_robot(
         OutputExists: the page exists already, or its folder does not.
         MissingExtra: a picture without Playwright or Chromium.
     """
+    answer: Answer | None = None
     if live and is_serial(robot):
         swing = "force" if frequency is not None else "mode" if modes else ""
         asked: dict[str, Any] = {"response": response, "frequency": frequency, "swing": swing}
         scene = live_scene(robot, posture, others=others, measured=measured, **asked)
+        answer = LiveAnswers(robot)
     else:
         scene = robot_scene(robot, posture, modes=modes, response=response, frequency=frequency)
-    return _deliver(scene, out, port, overwrite, open_browser, announce, block)
+    return _deliver(scene, _Place(out, port, host, overwrite, open_browser, announce, block), answer)
 
 
 def show_outcome(
@@ -85,6 +92,7 @@ def show_outcome(
     start: Posture | None,
     out: str | Path | None = None,
     port: int | None = None,
+    host: str = HOST,
     overwrite: bool = False,
     open_browser: bool = True,
     announce: Announce = print,
@@ -97,6 +105,7 @@ def show_outcome(
         start: posture to compare with, if any.
         out: as in `show_robot`, as are all the others.
         port: see there.
+        host: see there.
         overwrite: see there.
         open_browser: see there.
         announce: see there.
@@ -108,7 +117,8 @@ def show_outcome(
     Raises:
         InvalidRequest, OutputExists: see `show_robot`.
     """
-    return _deliver(outcome_scene(outcome, start=start), out, port, overwrite, open_browser, announce, block)
+    place = _Place(out, port, host, overwrite, open_browser, announce, block)
+    return _deliver(outcome_scene(outcome, start=start), place)
 
 
 def show_campaign(
@@ -118,6 +128,7 @@ def show_campaign(
     shapes: Sequence[FittedShapes] = (),
     out: str | Path | None = None,
     port: int | None = None,
+    host: str = HOST,
     overwrite: bool = False,
     open_browser: bool = True,
     announce: Announce = print,
@@ -131,6 +142,7 @@ def show_campaign(
         shapes: of fitted modes, animated on the points.
         out: as in `show_robot`, as are all the others.
         port: see there.
+        host: see there.
         overwrite: see there.
         open_browser: see there.
         announce: see there.
@@ -143,22 +155,36 @@ def show_campaign(
         InvalidCampaign: see `campaign_scene`.
         InvalidRequest, OutputExists: see `show_robot`.
     """
-    scene = campaign_scene(robot, campaign, shapes)
-    return _deliver(scene, out, port, overwrite, open_browser, announce, block)
+    place = _Place(out, port, host, overwrite, open_browser, announce, block)
+    return _deliver(campaign_scene(robot, campaign, shapes), place)
 
 
-def _deliver(
-    scene: Scene,
-    out: str | Path | None,
-    port: int | None,
-    overwrite: bool,
-    open_browser: bool,
-    announce: Announce,
-    block: bool,
-) -> str:
-    if out is None:
-        return serve(page_html(scene), port=port, open_browser=open_browser, announce=announce, block=block)
-    write = write_picture if Path(out).suffix.lower() in KINDS else write_page
-    path = write(scene, out, overwrite=overwrite)
-    announce(f"Written to {path}")
+@dataclass(frozen=True)
+class _Place:
+    """Where a scene goes: into a file, or on the air."""
+
+    out: str | Path | None
+    port: int | None
+    host: str
+    overwrite: bool
+    open_browser: bool
+    announce: Announce
+    block: bool
+
+
+def _deliver(scene: Scene, to: _Place, answer: Answer | None = None) -> str:
+    if to.out is None:
+        page = page_html(scene, served=answer is not None)
+        return serve(
+            page,
+            port=to.port,
+            host=to.host,
+            open_browser=to.open_browser,
+            announce=to.announce,
+            block=to.block,
+            answer=answer,
+        )
+    write = write_picture if Path(to.out).suffix.lower() in KINDS else write_page
+    path = write(scene, to.out, overwrite=to.overwrite)
+    to.announce(f"Written to {path}")
     return str(path)

@@ -47,6 +47,21 @@ const Live = (() => {
     const table = Panel.modes((mode) => (state.swing && state.swing.mode === mode ? rest() : swingIn(mode)));
     const motionOf = SelfMotion.make({ robot, value: objective, text: (size) => Units.quantity(size, unit()), go: (q) => { state.q = q; update(true); } });
 
+    // Of a served page Python's numbers are drawn as soon as they are there, and how far the page's are from them is said.
+    const python = Python.connect(({ re, im, poles }) => {
+      const own = found.curve;
+      if (own.re.length !== re.length) return;
+      let [off, most] = [0, 0];
+      re.forEach((x, i) => {
+        off = Math.max(off, Math.hypot(x - own.re[i], im[i] - own.im[i]));
+        most = Math.max(most, Math.hypot(x, im[i]));
+      });
+      state.python = { off: most > 0 ? off / most : 0, poles };
+      found.curve = { re: Float64Array.from(re), im: Float64Array.from(im) };
+      plot();
+      by("python-says").textContent = `Python's curve; the page's own is within ${Units.plain(state.python.off, 1)} of it.`;
+    }, (text) => { by("python-says").textContent = text; });
+
     // Everything that follows from the posture, the force and the frequency.
     function update(keepWay = false) {
       posed = robot.at(state.q);
@@ -54,6 +69,18 @@ const Live = (() => {
       const curve = posed.frf(lines, state.response, state.reference);
       const here = value(posed);
       found = { modes: posed.modes() || [], value: [here.re[0], here.im[0]], curve, lines };
+      plot();
+      reswing();
+      words();
+      if (!keepWay) lay();
+      if (python) {
+        const q = Object.fromEntries(commanded.map((place) => [joints[place].name, state.q[place]]));
+        python.ask({ q, low: state.low, high: state.high, lines: LINES, ...state.names });
+      }
+    }
+
+    function plot() {
+      const { curve, lines } = found;
       const series = [{ name: "live", kind: "live", sizes: sizes(curve), at: Math.hypot(...found.value) }];
       if (state.pinned) series.push({ name: "pinned", kind: "pinned", sizes: state.pinned });
       others.forEach(({ name, robot: model }, number) => {
@@ -71,9 +98,6 @@ const Live = (() => {
         frequencies: lines, series, hertz: state.hertz, unit: unit(),
         modes: found.modes.map((mode, number) => ({ hertz: Modes.frequency(mode), name: String(number + 1), chosen: state.swing !== null && state.swing.mode === number })),
       });
-      reswing();
-      words();
-      if (!keepWay) lay();
     }
 
     // Measured where the arm stands now, between the points and axes chosen; the senses do not change a size.
