@@ -52,6 +52,7 @@ def test_it_answers_with_pythons_numbers(server, fanuc):
     [
         ({"q": {"nobody": 1.0}}, "nobody"),
         ({"q": {"q1": 99.0}}, "limits"),
+        ({"q": {"q1": 10**400}}, "finite"),
         ({"q": [1, 2]}, "a value for each joint"),
         ({"lines": 10**9}, "4000"),
         ({"low": 60.0}, "ascending"),
@@ -71,7 +72,7 @@ def test_a_bad_question_gets_one_sentence_and_the_line_holds(server, fanuc, chan
         assert "re" in json.loads(line.recv(timeout=10))
 
 
-@pytest.mark.parametrize("text", ["", "{", "[]", "7", '"q"', "NaN", '{"number": {}}'])
+@pytest.mark.parametrize("text", ["", "{", "[]", "7", '"q"', "NaN", '{"number": {}}', 100_000 * "["])
 def test_what_is_no_question_is_said_so(fanuc, text):
     said = json.loads(LiveAnswers(fanuc)(text))
     assert said["number"] is None

@@ -32,18 +32,19 @@ class LiveAnswers:
         Returns:
             `{"number", "re", "im", "poles"}`, or `{"number", "error"}`.
         """
-        number: object = None
+        number: int | None = None
         try:
-            asked = json.loads(text)
+            asked = json.loads(text, parse_int=float)
             if not isinstance(asked, dict):
                 raise InvalidRequest(Fault("message", "", type(asked).__name__, "an object"))
-            number = asked.get("number")
+            given = asked.get("number")
+            number = int(given) if isinstance(given, float) and given.is_integer() else None
             said = self._curve(asked)
         except FlexmodalError as error:
             said = {"error": str(error)}
-        except ValueError:
+        except (ValueError, RecursionError):
             said = {"error": "message: no JSON"}
-        return json.dumps({"number": number if isinstance(number, int) else None, **said})
+        return json.dumps({"number": number, **said})
 
     def _curve(self, asked: Mapping[str, Any]) -> dict[str, Any]:
         low, high, lines = (self._number(asked, key) for key in ("low", "high", "lines"))
@@ -70,6 +71,6 @@ class LiveAnswers:
 
     def _number(self, asked: Mapping[str, Any], key: str) -> float:
         value = asked.get(key)
-        if isinstance(value, bool) or not isinstance(value, int | float) or not np.isfinite(value):
+        if not isinstance(value, float) or not np.isfinite(value):
             raise InvalidRequest(Fault("message", key, repr(value)[:80], "a finite number"))
-        return float(value)
+        return value
