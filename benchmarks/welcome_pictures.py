@@ -49,7 +49,7 @@ def posture_panels(folder: Path) -> list[Image.Image]:
     objective = flexmodal.ReceptanceObjective((flexmodal.PointDirection("tool0", "z"),), np.array([10.0]))
     outcome = flexmodal.optimise(flexmodal.PostureProblem(arm, objective, hold), start=start, starts=48)
     page = folder / "best.html"
-    show_outcome(outcome, start=start, out=page, open_browser=False, announce=lambda text: None)
+    show_outcome(outcome, start=start, live=False, out=page, open_browser=False, announce=lambda text: None)
     lines = np.geomspace(2, 100, 800)
     curves = {"before": arm.frf(start, lines), "after": arm.frf(outcome.best.posture, lines)}
     figure = draw_frf(curves, title="The tool's receptance, before and after", mark=10.0)
@@ -74,7 +74,7 @@ def modes_page(folder: Path) -> Image.Image:
     arm = load(ROOT / "docs" / "tutorials" / "ur5" / "robot.toml")
     page = folder / "modes.html"
     quietly = {"open_browser": False, "announce": lambda text: None}
-    show_robot(arm, arm.posture("bench"), modes=True, out=page, **quietly)
+    show_robot(arm, arm.posture("bench"), modes=True, live=False, out=page, **quietly)
     return screenshot(page, (1000, 640), "#motion=0&phase=0.25")
 
 

@@ -50,7 +50,7 @@ def outcome_page(folder):
         unbounded=0,
         method="newton",
     )
-    return show_outcome(outcome, start=start, out=folder / "six_link.html", announce=quiet)
+    return show_outcome(outcome, start=start, live=False, out=folder / "six_link.html", announce=quiet)
 
 
 @pytest.fixture(scope="module")

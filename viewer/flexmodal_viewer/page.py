@@ -20,7 +20,19 @@ from flexmodal_viewer.scene import Scene
 
 SCRIPTS = (
     *("complex", "symmetric", "chain", "pencil", "modes", "robot", "hold"),
-    *("units", "chart", "swing", "picture", "keep", "panel", "selfmotion", "python", "live", "wiring"),
+    *(
+        "units",
+        "chart",
+        "swing",
+        "picture",
+        "keep",
+        "panel",
+        "selfmotion",
+        "python",
+        "live",
+        "film",
+        "wiring",
+    ),
 )
 """What a live page runs, in the order in which each needs those before it."""
 

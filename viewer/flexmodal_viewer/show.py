@@ -15,6 +15,7 @@ from flexmodal.optimisation import Outcome
 from flexmodal_viewer.campaign_scene import campaign_scene
 from flexmodal_viewer.live_answers import LiveAnswers
 from flexmodal_viewer.live_numbers import is_serial
+from flexmodal_viewer.live_outcome import live_outcome_scene
 from flexmodal_viewer.live_scene import live_scene
 from flexmodal_viewer.outcome_scene import outcome_scene
 from flexmodal_viewer.page import page_html, write_page
@@ -90,6 +91,7 @@ def show_outcome(
     outcome: Outcome,
     *,
     start: Posture | None,
+    live: bool = True,
     out: str | Path | None = None,
     port: int | None = None,
     host: str = HOST,
@@ -103,6 +105,8 @@ def show_outcome(
     Args:
         outcome: result of the search.
         start: posture to compare with, if any.
+        live: with the descent from the start on a slider, and the joints to be moved from there; an arm whose
+            joints branch is drawn as it stands. Without it start and optimum swing under the same force.
         out: as in `show_robot`, as are all the others.
         port: see there.
         host: see there.
@@ -118,6 +122,8 @@ def show_outcome(
         InvalidRequest, OutputExists: see `show_robot`.
     """
     place = _Place(out, port, host, overwrite, open_browser, announce, block)
+    if live and is_serial(outcome.problem.robot):
+        return _deliver(live_outcome_scene(outcome, start=start), place, LiveAnswers(outcome.problem.robot))
     return _deliver(outcome_scene(outcome, start=start), place)
 
 

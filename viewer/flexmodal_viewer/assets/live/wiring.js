@@ -89,6 +89,7 @@
     if (cut > 0 && commanded.includes(place) && Number.isFinite(value)) state.q[place] = Math.min(Math.max(value, joints[place].lower), joints[place].upper);
   }
   live.update();
+  if (data.search) live.film = Film.make(live, data.search);
   if (number("frequency") !== null) { live.setHertz(number("frequency")); live.swingForced(); }
   else if (number("mode") >= 1 && number("mode") <= live.found().modes.length) live.swingIn(number("mode") - 1);
   else if (data.swing === "force") live.swingForced();
