@@ -61,7 +61,7 @@ def posture_panels(arm: flexmodal.Robot, folder: Path) -> list[Image.Image]:
     outcome = flexmodal.optimise(problem, start=start, starts=24)
     print(f"{outcome.start / outcome.best.objective:.2f} times less in the best posture")
     page = folder / "best.html"
-    show_outcome(outcome, start=start, out=page, open_browser=False, announce=lambda text: None)
+    show_outcome(outcome, start=start, live=False, out=page, open_browser=False, announce=lambda text: None)
     lines = np.geomspace(2, 100, 800)
     curves = {"before": arm.frf(start, lines), "after": arm.frf(outcome.best.posture, lines)}
     figure = draw_frf(curves, title="The tool's receptance, before and after", mark=10.0)
@@ -85,7 +85,7 @@ def modes_page(arm: flexmodal.Robot, folder: Path) -> Image.Image:
     """The page of `flexmodal show … --modes`, in the middle of a swing of the first mode."""
     page = folder / "modes.html"
     quietly = {"open_browser": False, "announce": lambda text: None}
-    show_robot(arm, arm.posture("bench"), modes=True, out=page, **quietly)
+    show_robot(arm, arm.posture("bench"), modes=True, live=False, out=page, **quietly)
     return screenshot(page, (1000, 640), "#motion=0&phase=0.25")
 
 

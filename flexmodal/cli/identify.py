@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from flexmodal.cli.measured import campaign_at, robot_of, say_doubled
+from flexmodal.cli.measured import campaign_at, robot_of, say_doubled, say_findings
 from flexmodal.cli.options import (
     MOST_STARTS,
     force_option,
@@ -97,6 +97,7 @@ def identify(
     if out is not None:
         _refuse_out(out, arm, force)
     say_doubled(measured, source)
+    say_findings(measured, arm)
     trusted = {**(POOR if poor_card else {}), **trust_of(trust)}
     wanted = [kind.strip() for kind in kinds.split(",") if kind.strip()]
     with noted_progress(STAGES, "identifying", quiet=quiet) as (advance, note):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import importlib
+import keyword
 import os
 import signal
 import sys
@@ -36,6 +37,8 @@ _COMMANDS = {
     "atlas": "A sweep over many postures, kept as a Zarr store; goes on where it was stopped.",
     "lookup": "What an atlas has: near a posture, between postures, the best, a map.",
     "studies": "Published optimisations run again beside their printed numbers.",
+    "campaign": "A campaign folder to fill in: campaign new ROBOT --out DIR.",
+    "import": "Tables of measured data to a campaign, by a map that it drafts.",
     "fit": "Modal parameters of measured FRFs, with uncertainty.",
     "identify": "Stiffness, damping and inertia from a campaign, with uncertainty.",
     "predict": "The FRFs of a posture that nobody struck, with their band.",
@@ -48,6 +51,9 @@ _COMMANDS = {
 
 _LONGEST = 500
 """Characters of a complaint about the words of a call."""
+
+_LONGEST_LINE = 1900
+"""Characters of a line of any complaint; a fault is shorter by itself."""
 
 
 SCHEMAS = Path(__file__).with_name("schemas")
@@ -63,8 +69,9 @@ class _Commands(click.Group):
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         if cmd_name not in _COMMANDS:
             return None
-        module = importlib.import_module(f"flexmodal.cli.{cmd_name}")
-        command: click.Command = getattr(module, cmd_name)
+        own = f"{cmd_name}_" if keyword.iskeyword(cmd_name) else cmd_name
+        module = importlib.import_module(f"flexmodal.cli.{own}")
+        command: click.Command = getattr(module, own)
         for one in (command, *(command.commands.values() if isinstance(command, click.Group) else ())):
             if any(option.name == "width" for option in one.params):
                 continue
@@ -172,7 +179,7 @@ def main(arguments: list[str] | None = None) -> None:
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
         sys.exit(0)
     except OSError as error:
-        _complain(f"{error.filename or 'standard output'}: {error.strerror}")
+        _complain(f"{error.filename or 'standard output'}: {error.strerror or error}")
         sys.exit(2)
 
 
@@ -232,4 +239,11 @@ def _here(fault: Fault, options: set[str]) -> Fault:
 
 def _complain(*sentences: str) -> None:
     for sentence in sentences:
-        say(f"flexmodal: {sentence}", err=True)
+        lines = "\n".join(_cut(line) for line in sentence.splitlines())
+        say(f"flexmodal: {lines}", err=True)
+
+
+def _cut(line: str) -> str:
+    """A line without its middle, where a name or a path of somebody else's made it long."""
+    half = _LONGEST_LINE // 2
+    return line if len(line) <= _LONGEST_LINE else f"{line[:half]}…{line[-half:]}"

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from flexmodal.cli.measured import campaign_at, refuse_export
+from flexmodal.cli.measured import campaign_at, refuse_export, say_findings
 from flexmodal.cli.options import (
     RobotOptions,
     force_option,
@@ -67,7 +67,7 @@ def predict(
     import numpy as np
 
     from flexmodal.identification.poor import POOR
-    from flexmodal.prediction import build_prediction, solve_prediction
+    from flexmodal.prediction import predict_posture
     from flexmodal.prediction.export import as_json as as_object
 
     refuse_existing(out, force, _ENDINGS)
@@ -76,11 +76,14 @@ def predict(
     improved = Path(robot.robot) / "robot" / "robot.toml"
     arm = (replace(robot, robot=str(improved)) if improved.is_file() else robot).load()
     where = posture_of(arm, posture)
+    say_findings(measured, arm)
     trusted = {**(POOR if poor_card else {}), **trust_of(trust)}
     count = 0 if measured.frfs is None else len(np.unique(measured.frfs.posture))
     with progress(1 + (count or len(measured.postures)), "leaving out", quiet=quiet) as advance:
-        problem = build_prediction(measured, arm, trust=trusted, advance=advance)
-    found = solve_prediction(problem, dict(where.values), name=where.name or "posture", method=method)
+        found = predict_posture(
+            measured, arm, dict(where.values), trust=trusted, method=method, name=where.name or "posture",
+            advance=advance,
+        )  # fmt: skip
     if out is not None:
         _write(found, out, force)
         say(f"wrote {out}", err=True)

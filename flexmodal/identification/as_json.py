@@ -17,10 +17,10 @@ def as_json(outcome: Identification) -> dict[str, Any]:
         one.name: {
             "value": one.value,
             "unit": one.unit,
-            "standard_error": one.standard_error,
+            "standard_error": _finite(one.standard_error),
             "card": one.card,
             "at_bound": one.at_bound,
-            "interval": list(one.interval),
+            "interval": None if one.at_bound else list(one.interval),
             "identified": one.identified,
         }
         for one in outcome.estimates

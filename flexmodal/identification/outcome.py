@@ -36,9 +36,9 @@ class Estimate:
     unit: str
     value: float
     standard_error: float
-    """In the unit of the value; the linear one of a logarithm times the value."""
+    """In the unit of the value; the linear one of a logarithm times the value. NaN at a bound."""
     interval: tuple[float, float]
-    """95 %; of a logarithm not symmetric."""
+    """95 %; of a logarithm not symmetric. NaN at a bound, where there is none to give."""
     card: float
     at_bound: bool
     identified: bool
@@ -211,13 +211,12 @@ def _estimate(
     identified: bool,
 ) -> Estimate:  # fmt: skip
     touching = TOUCHING * max(1.0, abs(float(x)))
+    at_bound = bool(x <= bounds[0] + touching or x >= bounds[1] - touching)
+    error = abs(parameter.slope(float(x))) * float(deviation)
+    interval = parameter.value(float(reach[0])), parameter.value(float(reach[1]))
+    if at_bound:  # what would be told here is the bound's doing, not the data's
+        error, interval = float("nan"), (float("nan"), float("nan"))
     return Estimate(
-        parameter.name,
-        parameter.unit,
-        parameter.value(float(x)),
-        abs(parameter.slope(float(x))) * float(deviation),
-        (parameter.value(float(reach[0])), parameter.value(float(reach[1]))),
-        parameter.card,
-        bool(x <= bounds[0] + touching or x >= bounds[1] - touching),
-        identified,
-    )
+        parameter.name, parameter.unit, parameter.value(float(x)), error, interval, parameter.card, at_bound,
+        identified and not at_bound,
+    )  # fmt: skip

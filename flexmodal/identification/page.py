@@ -88,15 +88,18 @@ def estimate_cells(one: Estimate) -> tuple[str, ...]:
     unit = f" {one.unit}" if one.unit else ""
     remarks = [
         text
-        for text, here in (("at its bound", one.at_bound), ("not identified", not one.identified))
+        for text, here in (
+            ("at its bound: no error can be given", one.at_bound),
+            ("not identified", not one.identified and not one.at_bound),
+        )
         if here
     ]
     low, high = one.interval
     return (
         one.name,
         f"{_number(one.value)}{unit}",
-        _number(one.standard_error, 2),
-        f"{_number(low)} to {_number(high)}",
+        DASH if one.at_bound else _number(one.standard_error, 2),
+        DASH if one.at_bound else f"{_number(low)} to {_number(high)}",
         _number(one.card),
         ", ".join(remarks),
     )

@@ -153,6 +153,8 @@ def predict_posture(
     space: ParameterSpace | None = None,
     trust: Mapping[str, float] | None = None,
     method: str | None = None,
+    name: str = "posture",
+    advance: Callable[[], None] = lambda: None,
 ) -> FrfPrediction:
     """The FRFs of a posture that nobody struck.
 
@@ -163,12 +165,15 @@ def predict_posture(
         space: parameters of the physics; see `build_prediction`.
         trust: likewise.
         method: one of `METHODS`; the one that predicts best what was left out if None.
+        name: of the posture.
+        advance: called after the fit and after each posture that was left out.
 
     Raises:
         InvalidPosture, InvalidRequest, MissingExtra: see `build_prediction` and `solve_prediction`.
     """
-    problem = build_prediction(campaign, robot, space=space, trust=trust)
-    return solve_prediction(problem, q, method=method)
+    robot.posture(dict(q))  # refused before the work starts
+    problem = build_prediction(campaign, robot, space=space, trust=trust, advance=advance)
+    return solve_prediction(problem, q, name=name, method=method)
 
 
 def _beyond(problem: PredictionProblem, q: Mapping[str, float]) -> tuple[str, ...]:

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import flexmodal
+from flexmodal.campaign import Tolerance
 from flexmodal.diagnosis import diagnose
 from flexmodal.diagnosis.disagreement.compare import disagreement, force_dependence
 from flexmodal.diagnosis.disagreement.gaps import over_noise
@@ -259,3 +260,23 @@ def test_an_effect_can_be_asked_for_by_its_place(loaded):
     assert setup.asked == {"added_mass": ("link_3",), "sensor_gain": ()}
     with pytest.raises(InvalidRequest, match="added_mass@link_9"):
         laid_out(*loaded, ["added_mass@link_9"])
+
+
+@pytest.mark.slow
+def test_what_lies_within_tolerance_is_no_effect():
+    """Angles and places a little off look like something missing, until the campaign says how far off."""
+    measured, robot = campaign(seed=31, postures=5, trials=2)
+    random = np.random.default_rng(31)
+    postures = tuple(
+        replace(one, q={name: value + random.normal(0, 0.01) for name, value in one.q.items()})
+        for one in measured.postures
+    )
+    points = tuple(
+        replace(one, xyz=tuple(float(x + random.normal(0, 0.004)) for x in one.xyz))
+        for one in measured.points
+    )
+    off = replace(measured, postures=postures, points=points)
+    assert diagnose(off, robot).verdict.effects
+    told = diagnose(replace(off, tolerance=Tolerance(posture=0.01, position=0.005)), robot)
+    assert told.verdict.effects == ()
+    assert told.verdict.explained

@@ -175,7 +175,12 @@ class FrfData(Data[FittedFrfs]):
         return fitted_closely(self.setup, model.hypothesis.without(key), model.x[np.array(kept)])
 
     def worth(self, before: FittedFrfs, after: FittedFrfs, number: int) -> Answer:
-        """Of the sum of squares; the first effect from the data, or from parameters beyond belief."""
+        """Of the sum of squares; the first effect from the data, or from parameters beyond belief.
+
+        What lies within tolerances is one error for all lines, however much evidence that looks like.
+        """
+        if not self.campaign.tolerance.is_exact and self.is_enough(before):
+            return Answer.NO
         taken = float(1 - after.costs.sum() / max(before.costs.sum(), 1e-300))
         return takes_enough(taken, (before.prior - after.prior) / 2, number)
 
