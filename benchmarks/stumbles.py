@@ -162,7 +162,7 @@ STUMBLES = (
         "A table of numbers fitted",
         "It was no campaign, and nothing said how it becomes one.",
         "flexmodal fit x.csv",
-        ("flexmodal.campaign.import_table",),
+        ("flexmodal import x.csv --draft map.toml",),
         status=2,
     ),
     Stumble(

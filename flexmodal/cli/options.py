@@ -114,8 +114,21 @@ poor_option = click.option(
     is_flag=True,
     help="Little is known: stiffness and damping within a decade, masses within 40 %; --trust goes before.",
 )
+
+
+class _PostureText(click.types.StringParamType):
+    """A text; where it is missing, what it may be."""
+
+    def get_missing_message(self, param: click.Parameter, ctx: click.Context | None) -> str:
+        return "A named posture, which flexmodal robots lists for each card, or values: q1=50deg,q2=-0.8"
+
+
 posture_option = click.option(
-    "--posture", required=True, metavar="POSTURE", help="A named posture, or q1=50deg,q2=-0.8."
+    "--posture",
+    type=_PostureText(),
+    required=True,
+    metavar="POSTURE",
+    help="A named posture, or q1=50deg,q2=-0.8.",
 )
 
 

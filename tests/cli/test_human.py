@@ -132,3 +132,7 @@ def test_show_of_a_bare_urdf_with_its_deflection(cli, urdf, tmp_path):
     )  # fmt: skip
     assert ran.status == 0
     assert page.stat().st_size > 100_000
+
+
+def test_a_missing_posture_says_where_they_are_listed(cli):
+    cli("modes", "six_link").refused("Missing option '--posture'", "flexmodal robots lists", "q1=50deg")

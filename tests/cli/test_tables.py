@@ -90,7 +90,7 @@ def test_a_direction_in_which_the_arm_cannot_move(cli, command):
 
 def test_a_table_is_no_campaign(cli, tmp_path):
     (tmp_path / "x.csv").write_text("1,2\n")
-    cli("fit", tmp_path / "x.csv").refused("import_table", "docs/campaign.md")
+    cli("fit", tmp_path / "x.csv").refused("flexmodal import", "--draft map.toml", "docs/campaign.md")
 
 
 @pytest.mark.parametrize("command", [("show",), ("show", "six_axis", "--campaign"), ("identify",)])
