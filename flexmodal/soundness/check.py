@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from flexmodal.campaign import Campaign, FrfRecords, estimate_frfs
@@ -42,7 +44,10 @@ def check_soundness(campaign: Campaign, robot: Robot | None = None) -> tuple[Fin
     records = _records(campaign)
     if records is None:
         return tuple(found)
-    found += record_findings(campaign, records)
+    told = record_findings(campaign, records)
+    found += told
+    if any(one.kind == "FRFs against blows" for one in told):
+        campaign = replace(campaign, frfs=None)  # the blows are nearer to what was measured
     observations = None if robot is None else _observed(campaign)
     if robot is not None and observations is not None:
         found += beside_model(observations, robot)
