@@ -49,6 +49,11 @@ def test_nothing_is_said_of_frfs_alone_or_of_modes_alone(planar, fanuc):
     assert check_soundness(bare, fanuc) == ()  # nothing says how noisy it is: not compared
 
 
+def test_another_robots_campaign_is_looked_at_without_the_robot(planar, arm):
+    spoilt, _ = with_mishaps(planar, ["drift", "sign"], seed=4)
+    assert {one.kind for one in check_soundness(spoilt, arm)} <= {"drift", "drive point", "reciprocity"}
+
+
 def test_three_at_once(planar, fanuc):
     spoilt, _ = with_mishaps(planar, ["sign", "postures exchanged", "drift"], seed=4)
     kinds = {one.kind for one in check_soundness(spoilt, fanuc)}
