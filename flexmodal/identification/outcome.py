@@ -39,7 +39,7 @@ class Estimate:
     unit: str
     value: float
     standard_error: float
-    """In the unit of the value; of a logarithm the linear one times the value. NaN at a bound, or withheld."""
+    """In the unit of the value; of a logarithm the linear one times the value. NaN at a bound or withheld."""
     interval: tuple[float, float]
     """95 %; of a logarithm not symmetric. NaN at a bound, or withheld."""
     card: float
