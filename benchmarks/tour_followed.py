@@ -31,7 +31,7 @@ ELSEWHERE = {"demo": ROOT / "tests" / "cli" / "test_demo.py"}
 def acting(folder=None):
     """Pages that do something: those of the tutorials or how-tos, or all others."""
     chosen = [page for page in PAGES if (page.parent.name if page.parent.name in APART else None) == folder]
-    return named(page for page in chosen if any(step.kind != "file" for step in steps(page)))
+    return named(page for page in chosen if any(not step.writes for step in steps(page)))
 
 
 def named(pages):
@@ -68,10 +68,8 @@ def follow(page, place):
     """Do what a page says, in a folder that is the working directory; what it shows has to come out."""
     names = {"__name__": "__main__"}
     for number, step in enumerate(steps(page), start=1):
-        if step.kind == "file":
-            target = place / step.title
-            target.parent.mkdir(parents=True, exist_ok=True)
-            target.write_text(step.text, encoding="utf-8")
+        if step.writes:
+            step.write(place)
             continue
         if step.kind == "python":
             with contextlib.redirect_stdout(io.StringIO()) as caught:

@@ -14,7 +14,7 @@ from typing import Any
 import jaxtyping
 import pytest
 
-FIRST, THEN = 20, 100
+FIRST, THEN = 3, 1000
 """Calls of a function that are checked in every test; the distance of those that are checked later."""
 
 _test = [0]

@@ -5,6 +5,7 @@ from flexmodal.campaign.blow import Blow as Blow
 from flexmodal.campaign.campaign import Campaign as Campaign
 from flexmodal.campaign.description.tested import CampaignPoint as CampaignPoint
 from flexmodal.campaign.description.tested import CampaignPosture as CampaignPosture
+from flexmodal.campaign.description.tested import Tolerance as Tolerance
 from flexmodal.campaign.estimate import estimate_frfs as estimate_frfs
 from flexmodal.campaign.mode_table import ModeTable as ModeTable
 from flexmodal.campaign.noise import noise_floor as noise_floor

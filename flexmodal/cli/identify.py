@@ -86,7 +86,7 @@ def identify(
     quiet: bool,
     as_json: bool,
 ) -> None:
-    """Stiffness, damping and inertia from a campaign, with uncertainty; exit 1 if the fit does not settle."""
+    """Stiffness, damping and inertia from a campaign, with uncertainty; exit 1 if it does not converge."""
     from flexmodal.identification import identify as find
     from flexmodal.identification.as_json import as_json as as_object
     from flexmodal.identification.poor import POOR

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from flexmodal.cli.printing import plain, say
+from flexmodal.cli.waiting import signs_of_life
 from flexmodal.cli.width import NARROWEST, WIDEST, WIDTH
 
 if TYPE_CHECKING:
@@ -50,6 +51,9 @@ _COMMANDS = {
 
 _LONGEST = 500
 """Characters of a complaint about the words of a call."""
+
+_LONGEST_LINE = 1900
+"""Characters of a line of any complaint; a fault is shorter by itself."""
 
 
 SCHEMAS = Path(__file__).with_name("schemas")
@@ -150,7 +154,7 @@ def main(arguments: list[str] | None = None) -> None:
     if arguments is None:
         _settle_in()
     try:
-        with _pipes():
+        with _pipes(), _signs(arguments):
             status: Any = group.main(arguments, prog_name="flexmodal", standalone_mode=False)
         sys.stdout.flush()
         sys.exit(status if isinstance(status, int) else 0)
@@ -175,7 +179,7 @@ def main(arguments: list[str] | None = None) -> None:
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
         sys.exit(0)
     except OSError as error:
-        _complain(f"{error.filename or 'standard output'}: {error.strerror}")
+        _complain(f"{error.filename or 'standard output'}: {error.strerror or error}")
         sys.exit(2)
 
 
@@ -194,6 +198,16 @@ def _pipes() -> Iterator[None]:
         if left.code == 1 and sys.stdout is not before:
             raise BrokenPipeError from None
         raise
+
+
+@contextmanager
+def _signs(arguments: list[str] | None) -> Iterator[None]:
+    """As the program of a process, say after some seconds that it works, unless told to be quiet."""
+    if arguments is not None or "--quiet" in sys.argv:
+        yield
+        return
+    with signs_of_life():
+        yield
 
 
 def _settle_in() -> None:
@@ -225,4 +239,11 @@ def _here(fault: Fault, options: set[str]) -> Fault:
 
 def _complain(*sentences: str) -> None:
     for sentence in sentences:
-        say(f"flexmodal: {sentence}", err=True)
+        lines = "\n".join(_cut(line) for line in sentence.splitlines())
+        say(f"flexmodal: {lines}", err=True)
+
+
+def _cut(line: str) -> str:
+    """A line without its middle, where a name or a path of somebody else's made it long."""
+    half = _LONGEST_LINE // 2
+    return line if len(line) <= _LONGEST_LINE else f"{line[:half]}…{line[-half:]}"

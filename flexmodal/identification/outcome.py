@@ -185,7 +185,7 @@ class Identification(Shown):
         gap, says = self.gap, []
         times = f"{self.over_noise:.1f}" if self.over_noise < 10 else f"{self.over_noise:.3g}"
         if not self.fitted.converged:
-            says.append("the fit did not settle: give more steps or better starting values")
+            says.append("the fit did not converge: give more steps or better starting values")
         if self.explained:
             says.append(f"the model meets the data to {times} times the noise")
         else:

@@ -1,12 +1,8 @@
 """`flexmodal predict`: table, files, JSON by its schema, an improved card, what is refused."""
 
-import json
-
-import jsonschema
 import pytest
 
 import flexmodal
-from flexmodal.cli.main import SCHEMAS
 from flexmodal.rig import simulate
 
 POSTURE = "q1=60deg,q2=-70deg,q3=10deg"
@@ -34,10 +30,10 @@ def test_table_verdict_and_page(cli, folder, tmp_path):
     assert (tmp_path / "p.html").read_text(encoding="utf-8").count("<svg") == 2
 
 
-def test_json_and_csv_are_what_the_schema_and_the_header_say(cli, folder, tmp_path):
+def test_json_and_csv_are_what_the_schema_and_the_header_say(cli, valid, folder, tmp_path):
     words = ("predict", folder / "robot" / "robot.toml", "--campaign", folder, "--posture", "configuration_1")
-    told = cli(*words, "--poor-card", "--method", "hybrid", "--json", "--out", tmp_path / "p.csv").json()
-    jsonschema.validate(told, json.loads((SCHEMAS / "predict.json").read_text(encoding="utf-8")))
+    asked = ("--poor-card", "--method", "hybrid", "--json", "--out", tmp_path / "p.csv")
+    told = valid("predict", cli(*words, *asked).json())
     assert told["method"] == "hybrid"
     assert len((tmp_path / "p.csv").read_text().splitlines()) == 1 + 2 * len(told["frequency"])
 

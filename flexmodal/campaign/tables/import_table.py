@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -52,6 +53,7 @@ def import_table(path: str | os.PathLike[str]) -> Campaign:
         other = values[columns.abscissa].real
         if columns.frf and (len(other) != len(axis) or not np.allclose(other, axis, rtol=1e-6, atol=0)):
             faults.add(f"table {shown(name)}", "another frequency axis", "one axis in all tables")
+    _check_coherence(file, columns, tables, faults)
     if faults.faults:
         raise InvalidCampaign(faults.faults)
     frfs = _frfs(columns, axis, tables, tested) if columns.frf else None
@@ -61,16 +63,20 @@ def import_table(path: str | os.PathLike[str]) -> Campaign:
         for blow in _blows(entry, columns, tables[entry.table or columns.table])
     )
     _check_cut(file, columns, blows)
-    return Campaign(
-        title=tested.title,
-        robot=tested.robot,
-        band=tested.band or default_band(frfs, blows),
-        postures=tested.postures,
-        points=tested.points,
-        trials=tested.trials,
-        frfs=frfs,
-        blows=blows,
-    )
+    try:
+        return Campaign(
+            title=tested.title,
+            robot=tested.robot,
+            band=tested.band or default_band(frfs, blows),
+            postures=tested.postures,
+            points=tested.points,
+            trials=tested.trials,
+            frfs=frfs,
+            blows=blows,
+            tolerance=tested.tolerance,
+        )
+    except InvalidCampaign as error:  # a posture, trial or point of the map that is not described
+        raise InvalidCampaign(replace(fault, file=str(file)) for fault in error.faults) from None
 
 
 def _tables(file: Path, columns: ColumnMap) -> dict[str, dict[str, np.ndarray]]:
@@ -150,6 +156,19 @@ def _check_axis(axis: np.ndarray, columns: ColumnMap, faults: FaultList) -> None
         faults.add(key, f"{axis[0]:g} Hz", "0 Hz or more")
     elif columns.blow and evened(axis) is None:
         faults.add(key, "samples that are not evenly spaced", "one time step throughout")
+
+
+def _check_coherence(
+    file: Path, columns: ColumnMap, tables: dict[str, dict[str, np.ndarray]], faults: FaultList
+) -> None:
+    wanted = {(entry.table or columns.table, entry.coherence) for entry in columns.frf if entry.coherence}
+    for table, name in sorted(wanted):
+        values = tables[table][name].real
+        wrong = np.flatnonzero(~((values >= 0) & (values <= 1)))
+        if len(wrong):
+            found = f"a coherence outside 0 to 1, {values[wrong[0]]:g}"
+            own = FaultList(_beside(file, table, "table"), faults.faults)
+            own.add(f"column {shown(name)}", found, "coherences from 0 to 1")
 
 
 def _frfs(
