@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from flexmodal.cli.measured import campaign_at, say_findings
+from flexmodal.cli.measured import campaign_at, of_postures, say_findings
 from flexmodal.cli.options import (
     SOURCE,
     band_of,
@@ -45,6 +45,9 @@ _MOST_LINES = 20
     default="frf",
     show_default=True,
     help="Poles of each FRF's own, or common to a posture.",
+)
+@click.option(
+    "--posture", "only", multiple=True, metavar="POSTURE", help="Name or id of one to fit; may be repeated."
 )
 @click.option("--trials", type=click.Choice(["average", "separate"]), default="average", show_default=True)
 @click.option("--band", metavar="LOW:HIGH", help="Lines to use [Hz]; the campaign's band if none.")
@@ -94,6 +97,7 @@ def fit(
     campaign: Path,
     method: str,
     per: str,
+    only: tuple[str, ...],
     trials: str,
     estimator: str,
     out: Path | None,
@@ -115,7 +119,7 @@ def fit(
     refuse_existing(out, force, _ENDINGS)
     if pictures is not None:
         refuse_folder(pictures, own=PICTURES, overwrite=force)
-    measured = campaign_at(campaign)
+    measured = of_postures(campaign_at(campaign), only)
     say_findings(measured, None)
     choices = _choices(**wanted)
     with busy("fitting", quiet=quiet):

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from flexmodal.cli.printing import say
-from flexmodal.errors import Fault, InvalidCampaign
+from flexmodal.errors import Fault, InvalidCampaign, InvalidRequest
 
 if TYPE_CHECKING:
     from flexmodal.campaign import Campaign
@@ -54,6 +56,39 @@ def _no_campaign(place: Path) -> Fault:
     elif place.suffix.lower() in (".toml", ".urdf"):
         allowed += "; a robot goes to the other commands, such as flexmodal modes"
     return Fault(str(place), "", kind, allowed)
+
+
+def of_postures(campaign: Campaign, wanted: Sequence[str]) -> Campaign:
+    """Some postures of a campaign, without its modes; all of it where none is named.
+
+    Args:
+        campaign: what was measured.
+        wanted: names or ids.
+
+    Raises:
+        InvalidRequest: a posture that is none of the campaign's.
+    """
+    if not wanted:
+        return campaign
+    names = ", ".join(f"{p.id} or {p.name}" for p in campaign.postures)
+    known = {one for p in campaign.postures for one in (p.name, str(p.id))}
+    faults = [
+        Fault("command line", "--posture", repr(one), f"a posture of the campaign: {names}")
+        for one in wanted
+        if one not in known
+    ]
+    if faults:
+        raise InvalidRequest(faults)
+    chosen = tuple(p for p in campaign.postures if p.name in wanted or str(p.id) in wanted)
+    ids = [p.id for p in chosen]
+    frfs = None if campaign.frfs is None else campaign.frfs.select(posture=ids)
+    return replace(
+        campaign,
+        postures=chosen,
+        frfs=frfs if frfs is not None and len(frfs) else None,
+        blows=tuple(blow for blow in campaign.blows if blow.posture in ids),
+        modes=None,
+    )
 
 
 def say_doubled(campaign: Campaign, source: str | None) -> None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from flexmodal.cli.measured import campaign_at, card_of, refuse_export
+from flexmodal.cli.measured import campaign_at, card_of, of_postures, refuse_export
 from flexmodal.cli.options import (
     SOURCE,
     RobotOptions,
@@ -135,21 +135,7 @@ def _refuse_beside(**given: object) -> None:
 def _campaign(folder: Path, posture: str | None) -> Campaign:
     """The campaign, or one posture of it by name or number."""
     measured = campaign_at(folder)
-    if posture is None:
-        return measured
-    chosen = tuple(p for p in measured.postures if posture in (p.name, str(p.id)))
-    if not chosen:
-        names = ", ".join(f"{p.id} or {p.name}" for p in measured.postures)
-        raise InvalidRequest(Fault(SOURCE, "--posture", repr(posture), f"a posture of the campaign: {names}"))
-    ids = [p.id for p in chosen]
-    frfs = None if measured.frfs is None else measured.frfs.select(posture=ids)
-    return replace(
-        measured,
-        postures=chosen,
-        frfs=frfs if frfs is not None and len(frfs) else None,
-        blows=tuple(blow for blow in measured.blows if blow.posture in ids),
-        modes=None,
-    )
+    return measured if posture is None else of_postures(measured, [posture])
 
 
 def _shapes(measured: Campaign) -> tuple[FittedShapes, ...]:

@@ -20,7 +20,7 @@ def as_json(outcome: Identification) -> dict[str, Any]:
             "standard_error": _finite(one.standard_error),
             "card": one.card,
             "at_bound": one.at_bound,
-            "interval": None if one.at_bound else list(one.interval),
+            "interval": list(one.interval) if np.all(np.isfinite(one.interval)) else None,
             "identified": one.identified,
         }
         for one in outcome.estimates

@@ -25,6 +25,9 @@ EXPLAINED = 1.6
 """Multiple of the noise floor up to which a model explains the data: repeats share leakage and bias."""
 WORSE = 1.5
 """Held-out gap over fitted gap from which a fit does not carry over."""
+WITHHELD = 5.0
+"""Multiple of the noise from which no intervals are given: what is missing in the model moves the parameters,
+from one choice of data to another by more than any interval says."""
 TOUCHING = 1e-9
 
 
@@ -36,9 +39,9 @@ class Estimate:
     unit: str
     value: float
     standard_error: float
-    """In the unit of the value; the linear one of a logarithm times the value. NaN at a bound."""
+    """In the unit of the value; of a logarithm the linear one times the value. NaN at a bound or withheld."""
     interval: tuple[float, float]
-    """95 %; of a logarithm not symmetric. NaN at a bound, where there is none to give."""
+    """95 %; of a logarithm not symmetric. NaN at a bound, or withheld."""
     card: float
     at_bound: bool
     identified: bool
@@ -137,11 +140,12 @@ class Identification(Shown):
         low, high = self.uncertainty.interval(self.at)
         least, most = self.problem.space.bounds
         known = set(self.uncertainty.identified)
+        errors = self.uncertainty.deviation * (np.nan if self.withheld else 1.0)
         return tuple(
             _estimate(
                 p,
                 self.at[k],
-                self.uncertainty.deviation[k],
+                errors[k],
                 (low[k], high[k]),
                 (least[k], most[k]),
                 p.name in known,
@@ -171,6 +175,11 @@ class Identification(Shown):
         return self.over_noise <= EXPLAINED
 
     @property
+    def withheld(self) -> bool:
+        """Whether no intervals are given, since the model's error decides and not the measurement's."""
+        return self.problem.source != "modes" and not self.over_noise <= WITHHELD
+
+    @property
     def verdict(self) -> str:
         """What to think of it, and what to do next."""
         gap, says = self.gap, []
@@ -184,6 +193,8 @@ class Identification(Shown):
                 f"the fit leaves {times} times the noise: something is missing from the model; "
                 "`flexmodal diagnose` looks for it"
             )
+        if self.withheld:
+            says.append("no intervals are given: the model's error decides here, not the measurement's")
         if gap.held_out_after is not None and gap.held_out_after > WORSE * max(gap.after, gap.noise_floor):
             says.append(f"it does not carry over: {gap.held_out_after:.3g} on what was held out")
         if gap.held_out_after is None:
@@ -214,7 +225,7 @@ def _estimate(
     at_bound = bool(x <= bounds[0] + touching or x >= bounds[1] - touching)
     error = abs(parameter.slope(float(x))) * float(deviation)
     interval = parameter.value(float(reach[0])), parameter.value(float(reach[1]))
-    if at_bound:  # what would be told here is the bound's doing, not the data's
+    if at_bound or not np.isfinite(error):  # at a bound it would be the bound's doing, not the data's
         error, interval = float("nan"), (float("nan"), float("nan"))
     return Estimate(
         parameter.name, parameter.unit, parameter.value(float(x)), error, interval, parameter.card, at_bound,

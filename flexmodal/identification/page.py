@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -98,8 +99,8 @@ def estimate_cells(one: Estimate) -> tuple[str, ...]:
     return (
         one.name,
         f"{_number(one.value)}{unit}",
-        DASH if one.at_bound else _number(one.standard_error, 2),
-        DASH if one.at_bound else f"{_number(low)} to {_number(high)}",
+        DASH if math.isnan(low) else _number(one.standard_error, 2),
+        DASH if math.isnan(low) else f"{_number(low)} to {_number(high)}",
         _number(one.card),
         ", ".join(remarks),
     )

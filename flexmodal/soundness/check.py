@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from flexmodal.campaign import Campaign, FrfRecords, estimate_frfs
@@ -36,15 +38,21 @@ def check_soundness(campaign: Campaign, robot: Robot | None = None) -> tuple[Fin
 
     Args:
         campaign: what was measured.
-        robot: as its card says, to compare with; without it only the data by themselves are looked at.
+        robot: as its card says, to compare with; without it, or where links or joints of the campaign are
+            none of its own, only the data by themselves are looked at.
     """
     found = list(blow_findings(campaign))
     records = _records(campaign)
     if records is None:
         return tuple(found)
-    found += record_findings(campaign, records)
-    observations = None if robot is None else _observed(campaign)
-    if robot is not None and observations is not None:
+    told = record_findings(campaign, records)
+    found += told
+    if any(one.kind == "FRFs against blows" for one in told):
+        campaign = replace(campaign, frfs=None)  # the blows are nearer to what was measured
+    if robot is None or not _belongs(campaign, robot):
+        return tuple(found)
+    observations = _observed(campaign)
+    if observations is not None:
         found += beside_model(observations, robot)
     return tuple(found)
 
@@ -100,6 +108,13 @@ def _degrees(observations: Observations) -> Finding:
         "every posture is another one",
         _REMEDY["degrees for radians"],
     )
+
+
+def _belongs(campaign: Campaign, robot: Robot) -> bool:
+    """Whether the robot has every link and every joint that the campaign names."""
+    joints = {name for posture in campaign.postures for name in posture.q}
+    links = {point.link for point in campaign.points}
+    return joints <= set(robot.commanded) and links <= set(robot.urdf.link_by_name)
 
 
 def _records(campaign: Campaign) -> FrfRecords | None:

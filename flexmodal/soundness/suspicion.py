@@ -4,7 +4,7 @@ A hypothesis changes what some records are compared with (another place, other a
 misfit of a record is the mean over its lines of |ln(model / record)|², cut at `CUT`² so that a record that is
 wholly wrong counts once. The hypothesis that takes most off the sum is accepted where it leaves less than
 `LEFT` of the misfit of the records it is about, and these were farther than `FAR` from the model; then the
-next is looked for, the accepted ones in force.
+next is looked for, the accepted ones in force. Where no single one is left, two at once are tried.
 """
 
 from __future__ import annotations
@@ -24,6 +24,10 @@ FAR = 0.2
 """Root mean square of |ln| from which records are suspected."""
 LEFT = 0.4
 """Part of the misfit of its records that a hypothesis may leave."""
+PAIR_FAR, PAIR_LEFT = 0.5, 0.2
+"""The same of two hypotheses at once, of which there are many more."""
+FIRSTS = 10
+"""Hypotheses that a second one is tried with: those that take most off."""
 EVERYWHERE = "all postures"
 MOST = 12
 """Hypotheses that are accepted, one after the other."""
@@ -95,21 +99,66 @@ def accepted(
     misfit = _misfit(observations, models, state, every)
     found: list[Accepted] = []
     for _ in range(MOST):
-        best, gain = None, 0.0
-        for one in hypotheses:
-            before = misfit[one.rows]
-            if not len(one.rows) or np.mean(before) < FAR**2:
-                continue
-            after = _misfit(observations, models, state.changed(one), one.rows)
-            if np.mean(after) < LEFT * np.mean(before) and np.sum(before - after) > gain * (1 + 1e-6) + 1e-9:
-                best, gain = (one, after), float(np.sum(before - after))
+        best = _best_single(observations, models, state, misfit, hypotheses)
+        if best is None:
+            best = _best_pair(observations, models, state, misfit, hypotheses)
         if best is None:
             break
-        one, after = best
-        found.append(Accepted(one, float(np.sqrt(np.mean(misfit[one.rows]))), float(np.sqrt(np.mean(after)))))
-        state = state.changed(one)
-        misfit = _misfit(observations, models, state, every)
+        for one in best:
+            state = state.changed(one)
+        after = _misfit(observations, models, state, every)
+        for one in best:
+            sizes = (float(np.sqrt(np.mean(each[one.rows]))) for each in (misfit, after))
+            found.append(Accepted(one, *sizes))
+        misfit = after
     return found, _predicted(models, state, every) / state.factor[:, None]
+
+
+def _best_single(
+    observations: Observations,
+    models: Mapping[str, Complex[np.ndarray, "observation line"]],
+    state: _State,
+    misfit: Float[np.ndarray, " observation"],
+    hypotheses: Sequence[Hypothesis],
+) -> tuple[Hypothesis, ...] | None:
+    """The one that takes most off, among those that explain their records."""
+    best, gain = None, 0.0
+    for one in hypotheses:
+        before = misfit[one.rows]
+        if not len(one.rows) or np.mean(before) < FAR**2:
+            continue
+        after = _misfit(observations, models, state.changed(one), one.rows)
+        if np.mean(after) < LEFT * np.mean(before) and np.sum(before - after) > gain * (1 + 1e-6) + 1e-9:
+            best, gain = (one,), float(np.sum(before - after))
+    return best
+
+
+def _best_pair(
+    observations: Observations,
+    models: Mapping[str, Complex[np.ndarray, "observation line"]],
+    state: _State,
+    misfit: Float[np.ndarray, " observation"],
+    hypotheses: Sequence[Hypothesis],
+) -> tuple[Hypothesis, ...] | None:
+    """Two errors in the same records, neither of which explains them alone; they have to explain more."""
+    suspected = [one for one in hypotheses if len(one.rows) and np.mean(misfit[one.rows]) > PAIR_FAR**2]
+    gains = [
+        float(np.sum(misfit[one.rows] - _misfit(observations, models, state.changed(one), one.rows)))
+        for one in suspected
+    ]
+    best, gain = None, 0.0
+    for place in np.argsort(gains)[::-1][:FIRSTS].tolist():
+        first = suspected[place]
+        begun = state.changed(first)
+        for second in suspected:
+            if second is first or not np.isin(second.rows, first.rows).any():
+                continue
+            rows = np.union1d(first.rows, second.rows)
+            after = _misfit(observations, models, begun.changed(second), rows)
+            before = misfit[rows]
+            if np.mean(after) < PAIR_LEFT * np.mean(before) and np.sum(before - after) > gain + 1e-9:
+                best, gain = (first, second), float(np.sum(before - after))
+    return best
 
 
 def _misfit(

@@ -121,6 +121,21 @@ def test_a_parameter_at_its_bound_is_flagged(campaign, fanuc):
     assert as_json(outcome)["parameters"]["stiffness.q2"]["interval"] is None
 
 
+def test_where_the_model_is_wrong_no_intervals_are_given(campaign, fanuc, outcome):
+    """One point's records tenfold: at many times the noise, and none for the fit that meets the data."""
+    frfs = campaign.frfs
+    rows = frfs.response[:, 0] == campaign.points[0].id
+    value = np.where(rows[:, None], 10 * frfs.value, frfs.value)
+    wrong = identify(replace(campaign, frfs=replace(frfs, value=value)), fanuc)
+    assert wrong.over_noise > 5
+    assert wrong.withheld
+    assert "no intervals are given" in wrong.verdict
+    assert all(np.isnan(one.standard_error) for one in wrong.estimates)
+    assert {estimate_cells(one)[3] for one in wrong.estimates} == {"–"}
+    assert all(one["interval"] is None for one in as_json(wrong)["parameters"].values())
+    assert not outcome.withheld
+
+
 def test_outliers_do_not_carry_the_fit_away(campaign, fanuc, rig):
     random = np.random.default_rng(0)
     value = campaign.frfs.value.copy()

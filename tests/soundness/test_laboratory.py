@@ -12,10 +12,18 @@ from flexmodal.rig.laboratory.channels import high_passed
 from flexmodal.soundness import check_soundness, without_coupling
 from flexmodal.soundness.blows import force_corner, second_hit
 
+QUICK = ("sign", "postures exchanged", "AC coupling", "drift", "overload")
 CALLED = {"sensitivity": "scale", "AC coupled force": "AC coupling"}
 
 
-@pytest.mark.parametrize("kind", [kind for kind in MISHAPS if kind != "axes swapped"])
+@pytest.mark.parametrize(
+    "kind",
+    [
+        pytest.param(kind, marks=[] if kind in QUICK else [pytest.mark.slow])
+        for kind in MISHAPS
+        if kind != "axes swapped"
+    ],
+)
 def test_each_mishap_is_found_and_named(planar, fanuc, kind):
     spoilt, done = with_mishaps(planar, [kind], seed=3)
     assert [one.kind for one in done] == [kind]
@@ -41,10 +49,26 @@ def test_nothing_is_said_of_frfs_alone_or_of_modes_alone(planar, fanuc):
     assert check_soundness(bare, fanuc) == ()  # nothing says how noisy it is: not compared
 
 
+def test_another_robots_campaign_is_looked_at_without_the_robot(planar, arm):
+    spoilt, _ = with_mishaps(planar, ["drift", "sign"], seed=4)
+    assert {one.kind for one in check_soundness(spoilt, arm)} <= {"drift", "drive point", "reciprocity"}
+
+
 def test_three_at_once(planar, fanuc):
     spoilt, _ = with_mishaps(planar, ["sign", "postures exchanged", "drift"], seed=4)
     kinds = {one.kind for one in check_soundness(spoilt, fanuc)}
     assert {"sign", "postures exchanged", "drift"} <= kinds
+
+
+def test_where_frfs_are_not_those_of_the_blows_the_blows_are_compared(planar, fanuc):
+    spoilt, _ = with_mishaps(planar, ["FRFs against blows"], seed=2)
+    assert [one.kind for one in check_soundness(spoilt, fanuc)] == ["FRFs against blows"]
+
+
+def test_two_errors_in_the_same_records(planar, fanuc):
+    """Postures exchanged and points swapped in all of them: neither alone explains a record."""
+    spoilt, _ = with_mishaps(planar, ["points swapped", "postures exchanged"], seed=12)
+    assert {"points swapped", "postures exchanged"} <= {one.kind for one in check_soundness(spoilt, fanuc)}
 
 
 def test_degrees_do_not_hide_what_else_is_wrong(planar, fanuc):
