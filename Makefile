@@ -15,7 +15,7 @@
 # make appendix  diagnose the thesis's measured modes: docs/appendix_c.md with its pictures; some minutes
 # make recovery  identify 300 simulated campaigns; goes on where it was stopped; half an hour
 # make collisions  a hundred random tasks beside a table and a fixture; a quarter of an hour
-# make fuzz    read mutated campaigns, URDFs, cards, cuts, toolpaths, postures and arguments, judged by second readers
+# make fuzz    a million spoilt URDFs, cards, cuts, toolpaths, postures, arguments and campaigns; goes on where it was stopped
 # make chaos   kill every command that writes at each of its file events; some minutes
 # make accuracy  FRFs and modes of 500 random robots against sixty digits; half an hour
 # make atlas-bench  an atlas of a million postures against the kernel alone; some minutes and 7 GB of disk
@@ -72,12 +72,14 @@ tables: .venv/tested
 	$(BIN)/python benchmarks/ema_real.py
 	$(BIN)/python benchmarks/ema_selection.py
 	$(BIN)/python benchmarks/identification_thesis.py
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/stumbles.py
 
-pictures: .venv/tested
+pictures: .venv/tested docs
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/optimisation_pictures.py
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/machining_checks.py
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/machining_posture.py
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/welcome_pictures.py
+	$(BIN)/python benchmarks/site_pictures.py
 
 live-pictures: .venv/tested browser
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/live_pictures.py
@@ -124,11 +126,10 @@ distribution: .venv/tested
 clean:
 	rm -rf .venv dist build demo exam site .pytest_cache .mypy_cache .ruff_cache
 
-# INPUTS of each target: `make fuzz INPUTS=150000` is a million in all, and some hours.
-INPUTS ?= 20000
+# INPUTS of all targets together, a million, some hours of one processor; goes on where it was stopped.
+INPUTS ?= 1000000
 fuzz: .venv/tested
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/fuzz.py --count $(INPUTS)
-	$(BIN)/python benchmarks/fuzz_campaign.py --count $$((5 * $(INPUTS)))
 
 accuracy: .venv/tested
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/accuracy.py

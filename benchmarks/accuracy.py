@@ -280,29 +280,36 @@ def one_robot(number: int) -> tuple[str, int, float, list[tuple[float, float]], 
     return kind, len(robot.axes), frf, poles, complete, refused
 
 
-def gravity_rows() -> list[str]:
-    """How far gravity, left out, moves the natural frequencies of the arms that ship."""
+def gravity_shift(arm: flexmodal.Robot, pose: dict[str, float]) -> np.ndarray:
+    """By which part gravity, left out, would move each natural frequency in a posture, lowest first.
+
+    The term ∂g/∂q of the potential energy's second derivative adds to K; damping is left out.
+    """
     import pinocchio as pin
 
+    model = arm.pinocchio.copy()
+    model.gravity.linear = np.array([0.0, 0.0, -GRAVITY])
+    vector = np.array([pose.get(name, 0.0) for name in arm.moving])
+    where = pin.integrate(model, pin.neutral(model), vector)
+    slope = pin.computeGeneralizedGravityDerivatives(model, model.createData(), where)
+    system, pick = arm.at(pose).system, arm.flexible_index
+    without, with_it = (
+        np.sort(np.linalg.eigvals(np.linalg.solve(system.mass, K)).real)
+        for K in (system.stiffness, system.stiffness + slope[np.ix_(pick, pick)])
+    )
+    return np.sqrt(np.maximum(with_it, 0) / without) - 1
+
+
+def gravity_rows() -> list[str]:
+    """How far gravity, left out, moves the natural frequencies of the arms that ship."""
     found = []
     for arm in flexmodal.robots():
-        model = arm.pinocchio.copy()
-        model.gravity.linear = np.array([0.0, 0.0, -GRAVITY])
-        data, rng, worst, first = model.createData(), np.random.default_rng(0), 0.0, 0.0
+        rng, worst, first = np.random.default_rng(0), 0.0, 0.0
         low = np.maximum([joint.lower for joint in arm.commanded.values()], -np.pi)
         high = np.minimum([joint.upper for joint in arm.commanded.values()], np.pi)
         for _ in range(200):
             pose = dict(zip(arm.commanded, rng.uniform(low, high).tolist(), strict=True))
-            vector = np.array([pose.get(name, 0.0) for name in arm.moving])
-            where = pin.integrate(model, pin.neutral(model), vector)
-            slope = pin.computeGeneralizedGravityDerivatives(model, data, where)
-            pick = arm.flexible_index
-            system = arm.at(pose).system
-            pairs = [
-                np.sort(np.linalg.eigvals(np.linalg.solve(system.mass, K)).real)
-                for K in (system.stiffness, system.stiffness + slope[np.ix_(pick, pick)])
-            ]
-            shift = np.abs(np.sqrt(np.maximum(pairs[1], 0) / pairs[0]) - 1)
+            shift = np.abs(gravity_shift(arm, pose))
             worst, first = max(worst, float(shift.max())), max(first, float(shift[0]))
         found.append(f"`{arm.name}` {100 * worst:.2g} % ({100 * first:.2g} % of the lowest)")
     return found

@@ -2,8 +2,9 @@
 
 Writes docs/tables/atlas.md. `python benchmarks/atlas_bench.py [POSTURES [FOLDER]]`: as many postures as are
 given and as the disk has room for, 400 lines each. All rates are of this machine in this hour; what counts
-is their ratios. The kernel alone is `receptance_batch` on chunks of the same size, thrown away, on as many
-threads; the bare disk is the same bytes written to files by the same number of threads.
+is their ratios, each of runs that took turns: by the clock, which hangs on what else the machine does, and by
+processor time, which hangs less on it. The kernel alone is `receptance_batch` on chunks of the same size,
+thrown away, on as many threads; the bare disk is the same bytes written to files by as many threads.
 """
 
 from __future__ import annotations
@@ -16,7 +17,9 @@ import sys
 import tempfile
 import threading
 import time
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -28,7 +31,7 @@ from flexmodal.frf.kernels.route import available_cores
 from flexmodal.model.batch import receptance_batch
 
 LINES = 400
-SMALL = 100_000
+SMALL = 60_000
 """Postures of the comparisons; the run of all of them is made once."""
 CORES = available_cores()
 ROUNDS = 3
@@ -41,42 +44,67 @@ def plan_of(postures: int, *, single: bool = False) -> Plan:
     return Plan(Sample(arm, postures, whole_range(arm)), quantity)
 
 
-def kernel_alone(plan: Plan, chunks: int, threads: int) -> float:
-    """Points a second of the batch engine on the plan's chunks, its results thrown away."""
+@dataclass(frozen=True)
+class Taken:
+    """What a run took."""
+
+    clock: float
+    """[s]."""
+    processor: float
+    """Of this process; of a cluster's, nothing is known [s]."""
+    points: int
+
+    def rate(self) -> float:
+        """Points a second by the clock."""
+        return self.points / self.clock
+
+
+def taken(points: int, work: Callable[[], object]) -> Taken:
+    """Run something, and say what it took."""
+    clock, processor = time.perf_counter(), time.process_time()
+    work()
+    return Taken(time.perf_counter() - clock, time.process_time() - processor, points)
+
+
+def kernel_alone(plan: Plan, chunks: int, threads: int) -> Taken:
+    """The batch engine on the plan's chunks, its results thrown away."""
     layout, quantity = plan.layout, plan.quantity
     values = [plan.points.values(layout.region(number)[1]) for number in range(chunks)]
 
     def solve(some: np.ndarray) -> None:
         receptance_batch(plan.robot, some, quantity.pairs, quantity.frequency, threads=1, way=quantity.way)
 
+    def solve_all() -> None:
+        with ThreadPoolExecutor(threads) as pool:
+            list(pool.map(solve, values))
+
     solve(values[0])
-    started = time.perf_counter()
-    with ThreadPoolExecutor(threads) as pool:
-        list(pool.map(solve, values))
-    return sum(map(len, values)) * LINES / (time.perf_counter() - started)
+    return taken(sum(map(len, values)) * LINES, solve_all)
 
 
-def bare_disk(plan: Plan, chunks: int, threads: int, folder: Path) -> float:
-    """Points a second that the file system takes, written as plain files."""
+def bare_disk(plan: Plan, chunks: int, threads: int, folder: Path) -> Taken:
+    """The same bytes, written as plain files."""
     content = np.random.default_rng(0).random(plan.layout.files(folder, 0)[-1][1] // 8).tobytes()
     place = Path(tempfile.mkdtemp(dir=folder))
-    started = time.perf_counter()
-    with ThreadPoolExecutor(threads) as pool:
-        list(pool.map(lambda number: (place / str(number)).write_bytes(content), range(chunks)))
-    seconds = time.perf_counter() - started
+
+    def write_all() -> None:
+        with ThreadPoolExecutor(threads) as pool:
+            list(pool.map(lambda number: (place / str(number)).write_bytes(content), range(chunks)))
+
+    found = taken(chunks * plan.layout.chunk[0] * LINES, write_all)
     shutil.rmtree(place)
-    return chunks * plan.layout.chunk[0] * LINES / seconds
+    return found
 
 
-def built(plan: Plan, path: Path, **given: object) -> float:
-    """Points a second of a whole atlas."""
-    found = build_atlas(plan, path, **given)  # type: ignore[arg-type]
+def built(plan: Plan, path: Path, **given: object) -> Taken:
+    """A whole atlas."""
+    found = taken(plan.points.count * LINES, lambda: build_atlas(plan, path, **given))  # type: ignore[arg-type]
     assert open_atlas(path).is_complete
-    return plan.points.count * LINES / found.seconds
+    return found
 
 
-def on_dask(plan: Plan, folder: Path, count: int) -> float:
-    """Points a second on a cluster of so many processes on loopback, one thread each."""
+def on_dask(plan: Plan, folder: Path, count: int) -> Taken:
+    """An atlas made on a cluster of so many processes on loopback, one thread each."""
     folder = Path(tempfile.mkdtemp(dir=folder))
     told = folder / "scheduler.json"
     program = str(Path(sys.executable).with_name("dask"))
@@ -129,10 +157,6 @@ class Memory:
         return int(Path("/proc/self/statm").read_text().split()[1]) * resource.getpagesize()
 
 
-def median(measure: object, *given: object, **more: object) -> float:
-    return float(np.median([measure(*given, **more) for _ in range(ROUNDS)]))  # type: ignore[operator]
-
-
 def main() -> None:
     postures = int(sys.argv[1]) if len(sys.argv) > 1 else 1_000_000
     home = Path(tempfile.mkdtemp(prefix="atlas-", dir=sys.argv[2] if len(sys.argv) > 2 else None))
@@ -141,15 +165,24 @@ def main() -> None:
     finally:
         shutil.rmtree(home, ignore_errors=True)
     lead = (
-        f"`make atlas-bench`, on a machine of {CORES} cores: the six-link arm, {LINES} "
-        f"lines, one direction, random "
-        f"postures. Medians of {ROUNDS} runs of {SMALL:,} postures, but for the whole atlas."
+        f"`make atlas-bench`, on a machine of {CORES} cores whose load was {os.getloadavg()[0]:.1f} at the "
+        f"end: the six-link arm, {LINES} lines, one direction, random postures. Medians of {ROUNDS} runs of "
+        f"{SMALL:,} postures that took turns; the whole atlas was made once. Ratios are those of "
+        "the same turn; by processor time they hang less on what else the machine did."
     )
     write(
         "atlas",
         "An atlas and the kernel alone",
         lead,
-        ["what", "10⁶ points/s", "ratio", "goal"],
+        [
+            "what",
+            "10⁶ points/s",
+            "processor [ns a point]",
+            "by the clock",
+            "by processor time",
+            "against",
+            "goal",
+        ],
         rows,
         end=end,
     )
@@ -157,66 +190,88 @@ def main() -> None:
 
 def measured(postures: int, home: Path) -> tuple[list[list[str]], str]:
     """Rows of the table, and what follows from them."""
-    small = plan_of(SMALL)
-    chunks = small.chunks
-    kernel, one, many, halves, disk = [], [], [], [], []
     build_atlas(plan_of(5000), home / "warm.zarr")
+    turns = {
+        name: [] for name in ("kernel", "atlas", "single", "disk", "kernel 1", "atlas 1", "dask 1", "dask 2")
+    }
+    small, half = plan_of(SMALL), plan_of(SMALL, single=True)
 
-    def fresh(plan: Plan, workers: int) -> float:
-        path = home / "small.zarr"
+    def fresh(plan: Plan, workers: int) -> Taken:
         try:
-            return built(plan, path, workers=workers)
+            return built(plan, home / "small.zarr", workers=workers)
         finally:
-            shutil.rmtree(path, ignore_errors=True)
+            shutil.rmtree(home / "small.zarr", ignore_errors=True)
 
-    for _ in range(ROUNDS):  # interleaved, as the machine's speed drifts
-        kernel.append(kernel_alone(small, chunks, CORES))
-        many.append(fresh(small, CORES))
-        halves.append(fresh(plan_of(SMALL, single=True), CORES))
-        one.append(fresh(small, 1))
-        disk.append(bare_disk(small, chunks, CORES, home))
-    kernel_one = median(kernel_alone, small, chunks, 1)
-    clusters = [median(on_dask, small, home, count) for count in (1, 2)]
+    for _ in range(ROUNDS):
+        turns["kernel"].append(kernel_alone(small, small.chunks, CORES))
+        turns["atlas"].append(fresh(small, CORES))
+        turns["kernel 1"].append(kernel_alone(small, small.chunks, 1))
+        turns["atlas 1"].append(fresh(small, 1))
+        turns["single"].append(fresh(half, CORES))
+        turns["disk"].append(bare_disk(small, small.chunks, CORES, home))
+        for count in (1, 2):
+            turns[f"dask {count}"].append(on_dask(small, home, count))
     with Memory() as memory:
-        found = build_atlas(plan_of(postures), home / "whole.zarr")
-    whole = postures * LINES / found.seconds
-    started = time.perf_counter()
-    build_atlas(plan_of(postures), home / "whole.zarr")
-    again = time.perf_counter() - started
-    k, o, m, h, d = (float(np.median(one)) for one in (kernel, one, many, halves, disk))
+        whole = taken(postures * LINES, lambda: build_atlas(plan_of(postures), home / "whole.zarr"))
+    again = taken(0, lambda: build_atlas(plan_of(postures), home / "whole.zarr"))
+    turns["whole"], turns["kernel then"] = [whole], [kernel_alone(small, small.chunks, CORES)]
+    rows = table_rows(turns, postures)
+    return rows, outcome(whole, again, turns["dask 2"], memory.most - memory.before, postures)
 
-    def row(what: str, rate: float, ratio: float | None, against: str = "", goal: str = "") -> list[str]:
-        return [what, f"{rate / 1e6:.1f}", "" if ratio is None else f"{ratio:.2f} {against}", goal]
 
-    rows = [
-        row(f"the kernel alone, {CORES} threads", k, None),
-        row(f"atlas, {CORES} workers", m, m / k, "of the kernel", "≥ 0.7"),
-        row(f"atlas in single precision, {CORES} workers", h, h / k, "of the kernel"),
-        row(f"plain files of the same bytes, {CORES} threads", d, d / k, "of the kernel"),
-        row("the kernel alone, 1 thread", kernel_one, None),
-        row("atlas, 1 worker", o, o / kernel_one, "of the kernel", "≥ 0.7"),
-        row(f"atlas, {CORES} workers against 1", m, m / o, "times"),
-        row("Dask, 1 process", clusters[0], clusters[0] / kernel_one, "of the kernel"),
-        row("Dask, 2 processes", clusters[1], clusters[1] / clusters[0], "times 1 process"),
-        row(f"atlas of {postures:,} postures", whole, whole / k, "of the kernel", "≥ 0.7"),
+def table_rows(turns: dict[str, list[Taken]], postures: int) -> list[list[str]]:
+    """Medians, and ratios turn by turn."""
+
+    def row(what: str, name: str, against: str = "", of: str = "", goal: str = "") -> list[str]:
+        some = turns[name]
+        cells = [f"{np.median([one.rate() for one in some]) / 1e6:.1f}", _processor(name, some)]
+        if not against:
+            return [what, *cells, "", "", "", goal]
+        pairs = list(zip(some, turns[against], strict=True))
+        clock = np.median([one.rate() / other.rate() for one, other in pairs])
+        own = np.median([other.processor / other.points * one.points / one.processor for one, other in pairs])
+        known = "dask" not in name and "workers against" not in what
+        return [what, *cells, f"{clock:.2f}", f"{own:.2f}" if known else "", of, goal]
+
+    return [
+        row(f"the kernel alone, {CORES} threads", "kernel"),
+        row(f"atlas, {CORES} workers", "atlas", "kernel", "the kernel", "≥ 0.7"),
+        row(f"atlas in single precision, {CORES} workers", "single", "kernel", "the kernel"),
+        row(f"plain files of the same bytes, {CORES} threads", "disk", "kernel", "the kernel"),
+        row("the kernel alone, 1 thread", "kernel 1"),
+        row("atlas, 1 worker", "atlas 1", "kernel 1", "the kernel", "≥ 0.7"),
+        row(f"atlas, {CORES} workers against 1", "atlas", "atlas 1", "one worker"),
+        row("Dask, 1 process", "dask 1", "kernel 1", "the kernel"),
+        row("Dask, 2 processes", "dask 2", "dask 1", "one process"),
+        row(f"atlas of {postures:,} postures", "whole", "kernel then", "the kernel", "≥ 0.7"),
     ]
-    size = plan_of(postures).layout.size
+
+
+def _processor(name: str, some: list[Taken]) -> str:
+    if "dask" in name:
+        return ""
+    return f"{np.median([one.processor / one.points for one in some]) * 1e9:.1f}"
+
+
+def outcome(whole: Taken, again: Taken, dask: list[Taken], grown: int, postures: int) -> str:
+    """The whole atlas in words, and a billion postures on paper."""
+    plan = plan_of(postures)
+    bytes_each = plan.layout.size / postures
+    rate, two = whole.rate(), float(np.median([one.rate() for one in dask]))
+    own = whole.processor / whole.points
     billion = 1e9 * LINES
-    bytes_each = size / postures
-    end = (
-        f"The whole atlas took {found.seconds:.0f} s for {size / 1e9:.2f} GB in "
-        f"{found.chunks} chunks; the process "
-        f"grew by {(memory.most - memory.before) / 1e6:.0f} MB at most. Called again, it "
-        f"looked at every checksum "
-        f"in {again:.1f} s and computed nothing.\n\n"
-        f"On paper, 10⁹ postures × {LINES} lines: {billion / whole / 3600:.1f} hours at the "
-        f"rate of the whole atlas on "
-        f"this machine, {billion / clusters[1] / 3600:.1f} at that of two Dask processes, so some "
-        f"{billion / (clusters[1] / 2) / 3600 / 10:.1f} on ten times two if disk and scheduler keep up: "
-        f"{1e9 / plan_of(10**9).layout.chunk[0]:,.0f} tasks, {1e9 * bytes_each / 1e12:.1f} TB "
-        f"({1e9 * bytes_each / 2e12:.1f} TB in single precision)."
+    size, tasks = plan.layout.size, 1e9 / plan_of(10**9).layout.chunk[0]
+    return (
+        f"The whole atlas took {whole.clock:.0f} s for {size / 1e9:.2f} GB in {plan.chunks} chunks, "
+        f"{whole.processor:.0f} s of processor time; the process grew by {grown / 1e6:.0f} MB at most. "
+        f"Called again, it looked at every checksum in {again.clock:.1f} s and computed nothing.\n\n"
+        f"On paper, 10⁹ postures × {LINES} lines: {billion * own / 3600:.1f} hours of processor time, so "
+        f"{billion * own / 3600 / CORES:.1f} hours on {CORES} cores that have nothing else to do; "
+        f"{billion / rate / 3600:.1f} hours at the rate of the whole atlas as this machine was, "
+        f"{billion / two / 3600:.1f} at that of two Dask processes. On 20 cores, if disk and scheduler keep "
+        f"up, {billion * own / 3600 / 20:.1f} hours: {tasks:,.0f} tasks, {1e9 * bytes_each / 1e12:.1f} TB "
+        f"({1e9 * bytes_each / 2e12:.1f} TB in single precision), {20 * 16 / own / 1e9:.1f} GB/s."
     )
-    return rows, end
 
 
 if __name__ == "__main__":

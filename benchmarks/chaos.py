@@ -1,119 +1,37 @@
 """Every command that writes, killed at each of its file events, on a full disk, and several at once.
 
 Figures go to docs/tables/chaos.md, unless only some are asked for: `python benchmarks/chaos.py [CASE …]`.
-After a kill the next reader has to find the old or the new, whole, and
-the next writer may not be barred; of an atlas, which goes on where it was killed, every chunk that is there
-has to be whole and the next call has to end with what an undisturbed one makes.
-Events, kills and full disks are those of `killing`.
+After a kill the next reader has to find the old or the new, whole, and the next writer may not be barred; of
+an atlas, which goes on where it was killed, every chunk that is there has to be whole and the next call has
+to end with what an undisturbed one makes. Events, kills and files that may not grow are those of `killing`;
+the commands are those of `chaos_cases`, places that cannot be written those of `chaos_places`. What each case
+came to is kept in build/chaos.jsonl: a run that was stopped goes on where it was, `--fresh` begins again.
 """
 
 from __future__ import annotations
 
-import contextlib
-import io
+import json
 import os
 import shutil
 import signal
 import sys
 import tempfile
 from collections.abc import Callable
-from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
+from typing import Any
 
+from chaos_cases import Case, call, cases, make_inputs, run, together_cases
+from chaos_places import unwritable
 from killing import digest, killed_everywhere
-from tables import write
-
-from flexmodal.cli.main import main as flexmodal
+from tables import ROOT, write
 
 LIMITS = (0, 2_000, 20_000)
 """Sizes of a file at which the disk is full [bytes]."""
-ROUNDS, WRITERS = 25, 4
-CUT = str(Path(__file__).parents[1] / "robots" / "fanuc_s360" / "cuts" / "aluminium.toml")
+ROUNDS = 12
 NOWHERE = Path("/sys/kernel")
 """A file system in which nobody may make a file."""
-SMALL = ("--postures", "2", "--points", "2", "--trials", "1", "--averages", "2", "--record-length", "1")
-RIG = ("rig", "fanuc_s360", *SMALL, "--references", "1", "--quiet")
-AXIS = ("--posture", "configuration_1", "--frequencies", "1:60:1")
-
-
-@dataclass(frozen=True)
-class Case:
-    """A command, how it is called, and what it replaces."""
-
-    name: str
-    words: tuple[str, ...]
-    out: str
-    """Name of what it writes."""
-    option: str = "--out"
-    before: tuple[str, ...] = ()
-    """The command that made what stands there; none where there is nothing to replace."""
-    writers: int = 1
-    """After each of so many kills the next writer is tried."""
-    signals: tuple[signal.Signals, ...] = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT)
-
-
-def cases(campaign: str, single: str) -> tuple[Case, ...]:
-    """All of them, on one small campaign and on one of a single FRF."""
-    frf, fit = ("frf", "fanuc_s360", *AXIS), ("fit", campaign, "--no-vary", "--per", "posture")
-    identify, diagnose = ("identify", campaign, "--quiet"), ("diagnose", campaign, "--quiet")
-    lean = (*diagnose, "--effects", "added_mass")
-    path = ("optimise", "fanuc_s360", "--family", "second_link_horizontal", "--frequency", "8", "--quiet")
-    kill = (signal.SIGKILL,)
-    toolpath = (
-        "path",
-        "fanuc_s360",
-        "--line",
-        "0.9,0.6:0.9,0.8",
-        "--points",
-        "3",
-        "--feed",
-        "0.1",
-        "--frequency",
-        "5",
-    )
-    lobes = ("lobes", "fanuc_s360", "--cut", CUT, "--posture", "configuration_1", "--speeds", "5")
-    return (
-        Case("frf", frf, "frf.csv"),
-        Case("frf --force", frf, "frf.uff", before=(*frf, "--form", "mobility")),
-        Case("frf --force, a page", frf, "frf.html", before=(*frf, "--form", "mobility"), writers=5),
-        Case("optimise, a picture", path, "receptance=best.png", "--plot"),
-        Case("show", ("show", "fanuc_s360"), "page.html"),
-        Case("path", (*toolpath, "--quiet"), "path.csv"),
-        Case("lobes --force", lobes, "lobes.json", before=(*lobes, "--method", "multi-frequency"), writers=5),
-        Case("fit --force", fit, "modes.csv", before=("fit", campaign, "--no-vary", "--band", "5:100")),
-        Case(
-            "fit, pictures", ("fit", single, "--no-vary"), "pictures", "--pictures", writers=10, signals=kill
-        ),
-        Case("rig", (*RIG, "--seed", "2", "--hide", "added_mass"), "test", signals=kill),
-        Case("identify", identify, "found", writers=10, signals=kill),
-        Case(
-            "identify --force",
-            identify,
-            "found",
-            before=(*identify, "--kinds", "stiffness"),
-            writers=10,
-            signals=kill,
-        ),
-        Case("diagnose", lean, "found", writers=20, signals=kill),
-        Case("diagnose --force", lean, "found", before=(*lean, "--seed", "1"), writers=20, signals=kill),
-    )
-
-
-def run(words: tuple[str, ...]) -> tuple[int, str]:
-    """A command in this process: its status and what it complained of."""
-    with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()) as told:
-        try:
-            flexmodal([str(word) for word in words])
-        except SystemExit as left:
-            return int(left.code or 0), told.getvalue()
-    return 0, told.getvalue()
-
-
-def call(case: Case, folder: Path) -> tuple[str, ...]:
-    """The command with its output in a folder."""
-    kind, equals, name = case.out.rpartition("=")
-    force = ("--force",) if case.before else ()
-    return (*case.words, case.option, f"{kind}{equals}{folder / name}", *force)
+KEPT = ROOT / "build" / "chaos.jsonl"
 
 
 def killed(case: Case, home: Path) -> tuple[list[str], int]:
@@ -131,6 +49,7 @@ def killed(case: Case, home: Path) -> tuple[list[str], int]:
             writers=case.writers,
             limits=LIMITS if by == signal.SIGKILL else (),
             by=by,
+            step=case.step,
         )
         for by in case.signals
     ]
@@ -146,17 +65,19 @@ def killed(case: Case, home: Path) -> tuple[list[str], int]:
     kept = sum(one == found.old for one in found.full)
     status, told = run(call(case, NOWHERE))
     refused = status == 2 and str(NOWHERE) in told and "Traceback" not in told
+    lost = [place for place, sound in unwritable(case, folder, found.old) if not sound]
+    for place in lost:
+        print(f"{case.name}: {place}", file=sys.stderr)
     shutil.rmtree(folder)
     told_to = sum(len(some.events) for some in every[1:])
     row = [
-        case.name,
         str(len(found.events)),
         str(told_to),
         str(len(broken)),
         str(halves),
         f"{kept} of {len(LIMITS)}",
     ]
-    return [*row, "yes" if refused else "NO"], len(broken) + (not refused)
+    return [*row, "yes" if refused and not lost else "NO"], len(broken) + (not refused) + len(lost)
 
 
 def atlas_killed(home: Path) -> tuple[list[str], int]:
@@ -188,28 +109,33 @@ def atlas_killed(home: Path) -> tuple[list[str], int]:
     status, told = run((*words, "--out", str(NOWHERE / "arm.zarr")))
     refused = status == 2 and str(NOWHERE) in told and "Traceback" not in told
     shutil.rmtree(folder)
-    row = ["atlas", str(len(found.events)), "0", str(len(halves)), f"{between}, by intent", "–"]
+    row = [str(len(found.events)), "0", str(len(halves)), f"{between}, by intent", "–"]
     return [*row, "yes" if refused else "NO"], len(halves) + (not refused)
 
 
-def at_once(words: Callable[[int], tuple[str, ...]], folder: Path, *, replacing: bool) -> tuple[int, int]:
+def at_once(
+    words: Callable[[int], tuple[str, ...]], folder: Path, writers: int, *, one: bool
+) -> tuple[int, int]:
     """Rounds in which what stands there is no single writer's, and writers that were told to wait or go.
 
     Args:
         words: the command of each writer, which differs from the others' in what it writes.
         folder: where all of them write.
-        replacing: whether each may replace what another wrote.
+        writers: how many.
+        one: whether only one of them may write, the others not being told to replace.
     """
     alone = {}
-    for number in range(WRITERS):
+    for number in range(writers):
         run(words(number))
         alone[digest(folder)] = number
         _empty(folder)
+    if len(alone) < writers:
+        raise RuntimeError("two writers that write the same")
     mixed = told = 0
     for _ in range(ROUNDS):
         hold, start = os.pipe()
         children = []
-        for number in range(WRITERS):
+        for number in range(writers):
             child = os.fork()
             if child == 0:
                 os.close(start)
@@ -219,9 +145,9 @@ def at_once(words: Callable[[int], tuple[str, ...]], folder: Path, *, replacing:
         os.close(hold)
         os.close(start)
         ended = [os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) for child in children]
-        wrote = [number for number, status in enumerate(ended) if status == 0]
-        told += WRITERS - len(wrote)
-        mixed += alone.get(digest(folder)) not in wrote or (not replacing and len(wrote) != 1)
+        wrote = [number for number, status in enumerate(ended) if status in (0, 1)]
+        told += writers - len(wrote)
+        mixed += alone.get(digest(folder)) not in wrote or (one and len(wrote) != 1)
         _empty(folder)
     return mixed, told
 
@@ -244,60 +170,79 @@ def _empty(folder: Path) -> None:
 
 
 def main() -> None:
-    """Run all of it; exit 1 if anything was lost, mixed or barred."""
+    """Run what is asked for; exit 1 if anything was lost, mixed or barred."""
+    fresh, only = "--fresh" in sys.argv, [word for word in sys.argv[1:] if word != "--fresh"]
+    KEPT.parent.mkdir(exist_ok=True)
+    if fresh:
+        KEPT.unlink(missing_ok=True)
+    kept = {}
+    for line in KEPT.read_text(encoding="utf-8").splitlines() if KEPT.is_file() and not only else ():
+        one = json.loads(line)
+        if not one["bad"]:
+            kept[one["name"]] = one
     with tempfile.TemporaryDirectory(prefix="chaos-") as name:
         home = Path(name).resolve()
-        campaign, single, together = home / "campaign", home / "single", home / "together"
-        run((*RIG, "--out", str(campaign)))
-        run((*RIG, "--postures", "1", "--points", "1", "--out", str(single)))
-        together.mkdir()
-        rows, bad = [], 0
-        only = sys.argv[1:]
-        for case in cases(str(campaign), str(single)):
-            if only and case.name not in only:
+        for what, work in works(home).items():
+            if what in kept or (only and what not in only):
                 continue
-            row, broken = killed(case, home)
-            print(*row, sep=" | ", flush=True)
-            rows.append(row)
-            bad += broken
-        row, broken = atlas_killed(home)
-        print(*row, sep=" | ", flush=True)
-        rows.append(row)
-        bad += broken
-        if only:
-            sys.exit(int(bad > 0))
-        frf = ("frf", "fanuc_s360", *AXIS, "--out", str(together / "frf.csv"), "--force", "--form")
-        forms = ("receptance", "mobility", "inertance", "receptance")
-        pairs = {
-            "rig": at_once(
-                lambda n: (*RIG, "--seed", str(n), "--out", str(together / "t")), together, replacing=False
-            ),
-            "frf --force": at_once(lambda n: (*frf, forms[n]), together, replacing=True),
-        }
-    bad += sum(mixed for mixed, _ in pairs.values())
-    ends = [
-        f"`{name}`: {WRITERS} writers at once, {ROUNDS} times: {mixed} mixed or lost, "
-        f"{told} of {ROUNDS * WRITERS} told that another process writes there or has written."
-        for name, (mixed, told) in pairs.items()
-    ]
-    events, asked = (sum(int(row[place]) for row in rows) for place in (1, 2))
+            row, bad = work()
+            print(what, *row, sep=" | ", flush=True)
+            kept[what] = {"name": what, "row": row, "bad": bad}
+            with KEPT.open("a", encoding="utf-8") as out:
+                out.write(json.dumps(kept[what]) + "\n")
+    if not only:
+        table(list(kept.values()))
+    sys.exit(int(any(one["bad"] for one in kept.values())))
+
+
+def works(home: Path) -> dict[str, Callable[[], tuple[list[str], int]]]:
+    """Every case by name, and what runs it; what several need is made once."""
+    inputs = make_inputs(home)
+    found: dict[str, Callable[[], tuple[list[str], int]]] = {
+        case.name: partial(killed, case, home) for case in cases(inputs)
+    }
+    found["atlas"] = partial(atlas_killed, home)
+    together = home / "together"
+    together.mkdir()
+    for name, words in together_cases(inputs, together).items():
+        for writers in (2, 4):
+            one = not name.endswith("--force")
+            what = f"{name}, {writers} writers"
+            found[what] = partial(_several, words, together, writers, one)
+    return found
+
+
+def _several(
+    words: Callable[[int], tuple[str, ...]], folder: Path, writers: int, one: bool
+) -> tuple[list[str], int]:
+    mixed, told = at_once(words, folder, writers, one=one)
+    return [str(ROUNDS), str(mixed), f"{told} of {ROUNDS * writers}"], mixed
+
+
+def table(kept: list[dict[str, Any]]) -> None:
+    """Write docs/tables/chaos.md."""
+    alone = [[one["name"], *one["row"]] for one in kept if len(one["row"]) > 3]
+    several = [[one["name"], *one["row"]] for one in kept if len(one["row"]) == 3]
+    events, asked = (sum(int(row[place]) for row in alone) for place in (1, 2))
     lead = (
-        f"`make chaos`. {events} kills by SIGKILL, {asked} ends by SIGTERM and SIGINT. "
-        f"Lost: kills after which the next reader found neither the old nor "
+        f"`make chaos`. {events} kills by SIGKILL, {asked} ends by SIGTERM and SIGINT, each before another "
+        "file event of the command. Lost: kills after which the next reader found neither the old nor "
         "the new, or the next writer was barred. In between: kills after which `ls` shows a part of several "
-        "names until the next command."
+        "names until the next command. `demo`, which works long in between, was killed at each tenth. "
+        "Full disk: files that may not grow past 0, 2,000 or 20,000 bytes; "
+        "those that do not keep the old are small enough to be written whole. Nowhere to write: a place "
+        "where nobody may make a file, a read-only folder, and file systems of 16 and 256 kB, which "
+        "fill up, are named in a sentence; what stood there stands, or the new, whole."
     )
     header = [
-        "command",
-        "kill −9",
-        "told to end",
-        "lost",
-        "in between",
-        "full disk: old kept",
+        "command", "kill −9", "told to end", "lost", "in between", "full disk: old kept",
         "nowhere to write: said",
+    ]  # fmt: skip
+    lines = [
+        "| several writers of one name at once | rounds | mixed or lost | told that another writes or wrote |"
     ]
-    write("chaos", "Writers killed", lead, header, rows, end="\n".join(ends))
-    sys.exit(int(bad > 0))
+    lines += ["|---|---:|---:|---:|", *("| " + " | ".join(row) + " |" for row in several)]
+    write("chaos", "Writers killed", lead, header, alone, end="\n".join(lines))
 
 
 if __name__ == "__main__":

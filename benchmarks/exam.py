@@ -1,9 +1,10 @@
 """The sealed exam of the diagnosis: simulated campaigns with effects hidden in them.
 
     python benchmarks/exam.py [--engine rig|mujoco] [--forms own|looked|sealed] [--seed N] [--folder DIR]
-        [--workers N] [--most N]
+        [--workers N] [--most N] [--scheduler ADDRESS]
 
-Goes on where it was stopped. The candidate is a process of its own that is given the campaign's folder; what
+Goes on where it was stopped; on this machine's cores, or on the workers of a Dask scheduler that see the same
+folders. The candidate is a process of its own that is given the campaign's folder; what
 is hidden lies in another. Tuned on other seeds; the published exam is that of `PUBLISHED`. Forms that are
 `sealed` are for this exam alone.
 """
@@ -17,11 +18,11 @@ import shutil
 import subprocess
 import sys
 import tomllib
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from exam_plan import ENGINES, WHICH, Question, plan
 from exam_report import report
+from spreading import add_options, pieces
 
 PUBLISHED = 20261128
 
@@ -60,8 +61,8 @@ def main() -> None:
     parser.add_argument("--forms", choices=WHICH, default="own", help="physical forms of what is hidden")
     parser.add_argument("--seed", type=int, default=PUBLISHED)
     parser.add_argument("--folder", type=Path, default=Path("exam"))
-    parser.add_argument("--workers", type=int, default=os.cpu_count() or 1)
     parser.add_argument("--most", type=int, default=None, help="only so many questions")
+    add_options(parser)
     given = parser.parse_args()
     if given.engine != "rig" and given.forms != "own":
         parser.error("--forms: MuJoCo has its own means; only the rig has other forms")
@@ -70,26 +71,21 @@ def main() -> None:
     for name in ("campaigns", "truth", "answers"):
         (folder / name).mkdir(parents=True, exist_ok=True)
     every = plan(given.seed, given.engine, given.forms)
-    questions = every[: given.most]
-    done = []
-    with ThreadPoolExecutor(given.workers) as pool:
-        for number, result in enumerate(
-            pool.map(lambda q: tried(q, folder, given.engine, given.forms), questions), start=1
-        ):
-            if result is not None:
-                done.append(result)
-                print(f"{number}/{len(questions)}", line(result), flush=True)
+    questions = {question.name: question for question in every[: given.most]}
+    if given.one:
+        ask(questions[given.one], folder, given.engine, given.forms)
+        return
+    options = ["--engine", given.engine, "--forms", given.forms, "--seed", str(given.seed)]
+    options += ["--folder", os.path.abspath(given.folder)]
+    found = {}
+    asked = pieces("exam.py", questions, options, scheduler=given.scheduler, workers=given.workers)
+    for number, (name, told) in enumerate(asked, start=1):
+        if told is not None:  # the answer lies in the folder
+            found[name] = ask(questions[name], folder, given.engine, given.forms)
+            print(f"{number}/{len(questions)}", line(found[name]), flush=True)
+    done = [found[name] for name in questions if name in found]
     name = given.engine if given.forms == "own" else given.forms
     report(done, len(every), given.seed, name, published=given.seed == PUBLISHED)
-
-
-def tried(question: Question, folder: Path, engine: str, forms: str) -> dict[str, object] | None:
-    """An answer, or a word on why there is none."""
-    try:
-        return ask(question, folder, engine, forms)
-    except RuntimeError as error:
-        print(f"question {question.name} failed: {error}", file=sys.stderr, flush=True)
-        return None
 
 
 def line(result: dict[str, object]) -> str:

@@ -1,25 +1,20 @@
 """What a user hands in, spoilt: read or refused with sentences; a second reader judges what was accepted.
 
-`python benchmarks/fuzz.py [TARGET …] [--count N] [--first N]`, run by `make fuzz`, which ends with the
-campaigns of `fuzz_campaign`. Each input follows from the seed and its number, so that a finding repeats. What
-is judged:
+    python benchmarks/fuzz.py [TARGET …] [--count N] [--first N] [--processes N] [--fresh]
+    python benchmarks/fuzz.py TARGET --guided SECONDS
 
-- the call ends with status 0, 1 or 2 within some seconds, in little memory, without a traceback, and what it
-  says is shorter than 2 kB a sentence and steers no terminal;
-- what it accepts, a second reader accepts too, with the same numbers: `urdf` by yourdfpy and lxml, `card` and
-  `cut` by tomllib, `toolpath` by the csv module, `posture` and `arguments` by rules of their
-  own; every number that comes out is finite;
-- `--guided SECONDS` lets atheris look for inputs by what they reach, where it is installed.
+`make fuzz`. Each input follows from its number, so that a finding repeats. Inputs are asked in
+chunks, each in a process of its own under limits of time and memory; what came of it is kept in
+build/fuzz.jsonl: a run that was stopped goes on where it was, and chunks in which something failed are
+asked again. The table docs/tables/fuzz.md says what all of them came to. What is judged is in `fuzz_targets`
+and `fuzz_judges`; `--guided` lets atheris look for inputs by the code they reach, where it is installed.
 """
 
 from __future__ import annotations
 
 import argparse
-import contextlib
-import io
 import json
-import random
-import re
+import os
 import resource
 import shutil
 import signal
@@ -27,258 +22,223 @@ import sys
 import tempfile
 import time
 import traceback
+import warnings
 from collections import Counter
-from collections.abc import Callable
-from concurrent.futures import ProcessPoolExecutor
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
-from fuzz_campaign import MEMORY, out_of_time, virtual_memory
-from fuzz_judges import JUDGES, SOUND, Misread
-from mutations import mutated
+from fuzz_targets import ENDS, TARGETS, one, warm
+from tables import ROOT, write
 
-SEED = 20_261
+SEED = 20_262
 SECONDS = 20
-"""Of processor time; ten times as long by the clock."""
-LONGEST = 2000
-"""Characters of one sentence."""
-MOST_SENTENCES = 400
-CHUNK = 200
-TARGETS = ("urdf", "card", "cut", "toolpath", "posture", "arguments")
-JOINTS = ("q1", "q2", "q3", "rho", "q9", "", "tool", "ΩÅ")
-VALUES = (
-    "0", "1", "-1", "0.5", "50deg", "-30deg", "1e999", "nan", "inf", "-inf", "1e-320", "1_0", "0x10",
-    "²", "1,2", "",
-    " ", "1e", "--", "deg", "180deg", "1e308deg", "9" * 400, "\x1b[31m", "\u202e1", "1:2:3", "٣",
-    "true", "None",
-)  # fmt: skip
-WORDS = (
-    "fanuc_s360", "six_link", "six_axis", "nobody", "", ".", "/", "/dev/null", "~", "tool:+z",
-    "tool:+q", ":", "tool:",
-    "configuration_1", "1:20:1", "1:2", "5", "1,5,20", "1:1e9:1e-9", "-1", "0", "nan", "1e999",
-    "0.9,0.6", "x,y",
-    "second_link_horizontal", "zero-order", "receptance", "best", "\x1b]0;x\x07", "a" * 3000, "q1=1",
-    "q1=1:2:3",
-)  # fmt: skip
-OPTIONS = {
-    "frf": ("--posture", "--frequencies", "--response", "--reference", "--form", "--json"),
-    "modes": ("--posture", "--json"),
-    "measures": ("--posture", "--direction", "--frequency", "--task", "--json"),
-    "tune": ("--posture", "--band", "--direction", "--json"),
-    "check": ("--json",),
-    "robots": ("--json",),
-    "lobes": ("--posture", "--cut", "--method", "--speeds", "--json"),
-    "optimise": ("--hold", "--family", "--free", "--frequency", "--starts", "--seed", "--json", "--quiet"),
-    "path": ("--toolpath", "--line", "--arc", "--feed", "--points", "--frequency", "--json", "--quiet"),
-    "atlas": (
-        "--grid",
-        "--sample",
-        "--range",
-        "--frequencies",
-        "--direction",
-        "--quantity",
-        "--workers",
-        "--json",
-    ),
-    "lookup": ("--nearest", "--interpolate", "--best", "--frequency", "--near", "--radius", "--json"),
-}
-FLAGS = {"--json", "--free", "--quiet"}
-SMALL = {"--starts": ("1", "2"), "--speeds": ("5", "20"), "--points": ("2", "4"), "--sample": ("1", "20")}
-"""Sound values that keep a run short; others are tried as well."""
+"""Of processor time for one input; ten times as long by the clock."""
+MEMORY = 600e6
+"""What an input may take beyond what the process has at the start [bytes]."""
+CHUNK = 500
+SHARES = {
+    "urdf": 0.16, "card": 0.16, "cut": 0.16, "toolpath": 0.14, "posture": 0.16, "arguments": 0.06,
+    "campaign": 0.16,
+}  # fmt: skip
+"""Of each target: calls of whole commands take ten times as long as a reader."""
+KEPT = ROOT / "build" / "fuzz.jsonl"
 
 
-def run(words: list[str]) -> tuple[int, str, str]:
-    """A command in this process."""
-    from flexmodal.cli.main import main
-
-    out, err = io.StringIO(), io.StringIO()
-    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
-        try:
-            main(words)
-        except SystemExit as left:
-            return int(left.code or 0), out.getvalue(), err.getvalue()
-    raise Misread("a command that did not end by its own status")
-
-
-def check_told(status: int, out: str, err: str, *, quoted: bool = False) -> None:
-    """What a command may say.
-
-    Raises:
-        Misread: it says too much, or not what it should.
-    """
-    if status not in (0, 1, 2):
-        raise Misread(f"status {status}")
-    if "Traceback" in err or "Warning" in err:
-        raise Misread(f"a traceback or a warning: {err[-800:]}")
-    if status == 2 and not err.strip():
-        raise Misread("a refusal without a word")
-    lines = err.splitlines()
-    if max(map(len, lines), default=0) > LONGEST or len(lines) > MOST_SENTENCES:
-        raise Misread(f"{len(lines)} lines, the longest of {max(map(len, lines))} characters")
-    steering = [sign for sign in out + err if ord(sign) < 32 and sign not in "\n\t"]
-    if steering and not quoted:
-        raise Misread(f"{steering[0]!r} goes to the terminal")
-    if status == 0 and re.search(r"\b(NaN|Infinity)\b", out):
-        raise Misread("NaN or Infinity in JSON")
-
-
-def spoilt_file(target: str, rng: random.Random, folder: Path) -> str:
-    """A spoilt file read by a command, and what came of it."""
-    sound, name, words = SOUND[target]
-    content = mutated(sound, rng)
-    for other, (text, file, _) in SOUND.items():
-        if other in ("urdf", "card", "cut", "toolpath"):
-            (folder / file).write_bytes(text)
-    (folder / name).write_bytes(content)
-    status, out, err = run([word.replace("FOLDER", str(folder)) for word in words])
-    check_told(status, out, err)
-    if status == 0:
-        JUDGES[target](folder / name, json.loads(out) if out.startswith("{") else {})
-    elif status == 2 and str(folder) not in err and name not in err:
-        raise Misread(f"a refusal that does not name the file: {err[:400]}")
-    return ("accepted", "answered no", "refused")[status]
-
-
-def posture(rng: random.Random) -> str:
-    """A posture in words, which has its own grammar."""
-    from flexmodal import load
-
-    parts = [
-        f"{rng.choice(JOINTS)}{rng.choice('====: ')}{rng.choice(VALUES)}"
-        for _ in range(rng.choice((1, 1, 2, 3)))
-    ]
-    text = rng.choice((",", ",", ",", ";", ",,")).join(parts)
-    status, out, err = run(["measures", "fanuc_s360", "--posture", text, "--json"])
-    check_told(status, out, err)
-    if status == 0:
-        JUDGES["posture"](text, json.loads(out), load("fanuc_s360"))
-    return ("accepted", "answered no", "refused")[status]
-
-
-def arguments(rng: random.Random, folder: Path) -> str:
-    """Options of a command in any order, with values that fit and that do not."""
-    command = rng.choice(list(OPTIONS))
-    words = [command]
-    if command != "robots":
-        words.append(rng.choice(WORDS[:3]) if rng.random() < 0.7 else rng.choice(WORDS))
-    for option in rng.sample(OPTIONS[command], rng.randrange(len(OPTIONS[command]) + 1)):
-        words.append(option)
-        if option not in FLAGS:
-            sound = SMALL.get(option)
-            words.append(rng.choice(sound) if sound and rng.random() < 0.7 else rng.choice(WORDS + VALUES))
-    if command == "atlas":
-        words += ["--out", str(folder / "a.zarr")]
-    status, out, err = run(words)
-    check_told(status, out, err, quoted=command == "lookup")
-    if status == 0 and "--json" in words:
-        JUDGES["arguments"](words, json.loads(out))
-    return ("accepted", "answered no", "refused")[status]
-
-
-def one(target: str, rng: random.Random, folder: Path) -> str:
-    """One input of a target."""
-    if target == "posture":
-        return posture(rng)
-    if target == "arguments":
-        return arguments(rng, folder)
-    return spoilt_file(target, rng, folder)
-
-
-def some(target: str, first: int, count: int) -> tuple[Counter[str], list[str], int]:
-    """Inputs number `first` and on, in this process under its guards."""
-    _warm()
-    limit = int(virtual_memory() + 4 * MEMORY)
-    resource.setrlimit(resource.RLIMIT_AS, (limit, resource.getrlimit(resource.RLIMIT_AS)[1]))
-    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    signal.signal(signal.SIGALRM, out_of_time)
-    signal.signal(signal.SIGPROF, out_of_time)
-    counts: Counter[str] = Counter()
-    failures = []
-    home = Path(tempfile.mkdtemp(prefix="fuzz-"))
+def ask(target: str, first: int, count: int, answer: Path) -> None:
+    """Ask some inputs in this process under its guards, and keep what came of them; never returns."""
+    status = 1
     try:
-        for number in range(first, first + count):
-            rng = random.Random(f"{SEED} {target} {number}")
-            folder = home / "case"
-            folder.mkdir()
-            signal.setitimer(signal.ITIMER_PROF, SECONDS)
-            signal.alarm(10 * SECONDS)
-            try:
-                counts[f"{target}: {one(target, rng, folder)}"] += 1
-            except BaseException:
-                failures.append(f"{target} {number}:\n{traceback.format_exc(limit=-5)}")
-            signal.setitimer(signal.ITIMER_PROF, 0)
-            signal.alarm(0)
-            shutil.rmtree(folder, ignore_errors=True)
+        limit = int(_virtual_memory() + 4 * MEMORY)  # address space, of which a library reserves much
+        resource.setrlimit(resource.RLIMIT_AS, (limit, resource.getrlimit(resource.RLIMIT_AS)[1]))
+        for one_signal in (signal.SIGALRM, signal.SIGPROF):
+            signal.signal(one_signal, _out_of_time)
+        warnings.simplefilter("error")  # what a user would be shown
+        found = _asked(target, first, count, Path(tempfile.mkdtemp(prefix="fuzz-", dir=answer.parent)))
+        answer.write_text(json.dumps(found), encoding="utf-8")
+        status = 0
     finally:
+        os._exit(status)
+
+
+def _asked(target: str, first: int, count: int, home: Path) -> dict[str, Any]:
+    counts, failures = Counter[str](), []
+    before, started, at_first = _resident(), time.process_time(), time.monotonic()
+    slowest = 0.0
+    for number in range(first, first + count):
+        (home.parent / "now").write_text(str(number))
+        folder = home / "case"
+        folder.mkdir(exist_ok=True)
+        begun = time.process_time()
+        try:
+            signal.setitimer(signal.ITIMER_PROF, SECONDS)
+            signal.setitimer(signal.ITIMER_REAL, 10 * SECONDS)
+            counts[one(target, SEED, number, folder)] += 1
+        except BaseException:
+            failures.append(f"{target} {number}:\n{traceback.format_exc(limit=-6)[-4000:]}")
+        finally:
+            signal.setitimer(signal.ITIMER_PROF, 0)
+            signal.setitimer(signal.ITIMER_REAL, 0)
+        slowest = max(slowest, time.process_time() - begun)
+        if target in ("campaign", "arguments"):
+            shutil.rmtree(folder, ignore_errors=True)
+    return {
+        "target": target, "first": first, "count": count, "ends": counts, "failures": failures,
+        "processor": time.process_time() - started, "clock": time.monotonic() - at_first,
+        "slowest": slowest, "grown": max(0, _resident() - before),
+    }  # fmt: skip
+
+
+def chunks(
+    targets: list[str], total: int, first: int, kept: list[dict[str, Any]]
+) -> Iterator[tuple[str, int, int]]:
+    """What is still to be asked, the targets in turn."""
+    done = {(one["seed"], one["target"], one["first"], one["count"]) for one in kept if not one["failures"]}
+    whole = sum(SHARES[target] for target in targets)
+    ends = {target: first + round(total * SHARES[target] / whole) for target in targets}
+    for start in range(first, max(ends.values()), CHUNK):
+        for target, end in ends.items():
+            asked = (target, start, min(CHUNK, end - start))
+            if start < end and (SEED, *asked) not in done:
+                yield asked
+
+
+def carry_out(todo: Iterator[tuple[str, int, int]], processes: int) -> Iterator[dict[str, Any]]:
+    """Each chunk in a fork of this process; one that dies or hangs is a failure like any other."""
+    going: dict[int, tuple[tuple[str, int, int], Path, float]] = {}
+    memory = Path("/dev/shm")  # four small files an input would keep a disk busy
+    home = Path(tempfile.mkdtemp(prefix="fuzz-", dir=memory if os.access(memory, os.W_OK) else None))
+    try:
+        while True:
+            while len(going) < processes and (asked := next(todo, None)):
+                place = Path(tempfile.mkdtemp(dir=home))
+                child = os.fork()
+                if child == 0:
+                    ask(*asked, place / "answer.json")
+                going[child] = (asked, place, time.monotonic())
+            if not going:
+                return
+            child, status = os.waitpid(-1, os.WNOHANG)
+            if child == 0:
+                time.sleep(0.05)
+                for late, (_, place, _) in going.items():
+                    if _still(place) > 20 * SECONDS:
+                        os.kill(late, signal.SIGKILL)
+                continue
+            (target, first, count), place, _ = going.pop(child)
+            if (place / "answer.json").is_file():
+                yield {"seed": SEED, **json.loads((place / "answer.json").read_text(encoding="utf-8"))}
+            else:
+                number = (place / "now").read_text() if (place / "now").is_file() else str(first)
+                fault = f"{target} {number}: the process ended with {os.waitstatus_to_exitcode(status)}"
+                yield {
+                    "seed": SEED, "target": target, "first": first, "count": count, "ends": {},
+                    "failures": [fault], "processor": 0.0, "clock": 0.0, "slowest": 0.0, "grown": 0,
+                }  # fmt: skip
+            shutil.rmtree(place, ignore_errors=True)
+    finally:
+        for child in going:
+            os.kill(child, signal.SIGKILL)
         shutil.rmtree(home, ignore_errors=True)
-    return counts, failures, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before
 
 
-def _warm() -> None:
-    """What is imported on first use is imported before memory is looked at."""
-    run(["measures", "fanuc_s360", "--posture", "q1=1", "--json"])
+def _still(place: Path) -> float:
+    """For how long a process has been at the same input [s]."""
+    now = place / "now"
+    return time.time() - (now if now.is_file() else place).stat().st_mtime
 
 
-def guided(target: str, seconds: int) -> None:
-    """Let atheris look for inputs by the code they reach; ends with 77 or more where one fails."""
-    import atheris
+def _virtual_memory() -> int:
+    """What this process has mapped [bytes]."""
+    return int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
 
-    with atheris.instrument_imports(include=["flexmodal"]):
-        _warm()
-    folder = Path(tempfile.mkdtemp(prefix="fuzz-"))
-    sound, name, words = SOUND[target]
-    for text, file, _ in SOUND.values():
-        (folder / file).write_bytes(text)
-    corpus = folder / "corpus"
-    corpus.mkdir()
-    (corpus / "sound").write_bytes(sound)
 
-    def test(content: bytes) -> None:
-        (folder / name).write_bytes(content)
-        status, out, err = run([word.replace("FOLDER", str(folder)) for word in words])
-        check_told(status, out, err)
-        if status == 0:
-            JUDGES[target](folder / name, json.loads(out) if out.startswith("{") else {})
+def _resident() -> int:
+    """The most this process has held [bytes]."""
+    for line in Path("/proc/self/status").read_text().splitlines():
+        if line.startswith("VmHWM:"):
+            return int(line.split()[1]) * 1024
+    return 0
 
-    atheris.Setup(
-        [sys.argv[0], f"-max_total_time={seconds}", "-timeout=20", "-max_len=20000", str(corpus)], test
+
+def _out_of_time(*_: object) -> None:
+    raise TimeoutError(f"still at it after {SECONDS} s of processor time, or ten times as long by the clock")
+
+
+def table(kept: list[dict[str, Any]]) -> None:
+    """Write docs/tables/fuzz.md: the last answer of every chunk."""
+    last = {(one["target"], one["first"]): one for one in kept if one["seed"] == SEED}
+    rows = []
+    for target in [*TARGETS, "all"]:
+        some = [one for (name, _), one in sorted(last.items()) if target in (name, "all")]
+        if not some:
+            continue
+        ends = Counter[str]()
+        for one_chunk in some:
+            ends.update(one_chunk["ends"])
+        failures = sum(len(one_chunk["failures"]) for one_chunk in some)
+        processor = sum(one_chunk["processor"] for one_chunk in some)
+        asked = ends.total() + failures
+        rows.append([
+            target, f"{asked:,}", *(f"{ends[end]:,}" for end in ENDS), str(failures),
+            f"{60 * asked / max(processor, 1e-9):,.0f}",
+            f"{max(one_chunk['slowest'] for one_chunk in some):.1f}",
+            f"{max(one_chunk['grown'] for one_chunk in some) / 1e6:.0f}",
+        ])  # fmt: skip
+    lead = (
+        f"`make fuzz`, seed {SEED}. Spoilt inputs and what came of them. A failure is a crash, a traceback, "
+        f"a warning, more than {SECONDS} s of processor time, {4 * MEMORY / 1e9:.1f} GB more address space, "
+        "a sentence of more than 2,000 characters or that steers a terminal, a refusal without the file's "
+        "name, or something accepted that a second reader refuses or reads as other numbers."
     )
-    atheris.Fuzz()
+    header = [
+        "input", "asked", *ENDS, "failures", "a minute of one processor", "slowest [s]",
+        "memory grown by [MB]",
+    ]  # fmt: skip
+    write("fuzz", "Spoilt inputs", lead, header, rows)
+
+
+def kept_answers() -> list[dict[str, Any]]:
+    """What was kept of former runs."""
+    if not KEPT.is_file():
+        return []
+    return [json.loads(line) for line in KEPT.read_text(encoding="utf-8").splitlines() if line.endswith("}")]
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("targets", nargs="*", help=f"of {', '.join(TARGETS)}; all if none")
-    parser.add_argument("--count", type=int, default=20_000, help="of each target")
-    parser.add_argument("--first", type=int, default=0)
-    parser.add_argument("--processes", type=int, default=2)
+    parser.add_argument("--count", type=int, default=1_000_000, help="inputs of all targets together")
+    parser.add_argument("--first", type=int, default=0, help="number of the first of each target")
+    parser.add_argument("--processes", type=int, default=os.cpu_count() or 1)
+    parser.add_argument("--fresh", action="store_true", help="forget former runs")
     parser.add_argument("--guided", type=int, metavar="SECONDS", help="by atheris, one target")
     options = parser.parse_args()
     chosen = options.targets or list(TARGETS)
     if unknown := set(chosen) - set(TARGETS):
         parser.error(f"no such target: {', '.join(sorted(unknown))}")
     if options.guided:
-        guided(chosen[0], options.guided)
-        return 0
-    started, total, failures, grown = time.perf_counter(), Counter[str](), [], 0
-    ends = options.first + options.count
-    jobs = [(target, first) for first in range(options.first, ends, CHUNK) for target in chosen]
-    asked: list[tuple[str, int, int]] = [(target, first, min(CHUNK, ends - first)) for target, first in jobs]
-    call: Callable[..., tuple[Counter[str], list[str], int]] = some
-    with ProcessPoolExecutor(options.processes) as pool:
-        for done, (found, failed, more) in enumerate(pool.map(call, *zip(*asked, strict=True)), start=1):
-            total, grown = total + found, max(grown, more)
-            failures += failed
-            print("\n".join(failed), end="", flush=True)
-            if done % 20 == 0 or failed:
-                print(f"{sum(total.values())} inputs, {len(failures)} failures", flush=True)
-    for name, count in sorted(total.items()):
-        print(f"{name}: {count}")
-    seconds = time.perf_counter() - started
-    print(
-        f"{sum(total.values())} inputs in {seconds:.0f} s, at most {grown / 1e3:.0f} MB "
-        f"more, {len(failures)} failures"
-    )
-    return int(bool(failures))
+        script = str(Path(__file__).with_name("fuzz_guided.py"))
+        os.execv(sys.executable, [sys.executable, script, chosen[0], str(options.guided)])
+    KEPT.parent.mkdir(exist_ok=True)
+    if options.fresh:
+        KEPT.unlink(missing_ok=True)
+    kept, failed, total, shown = kept_answers(), 0, 0, time.monotonic()
+    warm()
+    with KEPT.open("a", encoding="utf-8") as out:
+        for found in carry_out(chunks(chosen, options.count, options.first, kept), options.processes):
+            kept.append(found)
+            out.write(json.dumps(found) + "\n")
+            out.flush()
+            failed, total = failed + len(found["failures"]), total + found["count"]
+            print("\n".join(found["failures"]), end="\n" if found["failures"] else "", flush=True)
+            if time.monotonic() - shown > 60:
+                shown = time.monotonic()
+                print(f"{total:,} inputs, {failed} failures", flush=True)
+    print(f"{total:,} inputs asked, {failed} failures")
+    if options.first == 0 and kept:
+        table(kept)
+    return int(failed > 0)
 
 
 if __name__ == "__main__":

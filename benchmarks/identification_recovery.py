@@ -3,7 +3,7 @@
 The true robot differs from the card by a standard deviation between 2 and 10 %, drawn for each campaign, in
 every stiffness, damping, mass and inertia. What is counted is how often the 95 % interval of a parameter
 that the data tell holds the truth. Results are kept as JSON lines in build/, so that a run that was stopped
-goes on where it was.
+goes on where it was; `--scheduler ADDRESS` has them made on a Dask cluster. Times are of one core.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from spreading import add_options, pieces
 from tables import ROOT, write
 
 import flexmodal
@@ -58,19 +59,21 @@ def one(name: str, seed: int) -> dict[str, Any]:
     }
 
 
-def run(count: int, cache: Path) -> list[dict[str, Any]]:
+def run(count: int, cache: Path, scheduler: str | None, workers: int | None) -> list[dict[str, Any]]:
     """Every campaign once; those of the cache are not run again."""
     cache.parent.mkdir(exist_ok=True)
     done = [json.loads(line) for line in cache.read_text().splitlines()] if cache.exists() else []
     known = {(entry["robot"], entry["seed"]) for entry in done}
+    missing = (f"{name}:{seed}" for name in ROBOTS for seed in range(count) if (name, seed) not in known)
+    given = {"scheduler": scheduler, "workers": workers}
     with cache.open("a") as file:
-        for name in ROBOTS:
-            for seed in range(count):
-                if (name, seed) not in known:
-                    done.append(one(name, seed))
-                    file.write(json.dumps(done[-1]) + "\n")
-                    file.flush()
-                    print(f"{name} {seed}: {done[-1]['time']:.1f} s", flush=True)
+        for name, told in pieces("identification_recovery.py", missing, [], **given):
+            if told is not None:
+                done.append(json.loads(told))
+                file.write(told.strip() + "\n")
+                file.flush()
+                print(f"{name}: {done[-1]['time']:.1f} s", flush=True)
+    done.sort(key=lambda entry: (ROBOTS.index(entry["robot"]), entry["seed"]))
     return [entry for entry in done if entry["seed"] < count]
 
 
@@ -115,9 +118,13 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--count", type=int, default=100, help="campaigns on each robot")
     parser.add_argument("--cache", type=Path, default=CACHE)
-    parser.add_argument("--check", action="store_true", help="compare with the table, do not write it")
+    add_options(parser)
     options = parser.parse_args()
-    entries = run(options.count, options.cache)
+    if options.one:
+        name, seed = options.one.split(":")
+        print(json.dumps(one(name, int(seed))))
+        return
+    entries = run(options.count, options.cache, options.scheduler, options.workers)
     rows = []
     for name in ROBOTS:
         rows += rows_of(name, [entry for entry in entries if entry["robot"] == name])

@@ -75,6 +75,7 @@ def killed_everywhere(
     writers: int = 1,
     limits: Sequence[int] = (),
     by: signal.Signals = signal.SIGKILL,
+    step: int = 1,
 ) -> Found:
     """Kill `work` at each of its file events under `folder`, and look at the folder after each.
 
@@ -85,13 +86,14 @@ def killed_everywhere(
         writers: after each of so many kills the next writer is tried.
         limits: sizes of a file at which the disk is full [bytes].
         by: the signal; one that asks to end is heeded as by the program.
+        step: only the first of each so many events.
     """
     with tempfile.TemporaryDirectory() as home:
         kept, answer = Path(home, "kept"), Path(home, "answer.json")
         shutil.copytree(folder, kept, symlinks=True)
         child = os.fork()
         if child == 0:
-            _Killer(folder, target, kept, answer, writers, limits, by).run(work)
+            _Killer(folder, target, kept, answer, writers, limits, by, step).run(work)
         _, status = os.waitpid(child, 0)
         if status or not answer.is_file():
             raise RuntimeError(f"the process that kills ended with {status}")
@@ -108,8 +110,9 @@ class _Killer:
         writers: int,
         limits: Sequence[int],
         by: signal.Signals,
+        step: int,
     ) -> None:
-        self.writers, self.limits, self.signal = writers, limits, by
+        self.writers, self.limits, self.signal, self.step = writers, limits, by, step
         self.folder, self.target, self.kept, self.answer = folder.resolve(), target, kept, answer
         self.found = Found(digest(folder))
         self.count, self.at, self.active, self.first = 0, 0, True, True
@@ -159,14 +162,14 @@ class _Killer:
             shutil.copytree(self.folder, left, symlinks=True)
             complete(self.target)
             self.found.read.append(digest(self.folder))
-            if at % self.writers == 0:
+            if len(self.found.events) % self.writers == 0:
                 self._put_back(left)
                 if self._fork(0) is None:
                     return
             self.found.written.append(digest(self.folder))
             shutil.rmtree(left)
             self._put_back(self.kept)
-            at += 1
+            at += self.step
         self.found.new = digest(self.folder)
         self._put_back(self.kept)
         for limit in self.limits:

@@ -1,8 +1,9 @@
-"""Campaign files spoilt at random, each from its own seed."""
+"""Files spoilt at random, each from its own seed: bytes, lines, and what a format is made of."""
 
 from __future__ import annotations
 
 import random
+import re
 import struct
 
 NASTY = (
@@ -89,7 +90,52 @@ def splice(content: bytes, rng: random.Random) -> bytes:
     return content[:place] + part + content[place:]
 
 
+def other_number(content: bytes, rng: random.Random) -> bytes:
+    """Another number for a whole one, so that the file stays what it is."""
+    places = list(_NUMBER.finditer(content))
+    if not places:
+        return content
+    place = rng.choice(places)
+    old = place[0]
+    new = rng.choice((*NUMBERS, old + rng.choice((b"e3", b"e-3", b"e9", b"e-9", b"e150")), b"-" + old))
+    return content[: place.start()] + new + content[place.end() :]
+
+
+def other_word(content: bytes, rng: random.Random) -> bytes:
+    """A word of the file in place of another."""
+    places = list(_WORD.finditer(content))
+    if not places:
+        return content
+    place = rng.choice(places)
+    return content[: place.start()] + rng.choice(places)[0] + content[place.end() :]
+
+
+def drop_lines(content: bytes, rng: random.Random) -> bytes:
+    """A table, an element or a record less."""
+    lines = content.split(b"\n")
+    start = rng.randrange(len(lines))
+    del lines[start : start + rng.choice((2, 3, 5, 9, 20))]
+    return b"\n".join(lines)
+
+
+def nest(content: bytes, rng: random.Random) -> bytes:
+    """Deeper than anybody writes."""
+    place = rng.randrange(len(content) + 1)
+    depth = rng.choice((30, 300, 3000))
+    return (
+        content[:place] + rng.choice((b"[", b"{", b"<a>", b"(", b"a.", b'"', b"-")) * depth + content[place:]
+    )
+
+
+_NUMBER = re.compile(rb"(?<![\w.])-?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?(?![\w.])")
+_WORD = re.compile(rb"[A-Za-z_][\w-]*")
+NUMBERS = (
+    b"0", b"-0.0", b"1e-320", b"1e-18", b"1e-9", b"1e-3", b"1", b"2", b"3", b"7", b"0.5", b"1e3", b"1e6",
+    b"1e9", b"1e18", b"1e99", b"1e154", b"1e300", b"1e999", b"nan", b"inf", b"-1", b"-1e-9", b"-1e18",
+    b"9007199254740993", b"18446744073709551616", b"0.1e1", b"1_000", b"0b1", b"0o7", b"+1", b"1.", b".5",
+)  # fmt: skip
 KINDS = (
     flip, flip, cut, remove, insert, overwrite, overwrite, spoil_number, spoil_number, spoil_number,
-    spoil_double, swap_lines, repeat_line, drop_line, splice,
+    spoil_double, swap_lines, repeat_line, drop_line, splice, other_number, other_number, other_number,
+    other_number, other_number, other_word, other_word, drop_lines, nest,
 )  # fmt: skip

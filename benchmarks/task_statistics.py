@@ -4,17 +4,19 @@ For each task a target, a direction and a frequency are drawn, and a random post
 start. The receptance at that frequency is compared: at the start, after optimising it, after optimising the
 static receptance, and after optimising the stiffness measure. Rows are added to
 docs/tables/task_statistics.csv as they are computed, so that an interrupted run goes on where it stopped;
-`--tasks N` asks for N tasks an arm.
+`--tasks N` asks for N tasks an arm, `--scheduler ADDRESS` has them computed on a Dask cluster.
 """
 
 from __future__ import annotations
 
 import argparse
 import csv
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from spreading import add_options, pieces
 from tables import ROOT, TABLES
 
 import flexmodal
@@ -33,6 +35,8 @@ WAYS = {
     "stiffness": "stiffness measure ξ_K",
 }
 STARTS = 64
+BLOCK = 10
+"""Tasks of a piece of work."""
 
 
 @dataclass(frozen=True)
@@ -111,26 +115,36 @@ def rows_there() -> list[dict[str, str]]:
         return list(csv.DictReader(file))
 
 
-def compute(tasks: int) -> None:
+def one(piece: str) -> None:
+    """Print the rows of some tasks, `ARM:FIRST:COUNT`; a task without an answer is a complaint."""
+    name, first, count = piece.split(":")
+    robot, writer = ARMS[name].load(), csv.writer(sys.stdout)
+    for task in range(int(first), int(first) + int(count)):
+        try:
+            row = run(name, task, robot)
+        except FlexmodalError as error:
+            print(f"{name} {task}: {error}", file=sys.stderr)
+            continue
+        writer.writerow(f"{row[key]:.6g}" if isinstance(row[key], float) else row[key] for key in COLUMNS)
+
+
+def compute(tasks: int, scheduler: str | None, workers: int | None) -> None:
+    """Add the rows that are missing, in whatever order they come."""
     done = {(row["arm"], int(row["task"])) for row in rows_there()}
     if not FILE.exists():
         FILE.write_text(",".join(COLUMNS) + "\n")
-    for name, arm in ARMS.items():
-        robot = arm.load()
-        for task in range(tasks):
-            if (name, task) in done:
-                continue
-            try:
-                row = run(name, task, robot)
-            except FlexmodalError as error:
-                print(f"{name} {task}: {error}")
-                continue
-            with FILE.open("a", newline="") as file:
-                csv.writer(file).writerow(
-                    f"{row[key]:.6g}" if isinstance(row[key], float) else row[key] for key in COLUMNS
-                )
-            if task % 20 == 0:
-                print(f"{name} {task}", flush=True)
+    missing = [
+        f"{name}:{first}:{min(BLOCK, tasks - first)}"
+        for name in ARMS
+        for first in range(0, tasks, BLOCK)
+        if any((name, task) not in done for task in range(first, min(first + BLOCK, tasks)))
+    ]
+    for piece, told in pieces("task_statistics.py", missing, [], scheduler=scheduler, workers=workers):
+        rows = csv.reader((told or "").splitlines())
+        new = [row for row in rows if (row[0], int(row[1])) not in done]
+        with FILE.open("a", newline="") as file:
+            csv.writer(file).writerows(new)
+        print(piece, flush=True)
 
 
 def ratios(rows: list[dict[str, str]], key: str) -> np.ndarray:
@@ -226,7 +240,12 @@ def picture(everything: list[dict[str, str]]):
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--tasks", type=int, default=200, help="tasks an arm")
-    compute(parser.parse_args().tasks)
+    add_options(parser)
+    options = parser.parse_args()
+    if options.one:
+        one(options.one)
+        return
+    compute(options.tasks, options.scheduler, options.workers)
     everything = rows_there()
     with whole_file(TABLES / "task_statistics.md", overwrite=True) as scratch:
         scratch.write_text(summarise(everything), encoding="utf-8")

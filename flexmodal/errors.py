@@ -10,6 +10,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+_LONGEST_NAME = 300
+"""Characters of a path that is printed whole."""
+
 
 @dataclass(frozen=True)
 class Fault:
@@ -26,14 +29,17 @@ class Fault:
 
     def __post_init__(self) -> None:
         """Shorten what somebody else's file made long: a fault is a sentence."""
-        for name, most in (("key", 300), ("found", 600), ("allowed", 6000)):
+        for name, most in (("key", 200), ("found", 450), ("allowed", 1000)):
             text = getattr(self, name)
             if len(text) > most:
                 object.__setattr__(self, name, f"{text[:most]}…")
 
     def __str__(self) -> str:
-        """`file: key: found …; allowed: …`."""
-        where = f"{self.file}: {self.key}" if self.key else self.file
+        """`file: key: found …; allowed: …`, all of it shorter than 2 kB."""
+        half = _LONGEST_NAME // 2
+        short = len(self.file) <= _LONGEST_NAME
+        name = self.file if short else f"{self.file[:half]}…{self.file[-half:]}"
+        where = f"{name}: {self.key}" if self.key else name
         return f"{where}: found {self.found}; allowed: {self.allowed}"
 
 

@@ -22,6 +22,7 @@ from flexmodal.atlas.quantities import Receptances as Receptances
 from flexmodal.atlas.quantities import Stiffnesses as Stiffnesses
 from flexmodal.atlas.search import check_robot as check_robot
 from flexmodal.atlas.search import search_from as search_from
+from flexmodal.atlas.search import search_spread as search_spread
 from flexmodal.atlas.spread import spread as spread
 from flexmodal.atlas.task import Task as Task
 from flexmodal.atlas.workspace import WorkspaceMap as WorkspaceMap

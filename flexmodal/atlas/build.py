@@ -4,18 +4,24 @@ from __future__ import annotations
 
 import os
 import pickle
+import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
 from flexmodal.atlas.plan import Plan, differing, path_of, versions
-from flexmodal.atlas.spread import PATIENCE, spread
-from flexmodal.atlas.store import create, facts_of, is_sound, sweep_out, write_chunk
+from flexmodal.atlas.spread import MOST_WORKERS, PATIENCE, check_workers, spread
+from flexmodal.atlas.store import create, facts_of, is_sound, make_chunk, put_chunk, sweep_out
 from flexmodal.errors import Fault, FlexmodalError, OutputExists
 from flexmodal.files import claimed, complete
+from flexmodal.frf.kernels.route import available_cores
+
+WRITERS = 2
+"""Threads for each core, of which one may wait for the disk while another computes."""
 
 
 @dataclass(frozen=True)
@@ -42,6 +48,8 @@ class Worker:
     path: str
     versions: tuple[tuple[str, str], ...] = ()
     """Of the libraries, where they have to be the same as here."""
+    slots: AbstractContextManager[Any] | None = None
+    """Held while computing, not while writing; none where each call has a core to itself."""
 
     def __call__(self, number: int) -> None:
         """Write one chunk.
@@ -53,7 +61,10 @@ class Worker:
         for name, wanted in self.versions:
             if here.get(name) != wanted:
                 raise FlexmodalError(f"a worker has {name} {here.get(name)}, not {wanted}")
-        write_chunk(_plan(self.job), Path(self.path), number)
+        path = Path(self.path)
+        with self.slots or nullcontext():
+            made = make_chunk(_plan(self.job), path, number)
+        put_chunk(made, path)
 
 
 @lru_cache(maxsize=4)
@@ -111,13 +122,31 @@ def build_atlas(
         kept = set(standing) - spoilt
         plan.check_room(target, len(kept))
         begin(plan.chunks, len(kept))
-        work = Worker(plan.job, str(target), tuple(versions().items()) if scheduler else ())
         missing = (number for number in range(plan.chunks) if number not in kept)
-        threads = plan.quantity.releases
-        given: dict[str, Any] = {"scheduler": scheduler, "workers": workers, "patience": patience}
-        for _ in spread(work, missing, threads=threads, **given):
+        for _ in _spread(plan, target, missing, scheduler, workers, patience):
             advance()
     return Built(target, plan.chunks, len(kept), len(spoilt), time.perf_counter() - started, others)
+
+
+def _spread(
+    plan: Plan,
+    target: Path,
+    missing: Iterator[int],
+    scheduler: str | None,
+    workers: int | None,
+    patience: float,
+) -> Iterator[Any]:
+    """Chunks computed on as many cores as there are workers; threads that wait for the disk leave theirs."""
+    job, where = plan.job, str(target)
+    if scheduler is not None:
+        there = Worker(job, where, tuple(versions().items()))
+        return spread(there, missing, scheduler=scheduler, patience=patience)
+    if not plan.quantity.releases:
+        return spread(Worker(job, where), missing, workers=workers)
+    check_workers(workers)
+    cores = workers or available_cores()
+    shared = Worker(job, where, slots=threading.BoundedSemaphore(cores))
+    return spread(shared, missing, workers=min(WRITERS * cores, MOST_WORKERS), threads=True)
 
 
 def _compare(plan: Plan, target: Path, begun: dict[str, Any]) -> tuple[str, ...]:

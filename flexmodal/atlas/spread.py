@@ -68,14 +68,23 @@ def spread(
         FlexmodalError: a worker was killed and nobody took its place, or the cluster went away; and whatever
             `call` raises.
     """
-    if workers is not None and not 1 <= workers <= MOST_WORKERS:
-        raise InvalidRequest(Fault("call", "workers", str(workers), f"1 to {MOST_WORKERS}"))
+    check_workers(workers)
     if scheduler is not None:
         yield from _on_cluster(call, iter(items), scheduler, patience)
         return
     count = workers or available_cores()
     with _local(count, threads) as pool:
         yield from _locally(pool, call, iter(items), count)
+
+
+def check_workers(workers: int | None) -> None:
+    """Refuse a number of workers that is none.
+
+    Raises:
+        InvalidRequest: below 1, or more than `MOST_WORKERS`.
+    """
+    if workers is not None and not 1 <= workers <= MOST_WORKERS:
+        raise InvalidRequest(Fault("call", "workers", str(workers), f"1 to {MOST_WORKERS}"))
 
 
 def _local(count: int, threads: bool) -> Executor:

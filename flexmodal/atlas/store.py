@@ -11,13 +11,15 @@ import json
 import os
 import uuid
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flexmodal.atlas.direct import memory_for, write_file
 from flexmodal.atlas.layout import CHECKSUM, Layout
 from flexmodal.atlas.plan import Plan, versions
 from flexmodal.errors import Fault, FlexmodalError, InvalidRequest, MissingExtra
@@ -31,6 +33,8 @@ KEY = "flexmodal"
 MARK = "zarr.json"
 PARTIAL = ".partial"
 """How the name of a file ends that is still being written."""
+_PIECE = 1 << 18
+"""Bytes copied at a time: they stay in the cache while their checksum is made."""
 _MOST_TEXT = 64_000_000
 """Bytes of the group's attributes that are read; grids of millions of values are all in it."""
 
@@ -153,44 +157,88 @@ def is_sound(layout: Layout, path: Path, number: int) -> bool:
     return all(_checksum(one[:-CHECKSUM]) == one[-CHECKSUM:].tobytes() for one in found)
 
 
-def write_chunk(plan: Plan, path: Path, number: int) -> None:
-    """Compute a chunk and put its arrays into their places.
+@dataclass(frozen=True, eq=False)
+class Bytes:
+    """An array of a chunk as it stands in its file, its checksum last."""
+
+    file: Path
+    content: memoryview
+    """This thread's until it makes the next chunk."""
+
+
+def make_chunk(plan: Plan, path: Path, number: int) -> list[Bytes]:
+    """Compute a chunk: the bytes that zarr would write, without its three copies.
+
+    Args:
+        plan: what the store is to hold.
+        path: of the store.
+        number: of the chunk.
 
     Raises:
-        FlexmodalError: the store is not to be seen from here, or cannot be written.
+        FlexmodalError: the store is not to be seen from here.
     """
     if not (path / MARK).is_file():
         text = f"{path}: no such store on this machine; every worker has to see the same folder"
         raise FlexmodalError(text)
     found = plan.compute(number)
+    made = []
     files = plan.layout.files(path, number)
+    for place, (one, (file, _)) in enumerate(zip(plan.variables, files, strict=True)):
+        content = _content(found.pop(one.name), one.dtype, (*plan.chunk, *plan.tail(one)))
+        made.append(Bytes(file, _with_checksum(content, place)))
+    return made
+
+
+def put_chunk(made: Sequence[Bytes], path: Path) -> None:
+    """Put a chunk's arrays into their places.
+
+    Args:
+        made: by `make_chunk`.
+        path: of the store.
+
+    Raises:
+        FlexmodalError: it cannot be written.
+    """
     try:
-        for one, (file, _) in zip(plan.variables, files, strict=True):
-            _put_chunk(found[one.name], one.dtype, (*plan.chunk, *plan.tail(one)), file)
+        for one in made:
+            _put(one)
     except OSError as error:
         text = f"{error.filename or path}: {error.strerror or error}; the chunks that stand are whole"
         raise FlexmodalError(text) from error
 
 
-def _put_chunk(values: np.ndarray, dtype: str, shape: tuple[int, ...], file: Path) -> None:
-    """The bytes that zarr would write, without its three copies, which take longer than the kernel."""
+def _content(values: np.ndarray, dtype: str, shape: tuple[int, ...]) -> np.ndarray:
     if values.shape != shape:  # at an end: chunks are kept full
         whole = np.full(shape, np.nan, dtype=dtype)
         whole[tuple(slice(size) for size in values.shape)] = values
         values = whole
-    content = np.ascontiguousarray(values, dtype=np.dtype(dtype).newbyteorder("<")).reshape(-1).view(np.uint8)
+    return np.ascontiguousarray(values, dtype=np.dtype(dtype).newbyteorder("<")).reshape(-1).view(np.uint8)
+
+
+def _put(one: Bytes) -> None:
+    file = one.file
     file.parent.mkdir(parents=True, exist_ok=True)
     scratch = file.with_name(f"{file.name}.{uuid.uuid4().hex}{PARTIAL}")
     try:
-        with scratch.open("wb", buffering=0) as out:
-            for part in (content.data, _checksum(content)):
-                done = 0
-                while done < len(part):  # a write may take less than it is given
-                    done += out.write(part[done:])
+        write_file(scratch, one.content)
         scratch.replace(file)
     except OSError:
         scratch.unlink(missing_ok=True)
         raise
+
+
+def _with_checksum(content: np.ndarray, place: int) -> memoryview:
+    """Bytes copied to where they are written from, and their CRC-32C on the way, while they are at hand."""
+    import google_crc32c  # as zarr itself
+
+    out = memory_for(len(content) + CHECKSUM, place)
+    copied, checksum = np.frombuffer(out, dtype=np.uint8), 0
+    for first in range(0, len(content), _PIECE):
+        piece = copied[first : min(first + _PIECE, len(content))]
+        piece[:] = content[first : first + len(piece)]
+        checksum = int(google_crc32c.extend(checksum, piece))
+    out[len(content) :] = checksum.to_bytes(CHECKSUM, "little")
+    return out
 
 
 def _checksum(content: np.ndarray) -> bytes:

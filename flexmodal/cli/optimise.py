@@ -23,12 +23,14 @@ from flexmodal.cli.options import (
     robot_options,
 )
 from flexmodal.cli.picturing import draw_pictures, pictures_of, plot_option
-from flexmodal.cli.printing import degrees, noted_progress, print_json, print_table, say
-from flexmodal.cli.viewing import viewer
+from flexmodal.cli.printing import degrees, noted_progress, print_json, print_table, progress, say
+from flexmodal.cli.viewing import announce, viewer
 from flexmodal.errors import Fault, InvalidRequest
 
 if TYPE_CHECKING:
-    from flexmodal.optimisation import Outcome, Start
+    from flexmodal.cards import FamilyCard
+    from flexmodal.model import Posture
+    from flexmodal.optimisation import Outcome, PostureProblem, Start
 
 
 _NEAR = 1e-6
@@ -61,6 +63,9 @@ _NEAR = 1e-6
 )
 @plot_option
 @force_option
+@click.option(
+    "--scheduler", metavar="ADDRESS", help="A Dask scheduler over whose workers --starts are spread."
+)
 @quiet_option
 @json_option
 @click.option("--show", is_flag=True, help="Start and optimum in the browser.")
@@ -80,6 +85,7 @@ def optimise(
     method: str,
     plots: tuple[str, ...],
     force: bool,
+    scheduler: str | None,
     quiet: bool,
     as_json: bool,
     show: bool,
@@ -87,8 +93,6 @@ def optimise(
 ) -> None:
     """The posture that resists best, holding the end-effector, along a family, or free."""
     from flexmodal.optimisation import PostureProblem
-    from flexmodal.optimisation import optimise as search
-    from flexmodal.optimisation.search import BLOCK, DEFAULT_STARTS, choose_way
 
     _one_of(hold, family, free)
     pictures = pictures_of(
@@ -100,21 +104,11 @@ def optimise(
     problem = PostureProblem(arm, judge, hold_of(arm, hold, orientation, axis, tool_axis), clearance=kept)
     chosen = None if family is None else arm.family(family, source=f"{SOURCE} --family")
     where = None if start is None else posture_of(arm, start, "--start")
-    way = "plain" if chosen or method != "newton" else choose_way(problem, starts or DEFAULT_STARTS)
-    total = 401 if chosen else starts or (BLOCK if way == "compiled" else DEFAULT_STARTS)
-    with noted_progress(total, "searching", quiet=quiet) as (advance, note):
-        outcome = search(
-            problem,
-            family=chosen,
-            start=where,
-            starts=starts,
-            seed=seed,
-            method=method,
-            way=way,
-            advance=advance,
-            improved=lambda value: note(f"best {value:.4g} {judge.unit}"),
-            doing=note,
-        )
+    if scheduler is None:
+        outcome = _search(problem, chosen, where, starts, seed, method, quiet)
+    else:
+        _refuse_along(family is not None, method)
+        outcome = _spread(problem, where, starts, seed, scheduler, quiet)
     if as_json:
         print_json(_json(outcome))
     else:
@@ -122,8 +116,62 @@ def optimise(
     shown = None if outcome.compared is None else outcome.compared.held
     draw_pictures(outcome, shown, pictures, force=force, quiet=quiet)
     if show:
-        viewer("show_outcome")(outcome, start=shown, announce=lambda text: say(text, err=True))
+        viewer("show_outcome")(outcome, start=shown, announce=announce)
     _leave(outcome)
+
+
+def _search(
+    problem: PostureProblem,
+    family: FamilyCard | None,
+    start: Posture | None,
+    starts: int | None,
+    seed: int,
+    method: str,
+    quiet: bool,
+) -> Outcome:
+    from flexmodal.optimisation import optimise as search
+    from flexmodal.optimisation.search import BLOCK, DEFAULT_STARTS, choose_way
+
+    way = "plain" if family or method != "newton" else choose_way(problem, starts or DEFAULT_STARTS)
+    total = 401 if family else starts or (BLOCK if way == "compiled" else DEFAULT_STARTS)
+    unit = problem.objective.unit
+    with noted_progress(total, "searching", quiet=quiet) as (advance, note):
+        return search(
+            problem,
+            family=family,
+            start=start,
+            starts=starts,
+            seed=seed,
+            method=method,
+            way=way,
+            advance=advance,
+            improved=lambda value: note(f"best {value:.4g} {unit}"),
+            doing=note,
+        )
+
+
+def _spread(
+    problem: PostureProblem,
+    start: Posture | None,
+    starts: int | None,
+    seed: int,
+    scheduler: str,
+    quiet: bool,
+) -> Outcome:
+    from flexmodal.atlas import search_spread
+    from flexmodal.atlas.search import EACH
+    from flexmodal.optimisation.search import DEFAULT_STARTS
+
+    count = starts or DEFAULT_STARTS
+    with progress(-(-count // EACH), "searching", quiet=quiet) as advance:
+        return search_spread(problem, count, start=start, seed=seed, scheduler=scheduler, advance=advance)
+
+
+def _refuse_along(family: bool, method: str) -> None:
+    other = "--family" if family else f"--method {method}"
+    if family or method != "newton":
+        allowed = "--hold or --free by newton, from many starts"
+        raise InvalidRequest(Fault(SOURCE, "--scheduler", f"with {other}", allowed))
 
 
 def _leave(outcome: Outcome) -> NoReturn:

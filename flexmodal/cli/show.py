@@ -18,12 +18,12 @@ from flexmodal.cli.options import (
     refuse_existing,
     robot_options,
 )
-from flexmodal.cli.printing import say
 from flexmodal.errors import Fault, InvalidRequest
 
 if TYPE_CHECKING:
     from flexmodal.campaign import Campaign
     from flexmodal.ema.shapes import FittedShapes
+    from flexmodal.model import Posture, Robot
 
 _MOST_CARDS = 3
 """Curves that a reader can tell apart beside the arm's own and the measured ones."""
@@ -73,13 +73,13 @@ def show(
     ROBOT may also be the folder of a campaign, which says itself what robot it is of.
     """
     from flexmodal.campaign import is_campaign
-    from flexmodal.cli.viewing import viewer
+    from flexmodal.cli.viewing import announce, viewer
 
     refuse_existing(out, force, (".html", ".png", ".gif"))
     deliver: dict[str, Any] = {"out": out, "port": port, "overwrite": force}
+    deliver["announce"] = announce
     if host is not None:
         deliver["host"] = host
-    deliver["announce"] = lambda text: say(text, err=True)
     if campaign is not None or is_campaign(robot.robot):
         _refuse_beside(modes=modes, response=response, frequency=frequency, compare=compare)
         measured = _campaign(Path(robot.robot) if campaign is None else campaign, posture)
@@ -88,7 +88,7 @@ def show(
         viewer("show_campaign")(arm, measured, shapes=_shapes(measured), **deliver)
         return
     arm = robot.load()
-    where = arm.posture(next(iter(arm.postures), {})) if posture is None else posture_of(arm, posture)
+    where = _first_posture(arm) if posture is None else posture_of(arm, posture)
     beside = _compared(robot, compare)
     viewer("show_robot")(arm, where, modes=modes, response=response, frequency=frequency, **beside, **deliver)
 
@@ -113,6 +113,13 @@ def _compared(robot: RobotOptions, given: tuple[str, ...]) -> dict[str, Any]:
         name = other.name if other.name not in others else one
         others[name] = other
     return {"others": others, "measured": campaign_at(folders[0]) if folders else None}
+
+
+def _first_posture(arm: Robot) -> Posture:
+    """The card's first; of a robot without one, as near to 0 as the limits of its joints allow."""
+    from flexmodal.model.posture import middle
+
+    return arm.posture(next(iter(arm.postures))) if arm.postures else middle(arm.commanded)
 
 
 def _refuse_beside(**given: object) -> None:

@@ -22,13 +22,13 @@ _WHOLE_SIDE = 1e-9
 
 CUTTER = {
     "teeth": Field(whole(1, 100), "a whole number from 1 to 100", required=True),
-    "diameter": Field(number(0.0, 10.0, above=True), "a number in m, above 0 and at most 10", required=True),
+    "diameter": Field(number(1e-6, 10.0), "a number in m, above 0 (from 1e-6) and at most 10", required=True),
     "helix": Field(angle(0.0, 80.0), 'an angle from 0 to 80 degrees: rad, or like "30deg"'),
     "approach": Field(angle(1.0, 90.0), 'an angle from 1 to 90 degrees: rad, or like "45deg"'),
 }
 FORCE = {
     "tangential": Field(
-        number(0.0, 1e13, above=True), "a number in N/m², above 0, at most 1e13", required=True
+        number(1e-3, 1e13), "a number in N/m², above 0 (from 1e-3), at most 1e13", required=True
     ),
     "radial_ratio": _RATIO,
     "axial_ratio": _RATIO,
@@ -42,8 +42,8 @@ ENGAGEMENT = {
     "spindle_speed": Field(
         numbers(2, 1e-3, 1e7), "two numbers in rev/min, the lower first, from 0.001 to 1e7", required=True
     ),
-    "feed_per_tooth": Field(number(0.0, 1.0, above=True), "a number in m, above 0 and at most 1"),
-    "depth": Field(number(0.0, 10.0, above=True), "a number in m, above 0 and at most 10"),
+    "feed_per_tooth": Field(number(1e-9, 1.0), "a number in m, above 0 (from 1e-9) and at most 1"),
+    "depth": Field(number(1e-9, 10.0), "a number in m, above 0 (from 1e-9) and at most 10"),
 }
 FRAME = {
     "relative_to": Field(text("tool", "world"), '"tool" or "world"', required=True),
@@ -54,10 +54,10 @@ FRAME = {
 }
 MODE = {
     "direction": Field(text("x", "y", "z"), '"x" (feed), "y" (normal) or "z" (axis)', required=True),
-    "frequency": Field(number(0.0, 1e6, above=True), "a number in Hz, above 0, at most 1e6", required=True),
+    "frequency": Field(number(1e-6, 1e6), "a number in Hz, above 0 (from 1e-6), at most 1e6", required=True),
     "damping_ratio": Field(number(1e-6, 0.999), "a number from 1e-6 to 0.999", required=True),
     "stiffness": Field(
-        number(0.0, 1e15, above=True), "a number in N/m, above 0 and at most 1e15", required=True
+        number(1e-6, 1e15), "a number in N/m, above 0 (from 1e-6) and at most 1e15", required=True
     ),
 }
 

@@ -24,13 +24,12 @@ class Field:
     required: bool = False
 
 
-def number(low: float, high: float, *, above: bool = False) -> Callable[[Any], float]:
-    """A finite number from `low` to `high`; without `low` itself where `above` is set.
+def number(low: float, high: float) -> Callable[[Any], float]:
+    """A finite number from `low` to `high`.
 
     Args:
         low: least value.
         high: greatest value.
-        above: whether the least itself is refused.
     """
 
     def read(given: Any) -> float:
@@ -40,22 +39,21 @@ def number(low: float, high: float, *, above: bool = False) -> Callable[[Any], f
             value = float(given)
         except OverflowError:
             raise ValueError from None
-        if not low <= value <= high or (above and value == low):
+        if not low <= value <= high:
             raise ValueError
         return value
 
     return read
 
 
-def angle(low: float, high: float, *, above: bool = False) -> Callable[[Any], float]:
+def angle(low: float, high: float) -> Callable[[Any], float]:
     """A number in rad, or text such as "30deg"; limits in degrees.
 
     Args:
         low: least value [°].
         high: greatest value [°].
-        above: whether the least itself is refused.
     """
-    judge = number(low, high, above=above)
+    judge = number(low, high)
 
     def read(given: Any) -> float:
         if isinstance(given, str):

@@ -31,7 +31,7 @@ from flexmodal.text.words import FaultList, listing, nearest, shown
 _KEYS = ("format", "title", "source", "cutter", "force", "engagement", "frame", "mode")
 _BY_IMMERSION = {
     "immersion": Field(
-        number(0.0, 1.0, above=True), "a number above 0 and at most 1, radial depth over diameter"
+        number(1e-9, 1.0), "a number above 0 (from 1e-9) and at most 1, radial depth over diameter"
     ),
     "milling": Field(text("up", "down"), '"up" or "down"'),
 }

@@ -23,6 +23,7 @@ from flexmodal.cards import (
 )
 from flexmodal.cards.write import UrdfDraft, write_robot
 from flexmodal.errors import Fault, InvalidRequest
+from flexmodal.files import whole_folder
 from flexmodal.model.load import load
 from flexmodal.model.posture import Posture, middle
 from flexmodal.model.robot import Robot
@@ -58,13 +59,21 @@ class GuessedCard:
     notes: tuple[str, ...]
 
     def write(self, *, overwrite: bool = False) -> Path:
-        """Write card and URDF; the path of the card.
+        """Write card and URDF, both or neither; the path of the card.
+
+        A folder that does not exist yet appears with both of them in it.
 
         Raises:
             OutputExists: one of them exists.
         """
-        self.card.path.parent.mkdir(parents=True, exist_ok=True)
-        return write_robot(self.card, UrdfDraft(self.urdf), notes=self.notes, overwrite=overwrite)
+        folder, draft = self.card.path.parent, UrdfDraft(self.urdf)
+        if folder.is_dir():
+            return write_robot(self.card, draft, notes=self.notes, overwrite=overwrite)
+        folder.parent.mkdir(parents=True, exist_ok=True)
+        with whole_folder(folder) as scratch:
+            made = replace(self.card, path=scratch / self.card.path.name, urdf=scratch / self.card.urdf.name)
+            write_robot(made, draft, notes=self.notes, home=folder)
+        return self.card.path
 
 
 def guess_card(

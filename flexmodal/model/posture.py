@@ -38,6 +38,9 @@ class Posture:
         return f"{math.degrees(value):.6g}deg" if joint in self.degrees else f"{value:.6g}"
 
 
+FARTHEST = 1e4
+"""Beyond it a number is no angle of a joint that has no limits: sines have lost their digits [rad, m]."""
+
 Pose = str | Posture | Mapping[str, float] | Sequence[float | int] | np.ndarray
 """A posture's name, a checked posture, values by joint name, or values in Pinocchio's order."""
 
@@ -80,8 +83,10 @@ def check_posture(
             faults.append(Fault(source, f"posture: {joint}", repr(value), "a finite number [rad, m]"))
     for joint, urdf in commanded.items():
         value = given.get(joint, 0.0)
-        if is_number(value) and not urdf.lower - TOLERANCE <= value <= urdf.upper + TOLERANCE:
-            allowed = f"{urdf.lower:.6g} to {urdf.upper:.6g}, the joint's limits"
+        low, high = max(urdf.lower, -FARTHEST), min(urdf.upper, FARTHEST)
+        if is_number(value) and not low - TOLERANCE <= value <= high + TOLERANCE:
+            allowed = f"{low:.6g} to {high:.6g}"
+            allowed += ", the joint's limits" if math.isfinite(urdf.upper - urdf.lower) else ""
             left_out = "" if joint in given else " (left out, so 0)"
             faults.append(Fault(source, f"posture: {joint}", f"{float(value):.6g}{left_out}", allowed))
     if faults:

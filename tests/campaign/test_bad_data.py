@@ -213,6 +213,11 @@ def test_unit_exponents_that_contradict_are_a_warning(text: Path) -> None:
     assert "dataset 1: unit exponents 0 1 0 of type 12 (acceleration) are passed over" in warning
 
 
+def test_unit_exponents_of_an_unknown_type_are_no_crash(text: Path) -> None:
+    change_line(text / "frf.uff", 10, column(0, f"{0:10d}{1:5d}"))
+    assert "unit exponents 1 0 0 of type 0 (unknown) are passed over" in "".join(read_campaign(text).warnings)
+
+
 def test_units_other_than_si_in_dataset_164(text: Path) -> None:
     units = (
         "    -1\n   164\n         5mm (milli newton)             2\n" + f"{1000.0:25.17e}" * 3 + "\n    -1\n"
@@ -346,6 +351,7 @@ def test_records_that_pyuff_wrote_with_its_own_byte_count(campaign: Campaign, tm
         ("format = 1", "format = true", "format"),
         ("band = [2.0, 9.0]", "band = [9.0, 2.0]", "band: found 9 to 2"),
         ("band = [2.0, 9.0]", "band = [nan, 2.0]", "band[0]: found nan"),
+        ("band = [2.0, 9.0]", "band = [2.0, 1e18]", "band[1]: found 1e+18; allowed: two frequencies"),
         ("id = 2", "id = 1", "posture[1].id: found 1, as in posture[0]"),
         ("id = 1", "id = 0", "posture[0].id: found 0; allowed: a whole number from 1"),
         ("averages = 3", "averages = 0", "trial[0].averages: found 0"),
@@ -360,6 +366,7 @@ def test_records_that_pyuff_wrote_with_its_own_byte_count(campaign: Campaign, tm
             "point[0].window: found an unknown",
         ),
         ("format = 1", 'format = 1\nwindow = "none"', "window: found an unknown key"),
+        ("q1 = 0.0", "q1 = 1e300", "posture[0].q.q1: found 1e+300"),
         ("xyz = [0.5, 0.0, -0.1]", "xyz = [0.5, 0.0]", "point[0].xyz: found a list of 2"),
         ('robot = "two_link"\n', "", "robot: found nothing; allowed: a card's name"),
         ("[[trial]]", "[[trail]]", 'did you mean "trial"'),

@@ -153,3 +153,21 @@ def test_a_bomb_and_a_broken_workbook_are_refused(folder: Path, monkeypatch: pyt
     monkeypatch.setattr(columns, "LARGEST", 7000)
     with pytest.raises(InvalidCampaign, match="unpacked"):
         import_table(folder / "map.toml")
+
+
+@pytest.mark.parametrize(
+    ("change", "file", "words"),
+    [
+        (("posture = 1", "posture = 9"), "map.toml", "posture 9"),
+        (("trial = 1", "trial = 9"), "map.toml", "trial 9"),
+        (("[2, -3]", "[9, -3]"), "map.toml", "point 9"),
+        (("0.9", "1.9"), "frf.csv", "outside 0 to 1, 1.9"),
+    ],
+)
+def test_what_contradicts_the_campaign_names_its_file(folder: Path, change, file, words) -> None:  # type: ignore[no-untyped-def]
+    path = folder / file
+    path.write_text(path.read_text(encoding="utf-8").replace(*change), encoding="utf-8")
+    with pytest.raises(InvalidCampaign) as caught:
+        import_table(folder / "map.toml")
+    assert all(fault.file == str(path) for fault in caught.value.faults)
+    assert any(words in str(fault) for fault in caught.value.faults)

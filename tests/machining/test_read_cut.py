@@ -95,6 +95,14 @@ def test_angles_instead_of_the_immersion(write):
 
 
 BAD = {
+    "a mode of next to no frequency": (
+        ("frequency = 800", "frequency = 1e-320"),
+        "mode[0].frequency: found 1e-320; allowed: a number in Hz, above 0 (from 1e-6)",
+    ),
+    "a cutter of next to no size": (
+        ("diameter = 0.02", "diameter = 1e-200"),
+        "cutter.diameter: found 1e-200",
+    ),
     "no format": (("format = 1\n", ""), "format: found nothing; allowed: 1"),
     "format 2": (("format = 1", "format = 2"), "format: found 2"),
     "format true": (("format = 1", "format = true"), "format: found true"),

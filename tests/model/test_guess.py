@@ -1,5 +1,6 @@
 """A card for any URDF: sound, marked as guessed, of the size that the rule says; which link is the tool."""
 
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -76,3 +77,20 @@ def test_nothing_is_overwritten(tmp_path):
 def test_a_card_needs_no_card():
     with pytest.raises(InvalidRequest, match="has a card"):
         guess_card("six_axis", Path("anywhere"))
+
+
+def test_a_new_folder_appears_with_both_files_in_it(tmp_path):
+    """Killed at any file event it leaves no folder, or a whole one."""
+    sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
+    from killing import killed_everywhere
+
+    target = tmp_path / "there" / "arm"
+    target.parent.mkdir()
+    guessed = guess_card(example_arms()["ur5"], target)
+    found = killed_everywhere(guessed.write, target.parent, target, writers=8)
+    assert len(found.events) >= 15
+    assert found.broken() == []
+    assert set(found.seen) == {found.old, found.new}
+    guessed.write()
+    assert sorted(path.name for path in target.iterdir()) == ["robot.toml", "ur5.urdf"]
+    assert find_tool(read_urdf(target / "ur5.urdf")).link == guessed.card.tool

@@ -7,6 +7,7 @@ import pytest
 import flexmodal
 from flexmodal.errors import InvalidPosture
 from flexmodal.model import Posture
+from flexmodal.model.batch import receptance_batch
 from flexmodal.model.posture import middle
 
 
@@ -123,3 +124,16 @@ def test_prismatic_joints_move_in_metres(mixed_robot):
     column = mixed_robot.at({}).full_jacobian("tool")[:, list(mixed_robot.moving).index("slide")]
     np.testing.assert_allclose(moved / 0.5, column[:3], atol=1e-15)
     np.testing.assert_array_equal(column[3:], 0)
+
+
+@pytest.mark.parametrize("value", [1e5, -1e300, 2.0**53])
+def test_a_joint_without_limits_does_not_turn_for_ever(value):
+    """Sines of such angles are numbers without digits."""
+    robot = flexmodal.load("kinova", stiffness=1e4, damping=1.0)
+    name = next(name for name, joint in robot.commanded.items() if math.isinf(joint.upper))
+    found = [fault for fault in faults(robot, {name: value}) if fault.key == f"posture: {name}"]
+    assert [fault.allowed for fault in found] == ["-10000 to 10000"]
+    rows = np.array([[0.5 * (max(j.lower, -1) + min(j.upper, 7)) for j in robot.commanded.values()]])
+    rows[0, list(robot.commanded).index(name)] = value
+    with pytest.raises(InvalidPosture):
+        receptance_batch(robot, rows, [f"{robot.tool}:+z"], [1.0])

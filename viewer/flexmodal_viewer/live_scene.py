@@ -15,6 +15,8 @@ from flexmodal_viewer import marks
 from flexmodal_viewer.arm import Arm, along
 from flexmodal_viewer.live_measured import measured_curves, measured_points
 from flexmodal_viewer.live_numbers import Place, live_numbers
+from flexmodal_viewer.obstacles import LEGEND as OBSTACLES
+from flexmodal_viewer.obstacles import obstacles
 from flexmodal_viewer.palette import FORCE, JOINT, OPTIMISED, PLAIN, POINT, START, TARGET, shade
 from flexmodal_viewer.scene import Caption, Item, Scene, Swatch
 from flexmodal_viewer.shapes import Ring, Sphere
@@ -83,8 +85,11 @@ def live_scene(
         "measured": [] if measured is None else measured_curves(robot, measured),
     }
     drawn = _drawn(arm, posed, direction)
+    around, hidden = obstacles(arm, "arm")
+    drawn = drawn.beside(around)
     where = f"{robot.name}, posture {posture.name}" if posture.name else robot.name
-    caption = Caption(robot.title or robot.name, where, _legend(robot), (), arm.looks.notes)
+    legend = (*_legend(robot), *([OBSTACLES] if around.items else []))
+    caption = Caption(robot.title or robot.name, where, legend, (), (*arm.looks.notes, *hidden))
     view = view_of(robot, posed.position(robot.tool))
     return set_stage(Scene(caption, view, drawn.nodes, tuple(drawn.items), tuple(drawn.labels), live=live))
 

@@ -19,6 +19,8 @@ from flexmodal.optimisation import (
 from flexmodal_viewer import marks
 from flexmodal_viewer.arm import Arm
 from flexmodal_viewer.motion import Deflection, forced
+from flexmodal_viewer.obstacles import LEGEND as OBSTACLES
+from flexmodal_viewer.obstacles import obstacles
 from flexmodal_viewer.palette import BASE, FORCE, OPTIMISED, START, TARGET, shade
 from flexmodal_viewer.scene import Caption, Item, Label, Matrix, Motion, Scene, Swatch, Table
 from flexmodal_viewer.stage import set_stage, view_of
@@ -68,6 +70,9 @@ def outcome_scene(outcome: Outcome, *, start: Posture | None) -> Scene:
         drawn.append(marks.target(held, 0.07 * arm.reach))
         where = ", ".join(plain(round(float(value), 4) + 0.0) for value in held)
         legend.append(Swatch(f"target ({where}) m", TARGET, "cross"))
+    around, hidden = obstacles(arm, "optimised")
+    drawn.append(around)
+    legend += [OBSTACLES] if around.items else []
     for part in drawn:
         nodes |= part.nodes
         items += part.items
@@ -78,7 +83,7 @@ def outcome_scene(outcome: Outcome, *, start: Posture | None) -> Scene:
         "Posture that vibrates least" if _is_receptance(outcome) else "Optimised posture",
         tuple(legend),
         _tables(outcome, before),
-        (f"Search: {outcome.verdict}.", *arm.looks.notes),
+        (f"Search: {outcome.verdict}.", *arm.looks.notes, *hidden),
     )
     return set_stage(
         Scene(

@@ -11,12 +11,15 @@ from pydantic import Field, field_validator
 
 from flexmodal.campaign.description.tested import BAND
 from flexmodal.campaign.trial import MOST_DIGITS, MOST_TRIAL
-from flexmodal.text.schema import TEXT, NotNegative, Number, Positive, Table, Text, Triple
+from flexmodal.text.schema import TEXT, Metres, NotNegative, Positive, Table, Text, Triple
 
 _ID = f"a whole number from 1 to {MOST_DIGITS}"
 _TRIAL_ID = f"a whole number from 1 to {MOST_TRIAL}"
 _WINDOW = '"none", or { kind = "force" or "exponential", decay = a number in 1/s, 0 or more }'
 
+SMALL = "a number from 0 to 1"
+Small = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0, le=1)]
+Frequency = Annotated[float, Field(strict=True, ge=0, le=1e9)]
 Id = Annotated[int, Field(strict=True, ge=1, le=MOST_DIGITS)]
 TrialId = Annotated[int, Field(strict=True, ge=1, le=MOST_TRIAL)]
 
@@ -26,7 +29,7 @@ class PostureTable(Table):
 
     id: Id = Field(description=_ID)
     name: Text = Field(description=TEXT)
-    q: dict[Text, Number] = Field(description="a table of joint = finite angle in rad")
+    q: dict[Text, Metres] = Field(description="a table of joint = finite angle in rad, of at most 1e4")
 
 
 class PointTable(Table):
@@ -69,16 +72,26 @@ class TrialTable(Table):
         return window
 
 
+class ToleranceTable(Table):
+    """`[tolerance]`."""
+
+    posture: Small = Field(default=0.0, description=f"{SMALL} in rad")
+    position: Small = Field(default=0.0, description=f"{SMALL} in m")
+    direction: Small = Field(default=0.0, description=f"{SMALL} in rad")
+    gain: Small = Field(default=0.0, description=SMALL)
+
+
 class CampaignTable(Table):
     """The whole file."""
 
     format: Literal[1] = Field(description="1")
     title: Text = Field(description=TEXT)
     robot: Text = Field(description="a card's name, or a path relative to this file")
-    band: Annotated[list[NotNegative], Field(min_length=2, max_length=2)] | None = Field(
+    band: Annotated[list[Frequency], Field(min_length=2, max_length=2)] | None = Field(
         default=None, description=BAND
     )
     separate_modes: bool = Field(default=False, strict=True, description="true or false")
+    tolerance: ToleranceTable = Field(default=ToleranceTable(), description="a table [tolerance]")
     posture: list[PostureTable] = Field(min_length=1, description="at least one table [[posture]]")
     point: list[PointTable] = Field(min_length=1, description="at least one table [[point]]")
     trial: list[TrialTable] = Field(min_length=1, description="at least one table [[trial]]")

@@ -8,7 +8,7 @@ from typing import Protocol, runtime_checkable
 
 from flexmodal.campaign.trial import Trial
 
-BAND = "two frequencies in Hz, the lower first"
+BAND = "two frequencies in Hz, the lower first, at most 1e9"
 """What the band of a campaign may be."""
 
 
@@ -34,6 +34,28 @@ class CampaignPoint:
     """The URDF link that carries it."""
     xyz: tuple[float, float, float]
     """Its place in the frame of that link [m]."""
+
+
+@dataclass(frozen=True)
+class Tolerance:
+    """How well a test was set up: one standard deviation each, 0 for what is exact."""
+
+    posture: float = 0.0
+    """Of each angle, or of each slide [rad, m]."""
+    position: float = 0.0
+    """Of hammer and sensor, along each direction [m]."""
+    direction: float = 0.0
+    """Of hammer and sensor, about each axis across [rad]."""
+    gain: float = 0.0
+    """Of each sensor and of the hammer, relative."""
+
+    @property
+    def is_exact(self) -> bool:
+        """Whether nothing is uncertain."""
+        return not (self.posture or self.position or self.direction or self.gain)
+
+
+EXACT = Tolerance()
 
 
 @runtime_checkable
@@ -69,3 +91,4 @@ class Tested:
     trials: tuple[Trial, ...]
     separate_modes: bool = False
     """Whether `modes.csv` is a measurement of its own, not an estimate from the FRFs beside it."""
+    tolerance: Tolerance = EXACT

@@ -174,6 +174,6 @@ def _note_exponents(character: Character, odd: dict[str, list[int]], number: int
     expected = EXPONENTS.get(character.code)
     length, force, temperature = character.exponents
     if expected and (length, force, temperature) not in ((0, 0, 0), (*expected, 0)):
-        kind = f"type {character.code} ({WORDS[character.code]})"
+        kind = f"type {character.code} ({WORDS.get(character.code, 'unknown')})"
         what = f"unit exponents {length} {force} {temperature} of {kind} are passed over"
         odd.setdefault(what, []).append(number)

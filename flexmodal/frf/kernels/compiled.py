@@ -66,9 +66,13 @@ class Kernel:
         source = Path(self.plain.__code__.co_filename)
         pattern, chosen = f"*.{self.name}-*.nbi", os.environ.get("NUMBA_CACHE_DIR")
         user = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "numba"
-        folders = [source.parent / "__pycache__", *user.glob("*/")] if not chosen else Path(chosen).glob("*/")
-        written = source.stat().st_mtime
-        return any(file.stat().st_mtime >= written for folder in folders for file in folder.glob(pattern))
+        try:
+            inside = user.glob("*/") if not chosen else Path(chosen).glob("*/")
+            folders = inside if chosen else [source.parent / "__pycache__", *inside]
+            written = source.stat().st_mtime
+            return any(file.stat().st_mtime >= written for folder in folders for file in folder.glob(pattern))
+        except OSError:  # a folder that may not be read, or a file that another process has just replaced
+            return False
 
     @cached_property
     def compiled(self) -> Any:

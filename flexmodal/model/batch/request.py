@@ -12,7 +12,7 @@ from flexmodal.errors import Fault, InvalidPosture, InvalidRequest
 from flexmodal.frf import PointDirection
 from flexmodal.frf.kernels.factor import Pairs
 from flexmodal.frf.kernels.route import Route
-from flexmodal.model.posture import Pose, check_posture
+from flexmodal.model.posture import FARTHEST, Pose, check_posture
 from flexmodal.model.robot import Robot
 
 _SLACK = 1e-9
@@ -60,8 +60,8 @@ def posture_array(
         allowed = f"an array of at least one posture with {len(names)} columns: {', '.join(names)}"
         raise InvalidPosture(Fault("call", "postures", f"shape {postures.shape}", allowed))
     values = np.ascontiguousarray(postures, dtype=float)
-    lower = np.array([joint.lower for joint in robot.commanded.values()]) - _SLACK
-    upper = np.array([joint.upper for joint in robot.commanded.values()]) + _SLACK
+    lower = np.array([max(joint.lower, -FARTHEST) for joint in robot.commanded.values()]) - _SLACK
+    upper = np.array([min(joint.upper, FARTHEST) for joint in robot.commanded.values()]) + _SLACK
     bad = np.flatnonzero(~(np.isfinite(values) & (values >= lower) & (values <= upper)).all(axis=1))
     if len(bad):
         first = int(bad[0])

@@ -3,12 +3,13 @@
 import subprocess
 import sys
 from itertools import count
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from flexmodal.frf.kernels import route, worth
+from flexmodal.frf.kernels import compiled, route, worth
 from flexmodal.frf.kernels.route import choose
 from flexmodal.frf.kernels.task import Task
 from flexmodal.frf.kernels.worth import IMPORT, LOAD, is_worth_it
@@ -122,3 +123,16 @@ def test_what_numba_keeps_is_found_without_loading_it(tmp_path):
         found.append(done.stdout.strip())
     assert found == ["False False", "", "True False"]
     assert len(list(tmp_path.rglob("*.nbc"))) == 1
+
+
+@pytest.mark.parametrize("chosen", ["", "/cache"])
+def test_a_cache_that_may_not_be_read_holds_nothing(monkeypatch, chosen):
+    """Such as that of a home folder that is somebody else's."""
+
+    def refuses(path, pattern):
+        raise PermissionError(13, "Permission denied", str(path))
+
+    kernel = compiled.sweep_of_any_size()
+    monkeypatch.setenv("NUMBA_CACHE_DIR", chosen)
+    monkeypatch.setattr(Path, "glob", refuses)
+    assert not kernel.is_stored()
