@@ -7,6 +7,7 @@
 # make check   ruff, mypy, import-linter, and what is in the wheel
 # make tables  remake the tables in docs/
 # make pictures  redraw the pictures of docs/optimisation.md and docs/machining.md; some minutes
+# make live-pictures  take the pictures and the film of docs/live.md of the page itself
 # make studies run the thesis's optimisations again, beside its printed numbers; some minutes
 # make bench   measure engine, reading and fitting against their goals and peers; some minutes
 # make exam    some 400 campaigns with effects hidden in them, for the diagnosis to name; goes on where it was stopped
@@ -23,7 +24,7 @@
 PYTHON ?= python3.11
 BIN := .venv/bin
 .DEFAULT_GOAL := help
-.PHONY: help demo test docs tour distribution slow check tables pictures studies exam arithmetic appendix recovery bench fuzz chaos accuracy atlas-bench collisions browser clean
+.PHONY: help demo test docs tour distribution slow check tables pictures live-pictures studies exam arithmetic appendix recovery bench fuzz chaos accuracy atlas-bench collisions browser clean
 
 help:
 	@grep '^# make' Makefile | cut -c3-
@@ -79,6 +80,9 @@ pictures: .venv/tested docs
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/machining_posture.py
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/welcome_pictures.py
 	$(BIN)/python benchmarks/site_pictures.py
+
+live-pictures: .venv/tested browser
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/live_pictures.py
 
 studies: .venv/tested
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/studies.py

@@ -76,10 +76,10 @@ def off(re, im, wanted):
 
 def test_a_slider_moves_the_arm_and_the_curve(tab, arm):
     before = stage(tab)
-    drawn = tab.locator(".curve.live").get_attribute("d")
+    drawn = tab.locator("#chart .curve.live").get_attribute("d")
     slide(tab, 1, 0.9)
     assert np.mean(np.any(np.abs(stage(tab) - before) > 40, axis=2)) > 0.02
-    assert tab.locator(".curve.live").get_attribute("d") != drawn
+    assert tab.locator("#chart .curve.live").get_attribute("d") != drawn
     assert tab.locator("#joint-1").get_attribute("aria-valuetext") == "51.6°"
     lines, re, im = tab.evaluate(
         "(({ curve, lines }) => [lines, curve.re, curve.im].map((x) => [...x]))(flexmodalLive.found())"
@@ -198,10 +198,10 @@ def test_the_posture_can_be_kept(tab):
 
 def test_a_pinned_curve_stays(tab):
     tab.get_by_role("button", name="Pin curve").click()
-    before = tab.locator(".curve.pinned").get_attribute("d")
+    before = tab.locator("#chart .curve.pinned").get_attribute("d")
     slide(tab, 1, 0.4)
-    assert tab.locator(".curve.pinned").get_attribute("d") == before
-    assert tab.locator(".curve.live").get_attribute("d") != before
+    assert tab.locator("#chart .curve.pinned").get_attribute("d") == before
+    assert tab.locator("#chart .curve.live").get_attribute("d") != before
 
 
 @pytest.mark.parametrize(("width", "height"), [(390, 844), (1280, 720)])

@@ -39,7 +39,8 @@ def test_a_picture_shows_the_arm_and_its_curve(arm, tmp_path):
         show_robot(arm, arm.posture("configuration_1"), out=out, announce=lambda _: None)
 
 
-@pytest.mark.parametrize("kind", ["live", pytest.param("still", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["live", "still"])
 def test_a_film_swings_and_comes_back(arm, tmp_path, kind):
     posture = arm.posture("configuration_1")
     scene = (

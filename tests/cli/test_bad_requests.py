@@ -221,6 +221,7 @@ REQUESTS = {
         ["no FRFs and no blows"],
     ),
     "page as a drawing": (("show", "fanuc_s360", "--out", "page.svg"), ["--out", "'page.svg'", ".html"]),
+    "every address at once": (("show", "fanuc_s360", "--host", "0.0.0.0"), ["0.0.0.0", "one address"]),
     "film of an arm at rest": (
         ("show", "fanuc_s360", "--out", "page.gif"),
         ["page.gif", "stands still", "--modes or --frequency"],

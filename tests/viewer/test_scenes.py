@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import trimesh
-from flexmodal_viewer import outcome_scene, robot_scene
+from flexmodal_viewer import live_scene, outcome_scene, robot_scene
 from flexmodal_viewer.arm import Arm
 from flexmodal_viewer.commands import payload
 from flexmodal_viewer.meshfile import load_mesh
@@ -100,10 +100,11 @@ def beside_a_table(tmp_path):
     return load(path)
 
 
-def test_obstacles_stand_where_the_card_says(beside_a_table):
+@pytest.mark.parametrize("draw", [robot_scene, live_scene])
+def test_obstacles_stand_where_the_card_says(beside_a_table, draw):
     robot = beside_a_table
     posture = robot.posture("middle")
-    scene = robot_scene(robot, posture)
+    scene = draw(robot, posture)
     shown = {item.path.rsplit("obstacle_", 1)[1]: item for item in scene.items if "/obstacle_" in item.path}
     table, spindle, stone = (shown[name] for name in ("0_0", "1_0", "2_0"))
     assert (table.shape, spindle.shape) == (Box((0.8, 0.8, 0.1)), Cylinder(0.02, 0.2))

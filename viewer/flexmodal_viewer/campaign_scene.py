@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from jaxtyping import Complex, Float
@@ -11,13 +12,14 @@ from jaxtyping import Complex, Float
 from flexmodal.campaign import Campaign, CampaignPosture
 from flexmodal.ema.shapes import FittedShapes, Way
 from flexmodal.errors import Fault, InvalidCampaign
-from flexmodal.model import Posture, Robot
+from flexmodal.model import PosedRobot, Posture, Robot
 from flexmodal.model.placements import link_placements
 from flexmodal_viewer import marks
 from flexmodal_viewer.arm import Arm
 from flexmodal_viewer.marks import Drawn
-from flexmodal_viewer.motion import FRAMES, SHARE
-from flexmodal_viewer.palette import EXTREME, FORCE, POINT
+from flexmodal_viewer.measured_shape import JointShape, joint_shape, odd_points
+from flexmodal_viewer.motion import FRAMES, SHARE, Deflection
+from flexmodal_viewer.palette import EXTREME, FORCE, POINT, TARGET
 from flexmodal_viewer.scene import Caption, Item, Label, Matrix, Motion, Scene, Swatch, Table
 from flexmodal_viewer.shapes import Lines, Sphere
 from flexmodal_viewer.stage import set_stage, view_of
@@ -81,6 +83,8 @@ class _Tested:
     positions: Mapping[int, Float[np.ndarray, "3"]]
     """Of each point [m]."""
     names: Mapping[int, str]
+    links: Mapping[int, str]
+    """That carry the points."""
     responses: tuple[Way, ...]
     references: tuple[Way, ...]
 
@@ -119,13 +123,29 @@ class _Tested:
         ]
         rows += [(self.names[number], self._at_point(number)) for number in self.positions]
         table = Table(f"Posture {self.posture.id}", (), tuple(rows))
-        return Motion(f"{self.posture.id}: {self.posture.name}", {}, 0.0, shows=(self.group,), table=table)
+        name, rest = f"{self.posture.id}: {self.posture.name}", self.arm.nodes(self.group, self.values.values)
+        return Motion(name, {}, 0.0, shows=(self.group,), poses=rest, table=table)
 
     def _at_point(self, number: int) -> str:
         """What was done at a point, such as "sensor +z, hammer −x"."""
         tools = (("sensor", self.responses), ("hammer", self.references))
         done = [f"{tool} {_sense(way)}" for tool, ways in tools for point, way in ways if point == number]
         return ", ".join(done) or "nothing"
+
+    @cached_property
+    def posed(self) -> PosedRobot:
+        """The robot as it stood."""
+        return self.arm.robot.at(self.values)
+
+    def joints(self, shapes: FittedShapes, mode: int) -> JointShape:
+        """What the joints do in a fitted mode."""
+        rows = []
+        for point, way in shapes.places:
+            link = self.links[point]
+            jacobian, arm = self.posed.jacobian(link), self.positions[point] - self.posed.position(link)
+            moved = jacobian[:3] + np.cross(jacobian[3:], arm, axis=0)
+            rows.append(direction((point, way)) @ moved)
+        return joint_shape(self.posed, np.array(rows), shapes.shape[:, mode])
 
     def text(self, way: Way) -> str:
         """A point's name with a direction."""
@@ -141,7 +161,8 @@ def _tested(arm: Arm, campaign: Campaign, posture: CampaignPosture) -> _Tested:
     }
     responses, references = _ways(campaign, posture.id)
     names = {point.id: point.name for point in campaign.points}
-    return _Tested(arm, posture, values, positions, names, responses, references)
+    links = {point.id: point.link for point in campaign.points}
+    return _Tested(arm, posture, values, positions, names, links, responses, references)
 
 
 def _ways(campaign: Campaign, posture: int) -> tuple[tuple[Way, ...], tuple[Way, ...]]:
@@ -186,15 +207,19 @@ def _swing(tested: _Tested, shapes: FittedShapes, mode: int) -> tuple[Drawn, Mot
     """Balls that move as the residues say, with the way of each between its extremes."""
     group = f"shape_{tested.posture.id}_{mode}"
     moved = _amplitudes(shapes, mode)
+    joints = tested.joints(shapes, mode)
+    odd = odd_points(shapes, mode, joints)
     phases = 2 * np.pi * np.arange(FRAMES + 1) / FRAMES
     largest = max(float(np.max(np.linalg.norm(_at(moved[p], phases), axis=1))) for p in moved)
     scale = SHARE * tested.arm.reach / largest if largest > 0 else 0.0
+    scale = min(scale, joints.widest(tested.posed, tested.arm.reach))
     nodes, items, tracks, ends = {}, [], {}, []
     for point, amplitude in moved.items():
         node, rest = f"{group}/point_{point}", tested.positions[point]
         path = rest + scale * _at(amplitude, phases)
         nodes[node] = marks.at(rest)
-        items.append(Item(f"{node}/ball", Sphere(1.4 * _BALL * tested.arm.reach), EXTREME, on_top=True))
+        colour = TARGET if point in odd else EXTREME
+        items.append(Item(f"{node}/ball", Sphere(1.4 * _BALL * tested.arm.reach), colour, on_top=True))
         tracks[node] = np.array([marks.at(place) for place in path])
         far = int(np.argmax(np.linalg.norm(path - rest, axis=1)))
         ends.append(np.array([path[far], 2 * rest - path[far]]))
@@ -204,15 +229,27 @@ def _swing(tested: _Tested, shapes: FittedShapes, mode: int) -> tuple[Drawn, Mot
         (tested.text(way), f"{abs(value):.2f} at {np.degrees(np.angle(value)):.0f}°".replace("-", "−"))
         for way, value in zip(shapes.places, shapes.shape[:, mode], strict=True)
     )
+    tracks |= dict(Deflection(tested.posed, joints.amplitude).tracks(tested.arm, (tested.group,), scale))
+    like, mac = joints.nearest
+    rows += (
+        ("the joints can do", f"{100 * joints.share:.0f} % of it"),
+        ("most like it", f"the card's mode at {plain(like)} Hz, MAC {mac:.2f}"),
+    )
+    legend = [Swatch("as the fitted mode moves the points", EXTREME, "dot")]
+    if odd:
+        legend.append(Swatch("where the joints of the card cannot follow", TARGET, "dot"))
     fixed = "hammer" if shapes.side == "reference" else "sensor"
     motion = Motion(
         f"{tested.posture.id}: {frequency} Hz",
         tracks,
         0.0,
         shows=(tested.group, group),
-        legend=(Swatch("as the fitted mode moves the points", EXTREME, "dot"),),
+        legend=tuple(legend),
         table=Table(f"Mode at {frequency} Hz, {fixed} at {tested.text(shapes.fixed)}", (), rows),
-        notes=("Only what was measured moves; drawn as large as can be seen well.",),
+        notes=(
+            "The points move as measured; the arm as its joints come nearest to that with the least elastic "
+            "energy. Drawn as large as can be seen well.",
+        ),
     )
     return Drawn(nodes, items, []), motion
 

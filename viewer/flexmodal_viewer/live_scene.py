@@ -15,6 +15,8 @@ from flexmodal_viewer import marks
 from flexmodal_viewer.arm import Arm, along
 from flexmodal_viewer.live_measured import measured_curves, measured_points
 from flexmodal_viewer.live_numbers import Place, live_numbers
+from flexmodal_viewer.obstacles import LEGEND as OBSTACLES
+from flexmodal_viewer.obstacles import obstacles
 from flexmodal_viewer.palette import FORCE, JOINT, OPTIMISED, PLAIN, POINT, START, TARGET, shade
 from flexmodal_viewer.scene import Caption, Item, Scene, Swatch
 from flexmodal_viewer.shapes import Ring, Sphere
@@ -64,27 +66,26 @@ def live_scene(
     if frequency is not None:
         posed.frf([frequency], response=direction)  # refuses what is no frequency, and an infinite response
     arm = Arm(robot)
-    first, last = _band(posed) if band is None else band
-    if not 0 <= first < last < np.inf:
-        raise InvalidRequest(Fault("call", "band", f"{first:g} to {last:g} Hz", "two ascending frequencies"))
     points = {} if measured is None else measured_points(measured)
     lowest = float(posed.modes().frequency[0])
+    beside = others or {}
     live = {
         "robot": _numbers(robot, [direction.point], points),
         "posture": dict(posture.values),
         "response": str(direction),
         "hertz": lowest if frequency is None else frequency,
-        "band": [first, last],
+        "band": _band(posed, band),
         "swing": swing,
         "reach": arm.reach,
-        "others": [
-            {"name": name, "robot": _numbers(other, (), points)} for name, other in (others or {}).items()
-        ],
+        "others": [{"name": name, "robot": _numbers(one, (), points)} for name, one in beside.items()],
         "measured": [] if measured is None else measured_curves(robot, measured),
     }
     drawn = _drawn(arm, posed, direction)
+    around, hidden = obstacles(arm, "arm")
+    drawn = drawn.beside(around)
     where = f"{robot.name}, posture {posture.name}" if posture.name else robot.name
-    caption = Caption(robot.title or robot.name, where, _legend(robot), (), arm.looks.notes)
+    legend = (*_legend(robot), *([OBSTACLES] if around.items else []))
+    caption = Caption(robot.title or robot.name, where, legend, (), (*arm.looks.notes, *hidden))
     view = view_of(robot, posed.position(robot.tool))
     return set_stage(Scene(caption, view, drawn.nodes, tuple(drawn.items), tuple(drawn.labels), live=live))
 
@@ -98,13 +99,19 @@ def _numbers(robot: Robot, points: Sequence[str], measured: Mapping[str, Place])
     return numbers
 
 
-def _band(posed: PosedRobot) -> tuple[float, float]:
-    """From 0 to beyond the modes, those much higher than the first left out."""
+def _band(posed: PosedRobot, given: tuple[float, float] | None) -> list[float]:
+    """As it was given; or from 0 to beyond the modes, those much higher than the first left out."""
+    if given is not None:
+        first, last = given
+        if not 0 <= first < last < np.inf:
+            found = f"{first:g} to {last:g} Hz"
+            raise InvalidRequest(Fault("call", "band", found, "two ascending frequencies"))
+        return [float(first), float(last)]
     modes = posed.modes().frequency
     modes = modes[modes <= _WIDEST * max(float(modes[0]), 1e-3)] if modes[0] > 0 else modes
     rough = _BEYOND * float(modes[-1]) or 1.0
     step = marks.nice_step(rough, 40)
-    return 0.0, float(np.ceil(rough / step) * step)
+    return [0.0, float(np.ceil(rough / step) * step)]
 
 
 def _legend(robot: Robot) -> tuple[Swatch, ...]:

@@ -201,8 +201,8 @@
     viewer.animator.pause();
     const moves = motion !== undefined && motion.animations.length > 0;
     if (!moves) viewer.animator.clear();
+    if (motion !== undefined) motion.poses.forEach(([path, matrix]) => viewer.set_transform(path.split("/").filter((part) => part), matrix));
     if (moves) {
-      motion.poses.forEach(([path, matrix]) => viewer.set_transform(path.split("/").filter((part) => part), matrix));
       viewer.handle_command({
         type: "set_animation",
         animations: JSON.parse(JSON.stringify(motion.animations)),
