@@ -71,12 +71,14 @@ tables: .venv/tested
 	$(BIN)/python benchmarks/ema_real.py
 	$(BIN)/python benchmarks/ema_selection.py
 	$(BIN)/python benchmarks/identification_thesis.py
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/stumbles.py
 
-pictures: .venv/tested
+pictures: .venv/tested docs
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/optimisation_pictures.py
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/machining_checks.py
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/machining_posture.py
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/welcome_pictures.py
+	$(BIN)/python benchmarks/site_pictures.py
 
 studies: .venv/tested
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/studies.py

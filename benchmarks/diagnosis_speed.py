@@ -44,7 +44,7 @@ STAGES = {
 KERNELS = {
     "solving": ("structure/kernel.py", "solve"),
     "derivatives": ("structure/kernel.py", "pull"),
-    "time steps": ("march/kernel.py", "march"),
+    "time steps": ("time_domain/kernel.py", "integrate"),
 }
 
 

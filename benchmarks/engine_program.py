@@ -21,9 +21,9 @@ from tables import write
 
 import flexmodal
 from flexmodal import PointDirection
-from flexmodal.diagnosis.march import integrate
-from flexmodal.diagnosis.march.law import friction, hardening
-from flexmodal.diagnosis.march.pulse import Pulse
+from flexmodal.diagnosis.time_domain import integration
+from flexmodal.diagnosis.time_domain.law import friction, hardening
+from flexmodal.diagnosis.time_domain.pulse import Pulse
 from flexmodal.identification.evidence.frf import FrfEvidence
 from flexmodal.model.batch import gradient_batch, receptance_batch
 from flexmodal.optimisation.search import random_starts, search_postures
@@ -74,8 +74,8 @@ def search() -> Variants:
     }
 
 
-def marching() -> Variants:
-    """The march of the diagnosis: two joints with friction and hardening, eight blows, 8 s of record."""
+def integrating() -> Variants:
+    """Time integration of a diagnosis: two joints with friction and hardening, eight blows, 8 s each."""
     mass = np.array([[2.0, 0.3], [0.3, 0.5]])
     stiffness = np.array([[9e3, -2e3], [-2e3, 4e3]])
     rows = np.array([[1.0, 0.5], [0.0, 1.0]])
@@ -83,11 +83,11 @@ def marching() -> Variants:
     laws = (friction(rows[1], 3.0, 3e4), hardening(np.array([1.0, 0.0]), 1500.0, 1e-3))
     axis = Axis(np.arange(1, 321) / 8.0, 15.0)
     blows = tuple((k % 2, Pulse(10.0 * (k + 1), 0.02)) for k in range(8))
-    struck = [integrate.Struck(arm, laws, axis, blows)]
-    steps = integrate.Steps.behind(axis.frequency)
+    struck = [integration.Struck(arm, laws, axis, blows)]
+    steps = integration.Steps.behind(axis.frequency)
     return {
-        "after": lambda: integrate.march(struck, steps, compiled=True),
-        "numpy form": lambda: integrate.march(struck, steps, compiled=False),
+        "after": lambda: integration.integrate(struck, steps, compiled=True),
+        "numpy form": lambda: integration.integrate(struck, steps, compiled=False),
     }
 
 
@@ -116,7 +116,7 @@ PARTS: dict[str, tuple[Callable[[], Variants], tuple[str, ...]]] = {
     "frf: 300 postures × 400 lines": (sweep, ("numpy form", "one by one")),
     "value and gradient: 300 postures": (slopes, ("numpy form",)),
     "optimise: 12 starts of the posture search": (search, ("numpy form",)),
-    "diagnose: march of 8 blows, friction and hardening": (marching, ("numpy form",)),
+    "diagnose: integration of 8 blows, friction and hardening": (integrating, ("numpy form",)),
     "rig: 4000 steps of its integration, friction in a joint": (rig, ("numpy form",)),
 }
 

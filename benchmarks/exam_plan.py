@@ -26,6 +26,8 @@ from flexmodal.rig.robot_folder import write_robot
 
 ROBOTS = ("fanuc_s360", "six_link", "six_axis")
 NAMED = tuple(name for name, effect in EFFECTS.items() if effect.catalogued)
+SINCE = ("bearing_flexibility",)
+"""Effects that came after the published exam: asked for at its end, its questions stay what they were."""
 OUTSIDE = tuple(name for name, effect in EFFECTS.items() if not effect.catalogued)
 EACH, NOTHING, PAIRS, UNKNOWN = 2, 4, 5, 5
 """For each robot: campaigns of each effect, with nothing hidden, with two effects, with an unknown one."""
@@ -69,6 +71,9 @@ def plan(seed: int, engine: str = "rig", forms: str = "own") -> list[Question]:
         wanted = _mujoco() if engine == "mujoco" else _rig(random)
         found += [(robot, kind, effects) for kind, effects in wanted]
     order = random.permutation(len(found))
+    if engine == "rig":
+        later = [(robot, "single", (name,)) for name in SINCE for robot in ROBOTS for _ in range(EACH)]
+        found, order = found + later, np.append(order, len(found) + np.arange(len(later)))
     seeds = np.random.default_rng([seed, 98]).integers(1, 2**31, len(found))
     return [
         Question(f"{place + 1:03d}", *found[k], seed=int(seeds[k])) for place, k in enumerate(order.tolist())
@@ -76,9 +81,10 @@ def plan(seed: int, engine: str = "rig", forms: str = "own") -> list[Question]:
 
 
 def _rig(random: np.random.Generator) -> list[tuple[str, tuple[str, ...]]]:
-    wanted: list[tuple[str, tuple[str, ...]]] = [("single", (name,)) for name in NAMED for _ in range(EACH)]
+    names = [name for name in NAMED if name not in SINCE]
+    wanted: list[tuple[str, tuple[str, ...]]] = [("single", (name,)) for name in names for _ in range(EACH)]
     wanted += [("nothing", ())] * NOTHING
-    wanted += [("pair", tuple(random.choice(NAMED, 2, replace=False).tolist())) for _ in range(PAIRS)]
+    wanted += [("pair", tuple(random.choice(names, 2, replace=False).tolist())) for _ in range(PAIRS)]
     return wanted + [("outside", (OUTSIDE[k % len(OUTSIDE)],)) for k in range(UNKNOWN)]
 
 

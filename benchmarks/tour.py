@@ -5,8 +5,10 @@
 A copy of the checkout is made, as a clone would be, and flexmodal is installed from it as the README says.
 Each command of the pages runs in a pseudo-terminal. The tour fails on any exit status other than 0, any
 traceback, any number that is cut off by an ellipsis, any output of a page that does not come, and any command
-that says nothing for some seconds (5 unless told). Two are not run: `make test`, which is the tests, and what
-only repeats the installation. Run by `make tour`.
+that says nothing for some seconds: 5 unless told, and more on a machine that others load, by as much as it is
+slower, which is measured before each page and printed. Blocks of Python are calls of a library, which prints
+only what it is told to; their silence is not judged. Two commands are not run: `make test`, the tests, and
+what only repeats the installation. Run by `make tour`.
 """
 
 from __future__ import annotations
@@ -55,6 +57,8 @@ class Tour:
     longest: tuple[float, str] = (0.0, "")
     """The longest silence [s], and of which command."""
     done: int = 0
+    slower: float = 1.0
+    """How many times slower the machine is than it would be alone."""
 
     def environment(self) -> dict[str, str]:
         """As a newcomer's shell has it, the environment of the README's first lines active."""
@@ -73,32 +77,44 @@ class Tour:
             "PYENV_VERSION": os.environ.get("PYENV_VERSION", ""),
         }
 
-    def run(self, words: list[str], where: Path, label: str, *, patient: bool = False) -> str:
-        """Run one command in a terminal of 80 columns; what it printed, escapes taken out."""
-        status, printed, silence = in_terminal(words, where, self.environment(), give_up=600.0)
+    def run(
+        self, words: list[str], where: Path, label: str, *, patient: bool = False, status: int = 0
+    ) -> str:
+        """Run one command in a terminal of 80 columns; what it printed, escapes taken out.
+
+        Args:
+            words: the command.
+            where: its folder.
+            label: what it is called where something is wrong.
+            patient: whether its silence does not count.
+            status: its exit status, as it should be.
+        """
+        left, printed, silence = in_terminal(words, where, self.environment(), give_up=600.0)
         self.done += 1
         if not patient and silence > self.longest[0]:
             self.longest = (silence, label)
-        if status != 0:
-            self.faults.append(f"{label}: exit status {status}\n{printed[-1500:]}")
+        if left != status:
+            self.faults.append(f"{label}: exit status {left}\n{printed[-1500:]}")
         if "Traceback (most recent call last)" in printed:
             self.faults.append(f"{label}: a traceback\n{printed[-1500:]}")
         for line in printed.splitlines():
             if CUT.search(line):
                 self.faults.append(f"{label}: cut off: {line.strip()}")
-        if silence > self.patience and not patient:
+        if silence > self.slower * self.patience and not patient:
             self.faults.append(f"{label}: {silence:.1f} s without a sign of life")
         return printed
 
     def page(self, page: str) -> None:
         """Do what a page says; the README in the clone, the others in an empty folder each."""
+        self.slower = slower()
+        print(f"{page}, patience {self.patience:g} s × {self.slower:.2f}", flush=True)
         clone = self.place / "flexmodal"
         where = clone if page == "README.md" else self.place / Path(page).stem
         where.mkdir(exist_ok=True)
         python = ""
         for number, step in enumerate(steps(ROOT / page), start=1):
-            if step.kind == "file":
-                (where / step.title).write_text(step.text, encoding="utf-8")
+            if step.writes:
+                step.write(where)
                 continue
             before = len(self.faults)
             if step.kind == "python":
@@ -110,6 +126,21 @@ class Tour:
                 self.faults.append(
                     f"{page}, step {number}: shown, not printed: {' '.join(missing)}\n{printed}"
                 )
+
+    def stumbles(self) -> None:
+        """The stumbles of a first afternoon, tried again."""
+        from stumbles import STUMBLES, prepare
+
+        where = self.place / "stumbles"
+        where.mkdir()
+        prepare(where)
+        self.slower = slower()
+        print(f"stumbles, patience {self.patience:g} s × {self.slower:.2f}", flush=True)
+        for one in STUMBLES:
+            print(f"  $ {one.command}", flush=True)
+            words = ["bash", "-c", one.command]
+            printed = self.run(words, where, f"stumbles: {one.name}", status=one.status)
+            self.faults += one.faults(one.status, printed)
 
     def command(self, line: str, where: Path, page: str) -> str:
         """Run a command line of a page, unless it is one of those that are not."""
@@ -127,7 +158,21 @@ class Tour:
             f"import contextlib, io\nwith contextlib.redirect_stdout(io.StringIO()):\n    exec({before!r})\n"
         )
         (where / "block.py").write_text(quiet + step.text, encoding="utf-8")
-        return self.run(["python", "block.py"], where, label), before + "\n" + step.text
+        return self.run(["python", "block.py"], where, label, patient=True), before + "\n" + step.text
+
+
+def slower() -> float:
+    """Time on the clock over time of the processor of a process that only computes, 1 or more.
+
+    On a machine to itself it is 1; where others compute beside it, a command waits for them as long.
+    """
+    before = os.times()
+    start = time.monotonic()
+    subprocess.run([sys.executable, "-c", "sum(range(10**8))"], check=True)
+    clock = time.monotonic() - start
+    after = os.times()
+    used = (after.children_user - before.children_user) + (after.children_system - before.children_system)
+    return max(1.0, clock / used)
 
 
 def in_terminal(
@@ -212,8 +257,9 @@ def main() -> int:
                 ["pip", "install", "-q", "-e", ".[arms]"], tour.place / "flexmodal", "install", patient=True
             )
         for page in given.pages:
-            print(page, flush=True)
             tour.page(page)
+        if given.pages == list(PAGES):
+            tour.stumbles()
     print(f"{tour.done} commands; longest silence {tour.longest[0]:.1f} s, of {tour.longest[1]}")
     for fault in tour.faults:
         print(f"FAULT {fault}")

@@ -17,7 +17,10 @@ PAGES = [*sorted(ROOT.glob("*.md")), *sorted((ROOT / "docs").rglob("*.md"))]
 APART = ("tutorials", "howto")
 """Folders of the documentation whose pages are followed in modules of their own, side by side."""
 TARGETS = set(re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(), re.MULTILINE))
-LONG = {"hammer.md", "identification.md", "optimisation.md", "atlas.md", "machining.md", "rig.md"}
+LONG = {
+    "hammer.md", "identification.md", "optimisation.md", "atlas.md", "machining.md", "prediction.md",
+    "rig.md",
+}  # fmt: skip
 """Pages that take ten seconds and more; `make slow` follows them."""
 LEFT_ALONE = {"git", "cd", "pip", "cat", ".", "python", "python3.11", "ls"}
 """Commands that need a network or a clone; `make tour` runs them."""
@@ -28,7 +31,7 @@ ELSEWHERE = {"demo": ROOT / "tests" / "cli" / "test_demo.py"}
 def acting(folder=None):
     """Pages that do something: those of the tutorials or how-tos, or all others."""
     chosen = [page for page in PAGES if (page.parent.name if page.parent.name in APART else None) == folder]
-    return named(page for page in chosen if any(step.kind != "file" for step in steps(page)))
+    return named(page for page in chosen if any(not step.writes for step in steps(page)))
 
 
 def named(pages):
@@ -65,10 +68,8 @@ def follow(page, place):
     """Do what a page says, in a folder that is the working directory; what it shows has to come out."""
     names = {"__name__": "__main__"}
     for number, step in enumerate(steps(page), start=1):
-        if step.kind == "file":
-            target = place / step.title
-            target.parent.mkdir(parents=True, exist_ok=True)
-            target.write_text(step.text, encoding="utf-8")
+        if step.writes:
+            step.write(place)
             continue
         if step.kind == "python":
             with contextlib.redirect_stdout(io.StringIO()) as caught:

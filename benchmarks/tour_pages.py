@@ -4,7 +4,7 @@ Fenced blocks, by the word after the fence:
 
 - `console`: each line that begins with `$ ` is a command; `sh`: each line;
 - `python`: run in order, the blocks of a page sharing their names;
-- any kind with `title="FILE"`: the reader writes that file;
+- any kind with `title="FILE"`: the reader writes that file; with `title="FILE, added at its end"`, its end;
 - `output`, straight after one of these: what it prints, all of it after Python; after commands each of its
   words, wherever the table of the day puts them.
 """
@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 FENCE = re.compile(r"^```(\w+)([^\n]*)\n(.*?)^```\s*$", re.MULTILINE | re.DOTALL)
-TITLE = re.compile(r'title="([^"]+)"')
+TITLE = re.compile(r'title="([^",]+)(, added at its end)?"')
 RULES = re.compile(r"[─━│┃|┌┐└┘├┤┬┴┼]+")
 
 
@@ -26,11 +26,23 @@ class Step:
     """One thing to do."""
 
     kind: str
-    """"commands", "python" or "file"."""
+    """"commands", "python", "file", or "addition" to a file."""
     text: str
     title: str = ""
     expected: str | None = None
     """What it prints, where the page says so."""
+
+    @property
+    def writes(self) -> bool:
+        """Whether the reader writes a file, or into one."""
+        return self.kind in ("file", "addition")
+
+    def write(self, folder: Path) -> None:
+        """Do as the reader does: write the file, or go to its end and add a blank line and the text."""
+        target = folder / self.title
+        target.parent.mkdir(parents=True, exist_ok=True)
+        before = target.read_text(encoding="utf-8") + "\n" if self.kind == "addition" else ""
+        target.write_text(before + self.text, encoding="utf-8")
 
     @property
     def commands(self) -> list[str]:
@@ -59,13 +71,13 @@ def steps(page: Path) -> list[Step]:
         kind, rest, content = block.groups()
         title = TITLE.search(rest)
         if title:
-            found.append(Step("file", content, title[1]))
+            found.append(Step("addition" if title[2] else "file", content, title[1]))
         elif kind in ("console", "sh"):
             found.append(Step("commands", content))
         elif kind == "python":
             found.append(Step("python", content))
         elif kind == "output":
-            if not found or found[-1].kind == "file" or text[end : block.start()].strip():
+            if not found or found[-1].writes or text[end : block.start()].strip():
                 raise ValueError(f"{page}: output that follows nothing that prints")
             last = found.pop()
             found.append(Step(last.kind, last.text, last.title, content))

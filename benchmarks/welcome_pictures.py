@@ -16,11 +16,13 @@ from pathlib import Path
 import numpy as np
 from flexmodal_viewer import show_outcome, show_robot
 from PIL import Image
+from tour_pages import steps
 
 import flexmodal
 from flexmodal.diagnosis.write import write_diagnosis
 from flexmodal.frf.plot import draw_frf
 from flexmodal.model import load
+from flexmodal.model.guess import guess_card
 from flexmodal.report import write_figure
 from flexmodal.rig import Hide, simulate
 
@@ -41,15 +43,25 @@ def screenshot(page: Path, size: tuple[int, int], fragment: str = "") -> Image.I
     return Image.open(picture).convert("RGB")
 
 
-def posture_panels(folder: Path) -> list[Image.Image]:
+def tutorial_arm(folder: Path) -> flexmodal.Robot:
+    """The arm of the first tutorial: a guessed card, with the posture and the table that the reader adds."""
+    guess_card("ur5", folder / "my_ur5", tool="tool0").write()
+    for step in steps(ROOT / "docs" / "tutorials" / "posture.md"):
+        if step.writes:
+            step.write(folder)
+    return load(folder / "my_ur5")
+
+
+def posture_panels(arm: flexmodal.Robot, folder: Path) -> list[Image.Image]:
     """The arm in both postures, and its receptance in both."""
-    arm = load(ROOT / "docs" / "tutorials" / "ur5" / "robot.toml")
     start = arm.posture("bench")
     hold = flexmodal.Hold.at(arm, tuple(arm.at(start).position("tool0")), axis=(0.0, 0.0, -1.0))
-    objective = flexmodal.ReceptanceObjective((flexmodal.PointDirection("tool0", "z"),), np.array([10.0]))
-    outcome = flexmodal.optimise(flexmodal.PostureProblem(arm, objective, hold), start=start, starts=48)
+    objective = flexmodal.ReceptanceObjective("tool0:+z", 10.0)
+    problem = flexmodal.PostureProblem(arm, objective, hold, clearance=flexmodal.Clearance.of(arm, 0.01))
+    outcome = flexmodal.optimise(problem, start=start, starts=24)
+    print(f"{outcome.start / outcome.best.objective:.2f} times less in the best posture")
     page = folder / "best.html"
-    show_outcome(outcome, start=start, out=page, open_browser=False, announce=lambda text: None)
+    show_outcome(outcome, start=start, live=False, out=page, open_browser=False, announce=lambda text: None)
     lines = np.geomspace(2, 100, 800)
     curves = {"before": arm.frf(start, lines), "after": arm.frf(outcome.best.posture, lines)}
     figure = draw_frf(curves, title="The tool's receptance, before and after", mark=10.0)
@@ -69,12 +81,11 @@ def diagnosis_panel(folder: Path) -> Image.Image:
     return screenshot(folder / "diagnosis" / "report.html", (820, 820))
 
 
-def modes_page(folder: Path) -> Image.Image:
+def modes_page(arm: flexmodal.Robot, folder: Path) -> Image.Image:
     """The page of `flexmodal show … --modes`, in the middle of a swing of the first mode."""
-    arm = load(ROOT / "docs" / "tutorials" / "ur5" / "robot.toml")
     page = folder / "modes.html"
     quietly = {"open_browser": False, "announce": lambda text: None}
-    show_robot(arm, arm.posture("bench"), modes=True, out=page, **quietly)
+    show_robot(arm, arm.posture("bench"), modes=True, live=False, out=page, **quietly)
     return screenshot(page, (1000, 640), "#motion=0&phase=0.25")
 
 
@@ -87,7 +98,8 @@ def save(picture: Image.Image, name: str) -> None:
 def main() -> int:
     """Draw the three, put them side by side, write the picture."""
     with tempfile.TemporaryDirectory() as scratch:
-        panels = [*posture_panels(Path(scratch)), diagnosis_panel(Path(scratch))]
+        arm = tutorial_arm(Path(scratch))
+        panels = [*posture_panels(arm, Path(scratch)), diagnosis_panel(Path(scratch))]
         scaled = [panel.resize((round(panel.width * HEIGHT / panel.height), HEIGHT)) for panel in panels]
         whole = Image.new("RGB", (sum(panel.width for panel in scaled), HEIGHT), "white")
         left = 0
@@ -96,7 +108,7 @@ def main() -> int:
             left += panel.width
         save(whole, "welcome.png")
         save(panels[2].crop((0, 0, 820, 390)), "tutorial_diagnosis.png")
-        save(modes_page(Path(scratch)), "tutorial_modes.png")
+        save(modes_page(arm, Path(scratch)), "tutorial_modes.png")
     return 0
 
 

@@ -29,4 +29,5 @@ from .optimisation import optimise as optimise
 from .optimisation import tune as tune
 from .optimisation.path import plan_path as plan_path
 from .optimisation.studies import run_study as run_study
+from .prediction import predict_posture as predict_posture
 from .rig import simulate as simulate

@@ -5,6 +5,7 @@ from flexmodal.campaign.blow import Blow as Blow
 from flexmodal.campaign.campaign import Campaign as Campaign
 from flexmodal.campaign.description.tested import CampaignPoint as CampaignPoint
 from flexmodal.campaign.description.tested import CampaignPosture as CampaignPosture
+from flexmodal.campaign.description.tested import Tolerance as Tolerance
 from flexmodal.campaign.estimate import estimate_frfs as estimate_frfs
 from flexmodal.campaign.mode_table import ModeTable as ModeTable
 from flexmodal.campaign.noise import noise_floor as noise_floor
@@ -20,6 +21,7 @@ from flexmodal.campaign.records import COHERENT as COHERENT
 from flexmodal.campaign.records import FrfRecords as FrfRecords
 from flexmodal.campaign.records import named_direction as named_direction
 from flexmodal.campaign.records import place_text as place_text
+from flexmodal.campaign.tables.draft import draft_map as draft_map
 from flexmodal.campaign.tables.import_table import import_table as import_table
 from flexmodal.campaign.tables.modes import write_modes as write_modes
 from flexmodal.campaign.tables.receptances import Amplitude as Amplitude

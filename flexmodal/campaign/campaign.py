@@ -10,7 +10,7 @@ from typing import Any, Never
 
 from flexmodal.campaign.blow import Blow
 from flexmodal.campaign.consistency import campaign_faults
-from flexmodal.campaign.description.tested import CampaignPoint, CampaignPosture
+from flexmodal.campaign.description.tested import EXACT, CampaignPoint, CampaignPosture, Tolerance
 from flexmodal.campaign.mode_table import ModeTable
 from flexmodal.campaign.records import FrfRecords
 from flexmodal.campaign.trial import Trial
@@ -46,6 +46,8 @@ class Campaign(Shown):
     """What is odd about it but does not keep it from being used."""
     separate_modes: bool = False
     """Whether the modes are a measurement of their own, not an estimate from these FRFs."""
+    tolerance: Tolerance = EXACT
+    """How well the test was set up."""
 
     def __post_init__(self) -> None:
         faults = campaign_faults(self, self.frfs, self.blows, self.modes, self.path)

@@ -75,6 +75,7 @@ def read_campaign(path: str | os.PathLike[str]) -> Campaign:
         path=folder,
         warnings=tuple(warnings),
         separate_modes=tested.separate_modes,
+        tolerance=tested.tolerance,
     )
 
 

@@ -6,6 +6,7 @@ import json
 import math
 import os
 import re
+from dataclasses import asdict
 from pathlib import Path
 
 from flexmodal.campaign.campaign import Campaign
@@ -61,6 +62,9 @@ def campaign_toml(campaign: Campaign) -> str:
     lines.append(f"robot = {_text(campaign.robot)}")
     if campaign.separate_modes:
         lines.append("separate_modes = true")
+    if not campaign.tolerance.is_exact:
+        lines += ["", "[tolerance]"]
+        lines += [f"{name} = {float(value)!r}" for name, value in asdict(campaign.tolerance).items() if value]
     for posture in campaign.postures:
         angles = ", ".join(f"{_key(joint)} = {float(angle)!r}" for joint, angle in posture.q.items())
         q = f"{{ {angles} }}" if angles else "{}"

@@ -117,6 +117,8 @@ class RobotCard:
     """Where the stiffness of joints with a loss factor is what the card says [Hz]: such a spring is stiffer
     at higher frequencies, as causality asks. None for K (1 + iη) whatever the frequency."""
 
+    tolerance: Mapping[str, float] = field(default_factory=FrozenDict)
+    """Relative standard deviation of masses (`mass`) and inertias (`inertia`) of links, where known."""
     obstacles: Mapping[str, ObstacleCard] = field(default_factory=FrozenDict)
     srdf: Path | None = None
     """An SRDF that says which links may touch, an existing file, absolute."""

@@ -164,4 +164,5 @@ def _card(
         path=file,
         couplings=FrozenDict(couplings),
         loss_frequency=table.loss_frequency,
+        tolerance=FrozenDict(table.tolerance.model_dump(exclude_none=True)),
     )

@@ -22,6 +22,8 @@ Hertz = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=1e-6, le=1e9
 LossFactor = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0, le=10)]
 Length = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=1e-9, le=1e4)]
 Signed = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-1e18, le=1e18)]
+_DEVIATION = "a relative standard deviation, above 0 and at most 3"
+Deviation = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0, le=3)]
 Above1 = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=1)]
 Below1 = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0, lt=1)]
 Angle = Annotated[float, Field(strict=True, allow_inf_nan=False, description=_ANGLE)]
@@ -111,6 +113,13 @@ class ObstacleTable(Table):
         return self
 
 
+class ToleranceTable(Table):
+    """`[tolerance]`: relative standard deviations of what the URDF says of links."""
+
+    mass: Deviation | None = Field(default=None, description=_DEVIATION)
+    inertia: Deviation | None = Field(default=None, description=_DEVIATION)
+
+
 class CardTable(Table):
     """The whole file."""
 
@@ -124,6 +133,7 @@ class CardTable(Table):
         default=None,
         description="a number in Hz, from 1e-6 to 1e9, where lossy joints have their stiffness",
     )
+    tolerance: ToleranceTable = Field(default=ToleranceTable(), description="a table [tolerance]")
     joint: dict[JointName, JointTable] = Field(min_length=1, description="at least one table [joint.<name>]")
     coupling: dict[Pair, CouplingTable] = Field(default={}, description='tables [coupling."jointA+jointB"]')
     point: dict[Name, PointTable] = Field(default={}, description="tables [point.<name>]")

@@ -20,6 +20,7 @@ from flexmodal.cli.options import (
     robot_options,
 )
 from flexmodal.cli.printing import print_json, say
+from flexmodal.cli.waiting import shown_bar
 from flexmodal.errors import Fault, InvalidRequest
 
 if TYPE_CHECKING:
@@ -141,11 +142,7 @@ def _tell(plan: Plan, built: Built, out: Path, as_json: bool) -> None:
 @contextmanager
 def _bar(quiet: bool) -> Iterator[tuple[Any, Any]]:
     """A bar over the chunks that are missing, with the time left; nothing off a terminal."""
-    import sys
-
-    from tqdm import tqdm
-
-    with tqdm(desc="chunks", file=sys.stderr, disable=quiet or not sys.stderr.isatty(), leave=False) as bar:
+    with shown_bar(desc="chunks", quiet=quiet) as bar:
 
         def begin(chunks: int, standing: int) -> None:
             bar.reset(chunks - standing)

@@ -39,7 +39,11 @@ if TYPE_CHECKING:
 )
 @trust_option
 @click.option(
-    "--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Of what is drawn in weighing."
+    "--seed",
+    type=click.IntRange(min=0),
+    default=0,
+    show_default=True,
+    help="Of what is drawn in the comparison.",
 )
 @force_option
 @quiet_option

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from flexmodal.cli.options import (
+    SOURCE,
     RobotOptions,
     force_option,
     posture_of,
@@ -15,7 +16,9 @@ from flexmodal.cli.options import (
     refuse_existing,
     robot_options,
 )
+from flexmodal.cli.pairs import pair_options
 from flexmodal.cli.printing import say
+from flexmodal.errors import Fault, InvalidRequest
 
 if TYPE_CHECKING:
     from flexmodal.model import Posture, Robot
@@ -33,15 +36,7 @@ _ENDINGS = {
 @robot_options
 @posture_option
 @click.option("--as", "kind", type=click.Choice(list(_ENDINGS)), required=True, help="What to write.")
-@click.option("--response", multiple=True, metavar="POINT:AXIS", help="Of a state space; may be repeated.")
-@click.option("--reference", multiple=True, metavar="POINT:AXIS", help="Of the force; as --response if none.")
-@click.option(
-    "--form",
-    type=click.Choice(["receptance", "mobility", "inertance"]),
-    default="receptance",
-    show_default=True,
-    help="Of a state space.",
-)
+@pair_options
 @click.option("--out", required=True, type=click.Path(path_type=Path), help="The file to write.")
 @force_option
 def export(
@@ -58,11 +53,15 @@ def export(
 
     \b
     mujoco       an .xml model, springs at rest in the posture
-    state-space  A, B, C, D and names in an .npz or .mat file, for scipy, python-control, Matlab
+    state-space  A, B, C, D and names in an .npz or .mat file, for scipy,
+                 python-control, Matlab; --response, --reference and --form
+                 are of this kind alone
     joint-state  a ROS sensor_msgs/JointState as .yaml
     krl, rapid   a .src or .mod program that goes there; angles are the URDF's
     """  # noqa: D301 - click keeps the lines after its mark
     refuse_existing(out, force, _ENDINGS[kind])
+    if kind != "state-space":
+        _refuse_pairs(kind, response=response, reference=reference)
     arm = robot.load()
     where = posture_of(arm, posture)
     if kind == "mujoco":
@@ -74,6 +73,17 @@ def export(
     else:
         _write_text(arm, where, kind, out, force)
     say(f"wrote {out}", err=True)
+
+
+def _refuse_pairs(kind: str, **given: tuple[str, ...]) -> None:
+    """Only a state space is between points and directions."""
+    faults = [
+        Fault(SOURCE, f"--{name}", f"given with --as {kind}", "it with --as state-space alone")
+        for name, values in given.items()
+        if values
+    ]
+    if faults:
+        raise InvalidRequest(faults)
 
 
 def _write_text(arm: Robot, where: Posture, kind: str, out: Path, force: bool) -> None:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from flexmodal.cli.measured import campaign_at
+from flexmodal.cli.measured import campaign_at, say_findings
 from flexmodal.cli.options import (
     SOURCE,
     band_of,
@@ -116,6 +116,7 @@ def fit(
     if pictures is not None:
         refuse_folder(pictures, own=PICTURES, overwrite=force)
     measured = campaign_at(campaign)
+    say_findings(measured, None)
     choices = _choices(**wanted)
     with busy("fitting", quiet=quiet):
         fits = find(measured, method, per=per, trials=trials, estimator=estimator, choices=choices)

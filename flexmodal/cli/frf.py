@@ -18,6 +18,7 @@ from flexmodal.cli.options import (
     robot_options,
     say_motionless,
 )
+from flexmodal.cli.pairs import pair_options
 from flexmodal.cli.printing import print_json, print_table, say
 
 if TYPE_CHECKING:
@@ -32,14 +33,7 @@ _MOST_ROWS = 40
 @robot_options
 @posture_option
 @click.option("--frequencies", required=True, metavar="START:STOP:STEP", help="In Hz; or values with commas.")
-@click.option("--response", multiple=True, metavar="POINT:AXIS", help="Such as tool:+z; may be repeated.")
-@click.option("--reference", multiple=True, metavar="POINT:AXIS", help="Of the force; as --response if none.")
-@click.option(
-    "--form",
-    type=click.Choice(["receptance", "mobility", "inertance"]),
-    default="receptance",
-    show_default=True,
-)
+@pair_options
 @click.option("--out", type=click.Path(path_type=Path), help="A .csv, .uff, .npz, .png, .svg or .html file.")
 @force_option
 @json_option

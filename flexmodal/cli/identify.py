@@ -8,8 +8,16 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from flexmodal.cli.measured import campaign_at, robot_of, say_doubled
-from flexmodal.cli.options import MOST_STARTS, force_option, json_option, quiet_option, trust_of, trust_option
+from flexmodal.cli.measured import campaign_at, robot_of, say_doubled, say_findings
+from flexmodal.cli.options import (
+    MOST_STARTS,
+    force_option,
+    json_option,
+    poor_option,
+    quiet_option,
+    trust_of,
+    trust_option,
+)
 from flexmodal.cli.printing import noted_progress, print_json, print_table, say
 
 if TYPE_CHECKING:
@@ -45,6 +53,7 @@ OWN = ("identification.json", "report.html", *PICTURES, "robot/robot.toml", "rob
     help="Kinds of parameters; mass_centre, position (of pseudo-joints) and payload besides.",
 )
 @trust_option
+@poor_option
 @click.option(
     "--starts",
     type=click.IntRange(1, MOST_STARTS),
@@ -69,6 +78,7 @@ def identify(
     robot: str | None,
     kinds: str,
     trust: tuple[str, ...],
+    poor_card: bool,
     starts: int,
     seed: int,
     out: Path | None,
@@ -76,9 +86,10 @@ def identify(
     quiet: bool,
     as_json: bool,
 ) -> None:
-    """Stiffness, damping and inertia from a campaign, with uncertainty; exit 1 if the fit does not settle."""
+    """Stiffness, damping and inertia from a campaign, with uncertainty; exit 1 if it does not converge."""
     from flexmodal.identification import identify as find
     from flexmodal.identification.as_json import as_json as as_object
+    from flexmodal.identification.poor import POOR
     from flexmodal.structure import robot_space
 
     measured = campaign_at(campaign)
@@ -86,6 +97,8 @@ def identify(
     if out is not None:
         _refuse_out(out, arm, force)
     say_doubled(measured, source)
+    say_findings(measured, arm)
+    trusted = {**(POOR if poor_card else {}), **trust_of(trust)}
     wanted = [kind.strip() for kind in kinds.split(",") if kind.strip()]
     with noted_progress(STAGES, "identifying", quiet=quiet) as (advance, note):
 
@@ -97,7 +110,7 @@ def identify(
             measured,
             arm,
             source=source,  # type: ignore[arg-type]  # click has seen to it
-            space=robot_space(arm, wanted, trust=trust_of(trust)),
+            space=robot_space(arm, wanted, trust=trusted),
             hold_out=hold_out,
             use=None if use is None else [part.strip() for part in use.split(",")],
             starts=starts,
@@ -149,12 +162,21 @@ def _write(outcome: Identification, found: dict[str, Any], out: Path, force: boo
 
 
 def _print(outcome: Identification) -> None:
-    from flexmodal.identification.page import GAPS, HEADER, estimate_cells, gap_cells
+    from flexmodal.identification.page import (
+        BESIDE,
+        GAPS,
+        HEADER,
+        baseline_cells,
+        estimate_cells,
+        gap_cells,
+    )
 
     problem = outcome.problem
     rows = [estimate_cells(one) for one in outcome.estimates]
     print_table(f"{problem.campaign.title}: {problem.robot.name} from {problem.what}", HEADER, rows)
     print_table("gap", GAPS, gap_cells(outcome))
+    if outcome.baselines is not None:
+        print_table("gap beside simple baselines", BESIDE, baseline_cells(outcome.baselines))
     for a, b, r in outcome.correlated:
         say(f"correlated: {a} and {b}, {r:+.3f}")
     for one in outcome.not_identified:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import importlib
+import keyword
 import os
 import signal
 import sys
@@ -16,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from flexmodal.cli.printing import plain, say
+from flexmodal.cli.waiting import signs_of_life
 from flexmodal.cli.width import NARROWEST, WIDEST, WIDTH
 
 if TYPE_CHECKING:
@@ -35,8 +37,11 @@ _COMMANDS = {
     "atlas": "A sweep over many postures, kept as a Zarr store; goes on where it was stopped.",
     "lookup": "What an atlas has: near a posture, between postures, the best, a map.",
     "studies": "Published optimisations run again beside their printed numbers.",
+    "campaign": "A campaign folder to fill in: campaign new ROBOT --out DIR.",
+    "import": "Tables of measured data to a campaign, by a map that it drafts.",
     "fit": "Modal parameters of measured FRFs, with uncertainty.",
     "identify": "Stiffness, damping and inertia from a campaign, with uncertainty.",
+    "predict": "The FRFs of a posture that nobody struck, with their band.",
     "diagnose": "What is missing in the model: name it, add it, show the gap shrink.",
     "rig": "A simulated hammer test, with effects hidden in it.",
     "show": "The robot, its modes or its deflection in the browser.",
@@ -64,8 +69,9 @@ class _Commands(click.Group):
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         if cmd_name not in _COMMANDS:
             return None
-        module = importlib.import_module(f"flexmodal.cli.{cmd_name}")
-        command: click.Command = getattr(module, cmd_name)
+        own = f"{cmd_name}_" if keyword.iskeyword(cmd_name) else cmd_name
+        module = importlib.import_module(f"flexmodal.cli.{own}")
+        command: click.Command = getattr(module, own)
         for one in (command, *(command.commands.values() if isinstance(command, click.Group) else ())):
             if any(option.name == "width" for option in one.params):
                 continue
@@ -148,7 +154,7 @@ def main(arguments: list[str] | None = None) -> None:
     if arguments is None:
         _settle_in()
     try:
-        with _pipes():
+        with _pipes(), _signs(arguments):
             status: Any = group.main(arguments, prog_name="flexmodal", standalone_mode=False)
         sys.stdout.flush()
         sys.exit(status if isinstance(status, int) else 0)
@@ -192,6 +198,16 @@ def _pipes() -> Iterator[None]:
         if left.code == 1 and sys.stdout is not before:
             raise BrokenPipeError from None
         raise
+
+
+@contextmanager
+def _signs(arguments: list[str] | None) -> Iterator[None]:
+    """As the program of a process, say after some seconds that it works, unless told to be quiet."""
+    if arguments is not None or "--quiet" in sys.argv:
+        yield
+        return
+    with signs_of_life():
+        yield
 
 
 def _settle_in() -> None:

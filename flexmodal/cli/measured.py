@@ -11,6 +11,7 @@ from flexmodal.errors import Fault, InvalidCampaign
 if TYPE_CHECKING:
     from flexmodal.campaign import Campaign
     from flexmodal.model import Robot
+    from flexmodal.soundness import Finding
 
 
 def campaign_at(path: str | Path) -> Campaign:
@@ -45,10 +46,10 @@ def _no_campaign(place: Path) -> Fault:
     """What to do with a file that is no campaign."""
     kind = f"a file of the kind {place.suffix or 'without an ending'}"
     allowed = "a folder with a campaign.toml, or a universal file (.uff, .unv) by itself"
-    if place.suffix.lower() in (".csv", ".xlsx", ".txt"):
+    if place.suffix.lower() in (".csv", ".xlsx", ".txt", ".mat", ".h5", ".hdf5"):
         allowed += (
-            "; a table becomes a campaign by flexmodal.campaign.import_table, which is told what each column "
-            "is: docs/campaign.md"
+            f"; a table becomes a campaign by a map: flexmodal import {place} --draft map.toml, see "
+            "docs/campaign.md"
         )
     elif place.suffix.lower() in (".toml", ".urdf"):
         allowed += "; a robot goes to the other commands, such as flexmodal modes"
@@ -94,6 +95,42 @@ def refuse_export(campaign: Campaign) -> None:
         "modes need no robot: flexmodal fit FILE --out modes.html"
     )
     raise InvalidCampaign(Fault(campaign.title, "robot", found, allowed))
+
+
+def findings_on(path: str | Path) -> tuple[Finding, ...]:
+    """What is wrong with a campaign that can be read, beside the card it names where that can be found.
+
+    Args:
+        path: of the campaign.
+    """
+    from flexmodal.campaign import read_campaign
+    from flexmodal.campaign.uff.export import NO_ROBOT
+    from flexmodal.errors import FlexmodalError
+    from flexmodal.model import load
+    from flexmodal.soundness import check_soundness
+
+    measured = read_campaign(path)
+    robot = None
+    if measured.robot != NO_ROBOT:
+        try:
+            robot = load(card_of(measured))
+        except FlexmodalError as error:
+            say(f"note: looked at without the robot: {error}", err=True)
+    return check_soundness(measured, robot)
+
+
+def say_findings(campaign: Campaign, robot: Robot | None) -> None:
+    """What is wrong with a campaign, before anything is made of it.
+
+    Args:
+        campaign: what was measured.
+        robot: to compare with, if there is one.
+    """
+    from flexmodal.soundness import check_soundness
+
+    for finding in check_soundness(campaign, robot):
+        if not finding.harmless:
+            say(f"finding: {finding}", err=True)
 
 
 def robot_of(campaign: Campaign, given: str | None) -> Robot:

@@ -57,6 +57,6 @@ def modes(
         columns = ["mode", "frequency [Hz]", "damping ratio", "pole [rad/s]", *found.coordinates]
         print_table(f"{arm.name} at {where}", columns, rows)
     if show:
-        from flexmodal.cli.viewing import viewer
+        from flexmodal.cli.viewing import announce, viewer
 
-        viewer("show_robot")(arm, where, modes=True, announce=lambda text: say(text, err=True))
+        viewer("show_robot")(arm, where, modes=True, announce=announce)

@@ -24,7 +24,7 @@ from flexmodal.cli.options import (
 )
 from flexmodal.cli.picturing import draw_pictures, pictures_of, plot_option
 from flexmodal.cli.printing import degrees, noted_progress, print_json, print_table, progress, say
-from flexmodal.cli.viewing import viewer
+from flexmodal.cli.viewing import announce, viewer
 from flexmodal.errors import Fault, InvalidRequest
 
 if TYPE_CHECKING:
@@ -116,7 +116,7 @@ def optimise(
     shown = None if outcome.compared is None else outcome.compared.held
     draw_pictures(outcome, shown, pictures, force=force, quiet=quiet)
     if show:
-        viewer("show_outcome")(outcome, start=shown, announce=lambda text: say(text, err=True))
+        viewer("show_outcome")(outcome, start=shown, announce=announce)
     _leave(outcome)
 
 

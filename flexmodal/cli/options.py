@@ -109,6 +109,11 @@ trust_option = click.option(
     help="How far the card may be off: relative standard deviation of a kind (mass=0.1) or of a parameter "
     "(mass.link_2=0.1); may be repeated.",
 )
+poor_option = click.option(
+    "--poor-card",
+    is_flag=True,
+    help="Little is known: stiffness and damping within a decade, masses within 40 %; --trust goes before.",
+)
 posture_option = click.option(
     "--posture", required=True, metavar="POSTURE", help="A named posture, or q1=50deg,q2=-0.8."
 )

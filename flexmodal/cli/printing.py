@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import sys
 import textwrap
-import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
@@ -13,6 +12,7 @@ from unicodedata import category
 
 import click
 
+from flexmodal.cli.waiting import aside, shown_bar
 from flexmodal.cli.width import width_asked, width_of_output
 from flexmodal.errors import FlexmodalError
 
@@ -25,7 +25,8 @@ def print_json(result: dict[str, Any]) -> None:
         text = json.dumps(result, allow_nan=False)
     except ValueError:
         raise FlexmodalError("the result is not finite: its numbers are too large or too small") from None
-    click.echo(text)
+    with aside():
+        click.echo(text)
 
 
 def say(text: str = "", *, err: bool = False) -> None:
@@ -35,7 +36,9 @@ def say(text: str = "", *, err: bool = False) -> None:
         text: may have several lines.
         err: on standard error.
     """
-    click.echo(_wrapped(plain(text), sys.stderr if err else sys.stdout), err=err)
+    wrapped = _wrapped(plain(text), sys.stderr if err else sys.stdout)
+    with aside():
+        click.echo(wrapped, err=err)
 
 
 def _wrapped(text: str, stream: Any) -> str:
@@ -72,7 +75,9 @@ def print_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]
 
     cells = [[plain(cell) for cell in row] for row in rows]
     headings = [plain(column) for column in columns]
-    sys.stdout.write(table_text(plain(title), headings, cells, width_of_output()) + "\n\n")
+    text = table_text(plain(title), headings, cells, width_of_output())
+    with aside():
+        sys.stdout.write(text + "\n\n")
 
 
 @contextmanager
@@ -93,32 +98,8 @@ def noted_progress(
     total: int, label: str, *, quiet: bool
 ) -> Iterator[tuple[Callable[[], None], Callable[[str], None]]]:
     """The same, with a second function that puts a note beside the bar."""
-    from tqdm import tqdm
-
-    hidden = quiet or not sys.stderr.isatty()
-    with tqdm(total=total, desc=label, file=sys.stderr, disable=hidden, leave=False) as bar, _ticking(bar):
+    with shown_bar(total=total, desc=label, quiet=quiet) as bar:
         yield lambda: bar.update(1) and None, bar.set_postfix_str
-
-
-@contextmanager
-def _ticking(bar: Any) -> Iterator[None]:
-    """The time beside a bar goes on through a step that takes long."""
-    if bar.disable:
-        yield
-        return
-    over = threading.Event()
-
-    def tick() -> None:
-        while not over.wait(1.0):
-            bar.refresh()
-
-    ticker = threading.Thread(target=tick, daemon=True)
-    ticker.start()
-    try:
-        yield
-    finally:
-        over.set()
-        ticker.join()
 
 
 @contextmanager
@@ -129,30 +110,20 @@ def busy(label: str, *, quiet: bool) -> Iterator[None]:
         label: what is being done.
         quiet: whether to show none.
     """
-    from tqdm import tqdm
-
-    hidden = quiet or not sys.stderr.isatty()
-    layout = "{desc} {elapsed}"
-    with (
-        tqdm(desc=label, file=sys.stderr, disable=hidden, leave=False, bar_format=layout) as bar,
-        _ticking(bar),
-    ):
+    with shown_bar(desc=label, bar_format="{desc} {elapsed}", quiet=quiet):
         yield
 
 
 @contextmanager
 def stages(*, quiet: bool) -> Iterator[Callable[[str, float], None]]:
     """A bar for work in stages told of by name, with the time left of each; nothing off a terminal."""
-    from tqdm import tqdm
-
-    if quiet or not sys.stderr.isatty():
-        yield lambda doing, part: None
-        return
-    now = ""
-    with tqdm(total=1.0, file=sys.stderr, leave=False, bar_format=_STAGE) as bar:
+    with shown_bar(total=1.0, bar_format=_STAGE, quiet=quiet) as bar:
+        now = ""
 
         def advance(doing: str, part: float) -> None:
             nonlocal now
+            if bar.disable:
+                return
             if doing != now:
                 now = doing
                 bar.reset(1.0)
@@ -173,6 +144,6 @@ def degrees(value: float, *, prismatic: bool = False, radians: bool = False) -> 
     """
     import math
 
-    if radians and not prismatic:
-        return f"{value:.5f}"
-    return f"{value:.4f} m" if prismatic else f"{math.degrees(value):.2f}°"
+    if prismatic:
+        return f"{value:z.4f} m"
+    return f"{value:z.5f}" if radians else f"{math.degrees(value):z.2f}°"

@@ -18,12 +18,15 @@ from flexmodal.cli.options import (
     refuse_existing,
     robot_options,
 )
-from flexmodal.cli.printing import say
 from flexmodal.errors import Fault, InvalidRequest
 
 if TYPE_CHECKING:
     from flexmodal.campaign import Campaign
     from flexmodal.ema.shapes import FittedShapes
+    from flexmodal.model import Posture, Robot
+
+_MOST_CARDS = 3
+"""Curves that a reader can tell apart beside the arm's own and the measured ones."""
 
 
 @click.command()
@@ -38,8 +41,19 @@ if TYPE_CHECKING:
     metavar="DIR",
     help="Show how the robot was tested, and the shapes of the modes fitted to that.",
 )
-@click.option("--out", type=click.Path(path_type=Path), help="Write one self-contained page instead.")
+@click.option(
+    "--compare",
+    multiple=True,
+    metavar="OTHER",
+    help="Another card, or a campaign with FRFs, on the same axes; may be repeated.",
+)
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path),
+    help="Write one self-contained page instead (.html), a picture (.png) or a film (.gif).",
+)
 @click.option("--port", type=click.IntRange(0, 65535), help="Port on 127.0.0.1; a free one if none.")
+@click.option("--host", metavar="ADDRESS", help="Another address of this computer; others can reach it.")
 @force_option
 def show(
     robot: RobotOptions,
@@ -48,8 +62,10 @@ def show(
     response: str | None,
     frequency: float | None,
     campaign: Path | None,
+    compare: tuple[str, ...],
     out: Path | None,
     port: int | None,
+    host: str | None,
     force: bool,
 ) -> None:
     """Show the robot, its modes or its deflection in the browser, or write it as a page.
@@ -57,21 +73,53 @@ def show(
     ROBOT may also be the folder of a campaign, which says itself what robot it is of.
     """
     from flexmodal.campaign import is_campaign
-    from flexmodal.cli.viewing import viewer
+    from flexmodal.cli.viewing import announce, viewer
 
-    refuse_existing(out, force, (".html",))
+    refuse_existing(out, force, (".html", ".png", ".gif"))
     deliver: dict[str, Any] = {"out": out, "port": port, "overwrite": force}
-    deliver["announce"] = lambda text: say(text, err=True)
+    deliver["announce"] = announce
+    if host is not None:
+        deliver["host"] = host
     if campaign is not None or is_campaign(robot.robot):
-        _refuse_beside(modes=modes, response=response, frequency=frequency)
+        _refuse_beside(modes=modes, response=response, frequency=frequency, compare=compare)
         measured = _campaign(Path(robot.robot) if campaign is None else campaign, posture)
         refuse_export(measured)
         arm = (robot if campaign is not None else replace(robot, robot=card_of(measured))).load()
         viewer("show_campaign")(arm, measured, shapes=_shapes(measured), **deliver)
         return
     arm = robot.load()
-    where = arm.posture(next(iter(arm.postures), {})) if posture is None else posture_of(arm, posture)
-    viewer("show_robot")(arm, where, modes=modes, response=response, frequency=frequency, **deliver)
+    where = _first_posture(arm) if posture is None else posture_of(arm, posture)
+    beside = _compared(robot, compare)
+    viewer("show_robot")(arm, where, modes=modes, response=response, frequency=frequency, **beside, **deliver)
+
+
+def _compared(robot: RobotOptions, given: tuple[str, ...]) -> dict[str, Any]:
+    """Models by name, and at most one campaign, to stand on the same axes."""
+    from flexmodal.campaign import is_campaign
+
+    folders = [one for one in given if is_campaign(one)]
+    cards = [one for one in given if one not in folders]
+    faults = [
+        Fault(SOURCE, "--compare", repr(one), "one campaign; each other that is compared is a card")
+        for one in folders[1:]
+    ]
+    if len(cards) > _MOST_CARDS:
+        faults.append(Fault(SOURCE, "--compare", f"{len(cards)} cards", f"at most {_MOST_CARDS}"))
+    if faults:
+        raise InvalidRequest(faults)
+    others: dict[str, Any] = {}
+    for one in cards:
+        other = replace(robot, robot=one).load()
+        name = other.name if other.name not in others else one
+        others[name] = other
+    return {"others": others, "measured": campaign_at(folders[0]) if folders else None}
+
+
+def _first_posture(arm: Robot) -> Posture:
+    """The card's first; of a robot without one, as near to 0 as the limits of its joints allow."""
+    from flexmodal.model.posture import middle
+
+    return arm.posture(next(iter(arm.postures))) if arm.postures else middle(arm.commanded)
 
 
 def _refuse_beside(**given: object) -> None:

@@ -55,7 +55,7 @@ class _Column:
 
 
 def table_text(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]], width: int) -> str:
-    """A table laid out, its numbers aligned right.
+    """A table laid out, its numbers aligned right, its texts left.
 
     Args:
         title: above the table.
@@ -148,7 +148,7 @@ def _widths(columns: Sequence[_Column], width: int) -> list[int]:
 def _drawn(columns: Sequence[_Column], width: int) -> str:
     table = Table(box=box.SIMPLE_HEAD)
     for column, wide in zip(columns, _widths(columns, width), strict=True):
-        justify = "left" if column.is_first or (column.is_text and wide < column.natural) else "right"
+        justify = "left" if column.is_first or column.is_text else "right"
         table.add_column(Text(column.heading), justify=justify, width=wide, overflow="fold")  # type: ignore[arg-type]
     for row in zip(*(column.cells for column in columns), strict=True):
         table.add_row(*(Text(cell) for cell in row))

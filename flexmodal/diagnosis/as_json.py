@@ -7,8 +7,9 @@ from collections.abc import Mapping
 from typing import Any
 
 from flexmodal.diagnosis.lawfree.as_json import look_json
-from flexmodal.diagnosis.outcome import Diagnosis, Gaps, NextMeasurement, Region, Step
+from flexmodal.diagnosis.outcome import Diagnosis, Gaps, NextMeasurement, Region, Remaining, Step
 from flexmodal.errors import FlexmodalError
+from flexmodal.identification.as_json import baselines_json
 
 FORMAT = 1
 
@@ -34,11 +35,20 @@ def as_json(diagnosis: Diagnosis) -> dict[str, Any]:
             "says": diagnosis.verdict.says,
             "share": _known(diagnosis.verdict.share),
             "undecided": list(diagnosis.verdict.undecided),
+            "remaining": _remaining(diagnosis.verdict.remaining),
         },
         "law_free": None if diagnosis.look is None else look_json(diagnosis.look),
+        "baselines": None if diagnosis.baselines is None else baselines_json(diagnosis.baselines),
+        "stand_in": [list(key) for key in diagnosis.stand_in],
         "next_measurement": _next(diagnosis.next_measurement),
         "warnings": list(diagnosis.warnings),
     }
+
+
+def _remaining(left: Remaining | None) -> dict[str, Any] | None:
+    if left is None:
+        return None
+    return {"over_noise": _known(left.over_noise), "where": left.where, "kind": left.kind}
 
 
 def _gap(gaps: Gaps) -> dict[str, float | None]:
@@ -75,6 +85,7 @@ def _step(step: Step) -> dict[str, Any]:
             name: float(value) for name, value in step.uncertainty.items() if math.isfinite(value)
         },
         "confidence": _number("confidence", step.confidence),
+        "share": _known(step.share),
         "alternatives": [
             {
                 "effect": one.effect,

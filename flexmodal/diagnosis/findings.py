@@ -15,13 +15,13 @@ from flexmodal.identification.evidence.measured_modes import ModeObservations
 
 @dataclass(frozen=True, eq=False)
 class Findings:
-    """Fits and comparisons of the last round of weighing, and the baselines."""
+    """Fits and comparisons of the last round of comparison, and the baselines."""
 
     measured: ModeObservations
     before: ModalFit
     """The robot re-tuned, nothing added."""
     after: ModalFit
-    """The final model; without a step the best of what was weighed."""
+    """The final model; without a step the best of what was compared."""
     held_before: HeldOut | None
     held_after: HeldOut | None
     comparison: Comparison[FittedModes]
@@ -36,7 +36,7 @@ class Findings:
     missing: tuple[tuple[int, float], ...]
     """Measured modes that the robot re-tuned lacks in at least half the postures: number, frequency [Hz]."""
     left: tuple[tuple[int, float], ...]
-    """The same for the final model, or the best that was weighed."""
+    """The same for the final model, or the best that was compared."""
     shapes: tuple[ModeShapes, ...]
     """The best two explanations with structure compared, shape by shape."""
     compared: tuple[tuple[str, str], tuple[str, str]] | None

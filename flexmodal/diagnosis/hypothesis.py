@@ -11,16 +11,17 @@ from jaxtyping import Float
 
 from flexmodal.diagnosis.effects.context import Context, Place
 from flexmodal.diagnosis.effects.effect import Placement
-from flexmodal.diagnosis.march.law import Law
 from flexmodal.diagnosis.placed import Placed
 from flexmodal.diagnosis.reader import Reader
 from flexmodal.diagnosis.shift import Shift, Still, differences
+from flexmodal.diagnosis.time_domain.law import Law
 from flexmodal.identification import Observations
 from flexmodal.identification.layout import Part, unmeasured
 from flexmodal.identification.model import Group
 from flexmodal.structure import ParameterSpace
-from flexmodal.structure.assembly import KINDS, Assembly, put_together
+from flexmodal.structure.assembly import KINDS, Assembly
 from flexmodal.structure.frame import Frame, Frames, proportional
+from flexmodal.structure.robot_terms import put_together
 from flexmodal.structure.stack import Structures, joined
 from flexmodal.structure.structure import Structure
 

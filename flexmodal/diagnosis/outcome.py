@@ -13,6 +13,7 @@ from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.lawfree.result import Findings as LawFreeFindings
 from flexmodal.diagnosis.names import UNKNOWN
 from flexmodal.identification import Observations
+from flexmodal.identification.baselines import Baselines
 
 
 @dataclass(frozen=True)
@@ -48,7 +49,7 @@ class Region:
 
 
 @dataclass(frozen=True)
-class Weighed:
+class Compared:
     """One explanation on the scales."""
 
     effect: str
@@ -75,10 +76,12 @@ class Step:
     """Standard errors."""
     confidence: float
     gaps: Gaps
-    alternatives: tuple[Weighed, ...]
-    """What was weighed against it, the best first; the robot re-tuned among them."""
+    alternatives: tuple[Compared, ...]
+    """What was compared against it, the best first; the robot re-tuned among them."""
     ties: tuple[tuple[str, str], ...] = ()
     """Explanations that these data cannot tell from it."""
+    share: float | None = None
+    """Part of the disagreement above the noise that it takes; None where that has no figure."""
 
 
 @dataclass(frozen=True)
@@ -101,6 +104,18 @@ class NextMeasurement:
 
 
 @dataclass(frozen=True)
+class Remaining:
+    """What is left beside the effects that are named."""
+
+    over_noise: float
+    """Distance of the final model from the measurement, over that of the noise."""
+    where: str
+    """The place to look at."""
+    kind: str
+    """Of the region that disagrees most."""
+
+
+@dataclass(frozen=True)
 class Verdict:
     """The answer."""
 
@@ -112,6 +127,8 @@ class Verdict:
     """Sentences on figures too near to their threshold for a yes or a no; the simpler answer was kept."""
     share: float | None = None
     """Part of the disagreement above the noise that the named effects take; None where that has no figure."""
+    remaining: Remaining | None = None
+    """None where everything is explained, or nothing says where noise begins."""
 
     @property
     def named(self) -> bool:
@@ -148,14 +165,18 @@ class Diagnosis:
     """None where modes alone were measured."""
     predicted: Mapping[str, Complex[np.ndarray, "observation line"]] = field(repr=False, default_factory=dict)
     """Receptances by stage: "believed", "before", "after"."""
-    refused: tuple[Weighed, ...] = ()
-    """What was weighed last and not found worth adding, the best first; `NONE` among them."""
+    refused: tuple[Compared, ...] = ()
+    """What was compared last and not found worth adding, the best first; `NONE` among them."""
     warnings: tuple[str, ...] = ()
     """What was taken for granted that may not be so."""
     provenance: Mapping[str, str] = field(default_factory=dict)
     """Versions, hashes of the inputs, seed, settings, seconds."""
     look: LawFreeFindings | None = None
     """What was found without a law; None of a diagnosis from modes alone."""
+    stand_in: tuple[tuple[str, str], ...] = ()
+    """Effects of the final model that are not named: they stand for something that has no name."""
+    baselines: Baselines | None = None
+    """What needs no model, beside the final one on the postures held out."""
     modal: Findings | None = None
     """What a diagnosis from modes alone knows besides; None of one from FRFs."""
 

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from flexmodal.diagnosis.findings import Findings
+from flexmodal.diagnosis.names import UNKNOWN
 from flexmodal.diagnosis.outcome import Diagnosis
 from flexmodal.diagnosis.provenance import provenance
 from flexmodal.diagnosis.selection.comparison import M
@@ -10,6 +13,7 @@ from flexmodal.diagnosis.selection.data import Conclusion
 from flexmodal.diagnosis.selection.decision import Answer, any_gains
 from flexmodal.diagnosis.selection.selection import ForwardSelection
 from flexmodal.diagnosis.verdict.facts import Facts
+from flexmodal.diagnosis.verdict.frf_words import stand_in_words
 from flexmodal.diagnosis.verdict.undecided import refused_words, undecided_words
 from flexmodal.diagnosis.verdict.verdict import verdict
 
@@ -29,6 +33,12 @@ def diagnosis_of(
     found = data.conclude(selection.root, selection.current)
     modal = data.findings(selection.rounds, selection.current, selection.rivals)
     says = verdict(facts_of(selection, found, modal))
+    if UNKNOWN in (name for name, _ in says.effects):
+        better = data.stand_in(selection.current)
+        found = found if better is None else data.conclude(selection.root, better)
+    nameless = tuple(key for key in found.after.hypothesis.keys if key not in says.effects)
+    if nameless:
+        says = replace(says, says=f"{says.says} {stand_in_words(nameless, found.gaps)}")
     data.advance("what to measure next", 0.5)
     return Diagnosis(
         campaign=data.campaign.title,
@@ -36,6 +46,8 @@ def diagnosis_of(
         gaps=found.gaps,
         disagreement=found.disagreement,
         remaining=found.remaining,
+        stand_in=nameless,
+        baselines=found.baselines,
         steps=tuple(one for one in selection.steps if (one.effect, one.where) in says.effects),
         verdict=says,
         next_measurement=None if selection.rivals is None else data.next_measurement(*selection.rivals),
@@ -75,6 +87,7 @@ def facts_of(selection: ForwardSelection[M], found: Conclusion[M], modal: Findin
         standing=standing,
         lacking_at=lacking_at,
         contradicted=data.is_contradicted(selection.current),
+        kind=found.remaining[0].kind if found.remaining else "",
         share=data.share(selection.root, found.after),
         look=data.look,
         place=data.place(found.after, modal),

@@ -17,6 +17,7 @@ from flexmodal.diagnosis.selection.decision import Asked
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.identification import Observations, fit, gap, observe, predict
 from flexmodal.identification.compatibility import check_compatible
+from flexmodal.identification.tolerance import with_tolerance
 from flexmodal.model import Robot
 from flexmodal.structure import ParameterSpace, robot_space
 from flexmodal.structure.truncation import missing
@@ -66,7 +67,7 @@ def prepare(
         InvalidRequest: no data, unknown effects or postures, a campaign that does not belong to the robot.
     """
     check_compatible(campaign, robot)
-    observations = observe(campaign)
+    observations = with_tolerance(observe(campaign), robot)
     context = Context.of(robot, observations)
     observations = _whole(observations, context)
     known = effects_of(asked, context)
@@ -80,7 +81,7 @@ def prepare(
 
 def trust_of(robot: Robot, trust: Mapping[str, float]) -> dict[str, float]:
     """The workflow's own trust where the card gives none."""
-    found = dict(trust)
+    found = {**trust, **robot.tolerance}
     for name, joint in robot.joints.items():
         if joint.scale is not None:
             found[f"stiffness.{name}"] = joint.scale

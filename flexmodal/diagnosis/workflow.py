@@ -26,8 +26,8 @@ from flexmodal.model import Robot
 from flexmodal.structure import robot_space
 
 MODAL_TRUST = {"stiffness": 0.5, "damping": 1.0, "mass": 0.2, "inertia": 0.2}
-"""Standard deviation of ln(true / card) with modes alone, unless the card or the caller says other; weighing
-halves and doubles it."""
+"""Standard deviation of ln(true / card) with modes alone, unless the card or the caller says other; the
+comparison halves and doubles it."""
 
 
 def diagnose(
@@ -49,7 +49,7 @@ def diagnose(
             name.
         robot: as it is believed to be.
         source: "frf", "modes" or "both"; everything that was measured by default.
-        hold_out: postures (ids or names) that no weighed fit sees. By default one in four, at least one,
+        hold_out: postures (ids or names) that no fit sees. By default one in four, at least one,
             those on which the re-tuned robot is neither best nor worst; with fewer than three postures none.
             With modes alone each is left out in turn, with three or more.
         effects: names from the catalogue; all by default. `NAME@WHERE` looks in that place only, and adds the

@@ -197,7 +197,7 @@ class EstimatedModes:
         """One sentence on what was found and what to do about what was not."""
         count = f"{len(self)} mode{'' if len(self) == 1 else 's'} by {self.method}"
         if not self.converged:
-            return f"{count}, but the fit did not settle: choose the peaks by hand or narrow the band"
+            return f"{count}, but the fit did not converge: choose the peaks by hand or narrow the band"
         if self.refused:
             told = "; ".join(f"{frequency:.4g} Hz: {why}" for frequency, why in self.refused)
             return f"{count}; no mode at {told}"

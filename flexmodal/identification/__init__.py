@@ -1,5 +1,7 @@
 """Changes parameters to match a measurement, with uncertainty."""
 
+from flexmodal.identification.baselines import Baselines as Baselines
+from flexmodal.identification.baselines import baselines as baselines
 from flexmodal.identification.eigenvalue_method import eigenvalue_method as eigenvalue_method
 from flexmodal.identification.evidence.measured_modes import ModeObservations as ModeObservations
 from flexmodal.identification.frf_fit import FrfFit as FrfFit

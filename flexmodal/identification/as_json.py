@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from flexmodal.identification.baselines import Baselines
 from flexmodal.identification.outcome import Identification
 
 
@@ -16,10 +17,10 @@ def as_json(outcome: Identification) -> dict[str, Any]:
         one.name: {
             "value": one.value,
             "unit": one.unit,
-            "standard_error": one.standard_error,
+            "standard_error": _finite(one.standard_error),
             "card": one.card,
             "at_bound": one.at_bound,
-            "interval": list(one.interval),
+            "interval": None if one.at_bound else list(one.interval),
             "identified": one.identified,
         }
         for one in outcome.estimates
@@ -29,6 +30,7 @@ def as_json(outcome: Identification) -> dict[str, Any]:
         "correlated": [list(pair) for pair in outcome.correlated],
         "gap": {name: _finite(value) for name, value in asdict(outcome.gap).items()},
         "held_out": [{key: _finite(value) for key, value in asdict(one).items()} for one in outcome.held_out],
+        "baselines": None if outcome.baselines is None else baselines_json(outcome.baselines),
         "before_fit": outcome.before_fit.verdict,
         "not_identified": [
             {"parts": dict(one.parts), "left": one.left, "exact": one.exact, "says": one.says}
@@ -41,6 +43,18 @@ def as_json(outcome: Identification) -> dict[str, Any]:
         "warnings": list(outcome.problem.warnings),
         "provenance": dict(outcome.provenance),
     }
+
+
+def baselines_json(found: Baselines) -> dict[str, Any]:
+    """What needs no model beside what a model predicts, with the sentence on both.
+
+    Args:
+        found: on the postures that were held out.
+    """
+    whole = {key: _finite(value) for key, value in asdict(found).items() if key != "each"}
+    each = [{key: _finite(value) for key, value in asdict(one).items()} for one in found.each]
+    flags = {name: getattr(found, name) for name in ("beats_mean", "beats_nearest", "tells_postures")}
+    return {**whole, **flags, "each": each, "verdict": found.verdict}
 
 
 def _finite(value: Any) -> Any:

@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Float, Shaped
 
 from flexmodal.identification.evidence.evidence import Evidence, Fitted
 from flexmodal.identification.gap import Gap
@@ -30,6 +30,8 @@ class Apart:
     before: Gap
     after: Gap
     each: tuple[HeldOut, ...]
+    predicted: Shaped[np.ndarray, "observation *entry"] | None = None
+    """Of everything, by fits that had not seen it, where postures were held out."""
 
 
 def predicted_apart(problem: IdentificationProblem, fitted: Fitted) -> Apart | None:
@@ -48,14 +50,18 @@ def predicted_apart(problem: IdentificationProblem, fitted: Fitted) -> Apart | N
     found = [one for one in found if one.each]
     if not found:
         return None
-    return Apart(found[0].before, found[0].after, tuple(held for one in found for held in one.each))
+    each = tuple(held for one in found for held in one.each)
+    predicted = found[0].predicted if found[0].each[0].kind == "posture" else None
+    return Apart(found[0].before, found[0].after, each, predicted)
 
 
 def _named(problem: IdentificationProblem, fitted: Fitted) -> Apart:
     card, folds = np.zeros(len(problem.space)), problem.whole.folds()
     away = problem.whole.keeping(np.any([folds[key] for key in problem.held_out], axis=0))
     each = (_judged(problem.whole.keeping(folds[key]), key, card, fitted.x) for key in problem.held_out)
-    return Apart(away.gap(away.predicted(card)), away.gap(away.predicted(fitted.x)), tuple(each))
+    named = any(kind == "posture" for kind, _ in problem.held_out)
+    predicted = problem.whole.predicted(fitted.x) if named else None
+    return Apart(away.gap(away.predicted(card)), away.gap(away.predicted(fitted.x)), tuple(each), predicted)
 
 
 def _in_turn(evidence: Evidence, keys: list[tuple[str, str]], fitted: Fitted) -> Apart:
@@ -71,7 +77,7 @@ def _in_turn(evidence: Evidence, keys: list[tuple[str, str]], fitted: Fitted) ->
         part = evidence.keeping(folds[key])
         after[folds[key]] = part.predicted(x)
         each.append(_judged(part, key, card, x))
-    return Apart(evidence.gap(evidence.predicted(card)), evidence.gap(after), tuple(each))
+    return Apart(evidence.gap(evidence.predicted(card)), evidence.gap(after), tuple(each), after)
 
 
 def _without(

@@ -9,6 +9,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from flexmodal.campaign import Campaign
+from flexmodal.identification.beside import baselines_beside
 from flexmodal.identification.evidence.modal import MODEL_ERROR
 from flexmodal.identification.held_out import predicted_apart
 from flexmodal.identification.optima import search
@@ -122,6 +123,7 @@ def solve_identification(
         optima,
         _provenance(problem, () if parts is None else parts.each, starts, seed),
         problem.evidence.over_noise(shown),
+        None if parts is None else baselines_beside(problem, parts.predicted, fit_gap),
     )
 
 

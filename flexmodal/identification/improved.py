@@ -16,7 +16,7 @@ from flexmodal.model import Robot
 from flexmodal.model.placements import link_placements
 from flexmodal.model.written import card_of
 from flexmodal.structure.arm import Body, bodies_of, moved_bodies
-from flexmodal.structure.assembly import scaled
+from flexmodal.structure.robot_terms import scaled
 from flexmodal.structure.shape import outwards
 
 _NOTHING = Body(0.0, np.zeros(3), np.zeros((3, 3)))
@@ -73,11 +73,27 @@ def _with_values(card: RobotCard, values: Mapping[str, float], shifts: Mapping[s
         )
         for name, joint in card.joints.items()
     }
-    points = {}
-    for name, point in card.points.items():
-        x, y, z = (np.array(point.xyz) - shifts.get(point.link, 0.0)).tolist()
-        points[name] = PointCard(point.link, (x, y, z))
-    return replace(card, joints=FrozenDict(joints), points=FrozenDict(points))
+    points = {
+        name: PointCard(point.link, _shifted(point.xyz, shifts.get(point.link)))
+        for name, point in card.points.items()
+    }
+    obstacles = {
+        name: replace(obstacle, xyz=_shifted(obstacle.xyz, shifts.get(obstacle.link)))
+        for name, obstacle in card.obstacles.items()
+    }
+    return replace(
+        card, joints=FrozenDict(joints), points=FrozenDict(points), obstacles=FrozenDict(obstacles)
+    )
+
+
+def _shifted(
+    xyz: tuple[float, float, float], shift: Float[np.ndarray, "3"] | None
+) -> tuple[float, float, float]:
+    """A place in the frame of a link that moves by `shift` [m], in that frame; as it is if it does not."""
+    if shift is None:
+        return xyz
+    x, y, z = (np.array(xyz) - shift).tolist()
+    return x, y, z
 
 
 def _urdf(robot: Robot, values: Mapping[str, float], shifts: Mapping[str, np.ndarray]) -> UrdfDraft:

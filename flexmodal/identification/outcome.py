@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from jaxtyping import Float
 
+from flexmodal.identification.baselines import Baselines
 from flexmodal.identification.evidence.evidence import Fitted
 from flexmodal.identification.identifiability import Combination, Identifiability
 from flexmodal.identification.uncertainty import Uncertainty
@@ -35,9 +36,9 @@ class Estimate:
     unit: str
     value: float
     standard_error: float
-    """In the unit of the value; the linear one of a logarithm times the value."""
+    """In the unit of the value; the linear one of a logarithm times the value. NaN at a bound."""
     interval: tuple[float, float]
-    """95 %; of a logarithm not symmetric."""
+    """95 %; of a logarithm not symmetric. NaN at a bound, where there is none to give."""
     card: float
     at_bound: bool
     identified: bool
@@ -97,6 +98,8 @@ class Identification(Shown):
     provenance: Mapping[str, Any]
     over_noise: float
     """Misfit of the fit over the noise, on data that are more than noise; 1 for a perfect model."""
+    baselines: Baselines | None = None
+    """What needs no model, on the postures held out; None without FRFs of several postures."""
 
     _PICTURE: ClassVar[str] = "flexmodal.identification.plot:draw_identification"
 
@@ -173,7 +176,7 @@ class Identification(Shown):
         gap, says = self.gap, []
         times = f"{self.over_noise:.1f}" if self.over_noise < 10 else f"{self.over_noise:.3g}"
         if not self.fitted.converged:
-            says.append("the fit did not settle: give more steps or better starting values")
+            says.append("the fit did not converge: give more steps or better starting values")
         if self.explained:
             says.append(f"the model meets the data to {times} times the noise")
         else:
@@ -187,6 +190,8 @@ class Identification(Shown):
             says.append("nothing could be held out: how far it carries over is not known")
         elif not any(one.kind == "posture" for one in self.held_out) and len(self.problem.postures) < 2:
             says.append("one posture was measured: how far it carries over to others is not known")
+        if self.baselines is not None:
+            says.append(self.baselines.verdict)
         count = len(self.problem.space)
         known = len(self.uncertainty.identified)
         says.append(
@@ -206,13 +211,12 @@ def _estimate(
     identified: bool,
 ) -> Estimate:  # fmt: skip
     touching = TOUCHING * max(1.0, abs(float(x)))
+    at_bound = bool(x <= bounds[0] + touching or x >= bounds[1] - touching)
+    error = abs(parameter.slope(float(x))) * float(deviation)
+    interval = parameter.value(float(reach[0])), parameter.value(float(reach[1]))
+    if at_bound:  # what would be told here is the bound's doing, not the data's
+        error, interval = float("nan"), (float("nan"), float("nan"))
     return Estimate(
-        parameter.name,
-        parameter.unit,
-        parameter.value(float(x)),
-        abs(parameter.slope(float(x))) * float(deviation),
-        (parameter.value(float(reach[0])), parameter.value(float(reach[1]))),
-        parameter.card,
-        bool(x <= bounds[0] + touching or x >= bounds[1] - touching),
-        identified,
-    )
+        parameter.name, parameter.unit, parameter.value(float(x)), error, interval, parameter.card, at_bound,
+        identified and not at_bound,
+    )  # fmt: skip

@@ -6,6 +6,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from flexmodal.identification.baselines import Baselines
 from flexmodal.identification.outcome import Estimate, Identification
 from flexmodal.identification.plot import draw_held_out, draw_identification
 from flexmodal.report import (
@@ -20,7 +21,7 @@ from flexmodal.report import (
     page_text,
     write_page,
 )
-from flexmodal.report.words import minus
+from flexmodal.report.words import DASH, minus
 
 HEADER = ("parameter", "value", "standard error", "95 % interval", "card", "remarks")
 GAPS = ("", "card", "fit", "noise floor")
@@ -34,6 +35,12 @@ GAP_NOTE = (
     "Of FRFs, a gap of 0.1 means that on a typical line the model is about 10 % off in size or 6° in phase. "
     "The noise floor is what the noise of the measurement alone makes of it: no model can come nearer. Held "
     "out: predicted by a fit that had not seen it."
+)
+BESIDE = ("held out", "model", "mean of the others", "nearest posture", "which", "noise floor")
+BESIDE_NOTE = (
+    "The FRFs of the other postures taken for those of the posture that was held out: their mean at each "
+    "line, and those of the posture whose angles differ least. A model is worth having where it comes "
+    "nearer. Shuffled: fitted while every posture bears another's angles, on what was fitted."
 )
 KEYS = {"fitted_to": "fitted to", "held_out": "held out", "numbers": "numbers fitted"}
 
@@ -56,6 +63,10 @@ def write_identification_page(outcome: Identification, path: Path, *, overwrite:
     ]
     gap: Parts = [f"The gap between model and measurement: the root mean square of {GAP_OF[problem.source]}.",
            Table(columns(GAPS), gap_cells(outcome)), Text(GAP_NOTE, note=True)]  # fmt: skip
+    beside = outcome.baselines
+    if beside is not None:
+        table = Table(columns(BESIDE, words=["which"]), baseline_cells(beside))
+        gap = [*gap, f"Beside simple baselines: {beside.verdict}.", table, Text(BESIDE_NOTE, note=True)]
     pictures = [Picture(partial(draw_identification, outcome), "Measured and modelled")]
     if outcome.held_out:
         pictures.append(Picture(partial(draw_held_out, outcome), "Gaps of what the fit had not seen"))
@@ -77,15 +88,18 @@ def estimate_cells(one: Estimate) -> tuple[str, ...]:
     unit = f" {one.unit}" if one.unit else ""
     remarks = [
         text
-        for text, here in (("at its bound", one.at_bound), ("not identified", not one.identified))
+        for text, here in (
+            ("at its bound: no error can be given", one.at_bound),
+            ("not identified", not one.identified and not one.at_bound),
+        )
         if here
     ]
     low, high = one.interval
     return (
         one.name,
         f"{_number(one.value)}{unit}",
-        _number(one.standard_error, 2),
-        f"{_number(low)} to {_number(high)}",
+        DASH if one.at_bound else _number(one.standard_error, 2),
+        DASH if one.at_bound else f"{_number(low)} to {_number(high)}",
         _number(one.card),
         ", ".join(remarks),
     )
@@ -102,6 +116,29 @@ def gap_cells(outcome: Identification) -> list[tuple[str, ...]]:
         (f"  {one.kind} {one.name}", one.before, one.after, one.noise_floor) for one in outcome.held_out
     ]
     return [(name, *(f"{value:.4g}" for value in values)) for name, *values in cells]
+
+
+def baseline_cells(found: Baselines) -> list[tuple[str, ...]]:
+    """Rows of text under `BESIDE`: everything that was held out, each posture of it, and the control.
+
+    Args:
+        found: on the postures that were held out.
+    """
+    cells = [_beside("all", found.model, found.mean, found.nearest, "", found.noise_floor)]
+    cells += [
+        _beside(f"  {one.posture}", one.model, one.mean, one.nearest, one.nearest_posture, one.noise_floor)
+        for one in found.each
+    ]
+    if found.shuffled is not None and found.fitted is not None:
+        for name, value in (("fitted, angles right", found.fitted), ("fitted, shuffled", found.shuffled)):
+            cells.append((name, f"{value:.3g}", DASH, DASH, "", DASH))
+    return cells
+
+
+def _beside(
+    name: str, model: float, mean: float, nearest: float, which: str, floor: float
+) -> tuple[str, ...]:
+    return name, f"{model:.3g}", f"{mean:.3g}", f"{nearest:.3g}", which, f"{floor:.2g}"
 
 
 def _number(value: float, digits: int = 5) -> str:

@@ -21,6 +21,7 @@ from flexmodal.identification.identifiability import Identifiability
 from flexmodal.identification.model import RobotModel
 from flexmodal.identification.observations import observe
 from flexmodal.identification.source import Source, doubled, source_of
+from flexmodal.identification.tolerance import with_tolerance
 from flexmodal.model import Robot
 from flexmodal.structure.parameter import ParameterSpace
 from flexmodal.structure.space import robot_space
@@ -104,11 +105,11 @@ def build_identification(
     model = RobotModel(robot, chosen)
     whole: Evidence
     if source == "frf":
-        whole = FrfEvidence(model, observe(campaign))
+        whole = FrfEvidence(model, with_tolerance(observe(campaign), robot))
     else:
         whole = _of_modes(campaign, model, use, model_error)
         if source == "both":
-            whole = Both(FrfEvidence(model, observe(campaign)), whole)
+            whole = Both(FrfEvidence(model, with_tolerance(observe(campaign), robot)), whole)
     held = _held_out(campaign, whole, hold_out)
     evidence = whole
     if held:

@@ -58,6 +58,8 @@ class FlexibleChain(Shown):
     """Off-diagonal stiffness, by `jointA+jointB`."""
     loss_frequency: float | None = None
     """Where joints with a loss factor have their stiffness [Hz]; None for K (1 + iη) at every frequency."""
+    tolerance: Mapping[str, float] = field(default_factory=FrozenDict)
+    """Relative standard deviation of masses and inertias, by kind."""
     obstacles: Mapping[str, ObstacleCard] = field(default_factory=FrozenDict)
     """What the arm may run into, or carries."""
     srdf: Path | None = None

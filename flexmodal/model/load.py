@@ -167,6 +167,7 @@ def _assemble(card: RobotCard, urdf: Urdf, tool: str | None) -> Robot:
         pinocchio=model,
         couplings=card.couplings,
         loss_frequency=card.loss_frequency,
+        tolerance=card.tolerance,
         obstacles=card.obstacles,
         srdf=card.srdf,
         path=card.path,

@@ -36,6 +36,7 @@ def card_of(robot: Robot, folder: Path, *, name: str = "", source: str) -> Robot
         path=place / CARD,
         couplings=robot.couplings,
         loss_frequency=robot.loss_frequency,
+        tolerance=robot.tolerance,
         obstacles=robot.obstacles,
         srdf=robot.srdf,
     )

@@ -37,7 +37,6 @@ def write_robot(
         card_of(robot, place, source=source),
         points=FrozenDict({point.name: PointCard(point.link, point.xyz) for point in points}),
         postures=FrozenDict({posture.name: FrozenDict(posture.q) for posture in postures}),
-        families=FrozenDict(),
     )
     urdf = UrdfDraft(robot.urdf)
     urdf.drop_meshes()

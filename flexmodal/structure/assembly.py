@@ -8,7 +8,7 @@ differentiated by rebuilding.
 from __future__ import annotations
 
 import copy
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from jaxtyping import Float
@@ -120,12 +120,22 @@ class Assembly:
 
     def move_root(self, columns: slice, motion: Float[np.ndarray, "6 added"]) -> None:
         """Let the root link move, and everything with it, by coordinates already added."""
+        self.move_link(self.robot.urdf.root, columns, motion)
+
+    def move_link(self, link: str, columns: slice, motion: Float[np.ndarray, "*posture 6 added"]) -> None:
+        """Let a link move, and all it carries, by coordinates already added.
+
+        Args:
+            link: which; its own motion by other coordinates stays.
+            columns: the coordinates.
+            motion: of its origin, linear rows first, world axes.
+        """
         self._moved = {}
-        start = self.origin(self.robot.urdf.root)
-        for link in self._maps:
-            wide = self._padded(self._maps[link]).copy()
-            wide[..., columns] += carried(motion, self.origin(link) - start)
-            self._maps[link] = wide
+        start = self.origin(link)
+        for member in beyond(self.robot.urdf, link):
+            wide = self._padded(self._maps[member]).copy()
+            wide[..., columns] += carried(motion, self.origin(member) - start)
+            self._maps[member] = wide
 
     def hinge(
         self,
@@ -269,32 +279,3 @@ def _times(size: Size, matrix: np.ndarray) -> np.ndarray:
 
 def _outer(one: np.ndarray, other: np.ndarray) -> np.ndarray:
     return np.asarray(one[..., :, None] * other[..., None, :])
-
-
-def put_together(assembly: Assembly, values: Mapping[str, float], bodies: Mapping[str, Body]) -> None:
-    """Every body, spring, damper, rotor and coupling of the robot, at these parameter values.
-
-    Args:
-        assembly: with all motions added.
-        values: `stiffness.JOINT`, `damping.JOINT`, `mass.LINK`, `inertia.LINK` (moments about the mass
-            centre over those the card's shape would have at that mass); what is missing is as the card says.
-        bodies: as the card says; links that are left out are put in by somebody else.
-    """
-    for link, body in bodies.items():
-        assembly.add_body(link, scaled(body, link, values), mass=f"mass.{link}", inertia=f"inertia.{link}")
-    for name, joint in assembly.robot.joints.items():
-        row = assembly.stretch_of(name)
-        assembly.add_spring(row, values.get(f"stiffness.{name}", joint.stiffness), f"stiffness.{name}")
-        assembly.add_damper(row, values.get(f"damping.{name}", joint.damping), f"damping.{name}")
-        if joint.rotor_inertia:
-            assembly.add_inertia(assembly.row(name), joint.rotor_inertia)
-    for coupling in assembly.robot.couplings.values():
-        one, other = (assembly.stretch_of(name) for name in coupling.joints)
-        assembly.add_coupling(one, other, coupling.stiffness)
-
-
-def scaled(body: Body, link: str, values: Mapping[str, float]) -> Body:
-    """A body at the parameters' mass and inertia."""
-    mass = values.get(f"mass.{link}", body.mass)
-    grown = mass / body.mass * values.get(f"inertia.{link}", 1.0)
-    return Body(mass, body.centre, body.inertia * grown)

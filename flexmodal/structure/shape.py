@@ -14,8 +14,9 @@ from jaxtyping import Float
 
 from flexmodal.model import Robot
 from flexmodal.structure.arm import Arm, Arms, Body, far_end, moved_bodies
-from flexmodal.structure.assembly import Assembly, put_together
+from flexmodal.structure.assembly import Assembly
 from flexmodal.structure.parameter import Parameter
+from flexmodal.structure.robot_terms import put_together
 
 KINDS = ("mass_centre", "position", "payload")
 TRUST = {"mass_centre": 0.05, "position": 0.1, "payload": 0.1}

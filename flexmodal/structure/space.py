@@ -32,7 +32,8 @@ def robot_space(
     """Stiffness and damping of each flexible joint, mass and relative inertia of each link it moves.
 
     Args:
-        robot: from its card come the values, bounds (`lower`, `upper`) and trust (`scale`) of each joint.
+        robot: from its card come the values, bounds (`lower`, `upper`) and trust (`scale`) of each joint, and
+            that of masses and inertias (`tolerance`).
         kinds: some of `KINDS` and of those of shape, see `shape_parameters`. `mass.LINK` [kg] takes the
             link's inertia with it; `inertia.LINK` is the factor on the moments about the mass centre besides,
             so that any value above 0 is a body there can be.
@@ -43,7 +44,7 @@ def robot_space(
         InvalidRequest: an unknown kind or name, one that the robot has none of, a deviation that is not above
             0, a card with loss factors.
     """
-    given = dict(trust or {})
+    given = {**robot.tolerance, **(trust or {})}
     if robot.hysteresis is not None:
         allowed = "joints without; a fit finds hysteresis itself, as structural damping"
         raise InvalidRequest(Fault(robot.name, "joint: loss_factor", "joints with a loss factor", allowed))

@@ -18,7 +18,8 @@ def toml_text(table: Mapping[str, Any], path: str = "") -> str:
     for key, value in table.items():
         name = f"{path}.{_key(key)}" if path else _key(key)
         if isinstance(value, Mapping):
-            later.append(f"\n[{name}]\n{toml_text(value, name)}")
+            header = "" if _only_tables(value) else f"\n[{name}]\n"
+            later.append(f"{header}{toml_text(value, name)}")
         elif isinstance(value, list | tuple) and value and isinstance(value[0], Mapping):
             later += [f"\n[[{name}]]\n{toml_text(entry, name)}" for entry in value]
         elif isinstance(value, list | tuple) and not value:
@@ -26,6 +27,11 @@ def toml_text(table: Mapping[str, Any], path: str = "") -> str:
         else:
             lines.append(f"{_key(key)} = {_value(value)}")
     return "".join(line + "\n" for line in lines) + "".join(later)
+
+
+def _only_tables(table: Mapping[str, Any]) -> bool:
+    """Whether a table needs no header: the tables in it name it in theirs."""
+    return bool(table) and all(isinstance(value, Mapping) for value in table.values())
 
 
 def _key(key: str) -> str:

@@ -19,7 +19,7 @@ LONGEST_FUNCTION = 60
 
 KNOWN_CIRCLES: frozenset[tuple[str, ...]] = frozenset()
 KNOWN_LONG_MODULES: frozenset[str] = frozenset()
-KNOWN_LONG_FUNCTIONS = frozenset({"flexmodal.diagnosis.march.kernel.march"})
+KNOWN_LONG_FUNCTIONS = frozenset({"flexmodal.diagnosis.time_domain.kernel.integrate"})
 KNOWN_PRIVATE_IMPORTS: frozenset[str] = frozenset()
 
 KERNELS = ("flexmodal.frf.kernels", "flexmodal.model.batch", "flexmodal.structure.kernel")

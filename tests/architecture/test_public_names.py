@@ -27,12 +27,13 @@ FUNCTIONS = {
     "studies": "run_study",
     "fit": "fit",
     "identify": "identify",
+    "predict": "predict_posture",
     "diagnose": "diagnose",
     "rig": "simulate",
 }
 METHODS = {"frf": "frf", "modes": "modes", "measures": "measures"}
 """Of `Robot`."""
-NONE = {"atlas", "lookup", "show", "demo", "card", "export"}
+NONE = {"atlas", "lookup", "show", "demo", "card", "campaign", "import", "export"}
 """Pictures in the browser, a tour of the other commands, and files for a person or another program."""
 
 

@@ -30,7 +30,8 @@ def folder(tmp_path_factory):
 def fanuc_page(folder):
     robot = load("fanuc_s360")
     posture = robot.posture("configuration_1")
-    return show_robot(robot, posture, modes=True, frequency=9.0, out=folder / "fanuc.html", announce=quiet)
+    out = folder / "fanuc.html"
+    return show_robot(robot, posture, modes=True, frequency=9.0, live=False, out=out, announce=quiet)
 
 
 @pytest.fixture(scope="module")
@@ -49,14 +50,14 @@ def outcome_page(folder):
         unbounded=0,
         method="newton",
     )
-    return show_outcome(outcome, start=start, out=folder / "six_link.html", announce=quiet)
+    return show_outcome(outcome, start=start, live=False, out=folder / "six_link.html", announce=quiet)
 
 
 @pytest.fixture(scope="module")
 def ur5_page(folder):
     robot = load("ur5", stiffness=2e4, damping=20.0)
     posture = robot.posture(dict(zip(robot.commanded, [0.0, -1.2, 1.4, -0.6, 1.57, 0.0], strict=True)))
-    return show_robot(robot, posture, frequency=12.0, out=folder / "ur5.html", announce=quiet)
+    return show_robot(robot, posture, frequency=12.0, live=False, out=folder / "ur5.html", announce=quiet)
 
 
 def exact(picture, colour):

@@ -3,9 +3,12 @@ print."""
 
 import html
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
+
+ROOT = Path(__file__).parents[2]
 
 WIDTHS = (1200, 390)
 
@@ -26,7 +29,7 @@ def from_modes():
     effects = ["link_flexibility@link_2", "local_absorber@link_1"]
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(variants, "VARIANTS", variants.VARIANTS[:1])
-        campaign = read_campaign("robots/fanuc_s360/campaigns/thesis")
+        campaign = read_campaign(ROOT / "robots/fanuc_s360/campaigns/thesis")
         return diagnose(campaign, flexmodal.load("fanuc_s360_rigid_link"), effects=effects)
 
 

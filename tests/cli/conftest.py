@@ -6,9 +6,10 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
+import jsonschema
 import pytest
 
-from flexmodal.cli.main import main
+from flexmodal.cli.main import SCHEMAS, main
 
 PROGRAM = str(Path(sys.executable).with_name("flexmodal"))
 
@@ -37,6 +38,19 @@ class Ran:
         for word in words:
             assert str(word) in self.err
         return self.err.strip().splitlines()
+
+
+def valid(command, found):
+    """What a command printed, after it was held against the schema of its `--json`."""
+    schema = json.loads((SCHEMAS / f"{command}.json").read_text(encoding="utf-8"))
+    jsonschema.validate(found, schema)
+    return found
+
+
+@pytest.fixture(name="valid")
+def valid_fixture():
+    """See `valid`."""
+    return valid
 
 
 @pytest.fixture

@@ -13,27 +13,31 @@ GRID = ("--grid", "q1=0:90deg:5,q2=-1:0:4", "--grid", "q3=-0.5")
 
 
 @pytest.fixture
-def store(cli, tmp_path):
+def store(cli, valid, tmp_path):
     out = tmp_path / "arm.zarr"
-    told = cli(*ATLAS, *GRID, "--frequencies", "1:10:1", "--out", out, "--json").json()
+    told = valid("atlas", cli(*ATLAS, *GRID, "--frequencies", "1:10:1", "--out", out, "--json").json())
     assert (told["postures"], told["standing"]) == (20, 0)
     return out
 
 
-def test_made_once_and_read_back(cli, store):
-    again = cli(*ATLAS, *GRID, "--frequencies", "1:10:1", "--out", store, "--json").json()
+def test_made_once_and_read_back(cli, valid, store):
+    def asked(*question):
+        return valid("lookup", cli("lookup", store, *question, "--json").json())
+
+    again = valid("atlas", cli(*ATLAS, *GRID, "--frequencies", "1:10:1", "--out", store, "--json").json())
     assert again["standing"] == again["chunks"] == 1
-    assert cli("lookup", store, "--json").json()["sizes"]["frequency"] == 10
-    near = cli("lookup", store, "--nearest", "q1=0.3,q2=-0.4", "--json").json()
+    assert asked()["sizes"]["frequency"] == 10
+    near = asked("--nearest", "q1=0.3,q2=-0.4")
     assert near["posture"]["q3"] == -0.5
-    between = cli("lookup", store, "--interpolate", "q1=0.3,q2=-0.4", "--json").json()
+    between = asked("--interpolate", "q1=0.3,q2=-0.4")
     assert len(between["receptance"]["re"]) == 10
-    best = cli("lookup", store, "--best", "3", "--frequency", "5", "--json").json()
+    best = asked("--best", "3", "--frequency", "5")
     assert [one["value"] for one in best["best"]] == sorted(one["value"] for one in best["best"])
 
 
-def test_a_map(cli, store, tmp_path):
-    assert cli("lookup", store, "--map", tmp_path / "map.html", "--frequency", "5").status == 0
+def test_a_map(cli, valid, store, tmp_path):
+    drawn = cli("lookup", store, "--map", tmp_path / "map.html", "--frequency", "5", "--json")
+    assert valid("lookup", drawn.json()) == {"out": str(tmp_path / "map.html")}
     assert "Content-Security-Policy" in (tmp_path / "map.html").read_text()
     cli("lookup", store, "--map", tmp_path / "map.html", "--frequency", "5").refused("an existing file")
 

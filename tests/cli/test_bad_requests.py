@@ -208,7 +208,23 @@ REQUESTS = {
     "seed -1": ((*SEARCH, "--free", "--seed", "-1"), ["--seed"]),
     "port 70000": (("show", "fanuc_s360", "--port", "70000"), ["--port", "65535"]),
     "port -1": (("show", "fanuc_s360", "--port", "-1"), ["--port"]),
-    "page as a picture": (("show", "fanuc_s360", "--out", "page.png"), ["--out", "'page.png'", ".html"]),
+    "two campaigns to compare": (
+        ("show", "fanuc_s360", "--compare", "fanuc_s360/thesis", "--compare", "fanuc_s360/thesis"),
+        ["--compare", "one campaign"],
+    ),
+    "four cards to compare": (
+        ("show", "fanuc_s360", *4 * ("--compare", "six_link")),
+        ["--compare", "at most 3"],
+    ),
+    "a campaign without FRFs to compare": (
+        ("show", "fanuc_s360", "--compare", "fanuc_s360/thesis", "--out", "page.html"),
+        ["no FRFs and no blows"],
+    ),
+    "page as a drawing": (("show", "fanuc_s360", "--out", "page.svg"), ["--out", "'page.svg'", ".html"]),
+    "film of an arm at rest": (
+        ("show", "fanuc_s360", "--out", "page.gif"),
+        ["page.gif", "stands still", "--modes or --frequency"],
+    ),
     "unknown form": (
         (*FRF, "--frequencies", "1", "--form", "velocity"),
         ["--form", "'velocity'", "inertance"],

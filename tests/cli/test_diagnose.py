@@ -3,11 +3,14 @@
 import json
 import os
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
 import flexmodal
 from flexmodal.rig import Hide, simulate
+
+ROOT = Path(__file__).parents[2]
 
 
 @pytest.fixture(scope="module")
@@ -36,10 +39,10 @@ def explained(campaign, tmp_path_factory):
     return ran, out
 
 
-def test_prints_the_object_that_it_writes(explained):
+def test_prints_the_object_that_it_writes(explained, valid):
     ran, out = explained
     assert ran.exit_code == 0, ran.output
-    printed = json.loads(ran.stdout)
+    printed = valid("diagnose", json.loads(ran.stdout))
     assert ran.stdout.count("\n") == 1
     assert printed == json.loads((out / "diagnosis.json").read_text(encoding="utf-8"))
     assert printed["verdict"]["effects"] == [["added_mass", "link_3"]]
@@ -60,12 +63,12 @@ def test_writes_a_robot_that_carries_the_payload(explained):
     assert mass == pytest.approx(before, rel=0.2)  # it is fitted once more with all
 
 
-def test_not_explained(cli, campaign, tmp_path):
+def test_not_explained(cli, campaign, valid, tmp_path):
     out = tmp_path / "out"
     ran = cli("diagnose", campaign, "--out", out, "--effects", "time_delay", "--quiet")
     assert ran.status == 1, ran.err
     assert "gap between model and measurement" in ran.out
-    verdict = json.loads((out / "diagnosis.json").read_text(encoding="utf-8"))["verdict"]
+    verdict = valid("diagnose", json.loads((out / "diagnosis.json").read_text(encoding="utf-8")))["verdict"]
     assert verdict["explained"] is False
     assert verdict["effects"][0][0] == "unknown"
     assert "the catalogue does not know" in (out / "report.html").read_text(encoding="utf-8")
@@ -106,7 +109,7 @@ def test_no_campaign(cli, tmp_path):
     assert os.listdir(tmp_path) == []
 
 
-THESIS = "robots/fanuc_s360/campaigns/thesis"
+THESIS = str(ROOT / "robots/fanuc_s360/campaigns/thesis")
 
 
 @pytest.mark.parametrize(

@@ -42,3 +42,10 @@ def test_the_ending_belongs_to_the_kind(cli, tmp_path):
     cli("export", "six_axis", "--posture", "work", "--as", "krl", "--out", tmp_path / "a.yaml").refused(
         ".src"
     )
+
+
+def test_directions_are_of_a_state_space_alone(cli, tmp_path):
+    words = ("export", "six_link", "--posture", "start_2", "--as", "krl", "--out", tmp_path / "go.src")
+    ran = cli(*words, "--response", "tool:+x", "--reference", "tool:+z")
+    assert len(ran.refused("--response", "--reference", "with --as state-space alone")) == 2
+    assert list(tmp_path.iterdir()) == []

@@ -10,6 +10,8 @@ import pytest
 
 from flexmodal.campaign import read_campaign
 
+ROOT = Path(__file__).parents[2]
+
 DATA = Path(__file__).parents[1] / "data"
 REAL = DATA / "real"
 BEAM, PLATE = REAL / "free_free_beam", REAL / "mssp_plate_sweep"
@@ -221,5 +223,5 @@ def test_one_page_with_every_picture(cli, tmp_path, options, headings):
 def test_a_folder_of_universal_files_is_told_that_one_will_do(cli, tmp_path):
     (tmp_path / "bare").mkdir()
     cli("fit", tmp_path / "bare").refused("bare: found a folder without a campaign.toml", "universal file")
-    shutil.copy("tests/data/real/laboratory_hammer/frf.uff", tmp_path / "bare" / "mine.uff")
+    shutil.copy(ROOT / "tests/data/real/laboratory_hammer/frf.uff", tmp_path / "bare" / "mine.uff")
     cli("fit", tmp_path / "bare").refused("such as", tmp_path / "bare" / "mine.uff")

@@ -2,6 +2,7 @@
 
 import json
 import shutil
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,8 +15,10 @@ from flexmodal.identification import identify
 from flexmodal.identification.observations import observe
 from flexmodal.rig import simulate
 
+ROOT = Path(__file__).parents[2]
+
 POSTURES = ["configuration_1", "configuration_3", "configuration_7"]
-THESIS = "robots/fanuc_s360/campaigns/thesis"
+THESIS = str(ROOT / "robots/fanuc_s360/campaigns/thesis")
 
 
 @pytest.fixture(scope="module")

@@ -95,3 +95,11 @@ def test_a_catalogue_of_ones_own(cli, card, tmp_path, monkeypatch):
     assert cli("modes", "mine", "--posture", "bent").status == 0
     monkeypatch.setenv("FLEXMODAL_CATALOGUE", str(tmp_path / "nowhere"))
     cli("robots").refused("FLEXMODAL_CATALOGUE", "nowhere", "a folder with robots/ and urdf/")
+
+
+def test_an_arm_whose_limits_leave_out_zero_is_shown(cli, tmp_path):
+    """The Panda's elbow does not stretch out; without a posture it stands where its limits allow."""
+    out = tmp_path / "panda.html"
+    ran = cli("show", "panda", "--stiffness", "1e4", "--damping", "10", "--out", out)
+    assert (ran.status, ran.out) == (0, "")
+    assert "panda_joint4" in out.read_text(encoding="utf-8")

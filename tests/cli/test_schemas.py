@@ -3,10 +3,11 @@
 import json
 from pathlib import Path
 
+import click
 import jsonschema
 import pytest
 
-from flexmodal.cli.main import SCHEMAS
+from flexmodal.cli.main import SCHEMAS, group
 
 ROOT = Path(__file__).parents[2]
 CUT = ROOT / "robots" / "fanuc_s360" / "cuts" / "aluminium.toml"
@@ -35,18 +36,51 @@ RUNS = [
      "--speeds", "20"),
     ("fit", HAMMER, "--no-vary"),
     ("identify", THESIS, "--kinds", "stiffness,damping", "--hold-out", "configuration_1"),
+    ("studies",),
+    ("studies", "e11", "--starts", "4"),
+    ("studies", "sweep_8", "frequency_1"),
 ]  # fmt: skip
 
 
+HERE = Path(__file__).parent
+ELSEWHERE = {
+    "atlas": HERE / "test_atlas.py",
+    "lookup": HERE / "test_atlas.py",
+    "diagnose": HERE / "test_diagnose.py",
+    "predict": HERE / "test_predict.py",
+    "card": Path(__file__),
+    "rig": Path(__file__),
+}
+"""Commands that need something made first, and the tests that hold what they print against their schema."""
+
+
+def test_every_command_with_json_has_a_schema_and_a_run():
+    context = click.Context(group)
+    given = set()
+    for name in group.list_commands(context):
+        command = group.get_command(context, name)
+        parts = command.commands.values() if isinstance(command, click.Group) else [command]
+        if any(option.name == "as_json" for part in parts for option in part.params):
+            given.add(name)
+    assert given == {path.stem for path in SCHEMAS.glob("*.json")}
+    assert given == {words[0] for words in RUNS} | set(ELSEWHERE)
+    for name, tests in ELSEWHERE.items():
+        assert f'valid("{name}", ' in tests.read_text(encoding="utf-8")
+
+
 @pytest.mark.parametrize("words", RUNS, ids=lambda words: " ".join(map(str, words))[:40])
-def test_json_is_what_its_schema_says(cli, words):
-    schema = json.loads((SCHEMAS / f"{words[0]}.json").read_text(encoding="utf-8"))
-    jsonschema.validate(cli(*words, "--json").json(), schema)
+def test_json_is_what_its_schema_says(cli, valid, words):
+    valid(words[0], cli(*words, "--json").json())
 
 
-def test_the_schema_of_a_card(cli, tmp_path):
-    schema = json.loads((SCHEMAS / "card.json").read_text(encoding="utf-8"))
-    jsonschema.validate(cli("card", "new", "xarm7", "--out", tmp_path, "--json").json(), schema)
+def test_the_schema_of_a_card(cli, valid, tmp_path):
+    valid("card", cli("card", "new", "xarm7", "--out", tmp_path, "--json").json())
+
+
+def test_the_schema_of_a_rig(cli, valid, tmp_path):
+    small = ("--postures", "1", "--points", "1", "--trials", "1", "--averages", "1", "--record-length", "1")
+    made = cli("rig", "six_link", *small, "--peaks", "60", "--out", tmp_path / "test", "--json")
+    assert valid("rig", made.json())["frfs"] == 1
 
 
 @pytest.mark.parametrize("path", sorted(SCHEMAS.glob("*.json")), ids=lambda path: path.stem)

@@ -99,3 +99,12 @@ def test_a_universal_file_names_no_robot(cli, tmp_path, command):
     cli("frf", "six_axis", "--posture", "work", "--frequencies", "1:20:1", "--out", campaign)
     ran = cli(*command, campaign)
     ran.refused("names neither a robot", "flexmodal fit FILE --out modes.html")
+
+
+def test_texts_begin_below_their_heading_and_numbers_end_below_theirs():
+    rows = [["sweep_8", "8.5", "a sentence"], ["e1", "12.25", "another, longer sentence"]]
+    head, _, *body = table_text("", ["name", "value", "what"], rows, 80).splitlines()[-4:]
+    assert {line.index(row[2]) for line, row in zip(body, rows, strict=True)} == {head.index("what")}
+    assert {line.index(row[1]) + len(row[1]) for line, row in zip(body, rows, strict=True)} == {
+        head.index("value") + len("value")
+    }

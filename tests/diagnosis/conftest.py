@@ -8,7 +8,7 @@ import pytest
 import flexmodal
 from flexmodal.diagnosis.effects import Context, catalogue
 from flexmodal.diagnosis.hypothesis import Hypothesis
-from flexmodal.diagnosis.outcome import Diagnosis, Gaps, NextMeasurement, Region, Step, Verdict, Weighed
+from flexmodal.diagnosis.outcome import Compared, Diagnosis, Gaps, NextMeasurement, Region, Step, Verdict
 from flexmodal.diagnosis.placed import Placed
 from flexmodal.identification import fit, gap, observe, predict, uncertainty
 from flexmodal.rig import Hide, simulate
@@ -103,9 +103,9 @@ def diagnosed(context, observed, hinged):
         *KEY, own, {"stiffness": "N·m/rad", "damping": "N·m·s/rad", "position": ""}, {"stiffness": 2e4},
         0.93, Gaps(sizes["before"].value, sizes["after"].value, 0.1, 0.05, sizes["after"].noise_floor),
         (
-            Weighed("local_absorber", "link_2", 0.06, 0.07, -3.1, 0.05, 6),
-            Weighed("unstructured_mode", "everywhere", 0.07, None, -5.0, 0.02, 9),
-            Weighed("none", "", sizes["before"].value, 0.1, -80.0, 0.0, 0),
+            Compared("local_absorber", "link_2", 0.06, 0.07, -3.1, 0.05, 6),
+            Compared("unstructured_mode", "everywhere", 0.07, None, -5.0, 0.02, 9),
+            Compared("none", "", sizes["before"].value, 0.1, -80.0, 0.0, 0),
         ),
         ties=(("local_absorber", "link_2"),),
     )  # fmt: skip

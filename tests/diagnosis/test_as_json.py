@@ -6,13 +6,14 @@ from dataclasses import replace
 import pytest
 
 from flexmodal.diagnosis.as_json import as_json
+from flexmodal.diagnosis.outcome import Remaining
 from flexmodal.errors import FlexmodalError
 
 GAP = {"before", "after", "held_out_before", "held_out_after", "noise_floor"}
 TOP = {"format", "campaign", "robot", "gap", "disagreement", "steps", "verdict", "warnings"}
-TOP |= {"next_measurement", "law_free"}
+TOP |= {"next_measurement", "law_free", "stand_in", "baselines"}
 REGION = {"rank", "posture", "response", "reference", "trial", "band", "share", "kind", "says"}
-STEP = {"effect", "where", "parameters", "uncertainty", "confidence", "alternatives", "gap"}
+STEP = {"effect", "where", "parameters", "uncertainty", "confidence", "share", "alternatives", "gap"}
 
 
 def plain(diagnosis):
@@ -32,7 +33,7 @@ def test_keys_are_those_of_the_format(diagnosed):
     assert set(step) == STEP
     assert set(step["gap"]) == GAP
     assert all(set(one) == {"effect", "where", "confidence"} for one in step["alternatives"])
-    assert set(found["verdict"]) == {"effects", "explained", "says", "share", "undecided"}
+    assert set(found["verdict"]) == {"effects", "explained", "says", "share", "undecided", "remaining"}
     assert set(found["next_measurement"]) == {"posture", "response", "reference", "separates", "gain"}
 
 
@@ -59,6 +60,15 @@ def test_one_effect_in_two_places_is_told_apart_by_them(diagnosed):
 def test_nothing_found(diagnosed):
     found = plain(replace(diagnosed, steps=(), next_measurement=None, disagreement=()))
     assert (found["steps"], found["disagreement"], found["next_measurement"]) == ([], [], None)
+
+
+def test_what_remains_is_told_beside_the_names(diagnosed):
+    assert plain(diagnosed)["verdict"]["remaining"] is None
+    left = replace(diagnosed.verdict, explained=False, remaining=Remaining(1.8, "link_2", "damping"))
+    (step,) = diagnosed.steps
+    found = plain(replace(diagnosed, verdict=left, steps=(replace(step, share=0.7),)))
+    assert found["verdict"]["remaining"] == {"over_noise": 1.8, "where": "link_2", "kind": "damping"}
+    assert found["steps"][0]["share"] == 0.7
 
 
 def test_numbers_that_are_none(diagnosed):

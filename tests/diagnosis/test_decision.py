@@ -13,13 +13,14 @@ from flexmodal.diagnosis.selection.decision import (
     SIGNIFICANT,
     Answer,
     Choice,
+    among_vouched,
     any_gains,
     choice,
     gains_enough,
     reaches,
     rivals,
 )
-from flexmodal.diagnosis.selection.frf_data import (
+from flexmodal.diagnosis.selection.frf_thresholds import (
     ANOTHER,
     ANOTHER_MARGIN,
     EXPLAINED,
@@ -83,6 +84,25 @@ def test_what_is_vouched_for_comes_first_if_it_gains_anything():
     assert choice(found, None, worth, [False, True, False]) == Choice(1)
     assert choice(found, None, worth, [False, True, True]) == Choice(2)
     assert choice(compared(0.5 * MARGIN), None, [Answer.NO] * 2, [False, True]) == Choice(None)
+
+
+def test_how_sure_is_what_is_vouched_for_is_asked_among_its_like():
+    """What sits in the wrong place may take more alone; what is alone and best stays as it was compared."""
+    every = compared(3.0, 40.0, 20.0)
+
+    def vouches(model):
+        return model.key == KEYS[1]
+
+    def among(models):
+        numbers = [model.number for model in models]
+        return Comparison(models, every.scores[numbers], every.table[numbers])
+
+    narrowed, number = among_vouched(every, 1, vouches, among)
+    assert [one.key for one in narrowed.models] == KEYS[:2]
+    assert narrowed.models[number].key == KEYS[1]
+    assert every.probability[1] < 1e-9
+    assert narrowed.probability[number] == pytest.approx(1 / (1 + np.exp(-3.0)))
+    assert among_vouched(every, 2, vouches, among) == (every, 2)
 
 
 def test_a_gain_that_few_draws_bear_out_is_none():

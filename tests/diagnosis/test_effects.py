@@ -343,3 +343,73 @@ def test_a_structure_seen_anywhere_is_that_of_the_observations(hinged, observed)
         structure, other = structures[posture], group.structures[number]
         np.testing.assert_array_equal(structure.mass, other.mass)
         np.testing.assert_array_equal(structure.response, other.response)
+
+
+@pytest.fixture(scope="module")
+def spatial():
+    """The same on an arm in space."""
+    result = simulate(
+        flexmodal.load("six_axis"), postures=2, points=3, trials=2, averages=2, seed=3,
+        record_length=1.0, band=(2.0, 120.0), parameter_error=0.0,
+    )  # fmt: skip
+    stand = make_stand(result.robot, result.plan, known_robot(result.robot, {}))
+    observed = unlimited(observe(result.campaign))
+    return Context.of(result.robot, observed), observed, stand
+
+
+BEARING = {"tilt_stiffness": 4e5, "radial_stiffness": 6e7, "axial_stiffness": 9e7, "damping_time": 4e-4}
+
+
+@pytest.mark.parametrize("joint", ["q1", "q3", "q5"])
+def test_a_bearing_is_that_of_the_rig(spatial, joint):
+    context, observed, stand = spatial
+    found = ours(context, observed, "bearing_flexibility", joint, BEARING)
+    other = theirs(observed, stand, "bearing_flexibility", joint, BEARING)
+    np.testing.assert_allclose(found, other, rtol=1e-7)
+
+
+def test_two_rows_are_springs_that_meet_off_the_joint(spatial):
+    """k₁ at a and k₂ at b shift about their mean and tilt on Σ k (z − mean)²."""
+    context, observed, stand = spatial
+    rows = {"front_stiffness": 4e7, "rear": 0.4, "apart": 0.16, "middle": 0.03, "axial": 0.5,
+            "damping_time": 4e-4}  # fmt: skip
+    spring, place = np.array([4e7, 1.6e7]), np.array([0.11, -0.05])
+    mean = spring @ place / spring.sum()
+    values = {
+        "radial_stiffness": spring.sum(), "tilt_stiffness": spring @ (place - mean) ** 2,
+        "axial_stiffness": 0.5 * spring.sum(), "offset": mean, "damping_time": 4e-4,
+    }  # fmt: skip
+    found = ours(context, observed, "bearing_flexibility", "q2", values)
+    other = theirs(observed, stand, "bearing_flexibility", "q2", rows, "rows")
+    np.testing.assert_allclose(found, other, rtol=1e-7)
+
+
+def test_a_bearing_in_a_plane_shifts_alone(bench):
+    context, observed, stand = bench
+    values = {"radial_stiffness": 5e6, "damping_time": 4e-4}
+    found = ours(context, observed, "bearing_flexibility", "q2", values)
+    other = {**values, "tilt_stiffness": 1e5, "axial_stiffness": 1e6}
+    np.testing.assert_allclose(found, theirs(observed, stand, "bearing_flexibility", "q2", other), rtol=1e-7)
+
+
+def test_all_bearings_alike_are_each_of_them(spatial):
+    """Tilts of all joints on a multiple of their own stiffness; shifts so stiff that they do not count."""
+    context, observed, stand = spatial
+    found = ours(context, observed, "bearing_flexibility", "joints",
+                 {"tilt_factor": 3.0, "damping_time": 4e-4})  # fmt: skip
+    specs = []
+    for joint, card in context.robot.joints.items():
+        tilt = 3.0 * float(card.stiffness)
+        values = {"tilt_stiffness": tilt, "radial_stiffness": 1e13, "axial_stiffness": 1e13,
+                  "damping_time": 4e-4}  # fmt: skip
+        specs.append((FORMS["bearing_flexibility"]["own"], Site(stand, joint, values)))
+    posture = observed.postures[0]
+    plant = build(stand, posture, specs)
+    row = int(np.flatnonzero(observed.posture == 0)[0])
+    places = []
+    for point, axis in (observed.response[row], observed.reference[row]):
+        place = observed.campaign.point(int(point))
+        places.append(plant.row(place.link, np.array(place.xyz), np.eye(3)[axis - 1])[None])
+    frequency = observed.axis.frequency
+    other = -plant.inertance(*places, frequency)[:, 0, 0] / (2 * np.pi * frequency) ** 2
+    np.testing.assert_allclose(found[row], other, rtol=1e-4)

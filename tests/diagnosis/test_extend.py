@@ -1,6 +1,8 @@
 """The improved robot, loaded from its files, has the receptances of the diagnosis' final model."""
 
+import re
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,6 +17,7 @@ from flexmodal.diagnosis.placed import Placed
 from flexmodal.errors import InvalidRequest
 from flexmodal.identification import observe
 from flexmodal.model import check
+from flexmodal.model.collision import scene_of
 from flexmodal.rig import simulate
 from flexmodal.structure import robot_space
 from flexmodal.structure.solution import solved
@@ -22,9 +25,11 @@ from flexmodal.structure.structure import Axis
 
 STRUCTURAL = (
     "link_flexibility", "base_flexibility", "servo_compliance", "structural_damping", "joint_coupling",
+    "bearing_flexibility",
     "added_mass", "local_absorber",
 )  # fmt: skip
 ROBOTS = ("fanuc_s360", "six_link", "six_axis")
+ROOT = Path(__file__).parents[2]
 SEEN = {}
 """What was measured, by context."""
 
@@ -240,6 +245,67 @@ def test_names_that_are_taken(context_of):
     assert draft.fresh("link_1") == "link_1_2"
     assert draft.fresh("link_1") == "link_1_3"
     assert draft.fresh("location_1") == "location_1_2"
+
+
+def full_card(robot, folder):
+    """The robot, loaded from a card that says all that a card can, but for couplings and loss factors."""
+    text = (ROOT / "robots" / robot.name / "robot.toml").read_text(encoding="utf-8")
+    urdf = f'urdf = "{robot.urdf.path}"\nsrdf = "arm.srdf"'
+    text = re.sub(r"^urdf = .*$", lambda _: urdf, text, flags=re.MULTILINE)
+    joint = "[joint.q1]\n"
+    assert joint in text
+    text = text.replace(joint, f"{joint}rotor_inertia = 0.5\nlower = 0.6\nupper = 1.7\nscale = 0.4\n")
+    text += """
+        [obstacle.table]
+        box = [1.0, 1.0, 0.1]
+        xyz = [0.0, 0.0, -0.9]
+        [obstacle.near]
+        sphere = 0.02
+        xyz = [-0.05, 0.0, 0.0]
+        link = "link_1"
+        [obstacle.far]
+        cylinder = [0.02, 0.1]
+        xyz = [0.8, 0.0, 0.0]
+        rpy = [0.1, 0.2, 0.3]
+        link = "link_1"
+    """
+    folder.mkdir()
+    (folder / "arm.srdf").write_text('<robot name="arm"/>', encoding="utf-8")
+    (folder / "robot.toml").write_text(text, encoding="utf-8")
+    return flexmodal.load(folder / "robot.toml")
+
+
+def test_nothing_of_the_card_is_lost(context_of, diagnosed, tmp_path):
+    context = context_of("fanuc_s360")
+    robot = full_card(context.robot, tmp_path / "old")
+    seen = seen_by(robot, SEEN[context])
+    hypothesis = Hypothesis(seen, robot_space(robot))
+    hypothesis = hypothesis.and_also(Placed(catalogue()["link_flexibility"], "link_1"))
+    (tmp_path / "new").mkdir()
+    _, loaded = written(diagnosed, hypothesis, np.zeros(len(hypothesis.space)), tmp_path / "new")
+    assert loaded.families == robot.families
+    assert loaded.srdf == robot.srdf
+    assert loaded.title == robot.title
+    assert {name: loaded.postures[name] for name in robot.postures} == robot.postures
+    for name, joint in robot.joints.items():
+        assert replace(loaded.joints[name], stiffness=joint.stiffness, damping=joint.damping) == joint
+    assert loaded.obstacles["table"] == robot.obstacles["table"]
+    assert loaded.obstacles["near"] == robot.obstacles["near"]
+    far = loaded.obstacles["far"]  # beyond the place where the link is cut
+    assert far.link.startswith("link_1_beyond")
+    assert (far.cylinder, far.rpy) == (robot.obstacles["far"].cylinder, robot.obstacles["far"].rpy)
+    for obstacle in ("near", "far"):  # as far from the table as it was, by the collision shapes of both
+        before, after = (to_the_table(arm, obstacle) for arm in (robot, loaded))
+        assert before > 0
+        assert after == pytest.approx(before, abs=1e-12)
+
+
+def to_the_table(robot, obstacle):
+    """Distance in a bent posture [m]."""
+    scene = scene_of(robot)
+    found = dict(zip(map(frozenset, scene.pairs), scene.distances(robot.at("configuration_2")), strict=True))
+    (pair,) = (pair for pair in found if {one.split()[-1] for one in pair} == {obstacle, "table"})
+    return found[pair]
 
 
 def test_meshes_are_still_found(diagnosed, context_of, tmp_path):

@@ -9,10 +9,10 @@ import flexmodal
 from flexmodal.diagnosis.effects import Context, catalogue
 from flexmodal.diagnosis.effects.joint_laws import FRICTION
 from flexmodal.diagnosis.hypothesis import Hypothesis
-from flexmodal.diagnosis.march.model import MarchedModel, has_law
-from flexmodal.diagnosis.march.pulse import PULSES, pulses
 from flexmodal.diagnosis.placed import Placed
 from flexmodal.diagnosis.search.refine import refined
+from flexmodal.diagnosis.time_domain.model import TimeDomainModel, has_law
+from flexmodal.diagnosis.time_domain.pulse import PULSES, pulses
 from flexmodal.errors import InvalidRequest
 from flexmodal.identification import fit, gap, observe, predict
 from flexmodal.identification.model import evaluated
@@ -178,7 +178,7 @@ def test_without_a_torque_it_is_the_linear_model(plain, other):
     values = {"sensor_mass@sensor": {"mass": 1.5}, "sensor_gain@location_1": {"gain": 1.1}}.get(
         "".join(other), {}
     )
-    found, _ = receptances(MarchedModel(hypothesis), at(hypothesis, change=0.0, **values), lines)
+    found, _ = receptances(TimeDomainModel(hypothesis), at(hypothesis, change=0.0, **values), lines)
     expected, _ = receptances(linear, at(linear, **values), lines)
     if other:
         bare, _ = receptances(hypothesis_of(plain), np.zeros(len(linear.base)), lines)
@@ -189,7 +189,7 @@ def test_without_a_torque_it_is_the_linear_model(plain, other):
 
 def test_derivatives_are_those_of_central_differences(plain):
     hypothesis = hypothesis_of(plain, "coulomb_friction@q2", "added_mass@link_3")
-    model, lines = MarchedModel(hypothesis), np.arange(3, 190, 20)
+    model, lines = TimeDomainModel(hypothesis), np.arange(3, 190, 20)
     x = at(hypothesis, torque=0.5, presliding_stiffness=1e5)
     _, [(_, value, slopes)] = receptances(model, x, lines, slopes=True)
     step = 1e-4
@@ -213,15 +213,15 @@ def test_effects_of_others_can_have_a_law(plain):
     theirs = Hypothesis(ours.context, ours.base, (Placed(replace(FRICTION, name="stiction"), "q2"),))
     lines = np.arange(0, 190, 30)
     x = at(ours, torque=0.5, presliding_stiffness=1e5)
-    one, other = (receptances(MarchedModel(h), x, lines)[0] for h in (ours, theirs))
+    one, other = (receptances(TimeDomainModel(h), x, lines)[0] for h in (ours, theirs))
     np.testing.assert_array_equal(one, other)
     assert has_law(theirs)
 
 
-def test_nothing_to_march(plain):
+def test_nothing_to_integrate(plain):
     hypothesis = hypothesis_of(plain, "added_mass@link_3")
     assert not has_law(hypothesis)
     with pytest.raises(InvalidRequest, match="added_mass@link_3"):
-        MarchedModel(hypothesis)
+        TimeDomainModel(hypothesis)
     with pytest.raises(InvalidRequest, match="no effect"):
-        MarchedModel(hypothesis_of(plain))
+        TimeDomainModel(hypothesis_of(plain))

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from flexmodal.diagnosis.names import UNKNOWN
-from flexmodal.diagnosis.outcome import Verdict, Weighed
+from flexmodal.diagnosis.outcome import Compared, Verdict
 from flexmodal.diagnosis.report import write_report
 from flexmodal.diagnosis.report.page import report_text
 from flexmodal.diagnosis.report.pictures import over_noise, telling_rows
@@ -66,10 +66,10 @@ def test_verdict_comes_first(page, diagnosed):
 def test_every_part_is_there(page):
     heads = [head for head in page.heads if head.strip()]
     assert [head for head in heads if head in {
-        "Where they disagree", "Measured and modelled", "What was weighed", "How the gap came down",
+        "Where they disagree", "Measured and modelled", "What was compared", "How the gap came down",
         "Parameters", "What to measure next", "What this does not say", "Where it comes from",
     }] == [
-        "Where they disagree", "Measured and modelled", "What was weighed", "How the gap came down",
+        "Where they disagree", "Measured and modelled", "What was compared", "How the gap came down",
         "Parameters", "What to measure next", "What this does not say", "Where it comes from",
     ]  # fmt: skip
     assert page.tags.count("svg") == 3 + 6 + 1  # two maps and the arm, six FRFs, the descent
@@ -137,8 +137,8 @@ def test_nothing_missing(diagnosed, hinged):
         deviation=np.zeros(len(before.x)), disagreement=(), next_measurement=None,
         predicted=dict(diagnosed.predicted) | {"after": diagnosed.predicted["before"]},
         refused=(
-            Weighed("none", "", 0.06, None, 0.0, 0.9, 0),
-            Weighed("added_mass", "link_1", 0.06, None, -2.0, 0.1, 3),
+            Compared("none", "", 0.06, None, 0.0, 0.9, 0),
+            Compared("added_mass", "link_1", 0.06, None, -2.0, 0.1, 3),
         ),
     )  # fmt: skip
     page = Page(report_text(nothing))

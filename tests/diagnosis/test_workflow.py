@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import flexmodal
+from flexmodal.campaign import Tolerance
 from flexmodal.diagnosis import diagnose
 from flexmodal.diagnosis.disagreement.compare import disagreement, force_dependence
 from flexmodal.diagnosis.disagreement.gaps import over_noise
@@ -19,7 +20,8 @@ from flexmodal.diagnosis.search.search import restarted, simpler
 from flexmodal.diagnosis.selection.asked import asked_of
 from flexmodal.diagnosis.selection.decision import SIGNIFICANT, Answer
 from flexmodal.diagnosis.selection.frf_comparison import compare_models
-from flexmodal.diagnosis.selection.frf_data import FLOOR_REACHED, FrfData
+from flexmodal.diagnosis.selection.frf_data import FrfData
+from flexmodal.diagnosis.selection.frf_thresholds import FLOOR_REACHED
 from flexmodal.diagnosis.selection.selection import ForwardSelection
 from flexmodal.diagnosis.setup import prepare
 from flexmodal.diagnosis.verdict.facts import Facts
@@ -61,13 +63,13 @@ def test_nothing_hidden_is_nothing_missing(clean):
     assert found.gaps.after <= 1.2 * found.gaps.noise_floor
 
 
-def test_a_hidden_mass_is_found_and_weighed(loaded):
+def test_a_hidden_mass_is_found_and_compared(loaded):
     found = diagnose(*loaded)
     assert found.verdict.effects == (("added_mass", "link_3"),)
     step = found.steps[0]
     assert step.gaps.after < 1.3 * step.gaps.noise_floor
     assert step.gaps.held_out_after < 0.8 * step.gaps.held_out_before
-    assert any(one.effect == "none" for one in step.alternatives), "the robot re-tuned is always weighed"
+    assert any(one.effect == "none" for one in step.alternatives), "the robot re-tuned is always compared"
     assert step.confidence > 0.9
     assert sum(one.confidence for one in step.alternatives) + step.confidence == pytest.approx(1, abs=1e-9)
     assert step.units["mass"] == "kg"
@@ -115,11 +117,11 @@ def test_regions_name_what_a_gain_does(clean):
     measured, robot = clean
     observations = observe(measured)
     value = predict(RobotModel(robot, robot_space(robot)), np.zeros(len(robot_space(robot))), observations)
-    loud = replace(observations, value=value.copy(), variance=np.full(value.shape, 1e-6))
-    loud.value[loud.response[:, 0] == loud.response[0, 0]] *= 1.3
-    regions = disagreement(loud, value)
+    with_force = replace(observations, value=value.copy(), variance=np.full(value.shape, 1e-6))
+    with_force.value[with_force.response[:, 0] == with_force.response[0, 0]] *= 1.3
+    regions = disagreement(with_force, value)
     assert {region.kind for region in regions} == {"level"}
-    assert {region.response[0] for region in regions} == {int(loud.response[0, 0])}
+    assert {region.response[0] for region in regions} == {int(with_force.response[0, 0])}
     assert sum(region.share for region in regions) == pytest.approx(1, abs=0.01)
     assert "1.3" in regions[0].says
 
@@ -136,12 +138,12 @@ def test_unknown_postures_are_named(clean):
 
 
 @pytest.mark.slow
-def test_a_mode_with_no_structure_is_always_weighed(clean, loaded):
+def test_a_mode_with_no_structure_is_always_compared(clean, loaded):
     nothing, mass = diagnose(*clean, effects=["sensor_gain"]), diagnose(*loaded, effects=["added_mass"])
     assert {one.effect for one in nothing.refused} >= {"none", "unstructured_mode", "sensor_gain"}
-    weighed = {one.effect: one for one in mass.steps[0].alternatives}
-    assert weighed["unstructured_mode"].parameters > 4
-    assert weighed["unstructured_mode"].evidence < -SIGNIFICANT
+    compared = {one.effect: one for one in mass.steps[0].alternatives}
+    assert compared["unstructured_mode"].parameters > 4
+    assert compared["unstructured_mode"].evidence < -SIGNIFICANT
 
 
 def test_parameters_beyond_belief_count_against_whoever_needs_them(loaded):
@@ -258,3 +260,23 @@ def test_an_effect_can_be_asked_for_by_its_place(loaded):
     assert setup.asked == {"added_mass": ("link_3",), "sensor_gain": ()}
     with pytest.raises(InvalidRequest, match="added_mass@link_9"):
         laid_out(*loaded, ["added_mass@link_9"])
+
+
+@pytest.mark.slow
+def test_what_lies_within_tolerance_is_no_effect():
+    """Angles and places a little off look like something missing, until the campaign says how far off."""
+    measured, robot = campaign(seed=31, postures=5, trials=2)
+    random = np.random.default_rng(31)
+    postures = tuple(
+        replace(one, q={name: value + random.normal(0, 0.01) for name, value in one.q.items()})
+        for one in measured.postures
+    )
+    points = tuple(
+        replace(one, xyz=tuple(float(x + random.normal(0, 0.004)) for x in one.xyz))
+        for one in measured.points
+    )
+    off = replace(measured, postures=postures, points=points)
+    assert diagnose(off, robot).verdict.effects
+    told = diagnose(replace(off, tolerance=Tolerance(posture=0.01, position=0.005)), robot)
+    assert told.verdict.effects == ()
+    assert told.verdict.explained

@@ -3,8 +3,10 @@
     python tests/distribution/clean_environment.py [--lowest] [--python NAME …] [--sdist] [TEST …]
 
 `--lowest` installs the oldest versions that pyproject.toml allows instead of those of constraints.txt. The
-tests named are run against what is installed, a choice that touches every room if none is named. Run by
-`make distribution`; takes minutes and a build environment, so it is no pytest.
+tests named are run against what is installed, a choice that touches every room if none is named: those of the
+checkout for the wheel, those that the sdist brings for the sdist. Pythons are looked for on the path and
+among the versions of pyenv; one that is not on the machine is named and left out. Run by `make distribution`;
+takes minutes and a build environment, so it is no pytest.
 """
 
 from __future__ import annotations
@@ -15,6 +17,7 @@ import re
 import shutil
 import subprocess
 import sys
+import tarfile
 import tempfile
 import tomllib
 from pathlib import Path
@@ -52,26 +55,39 @@ def build(folder: Path) -> list[Path]:
     return sorted(folder.glob("flexmodal-*"))
 
 
-def works(python: str) -> bool:
-    """Whether a Python of that name runs; pyenv has shims of those that do not."""
-    return (
-        bool(shutil.which(python))
-        and not subprocess.run([python, "-c", ""], capture_output=True, check=False).returncode
-    )
+def interpreter(name: str) -> str | None:
+    """The Python of a name such as python3.12, if one runs: on the path, or one of pyenv's."""
+    kept = Path(os.environ.get("PYENV_ROOT", Path.home() / ".pyenv")) / "versions"
+    version = name.removeprefix("python")
+    others = sorted(kept.glob(f"{version}.*/bin/{name}")) if version[:1].isdigit() else []
+    for found in (shutil.which(name), *map(str, others)):
+        if found and not subprocess.run([found, "-c", ""], capture_output=True, check=False).returncode:
+            return found
+    return None
+
+
+def tested_from(package: Path, scratch: Path) -> Path:
+    """The folder whose tests are run: the checkout, or the sdist itself, unpacked."""
+    if package.suffix == ".whl":
+        return ROOT
+    with tarfile.open(package) as packed:
+        packed.extractall(scratch, filter="data")
+    return scratch / package.name.removesuffix(".tar.gz")
 
 
 def examine(python: str, package: Path, constraints: Path, tests: list[str]) -> bool:
     """Install a package and what the tests need in a new environment, outside the checkout; run the tests."""
     with tempfile.TemporaryDirectory() as scratch:
         place = Path(scratch) / "environment"
+        source = tested_from(package, Path(scratch))
         subprocess.run([python, "-m", "venv", place], check=True)
         run = [place / "bin" / "python", "-m", "pip", "install", "--quiet"]
         subprocess.run([*run, "--upgrade", "pip>=25.1"], check=True)
-        wanted = [f"{package}[arms,excel,fast]", "--group", f"{ROOT / 'pyproject.toml'}:dev"]
+        wanted = [f"{package}[arms,excel,fast]", "--group", f"{source / 'pyproject.toml'}:dev"]
         if subprocess.run([*run, "--constraint", constraints, *wanted], check=False).returncode:
             return False
-        command = [place / "bin" / "pytest", "-q", "-p", "no:cacheprovider", "--rootdir", ROOT]
-        command += ["-c", ROOT / "pyproject.toml", *(ROOT / "tests" / test for test in tests)]
+        command = [place / "bin" / "pytest", "-q", "-p", "no:cacheprovider", "--rootdir", source]
+        command += ["-c", source / "pyproject.toml", *(source / "tests" / test for test in tests)]
         ran = subprocess.run(
             command, cwd=scratch, env={**os.environ, "OPENBLAS_NUM_THREADS": "1"}, check=False
         )
@@ -95,13 +111,14 @@ def main() -> int:
         for package in build(Path(folder)):
             if package.suffix != ".whl" and not given.sdist:
                 continue
-            for python in given.python or PYTHONS:
-                if not works(python):
-                    print(f"{python}: not on this machine")
+            for name in given.python or PYTHONS:
+                python = interpreter(name)
+                if python is None:
+                    print(f"{name}: not on this machine", flush=True)
                     continue
                 sound = examine(python, package, constraints, given.tests)
                 failed |= not sound
-                print(f"{python}, {package.name}: {'sound' if sound else 'FAILED'}", flush=True)
+                print(f"{name}, {package.name}: {'sound' if sound else 'FAILED'}", flush=True)
     return int(failed)
 
 

@@ -26,7 +26,7 @@ def test_the_page_does_what_it_says(page, place):
 
 def test_there_is_something_to_run():
     kinds = {step.kind for page in PAGES for step in steps(page)}
-    assert kinds == {"commands", "python", "file"}
+    assert kinds == {"commands", "python", "file", "addition"}
     assert any(step.expected for page in PAGES for step in steps(page))
 
 

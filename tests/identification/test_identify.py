@@ -9,6 +9,8 @@ import flexmodal
 from flexmodal.campaign import COHERENT, noise_floor
 from flexmodal.errors import InvalidRequest
 from flexmodal.identification import build_identification, identify, observe
+from flexmodal.identification.as_json import as_json
+from flexmodal.identification.page import estimate_cells
 from flexmodal.identification.signal import COHERENT_SHARE, roughness
 from flexmodal.rig import simulate
 from flexmodal.structure import robot_space
@@ -113,6 +115,10 @@ def test_a_parameter_at_its_bound_is_flagged(campaign, fanuc):
     outcome = identify(campaign, fanuc, space=type(space)(tuple(tight)))
     assert outcome.at_bound == ("stiffness.q2",)
     assert "at a bound: stiffness.q2" in outcome.verdict
+    (held,) = (one for one in outcome.estimates if one.at_bound)
+    assert np.isnan([held.standard_error, *held.interval]).all()  # a bound has no ±
+    assert estimate_cells(held)[2:4] == ("–", "–")
+    assert as_json(outcome)["parameters"]["stiffness.q2"]["interval"] is None
 
 
 def test_outliers_do_not_carry_the_fit_away(campaign, fanuc, rig):

@@ -1,6 +1,7 @@
 """Parameters from modes: derivatives, pairing, agreement with the FRF evidence, zeros."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -22,6 +23,8 @@ from flexmodal.identification.model import places_of
 from flexmodal.structure import robot_space
 from flexmodal.structure.poles import poles
 from flexmodal.structure.structure import Axis, receptance
+
+ROOT = Path(__file__).parents[2]
 
 DIP = 83.0
 """Where the drive point has an antiresonance in these postures, within 15 % [Hz]."""
@@ -147,7 +150,7 @@ def _frequencies_only(problem):
 
 
 def test_the_table_of_the_thesis_is_read_with_its_doubts():
-    campaign = read_campaign("robots/fanuc_s360/campaigns/thesis")
+    campaign = read_campaign(ROOT / "robots/fanuc_s360/campaigns/thesis")
     observed = modes_of_table(campaign)
     first = next(mode for mode in observed.modes if (mode.posture, mode.number) == (0, 1))
     assert first.frequency == pytest.approx(7.45)  # 7.4 7.5 7.4 7.5 7.4 7.5
@@ -159,7 +162,7 @@ def test_the_table_of_the_thesis_is_read_with_its_doubts():
 
 
 def test_a_mode_that_the_model_lacks_stays_single(fanuc):
-    campaign = read_campaign("robots/fanuc_s360/campaigns/thesis")
+    campaign = read_campaign(ROOT / "robots/fanuc_s360/campaigns/thesis")
     problem = build_identification(campaign, fanuc, use=["frequency", "damping"])
     partners = problem.evidence.problem.partners(np.zeros(len(problem.space)))
     single = [m for m, p in zip(problem.evidence.observations.modes, partners, strict=True) if p < 0]
@@ -168,7 +171,7 @@ def test_a_mode_that_the_model_lacks_stays_single(fanuc):
 
 
 def test_fewer_modes_than_parameters_are_refused(fanuc):
-    campaign = read_campaign("robots/fanuc_s360/campaigns/thesis")
+    campaign = read_campaign(ROOT / "robots/fanuc_s360/campaigns/thesis")
     few = replace(campaign, modes=_only(campaign.modes, 1))
     with pytest.raises(
         flexmodal.errors.InvalidRequest, match=r"4 numbers .frequency. of modes for 16 parameters"

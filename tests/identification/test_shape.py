@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 
 import flexmodal
+from flexmodal.cards import FrozenDict, ObstacleCard
 from flexmodal.errors import InvalidRequest
 from flexmodal.identification import RobotModel, identify
 from flexmodal.identification.improved import write_improved
+from flexmodal.model.placements import link_placements
 from flexmodal.rig import simulate
 from flexmodal.structure import robot_space
 from flexmodal.structure.structure import Axis, receptance
@@ -70,6 +72,23 @@ def test_the_written_robot_is_the_model(name, tool, tmp_path):
         placed = RobotModel(robot, space).structure_at(x, dict(q), places_of(robot)[:3], [])
         rows = found.rows(found.directions([f"{point}:+z" for point in points]))
         np.testing.assert_allclose(rows, placed.response, atol=1e-9)
+
+
+def test_a_moved_pivot_leaves_obstacles_where_they_are(fanuc, tmp_path):
+    """The link beyond the pseudo-joint has a new frame; what it carries stays in place."""
+    carried = ObstacleCard(sphere=0.1, xyz=(0.3, 0.02, 0.0), link="link_2_outer")
+    table = ObstacleCard(box=(1.0, 1.0, 0.1), xyz=(0.0, 0.0, -1.0))
+    robot = replace(fanuc, obstacles=FrozenDict({"spindle": carried, "table": table}))
+    path = write_improved(robot, {"position.rho": 0.06}, tmp_path / "robot", source="a test")
+    new = flexmodal.load(path)
+    assert new.obstacles["table"] == table
+    assert new.families == fanuc.families
+    before, after = (
+        link_placements(arm, {})["link_2_outer"] @ [*arm.obstacles["spindle"].xyz, 1.0]
+        for arm in (robot, new)
+    )
+    np.testing.assert_allclose(after, before, atol=1e-12)
+    assert new.obstacles["spindle"].xyz != carried.xyz
 
 
 def test_pseudo_joint_and_payload_are_found(fanuc, tmp_path):

@@ -6,7 +6,8 @@ import pytest
 import flexmodal
 from flexmodal.identification.frf_fit import residual
 from flexmodal.structure.arm import Arm
-from flexmodal.structure.assembly import Assembly, put_together
+from flexmodal.structure.assembly import Assembly
+from flexmodal.structure.robot_terms import put_together
 from flexmodal.structure.space import robot_space
 from flexmodal.structure.structure import Axis, Change, Structure, receptance
 

@@ -1,6 +1,7 @@
 """The thesis's eigenvalue method and piecewise model."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,7 +16,9 @@ from flexmodal.identification.evidence.mode_sources import modes_of_table
 from flexmodal.identification.piecewise import piecewise
 from flexmodal.structure.poles import poles
 
-CAMPAIGN = "robots/fanuc_s360/campaigns/thesis"
+ROOT = Path(__file__).parents[2]
+
+CAMPAIGN = str(ROOT / "robots/fanuc_s360/campaigns/thesis")
 TWO = ("configuration_1", "configuration_7")
 FOUR = ("configuration_1", "configuration_2", "configuration_6", "configuration_7")
 LINKS = ("link_1", "link_2", "link_2_outer", "link_3")

@@ -9,7 +9,8 @@ from flexmodal.identification.model import RobotModel, predict
 from flexmodal.identification.observations import observe
 from flexmodal.rig import simulate
 from flexmodal.structure.arm import Arm
-from flexmodal.structure.assembly import Assembly, put_together
+from flexmodal.structure.assembly import Assembly
+from flexmodal.structure.robot_terms import put_together
 from flexmodal.structure.space import robot_space
 from flexmodal.structure.structure import Axis
 from flexmodal.structure.truncation import missing

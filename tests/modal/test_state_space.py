@@ -1,5 +1,7 @@
 """State-space models against the receptance they are of, and what python-control and scipy make of them."""
 
+from pathlib import Path
+
 import control
 import numpy as np
 import pytest
@@ -7,6 +9,8 @@ import scipy.signal
 
 import flexmodal
 from flexmodal.errors import InvalidRequest
+
+ROOT = Path(__file__).parents[2]
 
 FREQUENCY = np.linspace(0.5, 120.0, 60)
 
@@ -80,7 +84,7 @@ def test_a_loss_factor_has_no_state_space(posed):
 
 
 def test_measured_modes_as_a_model():
-    measured = flexmodal.read_campaign("tests/data/real/laboratory_hammer/frf.uff")
+    measured = flexmodal.read_campaign(ROOT / "tests/data/real/laboratory_hammer/frf.uff")
     (fit,) = flexmodal.fit(measured, per="posture")
     model = fit.to_ss()
     s = 2j * np.pi * FREQUENCY

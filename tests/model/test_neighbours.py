@@ -67,7 +67,9 @@ def test_joints_without_a_spring_stand_where_the_posture_has_them(tmp_path):
     posed = robot.at(pose)
     model, data = _there(mujoco_text(robot, pose))
     assert model.nv == 2
-    assert _mass(model, data) == pytest.approx(posed.system.mass, rel=1e-10)
+    # Inertias that are no multiple of one axis are turned to their principal axes there, in older releases to
+    # some 1e-9 only.
+    assert _mass(model, data) == pytest.approx(posed.system.mass, rel=1e-8)
     assert np.allclose(data.site("tool").xpos, posed.position("tool"), atol=1e-12)
 
 

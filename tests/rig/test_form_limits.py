@@ -545,3 +545,34 @@ def test_sensors_weigh_on_what_they_measure(form, given, felt, bars, stand, hidd
     s = 2j * np.pi * lines[inside]
     exact = s**2 / (K + 40.0 * s + s**2 * (I + felt(s)))
     assert np.abs(value[inside] - exact).max() < 2e-5 * np.abs(exact).max()
+
+
+# bearings
+
+SEAT = {"tilt_stiffness": 3e5, "radial_stiffness": 4e7, "axial_stiffness": 5e7, "damping_time": 0.0}
+
+
+@pytest.fixture
+def spatial(stand):
+    return stand(flexmodal.load("six_axis"), references=["tool_side:+z"], postures=["work"])
+
+
+def of_tool(plant) -> np.ndarray:
+    rows = [plant.row("link_6", np.zeros(3), way)[None] for way in np.eye(3)]
+    rows = np.concatenate(rows)
+    return plant.inertance(rows, rows, FREQUENCY)
+
+
+def test_a_housing_as_stiff_every_way_is_no_housing(spatial, hidden):
+    own = hidden(spatial, "bearing_flexibility", "q3", **SEAT)
+    other = hidden(spatial, "bearing_flexibility:housing", "q3", **SEAT, ratio=1.0, angle=0.7)
+    np.testing.assert_allclose(of_tool(put(spatial, other)), of_tool(put(spatial, own)), rtol=1e-8)
+
+
+@pytest.mark.parametrize(("time", "factor"), [(1e-7, 1.0), (1e4, 1.5)])
+def test_a_seat_that_relaxes_at_once_or_never_is_a_spring(time, factor, spatial, hidden):
+    given = {name: value * factor for name, value in SEAT.items()}
+    own = hidden(spatial, "bearing_flexibility", "q3", **given)
+    other = hidden(spatial, "bearing_flexibility:relaxing", "q3", **SEAT, relaxing=0.5, time=time)
+    scale = np.abs(of_tool(put(spatial, own))).max()
+    np.testing.assert_allclose(of_tool(put(spatial, other)), of_tool(put(spatial, own)), atol=2e-3 * scale)

@@ -19,7 +19,7 @@ SMALL = {"postures": 2, "points": 2, "references": 1, "trials": 2, "averages": 2
 NAMES = [
     "link_flexibility", "base_flexibility", "servo_compliance", "structural_damping", "coulomb_friction",
     "nonlinear_stiffness", "joint_coupling", "added_mass", "local_absorber", "sensor_mass", "sensor_gain",
-    "time_delay", "sensor_misalignment",
+    "time_delay", "sensor_misalignment", "bearing_flexibility",
 ]  # fmt: skip
 
 
@@ -170,6 +170,7 @@ def test_folder_reads_back_and_holds_nothing_of_the_truth(which, request, tmp_pa
     believed = flexmodal.load(tmp_path / "test" / again.robot)
     for joint, card in robot.joints.items():
         assert believed.joints[joint].stiffness == card.stiffness
+    assert believed.families == robot.families
     for posture in again.postures:
         np.testing.assert_allclose(
             believed.at(dict(posture.q)).system.mass, robot.at(dict(posture.q)).system.mass

@@ -5,8 +5,9 @@ import pytest
 
 import flexmodal
 from flexmodal.structure.arm import Arm
-from flexmodal.structure.assembly import Assembly, put_together
+from flexmodal.structure.assembly import Assembly
 from flexmodal.structure.poles import poles
+from flexmodal.structure.robot_terms import put_together
 from flexmodal.structure.space import robot_space
 
 STEP = 1e-5

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import trimesh
 from flexmodal_viewer import outcome_scene, robot_scene
 from flexmodal_viewer.arm import Arm
 from flexmodal_viewer.commands import payload
@@ -17,6 +18,8 @@ from flexmodal.cards import read_urdf
 from flexmodal.errors import InvalidFrequencies, InvalidPoint
 from flexmodal.frf import PointDirection
 from flexmodal.model import load
+from flexmodal.model.guess import guess_card
+from flexmodal.model.placements import link_placements
 from flexmodal.optimisation import (
     CombinedObjective,
     Optimum,
@@ -68,6 +71,57 @@ def test_own_colours_are_kept(fanuc):
     scene = robot_scene(fanuc, fanuc.posture("configuration_1"))
     (box,) = [item for item in scene.items if item.shape == Box((0.78, 0.112, 0.14))]
     assert box.colour == (0.78, 0.66, 0.44)  # "sand", named in the URDF
+
+
+AROUND = """
+[obstacle.table]
+box = [0.8, 0.8, 0.1]
+xyz = [0.0, 0.0, -0.2]
+rpy = [0.0, 0.0, 0.5]
+[obstacle.spindle]
+cylinder = [0.02, 0.2]
+xyz = [0.05, 0.0, 0.0]
+link = "tool0"
+[obstacle.stone]
+mesh = "stone.stl"
+scale = 0.001
+[obstacle.ghost]
+mesh = "ghost.3ds"
+"""
+
+
+@pytest.fixture
+def beside_a_table(tmp_path):
+    """A UR5 with a card, obstacles around it and one in its hand, seen by collision checks too."""
+    path = guess_card("ur5", tmp_path / "arm").write()
+    trimesh.creation.box((100, 200, 300)).export(path.parent / "stone.stl")
+    (path.parent / "ghost.3ds").write_bytes(b"none")
+    path.write_text(path.read_text(encoding="utf-8") + AROUND, encoding="utf-8")
+    return load(path)
+
+
+def test_obstacles_stand_where_the_card_says(beside_a_table):
+    robot = beside_a_table
+    posture = robot.posture("middle")
+    scene = robot_scene(robot, posture)
+    shown = {item.path.rsplit("obstacle_", 1)[1]: item for item in scene.items if "/obstacle_" in item.path}
+    table, spindle, stone = (shown[name] for name in ("0_0", "1_0", "2_0"))
+    assert (table.shape, spindle.shape) == (Box((0.8, 0.8, 0.1)), Cylinder(0.02, 0.2))
+    np.testing.assert_allclose(np.ptp(stone.shape.corners, axis=0), [0.1, 0.2, 0.3], atol=1e-9)
+    np.testing.assert_allclose(place(scene, table.path)[:3, 3], [0, 0, -0.2], atol=1e-12)
+    # A corner of the table, turned by half a radian about z.
+    corner = place(scene, table.path) @ [0.4, 0.4, 0.05, 1.0]
+    expected = [0.4 * (np.cos(0.5) - np.sin(0.5)), 0.4 * (np.sin(0.5) + np.cos(0.5)), -0.15]
+    np.testing.assert_allclose(corner[:3], expected, atol=1e-12)
+    hand = link_placements(robot, posture.values)["tool0"] @ [0.05, 0.0, 0.0, 1.0]
+    np.testing.assert_allclose(place(scene, spindle.path)[:3, 3], hand[:3], atol=1e-12)
+    assert {label.text for label in scene.labels} >= {"table", "spindle", "stone"}
+    assert "obstacles" in words(scene)
+    assert "Obstacle ghost is not shown: mesh ghost.3ds, a mesh of the kind .3ds" in words(scene)
+
+
+def test_a_scene_without_obstacles_speaks_of_none(fanuc):
+    assert "obstacle" not in words(robot_scene(fanuc, fanuc.posture("configuration_1")))
 
 
 def test_measurement_points_ride_on_their_links(fanuc):

@@ -14,6 +14,7 @@ from flexmodal.model.placements import link_placements
 from flexmodal_viewer.palette import PLAIN, Colour
 from flexmodal_viewer.scene import Item, Matrix
 from flexmodal_viewer.shapes import Cylinder, Mesh, Sphere
+from flexmodal_viewer.thinner import thinned
 from flexmodal_viewer.visuals import Looks, Visual, read_looks
 
 Paint = Callable[[Colour], Colour]
@@ -44,7 +45,7 @@ class Arm:
         """Visual geometry; sticks where the URDF shows nothing at all."""
         found = read_looks(self.robot.urdf)
         if found.visuals:
-            return found
+            return Looks(thinned(found.visuals), found.notes)
         note = "The URDF has no visual geometry that can be shown; the arm is drawn as sticks."
         return Looks(tuple(self._sticks()), (*found.notes, note))
 

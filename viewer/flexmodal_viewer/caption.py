@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from html import escape
 
+from flexmodal_viewer.assets import asset
 from flexmodal_viewer.palette import to_hex
 from flexmodal_viewer.scene import Caption, Motion, Scene, Swatch, Table
 
@@ -27,6 +28,8 @@ def caption_html(scene: Scene) -> str:
     if caption.subtitle:
         parts.append(f'<p class="subtitle">{escape(caption.subtitle)}</p>')
     parts.append(_buttons(scene))
+    if scene.live is not None:
+        parts.append(asset("live/panel.html"))
     parts.append(_legend(caption.legend))
     parts += [_of_motion(number, motion) for number, motion in enumerate(scene.motions)]
     parts += [_table(table) for table in caption.tables]

@@ -19,6 +19,8 @@ from flexmodal.optimisation import (
 from flexmodal_viewer import marks
 from flexmodal_viewer.arm import Arm
 from flexmodal_viewer.motion import Deflection, forced
+from flexmodal_viewer.obstacles import LEGEND as OBSTACLES
+from flexmodal_viewer.obstacles import obstacles
 from flexmodal_viewer.palette import BASE, FORCE, OPTIMISED, START, TARGET, shade
 from flexmodal_viewer.scene import Caption, Item, Label, Matrix, Motion, Scene, Swatch, Table
 from flexmodal_viewer.stage import set_stage, view_of
@@ -58,16 +60,19 @@ def outcome_scene(outcome: Outcome, *, start: Posture | None) -> Scene:
         legend.insert(0, Swatch("start posture", START, "clear"))
     drawn = [
         marks.force(direction, best.position(direction.point), 0.13 * arm.reach, number)
-        for number, direction in enumerate(_directions(outcome))
+        for number, direction in enumerate(directions_of(outcome))
     ]
     if drawn:
-        names = ", ".join(map(str, _directions(outcome)))
+        names = ", ".join(map(str, directions_of(outcome)))
         legend.append(Swatch(f"direction judged: {names}", FORCE, "arrow"))
-    held = _target(outcome, best)
+    held = target_of(outcome, best)
     if held is not None:
         drawn.append(marks.target(held, 0.07 * arm.reach))
         where = ", ".join(plain(round(float(value), 4) + 0.0) for value in held)
         legend.append(Swatch(f"target ({where}) m", TARGET, "cross"))
+    around, hidden = obstacles(arm, "optimised")
+    drawn.append(around)
+    legend += [OBSTACLES] if around.items else []
     for part in drawn:
         nodes |= part.nodes
         items += part.items
@@ -78,7 +83,7 @@ def outcome_scene(outcome: Outcome, *, start: Posture | None) -> Scene:
         "Posture that vibrates least" if _is_receptance(outcome) else "Optimised posture",
         tuple(legend),
         _tables(outcome, before),
-        (f"Search: {outcome.verdict}.", *arm.looks.notes),
+        (f"Search: {outcome.verdict}.", *arm.looks.notes, *hidden),
     )
     return set_stage(
         Scene(
@@ -93,23 +98,24 @@ def outcome_scene(outcome: Outcome, *, start: Posture | None) -> Scene:
     )
 
 
-def _judge(outcome: Outcome) -> Objective:
+def judge_of(outcome: Outcome) -> Objective:
     """The objective; of one over a sample of robots, that of each."""
     objective = outcome.problem.objective
     return objective.objective if isinstance(objective, RobustObjective) else objective
 
 
 def _is_receptance(outcome: Outcome) -> bool:
-    return isinstance(_judge(outcome), ReceptanceObjective | TunedObjective)
+    return isinstance(judge_of(outcome), ReceptanceObjective | TunedObjective)
 
 
-def _directions(outcome: Outcome) -> tuple[PointDirection, ...]:
-    objective = _judge(outcome)
+def directions_of(outcome: Outcome) -> tuple[PointDirection, ...]:
+    """The directions that are judged; none where the objective has none."""
+    objective = judge_of(outcome)
     several = getattr(objective, "directions", ())
     return tuple(several) or tuple(filter(None, [getattr(objective, "direction", None)]))
 
 
-def _target(outcome: Outcome, best: PosedRobot) -> np.ndarray | None:
+def target_of(outcome: Outcome, best: PosedRobot) -> np.ndarray | None:
     """Where the held point should be; along directions not held, where it is [m]."""
     hold = outcome.problem.hold
     if hold is None:
@@ -142,11 +148,12 @@ def _objective(outcome: Outcome, before: PosedRobot | None) -> Table:
     if first is not None and 0 < first < np.inf and after > 0:
         ratio = max(first / after, after / first)
         rows.append(("change", f"{plain(ratio)} times {'less' if after < first else 'more'}"))
-    return Table(_heading(outcome), (), tuple(rows))
+    return Table(heading_of(outcome), (), tuple(rows))
 
 
-def _heading(outcome: Outcome) -> str:
-    objective, along = _judge(outcome), " and ".join(map(str, _directions(outcome)))
+def heading_of(outcome: Outcome) -> str:
+    """What was minimised or made large, where and at which frequencies."""
+    objective, along = judge_of(outcome), " and ".join(map(str, directions_of(outcome)))
     text = _NAMES.get(type(objective), "Objective")
     if isinstance(objective, ReceptanceObjective) and len(objective.directions) > 1:
         text = f"Receptance {_SIZES[objective.combine]}"
@@ -173,12 +180,12 @@ def _hertz(objective: Objective) -> str:
 
 def _vibration(outcome: Outcome, arm: Arm, best: PosedRobot, before: PosedRobot | None) -> Motion | None:
     """Both postures under the same force, drawn larger by the same factor."""
-    objective = _judge(outcome)
+    objective = judge_of(outcome)
     if isinstance(objective, TunedObjective):
         direction, frequency = objective.direction, objective.frequency_at(best)
     elif isinstance(objective, ReceptanceObjective):
         direction = objective.directions[0]
-        frequency = _worst_line(objective, best if before is None else before)
+        frequency = worst_line(objective, best if before is None else before)
     else:
         return None
     moved: dict[str, Deflection] = {"optimised": forced(best, direction, frequency)}
@@ -208,7 +215,7 @@ def _vibration(outcome: Outcome, arm: Arm, best: PosedRobot, before: PosedRobot 
     )
 
 
-def _worst_line(objective: ReceptanceObjective, posed: PosedRobot) -> float:
+def worst_line(objective: ReceptanceObjective, posed: PosedRobot) -> float:
     """The one frequency of the objective, or of several the one that is answered most [Hz]."""
     values = np.abs(posed.frf(objective.frequency, response=objective.directions[0]).value[:, 0, 0])
     return float(objective.frequency[int(np.argmax(values))])

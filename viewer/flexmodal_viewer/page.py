@@ -5,16 +5,36 @@ from __future__ import annotations
 import importlib.util
 import json
 import re
+from collections.abc import Mapping
 from functools import cache
 from html import escape
-from importlib.resources import files
 from pathlib import Path
+from typing import Any
 
 from flexmodal.errors import MissingExtra
 from flexmodal.files import whole_file
+from flexmodal_viewer.assets import asset
 from flexmodal_viewer.caption import caption_html
 from flexmodal_viewer.commands import payload
 from flexmodal_viewer.scene import Scene
+
+SCRIPTS = (
+    *("complex", "symmetric", "chain", "pencil", "modes", "robot", "hold"),
+    *(
+        "units",
+        "chart",
+        "swing",
+        "picture",
+        "keep",
+        "panel",
+        "selfmotion",
+        "python",
+        "live",
+        "film",
+        "wiring",
+    ),
+)
+"""What a live page runs, in the order in which each needs those before it."""
 
 
 def write_page(scene: Scene, path: str | Path, *, overwrite: bool = False) -> Path:
@@ -29,20 +49,28 @@ def write_page(scene: Scene, path: str | Path, *, overwrite: bool = False) -> Pa
     return target
 
 
-def page_html(scene: Scene) -> str:
-    """The page as text; of one scene always the same."""
+def page_html(scene: Scene, *, served: bool = False) -> str:
+    """The page as text; of one scene always the same.
+
+    Args:
+        scene: what it shows.
+        served: whether it may talk to the server that it comes from; otherwise it may talk to nobody.
+    """
     viewer = _meshcat()
     parts = {
+        "connect": "connect-src 'self'; " if served else "",
         "title": escape(scene.caption.title),
-        "css": _asset("page.css"),
+        "css": asset("page.css") + ("" if scene.live is None else asset("live/live.css")),
         "caption": caption_html(scene),
         "scene": _json(payload(scene)),
         "licences": (viewer / "main.min.js.LICENSE.txt").read_text(encoding="utf-8").replace("*/", ""),
         "meshcat": (viewer / "main.min.js").read_text(encoding="utf-8"),
-        "js": _asset("page.js"),
+        "js": asset("page.js"),
+        "curve": "" if scene.live is None else asset("live/curve.html"),
+        "live": "" if scene.live is None else _live(scene.live),
     }
     # One pass: nothing that is put in is looked at again.
-    return re.sub(r"\{\{(\w+)\}\}", lambda match: parts[match[1]], _asset("page.html"))
+    return re.sub(r"\{\{(\w+)\}\}", lambda match: parts[match[1]], asset("page.html"))
 
 
 def _json(value: object) -> str:
@@ -51,9 +79,13 @@ def _json(value: object) -> str:
     return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
 
 
-@cache
-def _asset(name: str) -> str:
-    return (files("flexmodal_viewer") / "assets" / name).read_text(encoding="utf-8")
+def _live(numbers: Mapping[str, Any]) -> str:
+    """The robot in numbers, and the scripts that put it in postures; one scope for all of them."""
+    scripts = "".join(asset(f"live/{name}.js") for name in SCRIPTS)
+    return (
+        f'<script type="application/json" id="robot">{_json(numbers)}</script>\n'
+        f"<script>(function () {{\n{scripts}}})();</script>"
+    )
 
 
 @cache

@@ -42,6 +42,10 @@ FORCE = from_hex("E69F00")
 """The force that excites."""
 POINT = from_hex("009E73")
 """Points of measurement."""
+OBSTACLE = from_hex("B59A6A")
+"""What the arm may run into, drawn translucent."""
+JOINT = from_hex("9AA3AD")
+"""A joint that holds none of the energy; the page makes it orange as it holds more."""
 PLAIN = from_hex("7D8590")
 """A part of an arm whose colour nobody gave."""
 GRID = from_hex("D9DCE0")

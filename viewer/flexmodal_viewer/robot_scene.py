@@ -14,6 +14,8 @@ from flexmodal.model import PosedRobot, Posture, Robot
 from flexmodal_viewer import marks
 from flexmodal_viewer.arm import Arm
 from flexmodal_viewer.motion import Deflection, forced, mode_shapes
+from flexmodal_viewer.obstacles import LEGEND as OBSTACLES
+from flexmodal_viewer.obstacles import obstacles
 from flexmodal_viewer.palette import EXTREME, FORCE, PLAIN, POINT, START, shade
 from flexmodal_viewer.scene import Caption, Motion, Scene, Swatch, Table
 from flexmodal_viewer.stage import set_stage, view_of
@@ -67,12 +69,15 @@ def robot_scene(
     if robot.points:
         drawn = drawn.beside(marks.points(arm, "arm", 0.012 * arm.reach))
         legend.append(Swatch("measurement points", POINT, "dot"))
+    around, hidden = obstacles(arm, "arm")
+    drawn = drawn.beside(around)
+    legend += [OBSTACLES] if around.items else []
     caption = Caption(
         robot.title or robot.name,
         _subtitle(robot, posture),
         tuple(legend),
         _tables(robot, posture),
-        arm.looks.notes,
+        (*arm.looks.notes, *hidden),
     )
     view = view_of(robot, posed.position(robot.tool))
     return set_stage(Scene(caption, view, drawn.nodes, tuple(drawn.items), tuple(drawn.labels), motions))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float
@@ -116,6 +117,8 @@ class Scene:
     motions: tuple[Motion, ...] = ()
     rest: str = ""
     """Name of the button that stops all motion; without it a motion is always chosen."""
+    live: Mapping[str, Any] | None = None
+    """What the page needs to put the robot in postures itself; without it the scene is as it was drawn."""
 
     @property
     def corners(self) -> Float[np.ndarray, "corner 3"]:

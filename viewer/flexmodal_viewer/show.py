@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from flexmodal.campaign import Campaign
 from flexmodal.ema.shapes import FittedShapes
@@ -11,11 +13,17 @@ from flexmodal.frf import PointDirection
 from flexmodal.model import Posture, Robot
 from flexmodal.optimisation import Outcome
 from flexmodal_viewer.campaign_scene import campaign_scene
+from flexmodal_viewer.live_answers import LiveAnswers
+from flexmodal_viewer.live_numbers import is_serial
+from flexmodal_viewer.live_outcome import live_outcome_scene
+from flexmodal_viewer.live_scene import live_scene
 from flexmodal_viewer.outcome_scene import outcome_scene
 from flexmodal_viewer.page import page_html, write_page
+from flexmodal_viewer.photograph import KINDS, write_picture
 from flexmodal_viewer.robot_scene import robot_scene
 from flexmodal_viewer.scene import Scene
-from flexmodal_viewer.serve import serve
+from flexmodal_viewer.serve import HOST, serve
+from flexmodal_viewer.socket_talk import Answer
 
 Announce = Callable[[str], None]
 
@@ -27,8 +35,12 @@ def show_robot(
     modes: bool = False,
     response: str | PointDirection | None = None,
     frequency: float | None = None,
+    live: bool = True,
+    others: Mapping[str, Robot] | None = None,
+    measured: Campaign | None = None,
     out: str | Path | None = None,
     port: int | None = None,
+    host: str = HOST,
     overwrite: bool = False,
     open_browser: bool = True,
     announce: Announce = print,
@@ -39,11 +51,17 @@ def show_robot(
     Args:
         robot: what to show.
         posture: how it stands.
-        modes: with its mode shapes, one button each.
+        modes: swinging in its first mode when the page opens; without `live` with a button for each mode.
         response: point and direction of a force; the tool along z if none.
-        frequency: with its deflection under that force at this frequency [Hz].
-        out: write a self-contained page here instead of serving it.
-        port: port on 127.0.0.1; a free one if none.
+        frequency: swinging as it does under that force at this frequency [Hz] when the page opens.
+        live: with a slider for each joint, receptance and modes following on the page; an arm whose joints
+            branch is drawn as it stands.
+        others: models whose receptance is drawn on the same axes, by what they are called.
+        measured: a campaign whose FRFs stand on the same axes while the arm is in one of its postures.
+        out: write a self-contained page here instead of serving it; a picture where it ends in .png, a film
+            where it ends in .gif.
+        port: port to serve on; a free one if none.
+        host: address to serve on; others can reach any but 127.0.0.1, which is said.
         overwrite: replace a page that stands there already.
         open_browser: open the user's browser when serving.
         announce: told where the picture is.
@@ -53,20 +71,30 @@ def show_robot(
         Path of the page, or address it is served at.
 
     Raises:
-        InvalidPoint, InvalidFrequencies, InvalidPosture, SingularResponse: see `robot_scene`.
-        InvalidRequest: the port cannot be used.
+        InvalidPoint, InvalidFrequencies, InvalidPosture, SingularResponse: see `live_scene`.
+        InvalidRequest: the port cannot be used, or a film is asked for of what stands still.
         OutputExists: the page exists already, or its folder does not.
+        MissingExtra: a picture without Playwright or Chromium.
     """
-    scene = robot_scene(robot, posture, modes=modes, response=response, frequency=frequency)
-    return _deliver(scene, out, port, overwrite, open_browser, announce, block)
+    answer: Answer | None = None
+    if live and is_serial(robot):
+        swing = "force" if frequency is not None else "mode" if modes else ""
+        asked: dict[str, Any] = {"response": response, "frequency": frequency, "swing": swing}
+        scene = live_scene(robot, posture, others=others, measured=measured, **asked)
+        answer = LiveAnswers(robot)
+    else:
+        scene = robot_scene(robot, posture, modes=modes, response=response, frequency=frequency)
+    return _deliver(scene, _Place(out, port, host, overwrite, open_browser, announce, block), answer)
 
 
 def show_outcome(
     outcome: Outcome,
     *,
     start: Posture | None,
+    live: bool = True,
     out: str | Path | None = None,
     port: int | None = None,
+    host: str = HOST,
     overwrite: bool = False,
     open_browser: bool = True,
     announce: Announce = print,
@@ -77,8 +105,11 @@ def show_outcome(
     Args:
         outcome: result of the search.
         start: posture to compare with, if any.
+        live: with the descent from the start on a slider, and the joints to be moved from there; an arm whose
+            joints branch is drawn as it stands. Without it start and optimum swing under the same force.
         out: as in `show_robot`, as are all the others.
         port: see there.
+        host: see there.
         overwrite: see there.
         open_browser: see there.
         announce: see there.
@@ -90,7 +121,10 @@ def show_outcome(
     Raises:
         InvalidRequest, OutputExists: see `show_robot`.
     """
-    return _deliver(outcome_scene(outcome, start=start), out, port, overwrite, open_browser, announce, block)
+    place = _Place(out, port, host, overwrite, open_browser, announce, block)
+    if live and is_serial(outcome.problem.robot):
+        return _deliver(live_outcome_scene(outcome, start=start), place, LiveAnswers(outcome.problem.robot))
+    return _deliver(outcome_scene(outcome, start=start), place)
 
 
 def show_campaign(
@@ -100,6 +134,7 @@ def show_campaign(
     shapes: Sequence[FittedShapes] = (),
     out: str | Path | None = None,
     port: int | None = None,
+    host: str = HOST,
     overwrite: bool = False,
     open_browser: bool = True,
     announce: Announce = print,
@@ -113,6 +148,7 @@ def show_campaign(
         shapes: of fitted modes, animated on the points.
         out: as in `show_robot`, as are all the others.
         port: see there.
+        host: see there.
         overwrite: see there.
         open_browser: see there.
         announce: see there.
@@ -125,21 +161,36 @@ def show_campaign(
         InvalidCampaign: see `campaign_scene`.
         InvalidRequest, OutputExists: see `show_robot`.
     """
-    scene = campaign_scene(robot, campaign, shapes)
-    return _deliver(scene, out, port, overwrite, open_browser, announce, block)
+    place = _Place(out, port, host, overwrite, open_browser, announce, block)
+    return _deliver(campaign_scene(robot, campaign, shapes), place)
 
 
-def _deliver(
-    scene: Scene,
-    out: str | Path | None,
-    port: int | None,
-    overwrite: bool,
-    open_browser: bool,
-    announce: Announce,
-    block: bool,
-) -> str:
-    if out is None:
-        return serve(page_html(scene), port=port, open_browser=open_browser, announce=announce, block=block)
-    path = write_page(scene, out, overwrite=overwrite)
-    announce(f"Written to {path}")
+@dataclass(frozen=True)
+class _Place:
+    """Where a scene goes: into a file, or on the air."""
+
+    out: str | Path | None
+    port: int | None
+    host: str
+    overwrite: bool
+    open_browser: bool
+    announce: Announce
+    block: bool
+
+
+def _deliver(scene: Scene, to: _Place, answer: Answer | None = None) -> str:
+    if to.out is None:
+        page = page_html(scene, served=answer is not None)
+        return serve(
+            page,
+            port=to.port,
+            host=to.host,
+            open_browser=to.open_browser,
+            announce=to.announce,
+            block=to.block,
+            answer=answer,
+        )
+    write = write_picture if Path(to.out).suffix.lower() in KINDS else write_page
+    path = write(scene, to.out, overwrite=to.overwrite)
+    to.announce(f"Written to {path}")
     return str(path)

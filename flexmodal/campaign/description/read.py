@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from flexmodal.campaign.consistency import add_contradictions
-from flexmodal.campaign.description.tested import CampaignPoint, CampaignPosture, Tested
+from flexmodal.campaign.description.tested import CampaignPoint, CampaignPosture, Tested, Tolerance
 from flexmodal.campaign.trial import Trial, Window
 from flexmodal.errors import Fault, InvalidCampaign
 from flexmodal.text.frozen import FrozenDict
@@ -51,6 +51,7 @@ def _tested(table: CampaignTable) -> Tested:
         ),
         trials=tuple(_trial(trial) for trial in table.trial),
         separate_modes=table.separate_modes,
+        tolerance=Tolerance(**table.tolerance.model_dump()),
     )
 
 

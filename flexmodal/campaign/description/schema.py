@@ -17,6 +17,8 @@ _ID = f"a whole number from 1 to {MOST_DIGITS}"
 _TRIAL_ID = f"a whole number from 1 to {MOST_TRIAL}"
 _WINDOW = '"none", or { kind = "force" or "exponential", decay = a number in 1/s, 0 or more }'
 
+SMALL = "a number from 0 to 1"
+Small = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0, le=1)]
 Frequency = Annotated[float, Field(strict=True, ge=0, le=1e9)]
 Id = Annotated[int, Field(strict=True, ge=1, le=MOST_DIGITS)]
 TrialId = Annotated[int, Field(strict=True, ge=1, le=MOST_TRIAL)]
@@ -70,6 +72,15 @@ class TrialTable(Table):
         return window
 
 
+class ToleranceTable(Table):
+    """`[tolerance]`."""
+
+    posture: Small = Field(default=0.0, description=f"{SMALL} in rad")
+    position: Small = Field(default=0.0, description=f"{SMALL} in m")
+    direction: Small = Field(default=0.0, description=f"{SMALL} in rad")
+    gain: Small = Field(default=0.0, description=SMALL)
+
+
 class CampaignTable(Table):
     """The whole file."""
 
@@ -80,6 +91,7 @@ class CampaignTable(Table):
         default=None, description=BAND
     )
     separate_modes: bool = Field(default=False, strict=True, description="true or false")
+    tolerance: ToleranceTable = Field(default=ToleranceTable(), description="a table [tolerance]")
     posture: list[PostureTable] = Field(min_length=1, description="at least one table [[posture]]")
     point: list[PointTable] = Field(min_length=1, description="at least one table [[point]]")
     trial: list[TrialTable] = Field(min_length=1, description="at least one table [[trial]]")

@@ -36,6 +36,28 @@ class CampaignPoint:
     """Its place in the frame of that link [m]."""
 
 
+@dataclass(frozen=True)
+class Tolerance:
+    """How well a test was set up: one standard deviation each, 0 for what is exact."""
+
+    posture: float = 0.0
+    """Of each angle, or of each slide [rad, m]."""
+    position: float = 0.0
+    """Of hammer and sensor, along each direction [m]."""
+    direction: float = 0.0
+    """Of hammer and sensor, about each axis across [rad]."""
+    gain: float = 0.0
+    """Of each sensor and of the hammer, relative."""
+
+    @property
+    def is_exact(self) -> bool:
+        """Whether nothing is uncertain."""
+        return not (self.posture or self.position or self.direction or self.gain)
+
+
+EXACT = Tolerance()
+
+
 @runtime_checkable
 class Described(Protocol):
     """Whatever says what was tested: a `campaign.toml` that was read, or a whole campaign."""
@@ -69,3 +91,4 @@ class Tested:
     trials: tuple[Trial, ...]
     separate_modes: bool = False
     """Whether `modes.csv` is a measurement of its own, not an estimate from the FRFs beside it."""
+    tolerance: Tolerance = EXACT

@@ -8,6 +8,7 @@ import math
 import zipfile
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import zip_longest
 from pathlib import Path
 
 import numpy as np
@@ -30,6 +31,10 @@ class Layout:
     delimiter: str
     decimal: str
     skip: int
+    units_rows: int = 0
+    """Rows under the header that hold no numbers."""
+    transposed: bool = False
+    """Whether each row is a column, its header first."""
 
 
 def read_columns(
@@ -68,6 +73,8 @@ def _csv_rows(content: bytes, layout: Layout, faults: FaultList) -> Iterator[Seq
         text = content.decode("utf-8-sig")
     except UnicodeDecodeError:
         text = content.decode("latin-1")  # units such as µ or ² from older analysers
+    if layout.delimiter == " ":
+        return (line.split() for line in text.splitlines())
     return iter(csv.reader(io.StringIO(text, newline=""), delimiter=layout.delimiter, strict=True))
 
 
@@ -99,7 +106,12 @@ def _numbers(
     before = len(faults.faults)
     for _ in range(layout.skip):
         next(rows, None)
+    if layout.transposed:
+        kept = [list(row) for row in rows if not _is_blank(row)][:MOST_COLUMNS]
+        rows = zip_longest(*kept)
     header = [str(cell).strip() if cell is not None else "" for cell in next(rows, ())][:MOST_COLUMNS]
+    for _ in range(layout.units_rows):
+        next(rows, None)
     where: dict[str, int] = {}
     for name in dict.fromkeys(wanted):
         if header.count(name) == 1:
@@ -112,7 +124,7 @@ def _numbers(
     if len(faults.faults) > before:
         return None
     values: dict[str, list[float]] = {name: [] for name in where}
-    for line, row in enumerate(rows, start=layout.skip + 2):
+    for line, row in enumerate(rows, start=layout.skip + layout.units_rows + 2):
         if _is_blank(row):
             continue
         for name, place in where.items():

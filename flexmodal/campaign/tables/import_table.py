@@ -1,8 +1,9 @@
-"""CSV and XLSX of an analyser to a campaign, by a column map that says what each column is."""
+"""Tables of an analyser to a campaign, by a column map that says what each column is."""
 
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -15,7 +16,9 @@ from flexmodal.campaign.campaign import Campaign, default_band
 from flexmodal.campaign.description.read import read_toml
 from flexmodal.campaign.description.tested import Tested
 from flexmodal.campaign.records import FrfRecords
+from flexmodal.campaign.tables.arrays import SUFFIXES, read_arrays
 from flexmodal.campaign.tables.columns import Layout, read_columns
+from flexmodal.campaign.tables.cut import cut
 from flexmodal.errors import Fault, InvalidCampaign
 from flexmodal.frf import POWER
 from flexmodal.text.toml import parse_toml
@@ -42,21 +45,24 @@ def import_table(path: str | os.PathLike[str]) -> Campaign:
     file = Path(os.path.abspath(path))
     columns = _column_map(file)
     tested = read_toml(_beside(file, columns.campaign, "campaign"))
-    table = _beside(file, columns.table, "table")
-    faults = FaultList(table)
-    wanted = [columns.abscissa, *(name for entry in columns.frf for name in _frf_columns(entry))]
-    wanted += [name for entry in columns.blow for name in (entry.force, *(c.column for c in entry.channel))]
-    layout = Layout(columns.sheet, columns.delimiter, columns.decimal, columns.skip)
-    values = read_columns(table, layout, wanted, faults)
-    if values is None:
-        raise InvalidCampaign(faults.faults)
-    axis = values[columns.abscissa]
-    _check_axis(axis, columns, faults)
-    _check_coherence(columns, values, faults)
+    tables = _tables(file, columns)
+    faults = FaultList(file)
+    axis = next(iter(tables.values()))[columns.abscissa].real
+    _check_axis(axis, columns, FaultList(_beside(file, columns.table, "table"), faults.faults))
+    for name, values in tables.items():
+        other = values[columns.abscissa].real
+        if columns.frf and (len(other) != len(axis) or not np.allclose(other, axis, rtol=1e-6, atol=0)):
+            faults.add(f"table {shown(name)}", "another frequency axis", "one axis in all tables")
+    _check_coherence(file, columns, tables, faults)
     if faults.faults:
         raise InvalidCampaign(faults.faults)
-    frfs = _frfs(columns.frf, axis, values, tested) if columns.frf else None
-    blows = tuple(_blow(entry, axis, values) for entry in columns.blow)
+    frfs = _frfs(columns, axis, tables, tested) if columns.frf else None
+    blows = tuple(
+        blow
+        for entry in columns.blow
+        for blow in _blows(entry, columns, tables[entry.table or columns.table])
+    )
+    _check_cut(file, columns, blows)
     try:
         return Campaign(
             title=tested.title,
@@ -67,9 +73,45 @@ def import_table(path: str | os.PathLike[str]) -> Campaign:
             trials=tested.trials,
             frfs=frfs,
             blows=blows,
+            tolerance=tested.tolerance,
         )
     except InvalidCampaign as error:  # a posture, trial or point of the map that is not described
         raise InvalidCampaign(replace(fault, file=str(file)) for fault in error.faults) from None
+
+
+def _tables(file: Path, columns: ColumnMap) -> dict[str, dict[str, np.ndarray]]:
+    """What is wanted of every table, by its address."""
+    wanted: dict[str, list[str]] = {}
+    for frf in columns.frf:
+        wanted.setdefault(frf.table or columns.table, [columns.abscissa]).extend(_frf_columns(frf))
+    for blow in columns.blow:
+        wanted.setdefault(blow.table or columns.table, [columns.abscissa]).extend(_blow_columns(blow))
+    layout = Layout(
+        columns.sheet, columns.delimiter, columns.decimal, columns.skip, columns.units_rows,
+        columns.transposed,
+    )  # fmt: skip
+    found: dict[str, dict[str, np.ndarray]] = {}
+    gathered: list[Fault] = []
+    for address, names in wanted.items():
+        table = _beside(file, address, "table")
+        faults = FaultList(table, gathered)
+        if table.suffix.lower() in SUFFIXES:
+            values = read_arrays(table, names, faults)
+        else:
+            values = read_columns(table, layout, names, faults)
+        if values is not None:
+            found[address] = values
+    if gathered:
+        raise InvalidCampaign(gathered)
+    return found
+
+
+def _check_cut(file: Path, columns: ColumnMap, blows: tuple[Blow, ...]) -> None:
+    """A record that is to be cut has to hold a blow that is all there."""
+    if columns.blow and not blows:
+        lengths = ", ".join(f"{entry.length:g} s" for entry in columns.blow if entry.length)
+        allowed = "a length that a blow fits into, from its pulse to the end of the record"
+        raise InvalidCampaign(Fault(str(file), "length", f"{lengths}, and no blow that long", allowed))
 
 
 def _column_map(file: Path) -> ColumnMap:
@@ -95,8 +137,12 @@ def _beside(file: Path, address: str, key: str) -> Path:
 
 
 def _frf_columns(entry: FrfMap) -> list[str]:
-    names = (entry.re, entry.im, entry.magnitude, entry.phase, entry.coherence)
+    names = (entry.value, entry.re, entry.im, entry.magnitude, entry.phase, entry.coherence)
     return [name for name in names if name is not None]
+
+
+def _blow_columns(entry: BlowMap) -> list[str]:
+    return [entry.force, *(channel.column for channel in entry.channel)]
 
 
 def _check_axis(axis: np.ndarray, columns: ColumnMap, faults: FaultList) -> None:
@@ -112,26 +158,30 @@ def _check_axis(axis: np.ndarray, columns: ColumnMap, faults: FaultList) -> None
         faults.add(key, "samples that are not evenly spaced", "one time step throughout")
 
 
-def _check_coherence(columns: ColumnMap, values: dict[str, np.ndarray], faults: FaultList) -> None:
-    for name in sorted({entry.coherence for entry in columns.frf if entry.coherence is not None}):
-        wrong = np.flatnonzero(~((values[name] >= 0) & (values[name] <= 1)))
+def _check_coherence(
+    file: Path, columns: ColumnMap, tables: dict[str, dict[str, np.ndarray]], faults: FaultList
+) -> None:
+    wanted = {(entry.table or columns.table, entry.coherence) for entry in columns.frf if entry.coherence}
+    for table, name in sorted(wanted):
+        values = tables[table][name].real
+        wrong = np.flatnonzero(~((values >= 0) & (values <= 1)))
         if len(wrong):
-            found = f"a coherence outside 0 to 1, {values[name][wrong[0]]:g}"
-            faults.add(f"column {shown(name)}", found, "coherences from 0 to 1")
+            found = f"a coherence outside 0 to 1, {values[wrong[0]]:g}"
+            own = FaultList(_beside(file, table, "table"), faults.faults)
+            own.add(f"column {shown(name)}", found, "coherences from 0 to 1")
 
 
 def _frfs(
-    entries: list[FrfMap], axis: np.ndarray, values: dict[str, np.ndarray], tested: Tested
+    columns: ColumnMap, axis: np.ndarray, tables: dict[str, dict[str, np.ndarray]], tested: Tested
 ) -> FrfRecords:
+    entries = columns.frf
     target = max((entry.form for entry in entries), key=POWER.__getitem__)
     rows, coherence = [], []
     for entry in entries:
-        if entry.re is not None and entry.im is not None:
-            row = values[entry.re] + 1j * values[entry.im]
-        else:
-            row = values[entry.magnitude or ""] * np.exp(1j * np.radians(values[entry.phase or ""]))
-        rows.append(entry.scale * row * (2j * np.pi * axis) ** (POWER[target] - POWER[entry.form]))
-        coherence.append(np.ones(len(axis)) if entry.coherence is None else values[entry.coherence])
+        values = tables[entry.table or columns.table]
+        row = entry.scale * _complex(entry, values)
+        rows.append(row * (2j * np.pi * axis) ** (POWER[target] - POWER[entry.form]))
+        coherence.append(np.ones(len(axis)) if entry.coherence is None else values[entry.coherence].real)
     return FrfRecords(
         frequency=axis,
         value=np.array(rows),
@@ -145,15 +195,29 @@ def _frfs(
     )
 
 
-def _blow(entry: BlowMap, axis: np.ndarray, values: dict[str, np.ndarray]) -> Blow:
-    return Blow(
+def _complex(entry: FrfMap, values: dict[str, np.ndarray]) -> np.ndarray:
+    """An FRF from its parts, from size and phase, or as it stands."""
+    if entry.value is not None:
+        return values[entry.value].astype(complex)
+    if entry.re is not None and entry.im is not None:
+        return values[entry.re] + 1j * values[entry.im]
+    size, phase = values[entry.magnitude or ""], values[entry.phase or ""]
+    if entry.decibel:
+        size = 10 ** (size / 20)
+    return size * np.exp(1j * (np.radians(phase) if entry.phase_unit == "degrees" else phase))
+
+
+def _blows(entry: BlowMap, columns: ColumnMap, values: dict[str, np.ndarray]) -> Iterator[Blow]:
+    """One, or those that a longer record holds."""
+    record = Blow(
         posture=entry.posture,
         trial=entry.trial,
         sequence=entry.sequence,
         reference=entry.reference,
-        time=axis,
-        force=entry.force_scale * values[entry.force],
+        time=values[columns.abscissa].real,
+        force=entry.force_scale * values[entry.force].real,
         channels=tuple(channel.response for channel in entry.channel),
-        response=np.array([channel.scale * values[channel.column] for channel in entry.channel]),
+        response=np.array([channel.scale * values[channel.column].real for channel in entry.channel]),
         quantity=entry.quantity,
     )
+    return iter([record]) if entry.length is None else cut(record, entry.length)

@@ -62,6 +62,8 @@ def _table(card: RobotCard) -> dict[str, Any]:
     }  # fmt: skip
     if card.loss_frequency is not None:
         table["loss_frequency"] = float(card.loss_frequency)
+    if card.tolerance:
+        table["tolerance"] = _floats(card.tolerance)
     if card.srdf is not None:
         table["srdf"] = str(card.srdf)
     table["joint"] = {name: _joint(joint) for name, joint in card.joints.items()}
@@ -80,7 +82,7 @@ def _table(card: RobotCard) -> dict[str, Any]:
         }
         for name, one in card.families.items()
     }  # fmt: skip
-    return table
+    return {key: value for key, value in table.items() if value != {}}
 
 
 def _joint(joint: JointCard) -> dict[str, Any]:

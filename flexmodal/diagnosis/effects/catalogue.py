@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from flexmodal.diagnosis.effects import (
     added_mass,
     base_flexibility,
+    bearing_flexibility,
     joint_coupling,
     joint_laws,
     link_flexibility,
@@ -22,6 +23,7 @@ from flexmodal.plugins import left_out, plugins
 OWN = (
     link_flexibility.EFFECT,
     base_flexibility.EFFECT,
+    bearing_flexibility.EFFECT,
     servo_compliance.EFFECT,
     structural_damping.EFFECT,
     joint_laws.FRICTION,

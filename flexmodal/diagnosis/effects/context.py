@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from flexmodal.campaign import CampaignPoint, CampaignPosture, named_direction
-from flexmodal.diagnosis.march.pulse import Pulse, pulses
+from flexmodal.diagnosis.time_domain.pulse import Pulse, pulses
 from flexmodal.identification import Observations
 from flexmodal.identification.model import AXES
 from flexmodal.model import Robot

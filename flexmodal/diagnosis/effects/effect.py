@@ -14,7 +14,7 @@ import numpy as np
 from jaxtyping import Int
 
 from flexmodal.diagnosis.effects.context import Context
-from flexmodal.diagnosis.march.law import Law
+from flexmodal.diagnosis.time_domain.law import Law
 from flexmodal.structure import Parameter
 from flexmodal.structure.arm import Body
 from flexmodal.structure.assembly import Assembly
@@ -82,7 +82,7 @@ class Effect:
     """Masses, springs, dampers."""
     law: Callable[[Assembly, Placement], Law] | None = None
     """The torque itself where it depends on the swing; `act` is then its stand-in at one amplitude, for the
-    search, and the law takes its place where blows are marched in time (`march`)."""
+    search, and the law takes its place where blows are integrated in time (`time_domain`)."""
     turn: Callable[[Assembly, Placement, str, np.ndarray], np.ndarray] | None = None
     """World directions that a sensor truly measures: name of its point, the recorded direction."""
     aside: Callable[[Placement, str], np.ndarray] | None = None

@@ -16,7 +16,7 @@ from jaxtyping import Float
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Effect, Placement, positive, signed
 from flexmodal.diagnosis.effects.swing import swings
-from flexmodal.diagnosis.march.law import friction, hardening
+from flexmodal.diagnosis.time_domain.law import friction, hardening
 from flexmodal.structure import Parameter
 from flexmodal.structure.assembly import Assembly
 

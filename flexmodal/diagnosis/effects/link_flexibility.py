@@ -26,7 +26,8 @@ from flexmodal.diagnosis.effects.effect import Bodies, Effect, Placement, along,
 from flexmodal.diagnosis.improved.draft import Draft
 from flexmodal.structure import Parameter
 from flexmodal.structure.arm import Body, beyond, bodies_of
-from flexmodal.structure.assembly import Assembly, scaled
+from flexmodal.structure.assembly import Assembly
+from flexmodal.structure.robot_terms import scaled
 
 SHORTEST = 0.05
 """Links shorter than this do not bend [m]."""

@@ -9,9 +9,10 @@ from functools import lru_cache
 import numpy as np
 
 from flexmodal.diagnosis.effects.context import Context, Place
-from flexmodal.diagnosis.march.pulse import haversine
+from flexmodal.diagnosis.time_domain.pulse import haversine
 from flexmodal.identification.model import AXES
-from flexmodal.structure.assembly import Assembly, put_together
+from flexmodal.structure.assembly import Assembly
+from flexmodal.structure.robot_terms import put_together
 from flexmodal.structure.structure import Axis
 
 _LINES = 1024

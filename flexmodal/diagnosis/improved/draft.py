@@ -18,7 +18,7 @@ from flexmodal.diagnosis.improved.inertia import nearest_inertia
 from flexmodal.model import Robot
 from flexmodal.model.placements import link_placements
 from flexmodal.structure.arm import Body, beyond, bodies_of, moved_bodies
-from flexmodal.structure.assembly import scaled
+from flexmodal.structure.robot_terms import scaled
 
 DUST = 1e-12
 """Mass of a link that only stands between two joints, over that of the arm: readers of URDFs want some."""
@@ -183,6 +183,27 @@ class Draft:
         self.urdf.add_joint(replace(new, rpy=described.rpy), before=joint)
         self.urdf.change_joint(joint, parent=rotor, xyz=np.zeros(3), rpy=np.zeros(3))
 
+    def under_joint(self, joint: str, motions: Sequence[tuple[str, Vector, bool]], centre: Vector) -> None:
+        """Let a joint, and what it carries, move by new joints between it and the link that carries it.
+
+        Args:
+            joint: which.
+            motions: names, axes in the frame of the joint, and whether each turns or slides.
+            centre: where their axes meet, in that frame [m].
+        """
+        described = self.urdf.joints[joint]
+        parent, xyz, rpy = described.parent, described.xyz, described.rpy
+        first = self._dust(f"{joint}_bearing")
+        fixed = _joint(self.fresh(f"{joint}_mount"), "fixed", parent, first, np.array([1.0, 0.0, 0.0]), xyz)
+        self.urdf.add_joint(replace(fixed, rpy=rpy), before=joint)
+        parent, xyz = first, centre
+        for name, axis, turns in motions:
+            child = self._dust(f"{name}_part")
+            kind = "revolute" if turns else "prismatic"
+            self.urdf.add_joint(_joint(name, kind, parent, child, axis, xyz), before=joint)
+            parent, xyz = child, np.zeros(3)
+        self.urdf.change_joint(joint, parent=parent, xyz=-centre, rpy=np.zeros(3))
+
     def couple(self, one: str, other: str, stiffness: float) -> None:
         """Add an off-diagonal stiffness between two flexible joints."""
         name = f"{other}+{one}" if f"{other}+{one}" in self.couplings else f"{one}+{other}"
@@ -233,11 +254,11 @@ def _joint(name: str, kind: str, parent: str, child: str, axis: Vector, xyz: Vec
 
 
 def _joint_card(robot: Robot, name: str, values: Mapping[str, float]) -> JointCard:
-    """A joint with its new values; bounds of the old ones go, the trust stays."""
+    """A joint with its new values; bounds and trust are factors of whatever the card says, and stay."""
     joint = robot.joints[name]
     stiffness = float(values.get(f"stiffness.{name}", joint.stiffness))
     damping = float(values.get(f"damping.{name}", joint.damping))
-    return replace(joint, stiffness=stiffness, damping=damping, lower=None, upper=None)
+    return replace(joint, stiffness=stiffness, damping=damping)
 
 
 def _rigid(robot: Robot, link: str) -> list[str]:

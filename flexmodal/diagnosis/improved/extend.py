@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from flexmodal.cards import CouplingCard, FrozenDict, PointCard, RobotCard
+from flexmodal.cards import CouplingCard, FrozenDict, ObstacleCard, PointCard, RobotCard
 from flexmodal.cards.write import UrdfDraft, write_robot
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Placement
@@ -101,7 +101,17 @@ def _card(draft: Draft, diagnosis: Diagnosis) -> RobotCard:
         points=FrozenDict(_points(draft, diagnosis)),
         postures=FrozenDict({**robot.postures, **_postures(robot, diagnosis)}),
         loss_frequency=draft.loss_frequency,
+        obstacles=FrozenDict({name: _obstacle(draft, one) for name, one in robot.obstacles.items()}),
     )
+
+
+def _obstacle(draft: Draft, obstacle: ObstacleCard) -> ObstacleCard:
+    """Something that a link carries, on the half where its middle sits; what stands in the world stays."""
+    if not obstacle.link:
+        return obstacle
+    carrier, place = draft.place_of(obstacle.link, np.array(obstacle.xyz, dtype=float))
+    x, y, z = place.tolist()
+    return replace(obstacle, link=carrier, xyz=(x, y, z))
 
 
 def _points(draft: Draft, diagnosis: Diagnosis) -> dict[str, PointCard]:

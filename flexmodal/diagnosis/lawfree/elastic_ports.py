@@ -1,4 +1,4 @@
-"""Ports at coordinates that are rigid without them: the foundation, a link that bends."""
+"""Ports at coordinates that are rigid without them: the foundation, a bearing, a link that bends."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from itertools import product
 
 import numpy as np
 
-from flexmodal.diagnosis.effects import base_flexibility, link_flexibility
+from flexmodal.diagnosis.effects import base_flexibility, bearing_flexibility, link_flexibility
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Placement
 from flexmodal.diagnosis.lawfree.port import Patterns, PortKind, constant, outer
@@ -107,4 +107,52 @@ LINK = PortKind(
     unit="rad/(N·m)",
     shape=replace(link_flexibility.EFFECT, name="port", parameters=lambda c, w: (), act=None, extend=None),
     patterns=_link_patterns,
+)
+
+
+def _bearing_kinds(context: Context, where: str) -> list[str]:
+    """Of the ways in which the joints give, each kind once."""
+    return list(dict.fromkeys(way.kind for _, way, _ in bearing_flexibility.names_of(context, where)))
+
+
+def _scale(context: Context, where: str, joint: str) -> float:
+    """What a joint's compliance is a multiple of: 1 N·m/rad, or of all joints alike its own stiffness."""
+    return float(context.robot.joints[joint].stiffness) if where == bearing_flexibility.ALL else 1.0
+
+
+def _bearing_patterns(assembly: Assembly, placement: Placement) -> Patterns:
+    context, where = placement.context, placement.where
+    kinds = _bearing_kinds(context, where)
+    found = np.zeros((len(kinds), *(len(assembly.coordinates),) * 2))
+    for joint, way, name in bearing_flexibility.names_of(context, where):
+        found[kinds.index(way.kind)] += np.diag(assembly.row(name)) / _scale(context, where, joint)
+    return Patterns(compliance=found)
+
+
+def _bearing_sizes(context: Context, where: str, frequency: np.ndarray) -> np.ndarray:
+    if where == bearing_flexibility.ALL:
+        return constant([1 / bearing_flexibility.TILT], frequency)
+    tilt = bearing_flexibility.size(context, where)
+    shift = tilt / bearing_flexibility.RADIUS**2
+    return constant([1 / (tilt if k == "tilt" else shift) for k in _bearing_kinds(context, where)], frequency)
+
+
+def _bearing_starts(context: Context, where: str) -> tuple[tuple[float, ...], ...]:
+    kinds, found = _bearing_kinds(context, where), []
+    for tilt in (0.1, 0.5, 2.0, 8.0):
+        for shift in (0.02, 0.5) if "tilt" in kinds and len(kinds) > 1 else (0.5,):
+            found.append(tuple(tilt if k == "tilt" else shift * tilt for k in kinds))
+    return tuple(found)
+
+
+BEARING = PortKind(
+    name="bearing",
+    says="the bearing of a joint",
+    places=bearing_flexibility.EFFECT.places,
+    functions=lambda context, where: tuple(_bearing_kinds(context, where)),
+    sizes=_bearing_sizes,
+    starts=_bearing_starts,
+    unit="1/stiffness",
+    shape=replace(bearing_flexibility.EFFECT, name="port", parameters=lambda c, w: (), act=None, extend=None),
+    patterns=_bearing_patterns,
 )

@@ -160,13 +160,12 @@ class Field:
         self, before: Sighting | None, taken: set[tuple[str, str]], advance: Callable[[float], None]
     ) -> list[Port]:
         """Those of all ports that go on, after a look at a part of the lines."""
-        state, first = None, []
-        if before is not None:
-            state = replace(before.state, z=before.state.z[..., ::SCREEN_LINES])
+        first = []
         for number, port in enumerate(self.ports):
             if port.key not in taken:
                 ports = (*(before.ports if before else ()), port)
                 model = PortedModel.of(ports, self.root, self._seen(ports), self.seen.lines[::SCREEN_LINES])
+                state = None if before is None else carried_over(before, model, SCREEN_LINES)
                 profile, found = profiled(model, state, floors=SCREENED, steps=SCREEN_STEPS)
                 first.append((profile.reduced(found.residual), port))
             advance((number + 1) / len(self.ports))
@@ -190,7 +189,7 @@ class Field:
         observations, lines = self._seen(every), self.seen.lines
         model = PortedModel.of(every, self.root, observations, lines)
         noise = noise_of(observations, lines)
-        state = None if before is None else before.state
+        state = None if before is None else carried_over(before, model)
         profile, state = profiled(model, state, floors=(*FLOORS, noise), steps=STEPS)
         apart = None
         if self.away is not None and model.cells == 1:
@@ -202,6 +201,18 @@ class Field:
         return Sighting(
             every, float(np.sqrt(profile.reduced(state.residual))), apart, unknowns, profile, state
         )
+
+
+def carried_over(before: Sighting, model: PortedModel, stride: int = 1) -> State:
+    """Where a fit of some ports ended, as the beginning of one with one more.
+
+    Args:
+        before: the fit.
+        model: with the same ports and one more, which may leave observations out.
+        stride: the model has every so many of the lines.
+    """
+    z = model.in_cells(before.state.z, before.profile.model)
+    return replace(before.state, z=z[..., ::stride])
 
 
 def _every(kinds: Sequence[PortKind], root: Hypothesis) -> tuple[Port, ...]:

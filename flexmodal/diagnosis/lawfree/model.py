@@ -95,13 +95,30 @@ class PortedModel:
         return tuple(slice(end - len(port.names), end) for end, port in zip(ends, self.ports, strict=True))
 
     @cached_property
-    def cell(self) -> Int[np.ndarray, " observation"]:
-        """The cell of each observation."""
+    def _keyed(self) -> tuple[Int[np.ndarray, "cell key"], Int[np.ndarray, " observation"]]:
         seen = self.observations
         if not any(port.kind.by_blow for port in self.ports):
-            return np.zeros(len(seen), dtype=int)
+            return np.zeros((1, 0), dtype=int), np.zeros(len(seen), dtype=int)
         key = np.column_stack([seen.posture, seen.level, seen.reference])
-        return np.asarray(np.unique(key, axis=0, return_inverse=True)[1]).ravel()
+        keys, cell = np.unique(key, axis=0, return_inverse=True)
+        return keys, np.asarray(cell).ravel()
+
+    @property
+    def cell(self) -> Int[np.ndarray, " observation"]:
+        """The cell of each observation."""
+        return self._keyed[1]
+
+    def in_cells(self, z: Complex[np.ndarray, "other function line"], model: PortedModel) -> Unknown:
+        """Functions of another model's cells as those of this one's, which may have left observations out.
+
+        Args:
+            z: of the other model.
+            model: with the same postures and blows, and perhaps more.
+        """
+        if len(z) == 1:
+            return z
+        number = {tuple(key): k for k, key in enumerate(model._keyed[0].tolist())}
+        return z[[number[tuple(key)] for key in self._keyed[0].tolist()]]
 
     @property
     def space(self) -> ParameterSpace:

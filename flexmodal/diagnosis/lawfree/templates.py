@@ -146,6 +146,7 @@ _OF = {
     "coupling": (_SPRING, _DAMPER, _BOTH, _MASS, _RELAXATION, _SERIES),
     "damping": (_LOSS_SHARE, _DAMPER, _RELAXATION, _BOTH),
     "base": (_SOFT, _SOFT_DAMPED, _SOFT_LOSS, _SOFT_HEAVY),
+    "bearing": (_SOFT, _SOFT_DAMPED, _SOFT_LOSS, _SOFT_HEAVY),
     "link": (_SOFT, _SOFT_DAMPED, _SOFT_LOSS, _SOFT_HEAVY),
     "carried": (_MASS, _SPRING, _BOTH, _ABSORBER),
     "ground": (_SPRING, _DAMPER, _BOTH, _MASS, _RELAXATION),

@@ -9,9 +9,22 @@ from flexmodal.diagnosis.outcome import Diagnosis
 from flexmodal.diagnosis.report.arm_picture import draw_arm
 from flexmodal.diagnosis.report.free_look import look_parts
 from flexmodal.diagnosis.report.pictures import draw_descent, draw_map, draw_pair, telling_rows
-from flexmodal.diagnosis.report.tables import refused, regions, remaining, weighing
+from flexmodal.diagnosis.report.tables import comparison_table, refused, regions, remaining
 from flexmodal.diagnosis.report.words import effect_words, held_out, pair, placed, posture_name
-from flexmodal.report import Gallery, Heading, Items, Legend, Part, Parts, Picture, Section, Text
+from flexmodal.identification.page import BESIDE, BESIDE_NOTE, baseline_cells
+from flexmodal.report import (
+    Gallery,
+    Heading,
+    Items,
+    Legend,
+    Part,
+    Parts,
+    Picture,
+    Section,
+    Table,
+    Text,
+    columns,
+)
 from flexmodal.report.words import percent, size
 from flexmodal.text.words import enumeration
 
@@ -20,7 +33,7 @@ _EVIDENCE = (
     "Adds: how many parameters the explanation has of its own; each costs. Evidence: the logarithm of how "
     "probable it makes the measurements, postures held out included, over that of the best. It is counted in "
     "nats: one is a factor of 2.7 in the odds, five are odds of 150 to 1. Probabilities come from drawing "
-    "the measurements anew; they are among what was weighed."
+    "the measurements anew; they are among what was compared."
 )
 WHY = "measure where the two models differ most, about {:.1f} times the noise:"
 NO_PAIR = (
@@ -30,13 +43,13 @@ NO_PAIR = (
 
 
 def frf_sections(diagnosis: Diagnosis) -> list[Section]:
-    """Where the models disagree, on which FRFs, what was weighed, and how the gap came down."""
+    """Where the models disagree, on which FRFs, what was compared, and how the gap came down."""
     look = [] if diagnosis.look is None else [Section("Without a law", look_parts(diagnosis.look))]
     return [
         Section("Where they disagree", _disagreement(diagnosis)),
         *look,
         Section("Measured and modelled", _pairs(diagnosis)),
-        Section("What was weighed", _weighed(diagnosis)),
+        Section("What was compared", _compared(diagnosis)),
         Section("How the gap came down", _left(diagnosis)),
     ]
 
@@ -132,11 +145,11 @@ def _pairs(diagnosis: Diagnosis) -> Parts:
     return [says, Legend(names), Gallery(pictures)]
 
 
-def _weighed(diagnosis: Diagnosis) -> Parts:
+def _compared(diagnosis: Diagnosis) -> Parts:
     words, parts = effect_words(diagnosis), list[Part | str]()
     for number, step in enumerate(diagnosis.steps, start=1):
         head = f"{number}. {placed(step.effect, step.where)}: {words.get(step.effect, '')}"
-        parts += [Heading(head), weighing(diagnosis, step)]
+        parts += [Heading(head), comparison_table(diagnosis, step)]
     if not diagnosis.steps:
         more = "" if diagnosis.verdict.explained else ", or what was added does not explain the measurements"
         parts.append(f"Nothing that was tried gained enough to be added{more}.")
@@ -149,7 +162,12 @@ def _weighed(diagnosis: Diagnosis) -> Parts:
 def _left(diagnosis: Diagnosis) -> Parts:
     left = remaining(diagnosis.remaining)
     descent = Picture(partial(draw_descent, diagnosis), "The gap step by step above the noise floor")
+    parts: list[Part | str] = [Gallery([descent])]
+    beside = diagnosis.baselines
+    if beside is not None:
+        table = Table(columns(BESIDE, words=["which"]), baseline_cells(beside))
+        parts += [f"Beside what needs no model: {beside.verdict}.", table, Text(BESIDE_NOTE, note=True)]
     if not left:
-        return [Gallery([descent]), "Nothing that is left stands out of the noise."]
+        return [*parts, "Nothing that is left stands out of the noise."]
     places = f"{len(left)} place{'s' * (len(left) != 1)}"
-    return [Gallery([descent]), f"What is left stands out of the noise in {places}:", Items(left[:6])]
+    return [*parts, f"What is left stands out of the noise in {places}:", Items(left[:6])]

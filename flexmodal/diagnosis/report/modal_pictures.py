@@ -110,7 +110,7 @@ def draw_evidence(found: Findings) -> Any:
     axes.set_yticks(range(len(order)), [cut(short(comparison.models[k].key), 32) for k in order])
     axes.set_ylim(len(order) - 0.4, -0.6)
     axes.set_xlabel("Evidence over nothing added [nat]")
-    figure.suptitle("● as believed, — other priors; blue: tied", x=0.01, ha="left", fontsize=10)
+    figure.suptitle("● under the card, — under other priors; blue: tied", x=0.01, ha="left", fontsize=10)
     return figure
 
 

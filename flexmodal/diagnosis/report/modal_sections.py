@@ -11,13 +11,13 @@ from flexmodal.diagnosis.outcome import Diagnosis, Region
 from flexmodal.diagnosis.report.arm_picture import draw_arm
 from flexmodal.diagnosis.report.modal_pictures import draw_evidence, draw_frequencies, draw_shapes, short
 from flexmodal.diagnosis.report.modal_tables import (
+    COMPARISON,
     SHAPES,
     SUMMARY,
-    WEIGHING,
+    comparison_rows,
     mode_table,
     shape_rows,
     summary_rows,
-    weighing_rows,
 )
 from flexmodal.diagnosis.report.pictures import draw_descent
 from flexmodal.diagnosis.report.words import held_out, placed
@@ -52,7 +52,7 @@ _EVIDENCE = (
     "Laplace's, over parameters and scales of the scatter. It is counted in nats: one is a factor of 2.7 in "
     "the odds, five are odds of 150 to 1. Held out: the logarithm of the predictive density of postures not "
     "fitted, over that of nothing added. Within 5 nats of the best under any of these sets of beliefs is a "
-    "tie: {}. Probabilities are means over them, among what was weighed."
+    "tie: {}. Probabilities are means over them, among what was compared."
 )
 WHY = (
     "measure an FRF where the two models differ most: {:.1f} times what noise and unsure parameters would "
@@ -92,14 +92,14 @@ def _disagreement(diagnosis: Diagnosis) -> Parts:
     return [*before, "With what was added:", items(diagnosis.remaining)]
 
 
-def _weighed(diagnosis: Diagnosis, found: Findings) -> Parts:
+def _compared(diagnosis: Diagnosis, found: Findings) -> Parts:
     pictures = []
     if len(found.comparison.models) > 1:
         pictures.append(Picture(partial(draw_evidence, found), "Evidence of each explanation"))
     if diagnosis.steps:
         pictures.append(Picture(partial(draw_descent, diagnosis), "The gap step by step"))
     note = _EVIDENCE.format("; ".join(variant.name for variant in VARIANTS))
-    return [Gallery(pictures), Table(WEIGHING, weighing_rows(found)), Text(note, note=True)]
+    return [Gallery(pictures), Table(COMPARISON, comparison_rows(found)), Text(note, note=True)]
 
 
 def _shapes(found: Findings) -> Parts:
@@ -113,7 +113,7 @@ def _shapes(found: Findings) -> Parts:
 
 
 def modal_sections(diagnosis: Diagnosis, found: Findings) -> list[Section]:
-    """Frequencies, where they disagree, what was weighed, what the shapes say, and mode by mode.
+    """Frequencies, where they disagree, what was compared, what the shapes say, and mode by mode.
 
     Args:
         diagnosis: what was found.
@@ -123,7 +123,7 @@ def modal_sections(diagnosis: Diagnosis, found: Findings) -> list[Section]:
     return [
         Section("Frequencies, measured and modelled", _frequencies(diagnosis, found, name)),
         Section("Where they disagree", _disagreement(diagnosis)),
-        Section("What was weighed", _weighed(diagnosis, found)),
+        Section("What was compared", _compared(diagnosis, found)),
         Section("What the shapes say", _shapes(found)),
         Section("Mode by mode", [mode_table(found, name)]),
     ]

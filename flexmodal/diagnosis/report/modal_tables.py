@@ -12,7 +12,7 @@ from flexmodal.identification.evidence.likelihood.laplace import ModalFit
 from flexmodal.report import Cell, Column, Table
 from flexmodal.report.words import fixed, percent, size
 
-WEIGHING = (
+COMPARISON = (
     Column("explanation", words=True), Column("adds"), Column("modes without a partner"),
     Column("evidence", "nat"), Column("under other priors", "nat"), Column("held out", "nat"),
     Column("probability", words=True),
@@ -69,8 +69,8 @@ def _figures(name: str, fitted: Errors | None, held: Errors | None) -> list[str]
     return cells
 
 
-def weighing_rows(found: Findings) -> list[list[str | Cell]]:
-    """Everything that was weighed, under `WEIGHING`, the most probable first."""
+def comparison_rows(found: Findings) -> list[list[str | Cell]]:
+    """Everything that was compared, under `COMPARISON`, the most probable first."""
     comparison, rows = found.comparison, list[list[str | Cell]]()
     base = len(comparison.models[0].model.space)
     gain = comparison.table - comparison.table[0]

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 
 from flexmodal.diagnosis.names import NONE
-from flexmodal.diagnosis.outcome import Diagnosis, NextMeasurement, Region, Step, Weighed
+from flexmodal.diagnosis.outcome import Compared, Diagnosis, NextMeasurement, Region, Step
 from flexmodal.diagnosis.report.words import effect_words, parameter_words, placed, plain, posture_words
 from flexmodal.report import Cell, Column, Facts, Heading, Part, Table, Task
 from flexmodal.report.words import error, figure, fixed, minus, percent, size
@@ -14,14 +14,14 @@ from flexmodal.structure import Parameter
 
 _WIDE = 0.5
 """Change of a parameter, on a logarithmic scale, at which its bar ends."""
-WEIGHING = (
+COMPARISON = (
     Column("explanation", words=True), Column("place", words=True), Column("adds"), Column("gap"),
     Column("held out"), Column("evidence", "nat"), Column("probability", words=True),
 )  # fmt: skip
 
 
-def weighing(diagnosis: Diagnosis, step: Step) -> Table:
-    """The step's explanation, and everything that was weighed against it."""
+def comparison_table(diagnosis: Diagnosis, step: Step) -> Table:
+    """The step's explanation, and everything that was compared against it."""
     words = effect_words(diagnosis)
     found = next((p for p in diagnosis.model.placed if p.key == (step.effect, step.where)), None)
     count = "–"
@@ -32,19 +32,19 @@ def weighing(diagnosis: Diagnosis, step: Step) -> Table:
         size(step.gaps.after), size(step.gaps.held_out_after), "0",
         Cell(percent(step.confidence), bar=step.confidence),
     ]  # fmt: skip
-    others = [_weighed(one, words, (one.effect, one.where) in step.ties) for one in step.alternatives]
-    return Table(WEIGHING, [chosen, *others], chosen=frozenset({0}))
+    others = [_compared(one, words, (one.effect, one.where) in step.ties) for one in step.alternatives]
+    return Table(COMPARISON, [chosen, *others], chosen=frozenset({0}))
 
 
 def refused(diagnosis: Diagnosis) -> Table:
-    """What was weighed last without being added; what stays as it is counts as chosen."""
+    """What was compared last without being added; what stays as it is counts as chosen."""
     words = effect_words(diagnosis)
-    rows = [_weighed(one, words, tied=False) for one in diagnosis.refused]
+    rows = [_compared(one, words, tied=False) for one in diagnosis.refused]
     kept = frozenset(k for k, one in enumerate(diagnosis.refused) if one.effect == NONE)
-    return Table(WEIGHING, rows, chosen=kept)
+    return Table(COMPARISON, rows, chosen=kept)
 
 
-def _weighed(one: Weighed, words: dict[str, str], tied: bool) -> list[str | Cell]:
+def _compared(one: Compared, words: dict[str, str], tied: bool) -> list[str | Cell]:
     return [
         Cell(plain(one.effect), note=words.get(one.effect, ""), tag="tie" if tied else ""), one.where or "–",
         str(one.parameters), size(one.gap), size(one.held_out_gap), fixed(one.evidence, 1),

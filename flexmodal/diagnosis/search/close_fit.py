@@ -6,11 +6,11 @@ import numpy as np
 from jaxtyping import Float
 
 from flexmodal.diagnosis.hypothesis import Hypothesis
-from flexmodal.diagnosis.march.model import has_law
 from flexmodal.diagnosis.search.lines import CLOSE, some_lines
 from flexmodal.diagnosis.search.refine import refined
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs, fitted_model
 from flexmodal.diagnosis.setup import Setup
+from flexmodal.diagnosis.time_domain.model import has_law
 from flexmodal.identification import Observations, fit, predict
 
 FAR, NEAR = (0.2, 0.05, 0.01), (0.05, 0.01)
@@ -27,7 +27,7 @@ def fitted_closely(
     near: bool = False,
     fitted_to: Observations | None = None,
 ) -> FittedFrfs:
-    """Fit a hypothesis closely; torques that are not linear are marched in time.
+    """Fit a hypothesis closely; torques that are not linear are integrated in time.
 
     Args:
         setup: what the diagnosis works with.

@@ -10,8 +10,8 @@ from jaxtyping import Float, Int
 
 from flexmodal.diagnosis.disagreement.compare import but_for_the_blow
 from flexmodal.diagnosis.hypothesis import Hypothesis
-from flexmodal.diagnosis.march.model import MarchedModel, has_law
 from flexmodal.diagnosis.search.lines import COARSE, some_lines, unlimited
+from flexmodal.diagnosis.time_domain.model import TimeDomainModel, has_law
 from flexmodal.identification import Observations
 from flexmodal.identification.descent import robust
 from flexmodal.identification.frf_fit import FrfMisfit, Weighing, fit, residual
@@ -73,19 +73,19 @@ class Look:
 
     def fitted(self, one: Candidate, floor: float, steps: int) -> Candidate:
         """A candidate some steps further."""
-        loud = one.hypothesis.by_force
-        seen, share = (self.apart, None) if loud else (self.merged, self.share)
+        with_force = one.hypothesis.by_force
+        seen, share = (self.apart, None) if with_force else (self.merged, self.share)
         made = fit(
             coarse_model(one.hypothesis), seen, one.x, floors=(floor,), steps=steps, lines=self.lines,
             share=share, apart=False,
         )  # fmt: skip
-        more = 0.0 if loud else self.constant(floor)
+        more = 0.0 if with_force else self.constant(floor)
         return Candidate(one.hypothesis, made.x, made.cost + more)
 
 
 def coarse_model(hypothesis: Hypothesis) -> Model:
-    """A hypothesis as the coarse looks take it: its torques, where it has such, marched in long steps."""
-    return replace(MarchedModel(hypothesis), fineness=ROUGH) if has_law(hypothesis) else hypothesis
+    """A hypothesis as the coarse looks take it: its torques, where it has such, integrated in long steps."""
+    return replace(TimeDomainModel(hypothesis), fineness=ROUGH) if has_law(hypothesis) else hypothesis
 
 
 def look_at(observations: Observations, more: Sequence[int] | Int[np.ndarray, " more"] = ()) -> Look:

@@ -9,18 +9,18 @@ from jaxtyping import Float
 
 from flexmodal.diagnosis.disagreement.gaps import over_noise
 from flexmodal.diagnosis.effects import Effect
-from flexmodal.diagnosis.march.model import has_law
 from flexmodal.diagnosis.search.close_fit import fitted_closely
 from flexmodal.diagnosis.search.coarse import Candidate, Look, look_at
 from flexmodal.diagnosis.search.lines import worst_lines
 from flexmodal.diagnosis.search.search import candidates, narrowed, restarted, simpler
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.setup import Setup
+from flexmodal.diagnosis.time_domain.model import has_law
 
 FINALISTS = 4
-"""Candidates that are fitted closely and weighed."""
-MARCHED = 3
-"""The same for effects that depend on force, whose torques are marched in time."""
+"""Candidates that are fitted closely and compared."""
+INTEGRATED = 3
+"""The same for effects that depend on force, whose torques are integrated in time."""
 AGAIN = 2
 """Explanations that are started from elsewhere when none of them reaches the floor."""
 
@@ -30,7 +30,7 @@ def explanations(
     before: FittedFrfs,
     set_out: Sequence[Float[np.ndarray, " before"]],
     *,
-    loud: bool,
+    with_force: bool,
     enough: float,
     advance: Callable[[float], None],
     allowed: Callable[[str, str], bool] = lambda effect, where: True,
@@ -41,7 +41,7 @@ def explanations(
         setup: what the diagnosis works with.
         before: the model that something is added to.
         set_out: its parameters, from which the search sets out.
-        loud: whether effects that depend on the force of the blow are among them.
+        with_force: whether effects that depend on the force of the blow are among them.
         enough: distance over noise from which no other starts are tried.
         advance: called with the part that is done.
         allowed: names and places that are tried.
@@ -49,7 +49,7 @@ def explanations(
     advance(0.0)
     seen = look_at(setup.fitted, worst_lines(setup.fitted, before.predicted[~setup.held]))
     finalists: list[Candidate] = []
-    for some, most in _kinds(setup.effects, loud=loud):
+    for some, most in _kinds(setup.effects, with_force=with_force):
         found = candidates(before.hypothesis, set_out, some, seen, allowed)
         finalists += narrowed(found, seen, lambda part: advance(0.6 * part))[:most]
     looked = []
@@ -73,11 +73,11 @@ def _best_of_each(looked: Sequence[FittedFrfs]) -> list[FittedFrfs]:
     return list(best.values())
 
 
-def _kinds(effects: Sequence[Effect], *, loud: bool) -> list[tuple[list[Effect], int]]:
+def _kinds(effects: Sequence[Effect], *, with_force: bool) -> list[tuple[list[Effect], int]]:
     """Effects that depend on the blow apart from the others, and how many of each are looked at closely."""
     by_force = [effect for effect in effects if effect.by_force]
     others = [effect for effect in effects if not effect.by_force]
-    return [(others, FINALISTS), (by_force if loud else [], MARCHED)]
+    return [(others, FINALISTS), (by_force if with_force else [], INTEGRATED)]
 
 
 def _close(setup: Setup, one: Candidate) -> FittedFrfs:

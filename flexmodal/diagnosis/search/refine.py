@@ -1,8 +1,8 @@
-"""A hypothesis fitted again with its non-linear torques marched in time.
+"""A hypothesis fitted again with its non-linear torques integrated in time.
 
 A hammer response that dies away has no single amplitude, so that a describing function leaves some of what
-friction or a hardening spring does. This is Gauss and Newton's method on what a march gives, with coarse
-steps of time at first.
+friction or a hardening spring does. This is Gauss and Newton's method on what an integration gives, with
+coarse steps of time at first.
 """
 
 from __future__ import annotations
@@ -13,9 +13,9 @@ import numpy as np
 from jaxtyping import Complex, Float
 
 from flexmodal.diagnosis.hypothesis import Hypothesis
-from flexmodal.diagnosis.march.model import MarchedModel
 from flexmodal.diagnosis.search.coarse import ROUGH
 from flexmodal.diagnosis.search.lines import CLOSE, COARSE, some_lines
+from flexmodal.diagnosis.time_domain.model import TimeDomainModel
 from flexmodal.identification import FrfFit, Observations, fit, predict
 from flexmodal.identification.frf_fit import FrfMisfit, Weighing
 
@@ -31,9 +31,9 @@ ROUGHLY, SETTLED = 1e-2, 1e-3
 
 @dataclass(frozen=True, eq=False)
 class Refined:
-    """A fit of marched torques."""
+    """A fit of integrated torques."""
 
-    model: MarchedModel
+    model: TimeDomainModel
     fitted: FrfFit
     predicted: Complex[np.ndarray, "observation line"]
     """Of the observations it was fitted to [m/N]."""
@@ -52,7 +52,7 @@ class Refined:
 def refined(
     hypothesis: Hypothesis, start: Float[np.ndarray, " parameter"], observations: Observations
 ) -> Refined:
-    """Fit once more, the torques of effects with a `law` marched in time.
+    """Fit once more, the torques of effects with a `law` integrated in time.
 
     Args:
         hypothesis: with at least one such effect.
@@ -62,7 +62,7 @@ def refined(
     Raises:
         InvalidRequest: no effect of the hypothesis has a law.
     """
-    model = MarchedModel(hypothesis)
+    model = TimeDomainModel(hypothesis)
     rough = replace(model, fineness=ROUGH)
     x = _start(rough, start, observations)
     first = fit(
@@ -78,7 +78,7 @@ def refined(
 
 
 def _start(
-    model: MarchedModel, x: Float[np.ndarray, " parameter"], observations: Observations
+    model: TimeDomainModel, x: Float[np.ndarray, " parameter"], observations: Observations
 ) -> Float[np.ndarray, " parameter"]:
     """Where the describing functions ended, or that with its laws started afresh, if that is nearer."""
     hypothesis, space = model.hypothesis, model.space

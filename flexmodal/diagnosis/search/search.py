@@ -2,7 +2,8 @@
 
 Every hypothesis starts at the card, not at the re-tuned robot: re-tuning without the effect runs away from
 the truth. Rounds of more steps with fewer candidates follow one another (successive halving). Torques that
-are not linear are marched in time from the first look on: describing functions name the wrong law too often.
+are not linear are integrated in time from the first look on: describing functions too often name the wrong
+law.
 """
 
 from __future__ import annotations
@@ -14,17 +15,17 @@ from jaxtyping import Float
 
 from flexmodal.diagnosis.effects.effect import Effect
 from flexmodal.diagnosis.hypothesis import Hypothesis
-from flexmodal.diagnosis.march.model import has_law
 from flexmodal.diagnosis.placed import Placed
 from flexmodal.diagnosis.search.coarse import Candidate, Look
+from flexmodal.diagnosis.time_domain.model import has_law
 
 STARTS = 2
 """Starts that are kept for each effect and place."""
 ROUNDS = ((0.2, 3, 20), (0.1, 5, 10), (0.03, 8, 5))
 """Model error, steps, and how many candidates go on."""
-MARCHED_MOST = 12
-"""Candidates whose torques are marched that are fitted at all: each of their steps takes long."""
-MARCHED_ROUNDS = ((0.1, 4, 5),)
+INTEGRATED_MOST = 12
+"""Candidates whose torques are integrated that are fitted at all: each of their steps takes long."""
+INTEGRATED_ROUNDS = ((0.1, 4, 5),)
 """The rounds of these."""
 RESTARTS = ((0.2, 3, 6), (0.1, 10, 1))
 """The rounds of a search from many starts of one effect."""
@@ -72,11 +73,11 @@ def narrowed(
 ) -> list[Candidate]:
     """The candidates that do best, one for each effect and place, the best first.
 
-    Either all of them have torques to be marched, or none.
+    Either all of them have torques to be integrated, or none.
     """
     slow = [one for one in found if has_law(one.hypothesis)]
-    todo = sorted(slow, key=lambda one: one.cost)[:MARCHED_MOST] if slow else list(found)
-    rounds = MARCHED_ROUNDS if slow else ROUNDS
+    todo = sorted(slow, key=lambda one: one.cost)[:INTEGRATED_MOST] if slow else list(found)
+    rounds = INTEGRATED_ROUNDS if slow else ROUNDS
     for round_number, (floor, steps, keep) in enumerate(rounds):
         done = []
         for number, one in enumerate(todo):

@@ -5,8 +5,8 @@
 with α₀ the model as it is, ω_r and ζ_r of each posture, and a residue R of each pair of response and hammer
 point in it, all free. No effect stands behind it, so that it foretells nothing for a posture it was not
 fitted to but the mean of the others. An explanation worth its name does better with fewer parameters; this
-one is weighed beside the others and never added. The residues follow from ω_r and ζ_r by linear least squares
-(variable projection: Golub and Pereyra, SIAM J. Numer. Anal. 10, 1973).
+one is compared beside the others and never added. The residues follow from ω_r and ζ_r by linear least
+squares (variable projection: Golub and Pereyra, SIAM J. Numer. Anal. 10, 1973).
 """
 
 from __future__ import annotations

@@ -17,6 +17,7 @@ from flexmodal.diagnosis.lawfree.result import Findings as LawFree
 from flexmodal.diagnosis.outcome import Gaps, NextMeasurement, Region
 from flexmodal.diagnosis.selection.comparison import Comparison, M
 from flexmodal.diagnosis.selection.decision import Answer, Asked, Round
+from flexmodal.identification.baselines import Baselines
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,6 +36,8 @@ class Conclusion(Generic[M]):
     along, so that there is no such figure."""
     reached: Answer
     """Whether that is noise."""
+    baselines: Baselines | None = None
+    """What needs no model, on the postures held out."""
 
 
 class Data(ABC, Generic[M]):
@@ -159,7 +162,7 @@ class Data(ABC, Generic[M]):
         """
 
     @abstractmethod
-    def weighed_gaps(self, model: M) -> tuple[float, float | None]:
+    def compared_gaps(self, model: M) -> tuple[float, float | None]:
         """A model's gap on what it was fitted to, and on what was held out."""
 
     @abstractmethod
@@ -193,6 +196,14 @@ class Data(ABC, Generic[M]):
             rounds: every comparison.
             current: the final model.
             compared: it, or the best, and what it is tied with.
+        """
+        return None
+
+    def stand_in(self, model: M) -> M | None:
+        """What predicts better though it has no name: for the improved robot alone.
+
+        Args:
+            model: the final one.
         """
         return None
 

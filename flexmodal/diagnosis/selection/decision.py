@@ -126,6 +126,33 @@ def choice(
     return Choice(None, tuple(open_))
 
 
+def among_vouched(
+    comparison: Comparison[M],
+    chosen: int,
+    vouches: Callable[[M], bool],
+    compare: Callable[[Sequence[M]], Comparison[M]],
+) -> tuple[Comparison[M], int]:
+    """What was chosen because it is vouched for, compared with nothing added and others that are so.
+
+    Of several effects one in the wrong place may take more alone than any in its own: that says nothing of
+    how sure the chosen one is.
+
+    Args:
+        comparison: of everything.
+        chosen: number of what was chosen.
+        vouches: whether a model is known to be needed.
+        compare: models, the first without anything new.
+
+    Returns:
+        The comparison to go by, and the number of the chosen model in it.
+    """
+    models = comparison.models
+    if comparison.order[0] == chosen or not vouches(models[chosen]):
+        return comparison, chosen
+    kept = [k for k in range(1, len(models)) if k == chosen or vouches(models[k])]
+    return compare([models[0], *(models[k] for k in kept)]), kept.index(chosen) + 1
+
+
 def rivals(
     comparison: Comparison[M], chosen: int | None, alike: Callable[[M, M], bool]
 ) -> tuple[M, M] | None:

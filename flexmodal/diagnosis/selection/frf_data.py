@@ -22,32 +22,24 @@ from flexmodal.diagnosis.search.explanations import explanations
 from flexmodal.diagnosis.search.modal_search import unmatched
 from flexmodal.diagnosis.search.unstructured import unstructured_mode
 from flexmodal.diagnosis.selection.beside_frfs import ModesBeside
-from flexmodal.diagnosis.selection.comparison import MARGIN, Comparison
+from flexmodal.diagnosis.selection.beside_nothing import beside_nothing
+from flexmodal.diagnosis.selection.comparison import Comparison
 from flexmodal.diagnosis.selection.data import Conclusion, Data
-from flexmodal.diagnosis.selection.decision import SIGNIFICANT, Answer, reaches
+from flexmodal.diagnosis.selection.decision import Answer, reaches
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs, compare_models
+from flexmodal.diagnosis.selection.frf_thresholds import (
+    FLOOR_REACHED,
+    FORCE,
+    FORCE_MARGIN,
+    LARGER_PART,
+    NEARLY_ALL,
+    at_the_noise,
+    takes_enough,
+)
+from flexmodal.diagnosis.selection.stand_in import stand_in
 from flexmodal.diagnosis.setup import Setup
 from flexmodal.diagnosis.verdict.next_measurement import Sure, next_among_records
 from flexmodal.identification import gap, predict, uncertainty
-
-FORCE, FORCE_MARGIN = 1.6, 0.1
-"""Change of FRFs with the force of the blow, over their noise, from which a structure is not linear."""
-WORTH, WORTH_MARGIN = 0.025, 0.005
-"""Part of the sum of squares that an effect has to take away besides."""
-ANOTHER, ANOTHER_MARGIN = 0.33, 0.02
-"""The same for every further effect: what a good but not perfect model leaves is not another effect."""
-LARGER_PART, NEARLY_ALL = 0.5, 0.9
-"""Part of the disagreement that an effect takes to be named where its law is not quite the catalogue's; the
-second where no curve tells its class, or other places cannot be told from its own."""
-FLOOR_REACHED = 1.4
-"""Distance of a model from the measurement, over that of the noise, that needs no explanation; a
-perfect one is somewhat above 1, since what repeats share is not in the noise."""
-EXPLAINED = 2.0
-"""The same that a strong effect may leave."""
-LEFT = 0.03
-"""Part of the disagreement above the noise that may be left then."""
-FLOOR_MARGIN = 0.035
-"""The last 7 % up to these three are the border, which is told: a threshold with this relative margin."""
 
 
 class FrfData(Data[FittedFrfs]):
@@ -111,7 +103,7 @@ class FrfData(Data[FittedFrfs]):
             self.setup,
             before,
             _starts(before),
-            loud=self.force > Answer.NO,
+            with_force=self.force > Answer.NO,
             enough=FLOOR_REACHED,
             advance=lambda part: self.setup.advance(doing, part),
             allowed=allowed,
@@ -183,7 +175,12 @@ class FrfData(Data[FittedFrfs]):
         return fitted_closely(self.setup, model.hypothesis.without(key), model.x[np.array(kept)])
 
     def worth(self, before: FittedFrfs, after: FittedFrfs, number: int) -> Answer:
-        """Of the sum of squares; the first effect from the data, or from parameters beyond belief."""
+        """Of the sum of squares; the first effect from the data, or from parameters beyond belief.
+
+        What lies within tolerances is one error for all lines, however much evidence that looks like.
+        """
+        if not self.campaign.tolerance.is_exact and self.is_enough(before):
+            return Answer.NO
         taken = float(1 - after.costs.sum() / max(before.costs.sum(), 1e-300))
         return takes_enough(taken, (before.prior - after.prior) / 2, number)
 
@@ -199,7 +196,7 @@ class FrfData(Data[FittedFrfs]):
         """Of single records."""
         return gaps_of(self.setup, before, after)
 
-    def weighed_gaps(self, model: FittedFrfs) -> tuple[float, float | None]:
+    def compared_gaps(self, model: FittedFrfs) -> tuple[float, float | None]:
         """Of postures fitted, and held out."""
         held = self.setup.held
         return gap_of(self.setup, model, ~held), gap_of(self.setup, model, held) if held.any() else None
@@ -223,7 +220,7 @@ class FrfData(Data[FittedFrfs]):
             before, after,
             replace(gaps, held_out_before=apart.held_out_before, held_out_after=apart.held_out_after),
             disagreement(every, before.predicted), disagreement(every, after.predicted), sure.deviation, over,
-            self._reached(over, left(setup, first, after), after),
+            self._reached(over, left(setup, first, after), after), beside_nothing(setup, last),
         )  # fmt: skip
 
     def _reached(self, over: float, rest: float, after: FittedFrfs) -> Answer:
@@ -243,6 +240,12 @@ class FrfData(Data[FittedFrfs]):
         share = [above[seen.response[:, 0] == p].sum() for p in points]
         return seen.campaign.point(int(points[int(np.argmax(share))])).name
 
+    def stand_in(self, model: FittedFrfs) -> FittedFrfs | None:
+        """See `Data`: at the places that the law-free look points to."""
+        if not self.look.needed:
+            return None
+        return stand_in(self.setup, self.look, model, _starts, with_force=self.force > Answer.NO)
+
     def next_measurement(self, one: FittedFrfs, other: FittedFrfs) -> NextMeasurement:
         """See `Data`."""
         first, second = (Sure(fit.hypothesis, fit.x, self.covariance(fit)) for fit in (one, other))
@@ -257,30 +260,6 @@ class FrfData(Data[FittedFrfs]):
 def _anything(effect: str, where: str) -> bool:
     """Every effect in every place."""
     return True
-
-
-def at_the_noise(over: float, rest: float) -> Answer:
-    """Whether a model is at the noise, or as near as a strong effect has to come.
-
-    Args:
-        over: its distance from the measurement over that of the noise.
-        rest: part of the first model's disagreement above the noise that it leaves.
-    """
-    distance = min(over / FLOOR_REACHED, max(over / EXPLAINED, rest / LEFT))
-    return reaches(-distance, FLOOR_MARGIN - 1, FLOOR_MARGIN)
-
-
-def takes_enough(taken: float, believable: float, number: int) -> Answer:
-    """Whether an effect takes enough of the misfit away.
-
-    Args:
-        taken: part of the sum of squares.
-        believable: what the parameters' prior gains, the first effect's if it need not take much [nat].
-        number: how many effects were added before.
-    """
-    if number:
-        return reaches(taken, ANOTHER, ANOTHER_MARGIN)
-    return max(reaches(taken, WORTH, WORTH_MARGIN), reaches(believable, SIGNIFICANT, MARGIN))
 
 
 def _starts(before: FittedFrfs) -> list[np.ndarray]:

@@ -44,7 +44,7 @@ from flexmodal.model import Robot
 from flexmodal.structure import ParameterSpace
 
 FINALISTS = 9
-"""Effects that are weighed under every variant."""
+"""Effects that are compared under every variant."""
 WITHIN = 16.0
 """Margin behind the best from which on an effect is not [nat]."""
 EVERYWHERE = "arm"
@@ -179,7 +179,7 @@ class ModalData(Data[FittedModes]):
         """Scales at their best."""
         return model.covariance
 
-    def weighed_gaps(self, model: FittedModes) -> tuple[float, float | None]:
+    def compared_gaps(self, model: FittedModes) -> tuple[float, float | None]:
         """On all modes, and as predicted by fits that had not seen them."""
         held = None if model.held is None else gap_of_errors(model.held.errors)
         return gap_of_errors(errors(self.everywhere(model.fit))), held
@@ -205,7 +205,7 @@ class ModalData(Data[FittedModes]):
         current: FittedModes,
         compared: tuple[FittedModes, FittedModes] | None,
     ) -> Findings:
-        """See `Data`; `after` is the final model, or without a step the best of what was weighed."""
+        """See `Data`; `after` is the final model, or without a step the best of what was compared."""
         first, stepped = rounds[0].comparison, current is not self.root
         best = current if stepped else first.models[first.order[0]]
         worth_it = stepped or any_gains(first) is Answer.YES

@@ -10,10 +10,18 @@ from jaxtyping import Float
 
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.names import NONE, UNSTRUCTURED
-from flexmodal.diagnosis.outcome import Step, Weighed
+from flexmodal.diagnosis.outcome import Compared, Step
 from flexmodal.diagnosis.selection.comparison import Comparison, M
 from flexmodal.diagnosis.selection.data import Data
-from flexmodal.diagnosis.selection.decision import Answer, Choice, Round, any_gains, choice, rivals
+from flexmodal.diagnosis.selection.decision import (
+    Answer,
+    Choice,
+    Round,
+    among_vouched,
+    any_gains,
+    choice,
+    rivals,
+)
 
 STEP = 1e-5
 """Of the differences along parameters."""
@@ -28,7 +36,7 @@ class ForwardSelection(Generic[M]):
         self.root = self.current = data.root
         self.rounds: list[Round[M]] = []
         self.steps: list[Step] = []
-        self.refused: list[Weighed] = []
+        self.refused: list[Compared] = []
         """What was compared last and not added."""
         self.rivals: tuple[M, M] | None = None
         """What was added last, or is best, and what it is tied with."""
@@ -57,10 +65,12 @@ class ForwardSelection(Generic[M]):
         if found.number is not None or (not self.steps and any_gains(comparison) > Answer.NO):
             self.rivals = rivals(comparison, found.number, self.data.alike)
         if found.number is None:
-            self.refused = [self.weighed(comparison, k) for k in comparison.order]
+            self.refused = [self.compared(comparison, k) for k in comparison.order]
             return None
         self.current = comparison.models[found.number]
-        self.steps.append(self.describe(comparison, found.number))
+        self.steps.append(
+            self.describe(*among_vouched(comparison, found.number, self.data.vouches, self.data.compare))
+        )
         return self.steps[-1]
 
     def exchange(self, pair: M) -> None:
@@ -102,7 +112,7 @@ class ForwardSelection(Generic[M]):
             model.hypothesis, model.key, model.x, self.data.covariance(model)
         )
         ties = [k for k in comparison.tied if k != chosen]
-        others = {k: self.weighed(comparison, k) for k in comparison.order if k != chosen}
+        others = {k: self.compared(comparison, k) for k in comparison.order if k != chosen}
         return Step(
             effect=model.key[0],
             where=model.key[1],
@@ -113,16 +123,22 @@ class ForwardSelection(Generic[M]):
             gaps=self.data.gaps(comparison.models[0], model),
             alternatives=tuple(others.values()),
             ties=tuple((others[k].effect, others[k].where) for k in ties),
+            share=self._share(comparison.models[0], model),
         )
 
-    def weighed(self, comparison: Comparison[M], number: int) -> Weighed:
+    def _share(self, before: M, after: M) -> float | None:
+        """Part of the first model's disagreement above the noise that a step takes."""
+        shares = [self.data.share(self.root, one) for one in (before, after)]
+        return None if shares[0] is None or shares[1] is None else shares[1] - shares[0]
+
+    def compared(self, comparison: Comparison[M], number: int) -> Compared:
         """A model of a comparison, in figures."""
         model = comparison.models[number]
         effect, where = model.key if number else (NONE, "")
-        return Weighed(
+        return Compared(
             effect,
             where,
-            *self.data.weighed_gaps(model),
+            *self.data.compared_gaps(model),
             float(comparison.scores[number] - comparison.scores.max()),
             float(comparison.probability[number]),
             model.parameters - comparison.models[0].parameters,

@@ -42,6 +42,8 @@ class Facts:
     """Places of what is missing besides."""
     contradicted: bool = False
     """Whether several effects stand for what one place explains at which none of them sits."""
+    kind: str = ""
+    """Of the region that disagrees most at the end."""
     share: float | None = None
     """Part of the disagreement above the noise that the effects take; None where that has no figure."""
     look: LawFree | None = None

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from flexmodal.diagnosis.names import NONE, UNSTRUCTURED
+from flexmodal.diagnosis.outcome import Gaps
 from flexmodal.diagnosis.verdict.facts import Facts
 from flexmodal.report.words import percent
 from flexmodal.text.words import enumeration
@@ -31,6 +34,24 @@ def frf_words(facts: Facts, *, explained: bool) -> list[str]:
     tied = [_named(*tie) for step in facts.steps for tie in step.ties]
     tail = f"These data cannot tell it from {', '.join(tied)}." if tied else ""
     return [f"Missing: {words}.", tail, f"The gap falls to {floors:.2f} × the noise floor.", *facts.refused]
+
+
+def stand_in_words(effects: Sequence[tuple[str, str]], gaps: Gaps) -> str:
+    """What stands in the improved robot for something that has no name.
+
+    Args:
+        effects: names and places.
+        gaps: with them.
+    """
+    names = enumeration([f"{effect} at {where}" for effect, where in effects])
+    stands = "stands" if len(effects) == 1 else "stand"
+    words = f"In the improved robot {names} {stands} for it, without being named"
+    if gaps.held_out_before is None or gaps.held_out_after is None:
+        return f"{words}."
+    return (
+        f"{words}: on postures that no fit has seen the gap goes from {gaps.held_out_before:.3g} to "
+        f"{gaps.held_out_after:.3g}."
+    )
 
 
 def _partly(facts: Facts) -> str:

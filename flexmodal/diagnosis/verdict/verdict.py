@@ -11,7 +11,7 @@ added stands beside what is left.
 from __future__ import annotations
 
 from flexmodal.diagnosis.names import UNKNOWN
-from flexmodal.diagnosis.outcome import Verdict
+from flexmodal.diagnosis.outcome import Remaining, Verdict
 from flexmodal.diagnosis.selection.decision import Answer
 from flexmodal.diagnosis.verdict.facts import Facts
 from flexmodal.diagnosis.verdict.frf_words import frf_words
@@ -34,6 +34,8 @@ def verdict(facts: Facts) -> Verdict:
     words = frf_words if facts.modal is None else modal_words
     says = " ".join(part for part in (*words(facts, explained=explained), *undecided) if part)
     share = facts.share if sure else None
-    return Verdict(
-        effects if sure or explained else ((UNKNOWN, facts.place),), explained, says, undecided, share
-    )
+    remaining = None
+    if not explained and facts.over_noise is not None:
+        remaining = Remaining(facts.over_noise, (*facts.lacking_at, facts.place)[0], facts.kind)
+    named = effects if sure or explained else ((UNKNOWN, facts.place),)
+    return Verdict(named, explained, says, undecided, share, remaining)

@@ -3,6 +3,7 @@
 from flexmodal.rig.effects import (
     added_mass,
     base_flexibility,
+    bearing_flexibility,
     coulomb_friction,
     joint_coupling,
     link_flexibility,
@@ -33,6 +34,7 @@ EFFECTS: dict[str, Effect] = {
         sensors.SENSOR_GAIN,
         sensors.TIME_DELAY,
         sensors.SENSOR_MISALIGNMENT,
+        bearing_flexibility.EFFECT,
         outside.CLEARANCE,
         outside.HOSE,
         outside.SATURATION,

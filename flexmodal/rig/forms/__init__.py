@@ -10,6 +10,7 @@ from flexmodal.rig.effects import EFFECTS, Effect
 from flexmodal.rig.forms import (
     added_mass,
     base_flexibility,
+    bearing_flexibility,
     coulomb_friction,
     joint_coupling,
     link_flexibility,
@@ -26,6 +27,7 @@ FORMS: dict[str, dict[str, Effect]] = {name: {effect.form: effect} for name, eff
 for _room in (
     link_flexibility, base_flexibility, servo_compliance, structural_damping, coulomb_friction,
     nonlinear_stiffness, joint_coupling, added_mass, local_absorber, sensor_mass, sensors,
+    bearing_flexibility,
 ):  # fmt: skip
     for _effect in _room.FORMS:
         FORMS[_effect.name][_effect.form] = _effect
@@ -44,6 +46,7 @@ LOOKED_AT: dict[str, tuple[str, ...]] = {
     "sensor_gain": ("inverted", "aged"),
     "time_delay": ("low_pass", "all_pass"),
     "sensor_misalignment": ("cross", "stand_off"),
+    "bearing_flexibility": ("rows",),
 }
 """Forms that may be simulated and studied while a diagnosis is being tuned."""
 SEALED: dict[str, tuple[str, ...]] = {
@@ -60,6 +63,7 @@ SEALED: dict[str, tuple[str, ...]] = {
     "sensor_gain": ("high_pass", "resonant"),
     "time_delay": ("bessel", "hold"),
     "sensor_misalignment": ("leaning", "skewed"),
+    "bearing_flexibility": ("housing", "relaxing"),
 }
 """Forms of the exam: whoever tunes a diagnosis leaves them alone."""
 

@@ -1,4 +1,4 @@
-"""A non-linear plant under a hammer: marched on the fine grid.
+"""A non-linear plant under a hammer: integrated on the fine grid.
 
 The linear part and the hammer's pulse are exact, as in `linear`; the forces of the non-linear elements are
 taken as straight lines within a step (first-order hold), found by fixed-point iteration at its end: second

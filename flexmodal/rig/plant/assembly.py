@@ -126,9 +126,19 @@ class PlantAssembly:
             columns: where the coordinates stand.
             motion: of the root link, linear rows first, world axes.
         """
-        start = self.origin(self.robot.urdf.root)
-        for link in self._maps:
-            self._widen(link)[:, columns] += carried(motion, self.origin(link) - start)
+        self.add_link_motion(self.robot.urdf.root, columns, motion)
+
+    def add_link_motion(self, link: str, columns: slice, motion: Float[np.ndarray, "6 added"]) -> None:
+        """Let a link move, and all it carries, by coordinates already added.
+
+        Args:
+            link: which.
+            columns: where the coordinates stand.
+            motion: of its origin, linear rows first, world axes.
+        """
+        start = self.origin(link)
+        for further in beyond(self.robot.urdf, link):
+            self._widen(further)[:, columns] += carried(motion, self.origin(further) - start)
 
     def add_flexure(
         self, link: str, flexure: Flexure, axis: np.ndarray, side: np.ndarray | None, loss: float

@@ -12,7 +12,7 @@ from flexmodal.diagnosis.lawfree.kinds import KINDS, TORQUE
 from flexmodal.diagnosis.lawfree.port import Port
 from flexmodal.diagnosis.lawfree.result import CLASSES_OF, PORT_OF, Class, Curve, Findings, Found, PlaceTried
 from flexmodal.diagnosis.lawfree.templates import templates_for
-from flexmodal.diagnosis.outcome import Gaps, Step
+from flexmodal.diagnosis.outcome import Gaps, Remaining, Step
 from flexmodal.diagnosis.report.free_look import look_parts
 from flexmodal.diagnosis.selection.decision import Answer
 from flexmodal.diagnosis.verdict.facts import Facts
@@ -134,7 +134,7 @@ def facts(look):
     step = Step("link_flexibility", "link_2", {}, {}, {}, 1.0, gaps, ())
     return Facts(
         steps=(step,), says={"link_flexibility": "the link bends"}, gaps=gaps, over_noise=1.9,
-        reached=Answer.NO, lacking={}, open_=False, place="link_2", share=0.94, look=look,
+        reached=Answer.NO, lacking={}, open_=False, place="link_2", kind="damping", share=0.94, look=look,
     )  # fmt: skip
 
 
@@ -153,11 +153,13 @@ def test_what_is_missing_besides_is_unknown_beside_the_names(facts):
     assert not says.explained
     assert "look at tip" in says.says
     assert says.named
+    assert says.remaining == Remaining(1.9, "tip", "damping")
 
 
 def test_two_effects_for_what_one_place_explains_are_not_named(facts):
     both = replace(facts, steps=facts.steps * 2, reached=Answer.YES, over_noise=1.0)
     assert verdict(both).explained
+    assert verdict(both).remaining is None
     says = verdict(replace(both, contradicted=True))
     assert says.effects == (("unknown", "link_2"),)
     assert not says.explained

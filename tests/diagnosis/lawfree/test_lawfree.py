@@ -11,12 +11,12 @@ from flexmodal.diagnosis.lawfree.curve import classes_of, curve_of
 from flexmodal.diagnosis.lawfree.elastic_ports import BASE, LINK
 from flexmodal.diagnosis.lawfree.joint_ports import COUPLING, DAMPING, JOINT, TORQUE
 from flexmodal.diagnosis.lawfree.kinds import KINDS
-from flexmodal.diagnosis.lawfree.look import ALIKE, Field, noise_of
+from flexmodal.diagnosis.lawfree.look import ALIKE, Field, carried_over, noise_of
 from flexmodal.diagnosis.lawfree.model import PortedModel
 from flexmodal.diagnosis.lawfree.port import Port
 from flexmodal.diagnosis.lawfree.profile import Profile, profiled
 from flexmodal.diagnosis.lawfree.pursuit import MOST, alone, pursued
-from flexmodal.diagnosis.lawfree.reading_ports import CHANNEL, SENSOR
+from flexmodal.diagnosis.lawfree.reading_ports import BLOWS, CHANNEL, SENSOR
 from flexmodal.diagnosis.search.lines import unlimited
 from flexmodal.identification import predict
 from flexmodal.structure import robot_space
@@ -245,3 +245,20 @@ def test_every_kind_has_places_on_a_planar_arm(root):
 def test_noise_is_never_below_what_a_model_can_reach(observed):
     silent = replace(observed, variance=np.zeros_like(observed.variance))
     assert noise_of(silent, np.arange(10)) > 0
+
+
+def test_a_port_that_leaves_blows_out_stands_beside_one_of_each_blow(root, observed):
+    """A torque has a function for each posture and blow; those of blows that are left out go with them."""
+    field = Field.of(root, np.zeros(len(root.space)), observed, None, by_force=True, kinds=[BLOWS])
+    torque = next(one for one in field.torques if one.where == "q2")
+    first = field.sighted((torque,))
+    seen = field.ports[0].kind.reads(first.profile.model.observations, root.context, field.ports[0].where)
+    assert 0 < seen.sum() < len(seen)
+    both = field.sighted((field.ports[0],), first)
+    model = both.profile.model
+    assert len(model.observations) == len(seen) - seen.sum()
+    assert both.state.z.shape[0] == model.cells < first.profile.model.cells
+    begun = carried_over(first, model, 2)
+    kept = np.flatnonzero(~seen)[0]
+    there = first.state.z[first.profile.model.cell[kept]]
+    np.testing.assert_array_equal(begun.z[model.cell[0]], there[..., ::2])

@@ -8,21 +8,26 @@
   const wish = new URLSearchParams(location.hash.slice(1)); // such as #motion=2&phase=0.25
 
   // Numbers of meshes stand in the page once each and are called by name.
-  const kinds = { Float32Array, Uint32Array };
+  const kinds = { Float32Array, Uint16Array, Uint32Array };
   const arrays = {};
   for (const [name, text] of Object.entries(scene.arrays)) {
     arrays[name] = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0)).buffer;
+  }
+  function unpacked({ low, step }, buffer) { // places as whole numbers between the least and the largest
+    return Float32Array.from(new Uint16Array(buffer), (count, i) => low[i % 3] + step[i % 3] * count);
   }
   function fill(value) {
     if (Array.isArray(value) || value === null || typeof value !== "object") return value;
     for (const key of Object.keys(value)) {
       const inner = value[key];
-      if (key === "array" && inner && inner.buffer !== undefined) value.array = new kinds[value.type](arrays[inner.buffer]);
+      if (key === "array" && inner && inner.buffer !== undefined) value.array = value.low ? unpacked(value, arrays[inner.buffer]) : new kinds[value.type](arrays[inner.buffer]);
       else if (key === "geometries") inner.forEach(fill);
       else fill(inner);
     }
     return value;
   }
+
+  document.body.classList.toggle("picture", wish.has("picture")); // without the words beside it
 
   let viewer;
   try {
@@ -38,6 +43,11 @@
   }
   window.viewer = viewer;
   const node = (path) => viewer.scene_tree.find(path.split("/").filter((part) => part)).object;
+  // What scripts after this one may use.
+  window.flexmodalPage = {
+    viewer, node, stage,
+    frame: (points) => { scene.view.points = points; touched = false; frame(); },
+  };
 
   // A planar arm is seen without perspective, so that it can be measured against its grid.
   if (scene.view.flat) {
@@ -169,6 +179,18 @@
 
   scene.commands.forEach((command) => viewer.handle_command(fill(command)));
 
+  // Lines that lie on the ground of the page follow its colours.
+  const dark = matchMedia("(prefers-color-scheme: dark)");
+  function recolour() {
+    const colours = { grid: dark.matches ? 0x3a424b : 0xd9dce0, axes: dark.matches ? 0xa3abb5 : 0x4b5058 };
+    for (const [path, colour] of Object.entries(colours)) {
+      node(`/flexmodal/${path}`).traverse((object) => { if (object.material) object.material.color.setHex(colour); });
+    }
+    viewer.set_dirty();
+  }
+  recolour();
+  dark.addEventListener("change", recolour);
+
   // Motions: a button each; the one chosen is loaded as a meshcat animation.
   const buttons = [...document.querySelectorAll("button[data-motion]")];
   const pause = document.getElementById("pause");
@@ -203,6 +225,7 @@
     run(false);
     if (motion && motion.animations.length) viewer.animator.seek(phase * motion.duration);
   }
+  window.flexmodalPage.hold = hold; // at a part of the cycle
   buttons.forEach((button) => button.addEventListener("click", () => choose(Number(button.dataset.motion))));
   if (pause) pause.addEventListener("click", () => run(!viewer.animator.playing));
 

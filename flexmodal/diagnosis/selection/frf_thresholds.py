@@ -1,0 +1,49 @@
+"""What decides in a diagnosis of FRFs, each figure with the margin within which nothing is decided."""
+
+from __future__ import annotations
+
+from flexmodal.diagnosis.selection.comparison import MARGIN
+from flexmodal.diagnosis.selection.decision import SIGNIFICANT, Answer, reaches
+
+FORCE, FORCE_MARGIN = 1.6, 0.1
+"""Change of FRFs with the force of the blow, over their noise, from which a structure is not linear."""
+WORTH, WORTH_MARGIN = 0.025, 0.005
+"""Part of the sum of squares that an effect has to take away besides."""
+ANOTHER, ANOTHER_MARGIN = 0.33, 0.02
+"""The same for every further effect: what a good but not perfect model leaves is not another effect."""
+LARGER_PART, NEARLY_ALL = 0.5, 0.9
+"""Part of the disagreement that an effect takes to be named where its law is not quite the catalogue's; the
+second where no curve tells its class, or other places cannot be told from its own."""
+FLOOR_REACHED = 1.4
+"""Distance of a model from the measurement, over that of the noise, that needs no explanation; a
+perfect one is somewhat above 1, since what repeats share is not in the noise."""
+EXPLAINED = 2.0
+"""The same that a strong effect may leave."""
+LEFT = 0.03
+"""Part of the disagreement above the noise that may be left then."""
+FLOOR_MARGIN = 0.035
+"""The last 7 % up to these three are the border, which is told: a threshold with this relative margin."""
+
+
+def at_the_noise(over: float, rest: float) -> Answer:
+    """Whether a model is at the noise, or as near as a strong effect has to come.
+
+    Args:
+        over: its distance from the measurement over that of the noise.
+        rest: part of the first model's disagreement above the noise that it leaves.
+    """
+    distance = min(over / FLOOR_REACHED, max(over / EXPLAINED, rest / LEFT))
+    return reaches(-distance, FLOOR_MARGIN - 1, FLOOR_MARGIN)
+
+
+def takes_enough(taken: float, believable: float, number: int) -> Answer:
+    """Whether an effect takes enough of the misfit away.
+
+    Args:
+        taken: part of the sum of squares.
+        believable: what the parameters' prior gains, the first effect's if it need not take much [nat].
+        number: how many effects were added before.
+    """
+    if number:
+        return reaches(taken, ANOTHER, ANOTHER_MARGIN)
+    return max(reaches(taken, WORTH, WORTH_MARGIN), reaches(believable, SIGNIFICANT, MARGIN))

@@ -1,0 +1,93 @@
+"""What stands for something without a name in the improved robot: a grey box.
+
+Effects of the catalogue at the places that the law-free look points to, one after the other, as long as they
+bring the postures nearer that no fit has seen. None of them is named: together they only move as what is
+there does. Each is made of masses, springs and dampers, so that the box is passive as they are; where a
+coupling pushes instead of holding it is refused.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import partial
+
+import numpy as np
+
+from flexmodal.diagnosis.disagreement.gaps import over_noise
+from flexmodal.diagnosis.lawfree.result import Findings
+from flexmodal.diagnosis.search.explanations import explanations
+from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
+from flexmodal.diagnosis.selection.frf_thresholds import FLOOR_REACHED
+from flexmodal.diagnosis.setup import Setup
+from flexmodal.identification.gap import over_noise as averages_over_noise
+
+MOST = 2
+"""Effects that stand for what has no name."""
+NEARER = 0.9
+"""Of the distance of the postures held out that an effect may leave to be taken."""
+
+Starts = Callable[[FittedFrfs], Sequence[np.ndarray]]
+
+
+def stand_in(
+    setup: Setup, look: Findings, model: FittedFrfs, starts: Starts, *, with_force: bool
+) -> FittedFrfs | None:
+    """A model that predicts postures held out better than a diagnosis' last, or None.
+
+    Args:
+        setup: what the diagnosis works with.
+        look: what was found without a law.
+        model: the last model, some of whose effects may be named.
+        starts: coordinates from which a search beside a model sets out.
+        with_force: whether FRFs change with the force of the blow.
+    """
+    if not setup.held.any():
+        return None
+    places = {where for one in look.found for _, where in ((one.port, one.where), *one.alike)}
+    best, far = model, held_out(setup, model)
+    for number in range(MOST):
+        found = explanations(
+            setup,
+            best,
+            starts(best),
+            with_force=with_force,
+            enough=FLOOR_REACHED,
+            advance=partial(_advance, setup, number),
+            allowed=lambda effect, where: where in places,
+        )
+        found = [one for one in found if is_passive(one)]
+        if not found or held_out(setup, found[0]) > NEARER * far:
+            break
+        best = found[0]
+        far = held_out(setup, best)
+        if over_noise(setup, best) <= FLOOR_REACHED:
+            break
+    return None if best is model else best
+
+
+def _advance(setup: Setup, done: int, part: float) -> None:
+    setup.advance("looking for a stand-in", (done + part) / MOST)
+
+
+def held_out(setup: Setup, model: FittedFrfs) -> float:
+    """Distance from the averages of postures held out, over that of their noise.
+
+    Args:
+        setup: what the diagnosis works with.
+        model: fitted to the others.
+    """
+    return averages_over_noise(setup.observations.keeping(setup.held), model.predicted[setup.held])
+
+
+def is_passive(model: FittedFrfs) -> bool:
+    """Whether mass, damping and stiffness of a model hold in every posture: nothing in it pushes.
+
+    Args:
+        model: with its effects.
+    """
+    for group in model.hypothesis.groups(model.x, model.fitted.misfit.observations, slopes=False):
+        for matrix in (group.structures.mass, group.structures.stiffness, group.structures.damping):
+            value = np.linalg.eigvalsh(matrix)
+            if np.any(value[..., 0] < -1e-9 * np.abs(value).max(axis=-1)):
+                return False
+    return True

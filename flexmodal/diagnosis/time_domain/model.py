@@ -1,0 +1,127 @@
+"""A hypothesis whose non-linear torques are integrated in time, as a model that a fit can take.
+
+Everything but those torques is the hypothesis' own: effects with a `law` lose their stand-in at one amplitude
+and are integrated under every blow. Derivatives are forward differences.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from jaxtyping import Complex, Float, Int
+
+from flexmodal.diagnosis.hypothesis import Hypothesis
+from flexmodal.diagnosis.placed import Placed
+from flexmodal.diagnosis.time_domain.integration import FINENESS, Steps, Struck, TimeResponse, integrate
+from flexmodal.diagnosis.time_domain.record import record_receptance, struck_by
+from flexmodal.errors import Fault, InvalidRequest
+from flexmodal.identification import Observations
+from flexmodal.structure import ParameterSpace
+
+STEP = 1e-5
+"""Of the differences."""
+
+
+@dataclass(frozen=True, eq=False)
+class TimeDomainModel:
+    """A model of observations (`identification.ReceptanceModel`).
+
+    Raises:
+        InvalidRequest: no effect of the hypothesis has a law.
+    """
+
+    hypothesis: Hypothesis
+    fineness: float = FINENESS
+    """Steps in a period of the highest line."""
+    compiled: bool | None = None
+    """Whether by the compiled loop; by default, if numba is installed."""
+
+    def __post_init__(self) -> None:
+        if not has_law(self.hypothesis):
+            found = ", ".join(placed.label for placed in self.hypothesis.placed) or "no effect"
+            raise InvalidRequest(Fault("call", "hypothesis", found, "an effect with a law"))
+
+    @property
+    def space(self) -> ParameterSpace:
+        """Of the hypothesis."""
+        return self.hypothesis.space
+
+    @cached_property
+    def linear(self) -> Hypothesis:
+        """Without the stand-ins."""
+        placed = tuple(_without_stand_in(one) for one in self.hypothesis.placed)
+        return Hypothesis(self.hypothesis.context, self.hypothesis.base, placed)
+
+    def receptances(
+        self,
+        x: Float[np.ndarray, " parameter"],
+        observations: Observations,
+        lines: slice | Int[np.ndarray, " line"],
+        *,
+        slopes: bool,
+    ) -> tuple[Complex[np.ndarray, "observation line"], Complex[np.ndarray, "slope observation line"]]:
+        """See `identification.ReceptanceModel`; all that has to be integrated is integrated at once."""
+        _, high = self.space.bounds
+        sizes = np.where(x + STEP <= high, STEP, -STEP) if slopes else np.zeros(0)
+        tried = [x, *(x + np.where(np.arange(len(x)) == k, size, 0.0) for k, size in enumerate(sizes))]
+        looks = [self._look(one, observations, lines) for one in tried]
+        steps = self._steps(observations)
+        integrated = integrate([one.struck for look in looks for one in look], steps, compiled=self.compiled)
+        found = np.zeros((len(tried), len(observations), len(observations.axis.take(lines))), dtype=complex)
+        number = 0
+        for value, look in zip(found, looks, strict=True):
+            for one in look:
+                value[one.observations] = one.read(integrated[number], steps)
+                number += 1
+        return found[0], (found[1:] - found[0]) / sizes[:, None, None]
+
+    def _steps(self, observations: Observations) -> Steps:
+        length = max(observations.lengths)
+        if length > 0:  # from the middle of the pulse
+            length += float(np.mean([pulse.length for pulse in self.hypothesis.context.pulses])) / 2
+        return Steps.behind(observations.axis.frequency, length, self.fineness)
+
+    def _look(self, x: np.ndarray, observations: Observations, lines: slice | np.ndarray) -> Sequence[_Look]:
+        values, pulses = self.space.values(x), self.hypothesis.context.pulses
+        found = []
+        for group in self.linear.groups(x, observations, slopes=False):
+            part, axis = group.part, observations.axis_of(group.part.level).take(lines)
+            log = None if group.reading is None else group.reading(axis)[0]
+            laws = self.linear.laws(part, values)
+            for k, members in enumerate(part.members):
+                struck, wanted = struck_by(
+                    group.structures[k], part, members, observations, pulses, axis, laws[k]
+                )
+                factor = None if log is None else np.exp(log[part.entry[members]])
+                found.append(_Look(part.observations[members], struck, wanted, factor))
+        return found
+
+
+@dataclass(frozen=True, eq=False)
+class _Look:
+    """Observations that share a structure, as blows on it."""
+
+    observations: Int[np.ndarray, " observation"]
+    struck: Struck
+    wanted: Int[np.ndarray, "observation 2"]
+    factor: Complex[np.ndarray, "observation line"] | None
+    """What the sensors make of the motion."""
+
+    def read(self, integrated: TimeResponse, steps: Steps) -> Complex[np.ndarray, "observation line"]:
+        """As the sensors read it."""
+        value = record_receptance(self.struck, integrated, steps, self.wanted)
+        return value if self.factor is None else value * self.factor
+
+
+def has_law(hypothesis: Hypothesis) -> bool:
+    """Whether an effect of it has a torque that can be integrated."""
+    return any(placed.effect.law is not None for placed in hypothesis.placed)
+
+
+def _without_stand_in(placed: Placed) -> Placed:
+    if placed.effect.law is None:
+        return placed
+    return Placed(replace(placed.effect, act=None, variants=()), placed.where)

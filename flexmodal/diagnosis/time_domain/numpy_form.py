@@ -1,0 +1,86 @@
+"""The loop of `kernel` in numpy, a step at a time for all blows at once: where numba is not installed."""
+
+from __future__ import annotations
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from flexmodal.diagnosis.time_domain.kernel import CLOSE, ROUNDS, STUBBORN
+from flexmodal.diagnosis.time_domain.law import HARDENING
+
+
+def integrate(
+    phi: Float[np.ndarray, "system state state"],
+    carried: Float[np.ndarray, "system law state"],
+    late: Float[np.ndarray, "system law state"],
+    rows: Float[np.ndarray, "system law state"],
+    kinds: Int[np.ndarray, " law"],
+    parameters: Float[np.ndarray, "system law 3"],
+    system: Int[np.ndarray, " group"],
+    push: Float[np.ndarray, "group step state lane"],
+    torque: Float[np.ndarray, "group lane law time"],
+    last: Float[np.ndarray, "group lane state"],
+) -> None:
+    """See `kernel.integrate`."""
+    owner = np.repeat(system, push.shape[3])
+    phi, carried, late, rows, parameters = (a[owner] for a in (phi, carried, late, rows, parameters))
+    gain = np.einsum("bli,bmi->blm", rows, late)
+    pushed = np.moveaxis(push, 3, 1).reshape(len(owner), push.shape[1], -1)
+    found = torque.reshape(len(owner), *torque.shape[2:])
+    now = np.zeros((len(owner), phi.shape[1]))
+    held, old, size = (np.zeros(gain.shape[:2]) for _ in range(3))
+    for k in range(torque.shape[3] - 1):
+        base = np.matmul(phi, now[:, :, None])[:, :, 0] - np.einsum("bl,bli->bi", held, carried)
+        if k < push.shape[1]:
+            base += pushed[:, k]
+        free = np.einsum("bli,bi->bl", rows, base)
+        end, held = _settle(free, gain, kinds, parameters, old, held, size)
+        now, old = base, end
+        found[:, :, k + 1] = held
+    last[:] = (now - np.einsum("bl,bli->bi", held, late)).reshape(last.shape)
+
+
+def _settle(
+    free: np.ndarray, gain: np.ndarray, kinds: np.ndarray, parameters: np.ndarray, old: np.ndarray,
+    held: np.ndarray, size: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
+    """Elongations and torques at the end of a step; blows that are settled wait for the others."""
+    end = free - np.einsum("blm,bm->bl", gain, held)
+    guess = held.copy()
+    active = np.ones(len(free), dtype=bool)
+    for turn in range(ROUNDS):
+        worst = np.zeros(len(free), dtype=bool)
+        for one, kind in enumerate(kinds):
+            value, slope = _law(int(kind), parameters[:, one], old[:, one], end[:, one], held[:, one])
+            own = gain[:, one, one]
+            others = np.einsum("bm,bm->b", gain[:, one], guess) - own * guess[:, one]
+            change = -(end[:, one] - free[:, one] + own * value + others) / (1 + own * slope)
+            change = np.where(active, change * (0.5 if turn >= STUBBORN else 1.0), 0.0)
+            end[:, one] += change
+            guess[:, one] = np.where(active, value + slope * change, guess[:, one])
+            size[:, one] = np.maximum(size[:, one], np.abs(end[:, one]))
+            worst |= np.abs(change) > CLOSE * size[:, one]
+        active &= worst
+        if not active.any():
+            break
+    return end, guess
+
+
+def _law(
+    kind: int, p: np.ndarray, old: np.ndarray, new: np.ndarray, memory: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    if kind == HARDENING:
+        ratio = (new / p[:, 1]) ** 2
+        part = ratio / (1 + ratio)
+        return p[:, 0] * new * part, p[:, 0] * part * (3 + ratio) / (1 + ratio)
+    moved = new - old
+    limit = np.where(moved >= 0, p[:, 0], -p[:, 0])
+    share = np.maximum(1 - memory / limit, 0.0)  # of the way to sliding that is left
+    way, power = p[:, 1] * np.abs(moved) / p[:, 0], 1 - p[:, 2]
+    smooth = np.abs(power) < 1e-9
+    root = np.where(smooth, 1.0, power)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        left = np.where(share > 0, share**root - root * way, 0.0)
+        share = np.where(smooth, share * np.exp(-way), np.where(left > 0, left ** (1 / root), 0.0))
+        slope = np.where(share > 0, p[:, 1] * share ** p[:, 2], 0.0)
+    return limit - limit * share, slope

@@ -1,0 +1,100 @@
+"""What nobody set up exactly, as variance of what was measured.
+
+Angles of a posture, places and directions of hammer and sensor, and gains are off by so much (`[tolerance]`
+of a campaign). To first order each changes ln H by its derivative, and adds the square of that to the
+relative variance of every line (JCGM 100, Guide to the expression of uncertainty in measurement, 5.1).
+Errors of neighbouring lines are one error and not many; that is left to the autocorrelation of residuals, by
+which evidence is discounted.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+from jaxtyping import Complex, Float
+
+from flexmodal.identification.model import RobotModel, predict
+from flexmodal.identification.observations import Observations
+from flexmodal.model import Robot
+from flexmodal.structure import robot_space
+
+MOST = 1.0
+"""Relative variance that one cause adds at most: beyond, at antiresonances, first order says nothing."""
+_STEP = 0.1
+"""Of the differences, in standard deviations."""
+
+
+def with_tolerance(observations: Observations, robot: Robot) -> Observations:
+    """The observations with the variance of what their campaign says was not set up exactly.
+
+    Args:
+        observations: of the campaign.
+        robot: as its card says; its FRFs give the derivatives.
+
+    Returns:
+        The same observations where everything is exact.
+    """
+    given = observations.campaign.tolerance
+    if given.is_exact:
+        return observations
+    variance = observations.variance + 2 * given.gain**2
+    model = RobotModel(robot, robot_space(robot))
+    x = np.zeros(len(model.space))
+    endless = replace(observations, lengths=(0.0,) * len(observations.lengths))
+    plain = predict(model, x, endless)
+    for share, other, size in _shifted(endless, robot):
+        change = np.log(_ratio(predict(model, x, other), plain)) / size
+        variance = variance + np.minimum(share[:, None] * np.abs(change) ** 2, MOST)
+    if given.direction:
+        for other in _turned(endless):
+            across = np.where(plain == 0, 0.0, predict(model, x, other) / np.where(plain == 0, 1.0, plain))
+            variance = variance + np.minimum(np.abs(given.direction * across) ** 2, MOST)
+    return replace(observations, variance=variance)
+
+
+def _ratio(
+    value: Complex[np.ndarray, "observation line"], plain: Complex[np.ndarray, "observation line"]
+) -> Complex[np.ndarray, "observation line"]:
+    """Value / plain; 1 where there is nothing to divide by."""
+    there = (plain != 0) & (value != 0)
+    return np.where(there, value / np.where(there, plain, 1.0), 1.0)
+
+
+def _shifted(
+    observations: Observations, robot: Robot
+) -> Iterator[tuple[Float[np.ndarray, " observation"], Observations, float]]:
+    """Observations with one thing off, a part of its deviation; the share each counts with, and that part.
+
+    An error of a point that bears both hammer and sensor is two independent ones, half of the square of what
+    both make together.
+    """
+    given, campaign = observations.campaign.tolerance, observations.campaign
+    every = np.ones(len(observations))
+    joints = robot.moving if given.posture else ()
+    for joint in joints:
+        step = _STEP * given.posture
+        off = tuple(
+            replace(one, q={**one.q, joint: one.q.get(joint, 0.0) + step}) for one in observations.postures
+        )
+        yield every, replace(observations, postures=off), _STEP
+    for point in campaign.points if given.position else ():
+        struck, seen = (place[:, 0] == point.id for place in (observations.reference, observations.response))
+        if not (struck | seen).any():
+            continue
+        for axis in range(3):
+            xyz = np.array(point.xyz) + _STEP * given.position * np.eye(3)[axis]
+            moved = replace(point, xyz=(float(xyz[0]), float(xyz[1]), float(xyz[2])))
+            points = tuple(moved if one is point else one for one in campaign.points)
+            share = np.where(struck & seen, 0.5, (struck | seen) * 1.0)
+            yield share, replace(observations, campaign=replace(campaign, points=points)), _STEP
+
+
+def _turned(observations: Observations) -> Iterator[Observations]:
+    """Sensor, then hammer, along either axis across its own."""
+    for name in ("response", "reference"):
+        for turn in (1, 2):
+            place = getattr(observations, name).copy()
+            place[:, 1] = (place[:, 1] - 1 + turn) % 3 + 1
+            yield replace(observations, **{name: place})

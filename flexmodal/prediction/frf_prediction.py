@@ -1,0 +1,123 @@
+"""The FRFs of a posture that nobody struck, with their band, and why they should be believed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from jaxtyping import Complex, Float
+
+from flexmodal.frf import PointDirection
+from flexmodal.identification.baselines import BETTER
+from flexmodal.prediction.leave_one_out import LeftOut, together
+from flexmodal.prediction.methods import DATA_ALONE, METHODS
+from flexmodal.text.shown import Shown
+
+FEW = 5
+"""Postures below which the errors that a band is made of are a handful."""
+
+
+@dataclass(frozen=True, eq=False)
+class PredictedFrf:
+    """One receptance."""
+
+    response: PointDirection
+    reference: PointDirection
+    value: Complex[np.ndarray, " line"]
+    """[m/N]"""
+    log_size: Float[np.ndarray, " line"]
+    """Half width of the 95 % band of ln|value|."""
+    phase: Float[np.ndarray, " line"]
+    """Half width of the 95 % band of the phase [rad]."""
+
+    @property
+    def low(self) -> Float[np.ndarray, " line"]:
+        """Lower end of the size [m/N]."""
+        return np.abs(self.value) * np.exp(-self.log_size)
+
+    @property
+    def high(self) -> Float[np.ndarray, " line"]:
+        """Upper end of the size [m/N]."""
+        return np.abs(self.value) * np.exp(self.log_size)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class FrfPrediction(Shown):
+    """Receptances of one posture."""
+
+    robot: str
+    campaign: str
+    posture: Mapping[str, float]
+    """[rad, m]"""
+    frequency: Float[np.ndarray, " line"]
+    """[Hz]"""
+    frfs: tuple[PredictedFrf, ...]
+    method: str
+    """That predicts, see `METHODS`."""
+    left_out: LeftOut
+    beyond: tuple[str, ...] = ()
+    """Joints that stand outside what was measured."""
+    remote: float = 1.0
+    """Distance to the nearest measured posture over the typical one between these, 1 or more."""
+
+    _PICTURE: ClassVar[str] = "flexmodal.prediction.plot:draw_prediction"
+
+    def _facts(self) -> Mapping[str, object]:
+        gaps = self.left_out.gap
+        return {
+            "": f"{len(self.frfs)} receptances of {self.robot}",
+            "method": f"{self.method}: {METHODS[self.method]}",
+            "gap, left out": f"{gaps[self.method]:.3g}, noise floor {self.left_out.noise_floor:.2g}",
+        }
+
+    @property
+    def is_data_alone(self) -> bool:
+        """Whether physics has no part in it."""
+        return self.method in DATA_ALONE
+
+    @property
+    def rows(self) -> list[tuple[str, float, Float[np.ndarray, " posture"]]]:
+        """Method, gap over all postures left out, and gap of each; the choice made anew without each last."""
+        left, totals = self.left_out, self.left_out.gap
+        found = [(name, totals[name], left.gaps[name]) for name in METHODS]
+        anew = left.chosen_anew
+        return [*found, ("chosen anew", together(anew, left.weight), anew)]
+
+    @property
+    def verdict(self) -> str:
+        """What it is worth, and what would make it better."""
+        gaps, floor = self.left_out.gap, self.left_out.noise_floor
+        here, count = gaps[self.method], len(self.left_out.postures)
+        says = [
+            f"predicted by {self.method}, {METHODS[self.method]}: {here:.2g} on postures it had not seen, "
+            f"{here / floor:.1f} times the noise"
+        ]
+        says += [self._beside(gaps)]
+        if self.is_data_alone:
+            says.append(
+                "physics has no part in this: no model of the robot predicts the postures as well; away from "
+                "the measured postures nothing holds it"
+            )
+        if self.beyond:
+            says.append(f"outside what was measured: {', '.join(self.beyond)}")
+        if self.remote > 1 and self.method != "physics":
+            says.append(f"{self.remote:.1f} times as far from the measured postures as these are apart")
+        if count < FEW:
+            says.append(f"{count} postures were struck: the band rests on as many errors")
+        return "; ".join(says)
+
+    def _beside(self, gaps: Mapping[str, float]) -> str:
+        """How the method stands beside what needs no model."""
+        mean, near = gaps["mean"], gaps["nearest"]
+        worse = [
+            f"{words} ({value:.2g})"
+            for words, value in (("the mean of the others", mean), ("the nearest posture", near))
+            if gaps[self.method] >= BETTER * value
+        ]
+        if worse:
+            return f"this is no better than {' or '.join(worse)}"
+        physics = gaps["physics"]
+        also = "" if self.method == "physics" else f", physics alone {physics:.2g}"
+        return f"the mean of the others has {mean:.2g}, the nearest posture {near:.2g}{also}"

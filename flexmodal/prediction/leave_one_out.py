@@ -1,0 +1,146 @@
+"""Every posture left out in turn and predicted by every method, and the choice that follows from it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Complex, Float
+
+from flexmodal.identification.evidence.evidence import Fitted
+from flexmodal.identification.evidence.frf import FrfEvidence
+from flexmodal.identification.gap import gap
+from flexmodal.prediction.alignment import natural_frequencies
+from flexmodal.prediction.methods import METHODS, Known, predicted_by_all
+from flexmodal.prediction.panel import Panel, panel_of
+
+SETTLED = 2e-5
+"""A step that changes the cost of a fit without a posture relatively by less is its last."""
+CLEARLY = 0.98
+"""A method takes the place of one that is trusted more from this multiple of its gap down."""
+
+
+@dataclass(frozen=True, eq=False)
+class LeftOut:
+    """Predictions of postures by what the others tell."""
+
+    panel: Panel
+    postures: tuple[int, ...]
+    predicted: Mapping[str, Complex[np.ndarray, "observation line"]]
+    """By method, of each observation by what had not seen its posture [m/N]."""
+    gaps: Mapping[str, Float[np.ndarray, " posture"]]
+    """By method, of each posture."""
+    weight: Float[np.ndarray, " posture"]
+    """What the lines of each posture count for together."""
+    noise_floor: float
+    resonances: tuple[Float[np.ndarray, " mode"], ...]
+    """The model's natural frequencies in each posture as fitted without it [Hz]."""
+
+    @property
+    def gap(self) -> dict[str, float]:
+        """Of each method over all postures."""
+        return {name: together(each, self.weight) for name, each in self.gaps.items()}
+
+    @property
+    def chosen(self) -> str:
+        """The method that predicts best what it has not seen."""
+        return best(self.gaps, self.weight)
+
+    @property
+    def chosen_anew(self) -> Float[np.ndarray, " posture"]:
+        """Gap of each posture where the method is chosen by the others, not by what it is judged by."""
+        count, found = len(self.postures), []
+        for one in range(count):
+            others = np.arange(count) != one
+            name = best({name: each[others] for name, each in self.gaps.items()}, self.weight[others])
+            found.append(self.gaps[name][one])
+        return np.array(found)
+
+
+def best(gaps: Mapping[str, Float[np.ndarray, " posture"]], weight: Float[np.ndarray, " posture"]) -> str:
+    """The method with the smallest gap, one that is trusted more where the two are alike.
+
+    Args:
+        gaps: by method, of each posture.
+        weight: what each posture counts for.
+    """
+    chosen, *others = [name for name in METHODS if name in gaps]
+    for name in others:
+        if together(gaps[name], weight) < CLEARLY * together(gaps[chosen], weight):
+            chosen = name
+    return chosen
+
+
+def leave_each_out(
+    evidence: FrfEvidence,
+    fitted: Fitted,
+    *,
+    sliding: tuple[str, ...] = (),
+    advance: Callable[[], None] = lambda: None,
+) -> LeftOut:
+    """Leave every posture out in turn: of the fit of the physics, and of what is learnt beside it.
+
+    Args:
+        evidence: a robot's FRFs in three postures or more.
+        fitted: to all of them, where the other fits begin.
+        sliding: names of prismatic joints.
+        advance: called after each posture.
+
+    Raises:
+        MissingExtra: scikit-learn is not installed.
+    """
+    panel = panel_of(evidence.observations)
+    seen, numbers = panel.observations, tuple(np.unique(panel.observations.posture).tolist())
+    found = {name: np.array(seen.value) for name in METHODS}
+    gaps: dict[str, list[float]] = {name: [] for name in METHODS}
+    resonances: list[np.ndarray] = [np.zeros(0) for _ in seen.postures]
+    for number in numbers:
+        here = seen.posture == number
+        x = evidence.keeping(~here).fit(fitted.x, warm=True, settled=SETTLED).x
+        known = known_by(evidence, panel, x, tuple(one for one in numbers if one != number), sliding)
+        resonances[number] = known.resonances[number]
+        for name, value in predicted_by_all(known, number).items():
+            found[name][here] = value
+            gaps[name].append(gap(seen, found[name], here).value)
+        advance()
+    floor = gap(seen, found["physics"]).noise_floor
+    each = {name: np.array(values) for name, values in gaps.items()}
+    of_posture = seen.posture[seen.of_record]
+    weight = [float(seen.records.weight[of_posture == number].sum()) for number in numbers]
+    return LeftOut(panel, numbers, found, each, np.array(weight), floor, tuple(resonances))
+
+
+def known_by(
+    evidence: FrfEvidence,
+    panel: Panel,
+    x: Float[np.ndarray, " parameter"],
+    postures: tuple[int, ...],
+    sliding: tuple[str, ...],
+) -> Known:
+    """What some postures tell of any in the panel.
+
+    Args:
+        evidence: whose model it is.
+        panel: measured postures, perhaps with one more.
+        x: coordinates of a fit to those postures.
+        postures: numbers of those that may be looked at.
+        sliding: names of prismatic joints.
+    """
+    from flexmodal.identification import predict
+
+    seen = panel.observations
+    model = evidence.model
+    resonances = [natural_frequencies(model, x, one.q) for one in seen.postures]  # type: ignore[arg-type]
+    return Known(panel, postures, predict(model, x, seen), resonances, sliding)
+
+
+def together(each: Float[np.ndarray, " posture"], weight: Float[np.ndarray, " posture"]) -> float:
+    """The gap over several postures; those with nothing to judge are left out.
+
+    Args:
+        each: gap of each posture.
+        weight: what the lines of each count for together.
+    """
+    there = np.isfinite(each)
+    return float(np.sqrt(np.sum((weight * each**2)[there]) / np.sum(weight[there])))

@@ -1,0 +1,126 @@
+"""Other bearings that give: two rows of rolling elements, a housing stiffer one way, a seat that relaxes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from flexmodal.rig.effects.bearing_flexibility import EFFECT as OWN
+from flexmodal.rig.effects.bearing_flexibility import draw_springs, rows
+from flexmodal.rig.effects.effect import Effect, Parameters, Site, Stand, divided, positive
+from flexmodal.rig.plant.assembly import PlantAssembly
+from flexmodal.rig.plant.plant import Branch
+
+
+def _draw_rows(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
+    """Rows 6 to 20 cm apart that tilt as the rig's own bearing does; the rear one a part as stiff."""
+    drawn = draw_springs(stand, where, random)
+    apart, rear = float(random.uniform(0.06, 0.2)), float(random.uniform(0.3, 1.0))
+    front = drawn["tilt_stiffness"] * (1 + rear) / (rear * apart**2)
+    return {
+        "front_stiffness": front,
+        "rear": rear,
+        "apart": apart,
+        "middle": float(random.uniform(-0.5, 0.5) * apart),
+        "axial": float(random.uniform(0.3, 1.0)),
+        "damping_time": drawn["damping_time"],
+    }
+
+
+def _act_rows(assembly: PlantAssembly, site: Site) -> None:
+    """A point at z on the axis shifts by x + z ry and y − z rx, (x, y, z) the frame's axes."""
+    x, y, z, rx, ry = rows(assembly, site)
+    front, time = site["front_stiffness"], site["damping_time"]
+    for place, spring in (
+        (site["middle"] + site["apart"] / 2, front),
+        (site["middle"] - site["apart"] / 2, front * site["rear"]),
+    ):
+        for row in (x + place * ry, y - place * rx):
+            assembly.add_spring(row, spring, spring * time)
+    axial = site["axial"] * front * (1 + site["rear"])
+    assembly.add_spring(z, axial, axial * time)
+
+
+def _draw_housing(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
+    return {
+        **draw_springs(stand, where, random),
+        "ratio": float(np.exp(random.uniform(np.log(0.25), np.log(0.7)))),
+        "angle": float(random.uniform(0, np.pi)),
+    }
+
+
+def _act_housing(assembly: PlantAssembly, site: Site) -> None:
+    """Softer along one direction across the axis, and in the tilt about the other."""
+    x, y, z, rx, ry = rows(assembly, site)
+    c, s = np.cos(site["angle"]), np.sin(site["angle"])
+    soft, time = site["ratio"], site["damping_time"]
+    radial, tilt = site["radial_stiffness"], site["tilt_stiffness"]
+    for row, spring in (
+        (c * x + s * y, radial * soft),
+        (c * y - s * x, radial),
+        (z, site["axial_stiffness"]),
+        (c * rx + s * ry, tilt),
+        (c * ry - s * rx, tilt * soft),
+    ):
+        assembly.add_spring(row, spring, spring * time)
+
+
+def _draw_relaxing(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
+    low, high = stand.plan.band
+    corner = 2 * np.pi * float(np.exp(random.uniform(np.log(3 * low), np.log(0.7 * high))))
+    return {
+        **draw_springs(stand, where, random),
+        "relaxing": float(random.uniform(0.2, 0.8)),
+        "time": 1 / corner,
+    }
+
+
+def _act_relaxing(assembly: PlantAssembly, site: Site) -> None:
+    """Each spring with a Maxwell element beside it."""
+    spring = [site["radial_stiffness"]] * 2 + [site["axial_stiffness"]] + [site["tilt_stiffness"]] * 2
+    for row, stiffness in zip(rows(assembly, site), spring, strict=True):
+        assembly.add_spring(row, stiffness, stiffness * site["damping_time"])
+        assembly.branches.append(Branch(row, site["relaxing"] * stiffness, site["time"]))
+
+
+def _check(*names: str) -> Effect:
+    def check(parameters: Parameters) -> str | None:
+        return OWN.check(parameters) or positive(*names)(parameters)
+
+    return replace(OWN, check=check)
+
+
+ROWS: Effect = replace(
+    _check("rear", "apart", "axial"),
+    form="rows",
+    says="a joint on two rows of rolling elements",
+    source="Lim and Singh, Journal of Sound and Vibration 139 (1990) 179: stiffness matrix of a bearing",
+    units={
+        "front_stiffness": "N/m", "rear": "over the front row", "apart": "m", "middle": "m",
+        "axial": "over both rows", "damping_time": "damping over stiffness, s",
+    },
+    draw=_draw_rows,
+    scaled=divided("front_stiffness"),
+    act=_act_rows,
+)  # fmt: skip
+HOUSING: Effect = replace(
+    _check("ratio"),
+    form="housing",
+    says="a bearing in a housing that is softer one way",
+    source="Harris and Kotzalas, Rolling Bearing Analysis, 5th ed., CRC 2006, chapter 1, on housings",
+    units={**OWN.units, "ratio": "of the softer way over the other", "angle": "rad"},
+    draw=_draw_housing,
+    act=_act_housing,
+)
+RELAXING: Effect = replace(
+    _check("relaxing", "time"),
+    form="relaxing",
+    says="a bearing whose seat relaxes",
+    source="Zener, Elasticity and Anelasticity of Metals, University of Chicago Press 1948, part two",
+    units={**OWN.units, "relaxing": "stiffness that relaxes, relative", "time": "s"},
+    draw=_draw_relaxing,
+    act=_act_relaxing,
+)
+
+FORMS = (ROWS, HOUSING, RELAXING)

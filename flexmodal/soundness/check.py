@@ -1,0 +1,121 @@
+"""`check_soundness`: every finding on a campaign, of its blows, of its FRFs, and beside a model."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from flexmodal.campaign import Campaign, FrfRecords, estimate_frfs
+from flexmodal.errors import InvalidInput
+from flexmodal.identification import Observations, RobotModel, observe
+from flexmodal.identification.model import predict
+from flexmodal.model import Robot
+from flexmodal.soundness.blows import blow_findings
+from flexmodal.soundness.finding import Finding, FindingKind
+from flexmodal.soundness.hypotheses import angle_hypotheses, in_radians, record_hypotheses
+from flexmodal.soundness.low_corner import corner_findings
+from flexmodal.soundness.records import record_findings
+from flexmodal.soundness.suspicion import EVERYWHERE, Accepted, accepted, with_angles
+from flexmodal.structure import robot_space
+
+TURNED = 3
+"""Joints at most that are looked at the other way round, one after the other."""
+_REMEDY: dict[FindingKind, str] = {
+    "sign": "turn the sense of this channel in its records, or mount it as its label says",
+    "axes swapped": "exchange the two labels in the records, or measure again",
+    "points swapped": "exchange the two labels in the records, or measure again",
+    "hammer positions swapped": "exchange the two labels in the records, or strike again",
+    "scale": "multiply these records, or set the sensitivity right and export again",
+    "postures exchanged": "exchange their angles in campaign.toml, after looking at the protocol",
+    "joint sign": "turn the sign of this joint in campaign.toml; the controller may count it the other way",
+    "degrees for radians": "angles of campaign.toml are in rad: multiply by π/180",
+}
+
+
+def check_soundness(campaign: Campaign, robot: Robot | None = None) -> tuple[Finding, ...]:
+    """Look for everything that goes wrong in a laboratory; nothing is changed.
+
+    Args:
+        campaign: what was measured.
+        robot: as its card says, to compare with; without it only the data by themselves are looked at.
+    """
+    found = list(blow_findings(campaign))
+    records = _records(campaign)
+    if records is None:
+        return tuple(found)
+    found += record_findings(campaign, records)
+    observations = None if robot is None else _observed(campaign)
+    if robot is not None and observations is not None:
+        found += beside_model(observations, robot)
+    return tuple(found)
+
+
+def beside_model(observations: Observations, robot: Robot) -> list[Finding]:
+    """Errors of labels, scales and angles that would bring the records to the model.
+
+    Args:
+        observations: what was measured.
+        robot: as its card says; not fitted, so that no fit can hide an error.
+    """
+    model = RobotModel(robot, robot_space(robot))
+    card = np.zeros(len(model.space))
+    found: list[Finding] = []
+    turned = in_radians(observations)
+    if turned is not None:
+        found.append(_degrees(observations))
+        observations = turned
+    for _ in range(TURNED):
+        hypotheses, angles = angle_hypotheses(observations)
+        models = {"": predict(model, card, observations)}
+        for name, q in angles.items():
+            models[name] = predict(model, card, with_angles(observations, q))
+        explained, told = accepted(observations, models, [*hypotheses, *record_hypotheses(observations)])
+        everywhere = [one for one in explained if one.hypothesis.where.endswith(EVERYWHERE)]
+        joint = next((one for one in everywhere if one.hypothesis.kind == "joint sign"), None)
+        if joint is None:
+            break
+        # with this joint turned, what else is wrong with the angles is looked for anew
+        found.append(_finding(joint))
+        observations = with_angles(observations, angles[str(joint.hypothesis.angles)])
+    return [*found, *map(_finding, explained), *corner_findings(observations, told)]
+
+
+def _finding(one: Accepted) -> Finding:
+    guess = one.hypothesis
+    return Finding(
+        guess.kind,
+        guess.where,
+        f"so read, these records come from {one.before:.2g} to {one.after:.2g} (|ln|) of the card's model",
+        "a fit takes it for stiffness, damping or mass",
+        _REMEDY[guess.kind],
+    )
+
+
+def _degrees(observations: Observations) -> Finding:
+    """Angles that no robot's joint has."""
+    most = max(abs(value) for posture in observations.postures for value in posture.q.values())
+    return Finding(
+        "degrees for radians",
+        "all postures",
+        f"angles up to {most:.4g}, where a whole turn is 6.28 rad; what follows takes them for degrees",
+        "every posture is another one",
+        _REMEDY["degrees for radians"],
+    )
+
+
+def _records(campaign: Campaign) -> FrfRecords | None:
+    if campaign.frfs is not None:
+        return campaign.frfs
+    if not campaign.blows:
+        return None
+    try:
+        return estimate_frfs(campaign)
+    except InvalidInput:
+        return None
+
+
+def _observed(campaign: Campaign) -> Observations | None:
+    """What can be compared; None where nothing says how noisy it is, or nothing is above the noise."""
+    try:
+        return observe(campaign)
+    except InvalidInput:
+        return None

@@ -1,0 +1,180 @@
+"""The errors that are looked for: sign, axes, places, scale, angles."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from itertools import combinations
+
+import numpy as np
+from jaxtyping import Bool, Int
+
+from flexmodal.identification import Observations
+from flexmodal.soundness.finding import FindingKind
+from flexmodal.soundness.suspicion import EVERYWHERE, Hypothesis, scopes, with_angles
+
+GRAVITY = 9.80665
+TURN = 2 * math.pi + 0.1
+"""Angles beyond are none that a joint is set to [rad]."""
+FACTORS: Mapping[float, str] = {
+    GRAVITY: "too small some ten times, as in g for m/s², or with the mV/g of another sensor",
+    1 / GRAVITY: "too large some ten times, as by 9.81 once too often, or with the mV/g of another sensor",
+    1000.0: "a thousand times too small: mV for V",
+    0.001: "a thousand times too large: V for mV",
+}
+"""What records are multiplied by, and what that would mean."""
+
+
+def record_hypotheses(observations: Observations) -> list[Hypothesis]:
+    """Signs, swaps and scales, those about more records first.
+
+    Args:
+        observations: what was measured.
+    """
+    found: list[Hypothesis] = []
+    channels = [tuple(map(int, one)) for one in np.unique(observations.response, axis=0)]
+    hammers = [tuple(map(int, one)) for one in np.unique(observations.reference, axis=0)]
+    every = np.arange(len(observations))
+    for factor, meaning in FACTORS.items():
+        found.append(Hypothesis("scale", f"every record: {meaning}", every, factor=factor))
+    for scope, inside in scopes(observations):
+        for point, direction in channels:
+            here = inside & np.all(observations.response == (point, direction), axis=1)
+            name = observations.direction(np.array([point, direction]))
+            found.append(Hypothesis("sign", f"{name} in {scope}", np.flatnonzero(here), factor=-1.0))
+            for factor, meaning in FACTORS.items():
+                where = f"{name} in {scope}: {meaning}"
+                found.append(Hypothesis("scale", where, np.flatnonzero(here), factor=factor))
+        for place in hammers:
+            here = inside & np.all(observations.reference == place, axis=1)
+            name = observations.direction(np.array(place))
+            where = f"the hammer at {name} in {scope}"
+            found.append(Hypothesis("sign", where, np.flatnonzero(here), factor=-1.0))
+        found += _swaps(observations, scope, inside, channels, hammers)
+    return found
+
+
+def _swaps(
+    observations: Observations,
+    scope: str,
+    inside: Bool[np.ndarray, " observation"],
+    channels: list[tuple[int, ...]],
+    hammers: list[tuple[int, ...]],
+) -> Iterator[Hypothesis]:
+    """Axes at a point, points, and hammer positions taken for each other."""
+    name = observations.direction
+    points = list(dict.fromkeys(point for point, _ in channels))
+    for point in points:
+        for one, other in combinations([d for p, d in channels if p == point], 2):
+            where = f"{name([point, one])} and {name([point, other])} in {scope}"
+            swap = {(point, one): (point, other), (point, other): (point, one)}
+            yield from _swapped(observations, "axes swapped", where, inside, swap, hammer=False)
+    for one, other in combinations(points, 2):
+        shared = {d for p, d in channels if p == one} & {d for p, d in channels if p == other}
+        names = [observations.campaign.point(p).name for p in (one, other)]
+        swap = {(one, d): (other, d) for d in shared} | {(other, d): (one, d) for d in shared}
+        where = f"{names[0]} and {names[1]} in {scope}"
+        yield from _swapped(observations, "points swapped", where, inside, swap, hammer=False)
+    for first, second in combinations(hammers, 2):
+        where = f"{name(first)} and {name(second)} in {scope}"
+        swap = {first: second, second: first}  # type: ignore[dict-item]
+        yield from _swapped(observations, "hammer positions swapped", where, inside, swap, hammer=True)
+
+
+def _swapped(
+    observations: Observations,
+    kind: FindingKind,
+    where: str,
+    inside: Bool[np.ndarray, " observation"],
+    swap: Mapping[tuple[int, int], tuple[int, int]],
+    *,
+    hammer: bool,
+) -> Iterator[Hypothesis]:
+    """One hypothesis, if every record that it is about has its counterpart."""
+    keys = {_key(observations, row): row for row in range(len(observations))}
+    rows: list[int] = []
+    others: list[int] = []
+    for row in np.flatnonzero(inside).tolist():
+        posture, response, reference, level = _key(observations, row)
+        place = reference if hammer else response
+        if place not in swap:
+            continue
+        key = (posture, response, swap[place], level) if hammer else (posture, swap[place], reference, level)
+        if key in keys:
+            rows.append(row)
+            others.append(keys[key])
+    if rows:
+        compared: Int[np.ndarray, " some"] = np.array(others)
+        yield Hypothesis(kind, where, np.array(rows), compared=compared)
+
+
+def _key(observations: Observations, row: int) -> tuple[int, tuple[int, int], tuple[int, int], int]:
+    response, reference = (
+        (int(place[row, 0]), int(place[row, 1])) for place in (observations.response, observations.reference)
+    )
+    return int(observations.posture[row]), response, reference, int(observations.level[row])
+
+
+def angle_hypotheses(
+    observations: Observations,
+) -> tuple[list[Hypothesis], dict[str, list[dict[str, float]]]]:
+    """Angles of other postures, signs of joints, degrees for radians.
+
+    Args:
+        observations: what was measured.
+
+    Returns:
+        The hypotheses, and by the name of the angles those of every posture.
+    """
+    postures, count = observations.postures, len(observations.postures)
+    stated = [dict(one.q) for one in postures]
+    angles: dict[str, list[dict[str, float]]] = {}
+    found = []
+    rows = [np.flatnonzero(observations.posture == number) for number in range(count)]
+    every = np.arange(len(observations))
+    for step in range(1, count):
+        angles[f"those {step} on"] = [stated[(number + step) % count] for number in range(count)]
+    for one, other in combinations(range(count), 2):
+        where = f"{postures[one].name} and {postures[other].name}"
+        found.append(_exchange(rows, (one, other), count, where))
+    joints = list(dict.fromkeys(name for q in stated for name in q))
+    for joint in joints:
+        name = f"{joint} the other way"
+        angles[name] = [{**q, joint: -q.get(joint, 0.0)} for q in stated]
+        found.append(Hypothesis("joint sign", f"{joint} in {EVERYWHERE}", every, angles=name))
+        for number, posture in enumerate(postures):
+            if stated[number].get(joint):
+                where = f"{joint} in posture {posture.name}"
+                found.append(Hypothesis("joint sign", where, rows[number], angles=name))
+    angles["degrees"] = [{joint: math.radians(value) for joint, value in q.items()} for q in stated]
+    found.append(Hypothesis("degrees for radians", "all postures", every, angles="degrees"))
+    for number, posture in enumerate(postures):
+        where = f"posture {posture.name}"
+        found.append(Hypothesis("degrees for radians", where, rows[number], angles="degrees"))
+    return found, angles
+
+
+def in_radians(observations: Observations) -> Observations | None:
+    """With angles taken for degrees where most postures have one of more than a turn; None elsewhere.
+
+    Args:
+        observations: what was measured.
+    """
+    stated = [dict(one.q) for one in observations.postures]
+    beyond = [any(abs(value) > TURN for value in q.values()) for q in stated]
+    if not sum(beyond) > len(beyond) / 2:
+        return None
+    angles = [{joint: math.radians(value) for joint, value in q.items()} for q in stated]
+    return with_angles(observations, angles)
+
+
+def _exchange(rows: list[np.ndarray], pair: tuple[int, int], count: int, where: str) -> Hypothesis:
+    """Each of two postures bears the other's angles."""
+    one, other = pair
+    both = np.concatenate([rows[one], rows[other]])
+    names = np.array(
+        [f"those {(other - one) % count} on"] * len(rows[one])
+        + [f"those {(one - other) % count} on"] * len(rows[other]),
+        dtype=object,
+    )
+    return Hypothesis("postures exchanged", where, both, angles=names)

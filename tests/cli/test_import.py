@@ -1,0 +1,50 @@
+"""`flexmodal import` and `flexmodal campaign new`."""
+
+from pathlib import Path
+
+import pytest
+
+from flexmodal.campaign import read_campaign
+
+SAMPLES = Path(__file__).parents[1] / "data" / "dialects"
+
+
+@pytest.fixture
+def folder(cli, tmp_path):
+    ran = cli(
+        "campaign", "new", "fanuc_s360", "--out", tmp_path / "test", "--points", "location_1,location_6"
+    )
+    assert ran.status == 0, ran.err
+    assert "7 postures, 2 points" in ran.out
+    return tmp_path / "test"
+
+
+def test_from_a_table_to_a_campaign(cli, folder):
+    table, drafted = SAMPLES / "decibels.txt", folder / "map.toml"
+    ran = cli("import", table, "--draft", drafted)
+    assert ran.status == 0, ran.err
+    assert "guessed" in ran.out
+    ran = cli("import", drafted, "--out", folder.parent / "campaign")
+    assert ran.status == 0, ran.err
+    assert "2 FRFs, 0 blows" in ran.out
+    made = read_campaign(folder.parent / "campaign")
+    assert made.robot == "fanuc_s360"
+    assert len(made.frfs) == 2
+
+
+def test_what_is_wrong_is_said(cli, folder, tmp_path):
+    table = SAMPLES / "decibels.txt"
+    cli("import", table).refused("--draft and --out", "neither")
+    cli("import", table, "--out", tmp_path / "x").refused("--draft MAP.toml writes one")
+    cli("import", table, "--draft", tmp_path / "map.txt").refused("ending in .toml")
+    cli("import", tmp_path / "none.csv", "--draft", tmp_path / "m.toml").refused("no such file")
+    (tmp_path / "there.toml").write_text("")
+    cli("import", table, "--draft", tmp_path / "there.toml").refused("existing file")
+    cli("import", SAMPLES / "magnitude_only.csv", "--draft", tmp_path / "m.toml").refused("lacks the phase")
+    cli("campaign", "new", "fanuc_s360", "--out", tmp_path / "y", "--points", "nose").refused("nose")
+    cli("campaign", "new", "fanuc_s360", "--out", folder).refused("--force")
+    assert not (tmp_path / "m.toml").exists()
+
+
+def test_fit_of_a_table_says_what_to_do(cli):
+    cli("fit", SAMPLES / "decibels.txt").refused("flexmodal import", "--draft map.toml")

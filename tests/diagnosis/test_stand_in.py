@@ -1,0 +1,81 @@
+"""What stands for something without a name predicts postures that no fit has seen, and never pushes."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import flexmodal
+from flexmodal.diagnosis.hypothesis import Hypothesis
+from flexmodal.diagnosis.lawfree.result import Findings, Found
+from flexmodal.diagnosis.outcome import Gaps
+from flexmodal.diagnosis.placed import Placed
+from flexmodal.diagnosis.search.close_fit import fitted_closely
+from flexmodal.diagnosis.selection.asked import asked_of
+from flexmodal.diagnosis.selection.stand_in import NEARER, held_out, is_passive, stand_in
+from flexmodal.diagnosis.setup import prepare
+from flexmodal.diagnosis.verdict.frf_words import stand_in_words
+from flexmodal.rig import Hide, simulate
+
+
+def laid_out(campaign, robot, names):
+    return prepare(campaign, robot, None, asked_of(names), None, 0, lambda doing, part: None)
+
+
+def looked(where):
+    found = Found("body", where, "a body", 5.0, (("body", where),), None, ())
+    return Findings(9.0, 1.0, (), (found,), explains=True, needed=True, says="")
+
+
+def starts(before):
+    return [np.zeros(len(before.x)), before.x]
+
+
+@pytest.fixture(scope="module")
+def setup():
+    """A mass of which the catalogue, cut down to absorbers, knows nothing."""
+    hide = [replace(Hide.parse("added_mass@link_3"), height=15.0)]
+    made = simulate(
+        flexmodal.load("fanuc_s360"), hide=hide, seed=11, postures=4, points=3, references=2, trials=2,
+        record_length=1.0, band=(2.0, 120.0),
+    )  # fmt: skip
+    return laid_out(made.campaign, made.robot, ["local_absorber", "joint_coupling"])
+
+
+@pytest.fixture(scope="module")
+def bare(setup):
+    return fitted_closely(setup, Hypothesis(setup.context, setup.base), np.zeros(len(setup.base)))
+
+
+def test_at_its_place_it_brings_unseen_postures_nearer(setup, bare):
+    found = stand_in(setup, looked("link_3"), bare, starts, with_force=False)
+    assert found is not None
+    assert found.hypothesis.keys[0] == ("local_absorber", "link_3")
+    assert held_out(setup, found) < NEARER * held_out(setup, bare)
+    assert is_passive(found)
+
+
+def test_without_a_posture_that_judges_there_is_none(setup, bare):
+    blind = replace(setup, held=np.zeros_like(setup.held))
+    assert stand_in(blind, looked("link_3"), bare, starts, with_force=False) is None
+
+
+def test_couplings_that_push_together_are_refused(setup, bare):
+    """Each holds, both do not: the eigenvalues of [[1, c, 0], [c, 1, c], [0, c, 1]] are 1 and 1 ± √2 c."""
+    effect = next(one for one in setup.effects if one.name == "joint_coupling")
+    for coupling, expected in ((0.6, True), (0.9, False)):
+        hypothesis, x = bare.hypothesis, np.zeros(len(bare.x))
+        for where in ("q1+q2", "q2+q3"):
+            placed = Placed(effect, where)
+            hypothesis = hypothesis.and_also(placed)
+            x = hypothesis.start(placed, {"coupling": coupling}, x)
+        model = replace(bare, hypothesis=hypothesis, fitted=replace(bare.fitted, x=x))
+        assert is_passive(model) is expected
+
+
+def test_the_words_say_that_nothing_is_named():
+    gaps = Gaps(0.2, 0.1, 0.21, 0.12, 0.04)
+    says = stand_in_words([("added_mass", "link_2"), ("local_absorber", "link_2")], gaps)
+    assert "added_mass at link_2 and local_absorber at link_2 stand for it, without being named" in says
+    assert "from 0.21 to 0.12" in says
+    assert stand_in_words([("added_mass", "link_2")], replace(gaps, held_out_after=None)).endswith("named.")

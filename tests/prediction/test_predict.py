@@ -1,0 +1,184 @@
+"""Postures that nobody struck: nearer than what needs no model, a band that holds, an honest choice."""
+
+import csv
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from flexmodal.campaign import read_campaign
+from flexmodal.errors import InvalidPosture, InvalidRequest, MissingExtra
+from flexmodal.identification import identify, observe
+from flexmodal.identification.frf_fit import residual
+from flexmodal.identification.gap import gap
+from flexmodal.identification.poor import POOR
+from flexmodal.prediction import METHODS, build_prediction, solve_by_all, solve_prediction
+from flexmodal.prediction.export import COLUMNS, as_frf, as_json, write_csv, write_uff
+from flexmodal.prediction.leave_one_out import best
+from flexmodal.prediction.page import write_prediction_page
+
+
+@pytest.fixture(scope="module")
+def judged(every, problem):
+    """What was measured in the postures that were never shown, and every method's predictions of it."""
+    ids = [posture.id for posture in every.postures[5:]]
+    seen = observe(replace(every, frfs=every.frfs.select(posture=ids)))
+    made = [solve_by_all(problem, posture.q) for posture in seen.postures]
+    value = {name: np.array(seen.value) for name in METHODS}
+    size = {name: np.zeros(seen.value.shape) for name in METHODS}
+    for row in range(len(seen)):
+        for name in METHODS:
+            for one in made[int(seen.posture[row])][name].frfs:
+                pair = (seen.direction(seen.response[row]), seen.direction(seen.reference[row]))
+                if (str(one.response), str(one.reference)) == pair:
+                    value[name][row], size[name][row] = one.value, one.log_size
+    return seen, value, size
+
+
+@pytest.fixture(scope="module")
+def found(problem, every):
+    return solve_prediction(problem, every.postures[5].q)
+
+
+def test_it_is_nearer_than_what_needs_no_model_and_than_physics_alone(judged, problem):
+    seen, value, _ = judged
+    gaps = {name: gap(seen, each).value for name, each in value.items()}
+    chosen = problem.left_out.chosen
+    assert chosen == "hybrid"  # a sensor off by 30 % is the same in every posture
+    assert all(gaps[chosen] < gaps[name] for name in ("mean", "nearest", "process", "physics"))
+    assert gaps[chosen] < 0.9 * gaps["physics"]
+
+
+def test_what_was_left_out_foretells_what_was_never_shown(judged, problem):
+    seen, value, _ = judged
+    real = gap(seen, value[problem.left_out.chosen]).value
+    foretold = float(np.sqrt(np.mean(problem.left_out.chosen_anew**2)))
+    assert 0.3 < foretold / real < 3
+
+
+def test_the_band_holds_most_lines(judged, problem):
+    seen, value, size = judged
+    chosen = problem.left_out.chosen
+    error = np.abs(residual(value[chosen], seen.value).real)
+    inside = (error <= size[chosen])[seen.used]
+    assert inside.mean() > 0.85
+    assert np.median(size[chosen][seen.used]) < np.log(3)  # and says something
+
+
+def test_the_choice_is_that_of_the_smallest_gap_left_out(problem):
+    left = problem.left_out
+    gaps = left.gap
+    assert gaps[left.chosen] <= 1.02 * min(gaps.values())
+    assert set(gaps) == set(METHODS)
+    for name, each in left.gaps.items():
+        assert gaps[name] == pytest.approx(gap(left.panel.observations, left.predicted[name]).value)
+        assert len(each) == len(left.postures)
+
+
+def test_left_out_gaps_are_those_of_the_identification(problem, campaign, fanuc):
+    """Physics, mean and nearest: by another room's loop over the same folds."""
+    beside = identify(campaign, fanuc, source="frf", trust=POOR).baselines
+    assert problem.left_out.gap["physics"] == pytest.approx(beside.model, rel=0.02)
+    assert problem.left_out.gap["mean"] == pytest.approx(beside.mean, rel=0.02)
+    assert problem.left_out.gap["nearest"] == pytest.approx(beside.nearest, rel=0.02)
+
+
+def test_a_posture_is_not_predicted_by_itself(campaign, fanuc, problem):
+    """Its FRFs made ten times larger change what the others tell of it not at all."""
+    frfs, own = campaign.frfs, campaign.postures[2]
+    value = np.where((frfs.posture == own.id)[:, None], 10 * frfs.value, frfs.value)
+    spoilt = build_prediction(replace(campaign, frfs=replace(frfs, value=value)), fanuc, trust=POOR)
+    here = problem.left_out.panel.observations.posture == 2
+    for name in ("mean", "nearest", "process"):
+        one, other = (each.left_out.predicted[name][here] for each in (problem, spoilt))
+        np.testing.assert_allclose(one, other, rtol=1e-9)
+    one, other = (each.left_out.predicted["physics"][here] for each in (problem, spoilt))
+    assert np.median(np.abs(np.log(np.abs(one / other)))) < 0.02  # begun elsewhere, ends alike
+
+
+def test_choice_takes_the_more_trusted_of_two_alike():
+    gaps = {"physics": np.array([0.1, 0.1]), "hybrid": np.array([0.099, 0.1]), "mean": np.array([0.5, 0.6])}
+    alike = np.ones(2)
+    assert best(gaps, alike) == "physics"
+    assert best({**gaps, "hybrid": np.array([0.05, 0.05])}, alike) == "hybrid"
+    assert best({**gaps, "mean": np.array([0.01, 0.6])}, np.array([1.0, 1e-9])) == "mean"
+
+
+def test_data_alone_is_said_where_physics_fits_nothing(problem, every):
+    told = solve_prediction(problem, every.postures[5].q, method="mean")
+    assert told.is_data_alone
+    assert "physics has no part in this" in told.verdict
+    assert "no better than the mean of the others" in told.verdict
+
+
+def test_the_verdict_says_what_is_outside(problem, every):
+    q = {**every.postures[5].q, "q1": 3.0}
+    told = solve_prediction(problem, q)
+    assert "q1" in told.beyond
+    assert "outside what was measured: q1" in told.verdict
+    near = solve_prediction(problem, every.postures[0].q)
+    assert told.remote > near.remote == 1.0
+    assert np.all(told.frfs[0].log_size >= 0)
+
+
+def test_without_noise_in_the_records_a_long_record_is_predicted(problem, found):
+    """The receptance itself: no window, no end of the record, real at 0 Hz's side."""
+    assert found.left_out.panel.observations.lengths[0] > 0
+    assert np.all(np.isfinite(found.frfs[0].value))
+    assert np.all(found.frfs[0].low <= np.abs(found.frfs[0].value))
+    assert np.all(np.abs(found.frfs[0].value) <= found.frfs[0].high)
+
+
+def test_files_hold_what_was_predicted(found, tmp_path):
+    write_csv(found, tmp_path / "p.csv")
+    with (tmp_path / "p.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert tuple(rows[0]) == COLUMNS
+    assert len(rows) == len(found.frequency) * len(found.frfs)
+    first = found.frfs[0]
+    assert float(rows[3]["re"]) == first.value[3].real
+    assert float(rows[3]["high"]) == first.high[3]
+    write_uff(found, tmp_path / "p.uff")
+    read = read_campaign(tmp_path / "p.uff").frfs
+    np.testing.assert_allclose(np.abs(read.value[0]), np.abs(as_frf(found).value[:, 0, 0]), rtol=1e-5)
+    told = as_json(found)
+    assert json.loads(json.dumps(told, allow_nan=False)) == told
+    assert told["frfs"][0]["low"][3] == first.low[3]
+    write_prediction_page(found, tmp_path / "p.html")
+    page = (tmp_path / "p.html").read_text(encoding="utf-8")
+    assert page.count("<svg") == 2
+    assert found.method in page
+
+
+def test_a_matrix_with_a_hole_is_no_universal_file(found):
+    with pytest.raises(InvalidRequest, match="every response for every force"):
+        as_frf(
+            replace(found, frfs=(*found.frfs[:1], replace(found.frfs[1], reference=found.frfs[1].response)))
+        )
+
+
+# what is refused
+
+
+def test_two_postures_are_too_few(every, fanuc):
+    two = replace(every, frfs=every.frfs.select(posture=[1, 2]))
+    with pytest.raises(InvalidRequest, match="2 with FRFs"):
+        build_prediction(two, fanuc)
+
+
+def test_unknown_joints_limits_and_methods_are_refused(problem):
+    with pytest.raises(InvalidPosture, match="shoulder"):
+        solve_prediction(problem, {"shoulder": 1.0})
+    with pytest.raises(InvalidPosture, match="limits"):
+        solve_prediction(problem, {"q1": 99.0})
+    with pytest.raises(InvalidRequest, match="hybrid"):
+        solve_prediction(problem, {"q1": 1.0}, method="magic")
+
+
+def test_without_scikit_learn_it_says_what_to_install(campaign, fanuc, monkeypatch):
+    import sys
+
+    monkeypatch.setitem(sys.modules, "sklearn", None)
+    with pytest.raises(MissingExtra, match=r"flexmodal\[predict\]"):
+        build_prediction(campaign, fanuc)
