@@ -197,6 +197,7 @@ def _judge_table(text: str, found: Campaign) -> None:
         for row in csv.DictReader(io.StringIO(text, newline=""))
         if any((cell or "").strip() for cell in row.values())
     ]
+    rows = [{name.strip(): cell for name, cell in row.items() if name is not None} for row in rows]
     if found.frfs is None:
         raise Misread("a table without FRFs")
     _same("frequency", found.frfs.frequency, [float(row["f"].strip()) for row in rows])
