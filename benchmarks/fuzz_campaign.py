@@ -180,7 +180,7 @@ def _judge_toml(given: dict[str, object], found: Campaign) -> None:
 def _judge_modes(text: str, found: Campaign) -> None:
     rows = [
         row
-        for row in csv.DictReader(io.StringIO(text, newline=""))
+        for row in csv.DictReader(io.StringIO(text.lstrip("\r\n"), newline=""))
         if any((cell or "").strip() for cell in row.values())
     ]
     modes = found.modes
