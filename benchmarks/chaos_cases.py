@@ -19,6 +19,20 @@ SMALL = ("--postures", "2", "--points", "2", "--trials", "1", "--averages", "2",
 RIG = ("rig", "fanuc_s360", *SMALL, "--references", "1", "--quiet")
 AXIS = ("--posture", "configuration_1", "--frequencies", "1:60:1")
 KILL = (signal.SIGKILL,)
+MAP = """\
+format = 1
+campaign = "{campaign}"
+table = "table.csv"
+abscissa = "f"
+[[frf]]
+posture = 1
+trial = 1
+response = [1, 3]
+reference = [2, -3]
+form = "inertance"
+re = "re"
+im = "im"
+"""
 
 
 @dataclass(frozen=True)
@@ -46,10 +60,15 @@ class Inputs:
     campaign: str
     single: str
     """Of one FRF."""
+    three: str
+    """Of three postures."""
     measurement: str
     """What a diagnosis asks for."""
     atlas: str
     urdf: str
+    table: str
+    map: str
+    """What each of the table's columns is."""
 
 
 def run(words: tuple[str, ...]) -> tuple[int, str]:
@@ -71,11 +90,12 @@ def call(case: Case, folder: Path) -> tuple[str, ...]:
 
 def make_inputs(home: Path) -> Inputs:
     """Small campaigns, an atlas, a bare URDF and a wish for a measurement."""
-    campaign, single, atlas = home / "campaign", home / "single", home / "input.zarr"
+    campaign, single, three, atlas = (home / name for name in ("campaign", "single", "three", "input.zarr"))
     grid = ("--grid", "q1=0.5:1:3,q2=-1:0:5,q3=0", "--frequencies", "1:20:1", "--quiet", "--workers", "1")
     made = [
         (*RIG, "--out", str(campaign)),
         (*RIG, "--postures", "1", "--points", "1", "--out", str(single)),
+        (*RIG, "--postures", "3", "--out", str(three)),
         ("atlas", "fanuc_s360", *grid, "--out", str(atlas)),
     ]
     for words in made:
@@ -88,7 +108,11 @@ def make_inputs(home: Path) -> Inputs:
     wish = {"next_measurement": {"posture": angles, "gain": 12.0}}
     measurement.write_text(json.dumps(wish), encoding="utf-8")
     urdf = str(ROOT / "urdf" / "six_axis.urdf")
-    return Inputs(str(campaign), str(single), str(measurement), str(atlas), urdf)
+    table, columns = home / "table.csv", home / "map.toml"
+    table.write_text("f,re,im\n" + "".join(f"{n},{n},{-n}\n" for n in range(1, 40)), encoding="utf-8")
+    columns.write_text(MAP.format(campaign=campaign / "campaign.toml"), encoding="utf-8")
+    read = (campaign, single, three, measurement, atlas, urdf, table, columns)
+    return Inputs(*map(str, read))
 
 
 def cases(inputs: Inputs) -> tuple[Case, ...]:
@@ -140,7 +164,13 @@ def _folders(inputs: Inputs) -> tuple[Case, ...]:
     stiff = (*identify, "--kinds", "stiffness")
     guess = ("card", "new", inputs.urdf)
     pictures = ("fit", inputs.single, "--no-vary")
+    predict = ("predict", "fanuc_s360", "--campaign", inputs.three, "--posture", "q1=1.2,q2=-1,q3=0.1")
+    predict = (*predict, "--method", "physics", "--quiet")
     return (
+        Case("import --draft", ("import", inputs.table), "map.toml", "--draft"),
+        Case("import", ("import", inputs.map), "test"),
+        Case("campaign new", ("campaign", "new", "fanuc_s360"), "test"),
+        Case("predict", predict, "frf.csv", writers=30, signals=KILL),
         Case("fit, pictures", pictures, "pictures", "--pictures", writers=10, signals=KILL),
         Case("card new", guess, "arm", writers=3),
         Case("rig", (*RIG, "--seed", "2", "--hide", "added_mass"), "test", signals=KILL),

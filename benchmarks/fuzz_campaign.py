@@ -180,7 +180,7 @@ def _judge_toml(given: dict[str, object], found: Campaign) -> None:
 def _judge_modes(text: str, found: Campaign) -> None:
     rows = [
         row
-        for row in csv.DictReader(io.StringIO(text, newline=""))
+        for row in csv.DictReader(io.StringIO(text.lstrip("\r\n"), newline=""))
         if any((cell or "").strip() for cell in row.values())
     ]
     modes = found.modes
@@ -197,6 +197,7 @@ def _judge_table(text: str, found: Campaign) -> None:
         for row in csv.DictReader(io.StringIO(text, newline=""))
         if any((cell or "").strip() for cell in row.values())
     ]
+    rows = [{name.strip(): cell for name, cell in row.items() if name is not None} for row in rows]
     if found.frfs is None:
         raise Misread("a table without FRFs")
     _same("frequency", found.frfs.frequency, [float(row["f"].strip()) for row in rows])
