@@ -241,7 +241,7 @@ def test_every_objective(cli, options, unit):
 def test_check(cli, card, urdf):
     sound = cli("check", card(), "--json")
     assert (sound.status, sound.err) == (0, "")
-    assert set(sound.json()["checked"][0]) == {"path", "sound", "faults", "warnings"}
+    assert set(sound.json()["checked"][0]) == {"path", "sound", "faults", "findings", "warnings"}
     assert sound.json()["checked"][0]["sound"] is True
     spoiled = urdf(('<mass value="2"/>', '<mass value="-2"/>'))
     ran = cli("check", spoiled, "--json")

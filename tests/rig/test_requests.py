@@ -171,7 +171,7 @@ def test_secrets_are_drawn_alike_from_a_seed_and_evenly_over_the_effects(spatial
         for hide in scenario.hide:
             counts[hide.effect] += 1
             assert hide.height == (3.0, 30.0)
-    assert len(counts) == 13
+    assert len(counts) == 14
     assert min(counts.values()) > 100  # 154 expected of each, standard deviation 11
     errors = [scenario.parameter_error for scenario in drawn]
     assert np.mean(errors) == pytest.approx(0.05, abs=0.0025)  # four standard errors
