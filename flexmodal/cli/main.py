@@ -180,6 +180,10 @@ def main(arguments: list[str] | None = None) -> None:
         sys.exit(0)
     except OSError as error:
         _complain(f"{error.filename or 'standard output'}: {error.strerror or error}")
+        try:
+            sys.stdout.flush()
+        except OSError:  # or the interpreter tries again at its end, and says so in its own words
+            os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
         sys.exit(2)
 
 

@@ -153,6 +153,7 @@ def test_start_swings_wider_than_the_optimum(browser, outcome_page):
     assert grey.sum() > 3 * blue.sum()
 
 
+@pytest.mark.slow
 def test_everything_is_inside_the_picture(browser, outcome_page, fanuc_page, ur5_page):
     for page in (outcome_page, fanuc_page, ur5_page):
         scene = browser.picture(page, "#motion=0&phase=0")[:, :-PANEL]

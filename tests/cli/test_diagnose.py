@@ -63,6 +63,7 @@ def test_writes_a_robot_that_carries_the_payload(explained):
     assert mass == pytest.approx(before, rel=0.2)  # it is fitted once more with all
 
 
+@pytest.mark.slow
 def test_not_explained(cli, campaign, valid, tmp_path):
     out = tmp_path / "out"
     ran = cli("diagnose", campaign, "--out", out, "--effects", "time_delay", "--quiet")

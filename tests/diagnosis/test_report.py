@@ -204,6 +204,7 @@ def test_effects_in_words():
     assert placed("none", "") == "nothing added"
 
 
+@pytest.mark.slow
 def test_never_over_a_page(diagnosed, tmp_path):
     path = tmp_path / "report.html"
     path.write_text("mine")

@@ -76,6 +76,7 @@ def test_a_hidden_mass_is_found_and_compared(loaded):
     assert 0 < step.uncertainty["mass"] < step.parameters["mass"]
 
 
+@pytest.mark.slow
 def test_a_wrong_effect_is_refused(loaded):
     found = diagnose(*loaded, effects=["time_delay"])
     assert found.steps == ()
@@ -173,7 +174,9 @@ def test_started_from_everywhere_it_leaves_a_local_minimum():
     assert over_noise(setup, fitted_closely(setup, hypothesis, again.x, near=True)) < FLOOR_REACHED
 
 
-@pytest.mark.parametrize("last", ["local_absorber@link_1", "added_mass@link_3"])
+@pytest.mark.parametrize(
+    "last", ["local_absorber@link_1", pytest.param("added_mass@link_3", marks=pytest.mark.slow)]
+)
 def test_an_effect_that_nobody_misses_goes_whether_found_first_or_last(loaded, last):
     setup = prepare(
         *loaded, None, asked_of(["added_mass", "local_absorber"]), None, 0, lambda doing, part: None

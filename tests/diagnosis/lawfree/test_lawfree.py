@@ -205,6 +205,7 @@ def several(root, observed):
     )
 
 
+@pytest.mark.slow
 def test_several_places_are_found_together(several):
     sensor, field = several
     first = alone(field)
