@@ -19,9 +19,10 @@ APART = ("tutorials", "howto")
 TARGETS = set(re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(), re.MULTILINE))
 LONG = {
     "hammer.md", "identification.md", "optimisation.md", "atlas.md", "machining.md", "prediction.md",
-    "real_test.md", "rig.md", "viewer.md", "posture.md", "own_data.md", "robust.md",
+    "real_test.md", "rig.md", "viewer.md", "posture.md", "own_data.md", "robust.md", "ema.md",
+    "cut.md", "path_and_speed.md",
 }  # fmt: skip
-"""Pages that take seven seconds and more; `make slow` follows them."""
+"""Pages that take five seconds and more; `make slow` follows them."""
 LEFT_ALONE = {"git", "cd", "pip", "cat", ".", "python", "python3.11", "ls"}
 """Commands that need a network or a clone; `make tour` runs them."""
 ELSEWHERE = {"demo": ROOT / "tests" / "cli" / "test_demo.py"}

@@ -107,6 +107,7 @@ def test_panel_has_words(browser, fanuc_page):
     assert 0.01 < ink.mean() < 0.2
 
 
+@pytest.mark.slow
 def test_arm_moves_and_its_extreme_stays(browser, fanuc_page):
     first, second, again = (
         browser.picture(fanuc_page, f"#motion=0&phase={phase}")[:, :-PANEL] for phase in (0.1, 0.6, 0.1)
@@ -143,6 +144,7 @@ def test_outcome_shows_start_optimum_target_and_force(browser, outcome_page):
     assert near.sum() > 500
 
 
+@pytest.mark.slow
 def test_start_swings_wider_than_the_optimum(browser, outcome_page):
     still, moved = (
         browser.picture(outcome_page, f"#motion=0&phase={phase}")[:, :-PANEL] for phase in (0.0, 0.5)
@@ -161,6 +163,7 @@ def test_everything_is_inside_the_picture(browser, outcome_page, fanuc_page, ur5
         assert np.all(edge > 200)  # a line of the floor's grid at the most
 
 
+@pytest.mark.slow
 def test_arm_of_meshes(browser, ur5_page):
     scene = browser.picture(ur5_page, "#motion=0&phase=0.25")[:, :-PANEL]
     assert 0.1 < drawn(scene).mean() < 0.6

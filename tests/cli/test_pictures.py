@@ -9,6 +9,7 @@ from flexmodal.cli import picturing
 SEARCH = ("optimise", "six_link", "--hold=-2,2", "--frequency", "5", "--starts", "2", "--quiet")
 
 
+@pytest.mark.slow
 def test_each_kind(cli, tmp_path, monkeypatch):
     monkeypatch.setattr(picturing, "_PLACES", 3)
     monkeypatch.setattr(picturing, "_STARTS", 2)

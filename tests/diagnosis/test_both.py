@@ -56,6 +56,7 @@ def test_where_nothing_is_missing_both_say_so(clean):
     assert found.verdict.explained, found.verdict.says
 
 
+@pytest.mark.slow
 def test_a_mode_that_only_the_table_has_is_missing(clean):
     campaign, robot = clean
     found = diagnose(with_a_peak(campaign), robot, effects=["sensor_gain"])

@@ -83,6 +83,7 @@ def test_a_wrong_effect_is_refused(loaded):
     assert all(name != "time_delay" for name, _ in found.verdict.effects)
 
 
+@pytest.mark.slow
 def test_one_level_of_force_leaves_friction_untestable(clean):
     measured, robot = campaign(peaks=(100.0,), trials=2)
     found = diagnose(measured, robot, effects=["coulomb_friction", "sensor_gain"])

@@ -93,6 +93,7 @@ def test_errors_are_angles():
         assert np.linalg.norm(tilted.error(turn @ columns)) == pytest.approx(angle, rel=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("types_unchecked")
 def test_a_six_axis_arm_with_the_tool_free_to_turn(ur5):
     """One joint's worth of freedom: the best of a dense walk along it is found, with the axis kept."""

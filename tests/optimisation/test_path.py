@@ -137,6 +137,7 @@ def test_hold_limits_and_speeds_are_kept(three):
         plan_path(straight(three, 8, speed=np.full(3, 1e-3)), nodes=20, seed=2)
 
 
+@pytest.mark.slow
 def test_never_worse_than_greedy(three, arm):
     for robot, problem in (
         (three, straight(three, way="worst")),
@@ -176,6 +177,7 @@ def test_interrupted_with_the_best_so_far(three):
     assert told == sorted(told, reverse=True)
 
 
+@pytest.mark.slow
 def test_the_local_solver_only_goes_down_and_ends_at_a_minimum(three):
     for way in ("sum", "worst"):
         problem = straight(three, way=way)
