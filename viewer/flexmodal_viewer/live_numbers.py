@@ -8,14 +8,14 @@ from typing import Any
 import numpy as np
 
 from flexmodal.model import Robot
-from flexmodal.model.batch.chain import Chain, chain_of, places_of, turn_of
+from flexmodal.model.batch.chain import Chain, joints_of, parents_of, places_of, turn_of
 from flexmodal.model.placements import link_placements
 from flexmodal_viewer.scene import Matrix
 
 
-def is_serial(robot: Robot) -> bool:
-    """Whether its joints stand one behind the other, which the page's own kinematics need."""
-    return chain_of(robot) is not None
+def is_live(robot: Robot) -> bool:
+    """Whether the page can move it: every joint turns about an axis or slides along one, branching or not."""
+    return joints_of(robot) is not None
 
 
 Place = tuple[str, tuple[float, float, float]]
@@ -25,14 +25,14 @@ Place = tuple[str, tuple[float, float, float]]
 def live_numbers(
     robot: Robot, points: Sequence[str] = (), measured: Mapping[str, Place] | None = None
 ) -> dict[str, Any] | None:
-    """The robot in numbers, ready for JSON, every one with all its digits; None for an arm that branches.
+    """The robot in numbers, ready for JSON, every one with all its digits; None with joints of another kind.
 
     Args:
         robot: whose joints are to be moved on the page.
         points: that can be pushed at besides the tool and the points of the card.
         measured: points of a campaign, which count before those of the card.
     """
-    chain = chain_of(robot)
+    chain = joints_of(robot)
     if chain is None:
         return None
     names = list(robot.moving)
@@ -70,6 +70,7 @@ def _joint(robot: Robot, chain: Chain, number: int) -> dict[str, Any]:
     bounded = np.isfinite([joint.lower, joint.upper])
     return {
         "name": name,
+        "parent": parents_of(robot)[number],
         "turns": bool(chain.turns[number]),
         "axis": chain.axis[number].tolist(),
         "rotation": chain.rotation[number].ravel().tolist(),
@@ -110,7 +111,7 @@ def _links(robot: Robot, chain: Chain) -> list[dict[str, Any]]:
     order = {joint.child: number for number, joint in enumerate(robot.moving.values())}
     above = {joint.child: joint.parent for joint in robot.urdf.joints}
     placed = link_placements(robot, {})
-    carried = _joint_frames(chain)
+    carried = _joint_frames(chain, parents_of(robot))
     found = []
     for link in robot.urdf.links:
         at: str | None = link.name
@@ -122,13 +123,11 @@ def _links(robot: Robot, chain: Chain) -> list[dict[str, Any]]:
     return found
 
 
-def _joint_frames(chain: Chain) -> list[Matrix]:
+def _joint_frames(chain: Chain, parents: Sequence[int]) -> list[Matrix]:
     """Frames of the joints in the world with all of them at 0."""
     found: list[Matrix] = []
-    place = np.eye(4)
-    for rotation, offset in zip(chain.rotation, chain.offset, strict=True):
+    for parent, rotation, offset in zip(parents, chain.rotation, chain.offset, strict=True):
         step = np.eye(4)
         step[:3, :3], step[:3, 3] = rotation, offset
-        place = place @ step
-        found.append(place)
+        found.append((np.eye(4) if parent < 0 else found[parent]) @ step)
     return found

@@ -30,11 +30,11 @@ def live_outcome_scene(outcome: Outcome, *, start: Posture | None) -> Scene:
     """Draw what a search found, ready to be gone through and to be changed by hand.
 
     Args:
-        outcome: of a robot whose joints stand in one chain.
+        outcome: of a robot that a live page can move.
         start: posture to compare with, and where the film begins, if any.
 
     Raises:
-        InvalidRequest: an arm that branches.
+        InvalidRequest: joints that the page cannot move.
     """
     robot, best = outcome.problem.robot, outcome.problem.robot.at(outcome.best.posture)
     judge = judge_of(outcome)

@@ -44,7 +44,7 @@ def live_scene(
     """Draw a robot that can be put in postures by hand.
 
     Args:
-        robot: what to draw; its joints in one chain.
+        robot: what to draw; each of its joints turns about an axis or slides along one.
         posture: how it stands when the page opens.
         response: point and direction of force and motion; the tool along z if none.
         frequency: chosen at first [Hz]; that of the first mode if none.
@@ -56,7 +56,7 @@ def live_scene(
     Raises:
         InvalidPoint, InvalidFrequencies, InvalidPosture: bad arguments.
         SingularResponse: an undamped mode is driven at its natural frequency.
-        InvalidRequest: an arm that branches, here or among the others, a campaign without FRFs, or a band
+        InvalidRequest: joints of another kind, here or among the others, a campaign without FRFs, or a band
             that is none.
     """
     posed = robot.at(posture)
@@ -94,7 +94,7 @@ def _numbers(robot: Robot, points: Sequence[str], measured: Mapping[str, Place])
     numbers = live_numbers(robot, points, measured)
     if numbers is None:
         raise InvalidRequest(
-            Fault(robot.name, "joints", "a chain that branches", "joints one behind the other on a live page")
+            Fault(robot.name, "joints", "joints of another kind", "joints that turn or slide, on a live page")
         )
     return numbers
 

@@ -14,7 +14,7 @@ from flexmodal.model import Posture, Robot
 from flexmodal.optimisation import Outcome
 from flexmodal_viewer.campaign_scene import campaign_scene
 from flexmodal_viewer.live_answers import LiveAnswers
-from flexmodal_viewer.live_numbers import is_serial
+from flexmodal_viewer.live_numbers import is_live
 from flexmodal_viewer.live_outcome import live_outcome_scene
 from flexmodal_viewer.live_scene import live_scene
 from flexmodal_viewer.outcome_scene import outcome_scene
@@ -54,8 +54,8 @@ def show_robot(
         modes: swinging in its first mode when the page opens; without `live` with a button for each mode.
         response: point and direction of a force; the tool along z if none.
         frequency: swinging as it does under that force at this frequency [Hz] when the page opens.
-        live: with a slider for each joint, receptance and modes following on the page; an arm whose joints
-            branch is drawn as it stands.
+        live: with a slider for each joint, receptance and modes following on the page; an arm with joints
+            that neither turn about one axis nor slide along one is drawn as it stands.
         others: models whose receptance is drawn on the same axes, by what they are called.
         measured: a campaign whose FRFs stand on the same axes while the arm is in one of its postures.
         out: write a self-contained page here instead of serving it; a picture where it ends in .png, a film
@@ -77,7 +77,7 @@ def show_robot(
         MissingExtra: a picture without Playwright or Chromium.
     """
     answer: Answer | None = None
-    if live and is_serial(robot):
+    if live and is_live(robot):
         swing = "force" if frequency is not None else "mode" if modes else ""
         asked: dict[str, Any] = {"response": response, "frequency": frequency, "swing": swing}
         scene = live_scene(robot, posture, others=others, measured=measured, **asked)
@@ -105,8 +105,8 @@ def show_outcome(
     Args:
         outcome: result of the search.
         start: posture to compare with, if any.
-        live: with the descent from the start on a slider, and the joints to be moved from there; an arm whose
-            joints branch is drawn as it stands. Without it start and optimum swing under the same force.
+        live: with the descent from the start on a slider, and the joints to be moved from there, where
+            `show_robot` can. Without it start and optimum swing under the same force.
         out: as in `show_robot`, as are all the others.
         port: see there.
         host: see there.
@@ -122,7 +122,7 @@ def show_outcome(
         InvalidRequest, OutputExists: see `show_robot`.
     """
     place = _Place(out, port, host, overwrite, open_browser, announce, block)
-    if live and is_serial(outcome.problem.robot):
+    if live and is_live(outcome.problem.robot):
         return _deliver(live_outcome_scene(outcome, start=start), place, LiveAnswers(outcome.problem.robot))
     return _deliver(outcome_scene(outcome, start=start), place)
 
