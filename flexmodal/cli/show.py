@@ -35,6 +35,7 @@ _MOST_CARDS = 3
 @click.option("--modes", is_flag=True, help="Animate the mode shapes.")
 @click.option("--response", metavar="POINT:AXIS", help="Point and direction of the force, tool:+z if none.")
 @click.option("--frequency", callback=hertz, metavar="HZ", help="Animate the deflection at this frequency.")
+@click.option("--workspace", is_flag=True, help="Open with a map of the receptance over all places.")
 @click.option(
     "--campaign",
     type=click.Path(path_type=Path),
@@ -61,6 +62,7 @@ def show(
     modes: bool,
     response: str | None,
     frequency: float | None,
+    workspace: bool,
     campaign: Path | None,
     compare: tuple[str, ...],
     out: Path | None,
@@ -81,7 +83,8 @@ def show(
     if host is not None:
         deliver["host"] = host
     if campaign is not None or is_campaign(robot.robot):
-        _refuse_beside(modes=modes, response=response, frequency=frequency, compare=compare)
+        given = {"modes": modes, "response": response, "frequency": frequency}
+        _refuse_beside(**given, workspace=workspace, compare=compare)
         measured = _campaign(Path(robot.robot) if campaign is None else campaign, posture)
         refuse_export(measured)
         arm = (robot if campaign is not None else replace(robot, robot=card_of(measured))).load()
@@ -90,7 +93,8 @@ def show(
     arm = robot.load()
     where = _first_posture(arm) if posture is None else posture_of(arm, posture)
     beside = _compared(robot, compare)
-    viewer("show_robot")(arm, where, modes=modes, response=response, frequency=frequency, **beside, **deliver)
+    swing = {"modes": modes, "response": response, "frequency": frequency}
+    viewer("show_robot")(arm, where, workspace=workspace, **swing, **beside, **deliver)
 
 
 def _compared(robot: RobotOptions, given: tuple[str, ...]) -> dict[str, Any]:

@@ -40,6 +40,7 @@ def live_scene(
     swing: str = "",
     others: Mapping[str, Robot] | None = None,
     measured: Campaign | None = None,
+    workspace: bool = False,
 ) -> Scene:
     """Draw a robot that can be put in postures by hand.
 
@@ -52,6 +53,7 @@ def live_scene(
         swing: "force" or "mode" if it swings when the page opens.
         others: models to compare with on the same axes, by what they are called.
         measured: a campaign whose FRFs stand on the same axes while the arm is in one of its postures.
+        workspace: with the map of the workspace laid when the page opens.
 
     Raises:
         InvalidPoint, InvalidFrequencies, InvalidPosture: bad arguments.
@@ -76,6 +78,7 @@ def live_scene(
         "hertz": lowest if frequency is None else frequency,
         "band": _band(posed, band),
         "swing": swing,
+        "map": workspace,
         "reach": arm.reach,
         "others": [{"name": name, "robot": _numbers(one, (), points)} for name, one in beside.items()],
         "measured": [] if measured is None else measured_curves(robot, measured),

@@ -27,6 +27,8 @@ _SIZE = (1000, 760)
 _FRAMES = 24
 """Pictures of one cycle in a film."""
 _COLOURS = 128
+_PATIENCE = 120_000
+"""For what a page still works out, such as a map of the workspace [ms]."""
 
 
 def write_picture(scene: Scene, path: str | Path, *, overwrite: bool = False) -> Path:
@@ -89,5 +91,6 @@ def _opened(scene: Scene, fragment: str) -> Iterator[Any]:
             viewport={"width": _SIZE[0], "height": _SIZE[1]}, reduced_motion="reduce", color_scheme="light"
         )
         tab.goto(f"{page.as_uri()}#picture=1{fragment}", wait_until="load")
+        tab.wait_for_selector("body:not(.busy)", timeout=_PATIENCE)
         yield tab
         browser.close()

@@ -38,6 +38,7 @@ def show_robot(
     live: bool = True,
     others: Mapping[str, Robot] | None = None,
     measured: Campaign | None = None,
+    workspace: bool = False,
     out: str | Path | None = None,
     port: int | None = None,
     host: str = HOST,
@@ -58,6 +59,7 @@ def show_robot(
             that neither turn about one axis nor slide along one is drawn as it stands.
         others: models whose receptance is drawn on the same axes, by what they are called.
         measured: a campaign whose FRFs stand on the same axes while the arm is in one of its postures.
+        workspace: with the receptance over the places that the tool comes to, laid when the page opens.
         out: write a self-contained page here instead of serving it; a picture where it ends in .png, a film
             where it ends in .gif.
         port: port to serve on; a free one if none.
@@ -80,7 +82,8 @@ def show_robot(
     if live and is_live(robot):
         swing = "force" if frequency is not None else "mode" if modes else ""
         asked: dict[str, Any] = {"response": response, "frequency": frequency, "swing": swing}
-        scene = live_scene(robot, posture, others=others, measured=measured, **asked)
+        beside: dict[str, Any] = {"others": others, "measured": measured, "workspace": workspace}
+        scene = live_scene(robot, posture, **beside, **asked)
         answer = LiveAnswers(robot)
     else:
         scene = robot_scene(robot, posture, modes=modes, response=response, frequency=frequency)

@@ -43,9 +43,11 @@
   }
   window.viewer = viewer;
   const node = (path) => viewer.scene_tree.find(path.split("/").filter((part) => part)).object;
+  let busy = 0;
   // What scripts after this one may use.
   window.flexmodalPage = {
     viewer, node, stage,
+    busy: (more) => { busy += more; document.body.classList.toggle("busy", busy > 0); }, // something is still being worked out
     frame: (points) => { scene.view.points = points; touched = false; frame(); },
   };
 

@@ -12,15 +12,10 @@ const Film = (() => {
     by("search").hidden = false;
     by("film").hidden = steps.length < 2;
 
-    function go(q) {
-      live.state.q = [...q];
-      live.update();
-    }
-
     const body = by("optima").tBodies[0];
     search.optima.forEach((one, number) => {
       const button = Panel.make("button", { type: "button", textContent: String(number + 1), ariaLabel: `go to optimum ${number + 1}` });
-      button.addEventListener("click", () => { stop(); go(vector(one.q)); });
+      button.addEventListener("click", () => { stop(); live.go(vector(one.q)); });
       body.append(Panel.make("tr", {}, [
         Panel.make("th", { scope: "row" }, [button]),
         Panel.make("td", { textContent: text(one.value) }),

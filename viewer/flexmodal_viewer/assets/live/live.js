@@ -77,7 +77,10 @@ const Live = (() => {
         const q = Object.fromEntries(commanded.map((place) => [joints[place].name, state.q[place]]));
         python.ask({ q, low: state.low, high: state.high, lines: LINES, ...state.names });
       }
+      watchers.forEach((told) => told());
     }
+    const watchers = []; // told whenever something has moved
+    function go(q) { state.q = [...q]; update(); }
 
     function plot() {
       const { curve, lines } = found;
@@ -205,7 +208,7 @@ const Live = (() => {
         const target = { position: posed.position("tool"), turn: turned ? posed.turned("tool") : null };
         const next = [...state.q];
         next[number] = to;
-        const met = Hold.reach(robot, next, "tool", target, { rounds: 25, damping: 0, without: number });
+        const met = Hold.reach(robot, next, "tool", target, { rounds: 25, damping: 0, without: [number] });
         if (met.left > 1e-7) { sliders.show(state.q, motion ? motion.shares : null); return; } // as far as it goes
         state.q = met.q;
       }
@@ -236,7 +239,7 @@ const Live = (() => {
 
     return {
       robot, others, state, picture, hold: Hold, make: Robot.make, found: () => found, posed: () => posed, motion: () => motion, motionOf,
-      update, stand, swingIn, swingForced, rest, setHertz, moveJoint, moveTool, pressed, lay, flexible, commanded,
+      update, go, watch: (told) => watchers.push(told), objective, unit, stand, swingIn, swingForced, rest, setHertz, moveJoint, moveTool, pressed, lay, flexible, commanded,
       start: () => requestAnimationFrame(turnOver),
     };
   }

@@ -106,9 +106,9 @@ const Picture = (() => {
       }
     }
 
-    function reframe() {
+    function reframe(more = []) { // the arm, and other points of the world
       const box = new THREE.Box3().setFromObject(node("/flexmodal/arm"));
-      const corners = [];
+      const corners = [...more];
       for (const x of [box.min.x, box.max.x]) for (const y of [box.min.y, box.max.y]) for (const z of [box.min.z, box.max.z]) corners.push([x, -z, y]);
       page.frame(corners);
     }

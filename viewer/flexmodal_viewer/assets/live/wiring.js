@@ -76,7 +76,7 @@
 
   if (live.picture) {
     live.picture.draggable(() => live.posed().position("tool"), live.moveTool);
-    by("reset-view").addEventListener("click", live.picture.reframe);
+    by("reset-view").addEventListener("click", () => live.picture.reframe());
   }
   new ResizeObserver(() => live.update(true)).observe(by("chart"));
 
@@ -89,6 +89,8 @@
     if (cut > 0 && commanded.includes(place) && Number.isFinite(value)) state.q[place] = Math.min(Math.max(value, joints[place].lower), joints[place].upper);
   }
   live.update();
+  live.map = WorkspaceMap.make(live);
+  if (data.map || number("map") === 1) live.map.lay();
   if (data.search) live.film = Film.make(live, data.search);
   if (number("frequency") !== null) { live.setHertz(number("frequency")); live.swingForced(); }
   else if (number("mode") >= 1 && number("mode") <= live.found().modes.length) live.swingIn(number("mode") - 1);
