@@ -7,9 +7,12 @@ import numpy as np
 import pytest
 from flexmodal_viewer import show_robot
 from flexmodal_viewer.live_numbers import live_numbers
+from flexmodal_viewer.live_outcome import judged
 
+from flexmodal.frf import PointDirection
 from flexmodal.model import load
 from flexmodal.model.placements import link_placements
+from flexmodal.optimisation import ReceptanceObjective
 
 _SPEC = importlib.util.spec_from_file_location("live_pages", Path(__file__).with_name("live.py"))
 live = importlib.util.module_from_spec(_SPEC)
@@ -174,6 +177,24 @@ def test_ellipsoid(robot, page):
             forces = np.random.default_rng(0).normal(size=(200, 3))
             forces /= np.linalg.norm(forces, axis=1, keepdims=True)
             assert np.max(np.linalg.norm(forces @ alpha.T, axis=1)) <= answered * (1 + CLOSE)
+
+
+@pytest.mark.parametrize("combine", ["weighted", "force", "worst"])
+@pytest.mark.parametrize("over", ["mean", "largest"])
+def test_what_a_search_judges_by(tab, combine, over):
+    robot = load("six_axis")
+    ways = tuple(PointDirection("tool", axis) for axis in "xyz")
+    toward = (0.0, 0.0, 1.0) if combine == "weighted" else ()
+    judge = ReceptanceObjective(
+        ways, np.array([7.0, 14.0, 21.0]), combine, (1.0, -2.0, 0.5), toward, over, (1.0, 0.7, 0.4)
+    )
+    script = """([told, numbers, q]) => {
+      const robot = flexmodalLive.make(numbers);
+      return flexmodalLive.judge(robot, told)(robot.at(q));
+    }"""
+    for posed, q in _postures(robot, 3):
+        found = tab.evaluate(script, [judged(judge), live_numbers(robot), q])
+        assert found == pytest.approx(judge.value(posed), rel=CLOSE)
 
 
 def test_links_stand_where_python_puts_them(tab):

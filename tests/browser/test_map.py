@@ -19,7 +19,7 @@ _SPEC.loader.exec_module(live)
 CLOSE = 1e-9
 JUDGED = """() => flexmodalLive.map.map().places.map(({ at, known }, number) => {
   const { value, posed } = flexmodalLive.map.judged()[number];
-  const least = Math.min(...known.map((one) => flexmodalLive.objective(one)));
+  const least = Math.min(...known.map((one) => flexmodalLive.size(one)));
   return { at, value, q: posed.q, least };
 })"""
 

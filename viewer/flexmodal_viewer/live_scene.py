@@ -41,6 +41,7 @@ def live_scene(
     others: Mapping[str, Robot] | None = None,
     measured: Campaign | None = None,
     workspace: bool = False,
+    points: Sequence[str] = (),
 ) -> Scene:
     """Draw a robot that can be put in postures by hand.
 
@@ -54,6 +55,7 @@ def live_scene(
         others: models to compare with on the same axes, by what they are called.
         measured: a campaign whose FRFs stand on the same axes while the arm is in one of its postures.
         workspace: with the map of the workspace laid when the page opens.
+        points: that can be pushed at besides those of the card and the one of `response`.
 
     Raises:
         InvalidPoint, InvalidFrequencies, InvalidPosture: bad arguments.
@@ -68,11 +70,11 @@ def live_scene(
     if frequency is not None:
         posed.frf([frequency], response=direction)  # refuses what is no frequency, and an infinite response
     arm = Arm(robot)
-    points = {} if measured is None else measured_points(measured)
+    tested = {} if measured is None else measured_points(measured)
     lowest = float(posed.modes().frequency[0])
     beside = others or {}
     live = {
-        "robot": _numbers(robot, [direction.point], points),
+        "robot": _numbers(robot, [direction.point, *points], tested),
         "posture": dict(posture.values),
         "response": str(direction),
         "hertz": lowest if frequency is None else frequency,
@@ -80,7 +82,7 @@ def live_scene(
         "swing": swing,
         "map": workspace,
         "reach": arm.reach,
-        "others": [{"name": name, "robot": _numbers(one, (), points)} for name, one in beside.items()],
+        "others": [{"name": name, "robot": _numbers(one, (), tested)} for name, one in beside.items()],
         "measured": [] if measured is None else measured_curves(robot, measured),
     }
     drawn = _drawn(arm, posed, direction)

@@ -129,7 +129,7 @@
   });
   tags.sort((a, b) => b.tag.textContent.endsWith(" m") - a.tag.textContent.endsWith(" m"));
   const place = new THREE.Vector3();
-  const sides = (w) => [[9, -8], [-w / 2, -25], [-w / 2, 10], [-9 - w, -8], [-w / 2, -42], [-w / 2, 27], [9, -25], [9, 10]];
+  const sides = (w) => [[9, -8], [-w / 2, -25], [-w / 2, 10], [-9 - w, -8], [-w / 2, -42], [-w / 2, 27], [9, -25], [9, 10], [-9 - w, -25], [-9 - w, 10], [-w / 2, -59], [-w / 2, 44], [-w / 2, -76]];
   const apart = (a, b) => a[0] > b[0] + b[2] || b[0] > a[0] + a[2] || a[1] > b[1] + b[3] || b[1] > a[1] + a[3];
   const seen_with = (object) => object === null || (object.visible && seen_with(object.parent));
   function put_labels() {

@@ -25,7 +25,9 @@ const Live = (() => {
     const frequencies = () => Float64Array.from({ length: LINES }, (_, i) => state.low + ((state.high - state.low) * i) / (LINES - 1));
     const sizes = ({ re, im }) => Array.from(re, (x, i) => Math.hypot(x, im[i]));
     const value = (at) => at.frf([state.hertz], state.response, state.reference);
-    const objective = (at) => { const h = value(at); return Math.hypot(h.re[0], h.im[0]); };
+    const size = (at) => { const h = value(at); return Math.hypot(h.re[0], h.im[0]); };
+    const judge = data.search && data.search.objective ? Objective.make(robot, data.search.objective) : null;
+    const objective = (at) => (judge && by("judge").value === "search" ? judge(at) : size(at)); // along the self-motion
 
     // Another model stands in the same posture, joint by joint; what it does not have stays at 0.
     function other(model) {
@@ -45,7 +47,7 @@ const Live = (() => {
       moveTool(target);
     });
     const table = Panel.modes((mode) => (state.swing && state.swing.mode === mode ? rest() : swingIn(mode)));
-    const motionOf = SelfMotion.make({ robot, value: objective, text: (size) => Units.quantity(size, unit()), go: (q) => { state.q = q; update(true); } });
+    const motionOf = SelfMotion.make({ robot, value: objective, text: (found) => Units.quantity(found, unit()), name: () => (judge && by("judge").value === "search" ? "The search's objective" : "|α|"), go: (q) => { state.q = q; update(true); } });
 
     // Of a served page Python's numbers are drawn as soon as they are there, and how far the page's are from them is said.
     const python = Python.connect(({ re, im, poles }) => {
@@ -220,6 +222,8 @@ const Live = (() => {
       update();
     }
 
+    by("judge").closest(".line").hidden = judge === null;
+    by("judge").addEventListener("change", () => lay());
     let waiting = 0;
     function lay() {
       clearTimeout(waiting);
@@ -238,8 +242,8 @@ const Live = (() => {
     }
 
     return {
-      robot, others, state, picture, hold: Hold, make: Robot.make, found: () => found, posed: () => posed, motion: () => motion, motionOf,
-      update, go, watch: (told) => watchers.push(told), objective, unit, stand, swingIn, swingForced, rest, setHertz, moveJoint, moveTool, pressed, lay, flexible, commanded,
+      robot, others, state, picture, hold: Hold, make: Robot.make, judge: Objective.make, found: () => found, posed: () => posed, motion: () => motion, motionOf,
+      update, go, watch: (told) => watchers.push(told), objective, size, unit, reach: data.reach, stand, swingIn, swingForced, rest, setHertz, moveJoint, moveTool, pressed, lay, flexible, commanded,
       start: () => requestAnimationFrame(turnOver),
     };
   }

@@ -75,7 +75,7 @@ const WorkspaceMap = (() => {
       settle();
     }
     function paint() {
-      judged = Workspace.judge(map, live.objective);
+      judged = Workspace.judge(map, live.size);
       const values = judged.map(({ value }) => Math.log10(value)).sort((a, b) => a - b);
       const [low, high] = ENDS.map((part) => values[Math.round(part * (values.length - 1))]);
       const numbers = map.places.map((_, number) => number).filter((number) => inSlice(map.places[number].at));
@@ -97,7 +97,7 @@ const WorkspaceMap = (() => {
       settling = own;
       page.busy(1);
       let last = performance.now();
-      waiting = setTimeout(() => run(Workspace.refine(robot, map, live.objective), {
+      waiting = setTimeout(() => run(Workspace.refine(robot, map, live.size), {
         stopped: () => settling !== own,
         each: (gained) => { if (gained && performance.now() - last > 400) { paint(); last = performance.now(); } },
         done: () => { settling = null; paint(); page.busy(-1); },
@@ -143,7 +143,7 @@ const WorkspaceMap = (() => {
       let least = sample.value;
       page.busy(1);
       const left = () => { if (own !== task) page.busy(-1); return own !== task; };
-      run(Workspace.best(robot, place, live.objective), {
+      run(Workspace.best(robot, place, live.size), {
         stopped: left,
         each: (found) => { if (found !== null && found.value < least * (1 - 1e-6)) { least = found.value; live.go(found.q); } },
         done: (found) => {

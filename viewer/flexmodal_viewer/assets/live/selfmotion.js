@@ -1,8 +1,8 @@
 "use strict";
 // The self-motion on one slider, and the receptance along it as a small curve.
 const SelfMotion = (() => {
-  // tools: { robot, value(posed) to be plotted, text(value), go(q) }
-  function make({ robot, value, text, go }) {
+  // tools: { robot, value(posed) to be plotted, text(value), name() of it, go(q) }
+  function make({ robot, value, text, name, go }) {
     const { by } = Panel;
     const slider = by("along");
     const svg = by("objective");
@@ -52,7 +52,7 @@ const SelfMotion = (() => {
       const here = nearest(s);
       Chart.element(svg, "line", { class: "here", x1: x(s), x2: x(s), y1: 2, y2: height - 2 });
       Chart.element(svg, "circle", { class: "here", cx: x(s), cy: y(logs[here]), r: 4.5 });
-      by("objective-says").textContent = `|α| along the self-motion: here ${text(sizes[here])}, least ${text(sizes[best])}`;
+      by("objective-says").textContent = `${name()} along the self-motion: here ${text(sizes[here])}, least ${text(sizes[best])}`;
       slider.setAttribute("aria-valuetext", text(sizes[here]));
     }
 
@@ -90,6 +90,7 @@ const SelfMotion = (() => {
       lay: (q, point, turned) => { held = [point, turned]; lay(q, point, turned); },
       hide: () => { way = null; by("self-motion").hidden = true; by("hold-says").textContent = ""; },
       way: () => way,
+      sizes: () => sizes,
       travel,
     };
   }
