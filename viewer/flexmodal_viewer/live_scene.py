@@ -85,6 +85,12 @@ def live_scene(
         "others": [{"name": name, "robot": _numbers(one, (), tested)} for name, one in beside.items()],
         "measured": [] if measured is None else measured_curves(robot, measured),
     }
+    return _staged(arm, posed, direction, live)
+
+
+def _staged(arm: Arm, posed: PosedRobot, direction: PointDirection, live: Mapping[str, Any]) -> Scene:
+    """The arm with its marks and its words, on a stage."""
+    robot, posture = arm.robot, posed.posture
     drawn = _drawn(arm, posed, direction)
     around, hidden = obstacles(arm, "arm")
     drawn = drawn.beside(around)
