@@ -118,7 +118,7 @@ const Picture = (() => {
       place: (path, p) => set(path, matrix([1, 0, 0, 0, 1, 0, 0, 0, 1], p)),
       rescale: () => { unit = null; },
       scale: () => unit,
-      dirty: () => viewer.set_dirty(),
+      dirty: () => { page.hurry(); viewer.set_dirty(); },
     };
   }
 
