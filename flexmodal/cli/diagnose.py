@@ -9,7 +9,14 @@ from typing import TYPE_CHECKING
 import click
 
 from flexmodal.cli.measured import campaign_at, robot_of, say_doubled
-from flexmodal.cli.options import force_option, json_option, quiet_option, trust_of, trust_option
+from flexmodal.cli.options import (
+    force_option,
+    json_option,
+    quiet_option,
+    refuse_existing,
+    trust_of,
+    trust_option,
+)
 from flexmodal.cli.printing import print_json, print_table, say, stages
 
 if TYPE_CHECKING:
@@ -45,6 +52,13 @@ if TYPE_CHECKING:
     show_default=True,
     help="Of what is drawn in the comparison.",
 )
+@click.option(
+    "--page",
+    type=click.Path(path_type=Path),
+    metavar="PAGE",
+    help="Write the arm step by step as well (.html, or a picture .png).",
+)
+@click.option("--show", is_flag=True, help="The arm step by step in the browser.")
 @force_option
 @quiet_option
 @json_option
@@ -57,6 +71,8 @@ def diagnose(
     effects: str | None,
     trust: tuple[str, ...],
     seed: int,
+    page: Path | None,
+    show: bool,
     force: bool,
     quiet: bool,
     as_json: bool,
@@ -65,12 +81,14 @@ def diagnose(
 
     Writes OUT/diagnosis.json, OUT/report.html and OUT/robot, the improved robot, all of them or none.
     """
+    from flexmodal.cli.viewing import announce, viewer
     from flexmodal.diagnosis import diagnose as find
     from flexmodal.diagnosis.as_json import as_json as as_object
     from flexmodal.diagnosis.write import OWN, write_diagnosis
     from flexmodal.files import refuse_folder
 
     refuse_folder(out, own=OWN, overwrite=force)
+    refuse_existing(page, force, (".html", ".png"))
     wanted, trusted = _names(effects), trust_of(trust)
     measured = campaign_at(campaign)
     arm = robot_of(measured, robot)
@@ -88,11 +106,15 @@ def diagnose(
         )
         advance("writing the report", 0.0)
         write_diagnosis(diagnosis, out, overwrite=force)
+    if page is not None:
+        viewer("show_diagnosis")(diagnosis, out=page, overwrite=force, announce=announce)
     say(f"wrote {out}: report {out / 'report.html'}, robot {out / 'robot' / 'robot.toml'}", err=True)
     if as_json:
         print_json(as_object(diagnosis))
     else:
         _print(diagnosis)
+    if show:
+        viewer("show_diagnosis")(diagnosis, announce=announce)
     sys.exit(0 if diagnosis.verdict.explained else 1)
 
 

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 from flexmodal.diagnosis.findings import Findings
-from flexmodal.diagnosis.names import UNKNOWN
+from flexmodal.diagnosis.names import UNKNOWN, UNSTRUCTURED
 from flexmodal.diagnosis.outcome import Diagnosis
 from flexmodal.diagnosis.provenance import provenance
 from flexmodal.diagnosis.selection.comparison import M
 from flexmodal.diagnosis.selection.data import Conclusion
 from flexmodal.diagnosis.selection.decision import Answer, any_gains
+from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.selection.selection import ForwardSelection
 from flexmodal.diagnosis.verdict.facts import Facts
 from flexmodal.diagnosis.verdict.frf_words import stand_in_words
@@ -62,8 +64,24 @@ def diagnosis_of(
         modal=modal,
         look=data.look,
         warnings=warnings,
-        **data.shown(found),
+        **_with_steps(selection, data.shown(found)),
     )
+
+
+def _with_steps(selection: ForwardSelection[M], shown: dict[str, Any]) -> dict[str, Any]:
+    """What is shown, and between its first and last model those with some of the effects that are named.
+
+    "step 1" has the first effect alone, as it was fitted when effects were compared. A step that was never
+    fitted alone, as after an exchange, has none.
+    """
+    fitted = [
+        one for told in selection.rounds for one in told.comparison.models if one.key[0] != UNSTRUCTURED
+    ]
+    known = {one.hypothesis.keys: one for one in fitted}
+    keys = [(one.effect, one.where) for one in selection.steps]
+    found = {f"step {k}": known.get(tuple(keys[:k])) for k in range(1, len(keys))}
+    more = {name: one.predicted for name, one in found.items() if isinstance(one, FittedFrfs)}
+    return {**shown, "predicted": {**shown["predicted"], **more}} if more else shown
 
 
 def facts_of(selection: ForwardSelection[M], found: Conclusion[M], modal: Findings | None) -> Facts:

@@ -49,8 +49,8 @@ def measured_curves(robot: Robot, campaign: Campaign) -> list[dict[str, Any]]:
                 "q": dict(robot.posture(dict(where.q)).values),
                 "response": response,
                 "reference": reference,
-                "frequencies": _short(lines[inside], 7),
-                "sizes": _short(np.abs(records.value[row, inside]), 4),
+                "frequencies": short(lines[inside], 7),
+                "sizes": short(np.abs(records.value[row, inside]), 4),
             }
         )
     return curves
@@ -61,6 +61,11 @@ def measured_points(campaign: Campaign) -> Mapping[str, tuple[str, tuple[float, 
     return {point.name: (point.link, point.xyz) for point in campaign.points}
 
 
-def _short(values: Float[np.ndarray, " line"], digits: int) -> list[float]:
-    """Rounded to so many digits, which a picture does not show beyond."""
+def short(values: Float[np.ndarray, " line"], digits: int) -> list[float]:
+    """Rounded to so many digits, which a picture does not show beyond.
+
+    Args:
+        values: of a curve.
+        digits: that are kept.
+    """
     return [float(f"{value:.{digits}g}") for value in values]

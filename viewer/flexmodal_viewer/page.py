@@ -38,6 +38,7 @@ SCRIPTS = (
         "live",
         "sticks",
         "film",
+        "diagnosis",
         "wiring",
     ),
 )

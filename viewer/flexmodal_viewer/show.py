@@ -1,4 +1,4 @@
-"""What people ask for: show me this robot, what the search found, how the robot was tested."""
+"""What people ask for: show me this robot, what a search or a diagnosis found, how it was tested."""
 
 from __future__ import annotations
 
@@ -8,11 +8,13 @@ from pathlib import Path
 from typing import Any
 
 from flexmodal.campaign import Campaign
+from flexmodal.diagnosis import Diagnosis
 from flexmodal.ema.shapes import FittedShapes
 from flexmodal.frf import PointDirection
 from flexmodal.model import Posture, Robot
 from flexmodal.optimisation import Outcome
 from flexmodal_viewer.campaign_scene import campaign_scene
+from flexmodal_viewer.diagnosis_scene import diagnosis_scene
 from flexmodal_viewer.live_answers import LiveAnswers
 from flexmodal_viewer.live_numbers import is_live
 from flexmodal_viewer.live_outcome import live_outcome_scene
@@ -166,6 +168,39 @@ def show_campaign(
     """
     place = _Place(out, port, host, overwrite, open_browser, announce, block)
     return _deliver(campaign_scene(robot, campaign, shapes), place)
+
+
+def show_diagnosis(
+    diagnosis: Diagnosis,
+    *,
+    out: str | Path | None = None,
+    port: int | None = None,
+    host: str = HOST,
+    overwrite: bool = False,
+    open_browser: bool = True,
+    announce: Announce = print,
+    block: bool = True,
+) -> str:
+    """Show a diagnosis on its robot, step by step, or write it as a page.
+
+    Args:
+        diagnosis: what `flexmodal.diagnose` found.
+        out: as in `show_robot`, as are all the others.
+        port: see there.
+        host: see there.
+        overwrite: see there.
+        open_browser: see there.
+        announce: see there.
+        block: see there.
+
+    Returns:
+        Path of the page, or address it is served at.
+
+    Raises:
+        InvalidRequest, OutputExists: see `show_robot`.
+    """
+    place = _Place(out, port, host, overwrite, open_browser, announce, block)
+    return _deliver(diagnosis_scene(diagnosis), place)
 
 
 @dataclass(frozen=True)

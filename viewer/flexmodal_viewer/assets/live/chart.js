@@ -23,6 +23,7 @@ const Chart = (() => {
     const grid = element(svg, "g", { class: "grid" });
     const clip = element(element(svg, "defs"), "clipPath", { id: "plot" });
     const window_ = element(clip, "rect");
+    const shades = element(svg, "g", { "clip-path": "url(#plot)" });
     const curves = element(svg, "g", { "clip-path": "url(#plot)" });
     const tops = element(svg, "g");
     const cursor = element(svg, "g", { class: "cursor" });
@@ -77,6 +78,8 @@ const Chart = (() => {
       for (const [name, path] of paths) {
         if (!data.series.some((one) => one.name === name)) { path.remove(); paths.delete(name); }
       }
+      shades.replaceChildren();
+      for (const [first, last] of data.bands || []) element(shades, "rect", { class: "band", x: x(first), y: PAD.top, width: Math.max(x(last) - x(first), 1), height });
       marks(data.modes);
       point(data);
     }

@@ -92,17 +92,30 @@ const Live = (() => {
         const stands = other(model);
         if (stands) series.push({ name: `other ${number}: ${name}`, kind: `other-${number}`, sizes: sizes(stands.at.frf(lines, stands.response, stands.reference)) });
       });
-      for (const one of data.measured) {
+      for (const one of [...data.measured, ...extra.curves]) {
         if (!fits(one)) continue;
-        let name = `measured: ${one.name}`;
+        const kind = one.kind || "measured";
+        let name = `${kind}: ${one.name}`;
         while (series.some((taken) => taken.name === name)) name += "′"; // repeats
-        series.push({ name, kind: "measured", sizes: resampled(one, lines) });
+        series.push({ name, kind, sizes: resampled(one, lines) });
       }
       legend(series);
       chart.draw({
-        frequencies: lines, series, hertz: state.hertz, unit: unit(),
+        frequencies: lines, series, hertz: state.hertz, unit: unit(), bands: series.some(({ kind }) => kind === "measured") ? extra.bands : [],
         modes: found.modes.map((mode, number) => ({ hertz: Modes.frequency(mode), name: String(number + 1), chosen: state.swing !== null && state.swing.mode === number })),
       });
+    }
+
+    // More curves [{ kind, name, q, response, reference, frequencies, sizes }] for the postures they belong to, and
+    // bands [Hz] to be shaded with them.
+    let extra = { curves: [], bands: [] };
+    function beside(curves, bands) { extra = { curves, bands }; update(); }
+
+    // Where the force acts, or the motion is looked at ("reference", "response"), such as "tool:+z".
+    function force(kind, text) {
+      state[kind] = robot.direction(text);
+      state.names[kind] = text;
+      Panel.choose(kind, text);
     }
 
     // Measured where the arm stands now, between the points and axes chosen; the senses do not change a size.
@@ -111,7 +124,7 @@ const Live = (() => {
       && joints.every(({ name }, k) => Math.abs((one.q[name] || 0) - state.q[k]) < 1e-6);
 
     function legend(series) {
-      const kinds = new Map(series.map(({ name, kind }) => [kind, name.replace(/^other \d+: |^measured: /, "")]));
+      const kinds = new Map(series.map(({ name, kind }) => [kind, name.replace(/^(other \d+|measured|stage|stage-before): /, "")]));
       kinds.set("live", robot.numbers.name);
       if (kinds.has("pinned")) kinds.set("pinned", "pinned");
       const key = JSON.stringify([...kinds]);
@@ -243,7 +256,7 @@ const Live = (() => {
 
     return {
       robot, others, state, picture, hold: Hold, make: Robot.make, judge: Objective.make, found: () => found, posed: () => posed, motion: () => motion, motionOf,
-      update, go, watch: (told) => watchers.push(told), objective, size, unit, reach: data.reach, stand, swingIn, swingForced, rest, setHertz, moveJoint, moveTool, pressed, lay, flexible, commanded,
+      update, go, watch: (told) => watchers.push(told), beside, force, objective, size, unit, reach: data.reach, stand, swingIn, swingForced, rest, setHertz, moveJoint, moveTool, pressed, lay, flexible, commanded,
       start: () => requestAnimationFrame(turnOver),
     };
   }

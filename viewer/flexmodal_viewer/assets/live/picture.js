@@ -113,7 +113,16 @@ const Picture = (() => {
       page.frame(corners);
     }
 
+    function tint(path, colour, size) { // a thing by its whole path
+      const at = node(`${path}/<object>`); // in its own place; the node above has that of the link
+      at.scale.setScalar(size);
+      at.traverse((object) => { if (object.material) object.material.color.set(colour); });
+      viewer.set_dirty();
+    }
+
     return {
+      tint,
+      see: (path, visible) => { node(path).visible = visible; viewer.set_dirty(); },
       arm, rings, arrow, ellipsoid, show, draggable, project, reframe,
       place: (path, p) => set(path, matrix([1, 0, 0, 0, 1, 0, 0, 0, 1], p)),
       rescale: () => { unit = null; },

@@ -9,11 +9,7 @@
   window.flexmodalLive = live;
 
   for (const kind of ["response", "reference"]) {
-    Panel.directions(robot, kind, data.response, (text) => {
-      state[kind] = robot.direction(text);
-      state.names[kind] = text;
-      live.update();
-    });
+    Panel.directions(robot, kind, data.response, (text) => { live.force(kind, text); live.update(); });
   }
   const given = ["", "as opened"];
   const tested = new Map(data.measured.map((one) => [one.posture, one.q]));
@@ -91,6 +87,7 @@
   live.update();
   live.map = WorkspaceMap.make(live);
   if (data.map || number("map") === 1) live.map.lay();
+  if (data.diagnosis) live.diagnosis = Diagnosed.make(live, data.diagnosis);
   if (data.search) live.film = Film.make(live, data.search);
   if (number("frequency") !== null) { live.setHertz(number("frequency")); live.swingForced(); }
   else if (number("mode") >= 1 && number("mode") <= live.found().modes.length) live.swingIn(number("mode") - 1);
