@@ -56,7 +56,7 @@ if TYPE_CHECKING:
     "--page",
     type=click.Path(path_type=Path),
     metavar="PAGE",
-    help="Write the arm step by step as well (.html, or a picture .png).",
+    help="Write the arm step by step as well (.html, .png; or a film, .gif, .mp4).",
 )
 @click.option("--show", is_flag=True, help="The arm step by step in the browser.")
 @force_option
@@ -88,7 +88,7 @@ def diagnose(
     from flexmodal.files import refuse_folder
 
     refuse_folder(out, own=OWN, overwrite=force)
-    refuse_existing(page, force, (".html", ".png"))
+    refuse_existing(page, force, (".html", ".png", ".gif", ".mp4"), option="--page")
     wanted, trusted = _names(effects), trust_of(trust)
     measured = campaign_at(campaign)
     arm = robot_of(measured, robot)

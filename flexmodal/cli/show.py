@@ -51,7 +51,7 @@ _MOST_CARDS = 3
 @click.option(
     "--out",
     type=click.Path(path_type=Path),
-    help="Write one self-contained page instead (.html), a picture (.png) or a film (.gif).",
+    help="Write one self-contained page instead (.html), a picture (.png) or a film (.gif, .mp4).",
 )
 @click.option("--port", type=click.IntRange(0, 65535), help="Port on 127.0.0.1; a free one if none.")
 @click.option("--host", metavar="ADDRESS", help="Another address of this computer; others can reach it.")
@@ -77,7 +77,7 @@ def show(
     from flexmodal.campaign import is_campaign
     from flexmodal.cli.viewing import announce, viewer
 
-    refuse_existing(out, force, (".html", ".png", ".gif"))
+    refuse_existing(out, force, (".html", ".png", ".gif", ".mp4"))
     deliver: dict[str, Any] = {"out": out, "port": port, "overwrite": force}
     deliver["announce"] = announce
     if host is not None:

@@ -63,7 +63,7 @@ def show_robot(
         measured: a campaign whose FRFs stand on the same axes while the arm is in one of its postures.
         workspace: with the receptance over the places that the tool comes to, laid when the page opens.
         out: write a self-contained page here instead of serving it; a picture where it ends in .png, a film
-            where it ends in .gif.
+            where it ends in .gif or .mp4.
         port: port to serve on; a free one if none.
         host: address to serve on; others can reach any but 127.0.0.1, which is said.
         overwrite: replace a page that stands there already.

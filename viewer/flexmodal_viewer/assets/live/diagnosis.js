@@ -83,6 +83,7 @@ const Diagnosed = (() => {
 
     stand();
     show(0);
+    if (window.flexmodalPage) window.flexmodalPage.film = (part) => show(Math.round(part * (told.stages.length - 1)));
     return { show, stage: () => stage };
   }
 

@@ -130,6 +130,7 @@ const Film = (() => {
       document.querySelector(`input[name=hold][value=${search.held}]`).checked = true;
       live.lay();
     }
+    if (window.flexmodalPage) window.flexmodalPage.film = (part) => show(part * most);
     return { show, descents, stop, choose: (number) => { chosen = number; by("film-of").value = String(number); } };
   }
 
