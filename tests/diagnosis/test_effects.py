@@ -11,9 +11,8 @@ from flexmodal.diagnosis.effects.sensors import mounted
 from flexmodal.diagnosis.effects.servo_compliance import loop
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.placed import Placed
-from flexmodal.diagnosis.search.lines import unlimited
 from flexmodal.errors import InvalidRequest
-from flexmodal.identification import observe, predict
+from flexmodal.identification import observe, predict, unlimited
 from flexmodal.identification.model import evaluated
 from flexmodal.rig import FORMS, simulate
 from flexmodal.rig.believed import known_robot

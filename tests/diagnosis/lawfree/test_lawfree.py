@@ -17,8 +17,7 @@ from flexmodal.diagnosis.lawfree.port import Port
 from flexmodal.diagnosis.lawfree.profile import Profile, profiled
 from flexmodal.diagnosis.lawfree.pursuit import MOST, alone, pursued
 from flexmodal.diagnosis.lawfree.reading_ports import BLOWS, CHANNEL, SENSOR
-from flexmodal.diagnosis.search.lines import unlimited
-from flexmodal.identification import predict
+from flexmodal.identification import predict, unlimited
 from flexmodal.structure import robot_space
 
 PLACES = [
