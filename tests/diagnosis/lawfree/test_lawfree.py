@@ -231,7 +231,7 @@ def test_the_curve_of_one_of_several_is_its_own(several):
     curve, metric = curve_of(whole, 0)
     spring = next(one for one in classes_of(whole, curve, metric, 0) if one.name == "spring")
     assert spring.share > 0.98
-    assert spring.misfit < 1.5
+    assert spring.misfit < 1.6
 
 
 def test_every_kind_has_places_on_a_planar_arm(root):
