@@ -6,14 +6,13 @@ import pytest
 import flexmodal
 from flexmodal.diagnosis.effects import Context, catalogue, link_flexibility
 from flexmodal.diagnosis.effects.effect import along, sides
-from flexmodal.diagnosis.effects.link_flexibility import gauss, shares
+from flexmodal.diagnosis.effects.hinges import gauss, shares
 from flexmodal.diagnosis.effects.sensors import mounted
 from flexmodal.diagnosis.effects.servo_compliance import loop
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.placed import Placed
-from flexmodal.diagnosis.search.lines import unlimited
 from flexmodal.errors import InvalidRequest
-from flexmodal.identification import observe, predict
+from flexmodal.identification import observe, predict, unlimited
 from flexmodal.identification.model import evaluated
 from flexmodal.rig import FORMS, simulate
 from flexmodal.rig.believed import known_robot
@@ -262,19 +261,29 @@ def test_a_slender_link_has_the_modes_of_a_beam(slender, monkeypatch):
 
 
 def _with_hinges(monkeypatch, count, then):
-    monkeypatch.setattr(link_flexibility, "hinges", lambda context, where: gauss(count)[0])
+    monkeypatch.setattr(link_flexibility, "fixed", lambda context, where: gauss(count))
     return then()
 
 
-@pytest.mark.parametrize("count", [2, 4])
-@pytest.mark.parametrize("position", [0.3, 0.5, 0.62])
-def test_hinges_are_worth_one_of_the_stiffness_at_the_position(count, position):
-    compliance = 1 / shares(7e4, position, count)
+@pytest.mark.parametrize("count", [4, 6])
+@pytest.mark.parametrize(("mean", "spread"), [(0.3, 0.5), (0.5, 3**-0.5), (0.62, 0.45), (0.5, 0.75)])
+def test_hinges_have_the_mean_and_the_spread_of_the_compliance(count, mean, spread):
+    place, weight = gauss(count)
+    compliance = shares(mean, spread, place, weight)
     assert np.all(compliance > 0)
-    assert compliance.sum() == pytest.approx(1 / 7e4, rel=1e-12)
-    assert compliance @ gauss(count)[0] / compliance.sum() == pytest.approx(position, rel=1e-9)
-    if position == 0.5:
-        np.testing.assert_allclose(compliance / compliance.sum(), gauss(count)[1], rtol=1e-12)
+    assert compliance.sum() == pytest.approx(1, rel=1e-12)
+    assert compliance @ place == pytest.approx(mean, rel=1e-9)
+    deviation = np.sqrt(compliance @ (place - mean) ** 2)
+    assert deviation == pytest.approx(spread * np.sqrt(mean * (1 - mean)), rel=1e-9)
+    if mean == 0.5 and spread < 0.6:
+        np.testing.assert_allclose(compliance, weight, rtol=1e-9)
+
+
+@pytest.mark.parametrize(("mean", "spread"), [(0.02, 0.9), (0.98, 0.02), (0.5, 0.01), (0.5, 0.99)])
+def test_hinges_come_as_near_as_they_can(mean, spread):
+    compliance = shares(mean, spread, *gauss(4))
+    assert np.all(compliance > 0)
+    assert compliance.sum() == pytest.approx(1, rel=1e-12)
 
 
 def test_bending_is_that_of_a_beam_where_it_is_slow(bench):

@@ -40,6 +40,7 @@ from flexmodal.diagnosis.selection.stand_in import stand_in
 from flexmodal.diagnosis.setup import Setup
 from flexmodal.diagnosis.verdict.next_measurement import Sure, next_among_records
 from flexmodal.identification import gap, predict, uncertainty
+from flexmodal.identification.baselines import Baselines
 
 
 class FrfData(Data[FittedFrfs]):
@@ -220,7 +221,7 @@ class FrfData(Data[FittedFrfs]):
             before, after,
             replace(gaps, held_out_before=apart.held_out_before, held_out_after=apart.held_out_after),
             disagreement(every, before.predicted), disagreement(every, after.predicted), sure.deviation, over,
-            self._reached(over, left(setup, first, after), after), beside_nothing(setup, last),
+            self._reached(over, left(setup, first, after), after),
         )  # fmt: skip
 
     def _reached(self, over: float, rest: float, after: FittedFrfs) -> Answer:
@@ -245,6 +246,10 @@ class FrfData(Data[FittedFrfs]):
         if not self.look.needed:
             return None
         return stand_in(self.setup, self.look, model, _starts, with_force=self.force > Answer.NO)
+
+    def baselines(self, model: FittedFrfs) -> Baselines | None:
+        """See `Data`."""
+        return beside_nothing(self.setup, model)
 
     def next_measurement(self, one: FittedFrfs, other: FittedFrfs) -> NextMeasurement:
         """See `Data`."""
