@@ -55,7 +55,7 @@ def test_points_stand_where_they_were_measured(fanuc, campaign):
 
 def test_arrows_along_the_axes_of_a_link_turn_with_it(fanuc, campaign):
     """And the table of each posture says whose axes they are; of the world's nothing is said."""
-    fixed = replace(campaign.points[1], frame="link")
+    fixed = replace(campaign.points[1], link="link_1", xyz=(0.85, 0.0, 0.0), frame="link")
     scene = campaign_scene(fanuc, replace(campaign, points=(campaign.points[0], fixed)))
     turn = link_placements(fanuc, fanuc.postures["configuration_1"])[fixed.link][:3, :3]
     assert abs(turn[2, 2]) < 0.99
