@@ -1,5 +1,8 @@
 """Effects of the catalogue against the rig's own physics, and their derivatives against differences."""
 
+from dataclasses import replace
+from itertools import product
+
 import numpy as np
 import pytest
 
@@ -333,6 +336,61 @@ def test_derivatives_are_those_of_central_differences(bench, effect):
         numeric = (at(x + shift)[0] - at(x - shift)[0]) / (2 * step)
         # forward differences of matrices with a step of 1e-6, times the curvature of what they are of
         np.testing.assert_allclose(slopes[k] / value, numeric / value, atol=2e-3, rtol=1e-3, err_msg=name)
+
+
+@pytest.fixture(scope="module")
+def fixed(bench):
+    """The same places along the axes of their links, aslant to them."""
+    _, observed, stand = bench
+    rows = ((0.8, 0.0, 0.6), (0.0, 1.0, 0.0), (-0.6, 0.0, 0.8))
+    points = tuple(replace(one, axes=rows, frame="link") for one in observed.campaign.points)
+    seen = replace(observed, campaign=replace(observed.campaign, points=points))
+    return Context.of(stand.robot, seen), seen, stand
+
+
+@pytest.mark.parametrize(
+    ("effect", "values"),
+    [
+        ("sensor_misalignment", {"angle": 0.3, "sensitivity": 1.0, "off": 0.0, "off_along": 0.0}),
+        ("local_absorber", None),
+    ],
+)
+def test_effects_along_the_axes_of_a_link(fixed, effect, values):
+    """The model turned by hand: along x and z of the world, put together by the link's own angles."""
+    context, observed, _ = fixed
+    where = catalogue()[effect].places(context)[-1]
+    placed = Placed(catalogue()[effect], where)
+    hypothesis = Hypothesis(context, robot_space(context.robot)).and_also(placed)
+    start = values or catalogue()[effect].starts(context, where)[0]
+    x = hypothesis.start(placed, start, np.zeros(len(hypothesis.base)))
+    found = predict(hypothesis, x, observed)
+    plain = replace(observed.campaign, points=tuple(
+        replace(one, axes=None, frame="world") for one in observed.campaign.points))  # fmt: skip
+    parts = {}
+    for r, f in product((1, 3), repeat=2):
+        turned = {name: getattr(observed, name).copy() for name in ("response", "reference")}
+        turned["response"][:, 1], turned["reference"][:, 1] = r, f
+        world = replace(observed, campaign=plain, **turned)
+        other = replace(hypothesis, context=Context.of(context.robot, world))
+        parts[r, f] = predict(other, x, world)
+    expected = np.zeros_like(found)
+    for row in range(len(observed)):
+        arm = context.arms[int(observed.posture[row])]
+        ways = []
+        for number, direction in (observed.response[row], observed.reference[row]):
+            point = context.point(int(number))
+            ways.append(arm.placed[point.link][:3, :3] @ point.rows()[direction - 1])
+        expected[row] = sum(
+            ways[0][r - 1] * ways[1][f - 1] * parts[r, f][row] for r, f in product((1, 3), repeat=2)
+        )
+    size = np.abs(expected).max(axis=1, keepdims=True)
+    # an entry may be a small difference of large ones
+    np.testing.assert_allclose(found / size, expected / size, atol=1e-10)
+
+
+@pytest.mark.parametrize("effect", ["sensor_misalignment", "base_flexibility"])
+def test_derivatives_along_the_axes_of_a_link(fixed, effect):
+    test_derivatives_are_those_of_central_differences(fixed, effect)
 
 
 def test_unknown_effects_are_named_all_at_once():
