@@ -9,7 +9,9 @@ from flexmodal_viewer import show_robot
 from flexmodal_viewer.live_numbers import live_numbers
 from flexmodal_viewer.live_outcome import judged
 
+from flexmodal.campaign import CampaignPoint
 from flexmodal.frf import PointDirection
+from flexmodal.frf.receptance import dynamic_stiffness
 from flexmodal.model import load
 from flexmodal.model.placements import link_placements
 from flexmodal.optimisation import ReceptanceObjective
@@ -177,6 +179,29 @@ def test_ellipsoid(robot, page):
             forces = np.random.default_rng(0).normal(size=(200, 3))
             forces /= np.linalg.norm(forces, axis=1, keepdims=True)
             assert np.max(np.linalg.norm(forces @ alpha.T, axis=1)) <= answered * (1 + CLOSE)
+
+
+SLANTED = ((0.6, 0.8, 0.0), (-0.8, 0.6, 0.0), (0.0, 0.0, 1.0))
+
+
+@pytest.mark.parametrize(("axes", "frame"), [(None, "link"), (SLANTED, "link"), (SLANTED, "world")])
+def test_a_point_with_axes_of_its_own(tab, axes, frame):
+    robot = load("six_axis")
+    point = CampaignPoint(1, "cell", "link_4", (0.1, 0.05, 0.2), axes, frame)
+    script = """([numbers, q, lines]) => {
+      const robot = flexmodalLive.make(numbers), at = robot.at(q);
+      const h = at.frf(lines, robot.direction("cell:+x"), robot.direction("cell:-y"));
+      return { re: [...h.re], im: [...h.im], along: at.along(robot.direction("cell:-y")) };
+    }"""
+    for posed, q in _postures(robot, 3):
+        found = tab.evaluate(script, [live_numbers(robot, (), {"cell": point}), q, LINES.tolist()])
+        place = link_placements(robot, posed.posture.values)["link_4"]
+        moved, lever = posed.jacobian("link_4"), place[:3, :3] @ np.array(point.xyz)
+        whole = moved[:3] + np.cross(moved[3:], lever, axis=0)
+        rows = [point.way(one, place[:3, :3]) @ whole for one in (1, -2)]
+        wanted = [rows[0] @ np.linalg.solve(z, rows[1]) for z in dynamic_stiffness(posed.system, LINES)]
+        assert _off(np.array(found["re"]) + 1j * np.array(found["im"]), np.array(wanted)) < CLOSE
+        assert np.allclose(found["along"], point.way(-2, place[:3, :3]), atol=1e-12)
 
 
 @pytest.mark.parametrize("combine", ["weighted", "force", "worst"])

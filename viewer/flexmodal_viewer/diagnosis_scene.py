@@ -59,7 +59,7 @@ def diagnosis_scene(diagnosis: Diagnosis) -> Scene:
         ],
         "marks": [[f"/flexmodal/{item.path}" for item in one.items] for one in found],
     }
-    places = {point.name: (point.link, point.xyz) for point in here}
+    places = {point.name: point for point in here}
     return replace(
         scene,
         items=(*scene.items, *drawn.items),

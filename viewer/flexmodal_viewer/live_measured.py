@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from flexmodal.campaign import Campaign, estimate_frfs, named_direction
+from flexmodal.campaign import Campaign, CampaignPoint, estimate_frfs, named_direction
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.model import Robot
 
@@ -19,14 +19,12 @@ _MOST_LINES = 1000
 def measured_curves(robot: Robot, campaign: Campaign) -> list[dict[str, Any]]:
     """Receptance of every posture, pair and trial in the campaign's band, ready for JSON.
 
-    Records at points with axes of their own are left out: the page compares along the axes of the world.
-
     Args:
         robot: whose joints the postures set.
         campaign: with FRFs or blows.
 
     Raises:
-        InvalidRequest: it has neither, or no record along the axes of the world.
+        InvalidRequest: it has neither.
         InvalidPosture: a posture that the robot cannot take.
     """
     if campaign.frfs is None and not campaign.blows:
@@ -43,8 +41,6 @@ def measured_curves(robot: Robot, campaign: Campaign) -> list[dict[str, Any]]:
     for row in range(len(records)):
         where = campaign.posture(int(records.posture[row]))
         places = (records.response[row].tolist(), records.reference[row].tolist())
-        if any(campaign.point(place[0]).own_axes for place in places):
-            continue  # the page's directions are the world's
         response, reference = (str(named_direction(place, names)) for place in places)
         curves.append(
             {
@@ -57,16 +53,12 @@ def measured_curves(robot: Robot, campaign: Campaign) -> list[dict[str, Any]]:
                 "sizes": short(np.abs(records.value[row, inside]), 4),
             }
         )
-    if not curves:
-        found = "sensors and hammer along axes of their own in every record"
-        allowed = "a record along the axes of the world, as the page's curves are"
-        raise InvalidRequest(Fault(str(campaign.path or "campaign"), "point: axes", found, allowed))
     return curves
 
 
-def measured_points(campaign: Campaign) -> Mapping[str, tuple[str, tuple[float, float, float]]]:
-    """Link and place of each point of a campaign, by name [m]."""
-    return {point.name: (point.link, point.xyz) for point in campaign.points}
+def measured_points(campaign: Campaign) -> Mapping[str, CampaignPoint]:
+    """Each point of a campaign, by name."""
+    return {point.name: point for point in campaign.points}
 
 
 def short(values: Float[np.ndarray, " line"], digits: int) -> list[float]:

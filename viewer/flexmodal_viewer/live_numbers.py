@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from flexmodal.campaign import CampaignPoint
 from flexmodal.model import Robot
 from flexmodal.model.batch.chain import Chain, joints_of, parents_of, places_of, turn_of
 from flexmodal.model.placements import link_placements
@@ -18,12 +19,8 @@ def is_live(robot: Robot) -> bool:
     return joints_of(robot) is not None
 
 
-Place = tuple[str, tuple[float, float, float]]
-"""A link, and a point in its frame [m]."""
-
-
 def live_numbers(
-    robot: Robot, points: Sequence[str] = (), measured: Mapping[str, Place] | None = None
+    robot: Robot, points: Sequence[str] = (), measured: Mapping[str, CampaignPoint] | None = None
 ) -> dict[str, Any] | None:
     """The robot in numbers, ready for JSON, every one with all its digits; None with joints of another kind.
 
@@ -40,9 +37,9 @@ def live_numbers(
     links = _links(robot, chain)
     named = _points(robot, points)
     order = [link.name for link in robot.urdf.links]
-    for name, (link, xyz) in (measured or {}).items():
-        if link in order:
-            named[name] = _on(links[order.index(link)], xyz)
+    for name, point in (measured or {}).items():
+        if point.link in order:
+            named[name] = _on(links[order.index(point.link)], point)
     return {
         "name": robot.name,
         "joints": [_joint(robot, chain, number) for number in range(len(names))],
@@ -99,11 +96,16 @@ def _points(robot: Robot, more: Sequence[str]) -> dict[str, Any]:
     }
 
 
-def _on(link: Mapping[str, Any], xyz: tuple[float, float, float]) -> dict[str, Any]:
-    """A point of a link, in the frame of the joint that carries it."""
+def _on(link: Mapping[str, Any], point: CampaignPoint) -> dict[str, Any]:
+    """A point of a link, in the frame of the joint that carries it, with its own axes if it has any."""
     place = np.array(link["place"]).reshape(4, 4).T
-    turn, offset = place[:3, :3], place[:3, :3] @ np.array(xyz) + place[:3, 3]
-    return {"joint": link["joint"], "offset": offset.tolist(), "turn": turn.ravel().tolist()}
+    turn, offset = place[:3, :3], place[:3, :3] @ np.array(point.xyz) + place[:3, 3]
+    found = {"joint": link["joint"], "offset": offset.tolist(), "turn": turn.ravel().tolist()}
+    if point.own_axes:
+        turning = point.frame == "link"
+        rows = point.rows() @ turn.T if turning else point.rows()
+        found["axes"] = {"rows": rows.tolist(), "turning": turning, "says": point.axes_text()}
+    return found
 
 
 def _links(robot: Robot, chain: Chain) -> list[dict[str, Any]]:

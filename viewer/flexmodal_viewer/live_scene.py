@@ -7,14 +7,14 @@ from typing import Any
 
 import numpy as np
 
-from flexmodal.campaign import Campaign
+from flexmodal.campaign import Campaign, CampaignPoint
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.frf import PointDirection
 from flexmodal.model import PosedRobot, Posture, Robot
 from flexmodal_viewer import marks
 from flexmodal_viewer.arm import Arm, along
 from flexmodal_viewer.live_measured import measured_curves, measured_points
-from flexmodal_viewer.live_numbers import Place, live_numbers
+from flexmodal_viewer.live_numbers import live_numbers
 from flexmodal_viewer.obstacles import LEGEND as OBSTACLES
 from flexmodal_viewer.obstacles import obstacles
 from flexmodal_viewer.palette import FORCE, JOINT, OPTIMISED, PLAIN, POINT, START, TARGET, shade
@@ -101,7 +101,7 @@ def _staged(arm: Arm, posed: PosedRobot, direction: PointDirection, live: Mappin
     return set_stage(Scene(caption, view, drawn.nodes, tuple(drawn.items), tuple(drawn.labels), live=live))
 
 
-def _numbers(robot: Robot, points: Sequence[str], measured: Mapping[str, Place]) -> dict[str, Any]:
+def _numbers(robot: Robot, points: Sequence[str], measured: Mapping[str, CampaignPoint]) -> dict[str, Any]:
     numbers = live_numbers(robot, points, measured)
     if numbers is None:
         raise InvalidRequest(

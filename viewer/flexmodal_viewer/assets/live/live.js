@@ -148,6 +148,8 @@ const Live = (() => {
       const ellipsoid = posed.ellipsoid("tool", state.hertz);
       const axes = ellipsoid ? `; half axes of the ellipsoid ${ellipsoid.lengths.map((length) => Units.quantity(length, "m/N")).join(", ")}` : "";
       by("readout").textContent = `|α| at ${Units.plain(state.hertz)} Hz: ${Units.quantity(Math.hypot(re, im), unit())}, phase ${Units.degrees(Math.atan2(im, re))}${axes}`;
+      const own = [...new Set([state.reference.point, state.response.point])].filter((name) => robot.numbers.points[name].axes);
+      by("axes-say").textContent = own.map((name) => `x, y, z at ${name}: ${robot.numbers.points[name].axes.says}.`).join(" ");
       by("chart").setAttribute("aria-valuenow", state.hertz);
       by("chart").setAttribute("aria-valuemin", state.low);
       by("chart").setAttribute("aria-valuemax", state.high);
@@ -162,7 +164,7 @@ const Live = (() => {
       if (!picture) return;
       picture.arm("rest", posed.placed);
       picture.place("handle", posed.position("tool"));
-      picture.arrow(state.reference, posed.position(state.reference.point));
+      picture.arrow(state.reference, posed.along(state.reference), posed.position(state.reference.point));
       picture.ellipsoid(by("show-ellipsoid").checked ? ellipsoid : null, posed.position("tool"));
       picture.show("rest", motion !== null);
       stand();

@@ -50,9 +50,7 @@ const Picture = (() => {
         });
       });
     }
-    function arrow(direction, position) {
-      const axis = [0, 0, 0];
-      axis[direction.row % 3] = direction.sign;
+    function arrow(direction, axis, position) { // along or about that vector
       const kinds = { force_0: direction.row < 3, force_1: direction.row >= 3 };
       for (const [path, shown] of Object.entries(kinds)) {
         set(path, matrix(along(axis), position));
