@@ -19,7 +19,7 @@ from flexmodal_viewer.diagnosis_marks import mark_of, points_on
 from flexmodal_viewer.live_measured import short
 from flexmodal_viewer.live_numbers import live_numbers
 from flexmodal_viewer.live_scene import live_scene
-from flexmodal_viewer.palette import JOINT, TARGET
+from flexmodal_viewer.palette import JOINT, POINT, TARGET
 from flexmodal_viewer.scene import Scene, Swatch
 
 _MOST_LINES = 800
@@ -62,13 +62,13 @@ def diagnosis_scene(diagnosis: Diagnosis) -> Scene:
     places = {point.name: point for point in here}
     return replace(
         scene,
-        items=(*scene.items, *drawn.items),
-        labels=(*scene.labels, *drawn.labels),
+        items=(*(item for item in scene.items if "/point_" not in item.path), *drawn.items),
+        labels=(*(label for label in scene.labels if "/point_" not in label.path), *drawn.labels),
         caption=replace(
             scene.caption,
             title=f"Diagnosis of “{diagnosis.campaign}”",
             subtitle=f"with the robot {robot.title or robot.name}",
-            legend=(*scene.caption.legend, *legend),
+            legend=(*(one for one in scene.caption.legend if one.colour != POINT), *legend),
         ),
         live={**(scene.live or {}), "robot": live_numbers(robot, (), places), "diagnosis": told},
     )
@@ -98,7 +98,8 @@ def _stages(diagnosis: Diagnosis) -> list[dict[str, Any]]:
         last = number == len(steps)
         after = gaps.after if last else step.gaps.after
         held = gaps.held_out_after if last else step.gaps.held_out_after
-        says = f"{words.get(step.effect, step.effect)}. {_parameters(step)}".strip()
+        what = words.get(step.effect, step.effect)
+        says = f"{what[:1].upper()}{what[1:]}: {_parameters(step)}"
         key = "after" if last else f"step {number}"
         found.append(_stage(key, f"and {placed(step.effect, step.where)}", says, after, held, number))
     if not steps and diagnosis.model.placed:

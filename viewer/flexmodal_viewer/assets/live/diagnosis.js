@@ -37,6 +37,8 @@ const Diagnosed = (() => {
       if (!pair) return;
       live.state.q = joints.map(({ name }) => pair.q[name] || 0);
       for (const kind of ["response", "reference"]) live.force(kind, pair[kind]);
+      live.update();
+      if (live.picture) live.picture.reframe(live.picture.tip());
     }
 
     function curves() {
@@ -76,7 +78,7 @@ const Diagnosed = (() => {
       by("diagnosis-says").textContent = `Step ${at + 1} of ${told.stages.length}, ${name}: gap ${gap}. ${says}`;
       const pair = told.pairs[number];
       const bands = pair ? pair.bands[at === told.stages.length - 1 && key === "after" ? "after" : "before"] : [];
-      by("diagnosis-bands").replaceChildren(...bands.map(({ says: text }) => Panel.make("li", { textContent: text })));
+      by("diagnosis-bands").replaceChildren(...[...new Set(bands.map(({ says: text }) => text))].map((text) => Panel.make("li", { textContent: text })));
       live.beside(curves(), bands.map(({ band }) => band));
       colours();
     }

@@ -97,7 +97,7 @@ const Live = (() => {
         const kind = one.kind || "measured";
         let name = `${kind}: ${one.name}`;
         while (series.some((taken) => taken.name === name)) name += "′"; // repeats
-        series.push({ name, kind, sizes: resampled(one, lines) });
+        series.push({ name, kind, sizes: one.sizes, frequencies: one.frequencies });
       }
       legend(series);
       chart.draw({
@@ -261,17 +261,6 @@ const Live = (() => {
       update, go, watch: (told) => watchers.push(told), beside, force, objective, size, unit, reach: data.reach, stand, swingIn, swingForced, rest, setHertz, moveJoint, moveTool, pressed, lay, flexible, commanded,
       start: () => requestAnimationFrame(turnOver),
     };
-  }
-
-  // A measured curve on other lines, to be drawn on ours: nearest line, nothing outside.
-  function resampled(one, lines) {
-    let k = 0;
-    const last = one.frequencies.length - 1;
-    return Array.from(lines, (hertz) => {
-      if (hertz < one.frequencies[0] || hertz > one.frequencies[last]) return NaN;
-      while (k < last && Math.abs(one.frequencies[k + 1] - hertz) <= Math.abs(one.frequencies[k] - hertz)) k++;
-      return one.sizes[k];
-    });
   }
 
   return { make };

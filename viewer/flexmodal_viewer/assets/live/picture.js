@@ -111,6 +111,15 @@ const Picture = (() => {
       page.frame(corners);
     }
 
+    // The end of the force's arrow, as a list of one point.
+    const ARROW = 0.18;
+    function tip() {
+      const at = node("/flexmodal/force_0");
+      at.updateMatrix();
+      const p = new THREE.Vector3(0, 0, ARROW * reach).applyMatrix4(at.matrix);
+      return [[p.x, p.y, p.z]];
+    }
+
     function tint(path, colour, size) { // a thing by its whole path
       const at = node(`${path}/<object>`); // in its own place; the node above has that of the link
       at.scale.setScalar(size);
@@ -119,7 +128,7 @@ const Picture = (() => {
     }
 
     return {
-      tint,
+      tint, tip,
       see: (path, visible) => { node(path).visible = visible; viewer.set_dirty(); },
       arm, rings, arrow, ellipsoid, show, draggable, project, reframe,
       place: (path, p) => set(path, matrix([1, 0, 0, 0, 1, 0, 0, 0, 1], p)),
