@@ -118,3 +118,16 @@ def test_of_modes_alone_the_steps_have_their_gaps(browser, diagnosed, tmp_path):
         tab.get_by_role("button", name="step 3").click()
         assert size(diagnosed.gaps.after) in tab.locator("#diagnosis-says").inner_text()
         assert tab.locator("#step-pair").is_hidden()
+
+
+def test_names_of_a_diagnosis_harm_nothing(browser, diagnosed, tmp_path):
+    hostile = "</script><img src=x onerror=alert(1)>\"'"
+    verdict = replace(diagnosed.verdict, says=hostile)
+    (step,) = diagnosed.steps
+    named = replace(diagnosed, campaign=hostile, verdict=verdict, steps=(replace(step, where=hostile),))
+    page = show_diagnosis(named, out=tmp_path / "page.html", announce=lambda _: None)
+    with live.opened(browser, page, width=390) as tab:
+        assert tab.locator("#diagnosis-verdict").inner_text() == hostile
+        assert hostile in tab.locator("#stages").inner_text()
+        assert tab.locator("img").count() == 0
+        assert tab.evaluate("document.documentElement.scrollWidth <= innerWidth")

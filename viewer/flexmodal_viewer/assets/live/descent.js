@@ -60,14 +60,14 @@ const Descent = (() => {
   // From a posture that has the point in its place down to where ln(value) falls no more: { q, value }.
   // Steps along the gradient without what moves the point, as long as the last two points suggest
   // (Barzilai and Borwein, IMA J. Numer. Anal. 8, 1988), halved until the value falls.
-  function descend(robot, start, point, value) {
-    const { commanded } = robot.numbers;
+  function descend(robot, start, point, value, rounds = ROUNDS) {
+    const { commanded, joints } = robot.numbers;
     const cost = (q) => Math.log(Math.max(value(robot.at(q)), 1e-300));
     const position = robot.at(start).position(point);
     let q = start;
     let now = cost(q);
     let before = null;
-    for (let round = 0; round < ROUNDS; round++) {
+    for (let round = 0; round < rounds; round++) {
       const slope = commanded.map((place) => {
         const [up, down] = [1, -1].map((sign) => { const moved = [...q]; moved[place] += sign * STEP; return cost(moved); });
         return (up - down) / (2 * STEP);
@@ -86,7 +86,7 @@ const Descent = (() => {
       let better = null;
       for (let half = 0; half < 25 && better === null; half++, length /= 2) {
         const next = [...q];
-        commanded.forEach((place, k) => { next[place] += length * along[k]; });
+        commanded.forEach((place, k) => { next[place] = Math.min(Math.max(next[place] + length * along[k], joints[place].lower), joints[place].upper); });
         const met = bring(robot, next, point, position, without);
         const there = met === null ? Infinity : cost(met);
         if (there < now - 1e-4 * length * size * size) better = { q: met, cost: there };

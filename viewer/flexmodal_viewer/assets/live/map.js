@@ -33,10 +33,10 @@ const WorkspaceMap = (() => {
     const where = (at) => `(${at.map((value) => Units.plain(Math.round(value * 1e3) / 1e3 + 0)).join(", ")}) m`;
     const quantity = (value) => Units.quantity(value, live.unit());
 
-    function lay() {
+    function lay(across = null) {
       by("map-lay").disabled = true;
       page.busy(1);
-      run(Workspace.lay(robot), {
+      run(Workspace.lay(robot, across), {
         each: (part) => { by("map-lay").textContent = `Laying the map: ${Units.percent(part)}`; },
         done: (found) => {
           map = found;
@@ -69,6 +69,7 @@ const WorkspaceMap = (() => {
     }
 
     let painted = "";
+    let shownNow = [];
     function refresh() {
       paint();
       painted = key();
@@ -78,10 +79,10 @@ const WorkspaceMap = (() => {
       judged = Workspace.judge(map, live.size);
       const values = judged.map(({ value }) => Math.log10(value)).sort((a, b) => a - b);
       const [low, high] = ENDS.map((part) => values[Math.round(part * (values.length - 1))]);
-      const numbers = map.places.map((_, number) => number).filter((number) => inSlice(map.places[number].at));
-      if (cloud) cloud.paint(numbers, judged.map(({ value }) => 1 - (Math.log10(value) - low) / (high - low || 1)));
+      shownNow = map.places.map((_, number) => number).filter((number) => inSlice(map.places[number].at));
+      if (cloud) cloud.paint(shownNow, judged.map(({ value }) => 1 - (Math.log10(value) - low) / (high - low || 1)));
       scale(low, high);
-      list(numbers);
+      list(shownNow);
       by("map-hertz").max = Math.max(state.high, state.hertz);
       by("map-hertz").value = state.hertz;
       by("map-hertz").setAttribute("aria-valuetext", `${Units.plain(state.hertz)} hertz`);
@@ -97,7 +98,7 @@ const WorkspaceMap = (() => {
       settling = own;
       page.busy(1);
       let last = performance.now();
-      waiting = setTimeout(() => run(Workspace.refine(robot, map, live.size), {
+      waiting = setTimeout(() => run(Workspace.refine(robot, map, live.size, shownNow), {
         stopped: () => settling !== own,
         each: (gained) => { if (gained && performance.now() - last > 400) { paint(); last = performance.now(); } },
         done: () => { settling = null; paint(); page.busy(-1); },
@@ -157,9 +158,9 @@ const WorkspaceMap = (() => {
       });
     }
 
-    by("map-lay").addEventListener("click", () => (map === null ? lay() : show(!shown())));
+    by("map-lay").addEventListener("click", () => (map === null ? lay(live.cells) : show(!shown())));
     by("map-hertz").addEventListener("input", () => live.setHertz(Number(by("map-hertz").value)));
-    by("map-shown").addEventListener("change", paint);
+    by("map-shown").addEventListener("change", refresh);
     by("map-slices").hidden = robot.numbers.planar;
     by("map-places").addEventListener("change", () => { if (by("map-places").value !== "") go(Number(by("map-places").value)); });
     if (live.picture) clicks();

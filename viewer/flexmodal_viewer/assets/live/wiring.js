@@ -85,8 +85,9 @@
     if (cut > 0 && commanded.includes(place) && Number.isFinite(value)) state.q[place] = Math.min(Math.max(value, joints[place].lower), joints[place].upper);
   }
   live.update();
+  live.cells = number("cells") >= 3 && number("cells") <= 60 ? number("cells") : null;
   live.map = WorkspaceMap.make(live);
-  if (data.map || number("map") === 1) live.map.lay();
+  if (data.map || number("map") === 1) live.map.lay(live.cells);
   if (data.diagnosis) live.diagnosis = Diagnosed.make(live, data.diagnosis);
   if (data.search) live.film = Film.make(live, data.search);
   if (number("frequency") !== null) { live.setHertz(number("frequency")); live.swingForced(); }

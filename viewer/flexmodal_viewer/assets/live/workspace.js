@@ -9,9 +9,12 @@ const Workspace = (() => {
   const SWEEPS = 12;
   const GAIN = 0.01; // a posture of a neighbour that is better by less is not kept
   const CROWD = 24; // postures at a place
+  const DESCENTS = 150; // at most, of places that are seen
+  const SHORT = 12; // rounds of each
 
-  // Steps of the work, so that the page stays awake: yields the part that is done, returns the map.
-  function* lay(robot) {
+  // Steps of the work, so that the page stays awake: yields the part that is done, returns the map; `across` says how
+  // many cells go along the widest side.
+  function* lay(robot, across = null) {
     const next = Descent.chance(SEED);
     const { joints, points } = robot.numbers;
     const drawn = [];
@@ -25,7 +28,7 @@ const Workspace = (() => {
     const wide = Math.max(...high.map((value, axis) => value - low[axis]));
     const spread = [0, 1, 2].filter((axis) => high[axis] - low[axis] > 1e-6 * wide);
     const kind = spread.length < 3 ? 2 : 3;
-    const cell = wide / CELLS[kind];
+    const cell = wide / (across || CELLS[kind]);
     const cells = new Map();
     for (const one of drawn) {
       const index = one.at.map((value, axis) => (spread.includes(axis) ? Math.floor((value - low[axis]) / cell) : 0));
@@ -62,11 +65,18 @@ const Workspace = (() => {
     return { places, cell, spread };
   }
 
-  // Of every place, the best postures of the places beside it are brought there and kept where they are better than
-  // what was known; over and over until that gains nothing. Yields whether anything was gained since the last time.
-  function* refine(robot, map, value) {
-    const judged = judge(map, value);
-    let fresh = new Set(map.places.keys());
+  // A posture for a place, kept where it is better than what was known.
+  function learn(place, judged, number, posed, found) {
+    if (!(found < judged[number].value * (1 - GAIN))) return false;
+    place.known.push(posed);
+    if (place.known.length > CROWD) place.known.splice(place.known.indexOf(judged[number].posed), 1);
+    judged[number] = { value: found, posed };
+    return true;
+  }
+
+  // The best postures of the places beside each place are brought there, over and over until that gains nothing.
+  // Yields whether anything was gained since the last time.
+  function* spread(robot, map, value, judged, fresh) {
     for (let sweep = 0; sweep < SWEEPS && fresh.size; sweep++) {
       const gained = new Set();
       for (const number of map.places.keys()) {
@@ -75,18 +85,28 @@ const Workspace = (() => {
           if (!fresh.has(other) || judged[other].value >= judged[number].value) continue;
           const q = Descent.bring(robot, judged[other].posed.q, "tool", place.at);
           const posed = q === null ? null : robot.at(q);
-          const found = posed === null ? Infinity : value(posed);
-          if (found < judged[number].value * (1 - GAIN)) {
-            place.known.push(posed);
-            if (place.known.length > CROWD) place.known.splice(place.known.indexOf(judged[number].posed), 1);
-            judged[number] = { value: found, posed };
-            gained.add(number);
-          }
+          if (posed !== null && learn(place, judged, number, posed, value(posed))) gained.add(number);
         }
         yield gained.has(number);
       }
       fresh = gained;
     }
+  }
+
+  // Places learn from one another; then some of those that are seen by a short descent each, and all from these.
+  function* refine(robot, map, value, seen) {
+    const judged = judge(map, value);
+    yield* spread(robot, map, value, judged, new Set(map.places.keys()));
+    const gained = new Set();
+    const stride = Math.ceil(seen.length / DESCENTS);
+    for (let k = 0; k < seen.length; k += stride) {
+      const number = seen[k];
+      const found = Descent.descend(robot, judged[number].posed.q, "tool", value, SHORT);
+      const better = learn(map.places[number], judged, number, robot.at(found.q), found.value);
+      if (better) gained.add(number);
+      yield better;
+    }
+    yield* spread(robot, map, value, judged, gained);
   }
 
   // The least value at each place, and the posture that has it; `value(posed)` as everywhere.
