@@ -13,11 +13,11 @@ from flexmodal.cli.options import (
     force_option,
     json_option,
     quiet_option,
-    refuse_existing,
     trust_of,
     trust_option,
 )
 from flexmodal.cli.printing import print_json, print_table, say, stages
+from flexmodal.cli.viewing import deliver, page_option, refuse_page
 
 if TYPE_CHECKING:
     from flexmodal.diagnosis import Diagnosis
@@ -52,12 +52,7 @@ if TYPE_CHECKING:
     show_default=True,
     help="Of what is drawn in the comparison.",
 )
-@click.option(
-    "--page",
-    type=click.Path(path_type=Path),
-    metavar="PAGE",
-    help="Write the arm step by step as well (.html, .png; or a film, .gif, .mp4).",
-)
+@page_option("the arm step by step as well,")
 @click.option("--show", is_flag=True, help="The arm step by step in the browser.")
 @force_option
 @quiet_option
@@ -81,14 +76,13 @@ def diagnose(
 
     Writes OUT/diagnosis.json, OUT/report.html and OUT/robot, the improved robot, all of them or none.
     """
-    from flexmodal.cli.viewing import announce, viewer
     from flexmodal.diagnosis import diagnose as find
     from flexmodal.diagnosis.as_json import as_json as as_object
     from flexmodal.diagnosis.write import OWN, write_diagnosis
     from flexmodal.files import refuse_folder
 
     refuse_folder(out, own=OWN, overwrite=force)
-    refuse_existing(page, force, (".html", ".png", ".gif", ".mp4"), option="--page")
+    refuse_page(page, force)
     wanted, trusted = _names(effects), trust_of(trust)
     measured = campaign_at(campaign)
     arm = robot_of(measured, robot)
@@ -106,15 +100,12 @@ def diagnose(
         )
         advance("writing the report", 0.0)
         write_diagnosis(diagnosis, out, overwrite=force)
-    if page is not None:
-        viewer("show_diagnosis")(diagnosis, out=page, overwrite=force, announce=announce)
     say(f"wrote {out}: report {out / 'report.html'}, robot {out / 'robot' / 'robot.toml'}", err=True)
     if as_json:
         print_json(as_object(diagnosis))
     else:
         _print(diagnosis)
-    if show:
-        viewer("show_diagnosis")(diagnosis, announce=announce)
+    deliver("show_diagnosis", diagnosis, page=page, show=show, force=force)
     sys.exit(0 if diagnosis.verdict.explained else 1)
 
 

@@ -75,9 +75,9 @@ def show(
     ROBOT may also be the folder of a campaign, which says itself what robot it is of.
     """
     from flexmodal.campaign import is_campaign
-    from flexmodal.cli.viewing import announce, viewer
+    from flexmodal.cli.viewing import PAGES, announce, viewer
 
-    refuse_existing(out, force, (".html", ".png", ".gif", ".mp4"))
+    refuse_existing(out, force, PAGES)
     deliver: dict[str, Any] = {"out": out, "port": port, "overwrite": force}
     deliver["announce"] = announce
     if host is not None:

@@ -101,6 +101,7 @@ def _on(link: Mapping[str, Any], point: CampaignPoint) -> dict[str, Any]:
     place = np.array(link["place"]).reshape(4, 4).T
     turn, offset = place[:3, :3], place[:3, :3] @ np.array(point.xyz) + place[:3, 3]
     found = {"joint": link["joint"], "offset": offset.tolist(), "turn": turn.ravel().tolist()}
+    found["tested"] = True  # a point of the campaign, which Python's robot does not know by this name
     if point.own_axes:
         turning = point.frame == "link"
         rows = point.rows() @ turn.T if turning else point.rows()

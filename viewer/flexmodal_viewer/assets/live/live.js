@@ -75,7 +75,9 @@ const Live = (() => {
       reswing();
       words();
       if (!keepWay) lay();
-      if (python) {
+      const strange = [state.response, state.reference].some(({ point }) => robot.numbers.points[point].tested);
+      if (python && strange) by("python-says").textContent = "The page's own curve: a point of the campaign.";
+      if (python && !strange) {
         const q = Object.fromEntries(commanded.map((place) => [joints[place].name, state.q[place]]));
         python.ask({ q, low: state.low, high: state.high, lines: LINES, ...state.names });
       }
