@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
+
+import numpy as np
+from jaxtyping import Complex
 
 from flexmodal.diagnosis.findings import Findings
 from flexmodal.diagnosis.names import UNKNOWN, UNSTRUCTURED
@@ -69,19 +73,31 @@ def diagnosis_of(
 
 
 def _with_steps(selection: ForwardSelection[M], shown: dict[str, Any]) -> dict[str, Any]:
-    """What is shown, and between its first and last model those with some of the effects that are named.
-
-    "step 1" has the first effect alone, as it was fitted when effects were compared. A step that was never
-    fitted alone, as after an exchange, has none.
-    """
-    fitted = [
-        one for told in selection.rounds for one in told.comparison.models if one.key[0] != UNSTRUCTURED
-    ]
-    known = {one.hypothesis.keys: one for one in fitted}
-    keys = [(one.effect, one.where) for one in selection.steps]
-    found = {f"step {k}": known.get(tuple(keys[:k])) for k in range(1, len(keys))}
-    more = {name: one.predicted for name, one in found.items() if isinstance(one, FittedFrfs)}
+    """What is shown, and between its first and last model those with some of the effects that are named."""
+    fitted = [one for told in selection.rounds for one in told.comparison.models]
+    more = steps_between(fitted, [(one.effect, one.where) for one in selection.steps])
     return {**shown, "predicted": {**shown["predicted"], **more}} if more else shown
+
+
+def steps_between(
+    fitted: Sequence[object], keys: Sequence[tuple[str, str]]
+) -> dict[str, Complex[np.ndarray, "observation line"]]:
+    """What the models with the first effects alone predict, as they were fitted when effects were compared.
+
+    "step 1" has the first effect, "step 2" the first two; the last, with all of them, is not among these. One
+    that was never fitted, as after an exchange, is left out.
+
+    Args:
+        fitted: every model that was compared, the latest last; those of modes alone predict no FRFs.
+        keys: name and place of each effect, in the order in which they were added.
+    """
+    known = {
+        one.hypothesis.keys: one.predicted
+        for one in fitted
+        if isinstance(one, FittedFrfs) and one.key[0] != UNSTRUCTURED
+    }
+    steps = {f"step {k}": tuple(keys[:k]) for k in range(1, len(keys))}
+    return {name: known[some] for name, some in steps.items() if some in known}
 
 
 def facts_of(selection: ForwardSelection[M], found: Conclusion[M], modal: Findings | None) -> Facts:

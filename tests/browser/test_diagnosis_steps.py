@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from flexmodal_viewer import show_diagnosis
+from flexmodal_viewer import diagnosis_scene, show_diagnosis
 from playwright.sync_api import expect
 
 from flexmodal.identification.frf_fit import residual
@@ -131,3 +131,15 @@ def test_names_of_a_diagnosis_harm_nothing(browser, diagnosed, tmp_path):
         assert hostile in tab.locator("#stages").inner_text()
         assert tab.locator("img").count() == 0
         assert tab.evaluate("document.documentElement.scrollWidth <= innerWidth")
+
+
+def test_each_effect_is_a_step(diagnosed):
+    (first,) = diagnosed.steps
+    second = replace(first, effect="added_mass", where="link_3", confidence=0.99)
+    predicted = {**diagnosed.predicted, "step 1": diagnosed.predicted["before"]}
+    told = diagnosis_scene(replace(diagnosed, steps=(first, second), predicted=predicted)).live["diagnosis"]
+    assert [one["key"] for one in told["stages"]] == ["believed", "before", "step 1", "after"]
+    assert [one["marks"] for one in told["stages"]] == [0, 0, 1, 2]
+    assert [one["gap"] for one in told["stages"][2:]] == [size(first.gaps.after), size(diagnosed.gaps.after)]
+    assert all(set(pair["stages"]) == set(predicted) for pair in told["pairs"])
+    assert [len(paths) for paths in told["marks"]] == [1, 1]
