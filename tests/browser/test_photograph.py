@@ -82,6 +82,17 @@ def test_pictures_become_an_mp4(tmp_path):
 
 
 @pytest.mark.slow
+def test_a_picture_of_the_map_has_its_colour_bar(tmp_path):
+    arm = load("six_axis")
+    scene = live_scene(arm, arm.posture("work"), workspace=True)
+    with Image.open(write_picture(scene, tmp_path / "map.png")) as taken:
+        picture = pixels(taken)
+    corner = picture[380:500, :360].reshape(-1, 3)
+    for end in ((254, 232, 56), (0, 34, 78)):
+        assert np.min(np.max(np.abs(corner - end), axis=1)) < 8
+
+
+@pytest.mark.slow
 def test_a_film_as_mp4_swings_as_the_gif_does(arm, tmp_path):
     scene = live_scene(arm, arm.posture("configuration_1"), swing="mode")
     frames, rate = frames_of(write_picture(scene, tmp_path / "arm.mp4"))

@@ -76,6 +76,12 @@
   }
   new ResizeObserver(() => live.update(true)).observe(by("chart"));
 
+  // A picture has no panel; what must not be missing stands on it.
+  if (document.body.classList.contains("picture") && window.flexmodalPage) {
+    const words = Panel.make("div", { id: "on-picture" }, ["map-scale", "diagnosis-says", "descent-says"].map(by));
+    window.flexmodalPage.stage.append(words);
+  }
+
   const wish = new URLSearchParams(location.hash.slice(1));
   const number = (name) => (wish.has(name) && Number.isFinite(Number(wish.get(name))) ? Number(wish.get(name)) : null);
   for (const part of (wish.get("q") || "").split(",")) {
