@@ -14,7 +14,12 @@ from flexmodal.frf import PointDirection
 from flexmodal.frf.receptance import dynamic_stiffness
 from flexmodal.model import load
 from flexmodal.model.placements import link_placements
-from flexmodal.optimisation import ReceptanceObjective
+from flexmodal.optimisation import (
+    MobilityObjective,
+    ReceptanceObjective,
+    SeparationObjective,
+    StiffnessObjective,
+)
 
 _SPEC = importlib.util.spec_from_file_location("live_pages", Path(__file__).with_name("live.py"))
 live = importlib.util.module_from_spec(_SPEC)
@@ -204,21 +209,38 @@ def test_a_point_with_axes_of_its_own(tab, axes, frame):
         assert np.allclose(found["along"], point.way(-2, place[:3, :3]), atol=1e-12)
 
 
-@pytest.mark.parametrize("combine", ["weighted", "force", "worst"])
-@pytest.mark.parametrize("over", ["mean", "largest"])
-def test_what_a_search_judges_by(tab, combine, over):
-    robot = load("six_axis")
-    ways = tuple(PointDirection("tool", axis) for axis in "xyz")
-    toward = (0.0, 0.0, 1.0) if combine == "weighted" else ()
-    judge = ReceptanceObjective(
-        ways, np.array([7.0, 14.0, 21.0]), combine, (1.0, -2.0, 0.5), toward, over, (1.0, 0.7, 0.4)
+WAYS = tuple(PointDirection("tool", axis) for axis in "xyz")
+JUDGES = {
+    f"{combine}, {over}": ReceptanceObjective(
+        WAYS,
+        np.array([7.0, 14.0, 21.0]),
+        combine,
+        (1.0, -2.0, 0.5),
+        (0.0, 0.0, 1.0) if combine == "weighted" else (),
+        over,
+        (1.0, 0.7, 0.4),
     )
+    for combine in ("weighted", "force", "worst")
+    for over in ("mean", "largest")
+} | {
+    "stiffness": StiffnessObjective(WAYS[2]),
+    "stiffness of the position": StiffnessObjective(WAYS[0], task="position"),
+    "mobility": MobilityObjective(WAYS[1]),
+    "separation": SeparationObjective(),
+    "separation from a frequency": SeparationObjective(20.0),
+}
+
+
+@pytest.mark.parametrize("name", JUDGES)
+def test_what_a_search_judges_by(tab, name):
+    robot = load("six_axis")
+    judge = JUDGES[name]
     script = """([told, numbers, q]) => {
       const robot = flexmodalLive.make(numbers);
       return flexmodalLive.judge(robot, told)(robot.at(q));
     }"""
     for posed, q in _postures(robot, 3):
-        found = tab.evaluate(script, [judged(judge), live_numbers(robot), q])
+        found = tab.evaluate(script, [judged(judge, robot), live_numbers(robot), q])
         assert found == pytest.approx(judge.value(posed), rel=CLOSE)
 
 

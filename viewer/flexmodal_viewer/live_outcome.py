@@ -9,9 +9,19 @@ import numpy as np
 from jaxtyping import Float
 
 from flexmodal.errors import FlexmodalError
+from flexmodal.frf import PointDirection
 from flexmodal.model import Posture, Robot
 from flexmodal.model.placements import link_placements
-from flexmodal.optimisation import Outcome, PostureProblem, ReceptanceObjective, TunedObjective
+from flexmodal.optimisation import (
+    MobilityObjective,
+    Objective,
+    Outcome,
+    PostureProblem,
+    ReceptanceObjective,
+    SeparationObjective,
+    StiffnessObjective,
+    TunedObjective,
+)
 from flexmodal.optimisation.pictures.traces import Trace, follow
 from flexmodal.optimisation.search import random_starts
 from flexmodal_viewer import marks
@@ -85,7 +95,7 @@ def _search(outcome: Outcome, start: Posture | None) -> dict[str, Any]:
         "unit": judge.unit,
         "large": judge.larger_is_better,
         "held": held if hold is not None and hold.point == problem.robot.tool else "",
-        "objective": judged(judge) if isinstance(judge, ReceptanceObjective) else None,
+        "objective": judged(judge, problem.robot),
         "optima": [
             {"q": dict(one.posture.values), "value": _finite(one.objective), "hits": one.hits}
             for one in found
@@ -95,21 +105,34 @@ def _search(outcome: Outcome, start: Posture | None) -> dict[str, Any]:
     }
 
 
-def judged(judge: ReceptanceObjective) -> dict[str, Any]:
-    """An objective in numbers, for the page to compute.
+def judged(judge: Objective, robot: Robot) -> dict[str, Any] | None:
+    """An objective in numbers, for the page to compute; None for one that it cannot.
 
     Args:
         judge: of the search.
+        robot: whose postures are judged.
     """
-    return {
-        "directions": [str(one) for one in judge.directions],
-        "frequencies": np.asarray(judge.frequency).tolist(),
-        "combine": judge.combine,
-        "weights": list(judge.weights),
-        "toward": list(judge.toward),
-        "over": judge.over,
-        "shares": list(judge.line_weights),
-    }
+    if isinstance(judge, ReceptanceObjective):
+        return {
+            "kind": "receptance",
+            "directions": [str(one) for one in judge.directions],
+            "frequencies": np.asarray(judge.frequency).tolist(),
+            "combine": judge.combine,
+            "weights": list(judge.weights),
+            "toward": list(judge.toward),
+            "over": judge.over,
+            "shares": list(judge.line_weights),
+        }
+    if isinstance(judge, StiffnessObjective):
+        rows = robot.task if judge.task == "full" else robot.task[: 2 if robot.is_planar else 3]
+        way = PointDirection.parse(judge.direction)
+        along = (rows @ way.selector).tolist()
+        return {"kind": "stiffness", "point": way.point, "rows": rows.tolist(), "along": along}
+    if isinstance(judge, MobilityObjective):
+        return {"kind": "mobility", "direction": str(judge.direction)}
+    if isinstance(judge, SeparationObjective):
+        return {"kind": "separation", "frequency": judge.frequency}
+    return None
 
 
 def _descents(outcome: Outcome, start: Posture | None) -> list[dict[str, Any]]:

@@ -114,5 +114,5 @@ const Hold = (() => {
     return [...sides[1].reverse(), { s: 0, q: [...q] }, ...sides[0]];
   }
 
-  return { reach, selfMotion, freedom, project, rows, missing };
+  return { reach, leastNorm, selfMotion, freedom, project, rows, missing };
 })();

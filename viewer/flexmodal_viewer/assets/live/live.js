@@ -27,7 +27,8 @@ const Live = (() => {
     const value = (at) => at.frf([state.hertz], state.response, state.reference);
     const size = (at) => { const h = value(at); return Math.hypot(h.re[0], h.im[0]); };
     const judge = data.search && data.search.objective ? Objective.make(robot, data.search.objective) : null;
-    const objective = (at) => (judge && by("judge").value === "search" ? judge(at) : size(at)); // along the self-motion
+    const bySearch = () => judge !== null && by("judge").value === "search";
+    const objective = (at) => (bySearch() ? judge(at) : size(at)); // along the self-motion
 
     // Another model stands in the same posture, joint by joint; what it does not have stays at 0.
     function other(model) {
@@ -47,7 +48,7 @@ const Live = (() => {
       moveTool(target);
     });
     const table = Panel.modes((mode) => (state.swing && state.swing.mode === mode ? rest() : swingIn(mode)));
-    const motionOf = SelfMotion.make({ robot, value: objective, text: (found) => Units.quantity(found, unit()), name: () => (judge && by("judge").value === "search" ? "The search's objective" : "|α|"), go: (q) => { state.q = q; update(true); } });
+    const motionOf = SelfMotion.make({ robot, value: objective, text: (found) => Units.quantity(found, bySearch() ? data.search.unit : unit()), larger: () => bySearch() && data.search.large, name: () => (bySearch() ? "The search's objective" : "|α|"), go: (q) => { state.q = q; update(true); } });
 
     // Of a served page Python's numbers are drawn as soon as they are there, and how far the page's are from them is said.
     const python = Python.connect(({ re, im, poles }) => {

@@ -1,6 +1,6 @@
 "use strict";
-// What a search judged postures by: the receptance over some directions and frequencies, put together as
-// flexmodal's ReceptanceObjective does.
+// What a search judged postures by, computed as flexmodal's objectives do: receptance over some directions and
+// frequencies, stiffness [Hearne 3.17], mobility [3.18], or the distance from the poles.
 const Objective = (() => {
   // Largest singular value of a complex matrix a[i][j] = [re, im]: root of the largest eigenvalue of AᴴA, which is
   // that of the real symmetric matrix [[X, −Y], [Y, X]] for AᴴA = X + iY.
@@ -22,8 +22,35 @@ const Objective = (() => {
     return Math.sqrt(Math.max(...Symmetric.eigen(twice, 2 * n).values, 0));
   }
 
-  // told: { directions, frequencies, combine, weights, toward, over, shares } as Python has them.
+  // ξ_K = uᵀ J⁺ᵀ K J⁺ u; the rows of the task and u in them come from Python.
+  function stiffness(told, posed) {
+    const six = posed.flexible(told.point);
+    const j = told.rows.map((row) => six[0].map((_, k) => row.reduce((sum, part, axis) => sum + part * six[axis][k], 0)));
+    const u = Hold.leastNorm(j.map((row) => [...row]), told.along, 0);
+    const { n, stiffness: k } = posed.system;
+    return u.reduce((sum, x, i) => sum + x * u.reduce((inner, y, l) => inner + k[i * n + l] * y, 0), 0);
+  }
+
+  // Least distance of the poles from iω, or of those that vibrate from one another, over 2π [Hz].
+  function separation(told, posed) {
+    const poles = posed.modes().map(({ pole }) => pole);
+    const omega = told.frequency === null ? null : 2 * Math.PI * told.frequency;
+    const vibrating = poles.filter(([, im]) => im !== 0);
+    const gaps = omega === null
+      ? vibrating.flatMap((one, i) => vibrating.slice(i + 1).map((other) => Complex.size(Complex.minus(one, other))))
+      : poles.map(([re, im]) => Math.hypot(re, im - omega));
+    return Math.min(...gaps) / (2 * Math.PI);
+  }
+
   function make(robot, told) {
+    if (told.kind === "stiffness") return (posed) => stiffness(told, posed);
+    if (told.kind === "mobility") return (posed) => posed.row(robot.direction(told.direction)).reduce((sum, part) => sum + part * part, 0);
+    if (told.kind === "separation") return (posed) => separation(told, posed);
+    return receptance(robot, told);
+  }
+
+  // told: { directions, frequencies, combine, weights, toward, over, shares } as Python has them.
+  function receptance(robot, told) {
     const ways = told.directions.map(robot.direction);
     function size(posed, rows, hertz) {
       const columns = rows.map((row) => Pencil.deflection(posed.system, row, hertz));

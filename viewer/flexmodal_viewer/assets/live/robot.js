@@ -48,6 +48,7 @@ const Robot = (() => {
         placed,
         system: own,
         jacobian,
+        flexible: (point) => jacobian(point).map(pick),
         row,
         along,
         position: (point) => Chain.position(placed, points[point]),
