@@ -20,7 +20,7 @@ PAGES = (".html", ".png", ".gif", ".mp4")
 
 
 def viewer(name: str) -> Callable[..., Any]:
-    """One of the viewer's functions, "show_robot" or "show_outcome".
+    """One of the viewer's functions, such as "show_robot" or "show_outcome".
 
     Raises:
         MissingExtra: no viewer is installed.
