@@ -44,7 +44,7 @@
   let viewer;
   try {
     // The drawing is kept so that a printer finds it.
-    const renderer = new THREE.WebGLRenderer({ antialias: !software, alpha: true, preserveDrawingBuffer: true });
+    const renderer = new THREE.WebGLRenderer({ antialias: !software, alpha: !software, preserveDrawingBuffer: true });
     pane.appendChild(renderer.domElement);
     viewer = new MeshCat.Viewer(pane, false, renderer);
   } catch (error) {
@@ -220,6 +220,7 @@
     for (const [path, colour] of Object.entries(colours)) {
       node(`/flexmodal/${path}`).traverse((object) => { if (object.material) object.material.color.setHex(colour); });
     }
+    if (software) viewer.renderer.setClearColor(dark.matches ? 0x14171a : 0xffffff); // nothing to be seen through it
     viewer.set_dirty();
   }
   recolour();
