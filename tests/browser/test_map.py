@@ -144,3 +144,20 @@ def test_a_place_can_be_chosen_with_keys(tab, arm):
     tab.get_by_role("button", name="Show the map").click()
     assert tab.evaluate("flexmodalPage.node('/flexmodal/map').visible")
     settled(tab)
+
+
+def test_a_force_that_moves_nothing_has_a_map_too(browser, tmp_path):
+    """Across the plane of a planar arm every receptance is zero."""
+    arm = load("fanuc_s360")
+    page = show_robot(
+        arm, arm.posture("configuration_1"), out=tmp_path / "page.html", announce=lambda _: None
+    )
+    with live.opened(browser, page, "#map=1&cells=3") as tab:
+        settled(tab)
+        assert tab.locator("#map-slices").is_hidden()
+        tab.locator("#reference-axis").select_option("+y")
+        settled(tab)
+        assert {one["value"] for one in tab.evaluate(JUDGED)} == {0}
+        tab.locator("#map-places").select_option(index=1)
+        settled(tab)
+        assert ": 0 m/N, the best of " in tab.locator("#map-says").inner_text()

@@ -21,6 +21,7 @@ const Cloud = (() => {
     const THREE = MeshCat.THREE;
     const { viewer, node, stage } = page;
     const flat = map.spread.length < 3;
+    const square = flat && viewer.camera.isOrthographicCamera; // seen so that a click falls into one of the squares
     const group = node("/flexmodal/map");
     const across = flat ? [0, 1, 2].find((axis) => !map.spread.includes(axis)) : null;
     const corners = flat ? 4 : 1;
@@ -72,7 +73,7 @@ const Cloud = (() => {
     const world = (p) => new THREE.Vector3(p[0], p[2], -p[1]);
     function near(event) {
       const box = stage.getBoundingClientRect();
-      const reach = flat ? 400 : REACH;
+      const reach = square ? 400 : REACH;
       const found = seen.map((number) => {
         const p = world(map.places[number].at).project(viewer.camera);
         const [x, y] = [box.left + ((p.x + 1) / 2) * box.width, box.top + ((1 - p.y) / 2) * box.height];
@@ -80,7 +81,7 @@ const Cloud = (() => {
       }).filter(({ away }) => away < reach);
       found.sort(flat ? (a, b) => a.away - b.away : (a, b) => a.depth - b.depth);
       if (!found.length) return null;
-      if (!flat) return found[0].number;
+      if (!square) return found[0].number;
       const [p, q] = [map.places[found[0].number].at, unprojected(event)]; // inside its square
       return map.spread.every((axis) => Math.abs(p[axis] - q[axis]) <= map.cell / 2) ? found[0].number : null;
     }

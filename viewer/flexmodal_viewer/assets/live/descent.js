@@ -23,9 +23,10 @@ const Descent = (() => {
     const { joints, commanded } = robot.numbers;
     const q = joints.map(() => 0);
     for (const place of commanded) {
-      const { lower, upper } = joints[place];
-      const [low, high] = [Math.max(lower, Math.min(-Math.PI, upper)), Math.min(upper, Math.max(Math.PI, lower))];
-      q[place] = low + next() * (high - low);
+      const { lower, upper, turns } = joints[place];
+      const half = turns ? Math.min((upper - lower) / 2, Math.PI) : (upper - lower) / 2;
+      const middle = Math.min(Math.max(0, lower + half), upper - half); // as near to 0 as that leaves the range whole
+      q[place] = middle + (2 * next() - 1) * half;
     }
     return q;
   }

@@ -59,6 +59,7 @@ const Film = (() => {
     const ends = descents.flatMap(({ steps }) => steps.map(({ value }) => value)).filter((value) => value > 0).map(Math.log10);
     const [low, high] = [Math.min(...ends), Math.max(...ends)];
     const lightness = (value) => { // small is light, where small is good
+      if (value === null) return 0;
       const part = value > 0 ? (Math.log10(value) - low) / (high - low || 1) : 0;
       return search.large ? part : 1 - part;
     };

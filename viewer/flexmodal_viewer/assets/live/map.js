@@ -40,6 +40,7 @@ const WorkspaceMap = (() => {
         each: (part) => { by("map-lay").textContent = `Laying the map: ${Units.percent(part)}`; },
         done: (found) => {
           map = found;
+          by("map-slices").hidden = map.spread.length < 3;
           if (live.picture) cloud = Cloud.make(page, map);
           by("map-lay").disabled = false;
           show(true);
@@ -58,7 +59,7 @@ const WorkspaceMap = (() => {
     // Of a spatial arm only a slice is shown if that is asked: through the tool, level or upright.
     function inSlice(at) {
       const tool = live.posed().position("tool");
-      const kind = robot.numbers.planar ? "all" : by("map-shown").value;
+      const kind = map.spread.length < 3 ? "all" : by("map-shown").value;
       const half = map.cell / 2 + 1e-9;
       if (kind === "level") return Math.abs(at[2] - tool[2]) <= half;
       if (kind === "upright") {
@@ -77,10 +78,14 @@ const WorkspaceMap = (() => {
     }
     function paint() {
       judged = Workspace.judge(map, live.size);
-      const values = judged.map(({ value }) => Math.log10(value)).sort((a, b) => a - b);
-      const [low, high] = ENDS.map((part) => values[Math.round(part * (values.length - 1))]);
+      const values = judged.map(({ value }) => Math.log10(value)).filter(Number.isFinite).sort((a, b) => a - b);
+      const [low, high] = values.length ? ENDS.map((part) => values[Math.round(part * (values.length - 1))]) : [0, 0];
+      const light = ({ value }) => { // nothing moves at all, or without bound: the ends
+        const log = Math.log10(value);
+        return Number.isFinite(log) ? 1 - (log - low) / (high - low || 1) : Number(value === 0);
+      };
       shownNow = map.places.map((_, number) => number).filter((number) => inSlice(map.places[number].at));
-      if (cloud) cloud.paint(shownNow, judged.map(({ value }) => 1 - (Math.log10(value) - low) / (high - low || 1)));
+      if (cloud) cloud.paint(shownNow, judged.map(light));
       scale(low, high);
       list(shownNow);
       by("map-hertz").max = Math.max(state.high, state.hertz);
@@ -161,7 +166,6 @@ const WorkspaceMap = (() => {
     by("map-lay").addEventListener("click", () => (map === null ? lay(live.cells) : show(!shown())));
     by("map-hertz").addEventListener("input", () => live.setHertz(Number(by("map-hertz").value)));
     by("map-shown").addEventListener("change", refresh);
-    by("map-slices").hidden = robot.numbers.planar;
     by("map-places").addEventListener("change", () => { if (by("map-places").value !== "") go(Number(by("map-places").value)); });
     if (live.picture) clicks();
     function clicks() {

@@ -27,8 +27,10 @@ const Workspace = (() => {
     const high = [0, 1, 2].map((axis) => Math.max(...drawn.map(({ at }) => at[axis])));
     const wide = Math.max(...high.map((value, axis) => value - low[axis]));
     const spread = [0, 1, 2].filter((axis) => high[axis] - low[axis] > 1e-6 * wide);
+    for (const axis of [0, 2, 1]) if (spread.length < 2 && !spread.includes(axis)) spread.push(axis); // a line has squares too
+    spread.sort();
     const kind = spread.length < 3 ? 2 : 3;
-    const cell = wide / (across || CELLS[kind]);
+    const cell = Math.max(wide, 1e-3) / (across || CELLS[kind]);
     const cells = new Map();
     for (const one of drawn) {
       const index = one.at.map((value, axis) => (spread.includes(axis) ? Math.floor((value - low[axis]) / cell) : 0));
