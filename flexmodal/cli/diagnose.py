@@ -9,13 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from flexmodal.cli.measured import campaign_at, robot_of, say_doubled
-from flexmodal.cli.options import (
-    force_option,
-    json_option,
-    quiet_option,
-    trust_of,
-    trust_option,
-)
+from flexmodal.cli.options import force_option, json_option, quiet_option, trust_of, trust_option
 from flexmodal.cli.printing import print_json, print_table, say, stages
 from flexmodal.cli.viewing import deliver, page_option, refuse_page
 
