@@ -9,6 +9,7 @@ import numpy as np
 from flexmodal.campaign import Campaign, FrfRecords, estimate_frfs
 from flexmodal.errors import InvalidInput
 from flexmodal.identification import Observations, RobotModel, observe
+from flexmodal.identification.compatibility import unmentioned
 from flexmodal.identification.model import predict
 from flexmodal.model import Robot
 from flexmodal.soundness.blows import blow_findings
@@ -18,7 +19,9 @@ from flexmodal.soundness.low_corner import corner_findings
 from flexmodal.soundness.records import record_findings
 from flexmodal.soundness.suspicion import EVERYWHERE, Accepted, accepted, with_angles
 from flexmodal.structure import robot_space
+from flexmodal.text.words import listing
 
+_NAMED = 4
 TURNED = 3
 """Joints at most that are looked at the other way round, one after the other."""
 _REMEDY: dict[FindingKind, str] = {
@@ -42,6 +45,10 @@ def check_soundness(campaign: Campaign, robot: Robot | None = None) -> tuple[Fin
             none of its own, only the data by themselves are looked at.
     """
     found = list(blow_findings(campaign))
+    if robot is not None and not _belongs(campaign, robot):
+        robot = None
+    if robot is not None:
+        found += _left_out(campaign, robot)
     records = _records(campaign)
     if records is None:
         return tuple(found)
@@ -49,7 +56,7 @@ def check_soundness(campaign: Campaign, robot: Robot | None = None) -> tuple[Fin
     found += told
     if any(one.kind == "FRFs against blows" for one in told):
         campaign = replace(campaign, frfs=None)  # the blows are nearer to what was measured
-    if robot is None or not _belongs(campaign, robot):
+    if robot is None:
         return tuple(found)
     observations = _observed(campaign)
     if observations is not None:
@@ -110,11 +117,31 @@ def _degrees(observations: Observations) -> Finding:
     )
 
 
+def _left_out(campaign: Campaign, robot: Robot) -> list[Finding]:
+    """Joints that some postures do not mention."""
+    found = []
+    for joint in robot.commanded:
+        silent = [posture.name for posture in campaign.postures if joint not in posture.q]
+        if silent:
+            found.append(
+                Finding(
+                    "joint left out",
+                    f"{joint} in posture {listing(silent[:_NAMED])}"
+                    + (", …" if len(silent) > _NAMED else ""),
+                    "campaign.toml does not say where it stood; it is taken to stand at 0, as in a card",
+                    "where it did not, every posture is another one",
+                    "write every joint that the robot is posed by, those at 0 too",
+                )
+            )
+    return found
+
+
 def _belongs(campaign: Campaign, robot: Robot) -> bool:
     """Whether the robot has every link and every joint that the campaign names."""
     joints = {name for posture in campaign.postures for name in posture.q}
     links = {point.link for point in campaign.points}
-    return joints <= set(robot.commanded) and links <= set(robot.urdf.link_by_name)
+    strange = unmentioned(campaign, robot)
+    return not strange and joints <= set(robot.commanded) and links <= set(robot.urdf.link_by_name)
 
 
 def _records(campaign: Campaign) -> FrfRecords | None:
