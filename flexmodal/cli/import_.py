@@ -17,7 +17,7 @@ from flexmodal.errors import Fault, InvalidRequest, OutputExists
 @click.option("--out", type=click.Path(path_type=Path), help="A new folder for the campaign that MAP gives.")
 @force_option
 def import_(source: Path, draft: Path | None, out: Path | None, force: bool) -> None:
-    """Measured tables to a campaign: CSV, TXT, XLSX, MATLAB .mat, HDF5.
+    """Measured tables to a campaign: CSV, TXT, XLSX, MATLAB .mat, HDF5, TDMS.
 
     First `flexmodal import TABLE --draft map.toml`: what each column seems to be. Look at it, name the
     places, then `flexmodal import map.toml --out DIR`.

@@ -48,7 +48,7 @@ def _no_campaign(place: Path) -> Fault:
     """What to do with a file that is no campaign."""
     kind = f"a file of the kind {place.suffix or 'without an ending'}"
     allowed = "a folder with a campaign.toml, or a universal file (.uff, .unv) by itself"
-    if place.suffix.lower() in (".csv", ".xlsx", ".txt", ".mat", ".h5", ".hdf5"):
+    if place.suffix.lower() in (".csv", ".xlsx", ".txt", ".mat", ".h5", ".hdf5", ".tdms"):
         allowed += (
             f"; a table becomes a campaign by a map: flexmodal import {place} --draft map.toml, see "
             "docs/campaign.md"
