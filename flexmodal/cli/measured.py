@@ -120,7 +120,7 @@ def refuse_export(campaign: Campaign) -> None:
     Raises:
         InvalidCampaign: with what to do instead.
     """
-    from flexmodal.campaign.uff.export import NO_ROBOT
+    from flexmodal.campaign.description.tested import NO_ROBOT
 
     if campaign.robot != NO_ROBOT:
         return
@@ -139,7 +139,7 @@ def findings_on(path: str | Path) -> tuple[Finding, ...]:
         path: of the campaign.
     """
     from flexmodal.campaign import read_campaign
-    from flexmodal.campaign.uff.export import NO_ROBOT
+    from flexmodal.campaign.description.tested import NO_ROBOT
     from flexmodal.errors import FlexmodalError
     from flexmodal.model import load
     from flexmodal.soundness import check_soundness

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from flexmodal.campaign.description.tested import FORCE_TOO, OUTPUT_ONLY
 from flexmodal.campaign.tables.arrays import SUFFIXES
 from flexmodal.campaign.tables.sniff import Sniffed, sniff
 from flexmodal.errors import Fault, InvalidCampaign
@@ -146,6 +147,9 @@ def _frf(one: _Frf, number: int) -> list[str]:
 def _blow(seen: Sniffed, kinds: Sequence[str], file: Path) -> list[str]:
     force = [k for k, kind in enumerate(kinds) if kind == "force"]
     others = [k for k, kind in enumerate(kinds) if kind in ("response", "unknown", "magnitude")]
+    if others and not force:
+        found = f"{OUTPUT_ONLY} (columns {', '.join(map(repr, seen.headers[:12]))})"
+        raise InvalidCampaign(Fault(str(file), "", found, FORCE_TOO))
     if not force or not others:
         found = f"columns {', '.join(map(repr, seen.headers[:12]))}"
         raise InvalidCampaign(Fault(str(file), "", found, "a force and a response over time"))
