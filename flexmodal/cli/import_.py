@@ -50,7 +50,7 @@ def import_(source: Path, draft: Path | None, out: Path | None, force: bool) -> 
         _universal(source, out, force)
         return
     if not is_map:
-        allowed = "a map, MAP.toml, which --draft MAP.toml writes of a table; or a universal file"
+        allowed = "a map, MAP.toml; --draft MAP.toml writes one of a table; or a universal file"
         raise InvalidRequest(Fault(SOURCE, "MAP.toml", repr(str(source)), allowed))
     assert out is not None
     made = import_table(source)
