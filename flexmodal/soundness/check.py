@@ -17,13 +17,12 @@ from flexmodal.soundness.finding import Finding, FindingKind
 from flexmodal.soundness.hypotheses import angle_hypotheses, in_radians, record_hypotheses
 from flexmodal.soundness.low_corner import corner_findings
 from flexmodal.soundness.records import record_findings
-from flexmodal.soundness.suspicion import EVERYWHERE, Accepted, accepted, with_angles
+from flexmodal.soundness.silent import with_silent
+from flexmodal.soundness.suspicion import Accepted, Models, accepted, with_angles
 from flexmodal.structure import robot_space
 from flexmodal.text.words import listing
 
 _NAMED = 4
-TURNED = 3
-"""Joints at most that are looked at the other way round, one after the other."""
 _REMEDY: dict[FindingKind, str] = {
     "sign": "turn the sense of this channel in its records, or mount it as its label says",
     "axes swapped": "exchange the two labels in the records, or measure again",
@@ -60,7 +59,8 @@ def check_soundness(campaign: Campaign, robot: Robot | None = None) -> tuple[Fin
         return tuple(found)
     observations = _observed(campaign)
     if observations is not None:
-        found += beside_model(observations, robot)
+        every = _records(campaign) or records
+        found += beside_model(with_silent(observations, every), robot)
     return tuple(found)
 
 
@@ -78,19 +78,10 @@ def beside_model(observations: Observations, robot: Robot) -> list[Finding]:
     if turned is not None:
         found.append(_degrees(observations))
         observations = turned
-    for _ in range(TURNED):
-        hypotheses, angles = angle_hypotheses(observations)
-        models = {"": predict(model, card, observations)}
-        for name, q in angles.items():
-            models[name] = predict(model, card, with_angles(observations, q))
-        explained, told = accepted(observations, models, [*hypotheses, *record_hypotheses(observations)])
-        everywhere = [one for one in explained if one.hypothesis.where.endswith(EVERYWHERE)]
-        joint = next((one for one in everywhere if one.hypothesis.kind == "joint sign"), None)
-        if joint is None:
-            break
-        # with this joint turned, what else is wrong with the angles is looked for anew
-        found.append(_finding(joint))
-        observations = with_angles(observations, angles[str(joint.hypothesis.angles)])
+    stated = [dict(one.q) for one in observations.postures]
+    models = Models(lambda reading: predict(model, card, with_angles(observations, reading.of(stated))))
+    hypotheses = [*angle_hypotheses(observations), *record_hypotheses(observations)]
+    explained, told = accepted(observations, models, hypotheses)
     return [*found, *map(_finding, explained), *corner_findings(observations, told)]
 
 
