@@ -3,8 +3,8 @@
 Behind a first-order high pass a response reads H · iω/(iω + ω_c), whose phase leads by atan(f_c/f). What the
 model has wrong of a resonance turns the phase of every channel alike; so of each line the median of the other
 channels under the same blows is taken off first. The corner is the one that leaves the least mean deviation,
-a line counting by 1/f, as the lead does. Lower and upper half of the lines agree on it; of a delay, a lag or a
-wrong stiffness they make different ones.
+a line counting by 1/f, as the lead does. Lower and upper half of the lines agree on it; a delay, a lag or a
+wrong stiffness makes two.
 """
 
 from __future__ import annotations

@@ -4,8 +4,8 @@ A hypothesis changes what some records are compared with (another place, other a
 misfit of a record is the mean over its lines of |ln(model / record)|², cut at `CUT`² so that a record that is
 wholly wrong counts once. The hypothesis that takes most off the sum is accepted where it leaves less than
 `LEFT` of the misfit of the records it is about, and these were farther than `FAR` from the model; then the
-next is looked for, the accepted ones in force. Where no single one is left, or where one takes little off, two
-at once are tried, then three.
+next is looked for, the accepted ones in force. Where no single one is left, or one takes little off, two at
+once are tried, then three.
 """
 
 from __future__ import annotations
