@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import argparse
 import json
+from itertools import pairwise
 from typing import Any
 
 from tables import ROOT, TABLES
@@ -22,6 +23,7 @@ from flexmodal.identification.signal import with_signal
 from flexmodal.model import Robot
 from flexmodal.rig import simulate
 from flexmodal.rig.laboratory import MISHAPS, draw_mishaps, with_mishaps
+from flexmodal.rig.laboratory.mishaps import LAST
 from flexmodal.soundness import check_soundness
 
 FIRST = 7_300_000
@@ -56,12 +58,10 @@ def looked_at(
     """Each mishap, whether it is among the findings, and whether it changes any record with a signal."""
     spoilt, done = with_mishaps(campaign, kinds, seed)
     found = {finding.kind for finding in check_soundness(spoilt, robot)}
-    order = [mishap.kind for mishap in done]
-    steps = [with_mishaps(campaign, order[:count], seed)[0] for count in range(len(order))]
-    return [
-        (kind, SAME.get(kind, kind) in found, matters(before, after))
-        for kind, before, after in zip(order, steps, [*steps[1:], spoilt], strict=True)
-    ]
+    order = sorted(kinds, key=lambda kind: kind == LAST)
+    steps = [with_mishaps(campaign, order[:count], seed)[0] for count in range(len(order) + 1)]
+    does = {kind: matters(*pair) for kind, pair in zip(order, pairwise(steps), strict=True)}
+    return [(one.kind, SAME.get(one.kind, one.kind) in found, does[one.kind]) for one in done]
 
 
 def matters(before: Campaign, after: Campaign) -> bool:
