@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from flexmodal.prediction import FrfPrediction
 
 _ENDINGS = (".csv", ".json", ".uff", ".html", ".png", ".svg")
-_METHODS = ("physics", "hybrid", "half", "process", "mean", "nearest")
+_METHODS = ("hybrid", "physics", "process", "mean", "nearest")
 
 
 @click.command()

@@ -115,7 +115,7 @@ def solve_by_all(
     target = len(panel.observations.postures) - 1
     with threadpool_limits(1):
         known = known_by(problem.evidence, panel, problem.x, left.postures, problem.sliding)
-        values = predicted_by_all(known, target)
+        values = predicted_by_all(known, target, left.share)
     far, beyond = remoteness(left, where), _beyond(problem, where)
     found = {}
     for method, value in values.items():
