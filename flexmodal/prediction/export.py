@@ -112,6 +112,7 @@ def as_json(prediction: FrfPrediction) -> dict[str, Any]:
         "methods": dict(METHODS),
         "form": "receptance",
         "unit": UNIT,
+        "ways": {name: list(way) for name, way in prediction.ways.items()},
         "frequency": prediction.frequency.tolist(),
         "frfs": [
             {

@@ -27,8 +27,7 @@ CLEARLY = 0.98
 SHARES = (0.0, 0.25, 0.5, 0.75, 1.0)
 """That are tried; between them the square of the gap is a parabola, but for phases beyond half a turn."""
 USUAL, PRIOR = 0.5, 6
-"""Share that is expected, and postures that this counts for: on 24 campaigns that were looked at, 4 to 16 gave
-alike."""
+"""Share that is expected, and postures that this counts for; on 24 campaigns 4 to 16 of them did alike."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +46,7 @@ class LeftOut:
     resonances: tuple[Float[np.ndarray, " mode"], ...]
     """The model's natural frequencies in each posture as fitted without it [Hz]."""
     share: float = 1.0
-    """Of what was learnt, that goes into `hybrid`; each posture left out is predicted with that of the others."""
+    """Of what was learnt, that goes into `hybrid`; a posture left out is predicted by that of the others."""
 
     @property
     def gap(self) -> dict[str, float]:
