@@ -108,6 +108,7 @@ def as_json(prediction: FrfPrediction) -> dict[str, Any]:
         "beyond": list(prediction.beyond),
         "verdict": prediction.verdict,
         "noise_floor": finite(left.noise_floor),
+        "share": left.share,
         "left_out": {"postures": names, "methods": rows},
         "methods": dict(METHODS),
         "form": "receptance",
