@@ -3,8 +3,8 @@
 Robots of which the card knows little: stiffness and damping off by a standard deviation of 0.5 of their
 logarithm, masses by 0.35, inertias by 0.3, and three effects of the catalogue hidden at once, 3 to 30 times
 the noise floor. Of 24 postures, in an order drawn from the seed, the last four are never shown; the first 3,
-5, 8, 12 or 20 are. Results are kept as JSON lines in build/, by the first seed, so that a run that was stopped
-goes on where it was.
+5, 8, 12 or 20 are. Results are kept as JSON lines in build/, so that a run that was stopped goes on where it
+was.
 """
 
 from __future__ import annotations

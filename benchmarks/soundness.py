@@ -1,10 +1,10 @@
 """What goes wrong in a laboratory: how often it is found and named, and how often something is made up.
 
 Campaigns of three arms, the true robot 5 % off the card, 1 % noise. Each is looked at clean, with one mishap
-(all kinds in turn) and with three at once. Found is a mishap of which a finding is of its kind. What is done to
-a channel along which nothing moves changes no record with a signal in it: it does no harm, cannot be seen, and
-is counted apart. Results are kept as JSON lines in build/, by the first seed, so that a run that was stopped
-goes on where it was.
+(all kinds in turn) and with three at once. Found is a mishap of which a finding is of its kind. What is done
+to a channel along which nothing moves changes no record with a signal in it: it does no harm, cannot be seen,
+and is counted apart. Results are kept as JSON lines in build/, so that a run that was stopped goes on where it
+was.
 """
 
 from __future__ import annotations
@@ -75,14 +75,13 @@ def told(campaign: Campaign) -> dict[tuple[int, ...], bytes]:
     """Labels and values of the records with a signal in them."""
     assert campaign.frfs is not None
     records, _ = with_signal(campaign.frfs, campaign)
-    found = {
+    return {
         (
             int(records.posture[row]), int(records.trial[row]), *records.response[row].tolist(),
             *records.reference[row].tolist(),
         ): records.value[row].tobytes()
         for row in range(len(records))
     }  # fmt: skip
-    return found
 
 
 def main() -> None:
