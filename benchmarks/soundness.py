@@ -3,8 +3,8 @@
 Campaigns of three arms, the true robot 5 % off the card, 1 % noise. Each is looked at clean, with one mishap
 (all kinds in turn) and with three at once. Found is a mishap of which a finding is of its kind. What is done
 to a channel along which nothing moves changes no record with a signal in it: it does no harm, cannot be seen,
-and is counted apart. Results are kept as JSON lines in build/, so that a run that was stopped goes on where it
-was.
+and is counted apart. Results are kept as JSON lines in build/, so that a run that was stopped goes on from
+there.
 """
 
 from __future__ import annotations
