@@ -103,5 +103,6 @@ def placed_on(campaign: Campaign, robot: Robot) -> tuple[Campaign, tuple[str, ..
         said.append(
             f"{point.name} sits on {point.link!r}, which {robot.name} does not have; "
             f"its card has a point of that name on {known.link!r}, which was taken"
+            + (", with the axes of that link" if point.frame == "link" else "")
         )
     return (replace(campaign, points=tuple(points)) if said else campaign), tuple(said)
