@@ -33,9 +33,9 @@ def diagnosis_of(
     found = data.conclude(selection.root, selection.current)
     modal = data.findings(selection.rounds, selection.current, selection.rivals)
     says = verdict(facts_of(selection, found, modal))
-    if UNKNOWN in (name for name, _ in says.effects):
-        better = data.stand_in(selection.current)
-        found = found if better is None else data.conclude(selection.root, better)
+    last = selection.current
+    if UNKNOWN in (name for name, _ in says.effects) and (better := data.stand_in(last)) is not None:
+        last, found = better, data.conclude(selection.root, better)
     nameless = tuple(key for key in found.after.hypothesis.keys if key not in says.effects)
     if nameless:
         says = replace(says, says=f"{says.says} {stand_in_words(nameless, found.gaps)}")
@@ -47,7 +47,7 @@ def diagnosis_of(
         disagreement=found.disagreement,
         remaining=found.remaining,
         stand_in=nameless,
-        baselines=found.baselines,
+        baselines=data.baselines(last),
         steps=tuple(one for one in selection.steps if (one.effect, one.where) in says.effects),
         verdict=says,
         next_measurement=None if selection.rivals is None else data.next_measurement(*selection.rivals),

@@ -18,7 +18,7 @@ from jaxtyping import Complex, Float
 
 from flexmodal.campaign import Axes, CampaignPoint
 from flexmodal.identification.model import RobotModel, predict
-from flexmodal.identification.observations import Observations
+from flexmodal.identification.observations import Observations, unlimited
 from flexmodal.model import Robot
 from flexmodal.structure import robot_space
 
@@ -44,7 +44,7 @@ def with_tolerance(observations: Observations, robot: Robot) -> Observations:
     variance = observations.variance + 2 * given.gain**2
     model = RobotModel(robot, robot_space(robot))
     x = np.zeros(len(model.space))
-    endless = replace(observations, lengths=(0.0,) * len(observations.lengths))
+    endless = unlimited(observations)
     plain = predict(model, x, endless)
     for share, other, size in _shifted(endless, robot):
         change = np.log(_ratio(predict(model, x, other), plain)) / size

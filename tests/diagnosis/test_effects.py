@@ -9,14 +9,13 @@ import pytest
 import flexmodal
 from flexmodal.diagnosis.effects import Context, catalogue, link_flexibility
 from flexmodal.diagnosis.effects.effect import along, sides
-from flexmodal.diagnosis.effects.link_flexibility import gauss, shares
+from flexmodal.diagnosis.effects.hinges import gauss, shares
 from flexmodal.diagnosis.effects.sensors import mounted
 from flexmodal.diagnosis.effects.servo_compliance import loop
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.placed import Placed
-from flexmodal.diagnosis.search.lines import unlimited
 from flexmodal.errors import InvalidRequest
-from flexmodal.identification import observe, predict
+from flexmodal.identification import observe, predict, unlimited
 from flexmodal.identification.model import evaluated
 from flexmodal.rig import FORMS, simulate
 from flexmodal.rig.believed import known_robot
@@ -66,13 +65,17 @@ def theirs(observations, stand, effect, where, values, form="own"):
 
 
 K = 4e5
+STILL = 1e-9
+"""An idler too light to tell [kg·m²]."""
 CASES = {
     "servo_compliance": (
         "q2",
         {"gain": 3e5, "frequency": 30.0, "damping_ratio": 0.4},
         None,
     ),
-    "joint_coupling": ("q1+q3", {"coupling": -0.3}, {"coupling": -0.3}),
+    "joint_coupling": (
+        "q1+q3", {"coupling": -0.3, "inertia": STILL, "damping_time": 2e-12}, {"coupling": -0.3},
+    ),
     "base_flexibility": (
         "base",
         {
@@ -98,7 +101,32 @@ def test_effect_is_that_of_the_rig(bench, effect):
     context, observed, stand = bench
     where, values, _ = CASES[effect]
     other = theirs(observed, stand, effect, where, rig_values(context, stand, effect, where, values))
-    np.testing.assert_allclose(ours(context, observed, effect, where, values), other, rtol=1e-8)
+    found = ours(context, observed, effect, where, values)
+    np.testing.assert_allclose(found, other, rtol=1e-8 if effect == "servo_compliance" else 1e-6)
+
+
+@pytest.mark.parametrize("ratio", [0.7, -1.3])
+@pytest.mark.parametrize("form", ["ratio", "damped", "idler"])
+def test_couplings_of_other_kinds_are_those_of_the_rig(bench, form, ratio):
+    context, observed, stand = bench
+    k, loss, inertia = 2e5, 3e-4, 4.0
+    one, other = (float(context.robot.joints[name].stiffness) for name in ("q1", "q3"))
+    spring = {"stiffness": k, "ratio": ratio}
+    theirs_of = {
+        "ratio": spring,
+        "damped": {**spring, "damping": loss * k},
+        "idler": {"stiffness": 2 * k, "ratio": ratio, "inertia": inertia, "damping": 2 * loss * k},
+    }
+    omega = np.sqrt(4 * k / inertia)
+    values = {
+        "coupling": -k * ratio / np.sqrt(one * other), "first": k / one, "second": ratio**2 * k / other,
+        "damping_time": 2e-12 if form == "ratio" else loss, "ratio": abs(ratio),
+        "inertia": inertia if form == "idler" else STILL,
+        "frequency": omega / (2 * np.pi), "damping_ratio": loss * omega / 2,
+    }  # fmt: skip
+    found = ours(context, observed, "joint_coupling", "q1+q3", values)
+    there = theirs(observed, stand, "joint_coupling", "q1+q3", theirs_of[form], form)
+    np.testing.assert_allclose(found, there, rtol=1e-4 if form == "ratio" else 1e-6)
 
 
 def test_hysteresis_is_near_the_rigs_row_of_maxwell_elements(bench):
@@ -265,19 +293,29 @@ def test_a_slender_link_has_the_modes_of_a_beam(slender, monkeypatch):
 
 
 def _with_hinges(monkeypatch, count, then):
-    monkeypatch.setattr(link_flexibility, "hinges", lambda context, where: gauss(count)[0])
+    monkeypatch.setattr(link_flexibility, "fixed", lambda context, where: gauss(count))
     return then()
 
 
-@pytest.mark.parametrize("count", [2, 4])
-@pytest.mark.parametrize("position", [0.3, 0.5, 0.62])
-def test_hinges_are_worth_one_of_the_stiffness_at_the_position(count, position):
-    compliance = 1 / shares(7e4, position, count)
+@pytest.mark.parametrize("count", [4, 6])
+@pytest.mark.parametrize(("mean", "spread"), [(0.3, 0.5), (0.5, 3**-0.5), (0.62, 0.45), (0.5, 0.75)])
+def test_hinges_have_the_mean_and_the_spread_of_the_compliance(count, mean, spread):
+    place, weight = gauss(count)
+    compliance = shares(mean, spread, place, weight)
     assert np.all(compliance > 0)
-    assert compliance.sum() == pytest.approx(1 / 7e4, rel=1e-12)
-    assert compliance @ gauss(count)[0] / compliance.sum() == pytest.approx(position, rel=1e-9)
-    if position == 0.5:
-        np.testing.assert_allclose(compliance / compliance.sum(), gauss(count)[1], rtol=1e-12)
+    assert compliance.sum() == pytest.approx(1, rel=1e-12)
+    assert compliance @ place == pytest.approx(mean, rel=1e-9)
+    deviation = np.sqrt(compliance @ (place - mean) ** 2)
+    assert deviation == pytest.approx(spread * np.sqrt(mean * (1 - mean)), rel=1e-9)
+    if mean == 0.5 and spread < 0.6:
+        np.testing.assert_allclose(compliance, weight, rtol=1e-9)
+
+
+@pytest.mark.parametrize(("mean", "spread"), [(0.02, 0.9), (0.98, 0.02), (0.5, 0.01), (0.5, 0.99)])
+def test_hinges_come_as_near_as_they_can(mean, spread):
+    compliance = shares(mean, spread, *gauss(4))
+    assert np.all(compliance > 0)
+    assert compliance.sum() == pytest.approx(1, rel=1e-12)
 
 
 def test_bending_is_that_of_a_beam_where_it_is_slow(bench):
