@@ -32,6 +32,8 @@ from flexmodal.campaign.trial import Trial as Trial
 from flexmodal.campaign.trial import Window as Window
 from flexmodal.campaign.trial import repeat_groups as repeat_groups
 from flexmodal.campaign.uff.export import UNIVERSAL_SUFFIXES as UNIVERSAL_SUFFIXES
+from flexmodal.campaign.uff.geometry import Geometry as Geometry
+from flexmodal.campaign.uff.geometry import read_geometry as read_geometry
 from flexmodal.campaign.uff.write_frf import write_frf as write_frf
 from flexmodal.campaign.window import added_decay as added_decay
 from flexmodal.campaign.window import without_window as without_window

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from flexmodal.cli.measured import campaign_at, robot_of, say_doubled
+from flexmodal.cli.measured import campaign_at, robot_of, say_doubled, say_findings
 from flexmodal.cli.options import force_option, json_option, quiet_option, trust_of, trust_option
 from flexmodal.cli.printing import print_json, print_table, say, stages
 from flexmodal.cli.viewing import deliver, page_option, refuse_page
@@ -80,6 +80,7 @@ def diagnose(
     wanted, trusted = _names(effects), trust_of(trust)
     measured = campaign_at(campaign)
     arm = robot_of(measured, robot)
+    say_findings(measured, arm)
     say_doubled(measured, source)
     with stages(quiet=quiet) as advance:
         diagnosis = find(

@@ -41,6 +41,10 @@ _METHODS = ("zero-order", "multi-frequency", "semi-discretisation")
     "--posture", "postures", multiple=True, metavar="POSTURE",
     help="A named posture, or q1=50deg,q2=-0.8; several are compared.",
 )  # fmt: skip
+@click.option(
+    "--prediction", type=click.Path(path_type=Path), metavar="FILE.json",
+    help="In place of a posture: the FRFs that flexmodal predict wrote of one that nobody struck.",
+)  # fmt: skip
 @click.option("--family", metavar="NAME", help="Compare the members of a family of the card.")
 @click.option("--members", type=int, default=21, show_default=True, help="Of the family.")
 @click.option(
@@ -66,6 +70,7 @@ _METHODS = ("zero-order", "multi-frequency", "semi-discretisation")
 def lobes(
     robot: RobotOptions,
     postures: tuple[str, ...],
+    prediction: Path | None,
     family: str | None,
     members: int,
     hold: str | None,
@@ -86,14 +91,16 @@ def lobes(
     """Stability lobes of a milling cut in a posture, or postures compared by depth of cut."""
     from flexmodal.machining import read_cut, read_measured_tip
 
-    _one_way(postures, family, hold)
+    _one_way(postures, prediction, family, hold)
     refuse_existing(out, force, _ENDINGS)
     arm = robot.load()
     cut = read_cut(cut_file)
     added = None if spindle is None else read_measured_tip(spindle)
     _mention(cut, added)
     held = hold_of(arm, hold, orientation, axis, tool_axis)
-    if len(postures) == 1:
+    if prediction is not None:
+        _give_one(arm, _predicted(arm, prediction, cut, added, method, speeds, quiet), out, force, as_json)
+    elif len(postures) == 1:
         one = _single(arm, postures[0], cut, added, method, speeds, quiet)
         _give_one(arm, one, out, force, as_json)
     else:
@@ -107,12 +114,40 @@ def lobes(
         _give_several(several, out, force, as_json)
 
 
-def _one_way(postures: tuple[str, ...], family: str | None, hold: str | None) -> None:
-    choices = {"--posture": bool(postures), "--family": family is not None, "--hold": hold is not None}
-    given = [name for name, on in choices.items() if on]
+def _one_way(
+    postures: tuple[str, ...], prediction: Path | None, family: str | None, hold: str | None
+) -> None:
+    others = {"--prediction": prediction, "--family": family, "--hold": hold}
+    given = ["--posture"] * bool(postures) + [name for name, value in others.items() if value is not None]
     if len(given) != 1:
         found = " and ".join(given) or "none of them"
-        raise InvalidRequest(Fault(SOURCE, "", found, "exactly one of --posture, --family and --hold"))
+        allowed = "exactly one of --posture, --prediction, --family and --hold"
+        raise InvalidRequest(Fault(SOURCE, "", found, allowed))
+
+
+def _predicted(
+    arm: Robot, file: Path, cut: Cut, added: MeasuredTip | None, method: str, speeds: int | None, quiet: bool
+) -> PostureDepth:
+    """Lobes of predicted FRFs; how far they may be off is said."""
+    from flexmodal.machining import lobes_of_tip, read_predicted_tip
+
+    if method == "semi-discretisation":
+        allowed = "zero-order or multi-frequency: a prediction is a receptance, not a system"
+        raise InvalidRequest(Fault(SOURCE, "--method", method, allowed))
+    told = read_predicted_tip(file, arm, cut, added)
+    if told.rigid:
+        count = "one direction" if told.rigid == 1 else "two directions"
+        say(f"note: along {count} nothing was predicted at the tool; there the arm counts as rigid", err=True)
+    with busy("lobes", quiet=quiet):
+        found = lobes_of_tip(told.tip, told.posture, cut, method=method, speeds=speeds, forced=False)
+        ends = [lobes_of_tip(tip, told.posture, cut, forced=False) for tip in (told.softer, told.stiffer)]
+    low, high = (f"{1e3 * one.critical_depth:.3g}" for one in ends)
+    say(
+        f"note: within the 95 % band of the FRFs, all of them large or all small, the depth stable at every "
+        f"speed is {low} to {high} mm",
+        err=True,
+    )
+    return found
 
 
 def _mention(cut: Cut, added: MeasuredTip | None) -> None:

@@ -48,7 +48,7 @@ def _no_campaign(place: Path) -> Fault:
     """What to do with a file that is no campaign."""
     kind = f"a file of the kind {place.suffix or 'without an ending'}"
     allowed = "a folder with a campaign.toml, or a universal file (.uff, .unv) by itself"
-    if place.suffix.lower() in (".csv", ".xlsx", ".txt", ".mat", ".h5", ".hdf5"):
+    if place.suffix.lower() in (".csv", ".xlsx", ".txt", ".mat", ".h5", ".hdf5", ".tdms"):
         allowed += (
             f"; a table becomes a campaign by a map: flexmodal import {place} --draft map.toml, see "
             "docs/campaign.md"
@@ -120,7 +120,7 @@ def refuse_export(campaign: Campaign) -> None:
     Raises:
         InvalidCampaign: with what to do instead.
     """
-    from flexmodal.campaign.uff.export import NO_ROBOT
+    from flexmodal.campaign.description.tested import NO_ROBOT
 
     if campaign.robot != NO_ROBOT:
         return
@@ -139,7 +139,7 @@ def findings_on(path: str | Path) -> tuple[Finding, ...]:
         path: of the campaign.
     """
     from flexmodal.campaign import read_campaign
-    from flexmodal.campaign.uff.export import NO_ROBOT
+    from flexmodal.campaign.description.tested import NO_ROBOT
     from flexmodal.errors import FlexmodalError
     from flexmodal.model import load
     from flexmodal.soundness import check_soundness

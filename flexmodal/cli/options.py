@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, fields, replace
 from functools import wraps
 from pathlib import Path
@@ -43,9 +44,13 @@ class RobotOptions:
     fix: str | None
 
     def load(self) -> Robot:
-        """The robot they describe."""
+        """The robot they describe; of a folder that `identify`, `diagnose` or `rig` wrote, the one in it."""
         from flexmodal.model import load
 
+        inside = Path(self.robot) / "robot" / "robot.toml"
+        with suppress(OSError):  # a name too long to be one
+            if inside.is_file():
+                return replace(self, robot=str(inside)).load()
         self._say_tool()
         return load(
             self.robot,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -28,7 +27,7 @@ if TYPE_CHECKING:
     from flexmodal.prediction import FrfPrediction
 
 _ENDINGS = (".csv", ".json", ".uff", ".html", ".png", ".svg")
-_METHODS = ("physics", "hybrid", "half", "process", "mean", "nearest")
+_METHODS = ("hybrid", "physics", "process", "mean", "nearest")
 
 
 @click.command()
@@ -73,8 +72,7 @@ def predict(
     refuse_existing(out, force, _ENDINGS)
     measured = campaign_at(campaign)
     refuse_export(measured)
-    improved = Path(robot.robot) / "robot" / "robot.toml"
-    arm = (replace(robot, robot=str(improved)) if improved.is_file() else robot).load()
+    arm = robot.load()
     where = posture_of(arm, posture)
     say_findings(measured, arm)
     trusted = {**(POOR if poor_card else {}), **trust_of(trust)}

@@ -24,13 +24,30 @@ def check_compatible(campaign: Campaign, robot: Robot) -> None:
         raise InvalidRequest(faults)
 
 
+def unmentioned(campaign: Campaign, robot: Robot) -> tuple[str, ...]:
+    """Joints of another robot than the one the campaign names, which none of its postures mentions.
+
+    A joint left out of a posture stands at 0; one that the campaign does not know of is another arm's.
+
+    Args:
+        campaign: what was measured.
+        robot: that it is to be compared with.
+    """
+    own = campaign.robot == robot.name
+    if campaign.path is not None and robot.path is not None:
+        own = own or (campaign.path / campaign.robot).resolve() == robot.path.resolve()
+    known = {name for posture in campaign.postures for name in posture.q}
+    return () if own else tuple(name for name in robot.commanded if name not in known)
+
+
 def _posture_faults(campaign: Campaign, robot: Robot, source: str) -> list[Fault]:
     faults: list[Fault] = []
+    strange = unmentioned(campaign, robot)
+    if strange:
+        allowed = f"an angle or way of each in some posture: the campaign is of {campaign.robot}"
+        found = f"nothing of {listing(strange)}, which {robot.name} is posed by"
+        faults.append(Fault(source, "posture", found, allowed))
     for posture in campaign.postures:
-        unsaid = sorted(set(robot.commanded) - set(posture.q))
-        if unsaid:
-            allowed = f"an angle or way of every joint that {robot.name} is posed by"
-            faults.append(Fault(source, f"posture {posture.name}", f"nothing of {listing(unsaid)}", allowed))
         try:
             robot.posture(dict(posture.q), source=f"{source}: posture {posture.name}")
         except InvalidPosture as error:
@@ -86,5 +103,6 @@ def placed_on(campaign: Campaign, robot: Robot) -> tuple[Campaign, tuple[str, ..
         said.append(
             f"{point.name} sits on {point.link!r}, which {robot.name} does not have; "
             f"its card has a point of that name on {known.link!r}, which was taken"
+            + (", with the axes of that link" if point.frame == "link" else "")
         )
     return (replace(campaign, points=tuple(points)) if said else campaign), tuple(said)

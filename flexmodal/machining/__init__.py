@@ -14,12 +14,15 @@ from flexmodal.machining.depth import compare_postures as compare_postures
 from flexmodal.machining.depth import critical_depth as critical_depth
 from flexmodal.machining.depth import depth_over as depth_over
 from flexmodal.machining.depth import lobes as lobes
+from flexmodal.machining.depth import lobes_of_tip as lobes_of_tip
 from flexmodal.machining.forced import ForcedSweep as ForcedSweep
 from flexmodal.machining.forced import ForcedVibration as ForcedVibration
 from flexmodal.machining.forced import forced_sweep as forced_sweep
 from flexmodal.machining.forced import forced_vibration as forced_vibration
 from flexmodal.machining.measured_tip import MeasuredTip as MeasuredTip
 from flexmodal.machining.measured_tip import read_measured_tip as read_measured_tip
+from flexmodal.machining.predicted_tip import PredictedTip as PredictedTip
+from flexmodal.machining.predicted_tip import read_predicted_tip as read_predicted_tip
 from flexmodal.machining.read_cut import read_cut as read_cut
 from flexmodal.machining.simulate import CutHistory as CutHistory
 from flexmodal.machining.simulate import simulate as simulate

@@ -18,6 +18,7 @@ from flexmodal.machining.stability.lobes import Lobes
 from flexmodal.machining.stability.mode_coupling import ModeCoupling, mode_coupling
 from flexmodal.machining.stability.solve import stability_lobes, unconditional_depth
 from flexmodal.machining.tip import tool_tip
+from flexmodal.machining.tip_receptance import TipReceptance
 from flexmodal.model import Pose, PosedRobot, Posture, Robot
 from flexmodal.text.shown import Shown
 
@@ -159,10 +160,41 @@ def lobes(
         FlexmodalError: as `critical_depth` and `stability_lobes`.
     """
     posed = robot.at(pose)
-    tip = tool_tip(posed, cut, added)
+    return lobes_of_tip(
+        tool_tip(posed, cut, added), posed.posture, cut, method=method, speeds=speeds, parameter=parameter,
+        forced=forced, advance=advance,
+    )  # fmt: skip
+
+
+def lobes_of_tip(
+    tip: TipReceptance,
+    posture: Posture,
+    cut: Cut,
+    *,
+    method: str = "zero-order",
+    speeds: int | Float[np.ndarray, " speed"] | None = None,
+    parameter: float | None = None,
+    forced: bool = True,
+    advance: Callable[[], None] = lambda: None,
+) -> PostureDepth:
+    """The same for a tip that is known otherwise, by a prediction say.
+
+    Args:
+        tip: receptance of the tip, in the frame of the cut.
+        posture: that it is of.
+        cut: the cut.
+        method: see `stability_lobes`.
+        speeds: see `stability_lobes`.
+        parameter: of the family, to be carried along.
+        forced: whether forced vibration is wanted, where the cut says feed and depth.
+        advance: see `stability_lobes`.
+
+    Raises:
+        FlexmodalError: as `stability_lobes`.
+    """
     found = stability_lobes(tip, cut, method=method, speeds=speeds, advance=advance)
     return PostureDepth(
-        posture=posed.posture,
+        posture=posture,
         lobes=found,
         unconditional=unconditional_depth(tip, cut),
         coupling=mode_coupling(tip, cut),

@@ -107,10 +107,12 @@ def as_json(prediction: FrfPrediction) -> dict[str, Any]:
         "beyond": list(prediction.beyond),
         "verdict": prediction.verdict,
         "noise_floor": finite(left.noise_floor),
+        "share": left.share,
         "left_out": {"postures": names, "methods": rows},
         "methods": dict(METHODS),
         "form": "receptance",
         "unit": UNIT,
+        "ways": {name: list(way) for name, way in prediction.ways.items()},
         "frequency": prediction.frequency.tolist(),
         "frfs": [
             {

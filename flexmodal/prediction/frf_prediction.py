@@ -63,6 +63,8 @@ class FrfPrediction(Shown):
     """Distance to the nearest measured posture over the typical one between these, 1 or more."""
     axes: Mapping[str, str] = field(default_factory=dict)
     """What x, y, z are at points where they are not the world's."""
+    ways: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
+    """Unit vector in the world of every direction in this posture, by its text."""
 
     _PICTURE: ClassVar[str] = "flexmodal.prediction.plot:draw_prediction"
 

@@ -14,9 +14,8 @@ from flexmodal.prediction.panel import Panel
 from flexmodal.prediction.process import features, interpolated
 
 METHODS: Mapping[str, str] = {
-    "physics": "the model fitted to the other postures",
-    "hybrid": "the same, times what it leaves there, learnt over the posture",
-    "half": "the same, with half of what was learnt",
+    "hybrid": "the model fitted to the others, times a share of what it leaves, learnt over the posture",
+    "physics": "the model fitted to the others",
     "process": "their mean, times what that leaves, learnt over the posture: data alone",
     "mean": "the mean of the other postures",
     "nearest": "the nearest posture",
@@ -41,12 +40,15 @@ class Known:
     """Names of prismatic joints."""
 
 
-def predicted_by_all(known: Known, target: int) -> dict[str, Complex[np.ndarray, "some line"]]:
+def predicted_by_all(
+    known: Known, target: int, share: float = 1.0
+) -> dict[str, Complex[np.ndarray, "some line"]]:
     """Receptances of a posture's observations by every method [m/N].
 
     Args:
         known: what may be looked at.
         target: number of the posture; its own FRFs are not looked at.
+        share: of what was learnt that goes into `hybrid`.
 
     Raises:
         MissingExtra: scikit-learn is not installed.
@@ -58,9 +60,8 @@ def predicted_by_all(known: Known, target: int) -> dict[str, Complex[np.ndarray,
     left = _learnt(known, target, known.physics, align=True)[place]
     alone = _learnt(known, target, mean[panel.place], align=False)[place]
     return {
+        "hybrid": physics * np.exp(share * left),
         "physics": physics,
-        "hybrid": physics * np.exp(left),
-        "half": physics * np.exp(left / 2),
         "process": mean[place] * np.exp(alone),
         "mean": mean[place],
         "nearest": _nearest(known, target, mean)[place],

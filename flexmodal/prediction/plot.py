@@ -74,7 +74,7 @@ def draw_left_out(prediction: FrfPrediction) -> Any:
     figure = new_figure(WIDE, 1.6 + 0.34 * len(names))
     axes = figure.subplots()
     rows = np.arange(len(names))
-    marks = {"physics": "s", "hybrid": "o", "half": ".", "process": "^", "mean": "x", "nearest": "+"}
+    marks = {"physics": "s", "hybrid": "o", "process": "^", "mean": "x", "nearest": "+"}
     for name, marker in marks.items():
         colour = FITTED if name == prediction.method else SOFT
         axes.plot(left.gaps[name], rows, marker, color=colour, label=name, markersize=6, linestyle="none")

@@ -13,6 +13,7 @@ from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.identification import build_identification
 from flexmodal.identification.evidence.frf import FrfEvidence
 from flexmodal.model import Robot
+from flexmodal.model.placements import link_placements
 from flexmodal.prediction.band import band, remoteness
 from flexmodal.prediction.frf_prediction import FrfPrediction, PredictedFrf
 from flexmodal.prediction.leave_one_out import LeftOut, known_by, leave_each_out
@@ -115,7 +116,7 @@ def solve_by_all(
     target = len(panel.observations.postures) - 1
     with threadpool_limits(1):
         known = known_by(problem.evidence, panel, problem.x, left.postures, problem.sliding)
-        values = predicted_by_all(known, target)
+        values = predicted_by_all(known, target, left.share)
     far, beyond = remoteness(left, where), _beyond(problem, where)
     found = {}
     for method, value in values.items():
@@ -124,7 +125,7 @@ def solve_by_all(
         frfs = _frfs(problem, panel, value, (wider * halves[0], np.minimum(wider * halves[1], np.pi)))
         found[method] = FrfPrediction(
             problem.robot.name, problem.campaign.title, where, panel.axis, frfs, method, left, beyond, far,
-            _axes(problem, frfs),
+            _axes(problem, frfs), _ways(problem, panel, where),
         )  # fmt: skip
     return found
 
@@ -151,6 +152,21 @@ def _axes(problem: PredictionProblem, frfs: tuple[PredictedFrf, ...]) -> dict[st
     used = dict.fromkeys(one.point for frf in frfs for one in (frf.response, frf.reference))
     own = {point.name: point.axes_text() for point in problem.campaign.points if point.own_axes}
     return {name: own[name] for name in used if name in own}
+
+
+def _ways(
+    problem: PredictionProblem, panel: Panel, q: Mapping[str, float]
+) -> dict[str, tuple[float, float, float]]:
+    """Unit vector in the world of every direction that is predicted, by its text."""
+    placed = link_placements(problem.robot, dict(q))
+    names = {point.id: point.name for point in problem.campaign.points}
+    found = {}
+    for pair in panel.pairs.tolist():
+        for number, direction in (pair[:2], pair[2:]):
+            point = problem.campaign.point(number)
+            x, y, z = (float(part) + 0.0 for part in point.way(direction, placed[point.link][:3, :3]))
+            found[str(named_direction((number, direction), names))] = (x, y, z)
+    return found
 
 
 def predict_posture(

@@ -9,6 +9,7 @@ import numpy as np
 from flexmodal.campaign import Campaign, FrfRecords, estimate_frfs
 from flexmodal.errors import InvalidInput
 from flexmodal.identification import Observations, RobotModel, observe
+from flexmodal.identification.compatibility import unmentioned
 from flexmodal.identification.model import predict
 from flexmodal.model import Robot
 from flexmodal.soundness.blows import blow_findings
@@ -16,11 +17,12 @@ from flexmodal.soundness.finding import Finding, FindingKind
 from flexmodal.soundness.hypotheses import angle_hypotheses, in_radians, record_hypotheses
 from flexmodal.soundness.low_corner import corner_findings
 from flexmodal.soundness.records import record_findings
-from flexmodal.soundness.suspicion import EVERYWHERE, Accepted, accepted, with_angles
+from flexmodal.soundness.silent import with_silent
+from flexmodal.soundness.suspicion import Accepted, Models, accepted, with_angles
 from flexmodal.structure import robot_space
+from flexmodal.text.words import listing
 
-TURNED = 3
-"""Joints at most that are looked at the other way round, one after the other."""
+_NAMED = 4
 _REMEDY: dict[FindingKind, str] = {
     "sign": "turn the sense of this channel in its records, or mount it as its label says",
     "axes swapped": "exchange the two labels in the records, or measure again",
@@ -42,6 +44,10 @@ def check_soundness(campaign: Campaign, robot: Robot | None = None) -> tuple[Fin
             none of its own, only the data by themselves are looked at.
     """
     found = list(blow_findings(campaign))
+    if robot is not None and not _belongs(campaign, robot):
+        robot = None
+    if robot is not None:
+        found += _left_out(campaign, robot)
     records = _records(campaign)
     if records is None:
         return tuple(found)
@@ -49,11 +55,12 @@ def check_soundness(campaign: Campaign, robot: Robot | None = None) -> tuple[Fin
     found += told
     if any(one.kind == "FRFs against blows" for one in told):
         campaign = replace(campaign, frfs=None)  # the blows are nearer to what was measured
-    if robot is None or not _belongs(campaign, robot):
+    if robot is None:
         return tuple(found)
     observations = _observed(campaign)
     if observations is not None:
-        found += beside_model(observations, robot)
+        every = _records(campaign) or records
+        found += beside_model(with_silent(observations, every), robot)
     return tuple(found)
 
 
@@ -71,19 +78,10 @@ def beside_model(observations: Observations, robot: Robot) -> list[Finding]:
     if turned is not None:
         found.append(_degrees(observations))
         observations = turned
-    for _ in range(TURNED):
-        hypotheses, angles = angle_hypotheses(observations)
-        models = {"": predict(model, card, observations)}
-        for name, q in angles.items():
-            models[name] = predict(model, card, with_angles(observations, q))
-        explained, told = accepted(observations, models, [*hypotheses, *record_hypotheses(observations)])
-        everywhere = [one for one in explained if one.hypothesis.where.endswith(EVERYWHERE)]
-        joint = next((one for one in everywhere if one.hypothesis.kind == "joint sign"), None)
-        if joint is None:
-            break
-        # with this joint turned, what else is wrong with the angles is looked for anew
-        found.append(_finding(joint))
-        observations = with_angles(observations, angles[str(joint.hypothesis.angles)])
+    stated = [dict(one.q) for one in observations.postures]
+    models = Models(lambda reading: predict(model, card, with_angles(observations, reading.of(stated))))
+    hypotheses = [*angle_hypotheses(observations), *record_hypotheses(observations)]
+    explained, told = accepted(observations, models, hypotheses)
     return [*found, *map(_finding, explained), *corner_findings(observations, told)]
 
 
@@ -110,11 +108,31 @@ def _degrees(observations: Observations) -> Finding:
     )
 
 
+def _left_out(campaign: Campaign, robot: Robot) -> list[Finding]:
+    """Joints that some postures do not mention."""
+    found = []
+    for joint in robot.commanded:
+        silent = [posture.name for posture in campaign.postures if joint not in posture.q]
+        if silent:
+            found.append(
+                Finding(
+                    "joint left out",
+                    f"{joint} in posture {listing(silent[:_NAMED])}"
+                    + (", …" if len(silent) > _NAMED else ""),
+                    "campaign.toml does not say where it stood; it is taken to stand at 0, as in a card",
+                    "where it did not, every posture is another one",
+                    "write every joint that the robot is posed by, those at 0 too",
+                )
+            )
+    return found
+
+
 def _belongs(campaign: Campaign, robot: Robot) -> bool:
     """Whether the robot has every link and every joint that the campaign names."""
     joints = {name for posture in campaign.postures for name in posture.q}
     links = {point.link for point in campaign.points}
-    return joints <= set(robot.commanded) and links <= set(robot.urdf.link_by_name)
+    strange = unmentioned(campaign, robot)
+    return not strange and joints <= set(robot.commanded) and links <= set(robot.urdf.link_by_name)
 
 
 def _records(campaign: Campaign) -> FrfRecords | None:

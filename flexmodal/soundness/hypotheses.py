@@ -34,7 +34,7 @@ def record_hypotheses(observations: Observations) -> list[Hypothesis]:
     found: list[Hypothesis] = []
     channels = [tuple(map(int, one)) for one in np.unique(observations.response, axis=0)]
     hammers = [tuple(map(int, one)) for one in np.unique(observations.reference, axis=0)]
-    every = np.arange(len(observations))
+    every = np.flatnonzero(observations.used.any(axis=1))
     for factor, meaning in FACTORS.items():
         found.append(Hypothesis("scale", f"every record: {meaning}", every, factor=factor))
     for scope, inside in scopes(observations):
@@ -115,43 +115,33 @@ def _key(observations: Observations, row: int) -> tuple[int, tuple[int, int], tu
     return int(observations.posture[row]), response, reference, int(observations.level[row])
 
 
-def angle_hypotheses(
-    observations: Observations,
-) -> tuple[list[Hypothesis], dict[str, list[dict[str, float]]]]:
+def angle_hypotheses(observations: Observations) -> list[Hypothesis]:
     """Angles of other postures, signs of joints, degrees for radians.
 
     Args:
         observations: what was measured.
-
-    Returns:
-        The hypotheses, and by the name of the angles those of every posture.
     """
     postures, count = observations.postures, len(observations.postures)
-    stated = [dict(one.q) for one in postures]
-    angles: dict[str, list[dict[str, float]]] = {}
     found = []
-    rows = [np.flatnonzero(observations.posture == number) for number in range(count)]
-    every = np.arange(len(observations))
-    for step in range(1, count):
-        angles[f"those {step} on"] = [stated[(number + step) % count] for number in range(count)]
+    there = observations.used.any(axis=1)
+    rows = [np.flatnonzero(there & (observations.posture == number)) for number in range(count)]
+    every = np.flatnonzero(there)
     for one, other in combinations(range(count), 2):
         where = f"{postures[one].name} and {postures[other].name}"
-        found.append(_exchange(rows, (one, other), count, where))
-    joints = list(dict.fromkeys(name for q in stated for name in q))
-    for joint in joints:
-        name = f"{joint} the other way"
-        angles[name] = [{**q, joint: -q.get(joint, 0.0)} for q in stated]
-        found.append(Hypothesis("joint sign", f"{joint} in {EVERYWHERE}", every, angles=name))
+        both = np.concatenate([rows[one], rows[other]])
+        steps = np.repeat([other - one, one - other], [len(rows[one]), len(rows[other])]) % count
+        found.append(Hypothesis("postures exchanged", where, both, offset=steps))
+    for joint in dict.fromkeys(name for posture in postures for name in posture.q):
+        found.append(Hypothesis("joint sign", f"{joint} in {EVERYWHERE}", every, turned=joint))
         for number, posture in enumerate(postures):
-            if stated[number].get(joint):
+            if posture.q.get(joint):
                 where = f"{joint} in posture {posture.name}"
-                found.append(Hypothesis("joint sign", where, rows[number], angles=name))
-    angles["degrees"] = [{joint: math.radians(value) for joint, value in q.items()} for q in stated]
-    found.append(Hypothesis("degrees for radians", "all postures", every, angles="degrees"))
+                found.append(Hypothesis("joint sign", where, rows[number], turned=joint))
+    found.append(Hypothesis("degrees for radians", "all postures", every, in_degrees=True))
     for number, posture in enumerate(postures):
         where = f"posture {posture.name}"
-        found.append(Hypothesis("degrees for radians", where, rows[number], angles="degrees"))
-    return found, angles
+        found.append(Hypothesis("degrees for radians", where, rows[number], in_degrees=True))
+    return found
 
 
 def in_radians(observations: Observations) -> Observations | None:
@@ -166,15 +156,3 @@ def in_radians(observations: Observations) -> Observations | None:
         return None
     angles = [{joint: math.radians(value) for joint, value in q.items()} for q in stated]
     return with_angles(observations, angles)
-
-
-def _exchange(rows: list[np.ndarray], pair: tuple[int, int], count: int, where: str) -> Hypothesis:
-    """Each of two postures bears the other's angles."""
-    one, other = pair
-    both = np.concatenate([rows[one], rows[other]])
-    names = np.array(
-        [f"those {(other - one) % count} on"] * len(rows[one])
-        + [f"those {(one - other) % count} on"] * len(rows[other]),
-        dtype=object,
-    )
-    return Hypothesis("postures exchanged", where, both, angles=names)

@@ -1,8 +1,10 @@
 """High passes of AC-coupled channels: their corner from the phase of the lowest lines, and taking them out.
 
-Behind a first-order high pass a response reads H · iω/(iω + ω_c), whose phase leads by atan(f_c/f). The
-corner is the one that leaves the least mean deviation from the model's phase. Lower and upper half of the
-lines agree on it; of a delay, a lag or a wrong stiffness they make different ones.
+Behind a first-order high pass a response reads H · iω/(iω + ω_c), whose phase leads by atan(f_c/f). What the
+model has wrong of a resonance turns the phase of every channel alike; so of each line the median of the other
+channels under the same blows is taken off first. The corner is the one that leaves the least mean deviation,
+a line counting by 1/f, as the lead does. Lower and upper half of the lines agree on it; a delay, a lag or a
+wrong stiffness makes two.
 """
 
 from __future__ import annotations
@@ -22,10 +24,14 @@ LOW = 0.25
 """Part of the lines, from the lowest, in which a corner is looked for."""
 FEWEST = 8
 """Usable lines among them."""
-LEAST = 0.15
-"""Corner over the lowest line from which it matters: 9° of phase there."""
-BETTER = 0.7
-"""Part of the mean deviation of phase that a corner has to leave at most."""
+LEAST = 0.3
+"""Corner over the lowest line from which it matters: 17° of phase there."""
+BETTER = 0.87
+"""Part of the mean deviation of phase that a corner has to leave at most; clean channels leave 0.94."""
+ALONE = 0.7
+"""The same where there is no other channel to take the median of."""
+LARGEST = 2.5
+"""Deviation of phase beyond which a line says nothing of a lead [rad]."""
 ALIKE = 2.0
 """Factor within which lower and upper half of these lines agree on the corner."""
 
@@ -69,28 +75,48 @@ def low_corner(
     """
     frequency = observations.records.frequency
     low = np.arange(len(frequency)) < max(FEWEST, int(LOW * len(frequency)))
-    leads, lines = [], []
+    every = np.where(observations.used, -residual(model, observations.value).imag, np.nan)
+    leads, lines, beside = [], [], False
     for row in rows.tolist():
-        used = low & observations.used[row]
-        leads.append(-residual(model[row][used], observations.value[row][used]).imag)
+        common = _common(observations, every, row)
+        used = low & observations.used[row] & (np.abs(every[row]) < LARGEST)
+        beside = beside or bool(np.any(np.isfinite(common)))
+        leads.append((every[row] - np.where(np.isfinite(common), common, 0.0))[used])
         lines.append(frequency[used])
     lead, at = np.concatenate(leads), np.concatenate(lines)
     if lead.size < FEWEST:
         return None
     corner, left = _best(lead, at)
-    if corner < LEAST * float(at.min()) or left > BETTER * float(np.mean(np.abs(lead))):
+    most = BETTER if beside else ALONE
+    if corner < LEAST * float(at.min()) or left > most * float(np.average(np.abs(lead), weights=1 / at)):
         return None
-    split = float(np.median(at))
+    order = np.sort(at)
+    split = order[int(np.searchsorted(np.cumsum(1 / order), np.sum(1 / order) / 2))]
     for part in (at <= split, at > split):
         if part.any() and not 1 / ALIKE < _best(lead[part], at[part])[0] / corner < ALIKE:
             return None
     return corner
 
 
+def _common(
+    observations: Observations, lead: Float[np.ndarray, "observation line"], row: int
+) -> Float[np.ndarray, " line"]:
+    """Median of the other channels in the same posture under the same blows; NaN where there is none."""
+    same = observations.posture == observations.posture[row]
+    same &= np.all(observations.reference == observations.reference[row], axis=1)
+    same &= observations.level == observations.level[row]
+    same &= ~np.all(observations.response == observations.response[row], axis=1)
+    others = lead[same]
+    there = np.any(np.isfinite(others), axis=0) if len(others) else np.zeros(lead.shape[1], bool)
+    found = np.full(lead.shape[1], np.nan)
+    found[there] = np.nanmedian(others[:, there], axis=0)
+    return found
+
+
 def _best(lead: Float[np.ndarray, " one"], at: Float[np.ndarray, " one"]) -> tuple[float, float]:
     """Corner with the least mean deviation of phase [Hz], and that deviation [rad]."""
     corners = np.concatenate([[0.0], np.geomspace(0.02, 5.0, 120) * float(at.min())])
-    away = np.abs(lead - np.arctan(corners[:, None] / at)).mean(axis=1)
+    away = np.abs(lead - np.arctan(corners[:, None] / at)) @ (1 / at) / np.sum(1 / at)
     best = int(np.argmin(away))
     return float(corners[best]), float(away[best])
 

@@ -4,16 +4,18 @@ A hypothesis changes what some records are compared with (another place, other a
 misfit of a record is the mean over its lines of |ln(model / record)|², cut at `CUT`² so that a record that is
 wholly wrong counts once. The hypothesis that takes most off the sum is accepted where it leaves less than
 `LEFT` of the misfit of the records it is about, and these were farther than `FAR` from the model; then the
-next is looked for, the accepted ones in force. Where no single one is left, two at once are tried.
+next is looked for, the accepted ones in force. Where no single one is left, or one takes little off, two at
+once are tried, then three.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from jaxtyping import Bool, Complex, Float, Int, Shaped
+from jaxtyping import Bool, Complex, Float, Int
 
 from flexmodal.identification import Observations
 from flexmodal.identification.frf_fit import residual
@@ -24,10 +26,13 @@ FAR = 0.2
 """Root mean square of |ln| from which records are suspected."""
 LEFT = 0.4
 """Part of the misfit of its records that a hypothesis may leave."""
-PAIR_FAR, PAIR_LEFT = 0.5, 0.2
-"""The same of two hypotheses at once, of which there are many more."""
+PAIR_FAR, PAIR_LEFT, TRIPLE_LEFT = 0.5, 0.2, 0.15
+"""The same of two hypotheses at once, of which there are many more, and of three."""
+PIECE, MORE = 0.5, 1.5
+"""Part of what is suspected that one hypothesis takes off and is believed at once; of one that takes less,
+the multiple that several at once have to take off to be believed instead."""
 FIRSTS = 10
-"""Hypotheses that a second one is tried with: those that take most off."""
+"""Hypotheses, or pairs of them, that one more is tried with: those that take most off."""
 EVERYWHERE = "all postures"
 MOST = 12
 """Hypotheses that are accepted, one after the other."""
@@ -43,8 +48,12 @@ class Hypothesis:
     """Observations."""
     compared: Int[np.ndarray, " some"] | None = None
     """Observation whose model each is compared with instead of its own; None for its own."""
-    angles: str | Shaped[np.ndarray, " some"] | None = None
-    """Name of the angles that the model takes instead, or one for each record; None for those stated."""
+    offset: Int[np.ndarray, " some"] | None = None
+    """So many postures further on stand the angles that each record is of; None for its own posture's."""
+    turned: str = ""
+    """Joint that counts the other way."""
+    in_degrees: bool = False
+    """Whether the angles are degrees."""
     factor: float = 1.0
     """That the records are multiplied by."""
 
@@ -59,49 +68,94 @@ class Accepted:
     after: float
 
 
+@dataclass(frozen=True)
+class Reading:
+    """How the angles of a record's posture are read."""
+
+    offset: int = 0
+    """They stand so many postures further on."""
+    turned: frozenset[str] = frozenset()
+    """Joints that count the other way."""
+    in_degrees: bool = False
+
+    def of(self, stated: Sequence[Mapping[str, float]]) -> list[dict[str, float]]:
+        """The angles of every posture [rad, m].
+
+        Args:
+            stated: as they stand in the campaign.
+        """
+        count, scale = len(stated), math.pi / 180 if self.in_degrees else 1.0
+        return [
+            {
+                joint: scale * (-value if joint in self.turned else value)
+                for joint, value in stated[(number + self.offset) % count].items()
+            }
+            for number in range(count)
+        ]
+
+
+STATED = Reading()
+
+
+class Models(dict[Reading, Complex[np.ndarray, "observation line"]]):
+    """Receptances of every observation by how the angles are read, each made when it is asked for [m/N]."""
+
+    def __init__(self, make: Callable[[Reading], Complex[np.ndarray, "observation line"]]) -> None:
+        super().__init__()
+        self.make = make
+
+    def __missing__(self, reading: Reading) -> Complex[np.ndarray, "observation line"]:
+        """Make it, once."""
+        self[reading] = self.make(reading)
+        return self[reading]
+
+
 @dataclass(eq=False)
 class _State:
     """What each record is compared with, and multiplied by."""
 
     compared: np.ndarray
-    angles: np.ndarray
+    reading: np.ndarray
     factor: np.ndarray
 
     def changed(self, one: Hypothesis) -> _State:
-        """With a hypothesis in force."""
-        state = _State(self.compared.copy(), self.angles.copy(), self.factor.copy())
+        """With a hypothesis in force, beside those that are."""
+        state = _State(self.compared.copy(), self.reading.copy(), self.factor.copy())
         if one.compared is not None:
             state.compared[one.rows] = self.compared[one.compared]
-        if one.angles is not None:
-            state.angles[one.rows] = one.angles
+        for place, row in enumerate(one.rows.tolist()):
+            was = self.reading[row]
+            if one.offset is not None:
+                was = replace(was, offset=int(one.offset[place]))
+            if one.turned:
+                was = replace(was, turned=was.turned ^ {one.turned})
+            state.reading[row] = replace(was, in_degrees=True) if one.in_degrees else was
         state.factor[one.rows] *= one.factor
         return state
 
 
 def accepted(
     observations: Observations,
-    models: Mapping[str, Complex[np.ndarray, "observation line"]],
+    models: Models,
     hypotheses: Sequence[Hypothesis],
 ) -> tuple[list[Accepted], Complex[np.ndarray, "observation line"]]:
     """Find the errors that explain most, one after the other.
 
     Args:
         observations: what was measured.
-        models: receptances of every observation by name of the angles; "" for those stated [m/N].
+        models: receptances of every observation by how the angles are read [m/N].
         hypotheses: those to look at; of two that explain as much the first counts.
 
     Returns:
         The errors, and what the model says of every record as it was recorded, these errors made [m/N].
     """
     count = len(observations)
-    state = _State(np.arange(count), np.full(count, "", dtype=object), np.ones(count))
+    state = _State(np.arange(count), np.full(count, STATED, dtype=object), np.ones(count))
     every = np.arange(count)
     misfit = _misfit(observations, models, state, every)
     found: list[Accepted] = []
     for _ in range(MOST):
-        best = _best_single(observations, models, state, misfit, hypotheses)
-        if best is None:
-            best = _best_pair(observations, models, state, misfit, hypotheses)
+        best = _best(observations, models, state, misfit, hypotheses)
         if best is None:
             break
         for one in best:
@@ -114,9 +168,34 @@ def accepted(
     return found, _predicted(models, state, every) / state.factor[:, None]
 
 
+def _best(
+    observations: Observations,
+    models: Models,
+    state: _State,
+    misfit: Float[np.ndarray, " observation"],
+    hypotheses: Sequence[Hypothesis],
+) -> tuple[Hypothesis, ...] | None:
+    """One, or several at once where one leaves most of what is suspected and several take more off.
+
+    Two errors in every record would otherwise be explained piece by piece, each piece by another one.
+    """
+    single = _best_single(observations, models, state, misfit, hypotheses)
+    taken = 0.0
+    if single is not None:
+        rows = single[0].rows
+        after = _misfit(observations, models, state.changed(single[0]), rows)
+        taken = float(np.sum(misfit[rows] - after))
+        if taken > PIECE * float(np.sum(misfit[misfit > PAIR_FAR**2])):
+            return single
+    several = _best_several(observations, models, state, misfit, hypotheses)
+    if several is None or (single is not None and several.gain(misfit) < MORE * taken):
+        return single
+    return several.parts
+
+
 def _best_single(
     observations: Observations,
-    models: Mapping[str, Complex[np.ndarray, "observation line"]],
+    models: Models,
     state: _State,
     misfit: Float[np.ndarray, " observation"],
     hypotheses: Sequence[Hypothesis],
@@ -133,37 +212,55 @@ def _best_single(
     return best
 
 
-def _best_pair(
+def _best_several(
     observations: Observations,
-    models: Mapping[str, Complex[np.ndarray, "observation line"]],
+    models: Models,
     state: _State,
     misfit: Float[np.ndarray, " observation"],
     hypotheses: Sequence[Hypothesis],
-) -> tuple[Hypothesis, ...] | None:
-    """Two errors in the same records, neither of which explains them alone; they have to explain more."""
+) -> _Several | None:
+    """Two errors in the same records, else three, none of which explains them alone.
+
+    Of each number those go on that take most off.
+    """
     suspected = [one for one in hypotheses if len(one.rows) and np.mean(misfit[one.rows]) > PAIR_FAR**2]
-    gains = [
-        float(np.sum(misfit[one.rows] - _misfit(observations, models, state.changed(one), one.rows)))
-        for one in suspected
-    ]
-    best, gain = None, 0.0
-    for place in np.argsort(gains)[::-1][:FIRSTS].tolist():
-        first = suspected[place]
-        begun = state.changed(first)
-        for second in suspected:
-            if second is first or not np.isin(second.rows, first.rows).any():
-                continue
-            rows = np.union1d(first.rows, second.rows)
-            after = _misfit(observations, models, begun.changed(second), rows)
-            before = misfit[rows]
-            if np.mean(after) < PAIR_LEFT * np.mean(before) and np.sum(before - after) > gain + 1e-9:
-                best, gain = (first, second), float(np.sum(before - after))
-    return best
+    tried = [_Several((one,), one.rows, _misfit(observations, models, state.changed(one), one.rows))
+             for one in suspected]  # fmt: skip
+    for left in (PAIR_LEFT, TRIPLE_LEFT):
+        begun = sorted(tried, key=lambda one: one.gain(misfit), reverse=True)[:FIRSTS]
+        tried = []
+        for one in begun:
+            reached = state
+            for part in one.parts:
+                reached = reached.changed(part)
+            for more in suspected:
+                if more in one.parts or not np.isin(more.rows, one.rows).any():
+                    continue
+                rows = np.union1d(one.rows, more.rows)
+                after = _misfit(observations, models, reached.changed(more), rows)
+                tried.append(_Several((*one.parts, more), rows, after))
+        explained = [one for one in tried if np.mean(one.after) < left * np.mean(misfit[one.rows])]
+        if explained:
+            return max(explained, key=lambda one: one.gain(misfit))
+    return None
+
+
+@dataclass(frozen=True, eq=False)
+class _Several:
+    """Hypotheses together, the records they are about, and what they leave of these."""
+
+    parts: tuple[Hypothesis, ...]
+    rows: Int[np.ndarray, " some"]
+    after: Float[np.ndarray, " some"]
+
+    def gain(self, misfit: Float[np.ndarray, " observation"]) -> float:
+        """What they take off."""
+        return float(np.sum(misfit[self.rows] - self.after))
 
 
 def _misfit(
     observations: Observations,
-    models: Mapping[str, Complex[np.ndarray, "observation line"]],
+    models: Models,
     state: _State,
     rows: Int[np.ndarray, " some"],
 ) -> Float[np.ndarray, " some"]:
@@ -176,11 +273,11 @@ def _misfit(
 
 
 def _predicted(
-    models: Mapping[str, Complex[np.ndarray, "observation line"]],
+    models: Models,
     state: _State,
     rows: Int[np.ndarray, " some"],
 ) -> Complex[np.ndarray, "some line"]:
-    return np.array([models[str(state.angles[row])][state.compared[row]] for row in rows.tolist()])
+    return np.array([models[state.reading[row]][state.compared[row]] for row in rows.tolist()])
 
 
 def with_angles(observations: Observations, angles: Sequence[Mapping[str, float]]) -> Observations:
@@ -195,8 +292,9 @@ def with_angles(observations: Observations, angles: Sequence[Mapping[str, float]
 
 
 def scopes(observations: Observations) -> Iterator[tuple[str, Bool[np.ndarray, " observation"]]]:
-    """All postures together, then each by itself: words and rows."""
-    yield EVERYWHERE, np.ones(len(observations), bool)
+    """All postures together, then each by itself: words and rows, those with a line that is used."""
+    there: Bool[np.ndarray, " observation"] = np.asarray(observations.used.any(axis=1))
+    yield EVERYWHERE, there
     if len(observations.postures) > 1:
         for number, posture in enumerate(observations.postures):
-            yield f"posture {posture.name}", observations.posture == number
+            yield f"posture {posture.name}", there & (observations.posture == number)

@@ -300,10 +300,10 @@ def test_missing_coherence_is_a_warning_and_taken_as_one(text: Path) -> None:
 
 def test_other_datasets_and_functions_are_named_and_left_out(text: Path) -> None:
     content = (text / "frf.uff").read_text()
-    other = "    -1\n   151\nmodel\n    -1\n    -1\n    15\n 1 0 0 0\n    -1\n"
+    other = "    -1\n   151\nmodel\n    -1\n    -1\n   757\n 1 0 0 0\n    -1\n"
     (text / "frf.uff").write_text(other + content)
     (warning,) = read_campaign(text).warnings
-    assert warning.endswith("1 dataset 15 left out")
+    assert warning.endswith("1 dataset 757 left out")
     (text / "frf.uff").write_text(content + (text / "time.uff").read_text())
     assert any("left out: time response (type 1)" in warning for warning in read_campaign(text).warnings)
 

@@ -93,6 +93,33 @@ def test_a_continuous_record_is_cut_into_blows(folder):
         )
 
 
+def test_waveforms_of_labview_are_the_same_record_as_the_text(folder):
+    """Two routes to one record: columns of text, and channels with step, start and units beside them."""
+    pytest.importorskip("nptdms")
+    text, wave = (imported(folder, SAMPLES / f"continuous.{kind}", long(1.5)) for kind in ("csv", "tdms"))
+    assert len(wave.blows) == 3
+    for one, other in zip(text.blows, wave.blows, strict=True):
+        np.testing.assert_allclose(other.time, one.time, atol=1e-9)
+        np.testing.assert_allclose(other.force, one.force, rtol=1e-6)  # single precision there
+        np.testing.assert_allclose(other.response, one.response, rtol=1e-6)
+
+
+def test_a_tdms_file_of_two_rates_has_no_common_time(folder, tmp_path):
+    nptdms = pytest.importorskip("nptdms")
+    table = tmp_path / "two.tdms"
+    channels = [
+        nptdms.ChannelObject("g", name, np.arange(8.0), {"wf_increment": step, "wf_start_offset": 0.0})
+        for name, step in (("force", 1e-3), ("acc", 2e-3))
+    ]
+    with nptdms.TdmsWriter(table) as writer:
+        writer.write_segment(channels)
+    with pytest.raises(InvalidCampaign, match="columns 'g/force', 'g/acc'; allowed: one whose header says"):
+        draft_map(table)
+    table.write_bytes(table.read_bytes()[:60])
+    with pytest.raises(InvalidCampaign, match=r"two\.tdms: found"):
+        draft_map(table)
+
+
 @pytest.mark.parametrize("kind", ["mat", "h5"])
 def test_arrays(folder, kind):
     matrix = np.stack([inertance(1), inertance(2)])  # lies down; the abscissa stands

@@ -126,10 +126,10 @@ def test_a_measured_spindle(cli, tmp_path, edited):
 
 
 REQUESTS = {
-    "no posture": (LOBES, ["exactly one of --posture, --family and --hold", "none"]),
+    "no posture": (LOBES, ["exactly one of --posture, --prediction, --family and --hold", "none"]),
     "both": (
         (*ONE, "--family", "second_link_horizontal"),
-        ["exactly one of --posture, --family and --hold", "--posture and --family"],
+        ["exactly one of --posture, --prediction, --family and --hold", "--posture and --family"],
     ),
     "unknown family": ((*LOBES, "--family", "x"), ["--family", "'x'", "second_link_horizontal"]),
     "no cut": (("lobes", "fanuc_s360", "--posture", "configuration_1"), ["--cut"]),

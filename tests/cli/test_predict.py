@@ -25,7 +25,7 @@ def test_table_verdict_and_page(cli, folder, tmp_path):
     )
     assert ran.status == 0, ran.err
     assert "chosen anew" in ran.out
-    assert "predicted by physics" in ran.out
+    assert "predicted by hybrid" in ran.out
     assert "3 postures were struck: the band rests on as many errors" in ran.out
     assert (tmp_path / "p.html").read_text(encoding="utf-8").count("<svg") == 2
 

@@ -15,8 +15,10 @@ from flexmodal.identification.gap import gap
 from flexmodal.identification.poor import POOR
 from flexmodal.prediction import METHODS, build_prediction, solve_by_all, solve_prediction
 from flexmodal.prediction.export import COLUMNS, as_frf, as_json, write_csv, write_uff
-from flexmodal.prediction.leave_one_out import best
+from flexmodal.prediction.leave_one_out import PRIOR, SHARES, best, best_share, known_by
+from flexmodal.prediction.methods import predicted_by_all
 from flexmodal.prediction.page import write_prediction_page
+from flexmodal.prediction.panel import with_posture
 
 
 @pytest.fixture(scope="module")
@@ -98,11 +100,38 @@ def test_a_posture_is_not_predicted_by_itself(campaign, fanuc, problem):
 
 
 def test_choice_takes_the_more_trusted_of_two_alike():
-    gaps = {"physics": np.array([0.1, 0.1]), "hybrid": np.array([0.099, 0.1]), "mean": np.array([0.5, 0.6])}
+    gaps = {"physics": np.array([0.099, 0.1]), "hybrid": np.array([0.1, 0.1]), "mean": np.array([0.5, 0.6])}
     alike = np.ones(2)
-    assert best(gaps, alike) == "physics"
-    assert best({**gaps, "hybrid": np.array([0.05, 0.05])}, alike) == "hybrid"
+    assert best(gaps, alike) == "hybrid"
+    assert best({**gaps, "physics": np.array([0.05, 0.05])}, alike) == "physics"
     assert best({**gaps, "mean": np.array([0.01, 0.6])}, np.array([1.0, 1e-9])) == "mean"
+
+
+def test_a_share_is_where_the_parabola_is_least_drawn_towards_a_half():
+    """Squared gaps a² + (b − s c)²: least at s = b/c."""
+    for count, least in ((4, 0.9), (20, 0.9), (8, 0.2)):
+        gaps = np.sqrt([[0.01 + (least - share) ** 2 for share in SHARES]] * count)
+        expected = (count * least + PRIOR / 2) / (count + PRIOR)
+        assert best_share(gaps, np.ones(count)) == pytest.approx(expected)
+    beyond = np.array([[1.0, 0.8, 0.6, 0.4, 0.2]] * 6)
+    assert best_share(beyond, np.ones(6)) == pytest.approx((6 + PRIOR / 2) / (6 + PRIOR))
+    unheard = np.full((3, len(SHARES)), np.nan)
+    assert best_share(unheard, np.ones(3)) == 0.5
+
+
+def test_hybrid_is_physics_times_the_share_of_what_was_learnt(problem, every):
+    """Two routes: the prediction, and all of what was learnt, put in by hand."""
+    made = solve_by_all(problem, every.postures[5].q)
+    left = problem.left_out
+    panel = with_posture(left.panel, "there", dict(every.postures[5].q))
+    known = known_by(problem.evidence, panel, problem.x, left.postures, problem.sliding)
+    whole = predicted_by_all(known, len(panel.observations.postures) - 1)
+    assert 0.0 < left.share < 1.0
+    for number, one in enumerate(made["hybrid"].frfs):
+        learnt = np.log(whole["hybrid"][number] / whole["physics"][number])
+        np.testing.assert_allclose(
+            one.value, whole["physics"][number] * np.exp(left.share * learnt), rtol=1e-9
+        )
 
 
 def test_data_alone_is_said_where_physics_fits_nothing(problem, every):

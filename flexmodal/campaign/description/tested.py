@@ -13,6 +13,12 @@ from flexmodal.campaign.trial import Trial
 
 BAND = "two frequencies in Hz, the lower first, at most 1e9"
 """What the band of a campaign may be."""
+NO_ROBOT = "none"
+"""What stands for the robot where no file names one."""
+OUTPUT_ONLY = "responses without a force: output-only data"
+"""What is found where nothing says what the structure was struck with."""
+FORCE_TOO = "a force beside them: FRFs and blows are taken, and no modes are found from responses alone"
+"""What would have to be there."""
 AxisFrame = Literal["world", "link"]
 Axes = tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]]
 

@@ -1,4 +1,4 @@
-"""Columns of numbers from a MATLAB .mat or an HDF5 file: a variable, or a column of one, by its name.
+"""Columns of numbers from a MATLAB .mat, an HDF5 or a TDMS file: a variable, or a column of one, by its name.
 
 `time` is a variable that is a row or a column of numbers, `data/H[3]` the third column of a matrix, counted
 from 1; its lines are the side as long as the abscissa. Complex numbers stay complex.
@@ -8,18 +8,19 @@ from __future__ import annotations
 
 import io
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from flexmodal.campaign.tables.tdms import MAGIC, tdms_channels
 from flexmodal.errors import Fault
 from flexmodal.text.extras import extra
 from flexmodal.text.reading import read_regular
 from flexmodal.text.words import FaultList, listing, nearest, shown
 
-SUFFIXES = (".mat", ".h5", ".hdf5", ".hdf")
+SUFFIXES = (".mat", ".h5", ".hdf5", ".hdf", ".tdms")
 LARGEST = 500_000_000
 """The most such a file may hold [bytes]."""
 _COLUMN = re.compile(r"(?P<name>.+?)\[(?P<number>\d+)\]")
@@ -30,18 +31,18 @@ def read_arrays(file: Path, wanted: Sequence[str], faults: FaultList) -> dict[st
     """The wanted variables as finite numbers, the first of them the abscissa; None where faults were found.
 
     Args:
-        file: a .mat, of version 7.3 too, or an HDF5 file.
+        file: a .mat, of version 7.3 too, an HDF5 or a TDMS file.
         wanted: names of variables, perhaps with the number of a column; the abscissa first.
         faults: where the faults of the file go.
 
     Raises:
-        MissingExtra: an HDF5 file without h5py installed.
+        MissingExtra: an HDF5 file without h5py installed, or a TDMS file without npTDMS.
     """
     content = read_regular(file, limit=LARGEST, kind="a file of arrays")
     if isinstance(content, Fault):
         faults.faults.append(content)
         return None
-    names, get = _opened(content, faults)
+    names, get, _ = _opened(content, faults)
     if get is None:
         return None
     found: dict[str, np.ndarray] = {}
@@ -54,40 +55,50 @@ def read_arrays(file: Path, wanted: Sequence[str], faults: FaultList) -> dict[st
     return found if len(found) == len(dict.fromkeys(wanted)) else None
 
 
-def variables(file: Path, faults: FaultList) -> dict[str, tuple[int, ...]]:
-    """Names and shapes of the variables that hold numbers.
+def variables(file: Path, faults: FaultList) -> dict[str, tuple[tuple[int, ...], str]]:
+    """Names, shapes and units of the variables that hold numbers; no unit where none is stated.
 
     Args:
-        file: a .mat or an HDF5 file.
+        file: a .mat, an HDF5 or a TDMS file.
         faults: where the faults of the file go.
 
     Raises:
-        MissingExtra: an HDF5 file without h5py installed.
+        MissingExtra: an HDF5 file without h5py installed, or a TDMS file without npTDMS.
     """
     content = read_regular(file, limit=LARGEST, kind="a file of arrays")
     if isinstance(content, Fault):
         faults.faults.append(content)
         return {}
-    names, get = _opened(content, faults)
+    names, get, units = _opened(content, faults)
     if get is None:
         return {}
-    shapes = {name: value.shape for name in names if (value := get(name)) is not None and value.size > 1}
-    return dict(shapes)
+    return {
+        name: (value.shape, units.get(name, ""))
+        for name in names
+        if (value := get(name)) is not None and value.size > 1
+    }
 
 
-def _opened(content: bytes, faults: FaultList) -> tuple[list[str], Callable[[str], np.ndarray | None] | None]:
-    """Names of variables, and a function that gives one as numbers; none where it cannot be read."""
+def _opened(
+    content: bytes, faults: FaultList
+) -> tuple[list[str], Callable[[str], np.ndarray | None] | None, Mapping[str, str]]:
+    """Names of variables, a function that gives one as numbers, and units; none where it cannot be read."""
     try:
+        if content[: len(MAGIC)] == MAGIC:
+            values, units = tdms_channels(content)
+            return list(values), lambda name: _numbers(values.get(name)), units
         # a MATLAB file of version 7.3 is HDF5 behind 512 bytes of its own
         is_hdf5 = _HDF5 in (content[:8], content[512:520])
-        return _hdf5(content) if is_hdf5 else _matlab(content)
+        return (*(_hdf5(content) if is_hdf5 else _matlab(content)), {})
     except ImportError:
         raise
     except Exception as error:  # a spoilt file raises whatever its reader meets
         if type(error).__name__ == "MissingExtra":
             raise
-        faults.add("", f"a file that cannot be read ({type(error).__name__})", "a sound .mat or HDF5 file")
-        return [], None
+        faults.add(
+            "", f"a file that cannot be read ({type(error).__name__})", "a sound .mat, HDF5 or TDMS file"
+        )
+        return [], None, {}
 
 
 def _matlab(content: bytes) -> tuple[list[str], Callable[[str], np.ndarray | None]]:

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from flexmodal.campaign.description.tested import FORCE_TOO, OUTPUT_ONLY
 from flexmodal.campaign.tables.arrays import SUFFIXES
 from flexmodal.campaign.tables.sniff import Sniffed, sniff
 from flexmodal.errors import Fault, InvalidCampaign
@@ -43,7 +44,7 @@ def draft_map(table: str | os.PathLike[str], *, beside: str | os.PathLike[str] |
     """The text of a column map for a table; what is guessed says so.
 
     Args:
-        table: text, .xlsx, .mat or HDF5.
+        table: text, .xlsx, .mat, HDF5 or TDMS.
         beside: where the map will stand, to which the address of the table is relative; the table's folder if
             None.
 
@@ -53,7 +54,9 @@ def draft_map(table: str | os.PathLike[str], *, beside: str | os.PathLike[str] |
     """
     file = Path(os.path.abspath(table))
     seen = sniff(file)
-    kinds = [_kind(name, unit) for name, unit in zip(seen.headers, seen.units, strict=True)]
+    in_groups = file.suffix.lower() in SUFFIXES  # "hammer/acceleration" is no force
+    names = [name.rpartition("/")[2] if in_groups else name for name in seen.headers]
+    kinds = [_kind(name, unit) for name, unit in zip(names, seen.units, strict=True)]
     axes = [k for k, kind in enumerate(kinds) if kind in ("frequency", "time")]
     if not axes:
         found = f"columns {', '.join(map(repr, seen.headers[:12]))}"
@@ -62,7 +65,7 @@ def draft_map(table: str | os.PathLike[str], *, beside: str | os.PathLike[str] |
     home = file.parent if beside is None else Path(os.path.abspath(beside)).parent
     lines = _head(os.path.relpath(file, home), file, seen, seen.headers[axes[0]])
     if kinds[axes[0]] == "time":
-        lines += _blow(seen, kinds)
+        lines += _blow(seen, kinds, file)
     else:
         found_frfs = _frfs(seen, kinds)
         if not found_frfs:
@@ -141,12 +144,15 @@ def _frf(one: _Frf, number: int) -> list[str]:
     return lines
 
 
-def _blow(seen: Sniffed, kinds: Sequence[str]) -> list[str]:
+def _blow(seen: Sniffed, kinds: Sequence[str], file: Path) -> list[str]:
     force = [k for k, kind in enumerate(kinds) if kind == "force"]
     others = [k for k, kind in enumerate(kinds) if kind in ("response", "unknown", "magnitude")]
+    if others and not force:
+        found = f"{OUTPUT_ONLY} (columns {', '.join(map(repr, seen.headers[:12]))})"
+        raise InvalidCampaign(Fault(str(file), "", found, FORCE_TOO))
     if not force or not others:
         found = f"columns {', '.join(map(repr, seen.headers[:12]))}"
-        raise InvalidCampaign(Fault("table", "", found, "a force and a response over time"))
+        raise InvalidCampaign(Fault(str(file), "", found, "a force and a response over time"))
     lines = ["", "[[blow]]", "posture = 1        # guessed", "trial = 1          # guessed"]
     lines += ["reference = [1, 3] # guessed: point, ±1 ±2 ±3 for ±x ±y ±z"]
     unit = seen.units[others[0]].lower()

@@ -66,15 +66,17 @@ def _arrays(file: Path) -> Sniffed:
     if faults:
         raise InvalidCampaign(faults)
     names: list[str] = []
-    for name, shape in shapes.items():
+    units: list[str] = []
+    for name, (shape, unit) in shapes.items():
         sides = [side for side in shape if side > 1]
-        if len(sides) == 1:
-            names.append(name)
-        elif len(sides) == 2:
-            names += [f"{name}[{number}]" for number in range(1, min(*sides, 30) + 1)]
+        own = [name] if len(sides) == 1 else []
+        if len(sides) == 2:
+            own = [f"{name}[{number}]" for number in range(1, min(*sides, 30) + 1)]
+        names += own
+        units += [unit] * len(own)
     if not names:
         raise InvalidCampaign(Fault(str(file), "", "no variable of numbers", "rows, columns or matrices"))
-    return Sniffed(tuple(names), ("",) * len(names))
+    return Sniffed(tuple(names), tuple(units))
 
 
 def _best_text(content: bytes) -> Sniffed | None:

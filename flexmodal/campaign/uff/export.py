@@ -8,19 +8,26 @@ import numpy as np
 
 from flexmodal.campaign.blow import Blow
 from flexmodal.campaign.campaign import Campaign, default_band
-from flexmodal.campaign.description.tested import CampaignPoint, CampaignPosture, Tested
+from flexmodal.campaign.description.tested import (
+    FORCE_TOO,
+    NO_ROBOT,
+    OUTPUT_ONLY,
+    CampaignPoint,
+    CampaignPosture,
+    Tested,
+)
+from flexmodal.campaign.mode_table import ModeTable
 from flexmodal.campaign.records import FrfRecords
 from flexmodal.campaign.trial import Trial
-from flexmodal.campaign.uff.codes import FRF, TIME_RESPONSE
+from flexmodal.campaign.uff.codes import FORCE, FRF, TIME_RESPONSE
+from flexmodal.campaign.uff.geometry import Geometry, geometry_of
 from flexmodal.campaign.uff.header import Header
 from flexmodal.campaign.uff.read_blows import read_time_uff
 from flexmodal.campaign.uff.read_frfs import read_frf_uff
 from flexmodal.campaign.uff.scan import scan_uff
+from flexmodal.campaign.uff.shapes import mode_table, shapes_of
 from flexmodal.errors import Fault, InvalidCampaign
 from flexmodal.text.words import FaultList
-
-NO_ROBOT = "none"
-"""What stands for the robot where no file names one."""
 
 UNIVERSAL_SUFFIXES = (".uff", ".unv", ".uf", ".58")
 
@@ -34,29 +41,42 @@ def read_export(file: Path) -> Campaign:
     """Read a universal file as a campaign: FRFs if it has any, else blows.
 
     Postures are its load cases, trials its versions (0 is taken for 1 where there is no other), points its
-    nodes. What such a file does not say stays open: robot, places, angles, tip, and how many blows were
-    averaged, so that coherence cannot be turned into noise.
+    nodes, at the places of its datasets 15 and 2411 [m]; modes are its datasets 55. What such a file does not
+    say stays open: robot, links, angles, tip, and how many blows were averaged, so that coherence cannot be
+    turned into noise.
 
     Raises:
         InvalidCampaign: with every fault.
     """
     faults: list[Fault] = []
     found = FaultList(file, faults)
-    headers = [one.header for one in scan_uff(file, found).datasets]
+    warnings = [f"{file}: no campaign.toml; described from the records alone"]
+    content = scan_uff(file, found)
+    headers = [one.header for one in content.datasets]
     used = [one for one in headers if one.function == FRF]
     has_frfs = bool(used)
     used = used or [one for one in headers if one.function == TIME_RESPONSE]
-    if not used and not faults:
-        found.add("", "neither FRFs nor time histories", "datasets 58 of function type 4 or 1")
+    geometry, shapes = geometry_of(content, found), shapes_of(content, found, warnings)
+    if not used and not shapes and not faults:
+        allowed = "datasets 58 of function type 4 or 1, or modes as datasets 55"
+        found.add("", "neither FRFs nor time histories nor modes", allowed)
+    if used and not has_frfs and not any(one.numerator.code == FORCE for one in used) and not faults:
+        found.add("", OUTPUT_ONLY, FORCE_TOO)
     if faults:
         raise InvalidCampaign(faults)
-    tested = _described(file, used)
-    warnings = [f"{file}: no campaign.toml; described from the records alone"]
+    modes = mode_table(shapes, warnings, file)
+    tested = _described(file, used, geometry, modes)
+    turned = [node for node in geometry.turned if node in {point.id for point in tested.points}]
+    if turned:
+        named = ", ".join(map(str, turned[:5])) + (", …" if len(turned) > 5 else "")
+        warnings.append(
+            f"{file}: node {named}: directions are along a coordinate system of the file, which is not read"
+        )
     frfs: FrfRecords | None = None
     blows: tuple[Blow, ...] = ()
     if has_frfs:
         frfs = read_frf_uff(file, tested, found, warnings)
-    else:
+    elif used:
         blows = read_time_uff(file, tested, found, warnings)
     if faults:
         raise InvalidCampaign(faults)
@@ -69,22 +89,28 @@ def read_export(file: Path) -> Campaign:
         trials=_with_peaks(tested.trials, blows),
         frfs=frfs,
         blows=blows,
+        modes=modes,
         path=file.parent,
         warnings=tuple(warnings),
     )
 
 
-def _described(file: Path, headers: list[Header]) -> Tested:
+def _described(file: Path, headers: list[Header], geometry: Geometry, modes: ModeTable | None) -> Tested:
     """What the records say of postures, points and trials; the reader refuses ids that cannot be."""
-    cases = sorted({one.load_case for one in headers if one.load_case > 0}) or [1]
+    of_modes: set[int] = set() if modes is None else set(modes.posture.tolist())
+    cases = sorted({one.load_case for one in headers if one.load_case > 0} | of_modes) or [1]
     versions = sorted({one.version for one in headers if one.version > 0}) or [1]
-    nodes = sorted({node for one in headers for node, _ in (one.response, one.reference) if node > 0})
+    known = {node for one in headers for node, _ in (one.response, one.reference) if node > 0}
+    nodes = sorted(known | (set() if modes is None else set(modes.response.tolist())))
     return Tested(
         title=file.name,
         robot=NO_ROBOT,
         band=None,
         postures=tuple(CampaignPosture(case, f"load case {case}", {}) for case in cases),
-        points=tuple(CampaignPoint(node, f"node {node}", "unknown", (0.0, 0.0, 0.0)) for node in nodes),
+        points=tuple(
+            CampaignPoint(node, f"node {node}", "unknown", geometry.nodes.get(node, (0.0, 0.0, 0.0)))
+            for node in nodes
+        ),
         trials=tuple(Trial(version, 1.0, 1, "unknown") for version in versions),
     )
 

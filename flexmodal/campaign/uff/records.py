@@ -9,10 +9,10 @@ from functools import cached_property
 from pathlib import Path
 
 from flexmodal.campaign.consistency import DIRECTIONS
-from flexmodal.campaign.description.tested import Tested
+from flexmodal.campaign.description.tested import NO_ROBOT, Tested
 from flexmodal.campaign.uff.codes import EXPONENTS, FORCE, FRF, FUNCTIONS, QUANTITY_OF, TIME_RESPONSE, WORDS
 from flexmodal.campaign.uff.header import Character, Header
-from flexmodal.campaign.uff.scan import scan_uff
+from flexmodal.campaign.uff.scan import SHAPE, scan_uff
 from flexmodal.campaign.uff.units import UNITS, says
 from flexmodal.campaign.uff.values import UffRecord, read_values
 from flexmodal.text.words import FaultList, listing
@@ -53,6 +53,10 @@ def read_records(
     """
     content = scan_uff(file, faults)
     warnings += content.warnings
+    modes = sum(one.kind == SHAPE for one in content.others)
+    if modes and tested.robot != NO_ROBOT:
+        said = f"{modes} dataset{'s' * (modes > 1)} 55 left out"
+        warnings.append(f"{file}: {said}: the modes of a campaign are in modes.csv")
     named = _Naming(tested, faults, {})
     found: list[Labelled] = []
     left: dict[int, int] = {}

@@ -27,6 +27,8 @@ _LINE_TAG = re.compile(rb"^    -1 *\r?(?:\n|\Z)", re.MULTILINE)
 _BINARY_TAG = re.compile(rb"(?:\r?\n)?    -1 *\r?(?:\n|\Z)")
 _DATASET = re.compile(rb" *(\d{1,6})([bB]?)([^\r\n]*)\r?(?:\n|\Z)")
 _BLANK = re.compile(rb"(?:[ \t]*\r?\n)*")
+NODES, TRACE_LINE, SHAPE = (15, 2411), 82, 55
+"""Numbers of the datasets of nodes."""
 _INTEL, _MOTOROLA = 1, 2
 _IEEE = 2
 
@@ -47,11 +49,23 @@ class Dataset:
 
 
 @dataclass(frozen=True)
+class Other:
+    """A dataset of nodes: their places, trace lines between them, or a shape."""
+
+    number: int
+    """Its place among the datasets of the file, from 1."""
+    kind: int
+    body: bytes
+    """What stands between its number and its end tag."""
+
+
+@dataclass(frozen=True)
 class UffContent:
-    """The datasets 58 of a file, the length factors of its units, and what was passed over."""
+    """The datasets 58 of a file, those of nodes, and what was passed over."""
 
     datasets: tuple[Dataset, ...]
     warnings: tuple[str, ...]
+    others: tuple[Other, ...] = ()
 
 
 def scan_uff(file: Path, faults: FaultList) -> UffContent:
@@ -66,6 +80,7 @@ def scan_uff(file: Path, faults: FaultList) -> UffContent:
         faults.faults.append(content)
         return UffContent((), ())
     datasets: list[Dataset] = []
+    others: list[Other] = []
     passed: dict[int, int] = {}
     place, number, before = 0, 0, len(faults.faults)
     while (place := _after_blank(content, place)) < len(content):
@@ -76,25 +91,25 @@ def scan_uff(file: Path, faults: FaultList) -> UffContent:
         if len(faults.faults) - before >= MOST_FAULTS:
             faults.add(f"dataset {number}", "too many faults to go on", "a sound universal file")
             break
-        following = _dataset(content, place, number, datasets, passed, faults)
+        following = _dataset(content, place, number, (datasets, others), passed, faults)
         if following is None:
             break
         place = following
-    if not datasets and len(faults.faults) == before:
+    if not datasets and not others and len(faults.faults) == before:
         faults.add("", "no dataset 58", "FRFs or time histories as datasets 58")
     warnings = [
         f"{file}: {count} dataset{'s' * (count > 1)} {kind} left out"
         for kind, count in passed.items()
         if kind not in (151, 164)
     ]
-    return UffContent(tuple(datasets), tuple(warnings))
+    return UffContent(tuple(datasets), tuple(warnings), tuple(others))
 
 
 def _dataset(
     content: bytes,
     place: int,
     number: int,
-    datasets: list[Dataset],
+    found: tuple[list[Dataset], list[Other]],
     passed: dict[int, int],
     faults: FaultList,
 ) -> int | None:
@@ -109,18 +124,22 @@ def _dataset(
         faults.add(key, "no dataset number after the start tag", "58, or another number")
         return None
     if int(kind[1]) != 58:
-        passed[int(kind[1])] = passed.get(int(kind[1]), 0) + 1
         end = _LINE_TAG.search(content, kind.end())
         if end is None:
             faults.add(key, "no end tag", "a line with -1 in columns 5 and 6 after each dataset")
             return None
+        body = content[kind.end() : end.start()]
+        if int(kind[1]) in (*NODES, TRACE_LINE, SHAPE):
+            found[1].append(Other(number, int(kind[1]), body))
+        else:
+            passed[int(kind[1])] = passed.get(int(kind[1]), 0) + 1
         if int(kind[1]) == 164:
-            _check_units(content[kind.end() : end.start()], key, faults)
+            _check_units(body, key, faults)
         return end.end()
-    found = _dataset_58(content, kind, key, faults)
-    if found.header is not None:
-        datasets.append(Dataset(number, found.header, found.lines, bool(kind[2]), found.little, found.data))
-    return found.after
+    one = _dataset_58(content, kind, key, faults)
+    if one.header is not None:
+        found[0].append(Dataset(number, one.header, one.lines, bool(kind[2]), one.little, one.data))
+    return one.after
 
 
 @dataclass(frozen=True)
