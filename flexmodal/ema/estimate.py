@@ -95,8 +95,9 @@ def nothing(measured: Measured, method: Method) -> EstimatedModes:
     """
     zero = np.zeros(measured.value.shape[1], dtype=complex)
     middle = float(np.median(measured.frequency))
+    plain = refused_peaks(EstimatedModes((), measured, method, zero, zero.copy()))
     said = ((middle, "no peak stands out of the noise in the whole band; name one by hand"),)
-    return EstimatedModes((), measured, method, zero, zero.copy(), said)
+    return plain if plain.refused else replace(plain, refused=said)
 
 
 def each_by_least_squares(
