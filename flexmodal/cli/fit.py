@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -24,9 +24,14 @@ from flexmodal.errors import Fault, InvalidRequest
 
 if TYPE_CHECKING:
     from flexmodal.campaign import Campaign, FrfRecords, QualityFlag
-    from flexmodal.ema import Choices, Fit, Tolerances
+    from flexmodal.ema import Choice, Choices, Fit, Tolerances
 
 _ENDINGS = (".csv", ".json", ".html", ".png", ".svg")
+_DECIDED = (
+    "method", "per", "trials", "band", "at", "forbid", "damping", "hold_frequency", "weighting", "residuals",
+    "order", "tolerances", "refine", "vary",
+)  # fmt: skip
+"""Options that a file of chosen modes stands for."""
 _MOST_LINES = 20
 """Flags that are printed for people."""
 
@@ -84,6 +89,11 @@ _MOST_LINES = 20
     show_default=True,
     help="Repeat the fit under other choices, and state how far they move it.",
 )
+@click.option(
+    "--choice",
+    type=click.Path(path_type=Path),
+    help="Modes chosen in the page that --out PAGE.html writes: its choice.toml.",
+)
 @click.option("--estimator", type=click.Choice(["H1", "H2", "Hv"]), default="H1", help="Of FRFs from blows.")
 @click.option(
     "--out", type=click.Path(path_type=Path), help="A .csv (as modes.csv), .json, .html, .png or .svg file."
@@ -99,6 +109,7 @@ def fit(
     per: str,
     only: tuple[str, ...],
     trials: str,
+    choice: Path | None,
     estimator: str,
     out: Path | None,
     pictures: Path | None,
@@ -112,6 +123,7 @@ def fit(
     from flexmodal.campaign import check_campaign_quality
     from flexmodal.ema import as_json as as_object
     from flexmodal.ema import fit as find
+    from flexmodal.ema import fit_choice
     from flexmodal.ema import records_of
     from flexmodal.ema.pictures import PICTURES
     from flexmodal.files import refuse_folder
@@ -122,8 +134,13 @@ def fit(
     measured = of_postures(campaign_at(campaign), only)
     say_findings(measured, None)
     choices = _choices(**wanted)
+    chosen = None if choice is None else _chosen(choice)
     with busy("fitting", quiet=quiet):
-        fits = find(measured, method, per=per, trials=trials, estimator=estimator, choices=choices)
+        if chosen is not None:
+            choices = replace(choices, band=chosen.band, residuals=chosen.residuals)
+            fits = fit_choice(measured, chosen, estimator=estimator)
+        else:
+            fits = find(measured, method, per=per, trials=trials, estimator=estimator, choices=choices)
         records = records_of(measured, estimator)
         flags = check_campaign_quality(measured, records)
     found = as_object(fits, flags)
@@ -140,6 +157,22 @@ def fit(
     elif out is None and pictures is None:
         _print(results, method)
     sys.exit(0 if found["modes"] else 1)
+
+
+def _chosen(path: Path) -> Choice:
+    """The file, unless an option contradicts it that it decides."""
+    from flexmodal.ema import read_choice
+
+    context = click.get_current_context()
+    given = [
+        f"--{name.replace('_', '-')}"
+        for name in _DECIDED
+        if context.get_parameter_source(name) is click.core.ParameterSource.COMMANDLINE
+    ]
+    if given:
+        found = f"{', '.join(given)} beside --choice"
+        raise InvalidRequest(Fault(SOURCE, "--choice", found, "one or the other: the file decides these"))
+    return read_choice(path)
 
 
 @dataclass(frozen=True, eq=False)
@@ -216,11 +249,13 @@ def _write(results: _Results, out: Path, force: bool) -> None:
     elif out.suffix == ".json":
         write_json(results.found, out, overwrite=force)
     elif out.suffix == ".html":
+        from flexmodal.ema.live import choosing
         from flexmodal.ema.page import write_fit_page
         from flexmodal.ema.pictures import pictures
 
         drawn = pictures(fits, results.records, results.campaign, results.choices)
-        write_fit_page(fits, drawn, results.flags, results.campaign, out, overwrite=force)
+        live = choosing(fits, results.records, results.campaign, results.choices)
+        write_fit_page(fits, drawn, results.flags, results.campaign, out, live=live, overwrite=force)
     else:
         from flexmodal.ema.plot import draw_fit
 

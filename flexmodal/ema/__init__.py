@@ -1,6 +1,8 @@
 """Measured FRFs to modes: peak picking, circle fit, least squares, stabilisation. Knows no robot."""
 
 from flexmodal.ema.choices import Choices as Choices
+from flexmodal.ema.chosen import Choice as Choice
+from flexmodal.ema.chosen import read_choice as read_choice
 from flexmodal.ema.estimate import estimate as estimate
 from flexmodal.ema.estimate import modes_of as modes_of
 from flexmodal.ema.fit import Fit as Fit
@@ -21,6 +23,7 @@ from flexmodal.ema.methods.stabilisation import stabilise as stabilise
 from flexmodal.ema.mode import EstimatedModes as EstimatedModes
 from flexmodal.ema.mode import ModeEstimate as ModeEstimate
 from flexmodal.ema.of_campaign import fit as fit
+from flexmodal.ema.of_campaign import fit_choice as fit_choice
 from flexmodal.ema.of_campaign import mode_table as mode_table
 from flexmodal.ema.of_campaign import records_of as records_of
 from flexmodal.ema.window import without_window as without_window

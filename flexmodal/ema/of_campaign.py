@@ -17,7 +17,9 @@ from flexmodal.campaign import (
     record_variance,
 )
 from flexmodal.ema.choices import Choices
+from flexmodal.ema.chosen import Choice, check_data, fit_poles
 from flexmodal.ema.fit import Fit, fit_records
+from flexmodal.ema.records import by_posture
 from flexmodal.ema.window import without_window
 from flexmodal.errors import Fault, InvalidRequest
 
@@ -92,11 +94,53 @@ def fit(
         wanted = replace(wanted, band=measured.band)
     records = records_of(measured, estimator)
     noise = known_variance(records) if variance is None else variance
-    fits = fit_records(records, method, per=per, trials=trials, variance=noise, choices=wanted)
+    return _unwindowed(
+        measured, fit_records(records, method, per=per, trials=trials, variance=noise, choices=wanted)
+    )
+
+
+def fit_choice(measured: Campaign, choice: Choice, *, estimator: str = "H1") -> tuple[Fit, ...]:
+    """The modes that a person chose in the page of a fit, once more: poles held, residues by least squares.
+
+    Args:
+        measured: the campaign that they were chosen in.
+        choice: as `read_choice` gives it.
+        estimator: H1, H2 or Hv, where FRFs are estimated from blows.
+
+    Returns:
+        A `Fit` for each posture that the choice has.
+
+    Raises:
+        InvalidRequest: a choice made for other data; every posture of it that is.
+    """
+    records = records_of(measured, estimator)
+    fits: list[Fit] = []
+    faults: list[Fault] = []
+    for posture, places, whole in by_posture(records, "average", known_variance(records)):
+        if posture not in choice.postures:
+            continue
+        try:
+            part = whole.within(*choice.band)
+            check_data(choice, posture, part)
+            found = fit_poles(part, choice.postures[posture].poles, choice.residuals)
+        except InvalidRequest as error:
+            faults += error.faults
+            continue
+        fits.append(Fit(posture, tuple(places), found))
+    known = {posture for posture, _, _ in by_posture(records, "average", None)}
+    for posture in choice.postures:
+        if posture not in known:
+            there = ", ".join(map(str, sorted(known)))
+            faults.append(Fault(str(choice.path), "posture", f"posture {posture}", f"of the data: {there}"))
+    if faults:
+        raise InvalidRequest(faults)
+    return _unwindowed(measured, tuple(fits))
+
+
+def _unwindowed(measured: Campaign, fits: tuple[Fit, ...]) -> tuple[Fit, ...]:
+    """Without the damping that exponential windows added."""
     decays = {trial.id: added_decay(trial) for trial in measured.trials}
-    if not any(decays.values()):
-        return fits
-    return tuple(_without_window(one, decays) for one in fits)
+    return tuple(_without_window(one, decays) for one in fits) if any(decays.values()) else fits
 
 
 def _without_window(one: Fit, decays: dict[int, float]) -> Fit:
