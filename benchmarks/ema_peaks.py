@@ -13,13 +13,12 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from ema_peers import PEERS, Modes, pyoma_poles
+from ema_peers import PEERS, Modes, agreement
 from ema_selection import random_postures, true_modes
 
 from flexmodal.campaign import Campaign, read_campaign
-from flexmodal.ema import Choices, Fit, fit, stabilise
+from flexmodal.ema import Choices, Fit, fit
 from flexmodal.frf.form import convert
-from flexmodal.modal import mac
 from flexmodal.model import Robot, load
 from flexmodal.rig import Hide, simulate
 
@@ -249,43 +248,18 @@ def scores(cases: Sequence[Case]) -> dict[str, Score]:
     return total
 
 
-def agreement(cases: Sequence[Case]) -> tuple[int, float, float, float]:
-    """Modes that pyOMA2's poly-reference LSCF finds as well at one order, and how far ours, not refined, are off.
-
-    Returns:
-        How many, the median relative distance in frequency, in damping, and the least MAC of the
-        participation factors of those nearest to each other.
-    """
-    order, gaps, factors = 20, [], []
-    for case in cases:
-        measured = case.ours.modes.measured
-        diagram = stabilise(measured, highest=order)
-        poles, theirs = pyoma_poles(case.axis, case.matrix, order)[-1]
-        for mode in case.ours.modes:
-            ours = np.flatnonzero(diagram.order == order)
-            one = ours[np.argmin(np.abs(diagram.pole[ours] - mode.pole))]
-            other = int(np.argmin(np.abs(poles - mode.pole)))
-            reach = 2 * mode.damping_ratio * abs(mode.pole)
-            if max(abs(diagram.pole[one] - mode.pole), abs(poles[other] - mode.pole)) > reach / 4:
-                continue
-            damping = -poles[other].real / abs(poles[other])
-            gaps.append((abs(abs(poles[other]) / abs(diagram.pole[one]) - 1), abs(damping / float(diagram.damping_ratio[one]) - 1)))
-            factors.append(mac(diagram.participation[:, [one]], theirs[:, [other]])[0, 0])
-    frequency, damping = np.median(gaps, axis=0)
-    return len(gaps), float(frequency), float(damping), float(np.median(factors))
-
-
 LEAD = f"""\
 Made by `benchmarks/ema_peaks.py`. Arms of the rig: two postures drawn at random for each seed, those with
-{MODES[0]} to {MODES[1]} modes from 2 to 200 Hz, struck at two points and measured at four, two trials of three blows, noise of 1 %,
-each effect hidden ten times the noise floor high. Real: every campaign in `tests/data/real`, in its band and in
-another. All FRFs of a posture together, nothing chosen by hand. Peak: of the largest singular value of the mobilities,
-{HEIGHT:g} dB over the higher of its valleys (SciPy's prominence), as it stands and after a median over three lines.
-Found: with a mode of its own within {100 * NEAR:g} %, or half the peak's width 3 dB down. False: of an arm a mode
-without a mode of the structure that was struck within {100 * NEAR:g} % or half its half-power bandwidth; of real data
-a mode damped by more than {100 * HEAVIEST:g} %, or near which no FRF rises by {BUMP:g} dB. The peers: LSCF of sdypy-EMA
-and poly-reference LSCF of pyOMA2, both to order 40, what is stable in three tenths of the orders (1 % in frequency,
-5 % in damping)."""
+{MODES[0]} to {MODES[1]} modes from 2 to 200 Hz, struck at two points and measured at four, two trials of
+three blows, noise of 1 %, each effect hidden ten times the noise floor high. Real: every campaign in
+`tests/data/real`, in its band and in another. All FRFs of a posture together, nothing chosen by hand. Peak:
+of the largest singular value of the mobilities, {HEIGHT:g} dB over the higher of its valleys (SciPy's
+prominence), as it stands and after a median over three lines.
+Found: with a mode of its own within {100 * NEAR:g} %, or half the peak's width 3 dB down. False: of an arm a
+mode without a mode of the structure that was struck within {100 * NEAR:g} % or half its half-power bandwidth;
+of real data a mode damped by more than {100 * HEAVIEST:g} %, or near which no FRF rises by {BUMP:g} dB. The
+peers: LSCF of sdypy-EMA and poly-reference LSCF of pyOMA2, both to order 40, what is stable in three tenths
+of the orders (1 % in frequency, 5 % in damping)."""
 
 
 def rows_of(name: str, cases: Sequence[Case]) -> tuple[list[str], dict[str, Score]]:
@@ -335,13 +309,15 @@ def main() -> None:
         header += [f"{program}: found", "false"]
     wrong = [f"{f:.4g} Hz in {case.name}" for case, (_, of) in zip(real, found, strict=True)
              for f, _ in of["flexmodal"].wrong]  # fmt: skip
-    number, frequency, damping, factor = agreement(fresh)
+    number, frequency, damping, factor = agreement(
+        [(case.ours.modes.measured, case.axis, case.matrix, case.ours.modes) for case in fresh]
+    )
     end = (
-        f"False on real data: {'; '.join(wrong) or 'none'}. Poly-reference LSCF beside pyOMA2's on the fresh arms, "
-        f"both of order 20 and not refined: {number} modes that both have, median difference "
-        f"{100 * frequency:.2g} % in frequency and {100 * damping:.2g} % in damping, median MAC of the participation "
-        f"factors {factor:.4f}. The two bases differ (complex on the whole circle here, real on half of it there), so "
-        "that noise biases them differently."
+        f"False on real data: {'; '.join(wrong) or 'none'}. Poly-reference LSCF beside pyOMA2's on the "
+        f"fresh arms, both of order 20 and not refined: {number} modes that both have, median difference "
+        f"{100 * frequency:.2g} % in frequency and {100 * damping:.2g} % in damping, median MAC of the "
+        f"participation factors {factor:.4f}. The two bases differ (complex on the whole circle here, real "
+        "on half of it there), so that noise biases them differently."
     )
     write("ema_peaks", "Peaks found without a person", LEAD.replace("\n", " "), header, rows, end)
 

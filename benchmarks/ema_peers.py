@@ -1,7 +1,7 @@
 """Modes found without a person by flexmodal, sdypy-EMA and pyOMA2 in the same FRFs.
 
-Neither peer chooses by itself where FRFs are given, so that one rule, as people use it, serves both: a pole is
-stable where the order before has one within 1 % in frequency and 5 % in damping; what is stable in three
+Neither peer chooses by itself where FRFs are given, so that one rule, as people use it, serves both: a pole
+is stable where the order before has one within 1 % in frequency and 5 % in damping; what is stable in three
 tenths of the orders is a mode.
 """
 
@@ -13,7 +13,9 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from flexmodal.ema import EstimatedModes, Measured, stabilise
 from flexmodal.frf.form import convert
+from flexmodal.modal import mac
 
 HIGHEST = 40
 """Order of each program's polynomials, as many poles a reference."""
@@ -51,9 +53,7 @@ def by_pyoma(axis: np.ndarray, matrix: np.ndarray) -> Modes:
     return stable([pole for pole, _ in pyoma_poles(axis, matrix, HIGHEST)], axis)
 
 
-def pyoma_poles(
-    axis: np.ndarray, matrix: np.ndarray, highest: int
-) -> list[tuple[np.ndarray, np.ndarray]]:
+def pyoma_poles(axis: np.ndarray, matrix: np.ndarray, highest: int) -> list[tuple[np.ndarray, np.ndarray]]:
     """Poles [rad/s] of every order, and their participation factors [reference, pole].
 
     Args:
@@ -106,6 +106,37 @@ def stable(orders: Sequence[np.ndarray], axis: np.ndarray) -> Modes:
             groups.append([one])
     enough = [group for group in groups if len(group) >= SHARE * len(orders)]
     return [(float(np.median([f for f, _ in g])), float(np.median([z for _, z in g]))) for g in enough]
+
+
+def agreement(
+    cases: Sequence[tuple[Measured, np.ndarray, np.ndarray, EstimatedModes]], order: int = 20
+) -> tuple[int, float, float, float]:
+    """How far our poly-reference LSCF and pyOMA2's part at one order, neither refined.
+
+    Args:
+        cases: FRFs as ours has them, as lines [Hz] and mobilities, and the modes to compare.
+        order: of both.
+
+    Returns:
+        Modes within a quarter bandwidth of which both have a pole, the median relative distance in frequency
+        and in damping, and the median MAC of the participation factors.
+    """
+    gaps, factors = [], []
+    for measured, axis, matrix, modes in cases:
+        diagram = stabilise(measured, highest=order)
+        ours = np.flatnonzero(diagram.order == order)
+        poles, theirs = pyoma_poles(axis, matrix, order)[-1]
+        for mode in modes:
+            one = ours[np.argmin(np.abs(diagram.pole[ours] - mode.pole))]
+            other = int(np.argmin(np.abs(poles - mode.pole)))
+            reach = mode.damping_ratio * abs(mode.pole) / 2
+            if max(abs(diagram.pole[one] - mode.pole), abs(poles[other] - mode.pole)) > reach:
+                continue
+            damping = -poles[other].real / abs(poles[other]) / diagram.damping_ratio[one]
+            gaps.append((abs(abs(poles[other]) / abs(diagram.pole[one]) - 1), abs(damping - 1)))
+            factors.append(mac(diagram.participation[:, [one]], theirs[:, [other]])[0, 0])
+    frequency, damping = np.median(gaps, axis=0)
+    return len(gaps), float(frequency), float(damping), float(np.median(factors))
 
 
 PEERS: dict[str, Callable[[np.ndarray, np.ndarray], Modes]] = {"sdypy-EMA": by_sdypy, "pyOMA2": by_pyoma}

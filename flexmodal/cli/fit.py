@@ -123,8 +123,7 @@ def fit(
     from flexmodal.campaign import check_campaign_quality
     from flexmodal.ema import as_json as as_object
     from flexmodal.ema import fit as find
-    from flexmodal.ema import fit_choice
-    from flexmodal.ema import records_of
+    from flexmodal.ema import fit_choice, records_of
     from flexmodal.ema.pictures import PICTURES
     from flexmodal.files import refuse_folder
 

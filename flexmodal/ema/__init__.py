@@ -16,10 +16,10 @@ from flexmodal.ema.methods.least_squares import solve_least_squares as solve_lea
 from flexmodal.ema.methods.peak import Peak as Peak
 from flexmodal.ema.methods.picking import pick_peak as pick_peak
 from flexmodal.ema.methods.select import choose_peaks as choose_peaks
-from flexmodal.ema.methods.standing import mode_indicator as mode_indicator
 from flexmodal.ema.methods.stabilisation import Stabilisation as Stabilisation
 from flexmodal.ema.methods.stabilisation import Tolerances as Tolerances
 from flexmodal.ema.methods.stabilisation import stabilise as stabilise
+from flexmodal.ema.methods.standing import mode_indicator as mode_indicator
 from flexmodal.ema.mode import EstimatedModes as EstimatedModes
 from flexmodal.ema.mode import ModeEstimate as ModeEstimate
 from flexmodal.ema.of_campaign import fit as fit

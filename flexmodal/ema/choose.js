@@ -15,7 +15,10 @@ const put = (parent, tag, attributes = {}, text = null) => {
   return one
 }
 const numbers = base64 => new Float64Array(Uint8Array.from(atob(base64), c => c.charCodeAt(0)).buffer)
-const digits = (value, count) => Number(value.toPrecision(count)).toString()
+const digits = (value, count) => {
+  const short = Number(value.toPrecision(count)), size = Math.abs(short)
+  return size && (size < 1e-3 || size >= 1e7) ? value.toExponential(count - 1) : short.toString()
+}
 
 // ---- Numbers. A pole is [natural frequency in Hz, damping ratio]. ----
 
@@ -136,7 +139,8 @@ const panel = (root, raw, changed) => {
     .sort((a, b) => poles.frequency[a] - poles.frequency[b] || poles.order[a] - poles.order[b])
 
   put(root, 'h3', {}, raw.name)
-  const diagram = put(root, 'svg', { viewBox: `0 0 ${WIDE} 380`, tabindex: 0, role: 'application', class: 'diagram',
+  const frame = () => put(root, 'div', { class: 'wide' })
+  const diagram = put(frame(), 'svg', { viewBox: `0 0 ${WIDE} 380`, tabindex: 0, role: 'application', class: 'diagram',
     'aria-label': `Stabilisation diagram, ${raw.name}. Left and right go from one stable pole to the next, up and ` +
       'down through the orders of one, Enter chooses or drops it. All stable poles stand in the table below too.' })
   const said = put(root, 'p', { class: 'said', 'aria-live': 'polite' })
@@ -151,9 +155,9 @@ const panel = (root, raw, changed) => {
   const picker = put(put(tools, 'label', {}, 'FRF shown '), 'select')
   raw.labels.forEach((label, k) => put(picker, 'option', { value: k }, label))
   picker.addEventListener('change', () => { shown = picker.selectedIndex; draw() })
-  const curves = put(root, 'svg', { viewBox: `0 0 ${WIDE} 400`, role: 'img', class: 'curves' })
+  const curves = put(frame(), 'svg', { viewBox: `0 0 ${WIDE} 400`, role: 'img', class: 'curves' })
   const legend = put(root, 'p', { class: 'legend' })
-  for (const [look, name] of [['measured', 'measured'], ['after', 'synthesised, dashed']]) {
+  for (const [look, name] of [['measured', 'measured'], ['synthesised', 'synthesised']]) {
     put(put(legend, 'span'), 'i', { class: look })
     legend.lastChild.append(name)
   }
@@ -242,7 +246,7 @@ const panel = (root, raw, changed) => {
     const away = k => Math.hypot(x(poles.frequency[k]) - u, y(poles.order[k]) - v)
     const close = [...poles.kind.keys()].filter(k => poles.kind[k] > 0 && away(k) < 14)
       .sort((a, b) => away(a) - away(b))[0]
-    const mark = chosen.findIndex(({ pole }) => Math.abs(x(pole[0]) - u) < 8 && v < 32)
+    const mark = chosen.findIndex(({ pole }) => Math.abs(x(pole[0]) - u) < 8 && v < 25)
     if (mark >= 0) return drop(mark)
     if (close === undefined) return refresh('no stable pole there')
     move(close)

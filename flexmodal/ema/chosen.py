@@ -1,13 +1,14 @@
 """Modes that a person chose in the page of a fit, as a file: which data they belong to, and the fit repeated.
 
-The poles are held where they were chosen; residues and residual terms are those of least squares with every line
-alike, by an orthogonal factorisation in the page as well as here, so that both give the same numbers.
+The poles are held where they were chosen; residues and residual terms are those of least squares with every
+line alike, by an orthogonal factorisation in the page as well as here, so that both give the same numbers.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -80,7 +81,7 @@ def read_choice(path: Path) -> Choice:
             if not low <= mode.frequency <= high:
                 key = f"posture[{place}].mode[{number}].frequency"
                 faults.add(key, f"{mode.frequency:g}", f"a frequency inside the band, {low:g} to {high:g} Hz")
-        for first, second in zip(poles, poles[1:], strict=False):
+        for first, second in pairwise(poles):
             if max(second[0] / first[0] - 1, abs(second[1] - first[1])) < _APART:
                 faults.add(f"posture[{place}].mode", f"two modes at {first[0]:g} Hz", "each mode once")
         postures[one.id] = Chosen(tuple(one.fingerprint), poles)
@@ -92,7 +93,8 @@ def read_choice(path: Path) -> Choice:
 def fingerprint_of(measured: Measured) -> tuple[float, ...]:
     """Seven numbers that other data would not share: lines, FRFs, ends of the band, size and two mixed sums.
 
-    They are compared and not hashed, since FRFs estimated from blows differ in their last digits between machines.
+    They are compared and not hashed, since FRFs estimated from blows differ in their last digits between
+    machines.
 
     Args:
         measured: the lines of the band.
@@ -133,7 +135,7 @@ def fit_poles(measured: Measured, poles: Sequence[Pole], residuals: Residuals) -
 
     Args:
         measured: FRFs of one posture.
-        poles: held as they are.
+        poles: held as they are, in the order of frequency.
         residuals: none, real or complex terms for what lies outside the band.
 
     Raises:
@@ -148,17 +150,19 @@ def fit_poles(measured: Measured, poles: Sequence[Pole], residuals: Residuals) -
     )
     found = solve_least_squares(problem)
     omega, power = measured.omega, POWER[measured.form]
+    held = [
+        replace(one, frequency=f, damping_ratio=z) for one, (f, z) in zip(found.modes, poles, strict=True)
+    ]
     columns = np.concatenate(
         [
-            mode_columns(omega, np.array([mode.pole for mode in found.modes]), power),
+            mode_columns(omega, np.array([mode.pole for mode in held]), power),
             residual_columns(omega, power, residuals),
         ],
         axis=1,
     )
     terms = solve_columns(columns, measured.value)
     modes = tuple(
-        replace(mode, residue=terms[2 * k] + 1j * terms[2 * k + 1], remarks=())
-        for k, mode in enumerate(found.modes)
+        replace(mode, residue=terms[2 * k] + 1j * terms[2 * k + 1], remarks=()) for k, mode in enumerate(held)
     )
     upper, lower = fold_terms(terms[2 * len(modes) :])
     return with_quality(replace(found, modes=modes, upper=upper, lower=lower))

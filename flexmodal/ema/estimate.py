@@ -116,7 +116,7 @@ def each_by_least_squares(
 
 
 def completed(problem: LeastSquaresProblem, found: EstimatedModes, choices: Choices) -> EstimatedModes:
-    """Without fillers, and with what the whole band drove away, missed or met poorly; as is, if a person chose.
+    """Without fillers, with what the whole band drove away, missed or met poorly; as is, if a person chose.
 
     Args:
         problem: what was fitted.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import base64
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -23,20 +23,20 @@ from flexmodal.frf.form import unit
 from flexmodal.report import Live, Parts, Section, Text
 
 _LARGEST = 6_000_000
-"""Bytes of FRFs that a page takes, so that it still opens at once; further postures need a page of their own."""
+"""Bytes of FRFs that a page takes, so that it still opens at once; further postures need a page of their
+own."""
 _APART = 0.2
 """A pole replaces a chosen one that lies closer than this part of its decay rate."""
 _DRAWN = 400
 """Points of the drawn indicator."""
-_TOLD = """Choose and drop poles: with the mouse in the diagram, with the arrow keys and Enter, or in the list below it.
-Residues are fitted again at once, with poles as chosen and every line alike. Curves are drawn with at most 700 lines;
-what is fitted is all of them. ○ stable in frequency and damping, × in frequency, · new; ◆ and a dashed line: chosen;
+_TOLD = """Choose and drop poles: with the mouse in the diagram, with the arrow keys and Enter, or in the list
+below it. Residues are fitted again at once, with poles as chosen and every line alike. Curves are drawn with
+at most 700 lines; what is fitted is all of them. ○ stable in frequency and damping, × in frequency, · new; ◆
+and a dashed line: chosen;
 grey: the mode indicator."""
 
 
-def choosing(
-    fits: Sequence[Fit], records: FrfRecords, campaign: Campaign, choices: Choices
-) -> list[Section]:
+def choosing(fits: Sequence[Fit], records: FrfRecords, campaign: Campaign, choices: Choices) -> list[Section]:
     """The section of a page in which poles are chosen; none without FRFs that carry a diagram.
 
     Args:
@@ -79,7 +79,7 @@ def choosing(
 
 def _posture(
     number: int, name: str, labels: list[str], part: Measured, fits: Sequence[Fit], choices: Choices
-) -> Mapping[str, Any]:
+) -> dict[str, Any]:
     """The numbers of one posture."""
     highest = min(choices.highest_order, (len(part.frequency) - 1) // 2)
     diagram = stabilise(part, highest=highest, tolerances=choices.tolerances)

@@ -44,7 +44,8 @@ class Measured:
     labels: tuple[str, ...] = ()
     """What each FRF is called; numbered where none are given."""
     ends: tuple[tuple[str, str], ...] = ()
-    """Response and reference of each FRF, where they are known: FRFs of several references are then a matrix."""
+    """Response and reference of each FRF, where they are known: FRFs of several references are then a
+    matrix."""
 
     def __post_init__(self) -> None:
         frequency = frequency_axis(self.frequency)
@@ -80,12 +81,16 @@ class Measured:
     def matrix(self) -> Int[np.ndarray, "response reference"] | None:
         """Number of each FRF by response and reference, of the two sides the one with fewer as references.
 
-        By reciprocity either side may stand for it. None where the FRFs do not fill such a matrix, or one side
-        has one place only, or both have more than four.
+        By reciprocity either side may stand for it. None where the FRFs do not fill such a matrix, or one
+        side has one place only, or both have more than four.
         """
-        rows, columns = (list(dict.fromkeys(side)) for side in zip(*self.ends, strict=True)) if self.ends else ((), ())
+        rows, columns = (
+            (list(dict.fromkeys(side)) for side in zip(*self.ends, strict=True)) if self.ends else ((), ())
+        )
         places = {ends: frf for frf, ends in enumerate(self.ends)}
-        if not 2 <= min(len(rows), len(columns)) <= MOST_REFERENCES or len(places) != len(rows) * len(columns):
+        if not 2 <= min(len(rows), len(columns)) <= MOST_REFERENCES or len(places) != len(rows) * len(
+            columns
+        ):
             return None
         found = np.array([[places[row, column] for column in columns] for row in rows])
         return found if len(rows) >= len(columns) else found.T

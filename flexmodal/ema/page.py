@@ -34,7 +34,8 @@ def write_fit_page(
         flags: what is odd about the data.
         campaign: for its title.
         path: a new `.html` file.
-        live: the section in which poles are chosen, as `choosing` gives it; it takes the place of the diagrams.
+        live: the section in which poles are chosen, as `choosing` gives it; it takes the place of the
+            diagrams.
         overwrite: replace an existing one.
 
     Raises:

@@ -1,7 +1,8 @@
 """Pages: one shell and one style sheet, filled with parts.
 
-A page needs no network: the style is in it, pictures are in it, and no script runs but those that `Live` parts
-bring. Its content security policy says so to the browser, script by script, and whatever is not made here is escaped.
+A page needs no network: the style is in it, pictures are in it, and no script runs but those that `Live`
+parts bring. Its content security policy says so to the browser, script by script, and whatever is not made
+here is escaped.
 """
 
 from __future__ import annotations

@@ -200,7 +200,7 @@ class Numbers:
 
 @dataclass(frozen=True)
 class Live:
-    """A place that a script of the page fills from numbers; the page's policy lets that script run and no other."""
+    """A place that a script of the page fills from numbers; the page's policy lets no other script run."""
 
     name: str
     """By which the script finds it: the attribute `data-live`."""
@@ -215,7 +215,21 @@ class Live:
         return json.dumps(self.data, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
 
 
-Part = Live | Table | Picture | Gallery | Text | Heading | Legend | Verdict | Task | Items | Facts | Folded | Numbers
+Part = (
+    Live
+    | Table
+    | Picture
+    | Gallery
+    | Text
+    | Heading
+    | Legend
+    | Verdict
+    | Task
+    | Items
+    | Facts
+    | Folded
+    | Numbers
+)
 Parts = Sequence[Part | str]
 """What a page or a section is made of; text by itself is a paragraph."""
 

@@ -1,4 +1,5 @@
-"""FRFs of several references: two modes at one frequency, participation factors, and a matrix that has holes."""
+"""FRFs of several references: two modes at one frequency, participation factors, and a matrix that has
+holes."""
 
 from __future__ import annotations
 
@@ -18,7 +19,8 @@ HAMMER = np.array([[1.0, 0.5, -0.8], [-0.4, 1.0, 1.0]])
 
 
 def of_two_references(level: float = 0.0, seed: int = 0) -> Measured:
-    """Two modes at 51 Hz, one of 2 % and one of 2.001 % damping, and one at 90 Hz: four responses, two hammers."""
+    """Two modes at 51 Hz, one of 2 % and one of 2.001 % damping, and one at 90 Hz: four responses, two
+    hammers."""
     amplitude = np.einsum("om,im->oim", SHAPES, HAMMER).reshape(8, 3)
     truth = real_modes([51.0, 51.0, 90.0], [0.02, 0.02001, 0.01], amplitude)
     value = truth.frf(AXIS)
@@ -82,7 +84,8 @@ def test_ends_are_one_pair_for_each_frf() -> None:
 
 
 def test_agrees_with_the_matrix_fraction_written_out() -> None:
-    """The normal equations of order 6 by another route: all equations of all lines stacked, one least squares."""
+    """The normal equations of order 6 by another route: all equations of all lines stacked, one least
+    squares."""
     data = of_two_references(1e-3, seed=4)
     problem = stabilise(data, highest=6).problem
     order, size = 6, 2
@@ -92,6 +95,7 @@ def test_agrees_with_the_matrix_fraction_written_out() -> None:
     z = np.exp(-1j * problem.delay * (problem.omega - problem.omega[0]))
     powers = z[:, None] ** np.arange(order + 1)
     ours = problem.coefficients(order)
+
     # With the denominator as found, the best numerators leave equations that no small change of it improves.
     def left(coefficients: np.ndarray) -> float:
         total = 0.0
@@ -106,9 +110,13 @@ def test_agrees_with_the_matrix_fraction_written_out() -> None:
     rng = np.random.default_rng(0)
     for _ in range(5):
         change = np.zeros_like(ours)
-        change[:order] = 1e-4 * (rng.normal(size=(order, size, size)) + 1j * rng.normal(size=(order, size, size)))
+        change[:order] = 1e-4 * (
+            rng.normal(size=(order, size, size)) + 1j * rng.normal(size=(order, size, size))
+        )
         assert left(ours + change) > least
-        slope = (left(ours + change) - left(ours - change)) / (left(ours + change) + left(ours - change) - 2 * least)
+        slope = (left(ours + change) - left(ours - change)) / (
+            left(ours + change) + left(ours - change) - 2 * least
+        )
         assert abs(slope) < 1e-2  # 0 at the minimum of a quadratic
 
 

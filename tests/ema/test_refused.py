@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -10,9 +11,8 @@ import pytest
 
 from flexmodal.campaign import read_campaign
 from flexmodal.ema import Choices, EstimatedModes, Measured, estimate, fit, records_of
-from flexmodal.ema.methods.least_squares import LeastSquaresProblem
 from flexmodal.ema.methods.fillers import without_fillers
-from flexmodal.ema.methods.least_squares import solve_least_squares
+from flexmodal.ema.methods.least_squares import LeastSquaresProblem, solve_least_squares
 from flexmodal.frf.form import convert
 
 from .truth import measured, real_modes
@@ -58,7 +58,9 @@ def silent(found: EstimatedModes, height: float = 10.0) -> list[float]:
     ],
 )
 @pytest.mark.parametrize("per", ["frf", "posture"])
-def test_real_peaks_have_a_mode_or_a_reason(folder: str, band: tuple[float, float], method: str, per: str) -> None:
+def test_real_peaks_have_a_mode_or_a_reason(
+    folder: str, band: tuple[float, float], method: str, per: str
+) -> None:
     campaign = replace(read_campaign(REAL / folder), band=band)
     for one in fit(campaign, method, per=per, choices=QUICK):
         assert silent(one.modes) == []
@@ -76,7 +78,8 @@ def test_the_plate_has_its_modes_in_any_band() -> None:
 
 
 def test_a_peak_below_the_band_of_others_is_found_alone() -> None:
-    """At 34 Hz the laboratory's FRF rises by 50 dB on two lines; the fit of the whole band does not see it."""
+    """At 34 Hz the laboratory's FRF rises by 50 dB on two lines; the fit of the whole band does not see
+    it."""
     campaign = replace(read_campaign(REAL / "laboratory_hammer"), band=(10.0, 490.0))
     (one,) = fit(campaign, choices=QUICK)
     assert np.min(np.abs(one.modes.frequency - 34.06)) < 0.2
@@ -134,6 +137,6 @@ def test_no_mode_is_there_twice() -> None:
         records_of(campaign)
         (one,) = fit(replace(campaign, band=band), choices=QUICK)
         modes = one.modes.modes
-        for left, right in zip(modes, modes[1:], strict=False):
+        for left, right in pairwise(modes):
             apart = right.frequency - left.frequency
             assert apart > min(left.damping_ratio * left.frequency, right.damping_ratio * right.frequency)

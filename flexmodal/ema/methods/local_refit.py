@@ -3,9 +3,9 @@
 Where a band holds what the model has no terms for, such as modes damped beyond half of critical or just below
 its first line, or ripples, least squares bends a mode that is there to explain them, or leaves one out. Round
 its resonance the mode still stands, with residual terms for all the rest. So a band is split where its fit is
-poor: each such mode, and each peak of the indicator that no mode explains, is fitted with its neighbours between
-lines of its own, and what comes of it joins the others unless it is one of them already. A peak that gives no
-mode is refused with the reason.
+poor: each such mode, and each peak of the indicator that no mode explains, is fitted with its neighbours
+between lines of its own, and what comes of it joins the others unless it is one of them already. A peak that
+gives no mode is refused with the reason.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ _FEWEST = 0.5
 
 
 def refit_locally(problem: LeastSquaresProblem, found: EstimatedModes) -> EstimatedModes:
-    """The modes that the fit of the whole band meets well, and the others as far as bands of their own show them.
+    """The modes that the fit of the whole band meets well, and what bands of their own show of the others.
 
     Args:
         problem: what was fitted, from poles that a stabilisation diagram or the indicator showed.
@@ -59,13 +59,17 @@ def refit_locally(problem: LeastSquaresProblem, found: EstimatedModes) -> Estima
     for peak in _left(peaks, modes, spacing):
         if not _left([peak], modes, spacing):
             continue  # the fit of a higher one explains it
-        known = next((why for f, why in told.items() if abs(f - peak.frequency) <= max(peak.width, spacing)), "")
+        known = next(
+            (why for f, why in told.items() if abs(f - peak.frequency) <= max(peak.width, spacing)), ""
+        )
         start = np.array([peak.frequency, min(max(peak.width / (2 * peak.frequency), 1e-6), HEAVY)])
         others = np.array([[mode.frequency, mode.damping_ratio] for mode in modes]).reshape(-1, 2)
         remark = "the fit of the whole band leaves its peak unexplained"
         alone = _alone(problem, start, np.concatenate([others, start[None]]), remark)
         why = f"a peak of {peak.rise:.1f} dB that the fit leaves unexplained"
-        told = {f: w for f, w in told.items() if abs(f - peak.frequency) > max(peak.width, spacing) or f in hidden}
+        told = {
+            f: w for f, w in told.items() if abs(f - peak.frequency) > max(peak.width, spacing) or f in hidden
+        }
         _join(modes, alone, peak.frequency, told, f"{why}; {known}" if known else why, problem)
     if len(modes) == len(found) and all(a is b for a, b in zip(sorted_by(modes), found, strict=True)):
         return replace(found, refused=tuple(sorted(told.items())))
@@ -161,12 +165,16 @@ def _alone(
     mode = min(fit.modes, key=lambda mode: abs(mode.frequency - frequency), default=None)
     if not fit.converged:
         return "a fit of its own does not converge"
-    if mode is None or abs(mode.frequency - frequency) > max(2 * damping * frequency, 2 * problem.measured.spacing):
+    if mode is None or abs(mode.frequency - frequency) > max(
+        2 * damping * frequency, 2 * problem.measured.spacing
+    ):
         hidden = [why for f, why in fit.refused if abs(f - frequency) <= problem.measured.spacing]
         return f"in a fit of its own {hidden[0]}" if hidden else "a fit of its own finds none there"
     least = damping / _NEAR if 2 * damping * frequency > _RESOLVED * problem.measured.spacing else 0.0
     if not least < mode.damping_ratio < _NEAR * damping or mode.damping_ratio > max(HEAVY, damping):
-        return f"a fit of its own gives it a damping ratio of {mode.damping_ratio:.2g}, not about {damping:.2g}"
+        return (
+            f"a fit of its own gives it a damping ratio of {mode.damping_ratio:.2g}, not about {damping:.2g}"
+        )
     explained = share_explained(mode, fit)
     if explained < _FEWEST:
         return f"a fit of its own explains {100 * explained:.0f} % of the signal there"

@@ -1,15 +1,16 @@
-"""Poly-reference least squares complex frequency: poles and participation factors at every order to the highest.
+"""Poly-reference least squares complex frequency: poles and participation factors at every order.
 
-The FRFs from references to responses are fitted as the matrix fraction B(z)A(z)⁻¹ with z = exp(−iτ(ω − ω₀)), all
-coefficients complex and the band mapped onto the whole circle, which keeps the normal equations well conditioned at
-any order. A has as many rows and columns as there are references: of one it is a common denominator, of several it
-tells modes apart that share a frequency but not a shape, and a left null vector of A at a pole is how far each
-reference takes part in that mode. Minimising Σ‖HA − B‖² is linear; eliminating B leaves one small matrix, and what
-is needed for the highest order holds that of every lower one (Guillaume, Verboven, Vanlanduit and others,
-1998–2003; Peeters, Van der Auweraer, Guillaume and Leuridan 2004). The highest coefficient of A is held at the
-identity, which pushes the poles that only follow the noise to negative damping, where they are recognised. Each FRF
-counts by its noise: one that shows little else, as that of a point which a posture keeps from moving, says little;
-between several references by the factors of response and reference that come nearest to it.
+The FRFs from references to responses are fitted as the matrix fraction B(z)A(z)⁻¹ with z = exp(−iτ(ω − ω₀)),
+all coefficients complex and the band mapped onto the whole circle, which keeps the normal equations well
+conditioned at any order. A has as many rows and columns as there are references: of one it is a common
+denominator, of several it tells modes apart that share a frequency but not a shape, and a left null vector of
+A at a pole is how far each reference takes part in that mode. Minimising Σ‖HA − B‖² is linear; eliminating B
+leaves one small matrix, and what is needed for the highest order holds that of every lower one (Guillaume,
+Verboven, Vanlanduit and others, 1998–2003; Peeters, Van der Auweraer, Guillaume and Leuridan 2004). The
+highest coefficient of A is held at the identity, which pushes the poles that only follow the noise to
+negative damping, where they are recognised. Each FRF counts by its noise: one that shows little else, as that
+of a point which a posture keeps from moving, says little; between several references by the factors of
+response and reference that come nearest to it.
 """
 
 from __future__ import annotations

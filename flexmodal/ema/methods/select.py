@@ -11,8 +11,8 @@ import numpy as np
 from flexmodal.ema.measured import Measured
 from flexmodal.ema.methods.least_squares import HIDDEN, build_least_squares, solve_least_squares
 from flexmodal.ema.methods.peak import Peak
-from flexmodal.ema.methods.standing import half_power_width, mode_indicator, stand_out
 from flexmodal.ema.methods.stabilisation import Tolerances, stabilise
+from flexmodal.ema.methods.standing import half_power_width, mode_indicator, stand_out
 from flexmodal.errors import Fault, InvalidRequest
 
 _LOWEST_ORDERS = 6

@@ -1,4 +1,4 @@
-"""Peaks that stand out of the mode indicator, and which of them no mode explains: none is dropped in silence."""
+"""Peaks that stand out of the mode indicator, and which of them no mode explains."""
 
 from __future__ import annotations
 
@@ -14,7 +14,8 @@ from flexmodal.ema.methods.noise import noise_levels, scatter, with_variance
 _DEEPEST = 1e-20
 """A valley is taken for no deeper than this part of its peak."""
 _CLEAR, _SURE = 6.0, 5.0
-"""Decibels and standard deviations by which a peak stands over its valleys that asks for a mode or for a reason."""
+"""Decibels and standard deviations by which a peak stands over its valleys that asks for a mode or for a
+reason."""
 _BESIDE = 2.0
 """A peak within so many lines of a mode is that mode's."""
 
@@ -44,7 +45,7 @@ def mode_indicator(measured: Measured) -> Float[np.ndarray, " line"]:
 
 
 def clear_peaks(measured: Measured) -> list[Standing]:
-    """Peaks of 6 dB and five standard deviations, the highest first: each is explained, or refused with a reason.
+    """Peaks of 6 dB and five standard deviations, the highest first: each asks for a mode or a reason.
 
     Args:
         measured: the FRFs.
@@ -73,7 +74,8 @@ def unexplained(
         peak
         for peak in peaks
         if not any(
-            abs(peak.frequency - frequency) <= max(_BESIDE * spacing, min(peak.width, 2 * damping * frequency))
+            abs(peak.frequency - frequency)
+            <= max(_BESIDE * spacing, min(peak.width, 2 * damping * frequency))
             for frequency, damping in modes
         )
     ]
