@@ -22,7 +22,7 @@ import flexmodal
 from flexmodal.campaign import Campaign
 from flexmodal.ema import fit
 from flexmodal.identification import build_identification
-from flexmodal.identification.outcome import WITHHELD
+from flexmodal.identification.outcome import EXPLAINED
 from flexmodal.rig import Hide, RigResult, simulate
 
 ROBOTS = ("fanuc_s360", "six_link", "six_axis")
@@ -42,18 +42,11 @@ def known(campaign: Campaign, knowledge: str) -> Campaign:
     """
     records = campaign.frfs
     assert records is not None
-    trials = campaign.trials
     if knowledge in ("bare", "coherence"):
-        keep = records.trial == campaign.trials[0].id
-        arrays = {
-            name: getattr(records, name)[keep]
-            for name in ("value", "posture", "trial", "response", "reference", "coherence")
-        }
-        records = replace(records, **arrays)
-        trials = trials[:1]
+        records = records.select(trial=campaign.trials[0].id)
     if knowledge in ("bare", "repeats"):
         records = replace(records, coherence=None)
-    return replace(campaign, trials=trials, frfs=records, blows=())
+    return replace(campaign, frfs=records, blows=())
 
 
 def one(name: str, seed: int, knowledge: str) -> dict[str, Any]:
@@ -111,7 +104,7 @@ def parameters(campaign: Campaign, made: RigResult) -> dict[str, Any]:
         for k, name in enumerate(problem.space.names)
         if name in sure.identified
     }
-    return {"hits": hits, "over_noise": float(over), "withheld": bool(over > WITHHELD)}
+    return {"hits": hits, "over_noise": float(over)}
 
 
 def run(count: int, cache: Path) -> list[dict[str, Any]]:
@@ -140,8 +133,9 @@ def share(hits: list[bool]) -> str:
 def row_of(name: str, knowledge: str, entries: list[dict[str, Any]]) -> list[str]:
     """One robot, or all, under one kind of knowledge."""
     told = [entry["parameters"] for entry in entries]
-    given = [hit for one in told if not one["withheld"] for hit in one["hits"].values()]
-    kept = [hit for one in told if one["withheld"] for hit in one["hits"].values()]
+    withheld = [one["over_noise"] > EXPLAINED for one in told]
+    given = [hit for one, no in zip(told, withheld, strict=True) if not no for hit in one["hits"].values()]
+    kept = [hit for one, no in zip(told, withheld, strict=True) if no for hit in one["hits"].values()]
     modal = {
         kind: [hit for e in entries for hit in e["modes"][kind]] for kind in ("frequency", "damping ratio")
     }
@@ -150,7 +144,7 @@ def row_of(name: str, knowledge: str, entries: list[dict[str, Any]]) -> list[str
         share(modal["frequency"]),
         share(modal["damping ratio"]),
         share(given),
-        f"{sum(one['withheld'] for one in told)} of {len(told)}",
+        f"{sum(withheld)} of {len(told)}",
         share(kept),
         f"{np.median([one['over_noise'] for one in told]):.2f}",
     ]
@@ -164,8 +158,8 @@ fourth repeat the first two;
 both: four trials with coherence; model error: both, with an effect hidden ten times the noise floor high that
 the model lacks. How often [%] a 95 % interval holds the truth, and of how many: of the modes that `fit --per
 posture` finds, damped up to 20 %; of the parameters that are identified, where intervals are given. Withheld:
-campaigns in which none are, since the fit leaves more than {withheld:g} times the noise; what they would have
-held stands beside."""
+campaigns in which none are, since the fit leaves more than {explained:g} times the noise; what they would
+have held stands beside."""
 
 
 def main() -> None:
@@ -182,7 +176,7 @@ def main() -> None:
         rows.append(row_of("all", knowledge, some))
     header = ["data: robot", "frequency", "damping ratio", "parameters", "withheld", "they would have held"]
     header.append("median misfit over the noise")
-    lead = LEAD.replace("\n", " ").format(count=options.count, withheld=WITHHELD)
+    lead = LEAD.replace("\n", " ").format(count=options.count, explained=EXPLAINED)
     write("intervals", "Do the intervals hold the truth?", lead, header, rows, END.replace("\n", " "))
 
 

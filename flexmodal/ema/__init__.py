@@ -7,12 +7,15 @@ from flexmodal.ema.estimate import estimate as estimate
 from flexmodal.ema.estimate import modes_of as modes_of
 from flexmodal.ema.fit import Fit as Fit
 from flexmodal.ema.fit import as_json as as_json
+from flexmodal.ema.measured import FEWEST_LINES as FEWEST_LINES
+from flexmodal.ema.measured import LARGEST as LARGEST
 from flexmodal.ema.measured import Measured as Measured
 from flexmodal.ema.methods.circle import CircleFit as CircleFit
 from flexmodal.ema.methods.circle import fit_circle as fit_circle
 from flexmodal.ema.methods.least_squares import LeastSquaresProblem as LeastSquaresProblem
 from flexmodal.ema.methods.least_squares import build_least_squares as build_least_squares
 from flexmodal.ema.methods.least_squares import solve_least_squares as solve_least_squares
+from flexmodal.ema.methods.noise import scatter as scatter
 from flexmodal.ema.methods.peak import Peak as Peak
 from flexmodal.ema.methods.picking import pick_peak as pick_peak
 from flexmodal.ema.methods.select import choose_peaks as choose_peaks
