@@ -13,9 +13,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from flexmodal.ema import EstimatedModes, Measured, stabilise
 from flexmodal.frf.form import convert
-from flexmodal.modal import mac
 
 HIGHEST = 40
 """Order of each program's polynomials, as many poles a reference."""
@@ -74,7 +72,9 @@ def pyoma_poles(axis: np.ndarray, matrix: np.ndarray, highest: int) -> list[tupl
         values, left = np.linalg.eig(state.T)
         pole = np.log(values) / step
         keep = (pole.imag > 0) & (pole.real < 0) & np.isfinite(pole)
-        found.append((pole[keep] + 2j * np.pi * axis[0], left[: matrix.shape[2], keep]))
+        # The state's left vectors begin with those of the denominator times its last coefficient.
+        factors = np.linalg.solve(denominator[-1].T, left[: matrix.shape[2], keep])
+        found.append((pole[keep] + 2j * np.pi * axis[0], factors))
     return found
 
 
@@ -106,37 +106,6 @@ def stable(orders: Sequence[np.ndarray], axis: np.ndarray) -> Modes:
             groups.append([one])
     enough = [group for group in groups if len(group) >= SHARE * len(orders)]
     return [(float(np.median([f for f, _ in g])), float(np.median([z for _, z in g]))) for g in enough]
-
-
-def agreement(
-    cases: Sequence[tuple[Measured, np.ndarray, np.ndarray, EstimatedModes]], order: int = 20
-) -> tuple[int, float, float, float]:
-    """How far our poly-reference LSCF and pyOMA2's part at one order, neither refined.
-
-    Args:
-        cases: FRFs as ours has them, as lines [Hz] and mobilities, and the modes to compare.
-        order: of both.
-
-    Returns:
-        Modes within a quarter bandwidth of which both have a pole, the median relative distance in frequency
-        and in damping, and the median MAC of the participation factors.
-    """
-    gaps, factors = [], []
-    for measured, axis, matrix, modes in cases:
-        diagram = stabilise(measured, highest=order)
-        ours = np.flatnonzero(diagram.order == order)
-        poles, theirs = pyoma_poles(axis, matrix, order)[-1]
-        for mode in modes:
-            one = ours[np.argmin(np.abs(diagram.pole[ours] - mode.pole))]
-            other = int(np.argmin(np.abs(poles - mode.pole)))
-            reach = mode.damping_ratio * abs(mode.pole) / 2
-            if max(abs(diagram.pole[one] - mode.pole), abs(poles[other] - mode.pole)) > reach:
-                continue
-            damping = -poles[other].real / abs(poles[other]) / diagram.damping_ratio[one]
-            gaps.append((abs(abs(poles[other]) / abs(diagram.pole[one]) - 1), abs(damping - 1)))
-            factors.append(mac(diagram.participation[:, [one]], theirs[:, [other]])[0, 0])
-    frequency, damping = np.median(gaps, axis=0)
-    return len(gaps), float(frequency), float(damping), float(np.median(factors))
 
 
 PEERS: dict[str, Callable[[np.ndarray, np.ndarray], Modes]] = {"sdypy-EMA": by_sdypy, "pyOMA2": by_pyoma}

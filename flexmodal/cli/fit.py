@@ -9,29 +9,23 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from flexmodal.cli.fit_choices import choices_of, chosen_at
 from flexmodal.cli.measured import campaign_at, of_postures, say_findings
 from flexmodal.cli.options import (
     SOURCE,
-    band_of,
     force_option,
     json_option,
-    number,
     quiet_option,
     refuse_existing,
 )
-from flexmodal.cli.printing import busy, print_json, print_table, say
+from flexmodal.cli.printing import busy, print_json, print_table, say, stages
 from flexmodal.errors import Fault, InvalidRequest
 
 if TYPE_CHECKING:
     from flexmodal.campaign import Campaign, FrfRecords, QualityFlag
-    from flexmodal.ema import Choice, Choices, Fit, Tolerances
+    from flexmodal.ema import Choices, Fit
 
 _ENDINGS = (".csv", ".json", ".html", ".png", ".svg")
-_DECIDED = (
-    "method", "per", "trials", "band", "at", "forbid", "damping", "hold_frequency", "weighting", "residuals",
-    "order", "tolerances", "refine", "vary",
-)  # fmt: skip
-"""Options that a file of chosen modes stands for."""
 _MOST_LINES = 20
 """Flags that are printed for people."""
 
@@ -132,14 +126,18 @@ def fit(
         refuse_folder(pictures, own=PICTURES, overwrite=force)
     measured = of_postures(campaign_at(campaign), only)
     say_findings(measured, None)
-    choices = _choices(**wanted)
-    chosen = None if choice is None else _chosen(choice)
-    with busy("fitting", quiet=quiet):
-        if chosen is not None:
+    choices = choices_of(**wanted)
+    with stages(quiet=quiet) as advance:
+        advance("fitting", 0.0)
+        if choice is not None:
+            chosen = chosen_at(choice)
             choices = replace(choices, band=chosen.band, residuals=chosen.residuals)
             fits = fit_choice(measured, chosen, estimator=estimator)
         else:
-            fits = find(measured, method, per=per, trials=trials, estimator=estimator, choices=choices)
+            fits = find(
+                measured, method, per=per, trials=trials, estimator=estimator, choices=choices,
+                advance=advance,
+            )  # fmt: skip
         records = records_of(measured, estimator)
         flags = check_campaign_quality(measured, records)
     found = as_object(fits, flags)
@@ -158,22 +156,6 @@ def fit(
     sys.exit(0 if found["modes"] else 1)
 
 
-def _chosen(path: Path) -> Choice:
-    """The file, unless an option contradicts it that it decides."""
-    from flexmodal.ema import read_choice
-
-    context = click.get_current_context()
-    given = [
-        f"--{name.replace('_', '-')}"
-        for name in _DECIDED
-        if context.get_parameter_source(name) is click.core.ParameterSource.COMMANDLINE
-    ]
-    if given:
-        found = f"{', '.join(given)} beside --choice"
-        raise InvalidRequest(Fault(SOURCE, "--choice", found, "one or the other: the file decides these"))
-    return read_choice(path)
-
-
 @dataclass(frozen=True, eq=False)
 class _Results:
     """What there is to print, write and draw."""
@@ -184,54 +166,6 @@ class _Results:
     records: FrfRecords
     campaign: Campaign
     choices: Choices
-
-
-def _choices(
-    *,
-    band: str | None,
-    at: str | None,
-    forbid: tuple[str, ...],
-    damping: tuple[str, ...],
-    hold_frequency: str | None,
-    order: int,
-    tolerances: str | None,
-    **others: Any,
-) -> Choices:
-    from flexmodal.ema import Choices
-
-    forced = {}
-    for text in damping:
-        peak, equals, ratio = text.partition("=")
-        if not equals:
-            raise InvalidRequest(Fault(SOURCE, "--damping", repr(text), "HZ=RATIO, such as 38=0.13"))
-        forced[number(peak, "--damping", "a frequency in Hz")] = number(ratio, "--damping", "a ratio")
-    return Choices(
-        band=None if band is None else band_of(band),
-        at=None if at is None else _hertz(at, "--at"),
-        forbid=[band_of(text) for text in forbid],
-        hold_frequency=[] if hold_frequency is None else _hertz(hold_frequency, "--hold-frequency"),
-        damping=forced,
-        highest_order=order,
-        tolerances=_tolerances(tolerances),
-        **others,
-    )
-
-
-def _tolerances(text: str | None) -> Tolerances:
-    from flexmodal.ema import Tolerances
-
-    if text is None:
-        return Tolerances()
-    parts = [number(part, "--tolerances", "relative changes") for part in text.split(",")]
-    if len(parts) != 2:
-        raise InvalidRequest(
-            Fault(SOURCE, "--tolerances", repr(text), "FREQUENCY,DAMPING, such as 0.01,0.05")
-        )
-    return Tolerances(frequency=parts[0], damping=parts[1])
-
-
-def _hertz(text: str, option: str) -> list[float]:
-    return [number(part, option, "frequencies in Hz, separated by commas") for part in text.split(",")]
 
 
 def _write(results: _Results, out: Path, force: bool) -> None:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float
@@ -62,6 +64,7 @@ def fit(
     estimator: str = "H1",
     variance: Float[np.ndarray, "record line"] | None = None,
     choices: Choices | None = None,
+    advance: Callable[[str, float], None] = lambda doing, part: None,
 ) -> tuple[Fit, ...]:
     """Find the modes of a campaign, or of FRFs by themselves.
 
@@ -79,6 +82,7 @@ def fit(
         variance: E|noise|² of each record's values, in their unit squared; see above for a campaign. Of FRFs
             alone from the scatter of trials where there are several, else from what the fit leaves over.
         choices: what a person decides; the band among it.
+        advance: told before each posture what is done, and which part of it is done.
 
     Returns:
         A `Fit` for each FRF, or for each posture.
@@ -88,14 +92,17 @@ def fit(
             does not exist or does not suit the lines.
     """
     if not isinstance(measured, Campaign):
-        return fit_records(measured, method, per=per, trials=trials, variance=variance, choices=choices)
+        return fit_records(
+            measured, method, per=per, trials=trials, variance=variance, choices=choices, advance=advance
+        )
     wanted = choices or Choices()
     if wanted.band is None and measured.band is not None:
         wanted = replace(wanted, band=measured.band)
     records = records_of(measured, estimator)
     noise = known_variance(records) if variance is None else variance
     return _unwindowed(
-        measured, fit_records(records, method, per=per, trials=trials, variance=noise, choices=wanted)
+        measured,
+        fit_records(records, method, per=per, trials=trials, variance=noise, choices=wanted, advance=advance),
     )
 
 
@@ -151,6 +158,12 @@ def _without_window(one: Fit, decays: dict[int, float]) -> Fit:
     return replace(one, modes=without_window(one.modes, used.pop()))
 
 
+def _of_amplitude(row: dict[str, Any]) -> float:
+    """Standard error of |A′| = 2ω_d|A|, in proportion to that of |A|."""
+    size = abs(complex(*row["residue"]))
+    return float(row["uncertainty"]["residue"] * abs(complex(*row["amplitude"])) / size) if size else math.nan
+
+
 def mode_table(fits: Sequence[Fit]) -> ModeTable:
     """The modes as rows of `modes.csv`, remarks as flags; the amplitude is that of the mobility form."""
     rows = [row for one in fits for row in one.rows()]
@@ -163,4 +176,7 @@ def mode_table(fits: Sequence[Fit]) -> ModeTable:
         damping_ratio=np.array([row["damping_ratio"] for row in rows], dtype=float),
         amplitude=np.array([complex(*row["amplitude"]) for row in rows], dtype=complex),
         flag=tuple("; ".join(row["remarks"]) for row in rows),
+        frequency_error=np.array([row["uncertainty"]["frequency"] for row in rows], dtype=float),
+        damping_error=np.array([row["uncertainty"]["damping_ratio"] for row in rows], dtype=float),
+        amplitude_error=np.array([_of_amplitude(row) for row in rows], dtype=float),
     )

@@ -19,6 +19,14 @@ from flexmodal.campaign.uff.scan import scan_uff
 from flexmodal.errors import Fault, InvalidCampaign
 from flexmodal.text.words import FaultList
 
+SPECTRA = (2, 3)
+"""Auto- and cross-spectra, by their function type."""
+OUTPUT_ONLY = (
+    "; output-only data are not supported: without the force there is no receptance, which is what flexmodal "
+    "works with. Programs for operational modal analysis, such as pyOMA2, find modes in them"
+)
+"""What is said of responses alone."""
+
 NO_ROBOT = "none"
 """What stands for the robot where no file names one."""
 
@@ -47,7 +55,13 @@ def read_export(file: Path) -> Campaign:
     has_frfs = bool(used)
     used = used or [one for one in headers if one.function == TIME_RESPONSE]
     if not used and not faults:
-        found.add("", "neither FRFs nor time histories", "datasets 58 of function type 4 or 1")
+        spectra = any(one.function in SPECTRA for one in headers)
+        kind = "spectra of responses without FRFs" if spectra else "neither FRFs nor time histories"
+        found.add("", kind, f"datasets 58 of function type 4 or 1{OUTPUT_ONLY if spectra else ''}")
+    if used and not has_frfs and not any(one.reference[0] for one in used):
+        found.add(
+            "", "time histories of responses and none of a force", f"the force beside them{OUTPUT_ONLY}"
+        )
     if faults:
         raise InvalidCampaign(faults)
     tested = _described(file, used)
