@@ -1,5 +1,4 @@
-"""Poles and participation factors of poly-reference LSCF beside pyOMA2's, at one order, in simulated
-campaigns.
+"""Poles and participation factors of poly-reference LSCF beside pyOMA2's, in simulated campaigns.
 
 A third route stands beside the two: the residues of least squares, each FRF's own, which fill a matrix for
 each mode; where that is of rank one its right singular vector is the participation of the references.
@@ -23,9 +22,7 @@ NEAR = 0.25
 
 
 def distances(case: Case) -> list[tuple[float, float, float, float]]:
-    """Of each mode that both have: relative distance in frequency and damping, MAC with pyOMA2, with
-    residues.
-    """
+    """Of each mode that both have: relative distance in frequency and damping, and the two MACs."""
     measured = case.ours.modes.measured
     matrix = measured.matrix
     if matrix is None:
@@ -76,11 +73,12 @@ def main() -> None:
 
 
 LEAD = f"""\
-Made by `benchmarks/ema_participation.py`: the fresh campaigns of [ema_peaks](ema_peaks.md), FRFs of two hammer
-positions. Poly-reference LSCF of order {ORDER}, ours and pyOMA2's, neither refined: median distance of the
-poles of modes that both have, and MAC of their participation factors, median and in brackets the lowest
-tenth. The two bases differ (complex on the whole circle here, real on half of it there), so that noise biases them differently.
-Residues: the right singular vector of a mode's residues, found by least squares for each FRF by itself."""
+Made by `benchmarks/ema_participation.py`: the fresh campaigns of [ema_peaks](ema_peaks.md), FRFs of two
+hammer positions. Poly-reference LSCF of order {ORDER}, ours and pyOMA2's, neither refined: median distance of
+the poles of modes that both have, and MAC of their participation factors, median and in brackets the lowest
+tenth. The two bases differ (complex on the whole circle here, real on half of it there), so that noise biases
+them differently. Residues: the right singular vector of a mode's residues, found by least squares for each
+FRF by itself."""
 
 
 if __name__ == "__main__":
