@@ -185,7 +185,7 @@ const panel = (root, raw, changed) => {
   // A chosen pole this close is of the same mode, and is exchanged rather than joined by a twin.
   const beside = k => chosen.findIndex(({ pole }) => {
     const [a, b] = lambda(pole), [c, d] = lambda(poleOf(k))
-    return Math.hypot(a - c, b - d) <= raw.apart * Math.abs(c)
+    return Math.hypot(a - c, b - d) <= Math.max(raw.apart * Math.abs(c), raw.least)
   })
   const near = k => chosen.findIndex(({ pole }) => same(pole, poleOf(k)))
   function toggle(k) {

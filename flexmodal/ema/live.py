@@ -25,8 +25,8 @@ from flexmodal.report import Live, Parts, Section, Text
 _LARGEST = 6_000_000
 """Bytes of FRFs that a page takes, so that it still opens at once; further postures need a page of their
 own."""
-_APART = 0.2
-"""A pole replaces a chosen one that lies closer than this part of its decay rate."""
+_APART, _LINE = 0.5, 0.25
+"""A pole replaces a chosen one closer than this part of its decay rate, or of the way between two lines."""
 _DRAWN = 400
 """Points of the drawn indicator."""
 _TOLD = """Choose and drop poles: with the mouse in the diagram, with the arrow keys and Enter, or in the list
@@ -93,6 +93,7 @@ def _posture(
         "labels": labels,
         "form": part.form,
         "unit": f"1 {unit(part.form)}",
+        "least": _LINE * 2 * np.pi * part.spacing,
         "power": {"receptance": 0, "mobility": 1, "inertance": 2}[part.form],
         "frequency": _base64(part.frequency),
         "value": _base64(stacked),
