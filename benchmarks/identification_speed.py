@@ -20,7 +20,7 @@ from flexmodal.identification import (
     solve_identification,
 )
 from flexmodal.identification.evidence.frf import FrfEvidence
-from flexmodal.identification.frf_fit import Weighing, fit, residual
+from flexmodal.identification.frf_fit import Weighting, fit, residual
 from flexmodal.rig import simulate
 from flexmodal.structure.structure import Axis, Structure
 
@@ -41,7 +41,7 @@ def by_scipy(data: FrfEvidence) -> tuple[np.ndarray, int, bool]:
     from scipy.optimize import least_squares
 
     seen, space = data.observations, data.space
-    root = np.sqrt(Weighing(FLOOR, np.arange(len(seen.axis))).weight(seen))
+    root = np.sqrt(Weighting(FLOOR, np.arange(len(seen.axis))).weight(seen))
     prior = np.sqrt(space.precision)
     calls = 0
 

@@ -49,7 +49,6 @@ from flexmodal.rig.believed import true_robot
 from flexmodal.rig.blow import Strike, strike
 from flexmodal.rig.effects import Stand
 from flexmodal.rig.effects.effect import OWN
-from flexmodal.rig.hammer_test import world_axis
 from flexmodal.rig.hidden.placement import put_in
 from flexmodal.rig.request import prepare
 from flexmodal.rig.robot_folder import CARD
@@ -214,7 +213,7 @@ def _wrench(
     mujoco.mj_kinematics(model, data)
     site = model.site(f"point {point.id}")
     body = data.xmat[site.bodyid[0]].reshape(3, 3)
-    way = blow.tilt @ world_axis(reference[1])
+    way = blow.tilt @ np.eye(3)[abs(reference[1]) - 1] * np.sign(reference[1])
     return np.concatenate([way, np.cross(body @ blow.offset, way)])
 
 

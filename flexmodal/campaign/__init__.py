@@ -3,6 +3,8 @@
 from flexmodal.campaign.band_pass import band_pass_blow as band_pass_blow
 from flexmodal.campaign.blow import Blow as Blow
 from flexmodal.campaign.campaign import Campaign as Campaign
+from flexmodal.campaign.description.tested import Axes as Axes
+from flexmodal.campaign.description.tested import AxisFrame as AxisFrame
 from flexmodal.campaign.description.tested import CampaignPoint as CampaignPoint
 from flexmodal.campaign.description.tested import CampaignPosture as CampaignPosture
 from flexmodal.campaign.description.tested import Tolerance as Tolerance

@@ -9,6 +9,7 @@ import numpy as np
 
 from flexmodal.campaign.abscissa import evened
 from flexmodal.campaign.blow import Blow
+from flexmodal.campaign.description.axes import AXES, axes_fault
 from flexmodal.campaign.description.tested import BAND, Described
 from flexmodal.campaign.mode_table import ModeTable
 from flexmodal.campaign.records import FrfRecords
@@ -62,6 +63,10 @@ def add_contradictions(faults: FaultList, tested: Described) -> None:
     for section, entries in (("posture", tested.postures), ("point", tested.points)):
         _add_twice(faults, section, "id", [entry.id for entry in entries])
         _add_twice(faults, section, "name", [entry.name for entry in entries])
+    for place, point in enumerate(tested.points):
+        odd = None if point.axes is None else axes_fault(point.axes)
+        if odd is not None:
+            faults.add(f"point[{place}].axes", odd, AXES)
     _add_twice(faults, "trial", "id", [trial.id for trial in tested.trials])
     ids = {trial.id for trial in tested.trials}
     for place, trial in enumerate(tested.trials):

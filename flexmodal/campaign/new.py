@@ -35,7 +35,10 @@ def new_campaign_toml(
         inside = f"{{ {angles} }}" if angles else "{}"
         lines += ["[[posture]]", f"id = {number}", f"name = {_text(name)}", f"q = {inside}", ""]
     lines += [
-        "# A point has the node number of its records, and sits on a link: xyz in m, in the link's frame."
+        "# A point has the node number of its records, and sits on a link: xyz in m, in the link's frame.",
+        "# Directions 1, 2, 3 of its records are the world's x, y, z; of a sensor glued to the tool they are",
+        '# those of its link, axes = "link"; three unit vectors are axes = [[…], […], […]] with a line',
+        '# frame = "link" or "world".',
     ]
     for number, (name, (link, xyz)) in enumerate(points.items(), start=1):
         place = [float(value) for value in xyz]

@@ -10,6 +10,7 @@ import numpy as np
 from flexmodal.campaign.blow import Blow
 from flexmodal.campaign.campaign import Campaign, default_band
 from flexmodal.campaign.completeness import blow_gaps, frf_gaps
+from flexmodal.campaign.description.axes import odd_axes
 from flexmodal.campaign.description.read import read_toml
 from flexmodal.campaign.description.tested import Tested
 from flexmodal.campaign.mode_table import ModeTable
@@ -115,7 +116,7 @@ def _oddities(
     folder: Path, tested: Tested, frfs: FrfRecords | None, blows: tuple[Blow, ...], band: tuple[float, float]
 ) -> list[str]:
     """What is odd about sound files."""
-    odd = []
+    odd = [f"{folder / TOML}: {said}" for said in odd_axes(tested.points)]
     if frfs is not None:
         if not np.any((frfs.frequency >= band[0]) & (frfs.frequency <= band[1])):
             odd.append(f"{folder / FRF}: no line inside the band {band[0]:g} to {band[1]:g} Hz")

@@ -10,6 +10,7 @@ from dataclasses import asdict
 from pathlib import Path
 
 from flexmodal.campaign.campaign import Campaign
+from flexmodal.campaign.description.tested import CampaignPoint
 from flexmodal.campaign.read_campaign import FRF, MODES, TIME, TOML
 from flexmodal.campaign.tables.modes import write_modes
 from flexmodal.campaign.trial import Trial, Window
@@ -71,10 +72,16 @@ def campaign_toml(campaign: Campaign) -> str:
         lines += ["", "[[posture]]", f"id = {posture.id}", f"name = {_text(posture.name)}", f"q = {q}"]
     for point in campaign.points:
         lines += ["", "[[point]]", f"id = {point.id}", f"name = {_text(point.name)}"]
-        lines += [f"link = {_text(point.link)}", f"xyz = {list(map(float, point.xyz))}"]
+        lines += [f"link = {_text(point.link)}", f"xyz = {list(map(float, point.xyz))}", *_axes(point)]
     for trial in campaign.trials:
         lines += ["", "[[trial]]", *_trial(trial)]
     return "\n".join(lines) + "\n"
+
+
+def _axes(point: CampaignPoint) -> list[str]:
+    if point.axes is None:
+        return ['axes = "link"'] if point.frame == "link" else []
+    return [f"axes = {[list(map(float, row)) for row in point.axes]}", f'frame = "{point.frame}"']
 
 
 def _trial(trial: Trial) -> list[str]:

@@ -11,6 +11,7 @@ import click
 from flexmodal.cli.measured import campaign_at, robot_of, say_doubled
 from flexmodal.cli.options import force_option, json_option, quiet_option, trust_of, trust_option
 from flexmodal.cli.printing import print_json, print_table, say, stages
+from flexmodal.cli.viewing import deliver, page_option, refuse_page
 
 if TYPE_CHECKING:
     from flexmodal.diagnosis import Diagnosis
@@ -45,6 +46,8 @@ if TYPE_CHECKING:
     show_default=True,
     help="Of what is drawn in the comparison.",
 )
+@page_option("the arm step by step as well,")
+@click.option("--show", is_flag=True, help="The arm step by step in the browser.")
 @force_option
 @quiet_option
 @json_option
@@ -57,6 +60,8 @@ def diagnose(
     effects: str | None,
     trust: tuple[str, ...],
     seed: int,
+    page: Path | None,
+    show: bool,
     force: bool,
     quiet: bool,
     as_json: bool,
@@ -71,6 +76,7 @@ def diagnose(
     from flexmodal.files import refuse_folder
 
     refuse_folder(out, own=OWN, overwrite=force)
+    refuse_page(page, force)
     wanted, trusted = _names(effects), trust_of(trust)
     measured = campaign_at(campaign)
     arm = robot_of(measured, robot)
@@ -93,6 +99,7 @@ def diagnose(
         print_json(as_object(diagnosis))
     else:
         _print(diagnosis)
+    deliver("show_diagnosis", diagnosis, page=page, show=show, force=force)
     sys.exit(0 if diagnosis.verdict.explained else 1)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
@@ -24,7 +25,7 @@ from flexmodal.cli.options import (
 )
 from flexmodal.cli.picturing import draw_pictures, pictures_of, plot_option
 from flexmodal.cli.printing import degrees, noted_progress, print_json, print_table, progress, say
-from flexmodal.cli.viewing import announce, viewer
+from flexmodal.cli.viewing import deliver, page_option, refuse_page
 from flexmodal.errors import Fault, InvalidRequest
 
 if TYPE_CHECKING:
@@ -68,6 +69,7 @@ _NEAR = 1e-6
 )
 @quiet_option
 @json_option
+@page_option("the search, descent by descent,")
 @click.option("--show", is_flag=True, help="Start and optimum in the browser.")
 def optimise(
     robot: RobotOptions,
@@ -88,6 +90,7 @@ def optimise(
     scheduler: str | None,
     quiet: bool,
     as_json: bool,
+    page: Path | None,
     show: bool,
     **judging: Any,
 ) -> None:
@@ -95,6 +98,7 @@ def optimise(
     from flexmodal.optimisation import PostureProblem
 
     _one_of(hold, family, free)
+    refuse_page(page, force)
     pictures = pictures_of(
         plots, force=force, hold=hold is not None, start=start is not None, family=family is not None
     )
@@ -115,8 +119,7 @@ def optimise(
         _print(outcome, judging["objective"], radians=is_typed_in_radians(start))
     shown = None if outcome.compared is None else outcome.compared.held
     draw_pictures(outcome, shown, pictures, force=force, quiet=quiet)
-    if show:
-        viewer("show_outcome")(outcome, start=shown, announce=announce)
+    deliver("show_outcome", outcome, page=page, show=show, force=force, start=shown)
     _leave(outcome)
 
 

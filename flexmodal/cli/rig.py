@@ -106,7 +106,14 @@ _GO_ON = (
     metavar="N|NAME:±AXIS,…",
     help="Hammer positions; 2 if not said, or 1 where one point is measured one way.",
 )
-@click.option("--axes", metavar="XYZ", help="World directions the sensor measures, such as xz.")
+@click.option("--axes", metavar="XYZ", help="Directions the sensor measures, such as xz.")
+@click.option(
+    "--frame",
+    default="world",
+    show_default=True,
+    metavar="world|link",
+    help="Whose axes those of sensor and hammer are: the world's, or of the link they sit on.",
+)
 @click.option("--trials", type=int, default=4, show_default=True, help="Through --peaks, then repeats.")
 @click.option("--averages", type=int, default=3, show_default=True, help="Blows in each FRF.")
 @click.option("--peaks", default="60,240", show_default=True, metavar="N,…", help="Peaks of the blows [N].")

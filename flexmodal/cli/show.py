@@ -35,6 +35,7 @@ _MOST_CARDS = 3
 @click.option("--modes", is_flag=True, help="Animate the mode shapes.")
 @click.option("--response", metavar="POINT:AXIS", help="Point and direction of the force, tool:+z if none.")
 @click.option("--frequency", callback=hertz, metavar="HZ", help="Animate the deflection at this frequency.")
+@click.option("--workspace", is_flag=True, help="Open with a map of the receptance over all places.")
 @click.option(
     "--campaign",
     type=click.Path(path_type=Path),
@@ -50,7 +51,7 @@ _MOST_CARDS = 3
 @click.option(
     "--out",
     type=click.Path(path_type=Path),
-    help="Write one self-contained page instead (.html), a picture (.png) or a film (.gif).",
+    help="Write one self-contained page instead (.html), a picture (.png) or a film (.gif, .mp4).",
 )
 @click.option("--port", type=click.IntRange(0, 65535), help="Port on 127.0.0.1; a free one if none.")
 @click.option("--host", metavar="ADDRESS", help="Another address of this computer; others can reach it.")
@@ -61,6 +62,7 @@ def show(
     modes: bool,
     response: str | None,
     frequency: float | None,
+    workspace: bool,
     campaign: Path | None,
     compare: tuple[str, ...],
     out: Path | None,
@@ -73,15 +75,16 @@ def show(
     ROBOT may also be the folder of a campaign, which says itself what robot it is of.
     """
     from flexmodal.campaign import is_campaign
-    from flexmodal.cli.viewing import announce, viewer
+    from flexmodal.cli.viewing import PAGES, announce, viewer
 
-    refuse_existing(out, force, (".html", ".png", ".gif"))
+    refuse_existing(out, force, PAGES)
     deliver: dict[str, Any] = {"out": out, "port": port, "overwrite": force}
     deliver["announce"] = announce
     if host is not None:
         deliver["host"] = host
     if campaign is not None or is_campaign(robot.robot):
-        _refuse_beside(modes=modes, response=response, frequency=frequency, compare=compare)
+        given = {"modes": modes, "response": response, "frequency": frequency}
+        _refuse_beside(**given, workspace=workspace, compare=compare)
         measured = _campaign(Path(robot.robot) if campaign is None else campaign, posture)
         refuse_export(measured)
         arm = (robot if campaign is not None else replace(robot, robot=card_of(measured))).load()
@@ -90,7 +93,8 @@ def show(
     arm = robot.load()
     where = _first_posture(arm) if posture is None else posture_of(arm, posture)
     beside = _compared(robot, compare)
-    viewer("show_robot")(arm, where, modes=modes, response=response, frequency=frequency, **beside, **deliver)
+    swing = {"modes": modes, "response": response, "frequency": frequency}
+    viewer("show_robot")(arm, where, workspace=workspace, **swing, **beside, **deliver)
 
 
 def _compared(robot: RobotOptions, given: tuple[str, ...]) -> dict[str, Any]:

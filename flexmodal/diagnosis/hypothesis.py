@@ -244,7 +244,7 @@ class Hypothesis:
             )
         }
         put_together(assembly, card, {link: body for link, body in bodies.items() if link not in taken})
-        rows = [assembly.rows(self.context.places(table)) for table in (part.where, part.struck)]
+        rows = [assembly.rows(self.context.places(table, assembly)) for table in (part.where, part.struck)]
         return Frame(assembly, self.base.names, np.array([p.card for p in self.base]), *rows)
 
     def _act(self, frame: Frame, one: Placed, part: Part, values: Mapping[str, float]) -> Assembly:
@@ -266,7 +266,7 @@ class Hypothesis:
         if not turning:
             return frame.response, frame.reference
         names = [self.context.point(number).name for number in part.where[:, 0].tolist()]
-        measured = self.context.places(part.where)
+        measured = self.context.places(part.where, frame.assembly)
         for one in turning:
             assert one.effect.turn is not None
             placement = self._placement(one, part, values)

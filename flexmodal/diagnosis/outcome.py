@@ -164,7 +164,7 @@ class Diagnosis:
     frfs: Observations | None = field(repr=False, default=None)
     """None where modes alone were measured."""
     predicted: Mapping[str, Complex[np.ndarray, "observation line"]] = field(repr=False, default_factory=dict)
-    """Receptances by stage: "believed", "before", "after"."""
+    """Receptances by stage: "believed", "before", "after"; with several effects "step 1" and on too."""
     refused: tuple[Compared, ...] = ()
     """What was compared last and not found worth adding, the best first; `NONE` among them."""
     warnings: tuple[str, ...] = ()

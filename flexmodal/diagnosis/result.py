@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from jaxtyping import Complex
 
 from flexmodal.diagnosis.findings import Findings
-from flexmodal.diagnosis.names import UNKNOWN
+from flexmodal.diagnosis.names import UNKNOWN, UNSTRUCTURED
 from flexmodal.diagnosis.outcome import Diagnosis
 from flexmodal.diagnosis.provenance import provenance
 from flexmodal.diagnosis.selection.comparison import M
 from flexmodal.diagnosis.selection.data import Conclusion
 from flexmodal.diagnosis.selection.decision import Answer, any_gains
+from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.selection.selection import ForwardSelection
 from flexmodal.diagnosis.verdict.facts import Facts
 from flexmodal.diagnosis.verdict.frf_words import stand_in_words
@@ -33,9 +39,9 @@ def diagnosis_of(
     found = data.conclude(selection.root, selection.current)
     modal = data.findings(selection.rounds, selection.current, selection.rivals)
     says = verdict(facts_of(selection, found, modal))
-    if UNKNOWN in (name for name, _ in says.effects):
-        better = data.stand_in(selection.current)
-        found = found if better is None else data.conclude(selection.root, better)
+    last = selection.current
+    if UNKNOWN in (name for name, _ in says.effects) and (better := data.stand_in(last)) is not None:
+        last, found = better, data.conclude(selection.root, better)
     nameless = tuple(key for key in found.after.hypothesis.keys if key not in says.effects)
     if nameless:
         says = replace(says, says=f"{says.says} {stand_in_words(nameless, found.gaps)}")
@@ -47,7 +53,7 @@ def diagnosis_of(
         disagreement=found.disagreement,
         remaining=found.remaining,
         stand_in=nameless,
-        baselines=found.baselines,
+        baselines=data.baselines(last),
         steps=tuple(one for one in selection.steps if (one.effect, one.where) in says.effects),
         verdict=says,
         next_measurement=None if selection.rivals is None else data.next_measurement(*selection.rivals),
@@ -62,8 +68,36 @@ def diagnosis_of(
         modal=modal,
         look=data.look,
         warnings=warnings,
-        **data.shown(found),
+        **_with_steps(selection, data.shown(found)),
     )
+
+
+def _with_steps(selection: ForwardSelection[M], shown: dict[str, Any]) -> dict[str, Any]:
+    """What is shown, and between its first and last model those with some of the effects that are named."""
+    fitted = [one for told in selection.rounds for one in told.comparison.models]
+    more = steps_between(fitted, [(one.effect, one.where) for one in selection.steps])
+    return {**shown, "predicted": {**shown["predicted"], **more}} if more else shown
+
+
+def steps_between(
+    fitted: Sequence[object], keys: Sequence[tuple[str, str]]
+) -> dict[str, Complex[np.ndarray, "observation line"]]:
+    """What the models with the first effects alone predict, as they were fitted when effects were compared.
+
+    "step 1" has the first effect, "step 2" the first two; the last, with all of them, is not among these. One
+    that was never fitted, as after an exchange, is left out.
+
+    Args:
+        fitted: every model that was compared, the latest last; those of modes alone predict no FRFs.
+        keys: name and place of each effect, in the order in which they were added.
+    """
+    known = {
+        one.hypothesis.keys: one.predicted
+        for one in fitted
+        if isinstance(one, FittedFrfs) and one.key[0] != UNSTRUCTURED
+    }
+    steps = {f"step {k}": tuple(keys[:k]) for k in range(1, len(keys))}
+    return {name: known[some] for name, some in steps.items() if some in known}
 
 
 def facts_of(selection: ForwardSelection[M], found: Conclusion[M], modal: Findings | None) -> Facts:

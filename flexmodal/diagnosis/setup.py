@@ -11,11 +11,11 @@ from jaxtyping import Bool
 from flexmodal.campaign import Campaign, CampaignPosture
 from flexmodal.diagnosis.effects import Context, Effect
 from flexmodal.diagnosis.hypothesis import Hypothesis
-from flexmodal.diagnosis.search.lines import COARSE, some_lines, unlimited
+from flexmodal.diagnosis.search.lines import COARSE, some_lines
 from flexmodal.diagnosis.selection.asked import effects_of
 from flexmodal.diagnosis.selection.decision import Asked
 from flexmodal.errors import Fault, InvalidRequest
-from flexmodal.identification import Observations, fit, gap, observe, predict
+from flexmodal.identification import Observations, fit, gap, observe, predict, unlimited
 from flexmodal.identification.compatibility import check_compatible
 from flexmodal.identification.tolerance import with_tolerance
 from flexmodal.model import Robot

@@ -22,6 +22,7 @@ from flexmodal.identification.model import RobotModel as RobotModel
 from flexmodal.identification.model import predict as predict
 from flexmodal.identification.observations import Observations as Observations
 from flexmodal.identification.observations import observe as observe
+from flexmodal.identification.observations import unlimited as unlimited
 from flexmodal.identification.outcome import Identification as Identification
 from flexmodal.identification.piecewise import PiecewiseModel as PiecewiseModel
 from flexmodal.identification.piecewise import piecewise as piecewise

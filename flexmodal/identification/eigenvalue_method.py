@@ -21,6 +21,7 @@ from flexmodal.identification.evidence.modal import ModalEvidence
 from flexmodal.identification.evidence.mode_sources import modes_of_table
 from flexmodal.identification.optima import search
 from flexmodal.identification.outcome import TOUCHING
+from flexmodal.identification.spot import Spot, in_world
 from flexmodal.model import Robot
 from flexmodal.structure.arm import Arm, Body, moved_bodies
 from flexmodal.structure.assembly import Assembly
@@ -49,8 +50,8 @@ class EigenvalueModel:
         self,
         x: Float[np.ndarray, " parameter"],
         q: Mapping[str, float],
-        responses: Sequence[tuple[str, np.ndarray, np.ndarray]],
-        references: Sequence[tuple[str, np.ndarray, np.ndarray]],
+        responses: Sequence[Spot],
+        references: Sequence[Spot],
     ) -> Structure:
         """In one posture; what is not a parameter is as the card says."""
         values = self.space.values(x)
@@ -67,7 +68,9 @@ class EigenvalueModel:
             assembly.add_damper(row, values.get(f"damping.{name}", joint.damping), f"damping.{name}")
             if joint.rotor_inertia:
                 assembly.add_inertia(row, joint.rotor_inertia)
-        return assembly.close(assembly.rows(responses), assembly.rows(references))
+        return assembly.close(
+            *(assembly.rows(in_world(spots, assembly)) for spots in (responses, references))
+        )
 
 
 @dataclass(frozen=True, eq=False)

@@ -33,7 +33,7 @@ FINE = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
-class Weighing:
+class Weighting:
     """How residuals count."""
 
     floor: float
@@ -82,7 +82,7 @@ class FrfMisfit:
 
     model: Model
     observations: Observations
-    weighing: Weighing
+    weighing: Weighting
 
     def cost(self, x: Float[np.ndarray, " parameter"]) -> float:
         """The cost alone; infinite where there is no model."""
@@ -176,7 +176,7 @@ class FrfMisfit:
 
 
 def cost_of(
-    model: Model, x: Float[np.ndarray, " parameter"], observations: Observations, weighing: Weighing
+    model: Model, x: Float[np.ndarray, " parameter"], observations: Observations, weighing: Weighting
 ) -> float:
     """Cost alone: the robust sum of squares plus the prior's; infinite where there is no model."""
     return FrfMisfit(model, observations, weighing).cost(x)
@@ -186,7 +186,7 @@ def normal_equations(
     model: Model,
     x: Float[np.ndarray, " parameter"],
     observations: Observations,
-    weighing: Weighing,
+    weighing: Weighting,
     *,
     apart: bool = False,
 ) -> Normal:
@@ -207,7 +207,7 @@ class FrfFit:
     """Whether the normal equations are with what each observation adds to the curvature."""
 
     @property
-    def weighing(self) -> Weighing:
+    def weighing(self) -> Weighting:
         """How residuals counted at the end."""
         return self.misfit.weighing
 
@@ -255,7 +255,7 @@ def fit(
         raise InvalidRequest(Fault("call", "floors", "none", "at least one"))
     total = 0
     for number, floor in enumerate(floors):
-        misfit = FrfMisfit(model, observations, Weighing(floor, lines, share))
+        misfit = FrfMisfit(model, observations, Weighting(floor, lines, share))
         found = descend(
             model.space,
             misfit.equations,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import Protocol, runtime_checkable
@@ -10,9 +10,9 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 from jaxtyping import Complex, Float, Int
 
-from flexmodal.campaign import Campaign, CampaignPoint
 from flexmodal.identification.layout import Part
 from flexmodal.identification.observations import Observations
+from flexmodal.identification.spot import Spot, in_world, places_of
 from flexmodal.model import Robot
 from flexmodal.structure.arm import Arm, Arms
 from flexmodal.structure.frame import Frame, Frames
@@ -22,12 +22,6 @@ from flexmodal.structure.solution import solved
 from flexmodal.structure.stack import Structures, joined
 from flexmodal.structure.structure import Axis, Structure
 from flexmodal.structure.truncation import missing_of, missing_with_slopes
-
-AXES = np.eye(3)
-
-Spot = tuple[str, np.ndarray, np.ndarray]
-"""Link, place in its frame [m], direction in the world."""
-
 
 Reading = Callable[[Axis], tuple[np.ndarray, Mapping[int, np.ndarray]]]
 """What sensors make of motion: ln(reading / motion) [entry line], and its derivatives by parameter number."""
@@ -111,7 +105,7 @@ class RobotModel:
         """See `FrfModel`; every term is its own derivative."""
         made = []
         for part in observations.layout.parts():
-            rows = places(observations, part.where), places(observations, part.struck)
+            rows = [places_of(observations.campaign, table.tolist()) for table in (part.where, part.struck)]
             postures = [observations.postures[k].q for k in part.posture.tolist()]
             sloped = partial(self._group, x, part, postures, rows)
             made.append(sloped() if slopes else self._group(x, part, postures, rows, sloped))
@@ -122,11 +116,12 @@ class RobotModel:
         x: Float[np.ndarray, " parameter"],
         part: Part,
         postures: Sequence[Mapping[str, float]],
-        rows: tuple[Sequence[Spot], Sequence[Spot]],
+        rows: Sequence[Sequence[Spot]],
         sloped: Callable[[], Group] | None = None,
     ) -> Group:
         """With derivatives, unless they are left to `sloped`."""
-        return Group(self._structures(x, postures, *rows, slopes=sloped is None), part, sloped=sloped)
+        found = self._structures(x, postures, rows[0], rows[1], slopes=sloped is None)
+        return Group(found, part, sloped=sloped)
 
     def structure_at(
         self,
@@ -151,7 +146,8 @@ class RobotModel:
         names = [name for name in self.space.names if name.partition(".")[0] not in KINDS]
         card = {name: self.space.parameters[self.space.index[name]].card for name in names}
         where = tuple(
-            (link, *place.tolist(), *way.tolist()) for link, place, way in (*responses, *references)
+            (one.link, one.in_link, *one.place.tolist(), *one.way.tolist())
+            for one in (*responses, *references)
         )
         key = (tuple(tuple(sorted(q.items())) for q in postures), len(responses), where)
 
@@ -159,7 +155,10 @@ class RobotModel:
             def build() -> Frame:
                 arms = Arms.of([Arm(self.robot, dict(q)) for q in postures])
                 assembly = assembled(arms, {**card, **shape})
-                rows = assembly.rows(responses), assembly.rows(references)
+                rows = (
+                    assembly.rows(in_world(responses, assembly)),
+                    assembly.rows(in_world(references, assembly)),
+                )
                 return Frame(assembly, tuple(names), np.array(list(card.values())), *rows)
 
             return self._frames.get((*key, tuple(shape.values())), build)
@@ -190,20 +189,6 @@ class RobotModel:
     @cached_property
     def _frames(self) -> Frames:
         return Frames()
-
-
-def places_of(campaign: Campaign, given: Iterable[tuple[int, int]]) -> list[Spot]:
-    """Link, place and world direction of point ids and directions."""
-    found = []
-    for number, direction in given:
-        point: CampaignPoint = campaign.point(int(number))
-        found.append((point.link, np.array(point.xyz), AXES[abs(direction) - 1] * np.sign(direction)))
-    return found
-
-
-def places(observations: Observations, given: Int[np.ndarray, "place 2"]) -> list[Spot]:
-    """Link, place and world direction of point ids and directions."""
-    return places_of(observations.campaign, [(int(n), int(d)) for n, d in given])
 
 
 def predict(

@@ -129,6 +129,15 @@ class Observations:
         return len(self.value)
 
 
+def unlimited(observations: Observations) -> Observations:
+    """As if every record lasted until all is still: nothing is cut off.
+
+    Args:
+        observations: of a campaign.
+    """
+    return replace(observations, lengths=(0.0,) * len(observations.lengths))
+
+
 def observe(campaign: Campaign, *, bare: bool = False) -> Observations:
     """Take a campaign's FRFs, or those its blows give, for a fit.
 

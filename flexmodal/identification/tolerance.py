@@ -9,14 +9,16 @@ which evidence is discounted.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
 from jaxtyping import Complex, Float
 
+from flexmodal.campaign import Axes, CampaignPoint
 from flexmodal.identification.model import RobotModel, predict
-from flexmodal.identification.observations import Observations
+from flexmodal.identification.observations import Observations, unlimited
 from flexmodal.model import Robot
 from flexmodal.structure import robot_space
 
@@ -42,7 +44,7 @@ def with_tolerance(observations: Observations, robot: Robot) -> Observations:
     variance = observations.variance + 2 * given.gain**2
     model = RobotModel(robot, robot_space(robot))
     x = np.zeros(len(model.space))
-    endless = replace(observations, lengths=(0.0,) * len(observations.lengths))
+    endless = unlimited(observations)
     plain = predict(model, x, endless)
     for share, other, size in _shifted(endless, robot):
         change = np.log(_ratio(predict(model, x, other), plain)) / size
@@ -92,9 +94,34 @@ def _shifted(
 
 
 def _turned(observations: Observations) -> Iterator[Observations]:
-    """Sensor, then hammer, along either axis across its own."""
-    for name in ("response", "reference"):
-        for turn in (1, 2):
+    """Sensor, then hammer, along either of two directions across its own.
+
+    Those are directions 1, 2, 3 of points beside the campaign's that bear the axes across.
+    """
+    campaign, points = observations.campaign, observations.campaign.points
+    taken = {point.id for point in points}
+    free = (number for number in itertools.count(1) if number not in taken)
+    longest = max(len(point.name) for point in points)
+    number_of = {point.id: next(free) for point in points}
+    for turn in (0, 1):
+        beside = [
+            replace(one, id=number_of[one.id], name=one.name.ljust(longest) + "′", axes=_across(one)[turn])
+            for one in points
+        ]
+        both = replace(campaign, points=(*points, *beside), frfs=None, blows=(), modes=None)
+        for name in ("response", "reference"):
             place = getattr(observations, name).copy()
-            place[:, 1] = (place[:, 1] - 1 + turn) % 3 + 1
-            yield replace(observations, **{name: place})
+            place[:, 0] = [number_of[int(point)] for point in place[:, 0]]
+            yield replace(observations, campaign=both, **{name: place})
+
+
+def _across(point: CampaignPoint) -> tuple[Axes, Axes]:
+    """For each direction of a point two unit vectors across it and each other, in the frame of its axes."""
+    both: tuple[list[tuple[float, float, float]], list[tuple[float, float, float]]] = ([], [])
+    for way in point.rows():
+        other = np.eye(3)[(int(np.argmax(np.abs(way))) + 1) % 3]
+        first = other - (other @ way) * way
+        first /= np.linalg.norm(first)
+        for rows, found in zip(both, (first, np.cross(way, first)), strict=True):
+            rows.append((float(found[0]), float(found[1]), float(found[2])))
+    return (both[0][0], both[0][1], both[0][2]), (both[1][0], both[1][1], both[1][2])

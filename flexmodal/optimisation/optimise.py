@@ -87,7 +87,7 @@ def optimise(
         alone = tell_apart(problem, Ends.of([null_space_descent(problem, given)]))
         return _outcome(problem, alone, before, method)
     basins = search(problem, given, starts, seed, way, advance=advance, improved=improved, doing=doing)
-    return _outcome(problem, basins, before, method)
+    return _outcome(problem, basins, before, method, seed)
 
 
 def _compared(problem: PostureProblem, posture: Posture) -> Start:
@@ -144,7 +144,9 @@ def _check(
         raise InvalidRequest(faults)
 
 
-def _outcome(problem: PostureProblem, found: Basins, before: Start | None, method: str) -> Outcome:
+def _outcome(
+    problem: PostureProblem, found: Basins, before: Start | None, method: str, seed: int | None = None
+) -> Outcome:
     near = None if before is None else problem.vector(before.held or before.given)
     optima = tuple(
         Optimum(
@@ -157,4 +159,4 @@ def _outcome(problem: PostureProblem, found: Basins, before: Start | None, metho
     )
     ends = found.ends
     counts = (ends.reached, ends.unbounded, method, len(ends.cost))
-    return Outcome(problem, optima, before, found.settled, *counts, ends.interrupted)
+    return Outcome(problem, optima, before, found.settled, *counts, ends.interrupted, seed)

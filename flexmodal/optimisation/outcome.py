@@ -68,6 +68,8 @@ class Outcome(Shown):
     """Starts in all, those included that did not reach the target."""
     interrupted: bool = False
     """Whether Ctrl-C ended the search; the optima are those found until then."""
+    seed: int | None = None
+    """Of the random starts; None of a search that had none."""
 
     _PICTURE: ClassVar[str] = "flexmodal.optimisation.pictures.plot:draw_outcome"
 

@@ -12,13 +12,12 @@ from flexmodal.campaign import write_frf
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.files import whole_file
 from flexmodal.frf import Frf
+from flexmodal.frf.export import COLUMNS as FRF_COLUMNS
 from flexmodal.prediction.frf_prediction import FrfPrediction
 from flexmodal.prediction.methods import METHODS
 from flexmodal.report.parts import finite
 
-COLUMNS = (
-    "frequency_hz", "response", "reference", "form", "unit", "re", "im", "low", "high", "phase_half_width",
-)  # fmt: skip
+COLUMNS = (*FRF_COLUMNS, "low", "high", "phase_half_width")
 UNIT = "m/N"
 
 

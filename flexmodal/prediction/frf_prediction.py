@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import ClassVar
 
 import numpy as np
@@ -61,6 +61,8 @@ class FrfPrediction(Shown):
     """Joints that stand outside what was measured."""
     remote: float = 1.0
     """Distance to the nearest measured posture over the typical one between these, 1 or more."""
+    axes: Mapping[str, str] = field(default_factory=dict)
+    """What x, y, z are at points where they are not the world's."""
 
     _PICTURE: ClassVar[str] = "flexmodal.prediction.plot:draw_prediction"
 
@@ -106,6 +108,7 @@ class FrfPrediction(Shown):
             says.append(f"{self.remote:.1f} times as far from the measured postures as these are apart")
         if count < FEW:
             says.append(f"{count} postures were struck: the band rests on as many errors")
+        says += [f"x, y, z at {name} are {axes}" for name, axes in self.axes.items()]
         return "; ".join(says)
 
     def _beside(self, gaps: Mapping[str, float]) -> str:

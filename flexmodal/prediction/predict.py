@@ -123,8 +123,9 @@ def solve_by_all(
         wider = 1.0 if method == "physics" else far
         frfs = _frfs(problem, panel, value, (wider * halves[0], np.minimum(wider * halves[1], np.pi)))
         found[method] = FrfPrediction(
-            problem.robot.name, problem.campaign.title, where, panel.axis, frfs, method, left, beyond, far
-        )
+            problem.robot.name, problem.campaign.title, where, panel.axis, frfs, method, left, beyond, far,
+            _axes(problem, frfs),
+        )  # fmt: skip
     return found
 
 
@@ -143,6 +144,13 @@ def _frfs(
         )
         for number, pair in enumerate(panel.pairs.tolist())
     )
+
+
+def _axes(problem: PredictionProblem, frfs: tuple[PredictedFrf, ...]) -> dict[str, str]:
+    """What x, y, z are, by point, where they are not the world's."""
+    used = dict.fromkeys(one.point for frf in frfs for one in (frf.response, frf.reference))
+    own = {point.name: point.axes_text() for point in problem.campaign.points if point.own_axes}
+    return {name: own[name] for name in used if name in own}
 
 
 def predict_posture(

@@ -118,13 +118,6 @@ def _strikes(
     return blows
 
 
-def world_axis(direction: int) -> Float[np.ndarray, "3"]:
-    """±1, ±2, ±3 as a unit vector."""
-    axis = np.zeros(3)
-    axis[abs(direction) - 1] = np.sign(direction)
-    return axis
-
-
 def reference_rows(
     stand: Stand, plant: Plant, strikes: Sequence[tuple[Strike | None, tuple[int, int]]]
 ) -> Float[np.ndarray, "blow dof"]:
@@ -138,7 +131,7 @@ def reference_rows(
     rows = []
     for blow, (number, direction) in strikes:
         point = stand.plan.point(number)
-        place, way = np.array(point.xyz), world_axis(direction)
+        place, way = np.array(point.xyz), point.way(direction, plant.orientation(point.link))
         if blow is not None:
             place, way = place + blow.offset, blow.tilt @ way
         rows.append(plant.row(point.link, place, way))
@@ -158,7 +151,10 @@ def response_rows(
     """
     axes, place = plant.orientation(point.link), np.array(point.xyz) + sensor.offset
     return np.array(
-        [plant.row(point.link, place, sensor.direction(axes, world_axis(axis))) for axis in stand.plan.axes]
+        [
+            plant.row(point.link, place, sensor.direction(axes, point.way(axis, axes)))
+            for axis in stand.plan.axes
+        ]
     )
 
 

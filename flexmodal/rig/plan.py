@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import get_args
 
 import numpy as np
 
-from flexmodal.campaign import CampaignPoint, CampaignPosture, Trial
+from flexmodal.campaign import AxisFrame, CampaignPoint, CampaignPosture, Trial
 from flexmodal.errors import Fault, InvalidPosture, InvalidRequest
 from flexmodal.model import Robot
 from flexmodal.rig.analyser import RATIO, Analyser
@@ -36,7 +37,7 @@ class HammerPlan:
     references: tuple[tuple[int, int], ...]
     """Point id and direction ±1 ±2 ±3 of each hammer position."""
     axes: tuple[int, ...]
-    """Directions that the sensor measures: 1, 2, 3 for x, y, z."""
+    """Directions that the sensor measures: 1, 2, 3 for x, y, z of the point's axes."""
     trials: tuple[Trial, ...]
     band: tuple[float, float]
     """[Hz]"""
@@ -54,6 +55,7 @@ def make_plan(
     points: int | None,
     references: int | Sequence[str],
     axes: str | None,
+    frame: AxisFrame,
     trials: int,
     averages: int,
     peaks: Sequence[float],
@@ -78,7 +80,8 @@ def make_plan(
         _check_count("postures", postures)
         stood = _postures(robot, postures, random)
     with gathering.step():
-        chosen = choose_points(robot, points)
+        _check_frame(frame)
+        chosen = tuple(replace(point, frame=frame) for point in choose_points(robot, points))
     with gathering.step():
         _check_count("references", references)
         if chosen and (measured or not isinstance(references, int)):
@@ -126,6 +129,11 @@ def _check_count(name: str, wanted: int | Sequence[object]) -> None:
     count = wanted if isinstance(wanted, int) else len(wanted)
     if not 1 <= count <= MOST:
         raise InvalidRequest(Fault("call", name, str(count), f"1 to {MOST}"))
+
+
+def _check_frame(frame: str) -> None:
+    if frame not in get_args(AxisFrame):
+        raise InvalidRequest(Fault("call", "frame", repr(frame), " or ".join(get_args(AxisFrame))))
 
 
 def _axes(robot: Robot, wanted: str | None) -> tuple[int, ...]:

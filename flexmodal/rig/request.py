@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from flexmodal.campaign import AxisFrame
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.model import Robot
 from flexmodal.rig.believed import ParameterError
@@ -38,6 +39,7 @@ def prepare(
     points: int | None = None,
     references: int | Sequence[str] = 2,
     axes: str | None = None,
+    frame: AxisFrame = "world",
     trials: int = 4,
     averages: int = 3,
     peaks: Sequence[float] = (60.0, 240.0),
@@ -61,8 +63,8 @@ def prepare(
         _check_numbers(noise, scatter, parameter_error, seed, workers)
     with gathering.step():
         plan = make_plan(
-            robot, postures=postures, points=points, references=references, axes=axes, trials=trials,
-            averages=averages, peaks=peaks, tip=tip, band=band, record_length=record_length,
+            robot, postures=postures, points=points, references=references, axes=axes, frame=frame,
+            trials=trials, averages=averages, peaks=peaks, tip=tip, band=band, record_length=record_length,
             random=np.random.default_rng([max(seed, 0), 3]),
         )  # fmt: skip
         refuse_springs(robot, plan)

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from flexmodal.campaign import Blow, Campaign
+from flexmodal.campaign import AxisFrame, Blow, Campaign
 from flexmodal.model import Robot
 from flexmodal.rig.believed import ParameterError, TrueRobot, true_robot
 from flexmodal.rig.clean import peaks as clean_peaks
@@ -30,6 +30,7 @@ def simulate(
     points: int | None = None,
     references: int | Sequence[str] = 2,
     axes: str | None = None,
+    frame: AxisFrame = "world",
     trials: int = 4,
     averages: int = 3,
     peaks: Sequence[float] = (60.0, 240.0),
@@ -52,7 +53,9 @@ def simulate(
         postures: how many, or which; a number takes the card's named postures, then random ones.
         points: how many of the card's points carry the sensor; all if None.
         references: how many hammer positions, or which, as "name:+z".
-        axes: world directions the sensor measures, such as "xz"; the vertical for a planar chain, else xyz.
+        axes: directions the sensor measures, such as "xz"; the vertical for a planar chain, else xyz.
+        frame: whose axes those of sensor and hammer are: the world's, or those of the link they sit on, with
+            which they turn.
         trials: kinds of blows; they go through `peaks` in turn, the second time as repeats.
         averages: blows in each FRF.
         peaks: typical peaks of the blows [N].
@@ -72,9 +75,9 @@ def simulate(
         InvalidRequest, InvalidPosture: an argument out of its range, an unknown effect or place; all at once.
     """
     prepared = prepare(
-        robot, postures=postures, points=points, references=references, axes=axes, trials=trials,
-        averages=averages, peaks=peaks, tip=tip, band=band, record_length=record_length, hide=hide,
-        noise=noise, scatter=scatter, parameter_error=parameter_error, seed=seed, workers=workers,
+        robot, postures=postures, points=points, references=references, axes=axes, frame=frame,
+        trials=trials, averages=averages, peaks=peaks, tip=tip, band=band, record_length=record_length,
+        hide=hide, noise=noise, scatter=scatter, parameter_error=parameter_error, seed=seed, workers=workers,
     )  # fmt: skip
     return _run(prepared, time, workers, advance)
 

@@ -196,6 +196,21 @@ def test_the_posture_can_be_kept(tab):
     assert {name: float(value) for name, value in typed} == values
 
 
+def test_a_picture_in_software_is_rough_only_while_it_moves(tab):
+    ratio = "viewer.renderer.getPixelRatio()"
+    assert tab.evaluate("flexmodalPage.software")  # SwiftShader draws here
+    tab.wait_for_timeout(400)
+    assert tab.evaluate(ratio) == 2
+    now = tab.evaluate(f"() => {{ flexmodalLive.moveJoint(1, 0.3); return {ratio}; }}")
+    assert now == 2  # what moves once need not be quick
+    now = tab.evaluate(
+        f"() => {{ for (let k = 0; k < 3; k++) flexmodalLive.moveJoint(1, 0.1 * k); return {ratio}; }}"
+    )
+    assert now == 0.6
+    tab.wait_for_timeout(600)
+    assert tab.evaluate(ratio) == 2
+
+
 def test_a_pinned_curve_stays(tab):
     tab.get_by_role("button", name="Pin curve").click()
     before = tab.locator("#chart .curve.pinned").get_attribute("d")

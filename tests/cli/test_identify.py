@@ -13,6 +13,7 @@ from flexmodal.campaign import read_campaign
 from flexmodal.cli.main import group
 from flexmodal.identification import identify
 from flexmodal.identification.observations import observe
+from flexmodal.identification.spot import Spot
 from flexmodal.rig import simulate
 
 ROOT = Path(__file__).parents[2]
@@ -78,8 +79,8 @@ def test_the_improved_card_has_the_fitted_receptance(folder, identified):
     made = outcome.problem.evidence.model.structure_at(
         outcome.at,
         q,
-        [(point.link, np.array(point.xyz), np.eye(3)[2])],
-        [(point.link, np.array(point.xyz), np.eye(3)[2])],
+        [Spot(point.link, np.array(point.xyz), np.eye(3)[2])],
+        [Spot(point.link, np.array(point.xyz), np.eye(3)[2])],
     )
     direct = []
     for omega in 2j * np.pi * lines:

@@ -9,7 +9,7 @@ from flexmodal.diagnosis.effects import catalogue
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.placed import Placed
 from flexmodal.identification import predict
-from flexmodal.identification.frf_fit import FrfMisfit, Weighing
+from flexmodal.identification.frf_fit import FrfMisfit, Weighting
 from flexmodal.structure import robot_space
 
 
@@ -53,7 +53,7 @@ def test_derivatives_after_a_look_are_those_without_one(context, observed):
     for name in ("link_flexibility", "local_absorber", "sensor_gain", "structural_damping"):
         effect = catalogue()[name]
         hypothesis = hypothesis.and_also(Placed(effect, effect.places(context)[0]))
-    weighing = Weighing(0.05, np.arange(0, len(observed.axis), 7))
+    weighing = Weighting(0.05, np.arange(0, len(observed.axis), 7))
     x, other = (np.full(len(hypothesis.space), value) for value in (0.01, 0.03))
     misfit, fresh = (FrfMisfit(hypothesis, observed, weighing) for _ in range(2))
     misfit.cost(other)

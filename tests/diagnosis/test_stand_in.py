@@ -6,13 +6,14 @@ import numpy as np
 import pytest
 
 import flexmodal
+from flexmodal.diagnosis.disagreement.gaps import over_noise
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.lawfree.result import Findings, Found
 from flexmodal.diagnosis.outcome import Gaps
 from flexmodal.diagnosis.placed import Placed
 from flexmodal.diagnosis.search.close_fit import fitted_closely
 from flexmodal.diagnosis.selection.asked import asked_of
-from flexmodal.diagnosis.selection.stand_in import NEARER, held_out, is_passive, stand_in
+from flexmodal.diagnosis.selection.stand_in import NEARER, is_passive, stand_in
 from flexmodal.diagnosis.setup import prepare
 from flexmodal.diagnosis.verdict.frf_words import stand_in_words
 from flexmodal.rig import Hide, simulate
@@ -51,7 +52,7 @@ def test_at_its_place_it_brings_unseen_postures_nearer(setup, bare):
     found = stand_in(setup, looked("link_3"), bare, starts, with_force=False)
     assert found is not None
     assert found.hypothesis.keys[0] == ("local_absorber", "link_3")
-    assert held_out(setup, found) < NEARER * held_out(setup, bare)
+    assert over_noise(setup, found, setup.held) < NEARER * over_noise(setup, bare, setup.held)
     assert is_passive(found)
 
 

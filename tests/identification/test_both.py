@@ -9,7 +9,7 @@ from flexmodal.campaign import ModeTable, read_campaign, write_campaign
 from flexmodal.errors import InvalidCampaign
 from flexmodal.identification import RobotModel, build_identification, identify
 from flexmodal.identification.evidence.both import Both
-from flexmodal.identification.model import places_of
+from flexmodal.identification.spot import places_of
 from flexmodal.structure import robot_space
 from flexmodal.structure.poles import poles
 

@@ -19,7 +19,7 @@ from flexmodal.identification.evidence.measured_modes import (
 from flexmodal.identification.evidence.modal import ModalEvidence
 from flexmodal.identification.evidence.modal_residuals import ModeProblem
 from flexmodal.identification.evidence.mode_sources import modes_of_table
-from flexmodal.identification.model import places_of
+from flexmodal.identification.spot import places_of
 from flexmodal.structure import robot_space
 from flexmodal.structure.poles import poles
 from flexmodal.structure.structure import Axis, receptance

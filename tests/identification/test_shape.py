@@ -10,6 +10,7 @@ from flexmodal.cards import FrozenDict, ObstacleCard
 from flexmodal.errors import InvalidRequest
 from flexmodal.identification import RobotModel, identify
 from flexmodal.identification.improved import write_improved
+from flexmodal.identification.spot import Spot
 from flexmodal.model.placements import link_placements
 from flexmodal.rig import simulate
 from flexmodal.structure import robot_space
@@ -35,7 +36,7 @@ def drawn(name, tool=None, seed=3):
 
 def places_of(robot):
     points = [(one.link, np.array(one.xyz)) for one in list(robot.points.values())[:3]]
-    return [(link, place, UP) for link, place in points] + [(*points[0], ALONG)]
+    return [Spot(link, place, UP) for link, place in points] + [Spot(*points[0], ALONG)]
 
 
 @pytest.mark.parametrize("name", ["fanuc_s360", "six_axis"])

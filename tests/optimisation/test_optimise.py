@@ -177,6 +177,7 @@ def test_the_same_seed_the_same_answer(arm):
     ticks = []
     first = optimise(problem, starts=5, seed=7, advance=lambda: ticks.append(1))
     again = optimise(problem, starts=5, seed=7)
+    assert first.seed == 7  # by which its starts can be drawn again
     assert len(ticks) == 5
     assert [(dict(o.posture.values), o.objective, o.hits) for o in first.optima] == [
         (dict(o.posture.values), o.objective, o.hits) for o in again.optima

@@ -182,3 +182,13 @@ def test_without_scikit_learn_it_says_what_to_install(campaign, fanuc, monkeypat
     monkeypatch.setitem(sys.modules, "sklearn", None)
     with pytest.raises(MissingExtra, match=r"flexmodal\[predict\]"):
         build_prediction(campaign, fanuc)
+
+
+def test_along_the_axes_of_a_link_it_predicts_and_says_so(campaign, fanuc):
+    """The data of the world's axes taken for those of a link: other numbers, and the axes in the verdict."""
+    points = tuple(replace(one, frame="link") for one in campaign.points[:1])
+    turned = replace(campaign, points=(*points, *campaign.points[1:]))
+    found = solve_prediction(build_prediction(turned, fanuc, trust=POOR), campaign.postures[0].q)
+    (said,) = found.axes.items()
+    assert said == (points[0].name, f"the axes of {points[0].link}")
+    assert f"x, y, z at {points[0].name} are the axes of {points[0].link}" in found.verdict

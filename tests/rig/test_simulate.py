@@ -12,6 +12,7 @@ import flexmodal
 from flexmodal.campaign import read_campaign
 from flexmodal.cli.rig import rig
 from flexmodal.errors import InvalidPosture, InvalidRequest, OutputExists
+from flexmodal.model.placements import link_placements
 from flexmodal.rig import EFFECTS, Hide, hide_places, simulate
 from flexmodal.rig.hidden.severity import height, limit, noise_floor, severity_for
 
@@ -50,6 +51,34 @@ def test_every_effect_on_a_planar_and_a_spatial_arm(effect, which, request):
     np.testing.assert_array_equal(one.response, other.response)
     assert spoilt.truth.effects[0].effect == effect
     assert spoilt.truth.effects[0].where in hide_places(robot, points=2)[effect]
+
+
+def test_directions_of_the_links_are_those_of_the_robot_turned_with_it(tmp_path):
+    """Struck and measured along the axes of the links: `Robot.frf` along the world's, turned by hand."""
+    robot = flexmodal.load("six_axis")
+    made = simulate(
+        robot, postures=1, points=2, references=2, trials=1, averages=1, frame="link", band=(4.0, 60.0),
+        record_length=4.0, noise=0.0, scatter=0.0, parameter_error=0.0, seed=2, time=False,
+    )  # fmt: skip
+    campaign = made.campaign
+    made.write(tmp_path / "c")
+    assert read_campaign(tmp_path / "c").points == campaign.points
+    assert {point.frame for point in campaign.points} == {"link"}
+    frfs, q = campaign.frfs.to("receptance"), dict(campaign.postures[0].q)
+    inside = np.flatnonzero((frfs.frequency >= 6) & (frfs.frequency <= 55))[::7]
+    placed = link_placements(robot, q)
+    names = {point.id: [f"{point.name}:+{axis}" for axis in "xyz"] for point in campaign.points}
+    for row in range(len(frfs)):
+        (r, d), (f, e) = frfs.response[row].tolist(), frfs.reference[row].tolist()
+        value = robot.frf(q, frfs.frequency[inside], response=names[r], reference=names[f]).value
+        ways = [
+            np.sign(axis) * placed[campaign.point(point).link][:3, abs(axis) - 1]
+            for point, axis in ((r, d), (f, e))
+        ]
+        expected = np.einsum("a,lab,b->l", ways[0], value, ways[1])
+        # of the largest there: at one's end a record is cut off, and H1 of a cut record is a little off
+        size = np.abs(value).max()
+        np.testing.assert_allclose(frfs.value[row, inside] / size, expected / size, atol=0.02)
 
 
 def test_the_same_seed_gives_the_same_campaign(fanuc):

@@ -51,8 +51,7 @@ def test_beam_alone_has_the_frequencies_of_a_cantilever():
 
 def test_beam_bends_under_a_tip_load_and_a_tip_moment():
     beam = Beam(0.8, 500.0, 1.0)
-    load = np.zeros(4)
-    load[0] = 1.0
+    load = np.eye(len(beam.condensed_stiffness))[0]
     deflection, slope = beam.shape(0.8)
     bent = np.linalg.solve(beam.condensed_stiffness, load)
     assert deflection @ bent == pytest.approx(0.8**3 / (3 * 500), rel=1e-9)

@@ -15,6 +15,7 @@ from flexmodal.campaign import Campaign, CampaignPoint, CampaignPosture, FrfReco
 from flexmodal.ema.shapes import FittedShapes
 from flexmodal.errors import InvalidCampaign
 from flexmodal.modal import mac
+from flexmodal.model.placements import link_placements
 
 AXIS = np.array([1.0, 2.0])
 
@@ -50,6 +51,20 @@ def test_points_stand_where_they_were_measured(fanuc, campaign):
         for number, name in ((1, "location_1"), (2, "location_2")):
             node = scene.nodes[f"posture_{posture.id}/point_{number}"]
             np.testing.assert_allclose(node[:3, 3], posed.position(name), atol=1e-12)
+
+
+def test_arrows_along_the_axes_of_a_link_turn_with_it(fanuc, campaign):
+    """And the table of each posture says whose axes they are; of the world's nothing is said."""
+    fixed = replace(campaign.points[1], link="link_1", xyz=(0.85, 0.0, 0.0), frame="link")
+    scene = campaign_scene(fanuc, replace(campaign, points=(campaign.points[0], fixed)))
+    turn = link_placements(fanuc, fanuc.postures["configuration_1"])[fixed.link][:3, :3]
+    assert abs(turn[2, 2]) < 0.99
+    np.testing.assert_allclose(scene.nodes["posture_1/response_1"][:3, 2], turn[:, 2], atol=1e-12)
+    np.testing.assert_allclose(scene.nodes["posture_1/hammer_0"][:3, 2], -turn[:, 2], atol=1e-12)
+    np.testing.assert_allclose(scene.nodes["posture_1/response_0"][:3, 2], [0, 0, 1], atol=1e-12)
+    rows = dict(scene.motions[0].table.rows)
+    assert rows["x, y, z at location_2"] == f"the axes of {fixed.link}"
+    assert not any(name.startswith("x, y, z at tip") for name in rows)
 
 
 def test_arrows_say_where_sensor_and_hammer_point(fanuc, campaign):

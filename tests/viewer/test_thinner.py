@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 import trimesh
 from flexmodal_viewer import live_scene
+from flexmodal_viewer.commands import payload
 from flexmodal_viewer.page import page_html
 from flexmodal_viewer.palette import PLAIN
 from flexmodal_viewer.shapes import Box, Mesh
-from flexmodal_viewer.thinner import MOST_FACES, thinned
+from flexmodal_viewer.thinner import FEW_FACES, MOST_FACES, thinned
 from flexmodal_viewer.visuals import Visual
 
 from flexmodal.model import load
@@ -71,3 +72,24 @@ def test_pages_are_small(name):
     arm = load(name) if name in cards else load(name, stiffness=2e4, damping=20.0)
     middle = {joint: (one.lower + one.upper) / 2 for joint, one in arm.commanded.items()}
     assert len(page_html(live_scene(arm, arm.posture(middle))).encode()) < SMALL
+
+
+def test_a_rough_arm_has_few_triangles():
+    parts = [part(ball(5)), part(ball(4)), part(ball(1))]
+    after = thinned(parts, FEW_FACES)
+    assert sum(len(one.shape.faces) for one in after) <= 1.1 * FEW_FACES
+    assert after[2] is parts[2]
+
+
+def test_an_arm_stands_in_all_its_triangles_and_is_translucent_in_few(bare, tmp_path):
+    trimesh.creation.icosphere(5).export(tmp_path / "ball.stl")
+    arm = bare(arm='<visual><geometry><mesh filename="ball.stl"/></geometry></visual>')
+    scene = live_scene(arm, arm.posture({}))
+    parts = [item for item in scene.items if "/part_" in item.path]
+    (own,) = [item for item in parts if item.path.startswith("arm/")]
+    (ghost,) = [item for item in parts if item.path.startswith("rest/")]
+    assert len(own.shape.faces) > FEW_FACES > 0.9 * len(own.rough.faces)
+    assert ghost.shape is not own.shape
+    assert ghost.rough is None
+    assert len(ghost.shape.faces) == len(own.rough.faces)
+    assert payload(scene)["rough"] == [[f"/flexmodal/{own.path}", f"/flexmodal/{own.path}_rough"]]

@@ -13,8 +13,8 @@ from flexmodal.model import Robot
 from flexmodal.model.placements import link_placements
 from flexmodal_viewer.palette import PLAIN, Colour
 from flexmodal_viewer.scene import Item, Matrix
-from flexmodal_viewer.shapes import Cylinder, Mesh, Sphere
-from flexmodal_viewer.thinner import thinned
+from flexmodal_viewer.shapes import Cylinder, Mesh, Shape, Sphere
+from flexmodal_viewer.thinner import FEW_FACES, thinned
 from flexmodal_viewer.visuals import Looks, Visual, read_looks
 
 Paint = Callable[[Colour], Colour]
@@ -48,6 +48,11 @@ class Arm:
             return Looks(thinned(found.visuals), found.notes)
         note = "The URDF has no visual geometry that can be shown; the arm is drawn as sticks."
         return Looks(tuple(self._sticks()), (*found.notes, note))
+
+    @cached_property
+    def rough(self) -> tuple[Shape, ...]:
+        """Shapes of the visuals with few triangles, for an arm that is translucent or moves in software."""
+        return tuple(visual.shape for visual in thinned(self.looks.visuals, FEW_FACES))
 
     def _sticks(self) -> list[Visual]:
         radius = 0.015 * self.reach
@@ -84,8 +89,10 @@ class Arm:
             if visual.link in skip:
                 continue
             path = f"{self.node(group, visual.link)}/part_{number}"
-            flat = isinstance(visual.shape, Mesh)
-            items.append(Item(path, visual.shape, paint(visual.colour), visual.place, opacity, flat=flat))
+            flat, colour, few = isinstance(visual.shape, Mesh), paint(visual.colour), self.rough[number]
+            shape = few if opacity < 1 else visual.shape
+            other = few if shape is not few else None
+            items.append(Item(path, shape, colour, visual.place, opacity, flat=flat, rough=other))
         return items
 
     def still_links(self) -> frozenset[str]:

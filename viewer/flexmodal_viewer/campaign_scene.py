@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Complex, Float
 
-from flexmodal.campaign import Campaign, CampaignPosture
+from flexmodal.campaign import Campaign, CampaignPoint, CampaignPosture
 from flexmodal.ema.shapes import FittedShapes, Way
 from flexmodal.errors import Fault, InvalidCampaign
 from flexmodal.model import PosedRobot, Posture, Robot
@@ -27,6 +27,8 @@ from flexmodal_viewer.units import joint_value, plain
 
 _BALL, _RESPONSE, _HAMMER = 0.012, 0.07, 0.13
 """Sizes of points and arrows, as parts of the arm's reach."""
+_NOTHING = "nothing"
+"""What was done at a point where nothing was."""
 _LEGEND = (
     Swatch("points, and the directions of the sensor", POINT, "arrow"),
     Swatch("where the hammer hits", FORCE, "arrow"),
@@ -82,9 +84,9 @@ class _Tested:
     values: Posture
     positions: Mapping[int, Float[np.ndarray, "3"]]
     """Of each point [m]."""
-    names: Mapping[int, str]
-    links: Mapping[int, str]
-    """That carry the points."""
+    points: Mapping[int, CampaignPoint]
+    turned: Mapping[int, Float[np.ndarray, "3 3"]]
+    """Axes of the links that carry the points, column by column."""
     responses: tuple[Way, ...]
     references: tuple[Way, ...]
 
@@ -101,7 +103,9 @@ class _Tested:
         for number, position in self.positions.items():
             node = f"{self.group}/point_{number}"
             ball = Item(f"{node}/ball", Sphere(_BALL * reach), POINT, on_top=True)
-            found = found.beside(Drawn({node: marks.at(position)}, [ball], [Label(self.names[number], node)]))
+            found = found.beside(
+                Drawn({node: marks.at(position)}, [ball], [Label(self.points[number].name, node)])
+            )
         for kind, ways in (("response", self.responses), ("hammer", self.references)):
             for place, way in enumerate(ways):
                 found = found.beside(self._arrow(kind, place, way))
@@ -110,7 +114,7 @@ class _Tested:
     def _arrow(self, kind: str, number: int, way: Way) -> Drawn:
         """A sensor's arrow begins at its point; the hammer's ends there."""
         size = self.arm.reach * (_RESPONSE if kind == "response" else _HAMMER)
-        axis = direction(way)
+        axis = self.along(way)
         start = self.positions[way[0]] - (0 if kind == "response" else size) * axis
         colour = POINT if kind == "response" else FORCE
         return marks.arrow(f"{self.group}/{kind}_{number}", axis, start, size, colour)
@@ -121,7 +125,12 @@ class _Tested:
         rows = [
             (name, joint_value(value, robot.moving[name].type)) for name, value in self.values.values.items()
         ]
-        rows += [(self.names[number], self._at_point(number)) for number in self.positions]
+        rows += [(self.points[number].name, self._at_point(number)) for number in self.positions]
+        rows += [
+            (f"x, y, z at {one.name}", one.axes_text())
+            for one in self.points.values()
+            if one.own_axes and self._at_point(one.id) != _NOTHING
+        ]
         table = Table(f"Posture {self.posture.id}", (), tuple(rows))
         name, rest = f"{self.posture.id}: {self.posture.name}", self.arm.nodes(self.group, self.values.values)
         return Motion(name, {}, 0.0, shows=(self.group,), poses=rest, table=table)
@@ -130,7 +139,11 @@ class _Tested:
         """What was done at a point, such as "sensor +z, hammer −x"."""
         tools = (("sensor", self.responses), ("hammer", self.references))
         done = [f"{tool} {_sense(way)}" for tool, ways in tools for point, way in ways if point == number]
-        return ", ".join(done) or "nothing"
+        return ", ".join(done) or _NOTHING
+
+    def along(self, way: Way) -> Float[np.ndarray, "3"]:
+        """Unit vector in the world of a direction at a point, by the point's own axes."""
+        return self.points[way[0]].way(way[1], self.turned[way[0]])
 
     @cached_property
     def posed(self) -> PosedRobot:
@@ -141,15 +154,15 @@ class _Tested:
         """What the joints do in a fitted mode."""
         rows = []
         for point, way in shapes.places:
-            link = self.links[point]
+            link = self.points[point].link
             jacobian, arm = self.posed.jacobian(link), self.positions[point] - self.posed.position(link)
             moved = jacobian[:3] + np.cross(jacobian[3:], arm, axis=0)
-            rows.append(direction((point, way)) @ moved)
+            rows.append(self.along((point, way)) @ moved)
         return joint_shape(self.posed, np.array(rows), shapes.shape[:, mode])
 
     def text(self, way: Way) -> str:
         """A point's name with a direction."""
-        return f"{self.names[way[0]]} {_sense(way[1])}"
+        return f"{self.points[way[0]].name} {_sense(way[1])}"
 
 
 def _tested(arm: Arm, campaign: Campaign, posture: CampaignPosture) -> _Tested:
@@ -160,9 +173,9 @@ def _tested(arm: Arm, campaign: Campaign, posture: CampaignPosture) -> _Tested:
         for point in campaign.points
     }
     responses, references = _ways(campaign, posture.id)
-    names = {point.id: point.name for point in campaign.points}
-    links = {point.id: point.link for point in campaign.points}
-    return _Tested(arm, posture, values, positions, names, links, responses, references)
+    points = {point.id: point for point in campaign.points}
+    turned = {point.id: placed[point.link][:3, :3] for point in campaign.points}
+    return _Tested(arm, posture, values, positions, points, turned, responses, references)
 
 
 def _ways(campaign: Campaign, posture: int) -> tuple[tuple[Way, ...], tuple[Way, ...]]:
@@ -189,12 +202,6 @@ def _sense(way: int) -> str:
     return f"{'+' if way > 0 else '−'}{'xyz'[abs(way) - 1]}"
 
 
-def direction(way: Way) -> Float[np.ndarray, "3"]:
-    """±1, ±2, ±3 as a unit vector along ±x, ±y, ±z of the world."""
-    axis: Float[np.ndarray, "3"] = np.eye(3)[abs(way[1]) - 1] * np.sign(way[1])
-    return axis
-
-
 def _modes_of(posture: CampaignPosture, shapes: Sequence[FittedShapes]) -> list[tuple[FittedShapes, int]]:
     own = [shape for shape in shapes if shape.posture == posture.id]
     if not own:
@@ -206,7 +213,7 @@ def _modes_of(posture: CampaignPosture, shapes: Sequence[FittedShapes]) -> list[
 def _swing(tested: _Tested, shapes: FittedShapes, mode: int) -> tuple[Drawn, Motion]:
     """Balls that move as the residues say, with the way of each between its extremes."""
     group = f"shape_{tested.posture.id}_{mode}"
-    moved = _amplitudes(shapes, mode)
+    moved = _amplitudes(tested, shapes, mode)
     joints = tested.joints(shapes, mode)
     odd = odd_points(shapes, mode, joints)
     phases = 2 * np.pi * np.arange(FRAMES + 1) / FRAMES
@@ -254,11 +261,11 @@ def _swing(tested: _Tested, shapes: FittedShapes, mode: int) -> tuple[Drawn, Mot
     return Drawn(nodes, items, []), motion
 
 
-def _amplitudes(shapes: FittedShapes, mode: int) -> dict[int, Complex[np.ndarray, "3"]]:
+def _amplitudes(tested: _Tested, shapes: FittedShapes, mode: int) -> dict[int, Complex[np.ndarray, "3"]]:
     """Complex displacement of each point, its directions put together."""
     moved: dict[int, Complex[np.ndarray, "3"]] = {}
     for way, value in zip(shapes.places, shapes.shape[:, mode], strict=True):
-        moved[way[0]] = moved.get(way[0], np.zeros(3, dtype=complex)) + value * direction(way)
+        moved[way[0]] = moved.get(way[0], np.zeros(3, dtype=complex)) + value * tested.along(way)
     return moved
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import base64
 import hashlib
 import uuid
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -43,7 +43,9 @@ def payload(scene: Scene) -> dict[str, Any]:
     """Everything the page's script needs."""
     store = _Store()
     commands = [*_surroundings(scene)]
+    rough = [item for item in scene.items if item.rough is not None]
     commands += [_set_object(item, store) for item in scene.items]
+    commands += [_set_object(_roughly(item), store) for item in rough]
     commands += [
         {"type": "set_transform", "path": _path(path), "matrix": _flat(place)}
         for path, place in scene.nodes.items()
@@ -51,6 +53,7 @@ def payload(scene: Scene) -> dict[str, Any]:
     return {
         "commands": commands,
         "arrays": store.texts,
+        "rough": [[_path(item.path), _path(_roughly(item).path)] for item in rough],
         "labels": [
             {"text": label.text, "path": _path(label.path), "kind": label.kind} for label in scene.labels
         ],
@@ -63,6 +66,11 @@ def payload(scene: Scene) -> dict[str, Any]:
             "points": np.unique(scene.corners.round(4), axis=0).tolist(),
         },
     }
+
+
+def _roughly(item: Item) -> Item:
+    """The same in its rough shape, beside the other."""
+    return replace(item, path=f"{item.path}_rough", shape=item.rough or item.shape, framed=False)
 
 
 def _path(path: str) -> str:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from flexmodal.campaign import Campaign, estimate_frfs, named_direction
+from flexmodal.campaign import Campaign, CampaignPoint, estimate_frfs, named_direction
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.model import Robot
 
@@ -49,18 +49,23 @@ def measured_curves(robot: Robot, campaign: Campaign) -> list[dict[str, Any]]:
                 "q": dict(robot.posture(dict(where.q)).values),
                 "response": response,
                 "reference": reference,
-                "frequencies": _short(lines[inside], 7),
-                "sizes": _short(np.abs(records.value[row, inside]), 4),
+                "frequencies": short(lines[inside], 7),
+                "sizes": short(np.abs(records.value[row, inside]), 4),
             }
         )
     return curves
 
 
-def measured_points(campaign: Campaign) -> Mapping[str, tuple[str, tuple[float, float, float]]]:
-    """Link and place of each point of a campaign, by name [m]."""
-    return {point.name: (point.link, point.xyz) for point in campaign.points}
+def measured_points(campaign: Campaign) -> Mapping[str, CampaignPoint]:
+    """Each point of a campaign, by name."""
+    return {point.name: point for point in campaign.points}
 
 
-def _short(values: Float[np.ndarray, " line"], digits: int) -> list[float]:
-    """Rounded to so many digits, which a picture does not show beyond."""
+def short(values: Float[np.ndarray, " line"], digits: int) -> list[float]:
+    """Rounded to so many digits, which a picture does not show beyond.
+
+    Args:
+        values: of a curve.
+        digits: that are kept.
+    """
     return [float(f"{value:.{digits}g}") for value in values]

@@ -7,32 +7,29 @@ from typing import Any
 
 import numpy as np
 
+from flexmodal.campaign import CampaignPoint
 from flexmodal.model import Robot
-from flexmodal.model.batch.chain import Chain, chain_of, places_of, turn_of
+from flexmodal.model.batch.chain import Chain, joints_of, parents_of, places_of, turn_of
 from flexmodal.model.placements import link_placements
 from flexmodal_viewer.scene import Matrix
 
 
-def is_serial(robot: Robot) -> bool:
-    """Whether its joints stand one behind the other, which the page's own kinematics need."""
-    return chain_of(robot) is not None
-
-
-Place = tuple[str, tuple[float, float, float]]
-"""A link, and a point in its frame [m]."""
+def is_live(robot: Robot) -> bool:
+    """Whether the page can move it: every joint turns about an axis or slides along one, branching or not."""
+    return joints_of(robot) is not None
 
 
 def live_numbers(
-    robot: Robot, points: Sequence[str] = (), measured: Mapping[str, Place] | None = None
+    robot: Robot, points: Sequence[str] = (), measured: Mapping[str, CampaignPoint] | None = None
 ) -> dict[str, Any] | None:
-    """The robot in numbers, ready for JSON, every one with all its digits; None for an arm that branches.
+    """The robot in numbers, ready for JSON, every one with all its digits; None with joints of another kind.
 
     Args:
         robot: whose joints are to be moved on the page.
         points: that can be pushed at besides the tool and the points of the card.
         measured: points of a campaign, which count before those of the card.
     """
-    chain = chain_of(robot)
+    chain = joints_of(robot)
     if chain is None:
         return None
     names = list(robot.moving)
@@ -40,9 +37,9 @@ def live_numbers(
     links = _links(robot, chain)
     named = _points(robot, points)
     order = [link.name for link in robot.urdf.links]
-    for name, (link, xyz) in (measured or {}).items():
-        if link in order:
-            named[name] = _on(links[order.index(link)], xyz)
+    for name, point in (measured or {}).items():
+        if point.link in order:
+            named[name] = _on(links[order.index(point.link)], point)
     return {
         "name": robot.name,
         "joints": [_joint(robot, chain, number) for number in range(len(names))],
@@ -70,6 +67,7 @@ def _joint(robot: Robot, chain: Chain, number: int) -> dict[str, Any]:
     bounded = np.isfinite([joint.lower, joint.upper])
     return {
         "name": name,
+        "parent": parents_of(robot)[number],
         "turns": bool(chain.turns[number]),
         "axis": chain.axis[number].tolist(),
         "rotation": chain.rotation[number].ravel().tolist(),
@@ -98,11 +96,17 @@ def _points(robot: Robot, more: Sequence[str]) -> dict[str, Any]:
     }
 
 
-def _on(link: Mapping[str, Any], xyz: tuple[float, float, float]) -> dict[str, Any]:
-    """A point of a link, in the frame of the joint that carries it."""
+def _on(link: Mapping[str, Any], point: CampaignPoint) -> dict[str, Any]:
+    """A point of a link, in the frame of the joint that carries it, with its own axes if it has any."""
     place = np.array(link["place"]).reshape(4, 4).T
-    turn, offset = place[:3, :3], place[:3, :3] @ np.array(xyz) + place[:3, 3]
-    return {"joint": link["joint"], "offset": offset.tolist(), "turn": turn.ravel().tolist()}
+    turn, offset = place[:3, :3], place[:3, :3] @ np.array(point.xyz) + place[:3, 3]
+    found = {"joint": link["joint"], "offset": offset.tolist(), "turn": turn.ravel().tolist()}
+    found["tested"] = True  # a point of the campaign, which Python's robot does not know by this name
+    if point.own_axes:
+        turning = point.frame == "link"
+        rows = point.rows() @ turn.T if turning else point.rows()
+        found["axes"] = {"rows": rows.tolist(), "turning": turning, "says": point.axes_text()}
+    return found
 
 
 def _links(robot: Robot, chain: Chain) -> list[dict[str, Any]]:
@@ -110,7 +114,7 @@ def _links(robot: Robot, chain: Chain) -> list[dict[str, Any]]:
     order = {joint.child: number for number, joint in enumerate(robot.moving.values())}
     above = {joint.child: joint.parent for joint in robot.urdf.joints}
     placed = link_placements(robot, {})
-    carried = _joint_frames(chain)
+    carried = _joint_frames(chain, parents_of(robot))
     found = []
     for link in robot.urdf.links:
         at: str | None = link.name
@@ -122,13 +126,11 @@ def _links(robot: Robot, chain: Chain) -> list[dict[str, Any]]:
     return found
 
 
-def _joint_frames(chain: Chain) -> list[Matrix]:
+def _joint_frames(chain: Chain, parents: Sequence[int]) -> list[Matrix]:
     """Frames of the joints in the world with all of them at 0."""
     found: list[Matrix] = []
-    place = np.eye(4)
-    for rotation, offset in zip(chain.rotation, chain.offset, strict=True):
+    for parent, rotation, offset in zip(parents, chain.rotation, chain.offset, strict=True):
         step = np.eye(4)
         step[:3, :3], step[:3, 3] = rotation, offset
-        place = place @ step
-        found.append(place)
+        found.append((np.eye(4) if parent < 0 else found[parent]) @ step)
     return found

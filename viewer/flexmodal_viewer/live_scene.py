@@ -7,14 +7,14 @@ from typing import Any
 
 import numpy as np
 
-from flexmodal.campaign import Campaign
+from flexmodal.campaign import Campaign, CampaignPoint
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.frf import PointDirection
 from flexmodal.model import PosedRobot, Posture, Robot
 from flexmodal_viewer import marks
 from flexmodal_viewer.arm import Arm, along
 from flexmodal_viewer.live_measured import measured_curves, measured_points
-from flexmodal_viewer.live_numbers import Place, live_numbers
+from flexmodal_viewer.live_numbers import live_numbers
 from flexmodal_viewer.obstacles import LEGEND as OBSTACLES
 from flexmodal_viewer.obstacles import obstacles
 from flexmodal_viewer.palette import FORCE, JOINT, OPTIMISED, PLAIN, POINT, START, TARGET, shade
@@ -40,11 +40,13 @@ def live_scene(
     swing: str = "",
     others: Mapping[str, Robot] | None = None,
     measured: Campaign | None = None,
+    workspace: bool = False,
+    points: Sequence[str] = (),
 ) -> Scene:
     """Draw a robot that can be put in postures by hand.
 
     Args:
-        robot: what to draw; its joints in one chain.
+        robot: what to draw; each of its joints turns about an axis or slides along one.
         posture: how it stands when the page opens.
         response: point and direction of force and motion; the tool along z if none.
         frequency: chosen at first [Hz]; that of the first mode if none.
@@ -52,11 +54,13 @@ def live_scene(
         swing: "force" or "mode" if it swings when the page opens.
         others: models to compare with on the same axes, by what they are called.
         measured: a campaign whose FRFs stand on the same axes while the arm is in one of its postures.
+        workspace: with the map of the workspace laid when the page opens.
+        points: that can be pushed at besides those of the card and the one of `response`.
 
     Raises:
         InvalidPoint, InvalidFrequencies, InvalidPosture: bad arguments.
         SingularResponse: an undamped mode is driven at its natural frequency.
-        InvalidRequest: an arm that branches, here or among the others, a campaign without FRFs, or a band
+        InvalidRequest: joints of another kind, here or among the others, a campaign without FRFs, or a band
             that is none.
     """
     posed = robot.at(posture)
@@ -66,20 +70,27 @@ def live_scene(
     if frequency is not None:
         posed.frf([frequency], response=direction)  # refuses what is no frequency, and an infinite response
     arm = Arm(robot)
-    points = {} if measured is None else measured_points(measured)
+    tested = {} if measured is None else measured_points(measured)
     lowest = float(posed.modes().frequency[0])
     beside = others or {}
     live = {
-        "robot": _numbers(robot, [direction.point], points),
+        "robot": _numbers(robot, [direction.point, *points], tested),
         "posture": dict(posture.values),
         "response": str(direction),
         "hertz": lowest if frequency is None else frequency,
         "band": _band(posed, band),
         "swing": swing,
+        "map": workspace,
         "reach": arm.reach,
-        "others": [{"name": name, "robot": _numbers(one, (), points)} for name, one in beside.items()],
+        "others": [{"name": name, "robot": _numbers(one, (), tested)} for name, one in beside.items()],
         "measured": [] if measured is None else measured_curves(robot, measured),
     }
+    return _staged(arm, posed, direction, live)
+
+
+def _staged(arm: Arm, posed: PosedRobot, direction: PointDirection, live: Mapping[str, Any]) -> Scene:
+    """The arm with its marks and its words, on a stage."""
+    robot, posture = arm.robot, posed.posture
     drawn = _drawn(arm, posed, direction)
     around, hidden = obstacles(arm, "arm")
     drawn = drawn.beside(around)
@@ -90,11 +101,11 @@ def live_scene(
     return set_stage(Scene(caption, view, drawn.nodes, tuple(drawn.items), tuple(drawn.labels), live=live))
 
 
-def _numbers(robot: Robot, points: Sequence[str], measured: Mapping[str, Place]) -> dict[str, Any]:
+def _numbers(robot: Robot, points: Sequence[str], measured: Mapping[str, CampaignPoint]) -> dict[str, Any]:
     numbers = live_numbers(robot, points, measured)
     if numbers is None:
         raise InvalidRequest(
-            Fault(robot.name, "joints", "a chain that branches", "joints one behind the other on a live page")
+            Fault(robot.name, "joints", "joints of another kind", "joints that turn or slide, on a live page")
         )
     return numbers
 

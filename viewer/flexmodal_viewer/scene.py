@@ -32,6 +32,8 @@ class Item:
     """Whether it is shaded facet by facet, as meshes without normals should be."""
     framed: bool = True
     """Whether the camera makes sure it is in the picture."""
+    rough: Shape | None = None
+    """Drawn instead while a picture that is made in software moves."""
 
 
 @dataclass(frozen=True)

@@ -141,8 +141,8 @@ class Ring:
             "type": "TorusGeometry",
             "radius": self.radius,
             "tube": self.tube,
-            "radialSegments": 10,
-            "tubularSegments": 48,
+            "radialSegments": 6,
+            "tubularSegments": 32,
             "arc": self.arc,
         }
 

@@ -1,4 +1,4 @@
-"""What people ask for: show me this robot, what the search found, how the robot was tested."""
+"""What people ask for: show me this robot, what a search or a diagnosis found, how it was tested."""
 
 from __future__ import annotations
 
@@ -8,13 +8,15 @@ from pathlib import Path
 from typing import Any
 
 from flexmodal.campaign import Campaign
+from flexmodal.diagnosis import Diagnosis
 from flexmodal.ema.shapes import FittedShapes
 from flexmodal.frf import PointDirection
 from flexmodal.model import Posture, Robot
 from flexmodal.optimisation import Outcome
 from flexmodal_viewer.campaign_scene import campaign_scene
+from flexmodal_viewer.diagnosis_scene import diagnosis_scene
 from flexmodal_viewer.live_answers import LiveAnswers
-from flexmodal_viewer.live_numbers import is_serial
+from flexmodal_viewer.live_numbers import is_live
 from flexmodal_viewer.live_outcome import live_outcome_scene
 from flexmodal_viewer.live_scene import live_scene
 from flexmodal_viewer.outcome_scene import outcome_scene
@@ -38,6 +40,7 @@ def show_robot(
     live: bool = True,
     others: Mapping[str, Robot] | None = None,
     measured: Campaign | None = None,
+    workspace: bool = False,
     out: str | Path | None = None,
     port: int | None = None,
     host: str = HOST,
@@ -54,12 +57,13 @@ def show_robot(
         modes: swinging in its first mode when the page opens; without `live` with a button for each mode.
         response: point and direction of a force; the tool along z if none.
         frequency: swinging as it does under that force at this frequency [Hz] when the page opens.
-        live: with a slider for each joint, receptance and modes following on the page; an arm whose joints
-            branch is drawn as it stands.
+        live: with a slider for each joint, receptance and modes following on the page; an arm with joints
+            that neither turn about one axis nor slide along one is drawn as it stands.
         others: models whose receptance is drawn on the same axes, by what they are called.
         measured: a campaign whose FRFs stand on the same axes while the arm is in one of its postures.
+        workspace: with the receptance over the places that the tool comes to, laid when the page opens.
         out: write a self-contained page here instead of serving it; a picture where it ends in .png, a film
-            where it ends in .gif.
+            where it ends in .gif or .mp4.
         port: port to serve on; a free one if none.
         host: address to serve on; others can reach any but 127.0.0.1, which is said.
         overwrite: replace a page that stands there already.
@@ -77,10 +81,11 @@ def show_robot(
         MissingExtra: a picture without Playwright or Chromium.
     """
     answer: Answer | None = None
-    if live and is_serial(robot):
+    if live and is_live(robot):
         swing = "force" if frequency is not None else "mode" if modes else ""
         asked: dict[str, Any] = {"response": response, "frequency": frequency, "swing": swing}
-        scene = live_scene(robot, posture, others=others, measured=measured, **asked)
+        beside: dict[str, Any] = {"others": others, "measured": measured, "workspace": workspace}
+        scene = live_scene(robot, posture, **beside, **asked)
         answer = LiveAnswers(robot)
     else:
         scene = robot_scene(robot, posture, modes=modes, response=response, frequency=frequency)
@@ -105,8 +110,8 @@ def show_outcome(
     Args:
         outcome: result of the search.
         start: posture to compare with, if any.
-        live: with the descent from the start on a slider, and the joints to be moved from there; an arm whose
-            joints branch is drawn as it stands. Without it start and optimum swing under the same force.
+        live: with the descent from the start on a slider, and the joints to be moved from there, where
+            `show_robot` can. Without it start and optimum swing under the same force.
         out: as in `show_robot`, as are all the others.
         port: see there.
         host: see there.
@@ -122,7 +127,7 @@ def show_outcome(
         InvalidRequest, OutputExists: see `show_robot`.
     """
     place = _Place(out, port, host, overwrite, open_browser, announce, block)
-    if live and is_serial(outcome.problem.robot):
+    if live and is_live(outcome.problem.robot):
         return _deliver(live_outcome_scene(outcome, start=start), place, LiveAnswers(outcome.problem.robot))
     return _deliver(outcome_scene(outcome, start=start), place)
 
@@ -163,6 +168,39 @@ def show_campaign(
     """
     place = _Place(out, port, host, overwrite, open_browser, announce, block)
     return _deliver(campaign_scene(robot, campaign, shapes), place)
+
+
+def show_diagnosis(
+    diagnosis: Diagnosis,
+    *,
+    out: str | Path | None = None,
+    port: int | None = None,
+    host: str = HOST,
+    overwrite: bool = False,
+    open_browser: bool = True,
+    announce: Announce = print,
+    block: bool = True,
+) -> str:
+    """Show a diagnosis on its robot, step by step, or write it as a page.
+
+    Args:
+        diagnosis: what `flexmodal.diagnose` found.
+        out: as in `show_robot`, as are all the others.
+        port: see there.
+        host: see there.
+        overwrite: see there.
+        open_browser: see there.
+        announce: see there.
+        block: see there.
+
+    Returns:
+        Path of the page, or address it is served at.
+
+    Raises:
+        InvalidRequest, OutputExists: see `show_robot`.
+    """
+    place = _Place(out, port, host, overwrite, open_browser, announce, block)
+    return _deliver(diagnosis_scene(diagnosis), place)
 
 
 @dataclass(frozen=True)

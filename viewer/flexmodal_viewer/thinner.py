@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 
 MOST_FACES = 36_000
 """Triangles of a whole arm: some 450 kB of a page, and what a picture in software still draws in time."""
+FEW_FACES = 5_000
+"""Of an arm that moves in software, and of one that is translucent: those of a frame in some 20 ms."""
 _FEWEST = 300
 """A part of fewer triangles is left as it is."""
 _NEAR = 1.3
@@ -23,23 +25,25 @@ _SEAM = 1 / 250
 """Cells in which corners are joined where nothing else helps, beside the extent of a part."""
 
 
-def thinned(visuals: Sequence[Visual]) -> tuple[Visual, ...]:
+def thinned(visuals: Sequence[Visual], most: int = MOST_FACES) -> tuple[Visual, ...]:
     """The same parts, those of many triangles with fewer where all together have too many.
 
     Edges are collapsed where that moves the surface least (quadric error, Garland and Heckbert 1997).
 
     Args:
         visuals: the parts of an arm.
+        most: triangles of them all.
     """
+    fewest = min(_FEWEST, most // max(len(visuals), 1))
     counts = [len(visual.shape.faces) if isinstance(visual.shape, Mesh) else 0 for visual in visuals]
-    small = sum(count for count in counts if count <= _FEWEST)
+    small = sum(count for count in counts if count <= fewest)
     large = sum(counts) - small
-    if sum(counts) <= MOST_FACES or not large:
+    if sum(counts) <= most or not large:
         return tuple(visuals)
-    keep = max(MOST_FACES - small, 0) / large
+    keep = max(most - small, 0) / large
     return tuple(
-        replace(visual, shape=_thin(visual.shape, max(int(keep * count), _FEWEST)))
-        if isinstance(visual.shape, Mesh) and count > _FEWEST
+        replace(visual, shape=_thin(visual.shape, max(int(keep * count), fewest)))
+        if isinstance(visual.shape, Mesh) and count > fewest
         else visual
         for visual, count in zip(visuals, counts, strict=True)
     )

@@ -15,7 +15,7 @@ from flexmodal.text.validation import validated
 from flexmodal.text.words import FaultList
 
 if TYPE_CHECKING:
-    from flexmodal.campaign.description.schema import CampaignTable, TrialTable
+    from flexmodal.campaign.description.schema import CampaignTable, PointTable, TrialTable
 
 
 def read_toml(file: Path) -> Tested:
@@ -46,13 +46,22 @@ def _tested(table: CampaignTable) -> Tested:
         robot=table.robot,
         band=None if table.band is None else (table.band[0], table.band[1]),
         postures=tuple(CampaignPosture(p.id, p.name, FrozenDict(p.q)) for p in table.posture),
-        points=tuple(
-            CampaignPoint(p.id, p.name, p.link, (p.xyz[0], p.xyz[1], p.xyz[2])) for p in table.point
-        ),
+        points=tuple(map(_point, table.point)),
         trials=tuple(_trial(trial) for trial in table.trial),
         separate_modes=table.separate_modes,
         tolerance=Tolerance(**table.tolerance.model_dump()),
     )
+
+
+def _point(table: PointTable) -> CampaignPoint:
+    x, y, z = table.xyz
+    if not isinstance(table.axes, list):
+        return CampaignPoint(
+            table.id, table.name, table.link, (x, y, z), frame="world" if table.axes is None else "link"
+        )
+    first, second, third = ((row[0], row[1], row[2]) for row in table.axes)
+    frame = table.frame or "world"
+    return CampaignPoint(table.id, table.name, table.link, (x, y, z), (first, second, third), frame)
 
 
 def _trial(table: TrialTable) -> Trial:

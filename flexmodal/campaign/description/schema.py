@@ -7,11 +7,13 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import Field, field_validator
+from pydantic import Field, field_validator, model_validator
 
+from flexmodal.campaign.description.axes import AXES, FRAME, FRAME_OF_ROWS, axes_fault
 from flexmodal.campaign.description.tested import BAND
 from flexmodal.campaign.trial import MOST_DIGITS, MOST_TRIAL
 from flexmodal.text.schema import TEXT, Metres, NotNegative, Positive, Table, Text, Triple
+from flexmodal.text.validation import Contradiction
 
 _ID = f"a whole number from 1 to {MOST_DIGITS}"
 _TRIAL_ID = f"a whole number from 1 to {MOST_TRIAL}"
@@ -39,6 +41,27 @@ class PointTable(Table):
     name: Text = Field(description=TEXT)
     link: Text = Field(description="the name of a URDF link")
     xyz: Triple = Field(description="three finite numbers in m, of at most 1e4")
+    axes: Literal["link"] | list[list[float]] | None = Field(default=None, description=AXES)
+    frame: Literal["world", "link"] | None = Field(default=None, description=FRAME)
+
+    @field_validator("axes", mode="before")
+    @classmethod
+    def _unit_vectors(cls, axes: object) -> object:
+        """Rows are looked at as a whole, so that one sentence says what is wrong with which of them."""
+        found = None if axes is None or axes == "link" else axes_fault(axes)
+        if found is not None:
+            raise Contradiction("", found, AXES)
+        return axes if axes is None or axes == "link" else [[float(x) for x in row] for row in axes]  # type: ignore[attr-defined]
+
+    @model_validator(mode="after")
+    def _frame_of_rows(self) -> PointTable:
+        """A frame belongs to rows, and rows to a frame."""
+        if isinstance(self.axes, list) and self.frame is None:
+            raise Contradiction("frame", "nothing", FRAME_OF_ROWS)
+        if not isinstance(self.axes, list) and self.frame is not None:
+            beside = "no axes" if self.axes is None else 'axes = "link"'
+            raise Contradiction("frame", f'"{self.frame}" beside {beside}', FRAME)
+        return self
 
 
 class WindowTable(Table):

@@ -4,12 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Protocol, runtime_checkable
+from typing import Literal, Protocol, runtime_checkable
+
+import numpy as np
+from jaxtyping import Float
 
 from flexmodal.campaign.trial import Trial
 
 BAND = "two frequencies in Hz, the lower first, at most 1e9"
 """What the band of a campaign may be."""
+AxisFrame = Literal["world", "link"]
+Axes = tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]]
 
 
 @dataclass(frozen=True)
@@ -34,6 +39,44 @@ class CampaignPoint:
     """The URDF link that carries it."""
     xyz: tuple[float, float, float]
     """Its place in the frame of that link [m]."""
+    axes: Axes | None = None
+    """Unit vectors that directions 1, 2, 3 stand for, a row each; those of the frame itself if None."""
+    frame: AxisFrame = "world"
+    """What the axes are fixed to: the world, or the link, with which they turn from posture to posture."""
+
+    @property
+    def own_axes(self) -> bool:
+        """Whether its directions are others than the world's."""
+        return self.axes is not None or self.frame == "link"
+
+    def rows(self) -> Float[np.ndarray, "3 3"]:
+        """Unit vectors along directions 1, 2, 3 in the frame they are fixed to, of length 1 exactly."""
+        if self.axes is None:
+            return np.eye(3)
+        given = np.array(self.axes, dtype=float)
+        return np.asarray(given / np.linalg.norm(given, axis=1, keepdims=True))
+
+    def way(
+        self, direction: int, orientation: Float[np.ndarray, "*posture 3 3"]
+    ) -> Float[np.ndarray, "*posture 3"]:
+        """The unit vector in the world that a direction stands for.
+
+        Args:
+            direction: ±1, ±2 or ±3.
+            orientation: axes of its link in the world, column by column, perhaps of several postures.
+        """
+        own = self.rows()[abs(direction) - 1] * np.sign(direction)
+        return own if self.frame == "world" else np.asarray(orientation @ own)
+
+    def axes_text(self) -> str:
+        """What its directions are, in words."""
+        if self.axes is None:
+            return f"the axes of {self.link}" if self.frame == "link" else "the axes of the world"
+        named = zip("xyz", self.rows(), strict=True)
+        rows = ", ".join(
+            f"{name} = ({', '.join(f'{part:.4g}' for part in row + 0.0)})" for name, row in named
+        )
+        return f"{rows} in the frame of {self.link if self.frame == 'link' else 'the world'}"
 
 
 @dataclass(frozen=True)

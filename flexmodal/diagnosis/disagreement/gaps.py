@@ -31,12 +31,14 @@ def gaps_of(setup: Setup, before: FittedFrfs, after: FittedFrfs, believed: float
     )
 
 
-def over_noise(setup: Setup, one: FittedFrfs) -> float:
-    """Distance from the averages over that of their noise; 1 if perfect.
+def over_noise(setup: Setup, one: FittedFrfs, keep: Bool[np.ndarray, " observation"] | None = None) -> float:
+    """Distance from the averages over that of their noise, on some of the observations; 1 if perfect.
 
     Other than the gap it does not drown in the noise of single records and of points that hardly move.
     """
-    return averages_over_noise(setup.observations, one.predicted)
+    if keep is None:
+        return averages_over_noise(setup.observations, one.predicted)
+    return averages_over_noise(setup.observations.keeping(keep), one.predicted[keep])
 
 
 def left(setup: Setup, first: FittedFrfs, last: FittedFrfs) -> float:

@@ -127,10 +127,14 @@ def _starts(context: Context, where: str) -> list[Mapping[str, float]]:
     return found
 
 
+def _coordinate(joint: str, way: Way) -> str:
+    return f"{joint} {way.name}"
+
+
 def names_of(context: Context, where: str) -> list[tuple[str, Way, str]]:
     """Joint, way and coordinate, one after the other."""
     return [
-        (joint, way, f"{joint} {way.name}")
+        (joint, way, _coordinate(joint, way))
         for joint in _joints(context, where)
         for way in given(context, where, joint)
     ]
@@ -143,7 +147,7 @@ def _shape(assembly: Assembly, placement: Placement) -> None:
         if not some:
             continue
         described = context.robot.urdf.joint_by_name[joint]
-        columns = assembly.add_coordinates([f"{joint} {way.name}" for way in some])
+        columns = assembly.add_coordinates([_coordinate(joint, way) for way in some])
         axes = assembly.axes(described.parent) @ _frame(context, joint)
         motion = np.zeros((*axes.shape[:-2], 6, len(some)))
         for k, way in enumerate(some):
@@ -151,23 +155,23 @@ def _shape(assembly: Assembly, placement: Placement) -> None:
         assembly.move_link(described.child, columns, motion)
 
 
-def _springs(placement: Placement, joint: str) -> list[tuple[str, list[tuple[Way, float]], float]]:
-    """Kind, the ways that a spring pulls along with their shares, and its stiffness."""
+def _springs(placement: Placement, joint: str) -> list[tuple[list[tuple[Way, float]], float]]:
+    """The ways that a spring pulls along with their shares, and its stiffness."""
     context, where = placement.context, placement.where
     some = given(context, where, joint)
     if where == ALL:
         spring = placement["tilt_factor"] * size(context, joint) / TILT
-        return [(way.kind, [(way, 1.0)], spring) for way in some]
+        return [([(way, 1.0)], spring) for way in some]
     found = []
     ratio, angle = placement["ratio"], placement["angle"]
     turned = ((np.cos(angle), np.sin(angle)), (-np.sin(angle), np.cos(angle)))
     for kind in dict.fromkeys(way.kind for way in some):
         along, spring = [way for way in some if way.kind == kind], placement[f"{kind}_stiffness"]
         if len(along) == 1:
-            found.append((kind, [(along[0], 1.0)], spring))
+            found.append(([(along[0], 1.0)], spring))
             continue
         for row, factor in zip(turned, (1.0, ratio), strict=True):
-            found.append((kind, list(zip(along, row, strict=True)), spring * factor))
+            found.append((list(zip(along, row, strict=True)), spring * factor))
     return found
 
 
@@ -177,11 +181,11 @@ def _act(assembly: Assembly, placement: Placement) -> None:
     for joint in _joints(context, where):
         some = given(context, where, joint)
         axis = np.asarray(context.robot.urdf.joint_by_name[joint].axis)
-        turns = [(way, assembly.row(f"{joint} {way.name}")) for way in some if way.turns]
-        for _, pulled, stiffness in _springs(placement, joint):
+        turns = [(way, assembly.row(_coordinate(joint, way))) for way in some if way.turns]
+        for pulled, stiffness in _springs(placement, joint):
             row = np.zeros(len(assembly.coordinates))
             for way, share in pulled:
-                row = row + share * assembly.row(f"{joint} {way.name}")
+                row = row + share * assembly.row(_coordinate(joint, way))
                 if not way.turns and offset:
                     for other, tilt in turns:  # motion of the point where the springs meet
                         row = row + share * offset * float(np.cross(other.vector, axis) @ way.vector) * tilt
@@ -196,7 +200,7 @@ def _extend(draft: Draft, placement: Placement) -> None:
         axis = np.asarray(context.robot.urdf.joint_by_name[joint].axis)
         motions: list[tuple[str, np.ndarray, bool]] = []
         springs: list[tuple[str, float]] = []
-        for _, pulled, stiffness in _springs(placement, joint):
+        for pulled, stiffness in _springs(placement, joint):
             vector = sum((share * way.vector for way, share in pulled), np.zeros(3))
             way = pulled[0][0]
             name = draft.fresh(f"{joint}_{way.kind}_{len(springs) + 1}")

@@ -12,9 +12,10 @@ from jaxtyping import Float, Int
 from flexmodal.campaign import CampaignPoint, CampaignPosture, named_direction
 from flexmodal.diagnosis.time_domain.pulse import Pulse, pulses
 from flexmodal.identification import Observations
-from flexmodal.identification.model import AXES
+from flexmodal.identification.spot import in_world, spot_of
 from flexmodal.model import Robot
 from flexmodal.structure.arm import Arm, Arms, far_end, moved_bodies, plane_normal
+from flexmodal.structure.assembly import Assembly
 
 Place = tuple[int, int]
 """Point id, and direction 1, 2, 3."""
@@ -123,14 +124,15 @@ class Context:
         return str(named_direction((number, way), {number: self.point(number).name}))
 
     def places(
-        self, table: Int[np.ndarray, "place 2"]
-    ) -> list[tuple[str, Float[np.ndarray, "3"], Float[np.ndarray, "3"]]]:
-        """Link, place in its frame [m] and world direction of point ids and directions."""
-        found = []
-        for number, way in table.tolist():
-            point = self.point(number)
-            found.append((point.link, np.array(point.xyz), AXES[abs(way) - 1] * np.sign(way)))
-        return found
+        self, table: Int[np.ndarray, "place 2"], assembly: Assembly
+    ) -> list[tuple[str, Float[np.ndarray, "3"], Float[np.ndarray, "*posture 3"]]]:
+        """Link, place in its frame [m] and world direction of point ids and directions.
+
+        Args:
+            table: point ids and directions ±1 ±2 ±3.
+            assembly: of the postures; a direction along the axes of a link turns with them.
+        """
+        return in_world([spot_of(self.point(number), way) for number, way in table.tolist()], assembly)
 
     def reach(self, link: str) -> Float[np.ndarray, "3"]:
         """From the origin of a link to its far end, in its frame [m]."""

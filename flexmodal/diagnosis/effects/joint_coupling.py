@@ -1,7 +1,11 @@
 """A parallel mechanism ties two joints: a block of stiffness, off the diagonal and on it.
 
 A spring between q₁ and r q₂ adds k to the first joint, r² k to the second and −r k between them; what of that
-lies on the diagonal may be more than the trust in the joints' own stiffness allows for.
+lies on the diagonal may be more than the trust in the joints' own stiffness allows for. Its damper is a
+multiple of it.
+
+Halfway along the spring an idler may turn: as the mean of q₁ and r q₂ where it is slow, and by a coordinate
+of its own against both halves of the spring, with a frequency of its own.
 """
 
 from __future__ import annotations
@@ -12,9 +16,13 @@ from itertools import combinations
 import numpy as np
 
 from flexmodal.diagnosis.effects.context import Context
-from flexmodal.diagnosis.effects.effect import Effect, Placement, signed
+from flexmodal.diagnosis.effects.effect import Effect, Placement, positive, signed
 from flexmodal.diagnosis.improved.draft import Draft
+from flexmodal.structure import Parameter
 from flexmodal.structure.assembly import Assembly
+
+HELD = 0.05
+"""Stiffness of an idler's swing over that of the coupling, from which it is told that no file holds it."""
 
 
 def _size(context: Context, where: str) -> float:
@@ -23,13 +31,54 @@ def _size(context: Context, where: str) -> float:
     return float(np.sqrt(one * other))
 
 
+def _top(context: Context) -> float:
+    """Upper end of the band [rad/s]."""
+    return float(2 * np.pi * context.band[1])
+
+
+def _parameters(context: Context, where: str) -> tuple[Parameter, ...]:
+    one, other = (float(context.robot.joints[name].stiffness) for name in where.split("+"))
+    inertia = one / _top(context) ** 2
+    high, ratio = context.band[1], float(np.sqrt(other / one))
+    return (
+        signed("coupling", "", 0.3, -0.97, 0.97),
+        signed("first", "", 0.15, -0.03, 3.0),
+        signed("second", "", 0.15, -0.03, 3.0),
+        positive("damping_time", "s", 1e-5, 2.0, 1e-12, 0.03),
+        positive("inertia", "kg·m²", 1e-3 * inertia, 3.0, 1e-9 * inertia, 30 * inertia),
+        positive("frequency", "Hz", 0.6 * high, 0.5, 0.05 * high, 5 * high),
+        positive("damping_ratio", "", 0.03, 1.0, 1e-4, 1.0),
+        positive("ratio", "", ratio, 0.4, ratio / 20, ratio * 20),
+    )
+
+
+def _starts(context: Context, where: str) -> list[Mapping[str, float]]:
+    one = float(context.robot.joints[where.split("+", maxsplit=1)[0]].stiffness)
+    found: list[Mapping[str, float]] = [{"coupling": 0.15}, {"coupling": -0.15}]
+    idler = {"first": 0.15, "second": 0.15, "inertia": 4 * 0.15 * one / (0.6 * _top(context)) ** 2}
+    return found + [{**start, **idler} for start in found]
+
+
+def _shape(assembly: Assembly, placement: Placement) -> None:
+    assembly.add_coordinates([f"{placement.where} idler"])
+
+
 def _act(assembly: Assembly, placement: Placement) -> None:
     one, other = placement.where.split("+")
     rows = assembly.stretch_of(one), assembly.stretch_of(other)
-    assembly.add_coupling(*rows, placement["coupling"] * _size(placement.context, placement.where))
+    between = placement["coupling"] * _size(placement.context, placement.where)
+    time = placement["damping_time"]
+    assembly.add_coupling(*rows, between)
+    assembly.add_damper(rows[0] + rows[1], time * between)
     for row, added in zip(rows, _diagonal(placement), strict=True):
         assembly.add_spring(row, added)
         assembly.add_loss(row, added)  # hysteretic where the joints are, as a card has it
+        assembly.add_damper(row, time * (added - between))
+    own, omega = assembly.row(f"{placement.where} idler"), 2 * np.pi * placement["frequency"]
+    ratio = -np.copysign(placement["ratio"], between)
+    assembly.add_inertia(own + (rows[0] + ratio * rows[1]) / 2, placement["inertia"])
+    assembly.add_spring(own, placement["inertia"] * omega**2)
+    assembly.add_damper(own, 2 * placement["damping_ratio"] * placement["inertia"] * omega)
 
 
 def _diagonal(placement: Placement) -> tuple[float, float]:
@@ -39,8 +88,7 @@ def _diagonal(placement: Placement) -> tuple[float, float]:
 
 
 def _physical(context: Context, where: str, values: Mapping[str, float]) -> dict[str, float]:
-    kept = {name: values[name] for name in ("coupling", "first", "second")}
-    return {"stiffness": values["coupling"] * _size(context, where), **kept}
+    return {"stiffness": values["coupling"] * _size(context, where), **values}
 
 
 def _extend(draft: Draft, placement: Placement) -> None:
@@ -48,19 +96,20 @@ def _extend(draft: Draft, placement: Placement) -> None:
     draft.couple(one, other, _physical(placement.context, placement.where, placement.values)["stiffness"])
     for joint, added in zip((one, other), _diagonal(placement), strict=True):
         draft.stiffen(joint, added)
+    between = abs(placement["coupling"]) * _size(placement.context, placement.where)
+    if placement["inertia"] * (2 * np.pi * placement["frequency"]) ** 2 > HELD * between:
+        found = f"the idler between {one} and {other}, which swings at {placement['frequency']:.3g} Hz"
+        draft.notes.append(f"the files have the spring between {one} and {other} and lack {found}")
 
 
 EFFECT = Effect(
     name="joint_coupling",
     says="a mechanism couples two joints",
-    looks_like="no new resonance, but frequencies and shapes that no separate joints give",
+    looks_like="frequencies and shapes that no separate joints give; a resonance if an idler swings in it",
     places=lambda context: tuple(f"{a}+{b}" for a, b in combinations(context.joints, 2)),
-    parameters=lambda context, where: (
-        signed("coupling", "", 0.3, -0.97, 0.97),
-        signed("first", "", 0.15, -0.03, 3.0),
-        signed("second", "", 0.15, -0.03, 3.0),
-    ),
-    starts=lambda context, where: [{"coupling": 0.15}, {"coupling": -0.15}],
+    parameters=_parameters,
+    starts=_starts,
+    shape=_shape,
     act=_act,
     physical=_physical,
     extend=_extend,

@@ -1,85 +1,71 @@
 """A link bends: hinges with springs and dampers along it, in each plane it can bend in.
 
-For a load at its far end the bending moment in a beam is linear along it, so that its strain energy is that
-of springs at the points of Gauss's quadrature, each with the flexibility of its share of the length. Two of
-them are exact for such loads. A link that has modes of its own in the band takes more, four or six: the bars
-between the hinges then move as the beam does in its first modes (with a mass at the end, four are within
-0.6 % in the third frequency; two hinges have two). A compliance that grows or falls along the link,
-exponentially, stands for links that are stiffer at one end.
+For a load at its far end all that a link in bending does is in three figures: its compliance, where along it
+that sits on average, and how far it spreads. Two hinges have them: of a compliance c with its mean at a part
+p of the length and a deviation s √(p (1 − p)) they sit at p (1 − s) with (1 − p) c and at p + s (1 − p) with
+p c. One hinge, the pseudo-joint of Hearne, section 2.3, is s = 0; an even beam p = ½ and s = 1/√3, which are
+Gauss's points; shear adds to the spread. Where that is not enough there are more hinges, see `hinges`. In
+space the two planes have stiffnesses of their own, about axes turned by an angle, and the link twists about
+its length on one spring more.
 
-One hinge, the pseudo-joint of Hearne, section 2.3, is what all together are worth: the stiffness of all in
-series, at the mean of their places weighted by compliance. The link's mass is taken as spread evenly along
-it, or as far as its inertia allows; what that has beyond the inertia of thin rods is shared out in the same
-way, so that mass, mass centre and inertia of the whole link stay what they were.
+The link's mass is taken as spread evenly along it, or as far as its inertia allows; what that has beyond the
+inertia of thin rods is shared out in the same way, so that mass, mass centre and inertia of the whole link
+stay what they were.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import cache, lru_cache
 
 import numpy as np
 from jaxtyping import Float
 
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Bodies, Effect, Placement, along, positive, sides, signed
+from flexmodal.diagnosis.effects.hinges import EVEN, fixed, shares, stiffest
 from flexmodal.diagnosis.improved.draft import Draft
 from flexmodal.structure import Parameter
-from flexmodal.structure.arm import Body, beyond, bodies_of
+from flexmodal.structure.arm import Body, bodies_of
 from flexmodal.structure.assembly import Assembly
 from flexmodal.structure.robot_terms import scaled
 
 SHORTEST = 0.05
 """Links shorter than this do not bend [m]."""
-FEW, MANY_IN_SPACE, MANY_IN_PLANE = 2, 4, 6
-"""Hinges of a link whose own modes lie above the band, and of others; in space each bends in two planes."""
-SOFT = 1 / 8
-"""The stiffness at which that is asked, over that of the stiffest joint below."""
+TWIST = 3.0
+"""Stiffness against twist over that against bending, about: G J over E I, and more where little twists it."""
 
 
 def _places(context: Context) -> tuple[str, ...]:
     return tuple(link for link in context.links if along(context, link)[0] >= SHORTEST)
 
 
-def stiffest(context: Context, link: str) -> float:
-    """Stiffness of the stiffest joint between the base and a link [N·m/rad]."""
-    urdf = context.robot.urdf
-    return max(
-        float(joint.stiffness)
-        for name, joint in context.robot.joints.items()
-        if link in beyond(urdf, urdf.joint_by_name[name].child)
+def bending(placement: Placement) -> tuple[Float[np.ndarray, " hinge"], Float[np.ndarray, " hinge"]]:
+    """Where the hinges sit, as parts of the length, and their shares of the compliance."""
+    mean, spread = placement["position"], placement["spread"]
+    known = fixed(placement.context, placement.where)
+    if known is not None:
+        return known[0], shares(mean, spread, *known)
+    return (
+        np.array([mean * (1 - spread), mean + spread * (1 - mean)]),
+        np.array([1 - mean, mean]),
     )
-
-
-@cache
-def gauss(count: int) -> tuple[Float[np.ndarray, " hinge"], Float[np.ndarray, " hinge"]]:
-    """Gauss's points along the length, as parts of it, and their weights."""
-    place, weight = np.polynomial.legendre.leggauss(count)
-    return (1 + place) / 2, weight / 2
-
-
-@lru_cache(maxsize=128)
-def hinges(context: Context, where: str) -> Float[np.ndarray, " hinge"]:
-    """Where the hinges sit, as parts of the length.
-
-    A beam of stiffness k = EI/L, mass m and rotary inertia J, held at both ends, has its first modes at
-    22.4 √(k/m)/L (bending) and π √(k/J) (turning) [rad/s]: modes of the link itself, whatever it carries.
-    Of modes alone nobody lists those.
-    """
-    body, length = bodies_of(context.robot.urdf)[where], along(context, where)[0]
-    k, turning = SOFT * stiffest(context, where), float(np.linalg.eigvalsh(body.inertia)[-1])
-    first = min(22.4 * np.sqrt(k / body.mass) / length, np.pi * np.sqrt(k / max(turning, 1e-12)))
-    many = MANY_IN_SPACE if context.normal is None else MANY_IN_PLANE
-    return gauss(many if context.every_line and first < 2 * np.pi * context.band[1] else FEW)[0]
 
 
 def _parameters(context: Context, where: str) -> tuple[Parameter, ...]:
     k = stiffest(context, where)
-    places = hinges(context, where)
-    return (
+    found = (
         positive("stiffness", "N·m/rad", k, 1.5, k / 300, k * 300),
         positive("damping", "N·m·s/rad", k * 3e-4, 1.5, k * 1e-7, k * 0.03),
-        signed("position", "", 0.1, places[0] + 0.02, places[-1] - 0.02, centre=0.5),
+        signed("position", "", 0.1, 0.03, 0.97, centre=0.5),
+        signed("spread", "", 0.1, 0.02, 0.98, centre=EVEN),
+    )
+    if context.normal is not None:
+        return found
+    return (
+        *found,
+        positive("ratio", "", 1.0, 0.4, 0.05, 20.0),
+        signed("angle", "rad", 0.8, -1.6, 1.6),
+        positive("twist_ratio", "", TWIST, 1.5, 0.02, 1e4),
     )
 
 
@@ -88,29 +74,45 @@ def _starts(context: Context, where: str) -> list[Mapping[str, float]]:
     return [{"stiffness": factor * k} for factor in (0.2, 0.8, 3.0, 12.0, 40.0)]
 
 
-def names_of(context: Context, where: str) -> list[str]:
-    """Coordinates of the hinges, those of one place side by side."""
+def names_of(context: Context, where: str, count: int) -> list[str]:
+    """Coordinates of so many hinges, those of one place side by side; in space the twist is the last.
+
+    Args:
+        context: whose robot.
+        where: the link.
+        count: of hinges.
+    """
     planes = 1 if context.normal is not None else 2
-    count = len(hinges(context, where))
-    return [f"{where} bend {hinge + 1}.{plane + 1}" for hinge in range(count) for plane in range(planes)]
+    bends = [f"{where} bend {hinge + 1}.{plane + 1}" for hinge in range(count) for plane in range(planes)]
+    return bends if planes == 1 else [*bends, f"{where} twist"]
 
 
-def _shape(assembly: Assembly, placement: Placement) -> None:
-    length, axis = along(placement.context, placement.where)
-    axes = assembly.axes(placement.where)
-    across = sides(placement.context, placement.where, axis)
-    columns = assembly.add_coordinates(names_of(placement.context, placement.where))
-    places = np.repeat(hinges(placement.context, placement.where), len(across))
-    for number, place in enumerate(places.tolist()):
-        turned = axes @ np.cross(axis, across[number % len(across)])
-        assembly.hinge(placement.where, place * length * axis, axis, columns.start + number, turned)
+def add_hinges(assembly: Assembly, placement: Placement, places: Float[np.ndarray, " hinge"]) -> None:
+    """Let a link bend at these parts of its length, and in space twist at one of them.
+
+    The torque along a link is the same everywhere, and so is where it twists.
+    """
+    context, where = placement.context, placement.where
+    length, axis = along(context, where)
+    axes = assembly.axes(where)
+    turns = [np.cross(axis, side) for side in sides(context, where, axis)]
+    columns = assembly.add_coordinates(names_of(context, where, len(places)))
+    for number, place in enumerate(np.repeat(places, len(turns)).tolist()):
+        turned = axes @ turns[number % len(turns)]
+        assembly.hinge(where, place * length * axis, axis, columns.start + number, turned)
+    if context.normal is None:
+        place = float(places[len(places) // 2])
+        assembly.hinge(where, place * length * axis, axis, columns.stop - 1, axes @ axis)
 
 
-def _bodies(assembly: Assembly, placement: Placement, bodies: Bodies, link: str) -> bool:
+def cut_body(
+    assembly: Assembly, placement: Placement, bodies: Bodies, link: str, places: Float[np.ndarray, " hinge"]
+) -> bool:
+    """Share the body of the link out between its hinges; says whether it is that link's."""
     if link != placement.where:
         return False
     body, tags = bodies[link], {"mass": f"mass.{link}"}
-    parts, whole = _rods(placement, body)
+    parts, whole = _rods(placement, body, places)
     for section, rod in parts:
         share = rod.mass / body.mass
         turning = Body(0.0, section, share * body.inertia)
@@ -120,12 +122,14 @@ def _bodies(assembly: Assembly, placement: Placement, bodies: Bodies, link: str)
     return True
 
 
-def _rods(placement: Placement, body: Body) -> tuple[list[tuple[np.ndarray, Body]], np.ndarray]:
+def _rods(
+    placement: Placement, body: Body, places: Float[np.ndarray, " hinge"]
+) -> tuple[list[tuple[np.ndarray, Body]], np.ndarray]:
     """Parts of a link as thin rods, each with its place along it, and the inertia of all about its centre."""
     end, axis = along(placement.context, placement.where)
     thin = np.eye(3) - np.outer(axis, axis)
     length = min(end, _spread(placement, body, axis))
-    ends = np.concatenate([[0.0], hinges(placement.context, placement.where), [1.0]])
+    ends = np.concatenate([[0.0], places, [1.0]])
     parts, whole = [], np.zeros((3, 3))
     for share, middle in zip(np.diff(ends).tolist(), ((ends[1:] + ends[:-1]) / 2).tolist(), strict=True):
         lever = (middle - 0.5) * length * axis
@@ -144,55 +148,55 @@ def _spread(placement: Placement, body: Body, axis: np.ndarray) -> float:
     return float(np.sqrt(12 * max(least - disc, 0.0) / body.mass))
 
 
-def shares(stiffness: float, position: float, count: int) -> Float[np.ndarray, " hinge"]:
-    """Stiffnesses of the hinges that together are worth one of `stiffness` at `position` [N·m/rad].
-
-    The compliance along the link goes with exp(r·x); Newton's method finds the r with its mean at `position`.
-    """
-    place, weight = gauss(count)
-    rate = 0.0
-    for _ in range(50):
-        part = weight * np.exp(rate * (place - 0.5))
-        part /= part.sum()
-        mean = float(part @ place)
-        if abs(position - mean) < 1e-14:
-            break
-        rate += float(np.clip((position - mean) / (part @ (place - mean) ** 2), -5, 5))
-    return stiffness / part
+def _planes(placement: Placement) -> list[tuple[float, list[tuple[int, float]]]]:
+    """Stiffness of each principal plane over the first's, and its shares in those of the coordinates."""
+    if placement.context.normal is not None:
+        return [(1.0, [(0, 1.0)])]
+    cosine, sine = np.cos(placement["angle"]), np.sin(placement["angle"])
+    return [(1.0, [(0, cosine), (1, sine)]), (placement["ratio"], [(0, -sine), (1, cosine)])]
 
 
 def _act(assembly: Assembly, placement: Placement) -> None:
-    count, names = (
-        len(hinges(placement.context, placement.where)),
-        names_of(placement.context, placement.where),
-    )
-    springs = np.repeat(shares(placement["stiffness"], placement["position"], count), len(names) // count)
-    for name, spring in zip(names, springs.tolist(), strict=True):
-        row = assembly.row(name)
-        assembly.add_spring(row, spring)
-        assembly.add_damper(row, placement["damping"] / placement["stiffness"] * spring)
+    context, where = placement.context, placement.where
+    time, planes = placement["damping"] / placement["stiffness"], _planes(placement)
+    springs = placement["stiffness"] / bending(placement)[1]
+    names = names_of(context, where, len(springs))
+    for hinge, spring in enumerate(springs.tolist()):
+        own = names[len(planes) * hinge :]
+        for ratio, parts in planes:
+            row = np.sum([share * assembly.row(own[plane]) for plane, share in parts], axis=0)
+            assembly.add_spring(row, ratio * spring)
+            assembly.add_damper(row, time * ratio * spring)
+    if context.normal is None:
+        twist = placement["twist_ratio"] * placement["stiffness"]
+        assembly.add_spring(assembly.row(names[-1]), twist)
+        assembly.add_damper(assembly.row(names[-1]), time * twist)
 
 
 def _extend(draft: Draft, placement: Placement) -> None:
-    link = placement.where
-    length, axis = along(placement.context, link)
-    across = sides(placement.context, link, axis)
-    places, names = hinges(placement.context, link), [link]
-    springs = shares(placement["stiffness"], placement["position"], len(places)).tolist()
-    for hinge, spring in enumerate(springs):
-        turns = {}
-        for plane, side in enumerate(across):
-            end = f"_{plane + 1}" if len(across) > 1 else ""
-            turns[draft.fresh(f"{link}_bend_{hinge + 1}{end}")] = np.cross(axis, side)
+    context, link = placement.context, placement.where
+    length, axis = along(context, link)
+    turns_of = [np.cross(axis, side) for side in sides(context, link, axis)]
+    time, names = placement["damping"] / placement["stiffness"], [link]
+    places, compliance = bending(placement)
+    for hinge, spring in enumerate((placement["stiffness"] / compliance).tolist()):
+        turns, stiffness = {}, {}
+        for plane, (ratio, parts) in enumerate(_planes(placement)):
+            joint = draft.fresh(f"{link}_bend_{hinge + 1}" + (f"_{plane + 1}" if len(turns_of) > 1 else ""))
+            turns[joint] = np.sum([share * turns_of[number] for number, share in parts], axis=0)
+            stiffness[joint] = ratio * spring
+        if context.normal is None and hinge == len(places) // 2:
+            joint = draft.fresh(f"{link}_twist")
+            turns[joint], stiffness[joint] = axis, placement["twist_ratio"] * placement["stiffness"]
         names.append(draft.hinge(link, places[hinge] * length * axis, axis, turns))
-        for joint in turns:
-            draft.flexible(joint, spring, placement["damping"] / placement["stiffness"] * spring)
+        for joint, one in stiffness.items():
+            draft.flexible(joint, one, time * one)
     card = bodies_of(placement.context.robot.urdf)[link]
     whole = scaled(card, link, placement.values)
     grown = whole.mass / card.mass
-    parts, rods = _rods(placement, card)
-    for number, (_, rod) in enumerate(parts):
-        inertia = grown * rod.inertia + rod.mass / card.mass * (whole.inertia - grown * rods)
+    rods, thin = _rods(placement, card, places)
+    for number, (_, rod) in enumerate(rods):
+        inertia = grown * rod.inertia + rod.mass / card.mass * (whole.inertia - grown * thin)
         shift = places[number - 1] * length * axis if number else np.zeros(3)
         draft.set_body(names[number], Body(grown * rod.mass, rod.centre - shift, inertia))
 
@@ -204,8 +208,11 @@ EFFECT = Effect(
     places=_places,
     parameters=_parameters,
     starts=_starts,
-    shape=_shape,
-    bodies=_bodies,
+    shape=lambda assembly, placement: add_hinges(assembly, placement, bending(placement)[0]),
+    geometry=("position", "spread"),
+    bodies=lambda assembly, placement, bodies, link: cut_body(
+        assembly, placement, bodies, link, bending(placement)[0]
+    ),
     act=_act,
     extend=_extend,
 )

@@ -130,11 +130,13 @@ SENSOR_DELAY = Effect(
 )
 
 
-def turned(vector: Float[np.ndarray, "*many 3"], way: Float[np.ndarray, "3"]) -> Float[np.ndarray, "*many 3"]:
-    """A direction turned by rotation vectors [rad], by Rodrigues' formula."""
+def turned(
+    vector: Float[np.ndarray, "*#many 3"], way: Float[np.ndarray, "*#many 3"]
+) -> Float[np.ndarray, "*many 3"]:
+    """Directions turned by rotation vectors [rad], by Rodrigues' formula."""
     angle = np.linalg.norm(vector, axis=-1, keepdims=True)
     k = vector / np.maximum(angle, 1e-300)
-    along = (k @ way)[..., None]
+    along = np.sum(k * way, axis=-1, keepdims=True)
     return np.asarray(
         way * np.cos(angle) + np.cross(k, way) * np.sin(angle) + k * along * (1 - np.cos(angle))
     )

@@ -10,7 +10,7 @@ import numpy as np
 
 from flexmodal.diagnosis.effects.context import Context, Place
 from flexmodal.diagnosis.time_domain.pulse import haversine
-from flexmodal.identification.model import AXES
+from flexmodal.identification.spot import in_world, spot_of
 from flexmodal.structure.assembly import Assembly
 from flexmodal.structure.robot_terms import put_together
 from flexmodal.structure.structure import Axis
@@ -41,8 +41,7 @@ def swings(context: Context, posture: int, reference: Place, level: int) -> Mapp
     arm, pulse = context.arms[posture], context.pulses[level]
     assembly = Assembly(arm)
     put_together(assembly, {}, arm.bodies)
-    point = context.point(reference[0])
-    rows = assembly.rows([(point.link, np.array(point.xyz), AXES[reference[1] - 1])])
+    rows = assembly.rows(in_world([spot_of(context.point(reference[0]), reference[1])], assembly))
     structure = assembly.close(np.eye(len(assembly.coordinates)), rows)
     high = 2 * context.band[1]
     frequency = np.arange(1, _LINES) * high / _LINES

@@ -7,9 +7,9 @@ from itertools import product
 
 import numpy as np
 
-from flexmodal.diagnosis.effects import base_flexibility, bearing_flexibility, link_flexibility
+from flexmodal.diagnosis.effects import base_flexibility, bearing_flexibility, hinges, link_flexibility
 from flexmodal.diagnosis.effects.context import Context
-from flexmodal.diagnosis.effects.effect import Placement
+from flexmodal.diagnosis.effects.effect import Bodies, Placement
 from flexmodal.diagnosis.lawfree.port import Patterns, PortKind, constant, outer
 from flexmodal.structure.assembly import Assembly
 
@@ -69,30 +69,50 @@ def _planes(context: Context) -> int:
     return 1 if context.normal is not None else 2
 
 
+def _link_hinges(context: Context, where: str) -> tuple[np.ndarray, np.ndarray]:
+    """Where a link bends, and weights: three of Gauss's points have any compliance for a load at its end."""
+    return hinges.fixed(context, where) or hinges.gauss(3)
+
+
 def _link_functions(context: Context, where: str) -> tuple[str, ...]:
     names = [f"bend {plane + 1}" for plane in range(_planes(context))]
-    return (*names, *(f"{name}, outwards" for name in names))
+    own = [f"{name}{end}" for end in ("", ", outwards", ", to the ends") for name in names]
+    return tuple(own) if len(names) == 1 else (*own, "bend 1 × bend 2", "twist")
+
+
+def _link_shape(assembly: Assembly, placement: Placement) -> None:
+    places, _ = _link_hinges(placement.context, placement.where)
+    link_flexibility.add_hinges(assembly, placement, places)
+
+
+def _link_body(assembly: Assembly, placement: Placement, bodies: Bodies, link: str) -> bool:
+    places, _ = _link_hinges(placement.context, placement.where)
+    return link_flexibility.cut_body(assembly, placement, bodies, link, places)
 
 
 def _link_patterns(assembly: Assembly, placement: Placement) -> Patterns:
-    """Even compliance along the link, and what grows along it; the hinges share it by Gauss's weights."""
+    """Even compliance along the link, what grows along it, and what grows to its ends: Legendre's."""
     context, where = placement.context, placement.where
-    places = link_flexibility.hinges(context, where)
-    weights = link_flexibility.gauss(len(places))[1]
+    places, weights = _link_hinges(context, where)
     planes = _planes(context)
-    names = link_flexibility.names_of(context, where)
-    found = np.zeros((2 * planes, *(len(assembly.coordinates),) * 2))
-    for number, name in enumerate(names):
-        hinge, plane = divmod(number, planes)
-        one = weights[hinge] * np.diag(assembly.row(name))
-        found[plane] += one
-        found[planes + plane] += 2 * (places[hinge] - 0.5) * one
+    rows = [assembly.row(name) for name in link_flexibility.names_of(context, where, len(places))]
+    found = np.zeros((len(_link_functions(context, where)), *(len(assembly.coordinates),) * 2))
+    for hinge, (weight, along) in enumerate(zip(weights, 2 * places - 1, strict=True)):
+        bends = rows[planes * hinge : planes * (hinge + 1)]
+        for plane, row in enumerate(bends):
+            for degree, size in enumerate((1.0, along, (3 * along**2 - 1) / 2)):
+                found[degree * planes + plane] += size * weight * np.diag(row)
+        if planes == 2:
+            found[-2] += weight * outer(bends[0], bends[1], 1)[0]
+    if planes == 2:
+        found[-1] = np.diag(rows[-1])
     return Patterns(compliance=found)
 
 
 def _link_starts(context: Context, where: str) -> tuple[tuple[float, ...], ...]:
     planes = _planes(context)
-    return tuple((*(size,) * planes, *(0.0,) * planes) for size in (0.03, 0.1, 0.3, 1.0, 3.0))
+    more = len(_link_functions(context, where)) - planes
+    return tuple((*(size,) * planes, *(0.0,) * more) for size in (0.03, 0.1, 0.3, 1.0, 3.0))
 
 
 LINK = PortKind(
@@ -101,11 +121,20 @@ LINK = PortKind(
     places=link_flexibility.EFFECT.places,
     functions=_link_functions,
     sizes=lambda context, where, frequency: constant(
-        [1 / link_flexibility.stiffest(context, where)] * len(_link_functions(context, where)), frequency
+        [1 / hinges.stiffest(context, where)] * len(_link_functions(context, where)), frequency
     ),
     starts=_link_starts,
     unit="rad/(N·m)",
-    shape=replace(link_flexibility.EFFECT, name="port", parameters=lambda c, w: (), act=None, extend=None),
+    shape=replace(
+        link_flexibility.EFFECT,
+        name="port",
+        parameters=lambda c, w: (),
+        shape=_link_shape,
+        bodies=_link_body,
+        geometry=(),
+        act=None,
+        extend=None,
+    ),
     patterns=_link_patterns,
 )
 

@@ -20,7 +20,7 @@ from jaxtyping import Complex, Float
 from flexmodal.diagnosis.lawfree.model import PortedModel, Slopes, Unknown
 from flexmodal.errors import SingularResponse
 from flexmodal.identification.descent import robust, robust_weight
-from flexmodal.identification.frf_fit import Weighing
+from flexmodal.identification.frf_fit import Weighting
 
 FLOORS = (0.2, 0.05, 0.01)
 """Relative model error, in the order in which it is lowered."""
@@ -72,7 +72,7 @@ class Profile:
     @cached_property
     def weight(self) -> Float[np.ndarray, "observation line"]:
         """1/(σ² + ε²)."""
-        return Weighing(self.floor, self.model.lines).weight(self.model.observations)
+        return Weighting(self.floor, self.model.lines).weight(self.model.observations)
 
     def state(self, x: Float[np.ndarray, " parameter"], z: Unknown) -> State:
         """A state with its cost, infinite where the model does not exist.

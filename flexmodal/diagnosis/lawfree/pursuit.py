@@ -83,7 +83,7 @@ def pursued(field: Field, found: LawFree, advance: Callable[[float], None] = lam
         found: the look for one place.
         advance: called with the part that is done.
     """
-    whole, rounds = found.whole, [found.first]
+    whole, rounds, others = found.whole, [found.first], Others(field)
     gained = field.bare >= FURTHER * whole.judged
     while gained and whole.judged > SOUND and len(whole.ports) < MOST:
         advance((len(rounds) - 1) / MOST)
@@ -91,11 +91,11 @@ def pursued(field: Field, found: LawFree, advance: Callable[[float], None] = lam
         gained = bool(tried.sightings) and whole.judged >= FURTHER * tried.best.judged
         if gained:
             rounds.append(tried)
-            whole = _again(field, tried.best, rounds)
-    whole = _narrowed(field, _needed(field, whole))
+            whole = _again(field, tried.best, rounds, others)
+    whole = _narrowed(field, _needed(whole, others), others)
     if len(whole.ports) == 1 and whole.port.key == found.whole.port.key:
         return found
-    return LawFree(field.bare, found.first, *_settled(field, whole, rounds))
+    return LawFree(field.bare, found.first, *_settled(field, whole, rounds, others))
 
 
 def _rivals(rounds: list[Round], port: Port) -> list[Port]:
@@ -109,48 +109,70 @@ def _rivals(rounds: list[Round], port: Port) -> list[Port]:
     return list(found.values())
 
 
-def _others(field: Field, whole: Sighting, port: Port) -> Sighting | None:
-    rest = tuple(one for one in whole.ports if one.key != port.key)
-    return field.sighted(rest) if rest else None
+class Others:
+    """Ports without one of them, fitted; what was fitted once is known for the rest of a pursuit."""
+
+    def __init__(self, field: Field) -> None:
+        """Nothing is known yet.
+
+        Args:
+            field: what is looked at.
+        """
+        self._field = field
+        self._known: dict[tuple[Port, ...], Sighting] = {}
+
+    def beside(self, whole: Sighting, port: Port) -> Sighting | None:
+        """All ports but one; None where there are no others.
+
+        Args:
+            whole: of all ports.
+            port: the one to leave out.
+        """
+        rest = tuple(one for one in whole.ports if one.key != port.key)
+        if rest and rest not in self._known:
+            self._known[rest] = self._field.sighted(rest)
+        return self._known[rest] if rest else None
 
 
-def _again(field: Field, whole: Sighting, rounds: list[Round]) -> Sighting:
+def _again(field: Field, whole: Sighting, rounds: list[Round], others: Others) -> Sighting:
     """Each port but the last looked for again beside the others."""
     for port in whole.ports[:-1]:
         if whole.judged <= SOUND:
             break
-        tried = field.round(_others(field, whole, port), _rivals(rounds, port))
+        tried = field.round(others.beside(whole, port), _rivals(rounds, port))
         if tried.sightings and tried.best.judged * FURTHER < whole.judged:
             whole = tried.best
     return whole
 
 
-def _needed(field: Field, whole: Sighting) -> Sighting:
+def _needed(whole: Sighting, others: Others) -> Sighting:
     """Without the ports that nobody misses."""
     for port in whole.ports:
-        rest = _others(field, whole, port)
+        rest = others.beside(whole, port)
         if rest is not None and rest.judged < GAINS * whole.judged:
             whole = rest
     return whole
 
 
-def _narrowed(field: Field, whole: Sighting) -> Sighting:
+def _narrowed(field: Field, whole: Sighting, others: Others) -> Sighting:
     """With ports that can do less in place of those that can do more, where that is as good."""
     for port in whole.ports:
         taken = {one.key for one in whole.ports}
         less = [one for one in field.ports if holds(port.key, one.key) and one.key not in taken]
         if less:
-            tried = field.round(_others(field, whole, port), less)
+            tried = field.round(others.beside(whole, port), less)
             if tried.best.judged <= ALIKE * whole.judged:
                 whole = tried.best
     return whole
 
 
-def _settled(field: Field, whole: Sighting, rounds: list[Round]) -> tuple[Sighting, tuple[Member, ...]]:
+def _settled(
+    field: Field, whole: Sighting, rounds: list[Round], others: Others
+) -> tuple[Sighting, tuple[Member, ...]]:
     """Each port in its simplest form beside the others, and what cannot be told from it."""
     found: dict[tuple[str, str], Member] = {}
     for port in whole.ports:
-        rest = _others(field, whole, port)
+        rest = others.beside(whole, port)
         tried = field.round(rest, _rivals(rounds, port))
         if tried.best.port.key != port.key:
             whole = tried.best

@@ -13,8 +13,7 @@ import numpy as np
 from jaxtyping import Float
 
 from flexmodal.diagnosis.hypothesis import Hypothesis
-from flexmodal.diagnosis.search.lines import unlimited
-from flexmodal.identification import Observations, predict
+from flexmodal.identification import Observations, predict, unlimited
 from flexmodal.identification.frf_fit import residual
 
 _UNSURE = 2.0

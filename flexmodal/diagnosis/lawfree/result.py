@@ -38,7 +38,7 @@ CLASSES_OF: Mapping[str, tuple[str, ...]] = {
         "relaxation",
         "something in series, with a resonance of its own",
     ),
-    "structural_damping": ("constant loss", "relaxation"),
+    "structural_damping": ("constant loss", "relaxation", "fractional loss", "row of relaxations"),
     "base_flexibility": _ELASTIC,
     "bearing_flexibility": _ELASTIC,
     "link_flexibility": _ELASTIC,
@@ -130,8 +130,8 @@ class Found:
             where: its place.
         """
         here = (PORT_OF.get(effect), where) in self.alike
-        if not here or effect not in CLASSES_OF or self.where != where:
-            return here
+        if not here or self.curve is None or effect not in CLASSES_OF or self.where != where:
+            return here  # a function of its own in each posture and blow has no curve
         return any(one.name in CLASSES_OF[effect] for one in self.classes)
 
     def surely(self, effect: str) -> bool:
@@ -141,7 +141,7 @@ class Found:
             effect: its name.
         """
         others = [key for key in self.alike if not holds(key, (self.port, self.where))]
-        return effect in CLASSES_OF and not others
+        return self.curve is not None and effect in CLASSES_OF and not others
 
 
 @dataclass(frozen=True, eq=False)

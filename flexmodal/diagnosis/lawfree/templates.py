@@ -97,6 +97,20 @@ _RELAXATION = Template(
     "relaxation", lambda w, at: [1j * w * at[0] / (1 + 1j * w * at[0])], 1, ("k = {:.4g}",), (_times,),
     "time constant {:.3g} s",
 )  # fmt: skip
+_POWER = Template(
+    "fractional loss",
+    lambda w, at: [_one(w), (1j * w / np.sqrt(w[0] * w[-1])) ** at[0]],
+    2,
+    ("k = {:.4g}", "c = {:.4g}"),
+    (lambda w: np.linspace(0.1, 0.9, 9),),
+    "order {:.3g}",
+)
+_RELAXATIONS = Template(
+    "row of relaxations",
+    lambda w, at: [_one(w), *(1j * w / (1j * w + own) for own in np.geomspace(w[0] / 2, 2 * w[-1], 5))],
+    6,
+    ("k = {:.4g}", *("{:.3g}",) * 5),
+)
 _ABSORBER = Template(
     "resonance", lambda w, at: [_resonance(w, at)], 1, ("m = {:.4g}",), (_inside, _ratios),
     "ω = {:.4g} rad/s, ζ = {:.3g}",
@@ -144,7 +158,7 @@ _HIGH = Template("high pass and gain", lambda w, at: [_one(w), -np.log(1 + 1 / (
 _OF = {
     "joint": (_SPRING, _DAMPER, _LOSS, _MASS, _RELAXATION, _ABSORBER, _SERIES),
     "coupling": (_SPRING, _DAMPER, _BOTH, _MASS, _RELAXATION, _SERIES),
-    "damping": (_LOSS_SHARE, _DAMPER, _RELAXATION, _BOTH),
+    "damping": (_LOSS_SHARE, _DAMPER, _RELAXATION, _BOTH, _POWER, _RELAXATIONS),
     "base": (_SOFT, _SOFT_DAMPED, _SOFT_LOSS, _SOFT_HEAVY),
     "bearing": (_SOFT, _SOFT_DAMPED, _SOFT_LOSS, _SOFT_HEAVY),
     "link": (_SOFT, _SOFT_DAMPED, _SOFT_LOSS, _SOFT_HEAVY),

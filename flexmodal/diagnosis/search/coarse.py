@@ -10,11 +10,11 @@ from jaxtyping import Float, Int
 
 from flexmodal.diagnosis.disagreement.compare import but_for_the_blow
 from flexmodal.diagnosis.hypothesis import Hypothesis
-from flexmodal.diagnosis.search.lines import COARSE, some_lines, unlimited
+from flexmodal.diagnosis.search.lines import COARSE, some_lines
 from flexmodal.diagnosis.time_domain.model import TimeDomainModel, has_law
-from flexmodal.identification import Observations
+from flexmodal.identification import Observations, unlimited
 from flexmodal.identification.descent import robust
-from flexmodal.identification.frf_fit import FrfMisfit, Weighing, fit, residual
+from flexmodal.identification.frf_fit import FrfMisfit, Weighting, fit, residual
 from flexmodal.identification.model import Model
 
 ROUGH = 5.0
@@ -53,7 +53,7 @@ class Look:
 
     def constant(self, floor: float) -> float:
         """What the mean hides of the sum of squares."""
-        weight = Weighing(floor, self.lines).weight(self.apart)
+        weight = Weighting(floor, self.lines).weight(self.apart)
         between = residual(self.merged.value[self.owner][:, self.lines], self.apart.value[:, self.lines])
         return float(np.sum(robust(weight * np.abs(between) ** 2)))
 
@@ -65,7 +65,7 @@ class Look:
         most: int,
     ) -> list[Candidate]:
         """The best of some starts, not fitted yet."""
-        model, weighing = coarse_model(hypothesis), Weighing(floor, self.lines)
+        model, weighing = coarse_model(hypothesis), Weighting(floor, self.lines)
         seen = self.apart if hypothesis.by_force else self.merged
         misfit = FrfMisfit(model, seen, weighing)
         costs = [misfit.cost(one) for one in starts]

@@ -9,6 +9,7 @@ from jaxtyping import Float
 
 from flexmodal.diagnosis.disagreement.gaps import over_noise
 from flexmodal.diagnosis.effects import Effect
+from flexmodal.diagnosis.placed import Placed
 from flexmodal.diagnosis.search.close_fit import fitted_closely
 from flexmodal.diagnosis.search.coarse import Candidate, Look, look_at
 from flexmodal.diagnosis.search.lines import worst_lines
@@ -23,6 +24,8 @@ INTEGRATED = 3
 """The same for effects that depend on force, whose torques are integrated in time."""
 AGAIN = 2
 """Explanations that are started from elsewhere when none of them reaches the floor."""
+FIRST_FLOOR, FOLLOWED = 0.2, 6
+"""Model error at which starts are compared where an effect's place is known, and how many are followed."""
 
 
 def explanations(
@@ -62,11 +65,44 @@ def explanations(
         looked.sort(key=lambda one: one.cost)
     if looked:
         found = simpler(looked[0].hypothesis, looked[0].fitted.x, setup.effects, seen)
-        looked = _best_of_each([*looked, *(_close(setup, one) for one in found)])
+        looked = best_of_each([*looked, *(_close(setup, one) for one in found)])
     return looked
 
 
-def _best_of_each(looked: Sequence[FittedFrfs]) -> list[FittedFrfs]:
+def from_each_start(
+    setup: Setup,
+    before: FittedFrfs,
+    set_out: Sequence[Float[np.ndarray, " before"]],
+    keys: Sequence[tuple[str, str]],
+) -> list[FittedFrfs]:
+    """Effects in places that are known, fitted closely from each of their best starts.
+
+    A narrow resonance is lost to the coarse looks.
+
+    Args:
+        setup: what the diagnosis works with.
+        before: the model that one of them is added to.
+        set_out: its parameters, from which the search sets out.
+        keys: names and places.
+    """
+    seen = look_at(setup.fitted, worst_lines(setup.fitted, before.predicted[~setup.held]))
+    effects, found = {effect.name: effect for effect in setup.effects}, []
+    for name, where in keys:
+        placed = Placed(effects[name], where)
+        hypothesis = before.hypothesis.and_also(placed)
+        tried = [hypothesis.start(placed, start, x) for start in placed.effect.starts(setup.context, where)
+                 for x in set_out]  # fmt: skip
+        for one in seen.started(hypothesis, tried, FIRST_FLOOR, FOLLOWED):
+            found.append(fitted_closely(setup, hypothesis, one.x))
+    return best_of_each(found)
+
+
+def best_of_each(looked: Sequence[FittedFrfs]) -> list[FittedFrfs]:
+    """Of each effect and place the model that fits best, the best first.
+
+    Args:
+        looked: fitted models.
+    """
     best: dict[tuple[str, str], FittedFrfs] = {}
     for one in sorted(looked, key=lambda one: one.cost):
         best.setdefault(one.key, one)

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 from jaxtyping import Complex, Int
 
 from flexmodal.identification import Observations
 from flexmodal.identification.descent import robust
-from flexmodal.identification.frf_fit import Weighing, residual
+from flexmodal.identification.frf_fit import Weighting, residual
 
 COARSE = 48
 """Lines of the coarse looks, closer together where resonances are narrow."""
@@ -40,14 +38,9 @@ def worst_lines(
     observations: Observations, predicted: Complex[np.ndarray, "observation line"]
 ) -> Int[np.ndarray, " worst"]:
     """Lines where a model is far from the measurement, the closer together the further it is."""
-    weight = Weighing(WORST_ERROR, np.arange(len(observations.axis))).weight(observations)
+    weight = Weighting(WORST_ERROR, np.arange(len(observations.axis))).weight(observations)
     far = robust(weight * np.abs(residual(predicted, observations.value)) ** 2).sum(axis=0)
     above = np.cumsum(np.maximum(far - np.median(far), 0.0))
     if above[-1] < 1e-6:  # in units of noise: rounding
         return np.zeros(0, dtype=int)
     return np.unique(np.searchsorted(above, (np.arange(WORST) + 0.5) / WORST * above[-1]))
-
-
-def unlimited(observations: Observations) -> Observations:
-    """As if every record lasted until all is still: what is cut off is a matter for the close look."""
-    return replace(observations, lengths=tuple(0.0 for _ in observations.lengths))

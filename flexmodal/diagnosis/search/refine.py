@@ -17,7 +17,7 @@ from flexmodal.diagnosis.search.coarse import ROUGH
 from flexmodal.diagnosis.search.lines import CLOSE, COARSE, some_lines
 from flexmodal.diagnosis.time_domain.model import TimeDomainModel
 from flexmodal.identification import FrfFit, Observations, fit, predict
-from flexmodal.identification.frf_fit import FrfMisfit, Weighing
+from flexmodal.identification.frf_fit import FrfMisfit, Weighting
 
 SEARCH = 0.1
 """Model error at which starts are compared."""
@@ -82,7 +82,7 @@ def _start(
 ) -> Float[np.ndarray, " parameter"]:
     """Where the describing functions ended, or that with its laws started afresh, if that is nearer."""
     hypothesis, space = model.hypothesis, model.space
-    weighing = Weighing(SEARCH, some_lines(observations, COARSE))
+    weighing = Weighting(SEARCH, some_lines(observations, COARSE))
     tried = [x]
     for placed in hypothesis.placed:
         if placed.effect.law is None:

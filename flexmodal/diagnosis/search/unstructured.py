@@ -22,7 +22,7 @@ from flexmodal.diagnosis.names import UNSTRUCTURED
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs, cluster_costs
 from flexmodal.diagnosis.setup import Setup
 from flexmodal.identification import Observations
-from flexmodal.identification.frf_fit import Weighing
+from flexmodal.identification.frf_fit import Weighting
 
 _FREQUENCIES, _RATIOS = 60, (0.01, 0.04, 0.15)
 """Of the grid on which the search begins."""
@@ -83,7 +83,7 @@ def _resonance(omega: Float[np.ndarray, " line"], x: Float[np.ndarray, " 2"]) ->
 def _fitted(observations: Observations, before: FittedFrfs, rows: Int[np.ndarray, " row"]) -> _Mode:
     """The mode of a posture that takes most of the sum of squares away."""
     omega = 2 * np.pi * observations.axis.frequency
-    every = Weighing(before.fitted.weighing.floor, np.arange(len(omega)))
+    every = Weighting(before.fitted.weighing.floor, np.arange(len(omega)))
     size = np.maximum(np.abs(observations.value[rows]), 1e-300)
     weight = every.weight(observations)[rows] / size**2
     rest = observations.value[rows] - before.predicted[rows]

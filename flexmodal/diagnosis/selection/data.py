@@ -36,8 +36,6 @@ class Conclusion(Generic[M]):
     along, so that there is no such figure."""
     reached: Answer
     """Whether that is noise."""
-    baselines: Baselines | None = None
-    """What needs no model, on the postures held out."""
 
 
 class Data(ABC, Generic[M]):
@@ -204,6 +202,14 @@ class Data(ABC, Generic[M]):
 
         Args:
             model: the final one.
+        """
+        return None
+
+    def baselines(self, model: M) -> Baselines | None:
+        """What needs no model, beside one on the postures held out; None where there is no such thing.
+
+        Args:
+            model: fitted to the others.
         """
         return None
 

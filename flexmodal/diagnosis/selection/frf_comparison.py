@@ -27,7 +27,7 @@ from flexmodal.diagnosis.names import NONE
 from flexmodal.diagnosis.selection.comparison import Comparison
 from flexmodal.identification import Observations, predict
 from flexmodal.identification.descent import prior_cost, robust
-from flexmodal.identification.frf_fit import FrfFit, Weighing, residual
+from flexmodal.identification.frf_fit import FrfFit, Weighting, residual
 from flexmodal.identification.uncertainty import clusters
 
 DRAWS = 400
@@ -109,7 +109,7 @@ def cluster_costs(
     observations: Observations, predicted: Complex[np.ndarray, "observation line"], floor: float
 ) -> Float[np.ndarray, " cluster"]:
     """Robust sum of squares of each cluster, at a model error."""
-    every = Weighing(floor, np.arange(len(observations.axis)))
+    every = Weighting(floor, np.arange(len(observations.axis)))
     squared = every.weight(observations) * np.abs(residual(predicted, observations.value)) ** 2
     return np.bincount(clusters(observations), weights=robust(squared).sum(axis=1))
 
@@ -118,7 +118,7 @@ def independence(
     observations: Observations, predicted: Complex[np.ndarray, "observation line"], floor: float
 ) -> float:
     """κ = 1/(1 + 2Σρ): part of the lines that count, by the autocorrelation of the weighted residuals."""
-    weight = np.sqrt(Weighing(floor, np.arange(len(observations.axis))).weight(observations))
+    weight = np.sqrt(Weighting(floor, np.arange(len(observations.axis))).weight(observations))
     r = weight * residual(predicted, observations.value)
     power = float(np.sum(np.abs(r) ** 2))
     total = 1.0

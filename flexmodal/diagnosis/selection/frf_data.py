@@ -14,11 +14,11 @@ from flexmodal.diagnosis.disagreement.gaps import gap_of, gaps_of, left, over_no
 from flexmodal.diagnosis.findings import Findings
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.lawfree.first_look import LooksWithoutLaw
-from flexmodal.diagnosis.lawfree.result import PORT_OF
+from flexmodal.diagnosis.lawfree.result import CLASSES_OF, PORT_OF
 from flexmodal.diagnosis.lawfree.result import Findings as LawFree
 from flexmodal.diagnosis.outcome import Gaps, NextMeasurement
 from flexmodal.diagnosis.search.close_fit import fitted_closely
-from flexmodal.diagnosis.search.explanations import explanations
+from flexmodal.diagnosis.search.explanations import best_of_each, explanations, from_each_start
 from flexmodal.diagnosis.search.modal_search import unmatched
 from flexmodal.diagnosis.search.unstructured import unstructured_mode
 from flexmodal.diagnosis.selection.beside_frfs import ModesBeside
@@ -40,6 +40,7 @@ from flexmodal.diagnosis.selection.stand_in import stand_in
 from flexmodal.diagnosis.setup import Setup
 from flexmodal.diagnosis.verdict.next_measurement import Sure, next_among_records
 from flexmodal.identification import gap, predict, uncertainty
+from flexmodal.identification.baselines import Baselines
 
 
 class FrfData(Data[FittedFrfs]):
@@ -89,11 +90,24 @@ class FrfData(Data[FittedFrfs]):
         found: list[FittedFrfs] = []
         if not number and self.look.needed:
             found = self._searched(before, number, self.look.worth_trying)
+            if self.look.explains and not any(self.is_over(one) for one in found):
+                more = from_each_start(self.setup, before, _starts(before), self._pointed_to())
+                found = best_of_each([*found, *more])
         if not any(self.is_over(one) for one in found):
             self._look = self._looks.several
             several = self.look.explains and len(self.look.found) > 1 and number < len(self.look.found)
             found = self._searched(before, number, self.look.worth_trying if several else _anything)
         return [before, *found, unstructured_mode(self.setup, before)]
+
+    def _pointed_to(self) -> list[tuple[str, str]]:
+        """Effects whose place and class the law-free look has found; those that it has a class for."""
+        return [
+            (effect.name, where)
+            for effect in self.setup.effects
+            if effect.name in CLASSES_OF and not effect.untestable(self.setup.context)
+            for where in effect.places(self.setup.context)
+            if any(one.where == where and one.could_be(effect.name, where) for one in self.look.found)
+        ]
 
     def _searched(
         self, before: FittedFrfs, number: int, allowed: Callable[[str, str], bool]
@@ -220,7 +234,7 @@ class FrfData(Data[FittedFrfs]):
             before, after,
             replace(gaps, held_out_before=apart.held_out_before, held_out_after=apart.held_out_after),
             disagreement(every, before.predicted), disagreement(every, after.predicted), sure.deviation, over,
-            self._reached(over, left(setup, first, after), after), beside_nothing(setup, last),
+            self._reached(over, left(setup, first, after), after),
         )  # fmt: skip
 
     def _reached(self, over: float, rest: float, after: FittedFrfs) -> Answer:
@@ -245,6 +259,10 @@ class FrfData(Data[FittedFrfs]):
         if not self.look.needed:
             return None
         return stand_in(self.setup, self.look, model, _starts, with_force=self.force > Answer.NO)
+
+    def baselines(self, model: FittedFrfs) -> Baselines | None:
+        """See `Data`."""
+        return beside_nothing(self.setup, model)
 
     def next_measurement(self, one: FittedFrfs, other: FittedFrfs) -> NextMeasurement:
         """See `Data`."""

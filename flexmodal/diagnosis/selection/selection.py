@@ -82,8 +82,15 @@ class ForwardSelection(Generic[M]):
         alone = self.data.without(pair, pair.hypothesis.keys[0])
         self.steps[:] = [self.describe(self.data.compare([self.root, alone]), 1)]
         self.current, self.refused = alone, []
-        if self.step(1) is None or not self.data.is_enough(self.current):
+        if self.step(1) is None or not (self.data.is_enough(self.current) or self._is_nearer(kept[0])):
             self.current, self.steps, self.refused, self.rivals, self.rounds = kept
+
+    def _is_nearer(self, other: M) -> bool:
+        """Whether the current model has the effects of another one and takes more of the disagreement."""
+        if set(self.current.hypothesis.keys) != set(other.hypothesis.keys):
+            return False
+        ours, theirs = (self.data.share(self.root, one) for one in (self.current, other))
+        return ours is not None and theirs is not None and ours > theirs
 
     def drop_needless(self) -> None:
         """Leave out every effect in turn; those that nobody misses go.

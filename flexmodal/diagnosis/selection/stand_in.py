@@ -19,7 +19,6 @@ from flexmodal.diagnosis.search.explanations import explanations
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.selection.frf_thresholds import FLOOR_REACHED
 from flexmodal.diagnosis.setup import Setup
-from flexmodal.identification.gap import over_noise as averages_over_noise
 
 MOST = 2
 """Effects that stand for what has no name."""
@@ -44,7 +43,7 @@ def stand_in(
     if not setup.held.any():
         return None
     places = {where for one in look.found for _, where in ((one.port, one.where), *one.alike)}
-    best, far = model, held_out(setup, model)
+    best, far = model, over_noise(setup, model, setup.held)
     for number in range(MOST):
         found = explanations(
             setup,
@@ -56,10 +55,9 @@ def stand_in(
             allowed=lambda effect, where: where in places,
         )
         found = [one for one in found if is_passive(one)]
-        if not found or held_out(setup, found[0]) > NEARER * far:
+        if not found or (nearer := over_noise(setup, found[0], setup.held)) > NEARER * far:
             break
-        best = found[0]
-        far = held_out(setup, best)
+        best, far = found[0], nearer
         if over_noise(setup, best) <= FLOOR_REACHED:
             break
     return None if best is model else best
@@ -67,16 +65,6 @@ def stand_in(
 
 def _advance(setup: Setup, done: int, part: float) -> None:
     setup.advance("looking for a stand-in", (done + part) / MOST)
-
-
-def held_out(setup: Setup, model: FittedFrfs) -> float:
-    """Distance from the averages of postures held out, over that of their noise.
-
-    Args:
-        setup: what the diagnosis works with.
-        model: fitted to the others.
-    """
-    return averages_over_noise(setup.observations.keeping(setup.held), model.predicted[setup.held])
 
 
 def is_passive(model: FittedFrfs) -> bool:

@@ -10,7 +10,7 @@ from jaxtyping import Bool, Float, Int, Shaped
 
 from flexmodal.errors import Fault
 from flexmodal.identification.evidence.evidence import Evidence, Fitted, Key, few
-from flexmodal.identification.frf_fit import FLOORS, FrfMisfit, Weighing, normal_equations
+from flexmodal.identification.frf_fit import FLOORS, FrfMisfit, Weighting, normal_equations
 from flexmodal.identification.gap import Gap, gap, over_noise
 from flexmodal.identification.model import FrfModel, predict
 from flexmodal.identification.observations import Observations
@@ -75,13 +75,13 @@ class FrfEvidence(Evidence):
         seen = self.observations if floor == FLOORS[-1] else replace(self.observations, cut_slopes=False)
         stride = max(1, len(self.observations.axis) // QUICK_LINES) if quick else 1
         lines = np.arange(stride // 2, len(self.observations.axis), stride)
-        return FrfMisfit(self.model, seen, Weighing(floor, lines, self.share))
+        return FrfMisfit(self.model, seen, Weighting(floor, lines, self.share))
 
     def information(self) -> Float[np.ndarray, "parameter parameter"]:
         """JᵀWJ at the card, with the noise of the lines."""
         card = np.zeros(len(self.space))
         ideal = replace(self.observations, value=predict(self.model, card, self.observations))
-        weighing = Weighing(0.01, np.arange(len(ideal.axis)))
+        weighing = Weighting(0.01, np.arange(len(ideal.axis)))
         return normal_equations(self.model, card, ideal, weighing).curvature
 
     def clusters(self) -> Int[np.ndarray, " observation"]:

@@ -28,7 +28,7 @@ from flexmodal.identification.descent import Normal, prior_cost, robust, robust_
 from flexmodal.identification.evidence.antiresonance import nearest_dip
 from flexmodal.identification.evidence.measured_modes import Antiresonance, MeasuredMode, ModeObservations
 from flexmodal.identification.evidence.pairing import pair
-from flexmodal.identification.model import places_of
+from flexmodal.identification.spot import Spot, places_of
 from flexmodal.modal.mac import mac_with, shape_residual
 from flexmodal.model import Robot
 from flexmodal.structure.parameter import ParameterSpace
@@ -58,8 +58,8 @@ class PosedModel(Protocol):
         self,
         x: Float[np.ndarray, " parameter"],
         q: Mapping[str, float],
-        responses: Sequence[tuple[str, np.ndarray, np.ndarray]],
-        references: Sequence[tuple[str, np.ndarray, np.ndarray]],
+        responses: Sequence[Spot],
+        references: Sequence[Spot],
     ) -> Structure:
         """In one posture, seen at these places."""
         ...

@@ -58,14 +58,25 @@ _KNOWN: WeakKeyDictionary[Robot, Chain | None] = WeakKeyDictionary()
 def chain_of(robot: Robot) -> Chain | None:
     """The robot's chain; None if it branches or has other joints."""
     if robot not in _KNOWN:
-        _KNOWN[robot] = _extract(robot)
+        serial = all(parent == number - 1 for number, parent in enumerate(parents_of(robot)))
+        _KNOWN[robot] = joints_of(robot) if serial else None
     return _KNOWN[robot]
 
 
-def _extract(robot: Robot) -> Chain | None:
+def parents_of(robot: Robot) -> tuple[int, ...]:
+    """Number of the joint that carries each joint; −1 for the base. Each stands behind its own parent."""
+    return tuple(int(parent) - 1 for parent in robot.pinocchio.parents[1:])
+
+
+def joints_of(robot: Robot) -> Chain | None:
+    """Joints and bodies as in a chain, whether or not they branch; None if there are other joints.
+
+    Args:
+        robot: the robot; `parents_of` says which joint stands on which.
+    """
     model = robot.pinocchio
     count = model.nv
-    if model.njoints != count + 1 or any(model.parents[i] != i - 1 for i in range(1, count + 1)):
+    if model.njoints != count + 1:
         return None
     pin = pinocchio()
     data = model.createData()

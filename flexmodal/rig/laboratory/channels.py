@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from jaxtyping import Float
 
 from flexmodal.campaign import Blow, Campaign, place_text
+from flexmodal.rig.laboratory.draws import some_channel, some_posture
 
 
 def double_hit(campaign: Campaign, random: np.random.Generator) -> tuple[Campaign, str]:
@@ -19,7 +22,7 @@ def double_hit(campaign: Campaign, random: np.random.Generator) -> tuple[Campaig
         campaign: as it should be.
         random: what is drawn from.
     """
-    posture = campaign.postures[int(random.integers(len(campaign.postures)))].id
+    posture = some_posture(campaign, random)
     part, later = float(random.uniform(0.6, 0.95)), float(random.uniform(0.012, 0.04))
 
     def change(blow: Blow) -> Blow:
@@ -43,20 +46,11 @@ def coupled_response(campaign: Campaign, random: np.random.Generator) -> tuple[C
         campaign: as it should be.
         random: what is drawn from.
     """
-    every = list(dict.fromkeys(place for blow in campaign.blows for place in blow.channels))
-    place = every[int(random.integers(len(every)))]
+    place = some_channel(campaign, random)
     corner = float(campaign.band[0] * np.exp(random.uniform(np.log(0.5), np.log(2.0))))
-
-    def change(blow: Blow) -> Blow:
-        rows = [k for k, one in enumerate(blow.channels) if one == place]
-        if not rows:
-            return blow
-        response = blow.response.copy()
-        response[rows] = high_passed(response[rows], corner, blow.step)
-        return replace(blow, response=response)
-
-    blows = tuple(change(blow) for blow in campaign.blows)
-    return replace(campaign, blows=blows), f"{place_text(place)}, {corner:.2g} Hz"
+    step = campaign.blows[0].step
+    passed = partial(high_passed, corner=corner, step=step)
+    return _changed(campaign, place, passed), f"{place_text(place)}, {corner:.2g} Hz"
 
 
 def coupled_force(campaign: Campaign, random: np.random.Generator) -> tuple[Campaign, str]:
@@ -78,23 +72,15 @@ def overload(campaign: Campaign, random: np.random.Generator) -> tuple[Campaign,
         campaign: as it should be.
         random: what is drawn from.
     """
-    posture = campaign.postures[int(random.integers(len(campaign.postures)))].id
-    here = [blow for blow in campaign.blows if blow.posture == posture]
-    every = list(dict.fromkeys(place for blow in here for place in blow.channels))
-    place = every[int(random.integers(len(every)))]
+    posture = some_posture(campaign, random)
+    place = some_channel(campaign, random, posture)
     part = float(random.uniform(0.3, 0.6))
 
-    def change(blow: Blow) -> Blow:
-        rows = [k for k, one in enumerate(blow.channels) if one == place]
-        if blow.posture != posture or not rows:
-            return blow
-        response = blow.response.copy()
-        most = part * np.abs(response[rows]).max()
-        response[rows] = np.clip(response[rows], -most, most)
-        return replace(blow, response=response)
+    def cut(values: Float[np.ndarray, "row sample"]) -> Float[np.ndarray, "row sample"]:
+        most = part * np.abs(values).max()
+        return np.clip(values, -most, most)
 
-    blows = tuple(change(blow) for blow in campaign.blows)
-    return replace(campaign, blows=blows), f"{place_text(place)} in posture {posture}"
+    return _changed(campaign, place, cut, posture), f"{place_text(place)} in posture {posture}"
 
 
 def drift(campaign: Campaign, random: np.random.Generator) -> tuple[Campaign, str]:
@@ -104,23 +90,15 @@ def drift(campaign: Campaign, random: np.random.Generator) -> tuple[Campaign, st
         campaign: as it should be.
         random: what is drawn from.
     """
-    posture = campaign.postures[int(random.integers(len(campaign.postures)))].id
-    here = [blow for blow in campaign.blows if blow.posture == posture]
-    every = list(dict.fromkeys(place for blow in here for place in blow.channels))
-    place = every[int(random.integers(len(every)))]
+    posture = some_posture(campaign, random)
+    place = some_channel(campaign, random, posture)
     part = float(random.uniform(0.5, 2.0))
 
-    def change(blow: Blow) -> Blow:
-        rows = [k for k, one in enumerate(blow.channels) if one == place]
-        if blow.posture != posture or not rows:
-            return blow
-        response = blow.response.copy()
-        size = np.sqrt(np.mean(response[rows] ** 2, axis=1, keepdims=True))
-        response[rows] += part * size * np.linspace(0, 1, response.shape[1])
-        return replace(blow, response=response)
+    def run_away(values: Float[np.ndarray, "row sample"]) -> Float[np.ndarray, "row sample"]:
+        size = np.sqrt(np.mean(values**2, axis=1, keepdims=True))
+        return values + part * size * np.linspace(0, 1, values.shape[1])
 
-    blows = tuple(change(blow) for blow in campaign.blows)
-    return replace(campaign, blows=blows), f"{place_text(place)} in posture {posture}"
+    return _changed(campaign, place, run_away, posture), f"{place_text(place)} in posture {posture}"
 
 
 def other_frfs(campaign: Campaign, random: np.random.Generator) -> tuple[Campaign, str]:
@@ -155,6 +133,25 @@ def high_passed(
 
     b, a = butter(1, corner, btype="highpass", fs=1 / step)
     return np.asarray(lfilter(b, a, values, axis=-1))
+
+
+def _changed(
+    campaign: Campaign,
+    place: tuple[int, int],
+    change: Callable[[Float[np.ndarray, "row sample"]], Float[np.ndarray, "row sample"]],
+    posture: int | None = None,
+) -> Campaign:
+    """One channel's records changed, in one posture or in every one."""
+
+    def changed(blow: Blow) -> Blow:
+        rows = [k for k, one in enumerate(blow.channels) if one == place]
+        if posture not in (None, blow.posture) or not rows:
+            return blow
+        response = blow.response.copy()
+        response[rows] = change(response[rows])
+        return replace(blow, response=response)
+
+    return replace(campaign, blows=tuple(changed(blow) for blow in campaign.blows))
 
 
 def _later(values: Float[np.ndarray, "*many sample"], shift: int) -> Float[np.ndarray, "*many sample"]:

@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from flexmodal.campaign import Blow, Campaign, place_text
+from flexmodal.rig.laboratory.draws import channels, posture_or_all, some_channel
 
 GRAVITY = 9.80665
 
@@ -20,7 +21,7 @@ def sign(campaign: Campaign, random: np.random.Generator) -> tuple[Campaign, str
         campaign: as it should be.
         random: what is drawn from.
     """
-    place, posture = _channel(campaign, random), _posture_or_all(campaign, random)
+    place, posture = some_channel(campaign, random), posture_or_all(campaign, random)
     return _scaled(campaign, place, posture, -1.0), f"{place_text(place)}{_said(posture)}"
 
 
@@ -31,13 +32,13 @@ def axes(campaign: Campaign, random: np.random.Generator) -> tuple[Campaign, str
         campaign: as it should be.
         random: what is drawn from.
     """
-    every = _channels(campaign)
+    every = channels(campaign)
     several = [p for p, d in every if sum(q == p for q, _ in every) > 1]
     if not several:
         return campaign, ""
     point = int(random.choice(several))
     one, other = (int(d) for d in random.choice([d for p, d in every if p == point], 2, replace=False))
-    posture = _posture_or_all(campaign, random)
+    posture = posture_or_all(campaign, random)
     swap = {(point, one): (point, other), (point, other): (point, one)}
     return _relabelled(
         campaign, swap, posture
@@ -51,11 +52,11 @@ def points(campaign: Campaign, random: np.random.Generator) -> tuple[Campaign, s
         campaign: as it should be.
         random: what is drawn from.
     """
-    ids = sorted({p for p, _ in _channels(campaign)})
+    ids = sorted({p for p, _ in channels(campaign)})
     if len(ids) < 2:
         return campaign, ""
     one, other = (int(p) for p in random.choice(ids, 2, replace=False))
-    posture = _posture_or_all(campaign, random)
+    posture = posture_or_all(campaign, random)
     swap = {(a, d): (b, d) for a, b in ((one, other), (other, one)) for d in (1, 2, 3)}
     return _relabelled(campaign, swap, posture), f"points {one} and {other}{_said(posture)}"
 
@@ -71,7 +72,7 @@ def hammers(campaign: Campaign, random: np.random.Generator) -> tuple[Campaign, 
     if len(places) < 2:
         return campaign, ""
     swap = {places[0]: places[1], places[1]: places[0]}
-    posture = _posture_or_all(campaign, random)
+    posture = posture_or_all(campaign, random)
     blows = tuple(
         replace(blow, reference=swap.get(blow.reference, blow.reference))
         if posture in (None, blow.posture)
@@ -99,7 +100,7 @@ def sensitivity(campaign: Campaign, random: np.random.Generator) -> tuple[Campai
         campaign: as it should be.
         random: what is drawn from.
     """
-    place, factor = _channel(campaign, random), float(random.choice([0.1, 10.0]))
+    place, factor = some_channel(campaign, random), float(random.choice([0.1, 10.0]))
     return _scaled(campaign, place, None, factor), place_text(place)
 
 
@@ -148,22 +149,6 @@ def degrees(campaign: Campaign, random: np.random.Generator) -> tuple[Campaign, 
 def _angles(campaign: Campaign, change: Callable[[dict[str, float]], dict[str, float]]) -> Campaign:
     listed = tuple(replace(one, q=change(dict(one.q))) for one in campaign.postures)
     return replace(campaign, postures=listed)
-
-
-def _channels(campaign: Campaign) -> list[tuple[int, int]]:
-    return list(dict.fromkeys(place for blow in campaign.blows for place in blow.channels))
-
-
-def _channel(campaign: Campaign, random: np.random.Generator) -> tuple[int, int]:
-    every = _channels(campaign)
-    return every[int(random.integers(len(every)))]
-
-
-def _posture_or_all(campaign: Campaign, random: np.random.Generator) -> int | None:
-    """A posture, or as often None for all of them."""
-    if random.random() < 0.5:
-        return None
-    return campaign.postures[int(random.integers(len(campaign.postures)))].id
 
 
 def _said(posture: int | None) -> str:

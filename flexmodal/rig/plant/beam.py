@@ -19,8 +19,9 @@ from jaxtyping import Float
 
 ELEMENTS = 8
 """Elements along a link."""
-INNER_MODES = 2
-"""Modes with the far end held that are kept beside its deflection and slope."""
+INNER_MODES = 8
+"""Modes with the far end held that are kept beside its deflection and slope: fewer are too
+stiff where a hammer or a sensor sits between the ends."""
 
 
 @dataclass(frozen=True, eq=False)

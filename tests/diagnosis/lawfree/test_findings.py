@@ -49,7 +49,7 @@ def look():
 @pytest.fixture
 def both(look):
     """That, and a sensor that lags."""
-    lag = Found("sensor", "tip", "what the sensor reads", 3.0, (("sensor", "tip"), ("channel", "tip")), None,
+    lag = Found("sensor", "tip", "what the sensor reads", 3.0, (("sensor", "tip"), ("channel", "tip")), CURVE,
                 (class_of("delay"),))  # fmt: skip
     return replace(look, found=(BENT, lag))
 
@@ -62,6 +62,9 @@ def test_only_effects_of_the_place_and_class_are_allowed():
     other = replace(BENT, classes=(class_of("mass"),))
     assert not other.could_be("link_flexibility", "link_2")
     assert not replace(BENT, classes=()).could_be("link_flexibility", "link_2")
+    curveless = replace(BENT, curve=None, classes=(), alike=(("link", "link_2"),))  # one for each blow
+    assert curveless.could_be("link_flexibility", "link_2")
+    assert not curveless.surely("link_flexibility")
 
 
 def test_an_effect_is_sure_where_nothing_else_can_be_there(both):

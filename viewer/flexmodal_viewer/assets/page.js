@@ -29,10 +29,22 @@
 
   document.body.classList.toggle("picture", wish.has("picture")); // without the words beside it
 
+  // Without a graphics card the processor draws: smooth edges and many triangles then only in a picture that stands.
+  function drawnBySoftware() {
+    const probe = document.createElement("canvas").getContext("webgl");
+    if (!probe) return false;
+    const told = probe.getExtension("WEBGL_debug_renderer_info");
+    const name = told ? probe.getParameter(told.UNMASKED_RENDERER_WEBGL) : "";
+    const leave = probe.getExtension("WEBGL_lose_context");
+    if (leave) leave.loseContext();
+    return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(name);
+  }
+  const software = !wish.has("picture") && drawnBySoftware();
+
   let viewer;
   try {
     // The drawing is kept so that a printer finds it.
-    const renderer = new THREE.WebGLRenderer({ antialias: true, alpha: true, preserveDrawingBuffer: true });
+    const renderer = new THREE.WebGLRenderer({ antialias: !software, alpha: !software, preserveDrawingBuffer: true });
     pane.appendChild(renderer.domElement);
     viewer = new MeshCat.Viewer(pane, false, renderer);
   } catch (error) {
@@ -43,9 +55,28 @@
   }
   window.viewer = viewer;
   const node = (path) => viewer.scene_tree.find(path.split("/").filter((part) => part)).object;
+  // Pixels of the drawing for each of the page, standing and moving in software.
+  const SHARP = 2, ROUGH = 0.6, CALM = 250; // [ms] until what has moved stands
+  let rough = false, hurried = -Infinity, calm = 0;
+  function detail(fewer) {
+    rough = fewer;
+    viewer.renderer.setPixelRatio(rough ? ROUGH : SHARP);
+    scene.rough.forEach(([fine, coarse]) => { node(fine).visible = !rough; node(coarse).visible = rough; });
+    viewer.set_dirty();
+  }
+  function hurry() { // told of everything that moves; what moves once need not be quick
+    if (!software) return;
+    const now = performance.now();
+    if (!rough && now - hurried < CALM) detail(true);
+    hurried = now;
+    clearTimeout(calm);
+    calm = setTimeout(() => { if (rough) detail(false); }, CALM);
+  }
+  let busy = 0;
   // What scripts after this one may use.
   window.flexmodalPage = {
-    viewer, node, stage,
+    viewer, node, stage, hurry, software,
+    busy: (more) => { busy += more; document.body.classList.toggle("busy", busy > 0); }, // something is still being worked out
     frame: (points) => { scene.view.points = points; touched = false; frame(); },
   };
 
@@ -127,7 +158,7 @@
   });
   tags.sort((a, b) => b.tag.textContent.endsWith(" m") - a.tag.textContent.endsWith(" m"));
   const place = new THREE.Vector3();
-  const sides = (w) => [[9, -8], [-w / 2, -25], [-w / 2, 10], [-9 - w, -8], [-w / 2, -42], [-w / 2, 27], [9, -25], [9, 10]];
+  const sides = (w) => [[9, -8], [-w / 2, -25], [-w / 2, 10], [-9 - w, -8], [-w / 2, -42], [-w / 2, 27], [9, -25], [9, 10], [-9 - w, -25], [-9 - w, 10], [-w / 2, -59], [-w / 2, 44], [-w / 2, -76]];
   const apart = (a, b) => a[0] > b[0] + b[2] || b[0] > a[0] + a[2] || a[1] > b[1] + b[3] || b[1] > a[1] + a[3];
   const seen_with = (object) => object === null || (object.visible && seen_with(object.parent));
   function put_labels() {
@@ -172,12 +203,15 @@
     }
   }
   viewer.render = function () {
+    if (viewer.animator.playing) hurry();
     viewer.scene.updateMatrixWorld();
     MeshCat.Viewer.prototype.render.call(viewer);
     put_labels();
   };
 
   scene.commands.forEach((command) => viewer.handle_command(fill(command)));
+  scene.rough.forEach(([, coarse]) => { node(coarse).visible = false; });
+  if (software) viewer.renderer.setPixelRatio(SHARP);
 
   // Lines that lie on the ground of the page follow its colours.
   const dark = matchMedia("(prefers-color-scheme: dark)");
@@ -186,6 +220,7 @@
     for (const [path, colour] of Object.entries(colours)) {
       node(`/flexmodal/${path}`).traverse((object) => { if (object.material) object.material.color.setHex(colour); });
     }
+    if (software) viewer.renderer.setClearColor(dark.matches ? 0x14171a : 0xffffff); // nothing to be seen through it
     viewer.set_dirty();
   }
   recolour();
@@ -230,6 +265,7 @@
   if (pause) pause.addEventListener("click", () => run(!viewer.animator.playing));
 
   viewer.controls.addEventListener("start", () => { touched = true; });
+  viewer.controls.addEventListener("change", hurry);
   const again = document.getElementById("reset-view");
   again.addEventListener("click", () => { touched = false; frame(); });
 

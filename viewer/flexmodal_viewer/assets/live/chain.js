@@ -1,5 +1,6 @@
 "use strict";
-// A serial chain in a posture: where its joints are, its mass matrix, its Jacobians. World axes, SI units.
+// A chain or tree of joints in a posture: where they are, its mass matrix, its Jacobians. World axes, SI units.
+// Every joint stands behind its parent in the list; the base is −1.
 const Chain = (() => {
   const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
   const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -29,17 +30,17 @@ const Chain = (() => {
   }
 
   // Frame and axis of each joint in the world, the joints at q.
+  const BASE = { r: [1, 0, 0, 0, 1, 0, 0, 0, 1], p: [0, 0, 0] };
   function frames(joints, q) {
     const found = [];
-    let r = [1, 0, 0, 0, 1, 0, 0, 0, 1];
-    let p = [0, 0, 0];
     joints.forEach((joint, i) => {
-      p = plus(p, turn(r, joint.offset));
-      r = product(r, joint.rotation);
+      const below = joint.parent < 0 ? BASE : found[joint.parent];
+      let p = plus(below.p, turn(below.r, joint.offset));
+      let r = product(below.r, joint.rotation);
       const axis = turn(r, joint.axis);
       if (joint.turns) r = product(r, rotation(joint.axis, q[i]));
       else p = plus(p, times(q[i], axis));
-      found.push({ r, p, axis, turns: joint.turns });
+      found.push({ r, p, axis, turns: joint.turns, parent: joint.parent });
     });
     return found;
   }
@@ -49,23 +50,28 @@ const Chain = (() => {
   function mass(joints, placed) {
     const n = joints.length;
     const found = new Float64Array(n * n);
-    let total = 0;
-    let moment = [0, 0, 0];
-    let inertia = new Array(9).fill(0);
+    const total = new Float64Array(n);
+    const moment = joints.map(() => [0, 0, 0]);
+    const inertia = joints.map(() => new Array(9).fill(0));
     const motion = placed.map((f) => (f.turns ? [f.axis, cross(f.p, f.axis)] : [[0, 0, 0], f.axis]));
     for (let j = n - 1; j >= 0; j--) {
-      const { mass: m, centre, inertia: own } = joints[j];
+      const { mass: m, centre, inertia: own, parent } = joints[j];
       const { r, p } = placed[j];
       const c = plus(p, turn(r, centre));
       const about = product(product(r, own), transpose(r));
       for (let a = 0; a < 3; a++) for (let b = 0; b < 3; b++) about[3 * a + b] += m * ((a === b ? dot(c, c) : 0) - c[a] * c[b]);
-      total += m;
-      moment = plus(moment, times(m, c));
-      inertia = inertia.map((value, k) => value + about[k]);
+      total[j] += m;
+      moment[j] = plus(moment[j], times(m, c));
+      inertia[j] = inertia[j].map((value, k) => value + about[k]);
+      if (parent >= 0) { // what moves with this joint moves with the one it stands on
+        total[parent] += total[j];
+        moment[parent] = plus(moment[parent], moment[j]);
+        inertia[parent] = inertia[parent].map((value, k) => value + inertia[j][k]);
+      }
       const [w, v] = motion[j];
-      const linear = plus(times(total, v), cross(w, moment));
-      const angular = plus(turn(inertia, w), cross(moment, v));
-      for (let i = 0; i <= j; i++) {
+      const linear = plus(times(total[j], v), cross(w, moment[j]));
+      const angular = plus(turn(inertia[j], w), cross(moment[j], v));
+      for (let i = j; i >= 0; i = joints[i].parent) {
         const value = dot(motion[i][0], angular) + dot(motion[i][1], linear);
         found[i * n + j] = value;
         found[j * n + i] = value;
@@ -84,7 +90,7 @@ const Chain = (() => {
     const n = placed.length;
     const rows = Array.from({ length: 6 }, () => new Float64Array(n));
     const x = position(placed, point);
-    for (let j = 0; j <= point.joint; j++) {
+    for (let j = point.joint; j >= 0; j = placed[j].parent) {
       const { axis, p, turns } = placed[j];
       const linear = turns ? cross(axis, minus(x, p)) : axis;
       for (let k = 0; k < 3; k++) {

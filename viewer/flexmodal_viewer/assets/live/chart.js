@@ -23,6 +23,7 @@ const Chart = (() => {
     const grid = element(svg, "g", { class: "grid" });
     const clip = element(element(svg, "defs"), "clipPath", { id: "plot" });
     const window_ = element(clip, "rect");
+    const shades = element(svg, "g", { "clip-path": "url(#plot)" });
     const curves = element(svg, "g", { "clip-path": "url(#plot)" });
     const tops = element(svg, "g");
     const cursor = element(svg, "g", { class: "cursor" });
@@ -30,15 +31,18 @@ const Chart = (() => {
     const dot = element(cursor, "circle", { r: 4.5 });
     const paths = new Map();
     let view = null;
+    let laid = "";
 
     const x = (hertz) => PAD.left + ((hertz - view.low) / (view.high - view.low)) * view.width;
     const y = (size) => PAD.top + ((view.top - Math.log10(size)) / (view.top - view.bottom)) * view.height;
 
-    function range(series) {
+    function range(series, first, last) {
       let low = Infinity;
       let high = -Infinity;
-      for (const { sizes } of series) {
-        for (const size of sizes) {
+      for (const { sizes, frequencies } of series) {
+        for (let i = 0; i < sizes.length; i++) {
+          const size = sizes[i];
+          if (frequencies && (frequencies[i] < first || frequencies[i] > last)) continue;
           if (size > 0 && size < low) low = size;
           if (size > high && size < Infinity) high = size;
         }
@@ -51,13 +55,13 @@ const Chart = (() => {
       return [bottom, top];
     }
 
-    // data: { frequencies, series: [{ name, kind, sizes }], modes: [{ hertz, name }], hertz, unit, log }
+    // data: { frequencies, series: [{ name, kind, sizes, frequencies of its own }], modes: [{ hertz, name }], hertz, unit, log }
     function draw(data) {
       const box = svg.getBoundingClientRect();
       const width = Math.max(box.width - PAD.left - PAD.right, 40);
       const height = Math.max(box.height - PAD.top - PAD.bottom, 40);
       const { frequencies } = data;
-      const [bottom, top] = range(data.series);
+      const [bottom, top] = range(data.series, data.frequencies[0], data.frequencies[data.frequencies.length - 1]);
       const low = frequencies[0];
       const high = frequencies[frequencies.length - 1];
       const same = view && [width, height, bottom, top, low, high, data.unit].every((value, i) => value === view.key[i]);
@@ -67,9 +71,10 @@ const Chart = (() => {
         if (!paths.has(one.name)) paths.set(one.name, element(curves, "path", { class: `curve ${one.kind}` }));
         let text = "";
         let pen = "M";
-        for (let i = 0; i < frequencies.length; i++) {
+        const lines = one.frequencies || frequencies; // what was measured has lines of its own
+        for (let i = 0; i < lines.length; i++) {
           if (!(one.sizes[i] > 0) || one.sizes[i] === Infinity) { pen = "M"; continue; }
-          text += `${pen}${x(frequencies[i]).toFixed(1)} ${y(one.sizes[i]).toFixed(1)}`;
+          text += `${pen}${x(lines[i]).toFixed(1)} ${y(one.sizes[i]).toFixed(1)}`;
           pen = "L";
         }
         paths.get(one.name).setAttribute("d", text);
@@ -77,6 +82,10 @@ const Chart = (() => {
       for (const [name, path] of paths) {
         if (!data.series.some((one) => one.name === name)) { path.remove(); paths.delete(name); }
       }
+      const order = data.series.map(({ name }) => name).join("\n"); // the last lies on top
+      if (order !== laid) { data.series.forEach(({ name }) => curves.append(paths.get(name))); laid = order; }
+      shades.replaceChildren();
+      for (const [first, last] of data.bands || []) element(shades, "rect", { class: "band", x: x(first), y: PAD.top, width: Math.max(x(last) - x(first), 1), height });
       marks(data.modes);
       point(data);
     }

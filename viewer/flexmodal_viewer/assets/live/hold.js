@@ -62,10 +62,10 @@ const Hold = (() => {
   }
 
   // Joints that bring the point to the target, from q, within the limits; `left` is what is missing [m, rad].
-  // The joint `without` stays where it is.
-  function reach(robot, q, point, target, { rounds = 40, damping = 1e-4, without = -1 } = {}) {
+  // The joints `without` stay where they are.
+  function reach(robot, q, point, target, { rounds = 40, damping = 1e-4, without = [] } = {}) {
     const { joints } = robot.numbers;
-    const free = robot.numbers.commanded.filter((place) => place !== without);
+    const free = robot.numbers.commanded.filter((place) => !without.includes(place));
     let best = { q: [...q], left: Infinity };
     let now = [...q];
     for (let round = 0; round < rounds; round++) {
@@ -114,5 +114,5 @@ const Hold = (() => {
     return [...sides[1].reverse(), { s: 0, q: [...q] }, ...sides[0]];
   }
 
-  return { reach, selfMotion, freedom, project, rows, missing };
+  return { reach, leastNorm, selfMotion, freedom, project, rows, missing };
 })();

@@ -25,7 +25,10 @@ const Live = (() => {
     const frequencies = () => Float64Array.from({ length: LINES }, (_, i) => state.low + ((state.high - state.low) * i) / (LINES - 1));
     const sizes = ({ re, im }) => Array.from(re, (x, i) => Math.hypot(x, im[i]));
     const value = (at) => at.frf([state.hertz], state.response, state.reference);
-    const objective = (at) => { const h = value(at); return Math.hypot(h.re[0], h.im[0]); };
+    const size = (at) => { const h = value(at); return Math.hypot(h.re[0], h.im[0]); };
+    const judge = data.search && data.search.objective ? Objective.make(robot, data.search.objective) : null;
+    const bySearch = () => judge !== null && by("judge").value === "search";
+    const objective = (at) => (bySearch() ? judge(at) : size(at)); // along the self-motion
 
     // Another model stands in the same posture, joint by joint; what it does not have stays at 0.
     function other(model) {
@@ -45,7 +48,7 @@ const Live = (() => {
       moveTool(target);
     });
     const table = Panel.modes((mode) => (state.swing && state.swing.mode === mode ? rest() : swingIn(mode)));
-    const motionOf = SelfMotion.make({ robot, value: objective, text: (size) => Units.quantity(size, unit()), go: (q) => { state.q = q; update(true); } });
+    const motionOf = SelfMotion.make({ robot, value: objective, text: (found) => Units.quantity(found, bySearch() ? data.search.unit : unit()), larger: () => bySearch() && data.search.large, name: () => (bySearch() ? "The search's objective" : "|α|"), go: (q) => { state.q = q; update(true); } });
 
     // Of a served page Python's numbers are drawn as soon as they are there, and how far the page's are from them is said.
     const python = Python.connect(({ re, im, poles }) => {
@@ -73,11 +76,16 @@ const Live = (() => {
       reswing();
       words();
       if (!keepWay) lay();
-      if (python) {
+      const strange = [state.response, state.reference].some(({ point }) => robot.numbers.points[point].tested);
+      if (python && strange) by("python-says").textContent = "The page's own curve: a point of the campaign.";
+      if (python && !strange) {
         const q = Object.fromEntries(commanded.map((place) => [joints[place].name, state.q[place]]));
         python.ask({ q, low: state.low, high: state.high, lines: LINES, ...state.names });
       }
+      watchers.forEach((told) => told());
     }
+    const watchers = []; // told whenever something has moved
+    function go(q) { state.q = [...q]; update(); }
 
     function plot() {
       const { curve, lines } = found;
@@ -87,17 +95,30 @@ const Live = (() => {
         const stands = other(model);
         if (stands) series.push({ name: `other ${number}: ${name}`, kind: `other-${number}`, sizes: sizes(stands.at.frf(lines, stands.response, stands.reference)) });
       });
-      for (const one of data.measured) {
+      for (const one of [...data.measured, ...extra.curves]) {
         if (!fits(one)) continue;
-        let name = `measured: ${one.name}`;
+        const kind = one.kind || "measured";
+        let name = `${kind}: ${one.name}`;
         while (series.some((taken) => taken.name === name)) name += "′"; // repeats
-        series.push({ name, kind: "measured", sizes: resampled(one, lines) });
+        series.push({ name, kind, sizes: one.sizes, frequencies: one.frequencies });
       }
       legend(series);
       chart.draw({
-        frequencies: lines, series, hertz: state.hertz, unit: unit(),
+        frequencies: lines, series, hertz: state.hertz, unit: unit(), bands: series.some(({ kind }) => kind === "measured") ? extra.bands : [],
         modes: found.modes.map((mode, number) => ({ hertz: Modes.frequency(mode), name: String(number + 1), chosen: state.swing !== null && state.swing.mode === number })),
       });
+    }
+
+    // More curves [{ kind, name, q, response, reference, frequencies, sizes }] for the postures they belong to, and
+    // bands [Hz] to be shaded with them.
+    let extra = { curves: [], bands: [] };
+    function beside(curves, bands) { extra = { curves, bands }; update(); }
+
+    // Where the force acts, or the motion is looked at ("reference", "response"), such as "tool:+z".
+    function force(kind, text) {
+      state[kind] = robot.direction(text);
+      state.names[kind] = text;
+      Panel.choose(kind, text);
     }
 
     // Measured where the arm stands now, between the points and axes chosen; the senses do not change a size.
@@ -106,7 +127,7 @@ const Live = (() => {
       && joints.every(({ name }, k) => Math.abs((one.q[name] || 0) - state.q[k]) < 1e-6);
 
     function legend(series) {
-      const kinds = new Map(series.map(({ name, kind }) => [kind, name.replace(/^other \d+: |^measured: /, "")]));
+      const kinds = new Map(series.map(({ name, kind }) => [kind, name.replace(/^(other \d+|measured|stage|stage-before): /, "")]));
       kinds.set("live", robot.numbers.name);
       if (kinds.has("pinned")) kinds.set("pinned", "pinned");
       const key = JSON.stringify([...kinds]);
@@ -130,6 +151,8 @@ const Live = (() => {
       const ellipsoid = posed.ellipsoid("tool", state.hertz);
       const axes = ellipsoid ? `; half axes of the ellipsoid ${ellipsoid.lengths.map((length) => Units.quantity(length, "m/N")).join(", ")}` : "";
       by("readout").textContent = `|α| at ${Units.plain(state.hertz)} Hz: ${Units.quantity(Math.hypot(re, im), unit())}, phase ${Units.degrees(Math.atan2(im, re))}${axes}`;
+      const own = [...new Set([state.reference.point, state.response.point])].filter((name) => robot.numbers.points[name].axes);
+      by("axes-say").textContent = own.map((name) => `x, y, z at ${name}: ${robot.numbers.points[name].axes.says}.`).join(" ");
       by("chart").setAttribute("aria-valuenow", state.hertz);
       by("chart").setAttribute("aria-valuemin", state.low);
       by("chart").setAttribute("aria-valuemax", state.high);
@@ -144,7 +167,7 @@ const Live = (() => {
       if (!picture) return;
       picture.arm("rest", posed.placed);
       picture.place("handle", posed.position("tool"));
-      picture.arrow(state.reference, posed.position(state.reference.point));
+      picture.arrow(state.reference, posed.along(state.reference), posed.position(state.reference.point));
       picture.ellipsoid(by("show-ellipsoid").checked ? ellipsoid : null, posed.position("tool"));
       picture.show("rest", motion !== null);
       stand();
@@ -205,7 +228,7 @@ const Live = (() => {
         const target = { position: posed.position("tool"), turn: turned ? posed.turned("tool") : null };
         const next = [...state.q];
         next[number] = to;
-        const met = Hold.reach(robot, next, "tool", target, { rounds: 25, damping: 0, without: number });
+        const met = Hold.reach(robot, next, "tool", target, { rounds: 25, damping: 0, without: [number] });
         if (met.left > 1e-7) { sliders.show(state.q, motion ? motion.shares : null); return; } // as far as it goes
         state.q = met.q;
       }
@@ -217,6 +240,8 @@ const Live = (() => {
       update();
     }
 
+    by("judge").closest(".line").hidden = judge === null;
+    by("judge").addEventListener("change", () => lay());
     let waiting = 0;
     function lay() {
       clearTimeout(waiting);
@@ -235,21 +260,10 @@ const Live = (() => {
     }
 
     return {
-      robot, others, state, picture, hold: Hold, make: Robot.make, found: () => found, posed: () => posed, motion: () => motion, motionOf,
-      update, stand, swingIn, swingForced, rest, setHertz, moveJoint, moveTool, pressed, lay, flexible, commanded,
+      robot, others, state, picture, hold: Hold, make: Robot.make, judge: Objective.make, found: () => found, posed: () => posed, motion: () => motion, motionOf,
+      update, go, watch: (told) => watchers.push(told), beside, force, objective, size, unit, reach: data.reach, stand, swingIn, swingForced, rest, setHertz, moveJoint, moveTool, pressed, lay, flexible, commanded,
       start: () => requestAnimationFrame(turnOver),
     };
-  }
-
-  // A measured curve on other lines, to be drawn on ours: nearest line, nothing outside.
-  function resampled(one, lines) {
-    let k = 0;
-    const last = one.frequencies.length - 1;
-    return Array.from(lines, (hertz) => {
-      if (hertz < one.frequencies[0] || hertz > one.frequencies[last]) return NaN;
-      while (k < last && Math.abs(one.frequencies[k + 1] - hertz) <= Math.abs(one.frequencies[k] - hertz)) k++;
-      return one.sizes[k];
-    });
   }
 
   return { make };

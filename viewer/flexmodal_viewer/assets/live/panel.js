@@ -97,5 +97,15 @@ const Panel = (() => {
     for (const select of [point, axis]) select.addEventListener("change", () => changed(`${point.value}:${axis.value}`));
   }
 
-  return { by, make, options, sliders, place, modes, directions };
+  // What such a pair of lists has chosen, said from outside.
+  function choose(kind, text) {
+    const cut = text.lastIndexOf(":");
+    const axis = by(`${kind}-axis`);
+    const given = text.slice(cut + 1);
+    if (![...axis.options].some(({ value }) => value === given)) axis.append(make("option", { value: given, textContent: given.replace("-", "−") }));
+    by(kind).value = text.slice(0, cut);
+    axis.value = given;
+  }
+
+  return { by, make, choose, options, sliders, place, modes, directions };
 })();

@@ -50,9 +50,7 @@ const Picture = (() => {
         });
       });
     }
-    function arrow(direction, position) {
-      const axis = [0, 0, 0];
-      axis[direction.row % 3] = direction.sign;
+    function arrow(direction, axis, position) { // along or about that vector
       const kinds = { force_0: direction.row < 3, force_1: direction.row >= 3 };
       for (const [path, shown] of Object.entries(kinds)) {
         set(path, matrix(along(axis), position));
@@ -106,19 +104,37 @@ const Picture = (() => {
       }
     }
 
-    function reframe() {
+    function reframe(more = []) { // the arm, and other points of the world
       const box = new THREE.Box3().setFromObject(node("/flexmodal/arm"));
-      const corners = [];
+      const corners = [...more];
       for (const x of [box.min.x, box.max.x]) for (const y of [box.min.y, box.max.y]) for (const z of [box.min.z, box.max.z]) corners.push([x, -z, y]);
       page.frame(corners);
     }
 
+    // The end of the force's arrow, as a list of one point.
+    const ARROW = 0.18;
+    function tip() {
+      const at = node("/flexmodal/force_0");
+      at.updateMatrix();
+      const p = new THREE.Vector3(0, 0, ARROW * reach).applyMatrix4(at.matrix);
+      return [[p.x, p.y, p.z]];
+    }
+
+    function tint(path, colour, size) { // a thing by its whole path
+      const at = node(`${path}/<object>`); // in its own place; the node above has that of the link
+      at.scale.setScalar(size);
+      at.traverse((object) => { if (object.material) object.material.color.set(colour); });
+      viewer.set_dirty();
+    }
+
     return {
+      tint, tip,
+      see: (path, visible) => { node(path).visible = visible; viewer.set_dirty(); },
       arm, rings, arrow, ellipsoid, show, draggable, project, reframe,
       place: (path, p) => set(path, matrix([1, 0, 0, 0, 1, 0, 0, 0, 1], p)),
       rescale: () => { unit = null; },
       scale: () => unit,
-      dirty: () => viewer.set_dirty(),
+      dirty: () => { page.hurry(); viewer.set_dirty(); },
     };
   }
 

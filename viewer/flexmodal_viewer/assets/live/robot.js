@@ -32,13 +32,25 @@ const Robot = (() => {
       flexible.forEach((row, i) => flexible.forEach((column, j) => { mass[i * system.n + j] = whole[row * n + column]; }));
       const own = { ...system, mass };
       const jacobian = (point) => Chain.jacobian(placed, points[point]);
-      const row = ({ point, row: axis, sign }) => pick(jacobian(point)[axis]).map((value) => sign * value);
+      // The unit vector in the world that a direction stands for: a point may have axes of its own.
+      function along({ point, row: axis, sign }) {
+        const { axes, joint } = points[point];
+        const own = axes ? axes.rows[axis % 3] : [0, 1, 2].map((k) => Number(k === axis % 3));
+        return Chain.times(sign, axes && axes.turning && joint >= 0 ? Chain.turn(placed[joint].r, own) : own);
+      }
+      function row(way) {
+        const whole = jacobian(way.point);
+        const first = way.row < 3 ? 0 : 3;
+        return pick(along(way).reduce((sum, part, k) => (part === 0 ? sum : sum.map((value, j) => value + part * whole[first + k][j])), new Float64Array(joints.length)));
+      }
       return {
         q,
         placed,
         system: own,
         jacobian,
+        flexible: (point) => jacobian(point).map(pick),
         row,
+        along,
         position: (point) => Chain.position(placed, points[point]),
         turned: (point) => (points[point].joint < 0 ? points[point].turn : Chain.product(placed[points[point].joint].r, points[point].turn)),
         frf: (frequencies, response, reference) => Pencil.receptance(own, row(response), row(reference), frequencies),

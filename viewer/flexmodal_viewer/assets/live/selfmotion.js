@@ -1,8 +1,8 @@
 "use strict";
 // The self-motion on one slider, and the receptance along it as a small curve.
 const SelfMotion = (() => {
-  // tools: { robot, value(posed) to be plotted, text(value), go(q) }
-  function make({ robot, value, text, go }) {
+  // tools: { robot, value(posed) to be plotted, text(value), name() of it, larger() whether it is to be large, go(q) }
+  function make({ robot, value, text, name, larger, go }) {
     const { by } = Panel;
     const slider = by("along");
     const svg = by("objective");
@@ -15,7 +15,7 @@ const SelfMotion = (() => {
         const [up, down] = [1, -1].map((sign) => {
           const moved = [...q];
           moved[place] += sign * step;
-          return Math.log(Math.max(value(robot.at(moved)), 1e-300));
+          return (larger() ? -1 : 1) * Math.log(Math.max(value(robot.at(moved)), 1e-300));
         });
         return (down - up) / (2 * step);
       });
@@ -47,12 +47,12 @@ const SelfMotion = (() => {
       const x = (at) => 4 + ((at - way[0].s) / (way[way.length - 1].s - way[0].s)) * (width - 8);
       const y = (log) => 6 + ((high - log) / (high - low || 1)) * (height - 12);
       Chart.element(svg, "path", { class: "curve live", d: "M" + way.map((stop, i) => `${x(stop.s).toFixed(1)} ${y(logs[i]).toFixed(1)}`).join("L") });
-      const best = logs.indexOf(low);
-      Chart.element(svg, "circle", { class: "best", cx: x(way[best].s), cy: y(low), r: 3.5 });
+      const best = logs.indexOf(larger() ? high : low);
+      Chart.element(svg, "circle", { class: "best", cx: x(way[best].s), cy: y(logs[best]), r: 3.5 });
       const here = nearest(s);
       Chart.element(svg, "line", { class: "here", x1: x(s), x2: x(s), y1: 2, y2: height - 2 });
       Chart.element(svg, "circle", { class: "here", cx: x(s), cy: y(logs[here]), r: 4.5 });
-      by("objective-says").textContent = `|α| along the self-motion: here ${text(sizes[here])}, least ${text(sizes[best])}`;
+      by("objective-says").textContent = `${name()} along the self-motion: here ${text(sizes[here])}, ${larger() ? "largest" : "least"} ${text(sizes[best])}`;
       slider.setAttribute("aria-valuetext", text(sizes[here]));
     }
 
@@ -90,6 +90,7 @@ const SelfMotion = (() => {
       lay: (q, point, turned) => { held = [point, turned]; lay(q, point, turned); },
       hide: () => { way = null; by("self-motion").hidden = true; by("hold-says").textContent = ""; },
       way: () => way,
+      sizes: () => sizes,
       travel,
     };
   }

@@ -9,11 +9,7 @@
   window.flexmodalLive = live;
 
   for (const kind of ["response", "reference"]) {
-    Panel.directions(robot, kind, data.response, (text) => {
-      state[kind] = robot.direction(text);
-      state.names[kind] = text;
-      live.update();
-    });
+    Panel.directions(robot, kind, data.response, (text) => { live.force(kind, text); live.update(); });
   }
   const given = ["", "as opened"];
   const tested = new Map(data.measured.map((one) => [one.posture, one.q]));
@@ -76,9 +72,15 @@
 
   if (live.picture) {
     live.picture.draggable(() => live.posed().position("tool"), live.moveTool);
-    by("reset-view").addEventListener("click", live.picture.reframe);
+    by("reset-view").addEventListener("click", () => live.picture.reframe());
   }
   new ResizeObserver(() => live.update(true)).observe(by("chart"));
+
+  // A picture has no panel; what must not be missing stands on it.
+  if (document.body.classList.contains("picture") && window.flexmodalPage) {
+    const words = Panel.make("div", { id: "on-picture" }, ["map-scale", "diagnosis-says", "descent-says"].map(by));
+    window.flexmodalPage.stage.append(words);
+  }
 
   const wish = new URLSearchParams(location.hash.slice(1));
   const number = (name) => (wish.has(name) && Number.isFinite(Number(wish.get(name))) ? Number(wish.get(name)) : null);
@@ -89,6 +91,10 @@
     if (cut > 0 && commanded.includes(place) && Number.isFinite(value)) state.q[place] = Math.min(Math.max(value, joints[place].lower), joints[place].upper);
   }
   live.update();
+  live.cells = number("cells") >= 3 && number("cells") <= 60 ? number("cells") : null;
+  live.map = WorkspaceMap.make(live);
+  if (data.map || number("map") === 1) live.map.lay(live.cells);
+  if (data.diagnosis) live.diagnosis = Diagnosed.make(live, data.diagnosis);
   if (data.search) live.film = Film.make(live, data.search);
   if (number("frequency") !== null) { live.setHertz(number("frequency")); live.swingForced(); }
   else if (number("mode") >= 1 && number("mode") <= live.found().modes.length) live.swingIn(number("mode") - 1);
