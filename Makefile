@@ -105,6 +105,7 @@ recovery: .venv/tested
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/identification_routes.py
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/identification_speed.py
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/identification_program.py
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/intervals.py --count 12
 
 .venv/documented: .venv/installed
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --group docs
@@ -155,3 +156,5 @@ bench: .venv/peers
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/campaign_loading.py
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/ema_speed.py
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/ema_ripple.py
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/ema_peaks.py
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/ema_participation.py

@@ -30,6 +30,12 @@ class ModeTable(Shown):
     """Amplitude multiplier of the mobility residue form; both parts NaN where missing."""
     flag: tuple[str, ...]
     """Remarks on the row, `field:mark` joined by semicolons; empty without one."""
+    frequency_error: Float[np.ndarray, " row"] | None = None
+    """Standard error of the natural frequency [Hz]; None where the table has none."""
+    damping_error: Float[np.ndarray, " row"] | None = None
+    """Of the damping ratio."""
+    amplitude_error: Float[np.ndarray, " row"] | None = None
+    """Of the amplitude's size."""
 
     def _facts(self) -> Mapping[str, object]:
         return {"": f"{len(self)} rows", "postures": several(sorted(set(self.posture.tolist())))}
@@ -41,7 +47,9 @@ class ModeTable(Shown):
             MissingExtra: pandas is not installed.
         """
         pandas = extra("pandas", "pandas", "to_pandas")
-        return pandas.DataFrame({one.name: getattr(self, one.name) for one in fields(self)})
+        return pandas.DataFrame(
+            {one.name: getattr(self, one.name) for one in fields(self) if getattr(self, one.name) is not None}
+        )
 
     def __len__(self) -> int:
         """How many rows there are."""

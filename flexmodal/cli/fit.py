@@ -3,28 +3,27 @@
 from __future__ import annotations
 
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from flexmodal.cli.fit_choices import choices_of, chosen_at
 from flexmodal.cli.measured import campaign_at, of_postures, say_findings
 from flexmodal.cli.options import (
     SOURCE,
-    band_of,
     force_option,
     json_option,
-    number,
     quiet_option,
     refuse_existing,
 )
-from flexmodal.cli.printing import busy, print_json, print_table, say
+from flexmodal.cli.printing import busy, print_json, print_table, say, stages
 from flexmodal.errors import Fault, InvalidRequest
 
 if TYPE_CHECKING:
     from flexmodal.campaign import Campaign, FrfRecords, QualityFlag
-    from flexmodal.ema import Choices, Fit, Tolerances
+    from flexmodal.ema import Choices, Fit
 
 _ENDINGS = (".csv", ".json", ".html", ".png", ".svg")
 _MOST_LINES = 20
@@ -84,6 +83,11 @@ _MOST_LINES = 20
     show_default=True,
     help="Repeat the fit under other choices, and state how far they move it.",
 )
+@click.option(
+    "--choice",
+    type=click.Path(path_type=Path),
+    help="Modes chosen in the page that --out PAGE.html writes: its choice.toml.",
+)
 @click.option("--estimator", type=click.Choice(["H1", "H2", "Hv"]), default="H1", help="Of FRFs from blows.")
 @click.option(
     "--out", type=click.Path(path_type=Path), help="A .csv (as modes.csv), .json, .html, .png or .svg file."
@@ -99,6 +103,7 @@ def fit(
     per: str,
     only: tuple[str, ...],
     trials: str,
+    choice: Path | None,
     estimator: str,
     out: Path | None,
     pictures: Path | None,
@@ -112,7 +117,7 @@ def fit(
     from flexmodal.campaign import check_campaign_quality
     from flexmodal.ema import as_json as as_object
     from flexmodal.ema import fit as find
-    from flexmodal.ema import records_of
+    from flexmodal.ema import fit_choice, records_of
     from flexmodal.ema.pictures import PICTURES
     from flexmodal.files import refuse_folder
 
@@ -121,9 +126,18 @@ def fit(
         refuse_folder(pictures, own=PICTURES, overwrite=force)
     measured = of_postures(campaign_at(campaign), only)
     say_findings(measured, None)
-    choices = _choices(**wanted)
-    with busy("fitting", quiet=quiet):
-        fits = find(measured, method, per=per, trials=trials, estimator=estimator, choices=choices)
+    choices = choices_of(**wanted)
+    with stages(quiet=quiet) as advance:
+        advance("fitting", 0.0)
+        if choice is not None:
+            chosen = chosen_at(choice)
+            choices = replace(choices, band=chosen.band, residuals=chosen.residuals)
+            fits = fit_choice(measured, chosen, estimator=estimator)
+        else:
+            fits = find(
+                measured, method, per=per, trials=trials, estimator=estimator, choices=choices,
+                advance=advance,
+            )  # fmt: skip
         records = records_of(measured, estimator)
         flags = check_campaign_quality(measured, records)
     found = as_object(fits, flags)
@@ -154,54 +168,6 @@ class _Results:
     choices: Choices
 
 
-def _choices(
-    *,
-    band: str | None,
-    at: str | None,
-    forbid: tuple[str, ...],
-    damping: tuple[str, ...],
-    hold_frequency: str | None,
-    order: int,
-    tolerances: str | None,
-    **others: Any,
-) -> Choices:
-    from flexmodal.ema import Choices
-
-    forced = {}
-    for text in damping:
-        peak, equals, ratio = text.partition("=")
-        if not equals:
-            raise InvalidRequest(Fault(SOURCE, "--damping", repr(text), "HZ=RATIO, such as 38=0.13"))
-        forced[number(peak, "--damping", "a frequency in Hz")] = number(ratio, "--damping", "a ratio")
-    return Choices(
-        band=None if band is None else band_of(band),
-        at=None if at is None else _hertz(at, "--at"),
-        forbid=[band_of(text) for text in forbid],
-        hold_frequency=[] if hold_frequency is None else _hertz(hold_frequency, "--hold-frequency"),
-        damping=forced,
-        highest_order=order,
-        tolerances=_tolerances(tolerances),
-        **others,
-    )
-
-
-def _tolerances(text: str | None) -> Tolerances:
-    from flexmodal.ema import Tolerances
-
-    if text is None:
-        return Tolerances()
-    parts = [number(part, "--tolerances", "relative changes") for part in text.split(",")]
-    if len(parts) != 2:
-        raise InvalidRequest(
-            Fault(SOURCE, "--tolerances", repr(text), "FREQUENCY,DAMPING, such as 0.01,0.05")
-        )
-    return Tolerances(frequency=parts[0], damping=parts[1])
-
-
-def _hertz(text: str, option: str) -> list[float]:
-    return [number(part, option, "frequencies in Hz, separated by commas") for part in text.split(",")]
-
-
 def _write(results: _Results, out: Path, force: bool) -> None:
     from flexmodal.report import write_figure, write_json
 
@@ -216,11 +182,13 @@ def _write(results: _Results, out: Path, force: bool) -> None:
     elif out.suffix == ".json":
         write_json(results.found, out, overwrite=force)
     elif out.suffix == ".html":
+        from flexmodal.ema.live import choosing
         from flexmodal.ema.page import write_fit_page
         from flexmodal.ema.pictures import pictures
 
         drawn = pictures(fits, results.records, results.campaign, results.choices)
-        write_fit_page(fits, drawn, results.flags, results.campaign, out, overwrite=force)
+        live = choosing(fits, results.records, results.campaign, results.choices)
+        write_fit_page(fits, drawn, results.flags, results.campaign, out, live=live, overwrite=force)
     else:
         from flexmodal.ema.plot import draw_fit
 

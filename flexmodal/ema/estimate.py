@@ -13,13 +13,14 @@ from flexmodal.ema.measured import Measured
 from flexmodal.ema.methods.basis import check_residuals
 from flexmodal.ema.methods.choice_variance import moved
 from flexmodal.ema.methods.circle import CircleFit, fit_circle
+from flexmodal.ema.methods.fillers import without_fillers
 from flexmodal.ema.methods.least_squares import (
     LeastSquaresProblem,
     build_least_squares,
     solve_least_squares,
     solve_many,
 )
-from flexmodal.ema.methods.local_refit import refit_locally
+from flexmodal.ema.methods.local_refit import refit_locally, refused_peaks
 from flexmodal.ema.methods.noise import with_variance
 from flexmodal.ema.methods.peak import Peak
 from flexmodal.ema.methods.picking import pick_peak
@@ -55,8 +56,7 @@ def estimate(
         return nothing(part, name)
     if name == "least-squares":
         problem = _problem(part, peaks, wanted)
-        found = solve_least_squares(problem)
-        return found if wanted.at is not None else refit_locally(problem, found)
+        return completed(problem, solve_least_squares(problem), wanted)
     return by_reading(part, peaks, name, wanted)
 
 
@@ -95,8 +95,9 @@ def nothing(measured: Measured, method: Method) -> EstimatedModes:
     """
     zero = np.zeros(measured.value.shape[1], dtype=complex)
     middle = float(np.median(measured.frequency))
+    plain = refused_peaks(EstimatedModes((), measured, method, zero, zero.copy()))
     said = ((middle, "no peak stands out of the noise in the whole band; name one by hand"),)
-    return EstimatedModes((), measured, method, zero, zero.copy(), said)
+    return plain if plain.refused else replace(plain, refused=said)
 
 
 def each_by_least_squares(
@@ -109,7 +110,29 @@ def each_by_least_squares(
         peaks: where to look.
         choices: what a person decides.
     """
-    return solve_many([_problem(part, peaks, choices) for part in parts])
+    problems = [_problem(part, peaks, choices) for part in parts]
+    pairs = zip(problems, solve_many(problems), strict=True)
+    return [completed(problem, found, choices) for problem, found in pairs]
+
+
+def completed(problem: LeastSquaresProblem, found: EstimatedModes, choices: Choices) -> EstimatedModes:
+    """Without fillers, with what the whole band drove away, missed or met poorly; as is, if a person chose.
+
+    Args:
+        problem: what was fitted.
+        found: what came of it.
+        choices: what a person decides.
+    """
+    if choices.at is not None:
+        return found
+    found = refit_locally(problem, without_fillers(problem, found))
+    forbidden = [mode for mode in found if any(low <= mode.frequency <= high for low, high in choices.forbid)]
+    if not forbidden:
+        return found
+    left = tuple(mode for mode in found if mode not in forbidden)
+    told = [(mode.frequency, "forbidden by hand") for mode in forbidden]
+    plain = replace(found, modes=left, refused=tuple(sorted([*found.refused, *told])))
+    return with_residual_terms(plain, problem.residuals)
 
 
 def _problem(measured: Measured, peaks: Sequence[Peak], choices: Choices) -> LeastSquaresProblem:
@@ -142,6 +165,8 @@ def by_reading(measured: Measured, peaks: Sequence[Peak], method: Method, choice
     zero = np.zeros(measured.value.shape[1], dtype=complex)
     modes.sort(key=lambda mode: mode.frequency)
     plain = EstimatedModes(tuple(modes), measured, method, zero, zero.copy(), tuple(refused))
+    if choices.at is None:
+        plain = refused_peaks(plain)
     return with_quality(with_residual_terms(plain, check_residuals(choices.residuals))) if modes else plain
 
 
@@ -223,8 +248,8 @@ def modes_of(diagram: Stabilisation, choices: Choices) -> EstimatedModes:
     start = _forced(start, choices)
     problem = _problem(measured, start, choices)
     found = solve_least_squares(problem)
-    if choices.at is None and choices.refine:
-        found = refit_locally(problem, found)
+    if choices.refine:
+        found = completed(problem, found, choices)
     modes = [replace(mode, method="lscf") for mode in found.modes]
     if not choices.refine:
         modes = [_with_scatter(mode, diagram) for mode in modes]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar, Literal
 
@@ -140,6 +140,7 @@ def fit_records(
     trials: str = "average",
     variance: Float[np.ndarray, "record line"] | None = None,
     choices: Choices | None = None,
+    advance: Callable[[str, float], None] = lambda doing, part: None,
 ) -> tuple[Fit, ...]:
     """Find the modes in measured FRFs; more of it at `fit`, which takes a campaign as well.
 
@@ -150,6 +151,7 @@ def fit_records(
         trials: "average" them, or fit each one "separate"ly.
         variance: E|noise|² of each record's values, in their unit squared.
         choices: what a person decides; the band among it.
+        advance: told before each posture what is done, and which part of it is done.
 
     Raises:
         InvalidRequest: no records, or a choice that does not exist or does not suit the lines.
@@ -168,7 +170,9 @@ def fit_records(
         raise InvalidRequest(Fault("call", "records", largest, "sizes that can be squared"))
     wanted = choices or Choices()
     fits: list[Fit] = []
-    for posture, places, whole in by_posture(records, _trials(trials), variance):
+    count = len(np.unique(records.posture))
+    for done, (posture, places, whole) in enumerate(by_posture(records, _trials(trials), variance)):
+        advance(f"fitting, posture {done + 1} of {count}", done / count)
         measured = whole if wanted.band is None else whole.within(*wanted.band)
         if per == "posture":
             fits.append(Fit(posture, tuple(places), estimate(measured, name, wanted)))

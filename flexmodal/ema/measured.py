@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from jaxtyping import Complex, Float
+from jaxtyping import Complex, Float, Int
 
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.frf.axis import frequency_axis
@@ -13,6 +13,9 @@ from flexmodal.frf.form import POWER, Form, check_form, convert
 
 FEWEST_LINES = 5
 """A mode has four real numbers in one FRF; fewer lines than this say nothing about it."""
+
+MOST_REFERENCES = 4
+"""Of more the matrices of a poly-reference fit grow too large to be worth their time."""
 
 LARGEST = 1e100
 """Values beyond, or below its inverse, overflow or vanish when they are squared and multiplied."""
@@ -40,6 +43,9 @@ class Measured:
     """E|noise|² of each value, real and imaginary part together; None where it is not known."""
     labels: tuple[str, ...] = ()
     """What each FRF is called; numbered where none are given."""
+    ends: tuple[tuple[str, str], ...] = ()
+    """Response and reference of each FRF, where they are known: FRFs of several references are then a
+    matrix."""
 
     def __post_init__(self) -> None:
         frequency = frequency_axis(self.frequency)
@@ -47,12 +53,15 @@ class Measured:
         variance = None if self.variance is None else np.array(self.variance, dtype=float)
         check_form(self.form)
         faults = _faults(frequency, value, variance, self.labels)
+        if self.ends and (len(self.ends) != value.shape[-1] or len(set(self.ends)) != len(self.ends)):
+            faults.append(Fault("call", "ends", f"{len(self.ends)}", "one pair for each FRF, no two alike"))
         if faults:
             raise InvalidRequest(faults)
         keep = frequency > 0
         labels = self.labels or tuple(f"FRF {place + 1}" for place in range(value.shape[1]))
         parts = {"frequency": frequency[keep], "value": value[keep], "labels": tuple(labels)}
         parts["variance"] = None if variance is None else variance[keep]
+        parts["ends"] = tuple(self.ends)
         for name, part in parts.items():
             if isinstance(part, np.ndarray):
                 part.flags.writeable = False
@@ -67,6 +76,24 @@ class Measured:
     def spacing(self) -> float:
         """Median distance between neighbouring lines [Hz]."""
         return float(np.median(np.diff(self.frequency)))
+
+    @property
+    def matrix(self) -> Int[np.ndarray, "response reference"] | None:
+        """Number of each FRF by response and reference, of the two sides the one with fewer as references.
+
+        By reciprocity either side may stand for it. None where the FRFs do not fill such a matrix, or one
+        side has one place only, or both have more than four.
+        """
+        rows, columns = (
+            (list(dict.fromkeys(side)) for side in zip(*self.ends, strict=True)) if self.ends else ((), ())
+        )
+        places = {ends: frf for frf, ends in enumerate(self.ends)}
+        if not 2 <= min(len(rows), len(columns)) <= MOST_REFERENCES or len(places) != len(rows) * len(
+            columns
+        ):
+            return None
+        found = np.array([[places[row, column] for column in columns] for row in rows])
+        return found if len(rows) >= len(columns) else found.T
 
     def within(self, low: float, high: float) -> Measured:
         """The lines from `low` to `high` [Hz], both included.
@@ -88,7 +115,10 @@ class Measured:
     def only(self, frf: int) -> Measured:
         """One of the FRFs."""
         variance = None if self.variance is None else self.variance[:, [frf]]
-        return replace(self, value=self.value[:, [frf]], variance=variance, labels=(self.labels[frf],))
+        ends = self.ends[frf : frf + 1]
+        return replace(
+            self, value=self.value[:, [frf]], variance=variance, labels=(self.labels[frf],), ends=ends
+        )
 
     def to(self, form: Form) -> Measured:
         """The same FRFs as receptance, mobility or inertance."""

@@ -228,11 +228,21 @@ def solve_terms(columns: np.ndarray, value: np.ndarray) -> np.ndarray:
         columns: what the fit is linear in, by line.
         value: by line and FRF.
     """
+    return fold_terms(solve_columns(columns, value))
+
+
+def solve_columns(columns: np.ndarray, value: np.ndarray) -> np.ndarray:
+    """Real factors of complex columns by least squares, every line alike [term, frf].
+
+    Args:
+        columns: what the fit is linear in, by line.
+        value: by line and FRF.
+    """
     scale = np.linalg.norm(columns, axis=0)
     stacked = np.concatenate([columns.real, columns.imag]) / scale
     right = np.concatenate([value.real, value.imag])
-    terms = np.linalg.lstsq(stacked, right, rcond=None)[0] / scale[:, None]
-    return fold_terms(terms)
+    terms: np.ndarray = np.linalg.lstsq(stacked, right, rcond=None)[0] / scale[:, None]
+    return terms
 
 
 def fold_terms(terms: np.ndarray) -> np.ndarray:

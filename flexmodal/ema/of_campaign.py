@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float
@@ -17,7 +19,9 @@ from flexmodal.campaign import (
     record_variance,
 )
 from flexmodal.ema.choices import Choices
+from flexmodal.ema.chosen import Choice, check_data, fit_poles
 from flexmodal.ema.fit import Fit, fit_records
+from flexmodal.ema.records import by_posture
 from flexmodal.ema.window import without_window
 from flexmodal.errors import Fault, InvalidRequest
 
@@ -60,6 +64,7 @@ def fit(
     estimator: str = "H1",
     variance: Float[np.ndarray, "record line"] | None = None,
     choices: Choices | None = None,
+    advance: Callable[[str, float], None] = lambda doing, part: None,
 ) -> tuple[Fit, ...]:
     """Find the modes of a campaign, or of FRFs by themselves.
 
@@ -77,6 +82,7 @@ def fit(
         variance: E|noise|² of each record's values, in their unit squared; see above for a campaign. Of FRFs
             alone from the scatter of trials where there are several, else from what the fit leaves over.
         choices: what a person decides; the band among it.
+        advance: told before each posture what is done, and which part of it is done.
 
     Returns:
         A `Fit` for each FRF, or for each posture.
@@ -86,17 +92,62 @@ def fit(
             does not exist or does not suit the lines.
     """
     if not isinstance(measured, Campaign):
-        return fit_records(measured, method, per=per, trials=trials, variance=variance, choices=choices)
+        return fit_records(
+            measured, method, per=per, trials=trials, variance=variance, choices=choices, advance=advance
+        )
     wanted = choices or Choices()
     if wanted.band is None and measured.band is not None:
         wanted = replace(wanted, band=measured.band)
     records = records_of(measured, estimator)
     noise = known_variance(records) if variance is None else variance
-    fits = fit_records(records, method, per=per, trials=trials, variance=noise, choices=wanted)
+    return _unwindowed(
+        measured,
+        fit_records(records, method, per=per, trials=trials, variance=noise, choices=wanted, advance=advance),
+    )
+
+
+def fit_choice(measured: Campaign, choice: Choice, *, estimator: str = "H1") -> tuple[Fit, ...]:
+    """The modes that a person chose in the page of a fit, once more: poles held, residues by least squares.
+
+    Args:
+        measured: the campaign that they were chosen in.
+        choice: as `read_choice` gives it.
+        estimator: H1, H2 or Hv, where FRFs are estimated from blows.
+
+    Returns:
+        A `Fit` for each posture that the choice has.
+
+    Raises:
+        InvalidRequest: a choice made for other data; every posture of it that is.
+    """
+    records = records_of(measured, estimator)
+    fits: list[Fit] = []
+    faults: list[Fault] = []
+    for posture, places, whole in by_posture(records, "average", known_variance(records)):
+        if posture not in choice.postures:
+            continue
+        try:
+            part = whole.within(*choice.band)
+            check_data(choice, posture, part)
+            found = fit_poles(part, choice.postures[posture].poles, choice.residuals)
+        except InvalidRequest as error:
+            faults += error.faults
+            continue
+        fits.append(Fit(posture, tuple(places), found))
+    known = {posture for posture, _, _ in by_posture(records, "average", None)}
+    for posture in choice.postures:
+        if posture not in known:
+            there = ", ".join(map(str, sorted(known)))
+            faults.append(Fault(str(choice.path), "posture", f"posture {posture}", f"of the data: {there}"))
+    if faults:
+        raise InvalidRequest(faults)
+    return _unwindowed(measured, tuple(fits))
+
+
+def _unwindowed(measured: Campaign, fits: tuple[Fit, ...]) -> tuple[Fit, ...]:
+    """Without the damping that exponential windows added."""
     decays = {trial.id: added_decay(trial) for trial in measured.trials}
-    if not any(decays.values()):
-        return fits
-    return tuple(_without_window(one, decays) for one in fits)
+    return tuple(_without_window(one, decays) for one in fits) if any(decays.values()) else fits
 
 
 def _without_window(one: Fit, decays: dict[int, float]) -> Fit:
@@ -105,6 +156,12 @@ def _without_window(one: Fit, decays: dict[int, float]) -> Fit:
         found = "trials whose exponential windows differ"
         raise InvalidRequest(Fault("call", "trials", found, "separate, not averaged"))
     return replace(one, modes=without_window(one.modes, used.pop()))
+
+
+def _of_amplitude(row: dict[str, Any]) -> float:
+    """Standard error of |A′| = 2ω_d|A|, in proportion to that of |A|."""
+    size = abs(complex(*row["residue"]))
+    return float(row["uncertainty"]["residue"] * abs(complex(*row["amplitude"])) / size) if size else math.nan
 
 
 def mode_table(fits: Sequence[Fit]) -> ModeTable:
@@ -119,4 +176,7 @@ def mode_table(fits: Sequence[Fit]) -> ModeTable:
         damping_ratio=np.array([row["damping_ratio"] for row in rows], dtype=float),
         amplitude=np.array([complex(*row["amplitude"]) for row in rows], dtype=complex),
         flag=tuple("; ".join(row["remarks"]) for row in rows),
+        frequency_error=np.array([row["uncertainty"]["frequency"] for row in rows], dtype=float),
+        damping_error=np.array([row["uncertainty"]["damping_ratio"] for row in rows], dtype=float),
+        amplitude_error=np.array([_of_amplitude(row) for row in rows], dtype=float),
     )

@@ -23,6 +23,7 @@ def write_fit_page(
     campaign: Campaign,
     path: Path,
     *,
+    live: Sequence[Section] = (),
     overwrite: bool = False,
 ) -> None:
     """Write the page; names are escaped, and it needs no network.
@@ -33,6 +34,8 @@ def write_fit_page(
         flags: what is odd about the data.
         campaign: for its title.
         path: a new `.html` file.
+        live: the section in which poles are chosen, as `choosing` gives it; it takes the place of the
+            diagrams.
         overwrite: replace an existing one.
 
     Raises:
@@ -46,7 +49,9 @@ def write_fit_page(
     refused = [line for one in fits for line in refused_lines(one)]
     sections = [Section("Refused", [Items(refused)])] if refused else []
     sections.append(Section("Quality of the data", [Items(flag_lines(flags), "Nothing was flagged.")]))
-    for title, some in groupby(drawn, key=lambda picture: picture.section):
+    sections += live
+    shown_here = [picture for picture in drawn if not (live and picture.section == "Stabilisation")]
+    for title, some in groupby(shown_here, key=lambda picture: picture.section):
         these = list(some)
         note = [Text(f"The first {_MOST} of {len(these)}.", note=True)] if len(these) > _MOST else []
         shown = [picture.on_page() for picture in these[:_MOST]]

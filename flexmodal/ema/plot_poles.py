@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from flexmodal.ema.methods.circle import CircleFit
-from flexmodal.ema.methods.select import mode_indicator
 from flexmodal.ema.methods.stabilisation import Stabilisation
+from flexmodal.ema.methods.standing import mode_indicator
 from flexmodal.frf.form import unit
 from flexmodal.report.figure import (
     DASHED,

@@ -12,7 +12,7 @@ from flexmodal.ema.mode import EstimatedModes, ModeEstimate
 _FEW_LINES = 2.0
 """Half-power bands narrower than this many lines are called narrow."""
 
-_POOR = 0.9
+POOR = 0.9
 """Share of the signal explained below which a fit is called poor."""
 
 
@@ -38,6 +38,16 @@ def around(mode: ModeEstimate, measured: Measured) -> np.ndarray:
     return distance <= reach
 
 
+def share_explained(mode: ModeEstimate, found: EstimatedModes) -> float:
+    """How much of the signal round a mode a fit explains, from 0 to 1.
+
+    Args:
+        mode: one of the fit's.
+        found: the fit.
+    """
+    return _quality(mode, found.measured, found.synthesise())
+
+
 def _quality(mode: ModeEstimate, measured: Measured, model: np.ndarray) -> float:
     """1 − Σ|measured − model|²/Σ|measured|² there, each FRF counted by its strength; not below 0."""
     lines = around(mode, measured)
@@ -58,6 +68,6 @@ def _remarks(mode: ModeEstimate, found: EstimatedModes, quality: float) -> list[
         remarks.append(f"the half-power band is {width:.2g} lines wide")
     if not measured.frequency[0] <= mode.frequency <= measured.frequency[-1]:
         remarks.append("the resonance lies outside the band")
-    if quality < _POOR:
+    if quality < POOR:
         remarks.append(f"the fit explains {100 * quality:.0f} % of the signal around the resonance")
     return remarks

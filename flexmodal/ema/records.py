@@ -105,4 +105,6 @@ def by_posture(
         part = {place: rows for place, rows in groups.items() if place.posture == posture}
         value, spread = averaged(records, part, variance)
         labels = tuple(str(place) for place in part)
-        yield posture, list(part), Measured(records.frequency, value, records.form, spread, labels)
+        ends = tuple((place_text(place.response), place_text(place.reference)) for place in part)
+        ends = ends if len(set(ends)) == len(ends) else ()
+        yield posture, list(part), Measured(records.frequency, value, records.form, spread, labels, ends)

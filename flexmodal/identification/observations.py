@@ -22,6 +22,7 @@ from flexmodal.campaign import (
     repeat_groups,
 )
 from flexmodal.campaign.noise import expected_gap_square
+from flexmodal.ema import FEWEST_LINES, LARGEST, scatter
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.frf.form import POWER
 from flexmodal.identification.layout import Layout
@@ -70,6 +71,8 @@ class Observations:
     """Records that were left out because hardly a line of theirs is coherent."""
     power: int = 2
     """What was recorded: acceleration 2, velocity 1, displacement 0."""
+    by_lines: bool = False
+    """Whether nothing but how neighbouring lines disagree says how noisy they are."""
     cut_slopes: bool = True
     """See `Axis`."""
 
@@ -135,14 +138,19 @@ def unlimited(observations: Observations) -> Observations:
     return replace(observations, lengths=(0.0,) * len(observations.lengths))
 
 
-def observe(campaign: Campaign) -> Observations:
+def observe(campaign: Campaign, *, bare: bool = False) -> Observations:
     """Take a campaign's FRFs, or those its blows give, for a fit.
+
+    Args:
+        campaign: what was measured.
+        bare: where neither repeats nor coherence say how noisy the FRFs are, take it from how neighbouring
+            lines disagree.
 
     Raises:
         InvalidRequest: no FRFs and no blows, no line in the band, or nothing that says how noisy they are.
     """
     records, silent = with_signal(_measured(campaign), campaign)
-    absolute = _variance(records, campaign)
+    absolute, by_lines = _variance(records, campaign, bare=bare)
     with np.errstate(divide="ignore", invalid="ignore"):
         relative = np.where(records.value == 0, np.inf, absolute / np.abs(records.value) ** 2)
     noise = expected_gap_square(records.value, absolute)
@@ -174,6 +182,7 @@ def observe(campaign: Campaign) -> Observations:
         noise=noise,
         silent=silent,
         power=power,
+        by_lines=by_lines,
     )
 
 
@@ -217,14 +226,20 @@ def _summed(
     return total
 
 
-def _variance(records: FrfRecords, campaign: Campaign) -> Float[np.ndarray, "record line"]:
-    """Noise of the records; what says nothing about it is named with its campaign."""
+def _variance(
+    records: FrfRecords, campaign: Campaign, *, bare: bool
+) -> tuple[Float[np.ndarray, "record line"], bool]:
+    """Noise of the records, and whether neighbouring lines alone tell it; what cannot tell is named."""
     try:
-        return record_variance(records)
+        return record_variance(records), False
     except InvalidRequest as error:
-        source = str(campaign.path or "campaign")
-        faults = [Fault(source, f"frfs: {one.key}", one.found, one.allowed) for one in error.faults]
-        raise InvalidRequest(faults) from None
+        too_large = np.max(np.abs(records.value), initial=0.0) > LARGEST
+        if not bare or too_large or len(records.frequency) < FEWEST_LINES:
+            source = str(campaign.path or "campaign")
+            faults = [Fault(source, f"frfs: {one.key}", one.found, one.allowed) for one in error.faults]
+            raise InvalidRequest(faults) from None
+        least = 1e-24 * np.max(np.abs(records.value) ** 2, axis=1, keepdims=True)
+        return np.maximum(scatter(np.asarray(records.value).T).T, least), True
 
 
 def _inside(frfs: FrfRecords, band: tuple[float, float]) -> FrfRecords:

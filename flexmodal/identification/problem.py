@@ -31,6 +31,13 @@ OSCILLATING = 0.5
 """Damping ratio up to which a mode makes a peak."""
 
 
+BARE = (
+    "neither repeats nor coherence say how noisy the FRFs are: "
+    "it is taken from how neighbouring lines disagree"
+)
+"""What is said of FRFs that come alone."""
+
+
 @dataclass(frozen=True, eq=False)
 class IdentificationProblem:
     """What is to be found, and from what."""
@@ -104,12 +111,16 @@ def build_identification(
     chosen = robot_space(robot, trust=trust) if space is None else space.trusting(dict(trust or {}))
     model = RobotModel(robot, chosen)
     whole: Evidence
+    if source != "modes":
+        seen = observe(campaign, bare=True)
+        warnings = (*warnings, *((BARE,) if seen.by_lines else ()))
+        frfs = FrfEvidence(model, with_tolerance(seen, robot))
     if source == "frf":
-        whole = FrfEvidence(model, with_tolerance(observe(campaign), robot))
+        whole = frfs
     else:
         whole = _of_modes(campaign, model, use, model_error)
         if source == "both":
-            whole = Both(FrfEvidence(model, with_tolerance(observe(campaign), robot)), whole)
+            whole = Both(frfs, whole)
     held = _held_out(campaign, whole, hold_out)
     evidence = whole
     if held:

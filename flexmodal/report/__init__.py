@@ -17,6 +17,7 @@ from flexmodal.report.parts import Gallery as Gallery
 from flexmodal.report.parts import Heading as Heading
 from flexmodal.report.parts import Items as Items
 from flexmodal.report.parts import Legend as Legend
+from flexmodal.report.parts import Live as Live
 from flexmodal.report.parts import Numbers as Numbers
 from flexmodal.report.parts import Part as Part
 from flexmodal.report.parts import Parts as Parts

@@ -1,18 +1,21 @@
 """Pages: one shell and one style sheet, filled with parts.
 
-A page needs no network: the style is in it, pictures are in it, no script runs. Its content security policy
-says so to the browser, and whatever is not made here is escaped.
+A page needs no network: the style is in it, pictures are in it, and no script runs but those that `Live`
+parts bring. Its content security policy says so to the browser, script by script, and whatever is not made
+here is escaped.
 """
 
 from __future__ import annotations
 
+import base64
+import hashlib
 from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 from flexmodal.files import whole_file
-from flexmodal.report.parts import Parts, Section, Verdict, json_text
+from flexmodal.report.parts import Live, Part, Parts, Section, Verdict, json_text
 
 _HERE = Path(__file__).parent
 
@@ -27,7 +30,17 @@ def page_text(title: str, lead: Parts = (), sections: Sequence[Section] = ()) ->
     """
     kicker = any(isinstance(part, Verdict) for part in lead)
     template = _environment().get_template("base.html")
-    return str(template.render(title=title, lead=lead, sections=sections, kicker=kicker))
+    scripts = _scripts([*lead, *(part for section in sections for part in section.parts)])
+    return str(template.render(title=title, lead=lead, sections=sections, kicker=kicker, scripts=scripts))
+
+
+def _scripts(parts: Sequence[Part | str]) -> list[dict[str, str]]:
+    """Each script once, with the digest by which the policy lets it run."""
+    found = []
+    for text in dict.fromkeys(part.script for part in parts if isinstance(part, Live)):
+        digest = base64.b64encode(hashlib.sha256(text.encode("utf-8")).digest()).decode("ascii")
+        found.append({"text": text, "digest": f"sha256-{digest}"})
+    return found
 
 
 def write_page(path: Path, text: str, *, overwrite: bool = False) -> None:

@@ -198,7 +198,38 @@ class Numbers:
         return json_text(self.value)
 
 
-Part = Table | Picture | Gallery | Text | Heading | Legend | Verdict | Task | Items | Facts | Folded | Numbers
+@dataclass(frozen=True)
+class Live:
+    """A place that a script of the page fills from numbers; the page's policy lets no other script run."""
+
+    name: str
+    """By which the script finds it: the attribute `data-live`."""
+    data: Mapping[str, Any]
+    script: str
+    instead: str
+    """What is said where no script runs."""
+
+    @property
+    def text(self) -> str:
+        """The numbers as JSON that no markup can end."""
+        return json.dumps(self.data, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
+
+
+Part = (
+    Live
+    | Table
+    | Picture
+    | Gallery
+    | Text
+    | Heading
+    | Legend
+    | Verdict
+    | Task
+    | Items
+    | Facts
+    | Folded
+    | Numbers
+)
 Parts = Sequence[Part | str]
 """What a page or a section is made of; text by itself is a paragraph."""
 

@@ -25,7 +25,7 @@ def chromium():
 
 
 @contextmanager
-def opened(browser, page, fragment="", *, width=800, height=600, dark=False):
+def opened(browser, page, fragment="", *, width=800, height=600, dark=False, ready="#modes tbody tr"):
     """A page that may say nothing on its console and ask nothing of any network."""
     said, asked = [], []
     tab = browser.new_page(
@@ -37,7 +37,7 @@ def opened(browser, page, fragment="", *, width=800, height=600, dark=False):
     tab.on("pageerror", lambda error: said.append(str(error)))
     tab.on("request", lambda request: asked.append(request.url))
     tab.goto(Path(page).as_uri() + fragment)
-    tab.wait_for_selector("#modes tbody tr")
+    tab.wait_for_selector(ready)
     yield tab
     assert said == []
     assert [url for url in asked if not url.startswith(("file:", "blob:", "data:"))] == []

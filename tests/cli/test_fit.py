@@ -6,6 +6,7 @@ import shutil
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from flexmodal.campaign import read_campaign
@@ -205,7 +206,7 @@ def test_exit_1_where_no_mode_is_found(cli):
 @pytest.mark.parametrize(
     ("options", "headings"),
     [
-        ((BEAM, "--per", "posture", "--method", "lscf"), ["Measured and synthesised", "Stabilisation"]),
+        ((BEAM, "--per", "posture", "--method", "lscf"), ["Measured and synthesised", "Choose the modes"]),
         ((PLATE, "--band", "110:145", "--at", "126", "--method", "circle"), ["Circles", "Coherence"]),
     ],
 )
@@ -225,3 +226,43 @@ def test_a_folder_of_universal_files_is_told_that_one_will_do(cli, tmp_path):
     cli("fit", tmp_path / "bare").refused("bare: found a folder without a campaign.toml", "universal file")
     shutil.copy(ROOT / "tests/data/real/laboratory_hammer/frf.uff", tmp_path / "bare" / "mine.uff")
     cli("fit", tmp_path / "bare").refused("such as", tmp_path / "bare" / "mine.uff")
+
+
+def test_a_table_keeps_the_uncertainties(cli, tmp_path):
+    """In modes.csv as in JSON, and a campaign with that table is read again."""
+    table, folder = tmp_path / "modes.csv", tmp_path / "beam"
+    rows = cli("fit", BEAM, "--per", "posture", "--json").json()["modes"]
+    assert cli("fit", BEAM, "--per", "posture", "--out", table).status == 0
+    shutil.copytree(BEAM, folder)
+    shutil.copy(table, folder / "modes.csv")
+    modes = read_campaign(folder).modes
+    np.testing.assert_array_equal(modes.frequency_error, [row["uncertainty"]["frequency"] for row in rows])
+    np.testing.assert_array_equal(modes.damping_error, [row["uncertainty"]["damping_ratio"] for row in rows])
+    sizes = np.array([np.hypot(*row["amplitude"]) / np.hypot(*row["residue"]) for row in rows])
+    residues = np.array([row["uncertainty"]["residue"] for row in rows])
+    np.testing.assert_allclose(modes.amplitude_error, sizes * residues, rtol=1e-12)
+    broken = table.read_text(encoding="utf-8").replace(",amplitude_error", "")
+    (folder / "modes.csv").write_text(broken, encoding="utf-8")
+    cli("fit", folder).refused("line 1", "amplitude_error")
+
+
+@pytest.mark.parametrize("kind", ["time histories", "spectra"])
+def test_output_only_data_are_not_supported_and_said_so(cli, tmp_path, kind):
+    text = (ROOT / "tests/data/real/pyuff_accelerance_points/measurement.uff").read_text(encoding="utf-8")
+    lines = text.splitlines()
+    at = [number for number, line in enumerate(lines) if line.strip() == "58"]
+    for number in at:
+        head = lines[number + 6]
+        function = "    1" if kind == "time histories" else "    2"
+        lines[number + 6] = f"{function}{head[5:66]}{0:>10d}{0:>4d}"
+    path = tmp_path / "responses.uff"
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    cli("fit", path).refused("responses", "output-only data are not supported", "pyOMA2")
+
+
+def test_progress_is_told_posture_by_posture():
+    from flexmodal.ema import Choices, fit
+
+    told = []
+    fit(read_campaign(BEAM), choices=Choices(vary=False), advance=lambda *step: told.append(step))
+    assert told == [("fitting, posture 1 of 1", 0.0)]

@@ -127,7 +127,7 @@ def test_where_the_model_is_wrong_no_intervals_are_given(campaign, fanuc, outcom
     rows = frfs.response[:, 0] == campaign.points[0].id
     value = np.where(rows[:, None], 10 * frfs.value, frfs.value)
     wrong = identify(replace(campaign, frfs=replace(frfs, value=value)), fanuc)
-    assert wrong.over_noise > 5
+    assert not wrong.explained
     assert wrong.withheld
     assert "no intervals are given" in wrong.verdict
     assert all(np.isnan(one.standard_error) for one in wrong.estimates)
@@ -246,11 +246,22 @@ def test_noisy_lines_alone_give_no_number(campaign, fanuc):
     assert "of the lines above the noise" in faults[0]
 
 
-def test_records_that_say_nothing_of_their_noise_are_refused(campaign, fanuc):
+def test_records_that_say_nothing_of_their_noise_are_judged_by_their_lines(campaign, fanuc, outcome):
+    """One trial without coherence: the noise is that of neighbouring lines, within a factor of the
+    repeats'."""
     alone = campaign.frfs.select(trial=int(campaign.frfs.trial[0]))
-    fault = refused(replace(campaign, frfs=replace(alone, coherence=None)), fanuc)[0]
-    assert fault.startswith("campaign: frfs: posture 1")
-    assert "nothing that says how noisy it is" in fault
+    bare = replace(campaign, frfs=replace(alone, coherence=None), blows=())
+    problem = build_identification(bare, fanuc)
+    assert any("neighbouring lines disagree" in warning for warning in problem.warnings)
+    assert outcome.problem.warnings == ()
+    there = observe(replace(campaign, frfs=alone, blows=()))
+    seen = observe(bare, bare=True)
+    ratio = np.median(seen.variance[there.used] / there.variance[there.used])
+    assert 0.4 < ratio < 2.5  # three averages tell a variance to half of itself
+    found = identify(bare, fanuc)
+    assert found.over_noise < 1.6
+    with pytest.raises(InvalidRequest, match="nothing that says how noisy it is"):
+        observe(bare)
 
 
 def test_one_posture_is_said_to_be_one(campaign, fanuc):

@@ -17,7 +17,12 @@ NO_ROBOT = "none"
 """What stands for the robot where no file names one."""
 OUTPUT_ONLY = "responses without a force: output-only data"
 """What is found where nothing says what the structure was struck with."""
-FORCE_TOO = "a force beside them: FRFs and blows are taken, and no modes are found from responses alone"
+OUTPUT_SPECTRA = "spectra of responses without FRFs: output-only data"
+"""The same of spectra."""
+FORCE_TOO = (
+    "a force beside them; output-only data are not supported: without the force there is no receptance. "
+    "Programs for operational modal analysis, such as pyOMA2, find modes in them"
+)
 """What would have to be there."""
 AxisFrame = Literal["world", "link"]
 Axes = tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]]

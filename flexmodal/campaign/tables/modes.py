@@ -25,6 +25,8 @@ HEADER = (
     "amplitude_im",
     "flag",
 )
+ERRORS = ("frequency_error", "damping_error", "amplitude_error")
+"""Standard errors, which a table may have behind the others: all three or none."""
 LARGEST = 50_000_000
 """The most a table may hold [bytes]."""
 MOST_FAULTS = 100
@@ -41,7 +43,8 @@ def read_modes(file: Path, tested: Tested, faults: FaultList) -> ModeTable | Non
         faults: where the faults of the file go.
     """
     before = len(faults.faults)
-    rows = read_rows(file, HEADER, faults)
+    names, rows = _read(file, (HEADER, HEADER + ERRORS), faults)
+    own = (*_NUMBERS, *names[len(HEADER) :])
     known = {
         "posture": [posture.id for posture in tested.postures],
         "response": [point.id for point in tested.points],
@@ -52,12 +55,12 @@ def read_modes(file: Path, tested: Tested, faults: FaultList) -> ModeTable | Non
         if len(faults.faults) - before >= MOST_FAULTS:
             faults.add(f"line {line}", "too many faults to go on", "a sound table")
             break
-        if len(row) != len(HEADER):
-            faults.add(f"line {line}", f"{len(row)} fields", f"{len(HEADER)}: {listing(HEADER)}")
+        if len(row) != len(names):
+            faults.add(f"line {line}", f"{len(row)} fields", f"{len(names)}: {listing(names)}")
             continue
-        fields = dict(zip(HEADER, row, strict=True))
+        fields = dict(zip(names, row, strict=True))
         ids.append([_id(name, fields[name], known.get(name), line, faults) for name in _IDS])
-        numbers.append([_number(name, fields[name], line, faults) for name in _NUMBERS])
+        numbers.append([_number(name, fields[name], line, faults) for name in own])
         if math.isnan(numbers[-1][2]) != math.isnan(numbers[-1][3]):
             faults.add(f"line {line}", "half an amplitude", "amplitude_re and amplitude_im, or neither")
         flags.append(fields["flag"])
@@ -76,6 +79,7 @@ def read_modes(file: Path, tested: Tested, faults: FaultList) -> ModeTable | Non
         damping_ratio=real[:, 1],
         amplitude=real[:, 2] + 1j * real[:, 3],
         flag=tuple(flags),
+        **{name: real[:, 4 + k] for k, name in enumerate(names[len(HEADER) :])},
     )
 
 
@@ -88,12 +92,19 @@ def write_modes(modes: ModeTable, path: Path) -> None:
     """
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(HEADER)
+        errors = [getattr(modes, name) for name in ERRORS]
+        known = all(error is not None for error in errors)
+        writer.writerow(HEADER + ERRORS if known else HEADER)
         ids = np.column_stack([modes.posture, modes.response, modes.reference, modes.mode]).tolist()
         columns = (modes.natural_frequency, modes.damping_ratio, modes.amplitude.real, modes.amplitude.imag)
         numbers = np.column_stack(columns).tolist()
-        for row, values, flag in zip(ids, numbers, modes.flag, strict=True):
-            writer.writerow([*row, *("" if math.isnan(value) else repr(value) for value in values), flag])
+        more = np.column_stack(errors).tolist() if known else [[] for _ in ids]
+        for row, values, flag, error in zip(ids, numbers, modes.flag, more, strict=True):
+            writer.writerow([*row, *map(_cell, values), flag, *map(_cell, error)])
+
+
+def _cell(value: float) -> str:
+    return "" if math.isnan(value) else repr(value)
 
 
 def read_rows(file: Path, header: tuple[str, ...], faults: FaultList) -> list[tuple[int, list[str]]]:
@@ -104,25 +115,33 @@ def read_rows(file: Path, header: tuple[str, ...], faults: FaultList) -> list[tu
         header: names of its columns.
         faults: where the faults of the file go.
     """
+    return _read(file, (header,), faults)[1]
+
+
+def _read(
+    file: Path, headers: tuple[tuple[str, ...], ...], faults: FaultList
+) -> tuple[tuple[str, ...], list[tuple[int, list[str]]]]:
+    """The header, one of these, and the rows below it."""
     content = read_regular(file, limit=LARGEST, kind="a table")
     if isinstance(content, Fault):
         faults.faults.append(content)
-        return []
+        return headers[0], []
     try:
         text = content.decode("utf-8-sig")
         reader = csv.reader(text.splitlines(), strict=True)
         rows = [(reader.line_num, row) for row in reader if row]
     except UnicodeDecodeError as error:
         faults.add("", f"a byte that is not UTF-8, at {error.start}", "a table in UTF-8")
-        return []
+        return headers[0], []
     except csv.Error as error:
         faults.add("", f"text that is no table ({error})", "comma-separated values")
-        return []
-    if not rows or tuple(field.strip() for field in rows[0][1]) != header:
+        return headers[0], []
+    first = tuple(field.strip() for field in rows[0][1]) if rows else ()
+    if first not in headers:
         found = ",".join(rows[0][1]) if rows else ""
-        faults.add("line 1", shown(found), ",".join(header))
-        return []
-    return rows[1:]
+        faults.add("line 1", shown(found), " or ".join(",".join(header) for header in headers))
+        return headers[0], []
+    return first, rows[1:]
 
 
 def _id(name: str, text: str, known: list[int] | None, line: int, faults: FaultList) -> int:

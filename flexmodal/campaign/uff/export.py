@@ -12,6 +12,7 @@ from flexmodal.campaign.description.tested import (
     FORCE_TOO,
     NO_ROBOT,
     OUTPUT_ONLY,
+    OUTPUT_SPECTRA,
     CampaignPoint,
     CampaignPosture,
     Tested,
@@ -29,6 +30,8 @@ from flexmodal.campaign.uff.shapes import mode_table, shapes_of
 from flexmodal.errors import Fault, InvalidCampaign
 from flexmodal.text.words import FaultList
 
+SPECTRA = (2, 3)
+"""Auto- and cross-spectra, by their function type."""
 UNIVERSAL_SUFFIXES = (".uff", ".unv", ".uf", ".58")
 
 
@@ -58,8 +61,10 @@ def read_export(file: Path) -> Campaign:
     used = used or [one for one in headers if one.function == TIME_RESPONSE]
     geometry, shapes = geometry_of(content, found), shapes_of(content, found, warnings)
     if not used and not shapes and not faults:
+        spectra = any(one.function in SPECTRA for one in headers)
+        kind = OUTPUT_SPECTRA if spectra else "neither FRFs nor time histories nor modes"
         allowed = "datasets 58 of function type 4 or 1, or modes as datasets 55"
-        found.add("", "neither FRFs nor time histories nor modes", allowed)
+        found.add("", kind, f"{allowed}; {FORCE_TOO}" if spectra else allowed)
     if used and not has_frfs and not any(one.numerator.code == FORCE for one in used) and not faults:
         found.add("", OUTPUT_ONLY, FORCE_TOO)
     if faults:

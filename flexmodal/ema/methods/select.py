@@ -7,13 +7,12 @@ from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
-from jaxtyping import Float
 
 from flexmodal.ema.measured import Measured
 from flexmodal.ema.methods.least_squares import HIDDEN, build_least_squares, solve_least_squares
-from flexmodal.ema.methods.noise import noise_levels, with_variance
 from flexmodal.ema.methods.peak import Peak
 from flexmodal.ema.methods.stabilisation import Tolerances, stabilise
+from flexmodal.ema.methods.standing import half_power_width, mode_indicator, stand_out
 from flexmodal.errors import Fault, InvalidRequest
 
 _LOWEST_ORDERS = 6
@@ -22,23 +21,8 @@ _LOWEST_ORDERS = 6
 _BESIDE = 2.0
 """A peak within so many lines of a stable pole, or within its half-power bandwidth, is that pole's."""
 
-_DEEPEST = 1e-20
-"""A valley is taken for no deeper than this part of its peak."""
-
 _SURE = 7.0
 """Standard deviations by which a peak must stand out of the valleys beside it to be none of the noise's."""
-
-
-def mode_indicator(measured: Measured) -> Float[np.ndarray, " line"]:
-    """Σ|Y|² over the FRFs as mobilities, each in units of its noise: every mode is a peak of it.
-
-    A mobility's peak is symmetric about the natural frequency, and the sum misses no mode for a node at
-    one point. It is the trace of what a complex mode indicator function (CMIF; Shih, Tsuei, Allemang and
-    Brown 1988) has as singular values, with the noise whitened, so that an FRF of a point which hardly moves
-    does not cover the others with its noise.
-    """
-    mobility = measured.to("mobility")
-    return np.sum(np.abs(mobility.value / noise_levels(mobility)) ** 2, axis=1)
 
 
 def choose_peaks(
@@ -80,7 +64,7 @@ def choose_peaks(
     widths: dict[float, float] = {}
     if at is None:
         widths = _stable_poles(part, highest_order, tolerances)
-        places = [float(part.frequency[line]) for line in _stand_out(part, indicator, prominence, most)]
+        places = [float(part.frequency[line]) for line in stand_out(part, indicator, prominence, _SURE, most)]
         reach = {pole: max(width, _BESIDE * part.spacing) for pole, width in widths.items()}
         places = [f for f in places if not any(abs(f - pole) <= reach[pole] for pole in reach)]
         chosen: list[float | Peak] = [
@@ -121,35 +105,6 @@ def _refuse_outside(measured: Measured, chosen: Sequence[float | Peak]) -> None:
         raise InvalidRequest([Fault("call", "peaks", f"{frequency:g} Hz", allowed) for frequency in wrong])
 
 
-def _stand_out(measured: Measured, indicator: np.ndarray, prominence: float, most: int) -> np.ndarray:
-    """Lines of the peaks that rise over their valleys by `prominence` and by more than noise does."""
-    lines = 1 + np.flatnonzero((indicator[1:-1] > indicator[:-2]) & (indicator[1:-1] >= indicator[2:]))
-    rise = (
-        indicator - np.maximum(_lowest_since_higher(indicator), _lowest_since_higher(indicator[::-1])[::-1])
-    )[lines]
-    mobility = with_variance(measured).to("mobility")
-    power = noise_levels(mobility) ** 2
-    share = np.asarray(mobility.variance) / power
-    # |Y + n|² has the variance 2|Y|²v + v² for circular noise of variance v.
-    spread = np.sqrt(np.sum(2 * np.abs(mobility.value) ** 2 / power * share + share**2, axis=1))
-    height = indicator[lines]
-    ratio = height / np.maximum(height - rise, _DEEPEST * height)
-    sure = (10 * np.log10(ratio) >= prominence) & (rise >= _SURE * spread[lines])
-    best = np.argsort(-ratio[sure], kind="stable")[:most]
-    return np.sort(lines[sure][best])
-
-
-def _lowest_since_higher(values: np.ndarray) -> np.ndarray:
-    """For each entry the lowest one on the way back to a higher entry, or to the start if there is none."""
-    lowest = values.copy()
-    open_ones: list[int] = []  # falling values, each with no higher one behind it so far
-    for place in range(len(values)):
-        while open_ones and values[open_ones[-1]] <= values[place]:
-            lowest[place] = min(lowest[place], lowest[open_ones.pop()])
-        open_ones.append(place)
-    return lowest
-
-
 def _stable_poles(
     measured: Measured, highest_order: int, tolerances: Tolerances | None
 ) -> dict[float, float]:
@@ -188,27 +143,9 @@ def _with_bands(
         low, high = edges[place], edges[place + 1]
         frequency = float(one)
         below, above = min(float(axis[low]), frequency * 0.999), max(float(axis[high]), frequency * 1.001)
-        width = widths.get(frequency) or _half_power_width(axis, indicator, line, low, high)
+        width = widths.get(frequency) or half_power_width(axis, indicator, line, low, high)
         peaks.append(Peak(frequency, below, above, width, by_hand=by_hand))
     return peaks
-
-
-def _half_power_width(axis: np.ndarray, indicator: np.ndarray, line: int, low: int, high: int) -> float:
-    """Distance of the half-power points; twice the one that there is, or 4 % where there is none."""
-    half = indicator[line] / 2
-    sides = []
-    for path in (range(line, low, -1), range(line, high)):
-        step = path.step
-        for here in path:
-            if indicator[here] >= half > indicator[here + step]:
-                share = (indicator[here] - half) / (indicator[here] - indicator[here + step])
-                sides.append(
-                    abs(float(axis[here] - axis[line])) + share * abs(float(axis[here + step] - axis[here]))
-                )
-                break
-    if not sides:
-        return 0.04 * float(axis[line])
-    return float(sum(sides) if len(sides) == 2 else 2 * sides[0])
 
 
 def _force_damping(peaks: list[Peak], damping: Mapping[float, float]) -> list[Peak]:

@@ -51,6 +51,8 @@ class Stabilisation:
     stable_frequency: Bool[np.ndarray, " pole"]
     stable: Bool[np.ndarray, " pole"]
     """Frequency and damping both."""
+    participation: Complex[np.ndarray, "reference pole"]
+    """How far each reference takes part in a pole, the largest 1; of FRFs that fill no matrix all 1."""
 
     @cached_property
     def frequency(self) -> Float[np.ndarray, " pole"]:
@@ -133,31 +135,35 @@ def stabilise(
     wanted = tolerances or Tolerances()
     problem = form_lscf(measured, highest)
     orders = np.arange(lowest, highest + 1)
-    poles, of, by_frequency, by_both = [], [], [], []
+    poles, of, by_frequency, by_both, factors = [], [], [], [], []
     before = np.empty(0, dtype=complex)
     for order in orders:
-        now = _inside(problem.poles(int(order)), measured, wanted)
+        now, part = _inside(*problem.modes(int(order)), measured, wanted)
         frequency, both = _compare(now, before, wanted)
         poles.append(now)
         of.append(np.full(len(now), order))
         by_frequency.append(frequency)
         by_both.append(both)
+        factors.append(part)
         before = now
     return Stabilisation(
         problem,
         measured,
         wanted,
         orders,
-        *(np.concatenate(part) for part in (of, poles, by_frequency, by_both)),
+        *(np.concatenate(part, axis=-1) for part in (of, poles, by_frequency, by_both, factors)),
     )
 
 
-def _inside(poles: np.ndarray, measured: Measured, tolerances: Tolerances) -> np.ndarray:
+def _inside(
+    poles: np.ndarray, factors: np.ndarray, measured: Measured, tolerances: Tolerances
+) -> tuple[np.ndarray, np.ndarray]:
     size = np.abs(poles)
     damping = -poles.real / size
     within = (size >= measured.omega[0]) & (size <= measured.omega[-1])
-    kept = poles[within & (damping > 0) & (damping <= tolerances.most_damping)]
-    return kept[np.argsort(np.abs(kept))]
+    kept = np.flatnonzero(within & (damping > 0) & (damping <= tolerances.most_damping))
+    kept = kept[np.argsort(size[kept])]
+    return poles[kept], factors[:, kept]
 
 
 def _compare(now: np.ndarray, before: np.ndarray, tolerances: Tolerances) -> tuple[np.ndarray, np.ndarray]:
