@@ -66,7 +66,8 @@ def stand() -> Callable[..., Stand]:
 
     def make(robot: Robot, error: float = 0.0, **given: object) -> Stand:
         plan = {
-            "postures": 1, "points": None, "references": 1, "axes": None, "trials": 1, "averages": 1,
+            "postures": 1, "points": None, "references": 1, "axes": None, "frame": "world", "trials": 1,
+            "averages": 1,
             "peaks": (60.0, 240.0), "tip": "soft", "band": (2.0, 100.0), "record_length": 2.0,
             "random": np.random.default_rng(0),
         } | given  # fmt: skip

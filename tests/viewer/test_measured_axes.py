@@ -1,13 +1,10 @@
-"""Records along axes of their own do not stand beside curves along those of the world."""
-
-from dataclasses import replace
+"""Records along axes of a link are curves of the page as those along the world's are."""
 
 import numpy as np
 import pytest
-from flexmodal_viewer.live_measured import measured_curves
+from flexmodal_viewer.live_measured import measured_curves, measured_points
 
 from flexmodal.campaign import Campaign, CampaignPoint, CampaignPosture, FrfRecords, Trial
-from flexmodal.errors import InvalidRequest
 
 
 @pytest.fixture
@@ -24,12 +21,11 @@ def campaign(fanuc):
     return Campaign("test", "fanuc_s360", (1.0, 2.0), (posture,), points, (Trial(1, 100.0, 1, "soft"),), frfs)
 
 
-def test_those_along_a_link_are_left_out(fanuc, campaign):
-    (curve,) = measured_curves(fanuc, campaign)
-    assert (curve["response"], curve["reference"]) == ("location_6:+z", "location_6:+z")
-
-
-def test_where_none_is_left_it_says_why(fanuc, campaign):
-    every = tuple(replace(point, frame="link") for point in campaign.points)
-    with pytest.raises(InvalidRequest, match="a record along the axes of the world"):
-        measured_curves(fanuc, replace(campaign, points=every))
+def test_those_along_a_link_are_curves_too(fanuc, campaign):
+    """The page computes along the axes that the point has."""
+    curves = measured_curves(fanuc, campaign)
+    assert [(one["response"], one["reference"]) for one in curves] == [
+        ("location_1:+z", "location_6:+z"), ("location_6:+z", "location_6:+z"),
+    ]  # fmt: skip
+    points = measured_points(campaign)
+    assert (points["location_1"].frame, points["location_6"].frame) == ("link", "world")
