@@ -41,7 +41,7 @@ def _parameters(context: Context, where: str) -> tuple[Parameter, ...]:
     inertia = one / _top(context) ** 2
     high, ratio = context.band[1], float(np.sqrt(other / one))
     return (
-        signed("coupling", "", 0.3, -0.97, 0.97),
+        signed("coupling", "", 0.3, -3.0, 3.0),
         signed("first", "", 0.15, -0.03, 3.0),
         signed("second", "", 0.15, -0.03, 3.0),
         positive("damping_time", "s", 1e-5, 2.0, 1e-12, 0.03),
