@@ -54,8 +54,8 @@ def bending(placement: Placement) -> tuple[Float[np.ndarray, " hinge"], Float[np
 def _parameters(context: Context, where: str) -> tuple[Parameter, ...]:
     k = stiffest(context, where)
     found = (
-        positive("stiffness", "N·m/rad", k, 1.5, k / 300, k * 300),
-        positive("damping", "N·m·s/rad", k * 3e-4, 1.5, k * 1e-7, k * 0.03),
+        positive("stiffness", "N·m/rad", k, 1.5, k / 300, k * 3e4),
+        positive("damping", "N·m·s/rad", k * 3e-4, 1.5, k * 1e-7, k * 10),
         signed("position", "", 0.1, 0.03, 0.97, centre=0.5),
         signed("spread", "", 0.1, 0.02, 0.98, centre=EVEN),
     )
@@ -71,7 +71,8 @@ def _parameters(context: Context, where: str) -> tuple[Parameter, ...]:
 
 def _starts(context: Context, where: str) -> list[Mapping[str, float]]:
     k = stiffest(context, where)
-    return [{"stiffness": factor * k} for factor in (0.2, 0.8, 3.0, 12.0, 40.0)]
+    grid = (0.2, 0.8, 3.0, 12.0, 40.0, 400.0, 4000.0)  # the stiffest where a slide comes before the link
+    return [{"stiffness": factor * k, "damping": 3e-4 * factor * k} for factor in grid]
 
 
 def names_of(context: Context, where: str, count: int) -> list[str]:

@@ -122,6 +122,16 @@ class Found:
     classes: tuple[Class, ...]
     """Those that its curve may be of, the likeliest first; empty where it is of none."""
 
+    def has(self, effect: str, where: str) -> bool:
+        """Whether it can do what an effect of the catalogue does, at its place.
+
+        Args:
+            effect: its name.
+            where: its place.
+        """
+        port = PORT_OF.get(effect)
+        return any(place == where and port in (kind, _WIDER.get(kind)) for kind, place in self.alike)
+
     def could_be(self, effect: str, where: str) -> bool:
         """Whether the place and the class allow for an effect of the catalogue.
 
@@ -129,7 +139,7 @@ class Found:
             effect: its name.
             where: its place.
         """
-        here = (PORT_OF.get(effect), where) in self.alike
+        here = self.has(effect, where)
         if not here or self.curve is None or effect not in CLASSES_OF or self.where != where:
             return here  # a function of its own in each posture and blow has no curve
         return any(one.name in CLASSES_OF[effect] for one in self.classes)
@@ -175,7 +185,7 @@ class Findings:
             where: its place.
         """
         port = PORT_OF.get(effect)
-        if port is None or any((port, where) in one.alike for one in self.found):
+        if port is None or any(one.has(effect, where) for one in self.found):
             return True
         if len(self.found) > 1:
             return False

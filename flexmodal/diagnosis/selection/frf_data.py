@@ -28,6 +28,7 @@ from flexmodal.diagnosis.selection.data import Conclusion, Data
 from flexmodal.diagnosis.selection.decision import Answer, reaches
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs, compare_models
 from flexmodal.diagnosis.selection.frf_thresholds import (
+    EXPLAINED,
     FLOOR_REACHED,
     FORCE,
     FORCE_MARGIN,
@@ -96,7 +97,8 @@ class FrfData(Data[FittedFrfs]):
         if not any(self.is_over(one) for one in found):
             self._look = self._looks.several
             several = self.look.explains and len(self.look.found) > 1 and number < len(self.look.found)
-            found = self._searched(before, number, self.look.worth_trying if several else _anything)
+            more = self._searched(before, number, self.look.worth_trying if several else _anything)
+            found = best_of_each([*found, *more])
         return [before, *found, unstructured_mode(self.setup, before)]
 
     def _pointed_to(self) -> list[tuple[str, str]]:
@@ -167,11 +169,17 @@ class FrfData(Data[FittedFrfs]):
         return (tuple(met), tuple(dict.fromkeys(open_))) if open_ else ((), ())
 
     def is_contradicted(self, model: FittedFrfs) -> bool:
-        """See `Data`; effects that no port stands for are taken at their word."""
-        keys = model.hypothesis.keys
-        if len(keys) <= len(self.look.found) or not self.look.explains:
+        """See `Data`; effects that no port stands for are taken at their word.
+
+        One effect is, though it takes everything that was fitted, where it fails on what was held out.
+        """
+        keys, held = model.hypothesis.keys, self.setup.held
+        if not keys or not self.look.explains or any(name not in PORT_OF for name, _ in keys):
             return False
-        return not any(name not in PORT_OF for name, _ in keys) and not self.look.met(keys)
+        if self.look.met(keys):
+            return False
+        fails = held.any() and over_noise(self.setup, model, held) > EXPLAINED
+        return len(keys) > len(self.look.found) or bool(fails)
 
     def share(self, first: FittedFrfs, last: FittedFrfs) -> float:
         """See `Data`."""
