@@ -23,6 +23,7 @@ def whole(grid, tmp_path_factory):
     return content(path)
 
 
+@pytest.mark.slow
 def test_workers_killed_during_the_run(grid, whole, cluster, tmp_path):
     """Three workers; two are killed while they work, one comes in their place."""
     first, second, _ = (cluster.add_worker() for _ in range(3))

@@ -119,6 +119,7 @@ def test_arm_moves_and_its_extreme_stays(browser, fanuc_page):
     assert ghosts.sum() > 1500
 
 
+@pytest.mark.slow
 def test_each_mode_looks_different(browser, fanuc_page):
     pictures = [browser.picture(fanuc_page, f"#motion={mode}&phase=0")[:, :-PANEL] for mode in (1, 2)]
     assert np.any(np.abs(pictures[0] - pictures[1]) > 40, axis=2).mean() > 0.01

@@ -49,6 +49,7 @@ def with_a_peak(campaign):
     return replace(campaign, modes=replace(old, **columns, flag=flags))
 
 
+@pytest.mark.slow
 def test_where_nothing_is_missing_both_say_so(clean):
     found = diagnose(*clean, effects=["sensor_gain"])
     assert len(found.warnings) == 1

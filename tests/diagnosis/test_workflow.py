@@ -101,6 +101,7 @@ def test_ties_are_said_in_words():
     assert "from a mode with no structure, nothing added, local_absorber at link_2." in says
 
 
+@pytest.mark.slow
 def test_one_posture_holds_nothing_out():
     measured, robot = campaign("sensor_gain@location_1", postures=1)
     found = diagnose(measured, robot, effects=["sensor_gain", "time_delay"])
