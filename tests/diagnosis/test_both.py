@@ -1,6 +1,6 @@
 """FRFs and modes of one campaign diagnosed together."""
 
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
@@ -41,7 +41,7 @@ def with_a_peak(campaign):
     """One more mode in every posture, in the table alone."""
     old = campaign.modes
     first = old.mode == old.mode.min()
-    names = ("posture", "response", "reference", "mode", "natural_frequency", "damping_ratio", "amplitude")
+    names = [field.name for field in fields(old) if isinstance(getattr(old, field.name), np.ndarray)]
     columns = {name: np.concatenate([getattr(old, name), getattr(old, name)[first]]) for name in names}
     columns["mode"][len(old.mode) :] = old.mode.max() + 1
     columns["natural_frequency"][len(old.mode) :] = PEAK
