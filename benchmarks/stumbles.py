@@ -143,7 +143,7 @@ STUMBLES = (
         "Work without a sign",
         "`fit`, `identify` and `lobes` were silent until they were done.",
         "flexmodal fit mine.uff --per posture",
-        ("fitting 00:00", "frequency"),
+        ("fitting", "frequency"),
     ),
     Stumble(
         "A direction that a planar arm cannot move in",
