@@ -343,7 +343,7 @@ const panel = (root, raw, changed) => {
     rows()
     for (const [k, box] of boxes) box.checked = beside(k) >= 0
     const misfit = answer ? `what is synthesised deviates by ${digits(100 * answer.misfit, 3)} % (root mean square)` : ''
-    said.textContent = `${why ? `${why}; ` : ''}${chosen.length} modes chosen; ${misfit}`
+    said.textContent = `${why ? `${why}; ` : ''}${chosen.length} mode${chosen.length === 1 ? '' : 's'} chosen; ${misfit}`
     changed()
   }
   root.flexmodal = {

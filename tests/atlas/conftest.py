@@ -1,6 +1,7 @@
 """Small atlases of the six-link arm, and what is on disk of one."""
 
 import hashlib
+import json
 import os
 import signal
 import subprocess
@@ -67,8 +68,6 @@ class Cluster:
             if told.is_file() and told.stat().st_size:
                 break
             time.sleep(0.1)
-        import json
-
         self.address = json.loads(told.read_text())["address"]
 
     def _start(self, *words):
@@ -107,5 +106,6 @@ class Cluster:
 def cluster(tmp_path_factory):
     pytest.importorskip("distributed")
     made = Cluster(tmp_path_factory.mktemp("cluster"))
+    made.add_worker()
     yield made
     made.close()

@@ -133,6 +133,25 @@ def agreement(loaded, hypothesis, x):
     return worst
 
 
+@pytest.mark.parametrize(
+    ("parameter", "value", "says"),
+    [
+        ("inertia", 2.0, "lack its idler"),
+        ("damping_time", 3e-3, "lack its damper, 0.003 s"),
+        ("ratio", 1.0, None),
+    ],
+)
+def test_what_no_file_holds_of_a_coupling_is_told(context_of, diagnosed, tmp_path, parameter, value, says):
+    hypothesis, x = drawn(context_of("fanuc_s360"), [("joint_coupling", "q1+q3")], seed=2)
+    for k, known in enumerate(hypothesis.space):
+        if known.name == f"joint_coupling@q1+q3.{parameter}":
+            x[k] = known.coordinate(value)
+    extension, _ = written(diagnosed, hypothesis, x, tmp_path)
+    told = [note for note in extension.notes if "the spring between q1 and q3" in note]
+    assert len(told) == (says is not None)
+    assert all(says in note for note in told)
+
+
 @pytest.mark.parametrize("robot", ROBOTS)
 @pytest.mark.parametrize("name", STRUCTURAL)
 def test_each_effect(name, robot, context_of, diagnosed, tmp_path):

@@ -22,12 +22,19 @@ from flexmodal.structure import Parameter
 from flexmodal.structure.assembly import Assembly
 
 HELD = 0.05
-"""Stiffness of an idler's swing over that of the coupling, from which it is told that no file holds it."""
+"""Stiffness of an idler's swing or of the damper at the end of the band, over that of the coupling, from
+which it is told that no file holds it."""
+
+
+def _joints(context: Context, where: str) -> tuple[float, float]:
+    """Stiffness of either joint by the card [N·m/rad]."""
+    one, other = where.split("+")
+    return float(context.robot.joints[one].stiffness), float(context.robot.joints[other].stiffness)
 
 
 def _size(context: Context, where: str) -> float:
     """√(k₁ k₂) of the card, which a coupling is a part of [N·m/rad]."""
-    one, other = (context.robot.joints[name].stiffness for name in where.split("+"))
+    one, other = _joints(context, where)
     return float(np.sqrt(one * other))
 
 
@@ -37,7 +44,7 @@ def _top(context: Context) -> float:
 
 
 def _parameters(context: Context, where: str) -> tuple[Parameter, ...]:
-    one, other = (float(context.robot.joints[name].stiffness) for name in where.split("+"))
+    one, other = _joints(context, where)
     inertia = one / _top(context) ** 2
     high, ratio = context.band[1], float(np.sqrt(other / one))
     return (
@@ -53,7 +60,7 @@ def _parameters(context: Context, where: str) -> tuple[Parameter, ...]:
 
 
 def _starts(context: Context, where: str) -> list[Mapping[str, float]]:
-    one = float(context.robot.joints[where.split("+", maxsplit=1)[0]].stiffness)
+    one, _ = _joints(context, where)
     found: list[Mapping[str, float]] = [{"coupling": 0.15}, {"coupling": -0.15}]
     idler = {"first": 0.15, "second": 0.15, "inertia": 4 * 0.15 * one / (0.6 * _top(context)) ** 2}
     return found + [{**start, **idler} for start in found]
@@ -83,8 +90,8 @@ def _act(assembly: Assembly, placement: Placement) -> None:
 
 def _diagonal(placement: Placement) -> tuple[float, float]:
     """What it adds to the stiffness of either joint [N·m/rad]."""
-    one, other = (placement.context.robot.joints[name].stiffness for name in placement.where.split("+"))
-    return placement["first"] * float(one), placement["second"] * float(other)
+    one, other = _joints(placement.context, placement.where)
+    return placement["first"] * one, placement["second"] * other
 
 
 def _physical(context: Context, where: str, values: Mapping[str, float]) -> dict[str, float]:
@@ -97,8 +104,13 @@ def _extend(draft: Draft, placement: Placement) -> None:
     for joint, added in zip((one, other), _diagonal(placement), strict=True):
         draft.stiffen(joint, added)
     between = abs(placement["coupling"]) * _size(placement.context, placement.where)
+    lacking = []
+    if placement["damping_time"] * _top(placement.context) > HELD:
+        lacking.append(f"its damper, {placement['damping_time']:.3g} s times the spring")
     if placement["inertia"] * (2 * np.pi * placement["frequency"]) ** 2 > HELD * between:
-        found = f"the idler between {one} and {other}, which swings at {placement['frequency']:.3g} Hz"
+        lacking.append(f"its idler, which swings at {placement['frequency']:.3g} Hz")
+    if lacking:
+        found = " and ".join(lacking)
         draft.notes.append(f"the files have the spring between {one} and {other} and lack {found}")
 
 

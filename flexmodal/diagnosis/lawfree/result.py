@@ -130,7 +130,7 @@ class Found:
             where: its place.
         """
         port = PORT_OF.get(effect)
-        return any(place == where and port in (kind, _WIDER.get(kind)) for kind, place in self.alike)
+        return port is not None and any(one[1] == where and holds(one, (port, where)) for one in self.alike)
 
     def could_be(self, effect: str, where: str) -> bool:
         """Whether the place and the class allow for an effect of the catalogue.

@@ -65,6 +65,10 @@ def test_only_effects_of_the_place_and_class_are_allowed():
     curveless = replace(BENT, curve=None, classes=(), alike=(("link", "link_2"),))  # one for each blow
     assert curveless.could_be("link_flexibility", "link_2")
     assert not curveless.surely("link_flexibility")
+    crossed = replace(curveless, port="channel", where="tip", alike=(("channel", "tip"),))
+    assert crossed.could_be("sensor_gain", "tip")  # two channels that mix can do what one does
+    assert not crossed.could_be("sensor_gain", "elbow")
+    assert not crossed.could_be("an effect without a port", "tip")
 
 
 def test_an_effect_is_sure_where_nothing_else_can_be_there(both):
