@@ -19,12 +19,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from jaxtyping import Complex, Float, Int
 
 from flexmodal.errors import SingularResponse
-from flexmodal.structure.solution import Entries, Solved, line_factors
+from flexmodal.structure.solution import Entries, Solved, is_worth_compiling, line_factors
 from flexmodal.structure.stack import Structures
 from flexmodal.structure.structure import Axis
 
@@ -92,11 +93,16 @@ class Ported:
         system, u, v = self.solved.entries.table.T
         return system, u, v + self.solved.entries.rows[0]
 
+    @cached_property
+    def _motion(self) -> Complex[np.ndarray, "system row dof line"]:
+        return np.asarray(self.solved.y[..., 0, :] + 1j * self.solved.y[..., 1, :])
+
     def _between(self, matrix: Float[np.ndarray, "system dof dof"]) -> Complex[np.ndarray, "entry line"]:
         """The product y_uᵀ A y_v."""
         system, left, right = self._rows
-        y = self.solved.y[..., 0, :] + 1j * self.solved.y[..., 1, :]
-        return np.asarray(np.einsum("eil,eij,ejl->el", y[system, left], matrix[system], y[system, right]))
+        shift = self.solved.entries.rows[0]
+        pulled = matrix[:, None] @ self._motion[:, shift:]  # of all references
+        return np.asarray(np.sum(self._motion[system, left] * pulled[system, right - shift], axis=1))
 
 
 def solved_with(structures: Structures, axis: Axis, entries: Entries, ports: Sequence[Port]) -> Ported:
@@ -111,16 +117,11 @@ def solved_with(structures: Structures, axis: Axis, entries: Entries, ports: Seq
     Raises:
         SingularResponse: Z′ is singular on a line.
     """
-    f = line_factors(structures, axis)
-    s = (f[:, 0] + 1j * f[:, 1])[:, None, :, None, None]
-    parts = (structures.stiffness, structures.damping, structures.mass, structures.loss)
-    z = sum(s[k] * part[:, None] for k, part in enumerate(parts))
-    matrix = np.array(z, dtype=complex)  # system, line, dof, dof
-    for one in ports:
-        if isinstance(one, StiffnessPort):
-            matrix += one.value[:, :, None, None] * one.pattern[:, None]
-    factor, rigid = _compliances(ports, matrix.shape)
-    matrix = matrix @ factor + np.diag(rigid)
+    matrix = _stiffened(structures, axis, ports)
+    factor = None
+    if any(isinstance(one, CompliancePort) for one in ports):
+        factor, rigid = _compliances(ports, matrix.shape)
+        matrix = matrix @ factor + np.diag(rigid)
     rows = np.concatenate([structures.response, structures.reference], axis=1)
     right = np.broadcast_to(np.swapaxes(rows, 1, 2)[:, None], (*matrix.shape[:3], rows.shape[1]))
     try:
@@ -128,9 +129,31 @@ def solved_with(structures: Structures, axis: Axis, entries: Entries, ports: Seq
     except np.linalg.LinAlgError:
         raise SingularResponse("the receptance is infinite here: with its ports Z is singular") from None
     force = np.moveaxis(x, (3, 2), (1, 2))  # system, row, dof, line
-    y = np.moveaxis(factor @ x, (3, 2), (1, 2))
+    y = force if factor is None else np.moveaxis(factor @ x, (3, 2), (1, 2))
     parts_of_y = np.ascontiguousarray(np.stack([y.real, y.imag], axis=3))
-    return Ported(Solved(structures, axis, entries, parts_of_y, compiled=False), tuple(ports), force)
+    solved = Solved(structures, axis, entries, parts_of_y, is_worth_compiling(len(structures) * len(axis)))
+    return Ported(solved, tuple(ports), force)
+
+
+def _stiffened(
+    structures: Structures, axis: Axis, ports: Sequence[Port]
+) -> Complex[np.ndarray, "system line dof dof"]:
+    """Z with what the ports add to it that have a stiffness."""
+    parts = np.stack([structures.stiffness, structures.damping, structures.mass, structures.loss])
+    systems, dofs = parts.shape[1:3]
+    factors = line_factors(structures, axis)[:4]
+    found = np.empty((systems, len(axis), dofs, dofs), dtype=complex)
+    flat = parts.reshape(4, -1)
+    found.real, found.imag = (
+        np.swapaxes((factors[:, k].T @ flat).reshape(len(axis), systems, dofs, dofs), 0, 1) for k in (0, 1)
+    )
+    stiff = [one for one in ports if isinstance(one, StiffnessPort)]
+    if stiff:
+        patterns = np.stack([one.pattern.reshape(systems, -1) for one in stiff], axis=1)
+        value = np.stack([np.broadcast_to(one.value, (systems, len(axis))) for one in stiff], axis=2)
+        found.real += (value.real @ patterns).reshape(found.shape)
+        found.imag += (value.imag @ patterns).reshape(found.shape)
+    return found
 
 
 def _compliances(

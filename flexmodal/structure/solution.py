@@ -84,8 +84,8 @@ class Solved:
         system, u, v = self.entries.table.T
         right = self._solution(system, v + self.entries.rows[0])
         rows = self.structures.response[system, u]
-        value = np.einsum("en,enl->el", rows, right)
-        size = np.einsum("en,enl->el", np.abs(rows), np.abs(right))
+        value = (rows[:, None] @ right)[:, 0]
+        size = (np.abs(rows)[:, None] @ np.abs(right))[:, 0]
         value[np.abs(value) <= ROUNDING * size] = 0.0
         return value
 
@@ -110,8 +110,8 @@ class Solved:
         system, u, v = self.entries.table.T
         left, right = self._solution(system, u), self._solution(system, v + self.entries.rows[0])
         for number, (response, reference) in self.structures.turned.items():
-            found = np.einsum("en,enl->el", response[system, u], right)
-            found = (found + np.einsum("en,enl->el", reference[system, v], left)) * scale
+            found = (response[system, u][:, None] @ right)[:, 0]
+            found = (found + (reference[system, v][:, None] @ left)[:, 0]) * scale
             out[number, :, 0] += found.real
             out[number, :, 1] += found.imag
 
@@ -132,7 +132,7 @@ def solved(structures: Structures, axis: Axis, entries: Entries, *, compiled: bo
     Raises:
         SingularResponse: an undamped mode is driven at its natural frequency.
     """
-    use = _is_worth_it(len(structures) * len(axis)) if compiled is None else compiled
+    use = is_worth_compiling(len(structures) * len(axis)) if compiled is None else compiled
     rows = np.concatenate([structures.response, structures.reference], axis=1)
     out = np.zeros((*rows.shape, 2, len(axis)))
     if not use:
@@ -210,7 +210,7 @@ def _pull(
             f[kind] * (matrix[sides[:, 0]] @ along)
             for matrix, kind in zip(matrices[some], kinds[some].tolist(), strict=True)
         )
-        found = -np.einsum("enl,enl->el", left, np.asarray(force)[owner])
+        found = -np.sum(left * np.asarray(force)[owner], axis=1)
         out[number, entries[:, 0], 0], out[number, entries[:, 0], 1] = found.real, found.imag
 
 
@@ -225,8 +225,12 @@ def _compiled() -> tuple[Any, Any, Any]:
     return solve.compiled, pull.compiled, values.compiled
 
 
-def _is_worth_it(points: int) -> bool:
-    """Whether to work on so many systems and lines by compiled loops."""
+def is_worth_compiling(points: int) -> bool:
+    """Whether to work on so many systems and lines by compiled loops.
+
+    Args:
+        points: systems times lines.
+    """
     if not has_numba():
         return False
     if _compiled.cache_info().currsize:

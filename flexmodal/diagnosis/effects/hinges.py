@@ -30,6 +30,10 @@ EVEN = 3**-0.5
 """Spread of an even beam."""
 SOFT = 1 / 8
 """The stiffness at which that is asked, over that of the stiffest joint below."""
+LONGEST = 2.0
+"""Longest step in the exponent of the shares."""
+RIDGE = 1e-12
+"""Added to the second derivatives, which vanish where one hinge takes nearly everything."""
 
 
 def stiffest(context: Context, link: str) -> float:
@@ -112,15 +116,20 @@ def shares(
     after = int(np.clip(np.searchsorted(place, mean), 1, len(place) - 1))
     least = (mean - place[after - 1]) * (place[after] - mean)
     most = (mean - place[0]) * (place[-1] - mean)
-    variance = np.clip(spread**2 * mean * (1 - mean), 1.1 * least + 1e-4, 0.95 * most)
-    powers = np.stack([place - mean, (place - mean) ** 2 - variance])
-    rates = np.zeros(2)
+    variance = float(np.clip(spread**2 * mean * (1 - mean), 1.1 * least + 1e-4, 0.95 * most))
+    one, other = place - mean, (place - mean) ** 2 - variance
+    largest = float(np.abs(one).max()), float(np.abs(other).max())
+    powers = np.stack([one, other, one**2, one * other, other**2])
+    r = q = 0.0
     for _ in range(200):
-        part = weight * np.exp(rates @ powers - np.max(rates @ powers))
+        exponent = r * one + q * other
+        part = weight * np.exp(exponent - exponent.max())
         part /= part.sum()
-        miss = powers @ part
-        if np.abs(miss).max() < 1e-14:
+        a, b, aa, ab, bb = (powers @ part).tolist()
+        if max(abs(a), abs(b)) < 1e-14:
             break
-        step = np.linalg.solve((powers * part) @ powers.T - np.outer(miss, miss), miss)
-        rates -= step / max(1.0, float(np.abs(step * np.abs(powers).max(axis=1)).max()))
+        aa, ab, bb = aa - a * a + RIDGE * largest[0] ** 2, ab - a * b, bb - b * b + RIDGE * largest[1] ** 2
+        along = (bb * a - ab * b) / (aa * bb - ab * ab), (aa * b - ab * a) / (aa * bb - ab * ab)
+        longest = max(abs(along[0]) * largest[0], abs(along[1]) * largest[1])
+        r, q = (rate - step / max(1.0, longest / LONGEST) for rate, step in zip((r, q), along, strict=True))
     return np.asarray(part)
