@@ -33,6 +33,16 @@ def main() -> None:
             "held_out_before": gaps.held_out_before, "held_out_after": gaps.held_out_after,
             "noise_floor": gaps.noise_floor,
         },
+        "baselines": None if found.baselines is None else {
+            "model": found.baselines.model, "mean": found.baselines.mean, "nearest": found.baselines.nearest,
+        },
+        "look": None if found.look is None else [
+            {
+                "port": one.port, "where": one.where, "alike": one.alike,
+                "classes": [each.name for each in one.classes], "curve": one.curve is not None,
+            }
+            for one in found.look.found
+        ],
         "seconds": time.perf_counter() - wall,
         "processor_seconds": time.process_time() - cpu,
     }  # fmt: skip

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 from exam_forms import at_once, by_form
+from exam_lawfree import law_free
 from exam_plan import NAMED, OUTSIDE, ROBOTS
 
 from flexmodal.files import whole_file
@@ -49,6 +50,8 @@ def judged(result: dict) -> dict:
         "held_before": gap["held_out_before"],
         "floor": gap["noise_floor"],
         "tied": [tuple(tie) for ties in answer["ties"] for tie in ties],
+        "baselines": answer.get("baselines"),
+        "look": answer.get("look") or [],
     }
     if question.kind == "outside":
         row["effect"] = row["place"] = "unknown" in names
@@ -76,6 +79,39 @@ def report(results: list[dict], asked: int, seed: int, engine: str, *, published
 def _share(rows: list[dict], key: str) -> str:
     right = sum(bool(row[key]) for row in rows)
     return f"{right} of {len(rows)} ({100 * right / max(len(rows), 1):.0f} %)"
+
+
+def _noise(rows: list[dict]) -> str:
+    done = sum(r["explained"] and bool(r["said"]) for r in rows)
+    return f"{done} of {len(rows)} ({100 * done / max(len(rows), 1):.0f} %)"
+
+
+def names_of(rows: list[dict]) -> list[str]:
+    """Of several effects at once: how many names were found, and how many of those said were wrong."""
+    if not rows:
+        return []
+    hidden = [Counter(name for name, _ in r["hidden"]) for r in rows]
+    said = [Counter(name for name, _ in r["said"] if name != "unknown") for r in rows]
+    met = sum((one & other).total() for one, other in zip(hidden, said, strict=True))
+    every, told = (sum(one.total() for one in some) for some in (hidden, said))
+    return [
+        f"| three to five hidden: names found | ≥ 75 % | {met} of {every} ({100 * met / every:.0f} %) |",
+        f"| three to five hidden: names that were wrong | ≤ 5 % | {told - met} of {told} |",
+    ]
+
+
+def beside_baselines(rows: list[dict]) -> list[str]:
+    """Held-out gaps beside what needs no model."""
+    able = [r["baselines"] for r in rows if r["baselines"]]
+    if not able:
+        return []
+    better = sum(one["model"] < min(one["mean"], one["nearest"]) for one in able)
+    part = np.median([one["model"] / one["mean"] for one in able])
+    return [
+        f"| held-out gap below those of the mean of the other postures and of the nearest | – | {better} of "
+        f"{len(able)} |",
+        f"| held-out gap over that of the mean of the others, median | – | {part:.2f} |",
+    ]
 
 
 def _page(rows: list[dict], asked: int, seed: int, engine: str) -> list[str]:
@@ -107,10 +143,13 @@ def _page(rows: list[dict], asked: int, seed: int, engine: str) -> list[str]:
         f"| one effect hidden: effect | ≥ 95 % | {_share(single, 'effect')} |",
         f"| one effect hidden: effect and place | ≥ 90 % | {_share(single, 'place')} |",
         f"| nothing hidden: false alarms | ≤ 2 % | {alarms} of {len(nothing)} |",
-        f"| outside the catalogue: recognised as unknown | ≥ 80 % | {_share(outside, 'effect')} |",
-        f"| two effects hidden: both effects | ≥ 80 % | {_share(pairs, 'effect')} |",
+        f"| outside the catalogue: recognised as unknown | ≥ 90 % | {_share(outside, 'effect')} |",
+        f"| two effects hidden: both effects | ≥ 85 % | {_share(pairs, 'effect')} |",
         f"| two effects hidden: both with their places | – | {_share(pairs, 'place')} |",
         f"| three to five effects hidden: all of them | – | {_share(several, 'effect')} |",
+        *names_of(several),
+        f"| something hidden: explained to the noise | ≥ 85 % | {_noise(single + pairs + several)} |",
+        *beside_baselines(single + pairs + several),
         f"| explained: gap after ≤ 1.6 × noise floor | 9 in 10 | {len(low)} of {len(explained)} |",
         f"| explained: held-out gap below half of before | ≥ 90 % | {len(good)} of {len(half)} |",
         f"| the same, where half of before is above the noise floor | – | {len(fell)} of {len(able)} |",
@@ -145,6 +184,7 @@ def _page(rows: list[dict], asked: int, seed: int, engine: str) -> list[str]:
         lines.append(f"| {r['robot']} | {told[0]} | {told[1]} | {r['over']:.2f} |")
     if any(form != "own" for r in single for form in r["forms"]):
         lines += ["", "## By form", "", *by_form(rows), "", "## Several at once", "", *at_once(rows)]
+    lines += law_free(single)
     lines += ["", "## Confusion", "", "Rows: hidden, one effect; columns: the first effect named.", ""]
     lines += _confusion(single + nothing + outside)
     lines += [

@@ -72,6 +72,15 @@ class Data(ABC, Generic[M]):
             number: how many effects were looked for before.
         """
 
+    def pointed(self, before: M, number: int) -> list[M]:
+        """A model, and what might be added to it where a look without a law points, if it does.
+
+        Args:
+            before: the model.
+            number: how many effects it has.
+        """
+        return [before]
+
     @abstractmethod
     def compare(self, models: Sequence[M]) -> Comparison[M]:
         """Their evidence, the first being the one without anything new."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -13,12 +13,11 @@ from flexmodal.diagnosis.disagreement.compare import disagreement, excess, force
 from flexmodal.diagnosis.disagreement.gaps import gap_of, gaps_of, left, over_noise
 from flexmodal.diagnosis.findings import Findings
 from flexmodal.diagnosis.hypothesis import Hypothesis
-from flexmodal.diagnosis.lawfree.first_look import LooksWithoutLaw
-from flexmodal.diagnosis.lawfree.result import CLASSES_OF, PORT_OF
+from flexmodal.diagnosis.lawfree.result import PORT_OF
 from flexmodal.diagnosis.lawfree.result import Findings as LawFree
 from flexmodal.diagnosis.outcome import Gaps, NextMeasurement
 from flexmodal.diagnosis.search.close_fit import fitted_closely
-from flexmodal.diagnosis.search.explanations import best_of_each, explanations, from_each_start
+from flexmodal.diagnosis.search.explanations import best_of_each
 from flexmodal.diagnosis.search.modal_search import unmatched
 from flexmodal.diagnosis.search.unstructured import unstructured_mode
 from flexmodal.diagnosis.selection.beside_frfs import ModesBeside
@@ -26,6 +25,7 @@ from flexmodal.diagnosis.selection.beside_nothing import beside_nothing
 from flexmodal.diagnosis.selection.comparison import Comparison
 from flexmodal.diagnosis.selection.data import Conclusion, Data
 from flexmodal.diagnosis.selection.decision import Answer, reaches
+from flexmodal.diagnosis.selection.frf_candidates import FrfCandidates, starts
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs, compare_models
 from flexmodal.diagnosis.selection.frf_thresholds import (
     EXPLAINED,
@@ -63,8 +63,8 @@ class FrfData(Data[FittedFrfs]):
         self._root = fitted_closely(setup, bare, zero)
         self.force = reaches(force_dependence(setup.observations), FORCE, FORCE_MARGIN)
         """Whether FRFs change with the force of the blow."""
-        self._looks = LooksWithoutLaw(setup, self._root, self.force > Answer.NO, setup.advance)
-        self._look = self._looks.one
+        self._candidates = FrfCandidates(setup, self._root, with_force=self.force > Answer.NO)
+        self._look = self._candidates.looks.one
 
     @property
     def root(self) -> FittedFrfs:
@@ -82,48 +82,32 @@ class FrfData(Data[FittedFrfs]):
         seen = self.setup.observations
         return tuple(seen.postures[int(k)].id for k in np.unique(seen.posture[self.setup.held]))
 
+    def pointed(self, before: FittedFrfs, number: int) -> list[FittedFrfs]:
+        """See `Data`; everywhere where one place explains what is left and no effect does that there.
+
+        Beside a model that is named already only what such a place stands for: its law may be to blame.
+        """
+        named, look = self.is_named(before), self._candidates.look_beside(before)
+        if self.asked is not None or not look.needed or (named and not look.explains):
+            return [before]
+        found = self._candidates.at_places(before, number, look, self.is_over)
+        if named:
+            return [before, *(one for one in found if look.met([one.key]))]
+        if look.explains and not any(self.is_over(one) for one in found):
+            found = best_of_each([*found, *self._candidates.everywhere(before, number)])
+        return [before, *found, *([] if number else [unstructured_mode(self.setup, before)])]
+
     def candidates(self, before: FittedFrfs, number: int) -> list[FittedFrfs]:
         """The finalists of a search, and a mode with no structure last.
 
-        The first search is where the law-free look for one place points. If nothing there is enough, a look
-        for several places says where further searches go; everywhere where that does not explain it either.
+        A look for several places says where it goes; everywhere where that does not explain it either.
         """
-        found: list[FittedFrfs] = []
-        if not number and self.look.needed:
-            found = self._searched(before, number, self.look.worth_trying)
-            if self.look.explains and not any(self.is_over(one) for one in found):
-                more = from_each_start(self.setup, before, _starts(before), self._pointed_to())
-                found = best_of_each([*found, *more])
-        if not any(self.is_over(one) for one in found):
-            self._look = self._looks.several
-            several = self.look.explains and len(self.look.found) > 1 and number < len(self.look.found)
-            more = self._searched(before, number, self.look.worth_trying if several else _anything)
-            found = best_of_each([*found, *more])
+        self._look = self._candidates.looks.several
+        if self.look.explains and len(self.look.found) > max(1, number):
+            found = self._candidates.searched(before, number, self.look.worth_trying)
+        else:
+            found = self._candidates.everywhere(before, number)
         return [before, *found, unstructured_mode(self.setup, before)]
-
-    def _pointed_to(self) -> list[tuple[str, str]]:
-        """Effects whose place and class the law-free look has found; those that it has a class for."""
-        return [
-            (effect.name, where)
-            for effect in self.setup.effects
-            if effect.name in CLASSES_OF and not effect.untestable(self.setup.context)
-            for where in effect.places(self.setup.context)
-            if any(one.where == where and one.could_be(effect.name, where) for one in self.look.found)
-        ]
-
-    def _searched(
-        self, before: FittedFrfs, number: int, allowed: Callable[[str, str], bool]
-    ) -> list[FittedFrfs]:
-        doing = f"looking for {'an effect' if not number else 'another effect'}"
-        return explanations(
-            self.setup,
-            before,
-            _starts(before),
-            with_force=self.force > Answer.NO,
-            enough=FLOOR_REACHED,
-            advance=lambda part: self.setup.advance(doing, part),
-            allowed=allowed,
-        )
 
     @property
     def look(self) -> LawFree:
@@ -266,7 +250,7 @@ class FrfData(Data[FittedFrfs]):
         """See `Data`: at the places that the law-free look points to."""
         if not self.look.needed:
             return None
-        return stand_in(self.setup, self.look, model, _starts, with_force=self.force > Answer.NO)
+        return stand_in(self.setup, self.look, model, starts, with_force=self.force > Answer.NO)
 
     def baselines(self, model: FittedFrfs) -> Baselines | None:
         """See `Data`."""
@@ -281,18 +265,3 @@ class FrfData(Data[FittedFrfs]):
         """The FRFs and what the models have for them."""
         stages = {"before": conclusion.before.predicted, "after": conclusion.after.predicted}
         return {"frfs": self.setup.observations, "predicted": {"believed": self.believed, **stages}}
-
-
-def _anything(effect: str, where: str) -> bool:
-    """Every effect in every place."""
-    return True
-
-
-def _starts(before: FittedFrfs) -> list[np.ndarray]:
-    """Where a search sets out: at the card, with the effects there are, and where the last fit ended.
-
-    A fit without an effect that is there runs away from the truth.
-    """
-    count = len(before.hypothesis.base)
-    at_card = np.concatenate([np.zeros(count), before.x[count:]])
-    return [at_card, before.x] if before.hypothesis.placed else [at_card]

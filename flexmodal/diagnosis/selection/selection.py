@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Generic
+from collections.abc import Mapping, Sequence
+from itertools import pairwise
+from typing import Any, Generic
 
 import numpy as np
 from jaxtyping import Float
@@ -25,6 +26,10 @@ from flexmodal.diagnosis.selection.decision import (
 
 STEP = 1e-5
 """Of the differences along parameters."""
+MOST = 5
+"""Effects at once."""
+NEARER = 0.1
+"""Part of what is left above the noise that an exchange of one effect for another has to take."""
 
 
 class ForwardSelection(Generic[M]):
@@ -45,6 +50,30 @@ class ForwardSelection(Generic[M]):
 
     def run(self) -> None:
         """Add effects until nothing significant is left; those that nobody misses go."""
+        if not self.follow():
+            self.search()
+        self.drop_needless()
+
+    def follow(self) -> bool:
+        """Add effects where a look without a law points, each time beside those that are there.
+
+        Each has to take no more than the first effect must: several may hide one another. They stay if
+        together they leave nothing, or so many of the first as are named without the others.
+
+        Returns:
+            Whether any stayed.
+        """
+        kept, named = self._state, None
+        while len(self.steps) < MOST and (self._further() or self._exchanged()):
+            if self.data.is_enough(self.current):
+                return True
+            if named is None and self.data.is_named(self.current):
+                named = self._state
+        self._state = kept if named is None else named
+        return named is not None
+
+    def search(self) -> None:
+        """Add effects wherever they do best, no more than can be judged without knowing where to look."""
         number = 0
         while self.step(number) is not None and not self.data.is_over(self.current):
             number += 1
@@ -52,11 +81,50 @@ class ForwardSelection(Generic[M]):
                 break
         if self.pair is not None and not self.data.is_over(self.current):
             self.exchange(self.pair)
-        self.drop_needless()
 
     def step(self, number: int) -> Step | None:
         """One effect more, if one is needed."""
-        comparison = self.data.compare(self.data.candidates(self.current, number))
+        return self._taken(self.data.candidates(self.current, number), number)
+
+    def _further(self) -> bool:
+        """One effect more where the data point."""
+        models = self.data.pointed(self.current, len(self.steps))
+        return len(models) > 1 and self._taken(models, 0) is not None
+
+    def _exchanged(self) -> bool:
+        """Another effect in place of one but the last, which may have taken up what was due to others."""
+        for key in self.current.hypothesis.keys[:-1]:
+            less = self.data.without(self.current, key)
+            comparison = self.data.compare(self.data.pointed(less, len(self.steps) - 1))
+            able = [k for k, one in enumerate(comparison.models) if k and one.key[0] != UNSTRUCTURED]
+            if not able:
+                continue
+            other = comparison.models[max(able, key=lambda k: comparison.scores[k])]
+            taken = self.data.share(self.current, other)
+            if taken is not None and taken > NEARER:
+                self._describe_anew(other)
+                return True
+        return False
+
+    def _describe_anew(self, model: M) -> None:
+        """The steps to a model whose effects were not added one after the other."""
+        chain = [model]
+        while len(chain[0].hypothesis.keys) > 1:
+            chain.insert(0, self.data.without(chain[0], chain[0].hypothesis.keys[-1]))
+        before = [self.root, *chain]
+        self.steps[:] = [self.describe(self.data.compare([one, other]), 1) for one, other in pairwise(before)]
+        self.current = model
+
+    @property
+    def _state(self) -> tuple[Any, ...]:
+        return self.current, list(self.steps), self.refused, self.rivals, list(self.rounds)
+
+    @_state.setter
+    def _state(self, state: tuple[Any, ...]) -> None:
+        self.current, self.steps, self.refused, self.rivals, self.rounds = state
+
+    def _taken(self, models: Sequence[M], number: int) -> Step | None:
+        comparison = self.data.compare(models)
         found = self._chosen(comparison, number)
         self.rounds.append(Round(comparison, found))
         pairs = [k for k, one in enumerate(comparison.models) if k and one.key[0] != UNSTRUCTURED]
@@ -78,12 +146,12 @@ class ForwardSelection(Generic[M]):
 
         Alone, an effect takes up what it can of another one, and may then sit in the wrong place.
         """
-        kept = self.current, list(self.steps), self.refused, self.rivals, list(self.rounds)
+        kept = self._state
         alone = self.data.without(pair, pair.hypothesis.keys[0])
         self.steps[:] = [self.describe(self.data.compare([self.root, alone]), 1)]
         self.current, self.refused = alone, []
         if self.step(1) is None or not (self.data.is_enough(self.current) or self._is_nearer(kept[0])):
-            self.current, self.steps, self.refused, self.rivals, self.rounds = kept
+            self._state = kept
 
     def _is_nearer(self, other: M) -> bool:
         """Whether the current model has the effects of another one and takes more of the disagreement."""

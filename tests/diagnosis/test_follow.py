@@ -1,0 +1,162 @@
+"""Several effects, each added where the data point beside those that are there; on a world made by hand."""
+
+from dataclasses import dataclass
+from unittest.mock import Mock
+
+import numpy as np
+import pytest
+
+from flexmodal.diagnosis.outcome import Compared, Step
+from flexmodal.diagnosis.selection.comparison import Comparison
+from flexmodal.diagnosis.selection.data import Data
+from flexmodal.diagnosis.selection.decision import Answer
+from flexmodal.diagnosis.selection.selection import MOST, ForwardSelection
+
+MASS, DELAY, PLAY, LINK, BASE = (
+    ("added_mass", "a"),
+    ("time_delay", "b"),
+    ("play", "c"),
+    ("link", "d"),
+    ("base", "e"),
+)
+EVERY = (MASS, DELAY, PLAY, LINK, BASE, ("spare", "f"), ("spare", "g"))
+NOISE = 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """What is in it."""
+
+    keys: tuple
+    x = np.zeros(0)
+    parameters = 0
+
+    @property
+    def hypothesis(self):
+        return self
+
+    @property
+    def key(self):
+        return self.keys[-1] if self.keys else ("none", "")
+
+
+class World(Data):
+    """Every set of effects leaves so much; 1 is the noise."""
+
+    asked = None
+
+    def __init__(self, left, named=()):
+        self.left, self.named, self.looked = left, set(named), []
+        self._root = Model(())
+
+    @property
+    def root(self):
+        return self._root
+
+    def pointed(self, before, number):
+        assert number == len(before.keys)
+        self.looked.append(before.keys)
+        return [before, *(Model((*before.keys, key)) for key in EVERY if key not in before.keys)]
+
+    def compare(self, models):
+        scores = -np.array([100.0 * self.left(frozenset(one.keys)) for one in models])
+        return Comparison(models, scores, np.tile(scores[:, None], 3))
+
+    def without(self, model, key):
+        return Model(tuple(one for one in model.keys if one != key))
+
+    def worth(self, before, after, number):
+        taken = 1 - self.left(frozenset(after.keys)) / self.left(frozenset(before.keys))
+        return Answer.YES if taken > (0.33 if number else 0.025) else Answer.NO
+
+    def is_enough(self, model):
+        return self.left(frozenset(model.keys)) <= NOISE
+
+    def is_named(self, model):
+        return model.keys in self.named
+
+    def vouches(self, model):
+        return False
+
+    def alike(self, one, other):
+        return True
+
+    def share(self, first, last):
+        return 1 - self.left(frozenset(last.keys)) / self.left(frozenset(first.keys))
+
+
+World.__abstractmethods__ = frozenset()
+
+
+class Selection(ForwardSelection):
+    def describe(self, comparison, chosen):
+        effect, where = comparison.models[chosen].key
+        return Mock(spec=Step, effect=effect, where=where)
+
+    def compared(self, comparison, number):
+        return Mock(spec=Compared)
+
+
+def followed(left, named=()):
+    selection = Selection(World(left, named))
+    return selection, selection.follow()
+
+
+def steps(selection):
+    return [(one.effect, one.where) for one in selection.steps]
+
+
+@pytest.mark.parametrize(
+    "hidden", [{MASS}, {MASS, PLAY}, {MASS, DELAY, PLAY, BASE}, {MASS, DELAY, PLAY, BASE, LINK}]
+)
+def test_each_of_several_takes_less_than_a_further_one_would_have_to(hidden):
+    selection, ended = followed(lambda keys: NOISE / 2 + 20 * len(hidden - keys) + len(keys - hidden))
+    assert ended
+    assert set(steps(selection)) == hidden
+    assert set(selection.current.keys) == hidden
+
+
+def test_no_more_than_so_many():
+    selection, ended = followed(lambda keys: 200.0 - 20 * len(keys))
+    assert not ended
+    assert max(len(keys) for keys in selection.data.looked) == MOST - 1
+    assert selection.current is selection.root
+    assert steps(selection) == []
+
+
+def wrong_first(keys):
+    """The base alone passes for the mass while the delay is missing."""
+    if {MASS, DELAY} <= keys and BASE not in keys:
+        return NOISE / 2
+    return 100.0 - 30 * (MASS in keys) - 40 * (BASE in keys and MASS not in keys) - 35 * (DELAY in keys)
+
+
+def test_what_took_up_another_is_exchanged():
+    selection, ended = followed(wrong_first)
+    assert ended
+    assert selection.data.looked[0] == ()
+    assert selection.data.looked[1] == (BASE,)
+    assert steps(selection) == [DELAY, MASS]
+    assert selection.current.keys == (DELAY, MASS)
+
+
+def test_an_exchange_that_takes_little_is_none():
+    selection, ended = followed(
+        lambda keys: (
+            100.0 - 60 * (BASE in keys) - 62 * (MASS in keys and BASE not in keys) - (DELAY in keys) * 30
+        )
+    )
+    assert not ended
+    assert steps(selection) == []
+
+
+@pytest.mark.parametrize("more", [False, True])
+def test_what_is_named_stays_whatever_comes_after(more):
+    """The law of the delay may leave what looks like something else, unless that takes all of it."""
+
+    def left(keys):
+        return 90.0 - 85 * (DELAY in keys) - (4.5 if more else 1.0) * (MASS in keys and DELAY in keys)
+
+    selection, ended = followed(left, named=[(DELAY,)])
+    assert ended
+    assert steps(selection) == ([DELAY, MASS] if more else [DELAY])
