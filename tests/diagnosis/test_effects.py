@@ -202,6 +202,24 @@ def test_a_foundation_on_a_block_is_that_of_the_rig(bench):
     np.testing.assert_allclose(found, other, rtol=1e-7)
 
 
+def test_an_absorber_is_free_two_ways(bench):
+    context, observed, stand = bench
+    where, effect = "link_2", catalogue()["local_absorber"]
+    values = {
+        "mass": 12.0, "frequency": 21.0, "damping_ratio": 0.06, "along": 0.7, "beside": 0.05, "angle": 0.4,
+        "across_ratio": 1.7,
+    }  # fmt: skip
+    found = ours(context, observed, "local_absorber", where, values)
+    drawn = {**effect.physical(context, where, values), "second": np.sqrt(values["across_ratio"])}
+    drawn = {name: value for name, value in drawn.items() if name not in ("across_ratio", "stiffness")}
+    other = theirs(observed, stand, "local_absorber", where, drawn, "two_way")
+    np.testing.assert_allclose(found, other, rtol=1e-7)
+    one_way = ours(context, observed, "local_absorber", where, {**values, "across_ratio": 1e4})
+    own = {name: value for name, value in drawn.items() if name != "second"}
+    plain = theirs(observed, stand, "local_absorber", where, own)
+    np.testing.assert_allclose(one_way, plain, rtol=3e-3, atol=1e-3 * np.abs(plain).max())
+
+
 def test_a_sensor_off_the_surface_is_a_body_there(bench):
     """While it is on one point it is like a mass that is attached for good."""
     context, observed, _ = bench
@@ -217,14 +235,15 @@ def test_a_sensor_off_the_surface_is_a_body_there(bench):
     np.testing.assert_allclose(found, other, rtol=1e-3)
 
 
-def test_a_sensor_lags_by_a_delay_and_a_low_pass(bench):
+def test_a_sensor_lags_by_a_delay_a_low_pass_and_an_all_pass(bench):
     context, observed, _ = bench
     where = context.sensors[0]
     plain = ours(context, observed, "sensor_gain", where, {"gain": 1.0})
-    found = ours(context, observed, "time_delay", where, {"delay": 2e-3, "time_constant": 3e-3})
+    lags = {"delay": 2e-3, "time_constant": 3e-3, "all_pass_time": 4e-3}
+    found = ours(context, observed, "time_delay", where, lags)
     omega = 2 * np.pi * observed.axis.frequency
     here = observed.response[:, 0] == next(p.id for p in observed.campaign.points if p.name == where)
-    late = np.exp(-2e-3j * omega) / (1 + 3e-3j * omega)
+    late = np.exp(-2e-3j * omega) / (1 + 3e-3j * omega) * (1 - 2e-3j * omega) / (1 + 2e-3j * omega)
     np.testing.assert_allclose(found[here] / plain[here], np.broadcast_to(late, found[here].shape), rtol=1e-9)
     np.testing.assert_allclose(found[~here], plain[~here], rtol=1e-12)
 

@@ -1,4 +1,8 @@
-"""Something resilient attached to a link: a mass on a spring and damper, free along one direction."""
+"""Something resilient attached to a link: a mass on springs and dampers, free along one direction or two.
+
+The second direction is across the first, in the plane of that and the link's axis; its spring is so many
+times as stiff, and where that is much the mass is free along one.
+"""
 
 from __future__ import annotations
 
@@ -25,6 +29,7 @@ def _parameters(context: Context, where: str) -> tuple[Parameter, ...]:
         signed("along", "", 0.35, -0.3, 1.3, centre=0.65),
         signed("beside", "m", 0.06, -0.5, 0.5),
         signed("angle", "rad", 0.5, -1.6, 1.6),
+        positive("across_ratio", "", 1e3, 2.0, 0.02, 1e4),
     ]
     if context.normal is None:
         found += [signed("above", "m", 0.06, -0.5, 0.5), signed("turn", "rad", 2.0, -3.2, 3.2)]
@@ -45,52 +50,59 @@ def _starts(context: Context, where: str) -> list[Mapping[str, float]]:
     ]
 
 
-def _way(context: Context, where: str, values: Mapping[str, float]) -> np.ndarray:
-    """The direction in which it gives, in the frame of the link: across it, turned."""
+def _ways(context: Context, where: str, values: Mapping[str, float]) -> tuple[np.ndarray, np.ndarray]:
+    """The directions in which it gives, in the frame of the link: across it, turned; and across that."""
     _, axis = along(context, where)
     across = sides(context, where, axis)
     side = across[0]
     if len(across) == 2:
         side = np.cos(values["turn"]) * across[0] + np.sin(values["turn"]) * across[1]
-    return np.cos(values["angle"]) * side + np.sin(values["angle"]) * axis
+    cosine, sine = np.cos(values["angle"]), np.sin(values["angle"])
+    return cosine * side + sine * axis, cosine * axis - sine * side
 
 
-def _spring(values: Mapping[str, float]) -> tuple[float, float]:
-    """Stiffness [N/m] and damping [N·s/m]."""
+def _springs(values: Mapping[str, float]) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Stiffness [N/m] and damping [N·s/m] along either direction."""
     stiffness = values["mass"] * (2 * np.pi * values["frequency"]) ** 2
-    return stiffness, 2 * values["damping_ratio"] * float(np.sqrt(stiffness * values["mass"]))
+    damping = 2 * values["damping_ratio"] * float(np.sqrt(stiffness * values["mass"]))
+    across = values["across_ratio"]
+    return (stiffness, damping), (across * stiffness, float(np.sqrt(across)) * damping)
 
 
 def _shape(assembly: Assembly, placement: Placement) -> None:
-    assembly.add_coordinates([f"{placement.where} absorber"])
+    assembly.add_coordinates([f"{placement.where} absorber", f"{placement.where} absorber across"])
 
 
 def _act(assembly: Assembly, placement: Placement) -> None:
-    way = assembly.axes(placement.where) @ _way(placement.context, placement.where, placement.values)
-    own = assembly.row(f"{placement.where} absorber")
+    ways = _ways(placement.context, placement.where, placement.values)
+    own, other = (assembly.row(f"{placement.where} absorber{more}") for more in ("", " across"))
+    axes = assembly.axes(placement.where)
+    along_, across = (axes @ way for way in ways)
     mass = placement["mass"]
     place = place_on(placement.context, placement.where, placement.values)
     motion = assembly.motion(placement.where, place)
     for k in range(3):
-        assembly.add_inertia(motion[..., k, :] + way[..., k, None] * own, mass)
-    stiffness, damping = _spring(placement.values)
-    assembly.add_spring(own, stiffness)
-    assembly.add_damper(own, damping)
+        moves = motion[..., k, :] + along_[..., k, None] * own + across[..., k, None] * other
+        assembly.add_inertia(moves, mass)
+    for row, spring in zip((own, other), _springs(placement.values), strict=True):
+        assembly.add_spring(row, spring[0])
+        assembly.add_damper(row, spring[1])
 
 
 def _physical(context: Context, where: str, values: Mapping[str, float]) -> dict[str, float]:
     x, y, z = place_on(context, where, values).tolist()
-    dx, dy, dz = _way(context, where, values).tolist()
-    kept = {name: values[name] for name in ("mass", "frequency", "damping_ratio")}
-    return {**kept, "stiffness": _spring(values)[0], "x": x, "y": y, "z": z, "dx": dx, "dy": dy, "dz": dz}
+    dx, dy, dz = _ways(context, where, values)[0].tolist()
+    kept = {name: values[name] for name in ("mass", "frequency", "damping_ratio", "across_ratio")}
+    return {**kept, "stiffness": _springs(values)[0][0], "x": x, "y": y, "z": z, "dx": dx, "dy": dy, "dz": dz}
 
 
 def _extend(draft: Draft, placement: Placement) -> None:
     place = place_on(placement.context, placement.where, placement.values)
-    way = _way(placement.context, placement.where, placement.values)
+    ways = _ways(placement.context, placement.where, placement.values)
     part = Body(placement["mass"], place, np.zeros((3, 3)))
-    joint = draft.attach(placement.where, part, name=f"{placement.where}_absorber", slides=way)
-    draft.flexible(joint, *_spring(placement.values))
+    joints = draft.attach(placement.where, part, name=f"{placement.where}_absorber", slides=ways)
+    for joint, spring in zip(joints, _springs(placement.values), strict=True):
+        draft.flexible(joint, *spring)
 
 
 EFFECT = Effect(

@@ -107,11 +107,14 @@ DELAYS = (1e-4, 1e-3, 2e-3, 4e-3, 7e-3, 0.011, 0.016)
 
 LAGS = (1e-5, 1e-3, 6e-3)
 """Time constants from which fits start [s]; the first is none to speak of."""
+TURNS = (3e-3, 8e-3, 0.02)
+"""Times of an all-pass from which fits start [s]: its phase bends where a delay's goes on."""
 
 
 def _lag(placement: Placement, axis: Axis) -> np.ndarray:
-    """A pure delay behind a low pass of first order."""
-    return -axis.s * placement["delay"] - np.log1p(axis.s * placement["time_constant"])
+    """A pure delay behind a low pass and an all-pass of first order."""
+    low, turn = axis.s * placement["time_constant"], axis.s * placement["all_pass_time"] / 2
+    return np.asarray(-axis.s * placement["delay"] - np.log1p(low) + np.log1p(-turn) - np.log1p(turn))
 
 
 SENSOR_DELAY = Effect(
@@ -122,9 +125,11 @@ SENSOR_DELAY = Effect(
     parameters=lambda context, where: (
         signed("delay", "s", 5e-3, -0.03, 0.03),
         positive("time_constant", "s", 1e-5, 2.5, 1e-6, 0.1),
+        positive("all_pass_time", "s", 1e-5, 2.5, 1e-6, 0.1),
     ),
     starts=lambda context, where: [
-        {"delay": delay, "time_constant": lag} for delay in (0.0, *DELAYS) for lag in LAGS
+        *({"delay": delay, "time_constant": lag} for delay in (0.0, *DELAYS) for lag in LAGS),
+        *({"delay": 0.0, "all_pass_time": turn} for turn in TURNS),
     ],
     read=_lag,
 )

@@ -46,15 +46,15 @@ class Cut:
 
 @dataclass(frozen=True, eq=False)
 class Hung:
-    """Something attached to a link: rigidly, or free along one direction."""
+    """Something attached to a link: rigidly, or free along some directions."""
 
     link: str
     place: Vector
     """In the frame of the link [m]."""
     body: Body
     """In a frame at that place, turned as that of the link."""
-    name: str
-    slides: Vector | None = None
+    joints: tuple[str, ...]
+    slides: tuple[Vector, ...] = ()
 
 
 class Draft:
@@ -140,15 +140,20 @@ class Draft:
         self.urdf.split_shapes(near, outer, place - offset, way)
         return outer
 
-    def attach(self, link: str, part: Body, *, name: str, slides: Vector | None = None) -> str:
-        """Hang a body on a link, rigidly or free along a direction; returns the name of the joint.
+    def attach(self, link: str, part: Body, *, name: str, slides: Sequence[Vector] = ()) -> tuple[str, ...]:
+        """Hang a body on a link, rigidly or free along directions, one behind the other.
 
         Its centre is given in the frame of the link.
+
+        Returns:
+            The names of the joints.
         """
-        joint = self.fresh(name)
+        joints = tuple(
+            self.fresh(f"{name}_{number}" if number else name) for number in range(len(slides) or 1)
+        )
         body = Body(float(part.mass), np.zeros(3), part.inertia)
-        self._hung.append(Hung(link, part.centre, body, joint, slides))
-        return joint
+        self._hung.append(Hung(link, part.centre, body, joints, tuple(slides)))
+        return joints
 
     def under_root(self, motions: Sequence[tuple[str, Vector, bool]], centre: Vector) -> None:
         """Let the root link move by new joints.
@@ -222,12 +227,14 @@ class Draft:
         """The URDF, with everything hung where it belongs."""
         for one in self._hung:
             link, place = self.place_of(one.link, one.place)
-            child = self.fresh(f"{one.name}_mass")
+            child = self.fresh(f"{one.joints[0]}_mass")
             self.urdf.add_link(child)
             self.urdf.set_body(child, one.body.mass, one.body.centre, one.body.inertia)
-            kind = "fixed" if one.slides is None else "prismatic"
-            axis = np.array([1.0, 0.0, 0.0]) if one.slides is None else one.slides
-            self.urdf.add_joint(_joint(one.name, kind, link, child, axis, place))
+            for name, way in zip(one.joints, one.slides or (None,), strict=True):
+                carried = child if name == one.joints[-1] else self._dust(f"{name}_part")
+                kind, axis = ("fixed", np.array([1.0, 0.0, 0.0])) if way is None else ("prismatic", way)
+                self.urdf.add_joint(_joint(name, kind, link, carried, axis, place))
+                link, place = carried, np.zeros(3)
         self._hung = []
         return self.urdf
 

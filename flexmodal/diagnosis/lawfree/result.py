@@ -47,7 +47,7 @@ CLASSES_OF: Mapping[str, tuple[str, ...]] = {
     "servo_compliance": ("resonance", "something in series, with a resonance of its own", "relaxation"),
     "sensor_mass": ("mass", "resonance"),
     "sensor_gain": ("gain", "gain and phase", "gain with a power of frequency"),
-    "time_delay": ("delay", "gain and delay", "low pass and gain"),
+    "time_delay": ("delay", "gain and delay", "low pass and gain", "all-pass and gain"),
 }
 """The classes that its curve can be of; effects that are not listed have no common curve to be of a class."""
 

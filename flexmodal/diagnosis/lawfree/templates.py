@@ -152,6 +152,14 @@ _GAIN_DELAY = Template(
 )
 _LOW = Template("low pass and gain", lambda w, at: [_one(w), -np.log(1 + 1j * w * at[0])], 2,
                 ("ln gain = {:.4g}", "order {:.3g}"), (_times,), "time constant {:.3g} s")  # fmt: skip
+_TURN = Template(
+    "all-pass and gain",
+    lambda w, at: [_one(w), np.log(1 - 0.5j * w * at[0]) - np.log(1 + 0.5j * w * at[0])],
+    2,
+    ("ln gain = {:.4g}", "order {:.3g}"),
+    (_times,),
+    "time {:.3g} s",
+)
 _HIGH = Template("high pass and gain", lambda w, at: [_one(w), -np.log(1 + 1 / (1j * w * at[0]))], 2,
                  ("ln gain = {:.4g}", "order {:.3g}"), (_times,), "time constant {:.3g} s")  # fmt: skip
 
@@ -165,8 +173,8 @@ _OF = {
     "carried": (_MASS, _SPRING, _BOTH, _ABSORBER),
     "ground": (_SPRING, _DAMPER, _BOTH, _MASS, _RELAXATION),
     "body": (_MASS, _SPRING, _BOTH, _ABSORBER),
-    "sensor": (_GAIN, _SLOPE, _PHASE, _DELAY, _GAIN_DELAY, _LOW, _HIGH),
-    "hammer": (_GAIN, _SLOPE, _PHASE, _DELAY, _GAIN_DELAY, _LOW, _HIGH),
+    "sensor": (_GAIN, _SLOPE, _PHASE, _DELAY, _GAIN_DELAY, _LOW, _TURN, _HIGH),
+    "hammer": (_GAIN, _SLOPE, _PHASE, _DELAY, _GAIN_DELAY, _LOW, _TURN, _HIGH),
 }
 
 

@@ -30,6 +30,8 @@ MOST = 5
 """Effects at once."""
 NEARER = 0.1
 """Part of what is left above the noise that an exchange of one effect for another has to take."""
+MUCH = 0.33
+"""The same of one effect more: where it takes less, an exchange is tried before it."""
 
 
 class ForwardSelection(Generic[M]):
@@ -63,14 +65,16 @@ class ForwardSelection(Generic[M]):
         Returns:
             Whether any stayed.
         """
-        kept, named = self._state, None
-        while len(self.steps) < MOST and (self._further() or self._exchanged()):
-            if self.data.is_enough(self.current):
-                return True
+        kept, named, ended = self._state, None, False
+        while not ended and self._follow_on():
+            ended = self.data.is_enough(self.current)
             if named is None and self.data.is_named(self.current):
                 named = self._state
-        self._state = kept if named is None else named
-        return named is not None
+        if not ended:
+            self._state = kept if named is None else named
+        if [(step.effect, step.where) for step in self.steps] != list(self.current.hypothesis.keys):
+            self._describe_anew()
+        return ended or named is not None
 
     def search(self) -> None:
         """Add effects wherever they do best, no more than can be judged without knowing where to look."""
@@ -86,34 +90,43 @@ class ForwardSelection(Generic[M]):
         """One effect more, if one is needed."""
         return self._taken(self.data.candidates(self.current, number), number)
 
-    def _further(self) -> bool:
-        """One effect more where the data point."""
-        models = self.data.pointed(self.current, len(self.steps))
-        return len(models) > 1 and self._taken(models, 0) is not None
+    def _follow_on(self) -> bool:
+        """One effect more where the data point, or another one in place of one that is there."""
+        before, many = self._state, len(self.current.hypothesis.keys)
+        models = self.data.pointed(self.current, many) if many < MOST else []
+        if len(models) < 2 or self._taken(models, 0) is None:
+            return self._exchanged()
+        if many > 1 and not self._takes(before[0], self.current, MUCH):
+            further, self._state = self._state, before
+            if not self._exchanged():
+                self._state = further
+        return True
 
     def _exchanged(self) -> bool:
         """Another effect in place of one but the last, which may have taken up what was due to others."""
-        for key in self.current.hypothesis.keys[:-1]:
+        keys = self.current.hypothesis.keys
+        for key in keys[:-1]:
             less = self.data.without(self.current, key)
-            comparison = self.data.compare(self.data.pointed(less, len(self.steps) - 1))
+            comparison = self.data.compare(self.data.pointed(less, len(keys) - 1))
             able = [k for k, one in enumerate(comparison.models) if k and one.key[0] != UNSTRUCTURED]
-            if not able:
-                continue
-            other = comparison.models[max(able, key=lambda k: comparison.scores[k])]
-            taken = self.data.share(self.current, other)
-            if taken is not None and taken > NEARER:
-                self._describe_anew(other)
+            other = max(able, key=lambda k: comparison.scores[k], default=0)
+            if other and self._takes(self.current, comparison.models[other], NEARER):
+                self.current = comparison.models[other]
                 return True
         return False
 
-    def _describe_anew(self, model: M) -> None:
+    def _takes(self, first: M, last: M, part: float) -> bool:
+        """Whether a model takes so much of what another one leaves above the noise."""
+        taken = self.data.share(first, last)
+        return taken is not None and taken > part
+
+    def _describe_anew(self) -> None:
         """The steps to a model whose effects were not added one after the other."""
-        chain = [model]
+        chain = [self.current]
         while len(chain[0].hypothesis.keys) > 1:
             chain.insert(0, self.data.without(chain[0], chain[0].hypothesis.keys[-1]))
         before = [self.root, *chain]
         self.steps[:] = [self.describe(self.data.compare([one, other]), 1) for one, other in pairwise(before)]
-        self.current = model
 
     @property
     def _state(self) -> tuple[Any, ...]:
