@@ -110,6 +110,9 @@ def facts_of(selection: ForwardSelection[M], found: Conclusion[M], modal: Findin
     """
     data, first = selection.data, selection.rounds[0].comparison
     standing, lacking_at = data.standing(selection.current)
+    share = data.share(selection.root, found.after)
+    if standing and len(standing) < len(selection.steps):
+        share = sum(one.share or 0.0 for one in selection.steps if (one.effect, one.where) in standing)
     return Facts(
         steps=tuple(selection.steps),
         says={effect.name: effect.says for effect in data.effects},
@@ -122,7 +125,7 @@ def facts_of(selection: ForwardSelection[M], found: Conclusion[M], modal: Findin
         lacking_at=lacking_at,
         contradicted=data.is_contradicted(selection.current),
         kind=found.remaining[0].kind if found.remaining else "",
-        share=data.share(selection.root, found.after),
+        share=share,
         look=data.look,
         place=data.place(found.after, modal),
         untestable=tuple(data.untestable),

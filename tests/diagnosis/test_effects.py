@@ -23,6 +23,7 @@ from flexmodal.rig.effects.effect import Site
 from flexmodal.rig.plant.build import build
 from flexmodal.rig.simulate import make_stand
 from flexmodal.structure import robot_space
+from flexmodal.structure.ports import StiffnessPort, solved_with
 
 
 @pytest.fixture(scope="module")
@@ -202,6 +203,24 @@ def test_a_foundation_on_a_block_is_that_of_the_rig(bench):
     np.testing.assert_allclose(found, other, rtol=1e-7)
 
 
+def test_joints_relax(bench):
+    """Beside a dynamic stiffness put in line by line."""
+    context, observed, _ = bench
+    part, time = 0.4, 2e-3
+    values = {"loss_factor": 1e-5, "viscous": 1.0, "relaxing": part, "relaxation_time": time}
+    found = ours(context, observed, "structural_damping", "joints", values)
+    root = Hypothesis(context, robot_space(context.robot))
+    lag = 2j * np.pi * observed.axis.frequency * time
+    expected = np.zeros_like(found)
+    for group in root.groups(np.zeros(len(root.space)), observed, slopes=False):
+        springs = np.zeros_like(group.structures.stiffness)
+        springs[:] = np.diag([context.robot.joints[name].stiffness for name in group.structures.coordinates])
+        port = StiffnessPort(springs, (part * lag / (1 + lag))[None])
+        solved = solved_with(group.structures, observed.axis_of(group.part.level), group.part.entries, [port])
+        expected[group.part.observations] = solved.solved.value[group.part.entry]
+    np.testing.assert_allclose(found, expected, rtol=2e-3, atol=1e-3 * np.abs(expected).max())
+
+
 def test_an_absorber_is_free_two_ways(bench):
     context, observed, stand = bench
     where, effect = "link_2", catalogue()["local_absorber"]
@@ -314,6 +333,14 @@ def test_a_slender_link_has_the_modes_of_a_beam(slender, monkeypatch):
 def _with_hinges(monkeypatch, count, then):
     monkeypatch.setattr(link_flexibility, "fixed", lambda context, where: gauss(count))
     return then()
+
+
+@pytest.mark.parametrize("mean", [0.03, 0.17175, 0.5, 0.97])
+@pytest.mark.parametrize("spread", [0.02, 0.19686, 0.98])
+def test_no_hinge_is_so_stiff_that_nothing_else_has_digits(mean, spread):
+    compliance = shares(mean, spread, *gauss(4))
+    assert np.all(compliance >= 1e-6)
+    assert compliance.sum() == pytest.approx(1.0, abs=1e-5)
 
 
 @pytest.mark.parametrize("count", [4, 6])

@@ -72,8 +72,11 @@ def drawn(context, placed, seed):
         for k, parameter in enumerate(hypothesis.space):
             if parameter.name.endswith(f".{name}"):
                 x[k] = parameter.coordinate(value)
-    for k, parameter in enumerate(hypothesis.space):  # what no file holds of a coupling
-        if parameter.name.startswith("joint_coupling@") and parameter.name.endswith((".inertia", "_time")):
+    for k, parameter in enumerate(hypothesis.space):  # what no file holds
+        coupling = parameter.name.startswith("joint_coupling@")
+        if (coupling and parameter.name.endswith((".inertia", "_time"))) or parameter.name.endswith(
+            "relaxing"
+        ):
             x[k] = low[k]
     return hypothesis, x
 

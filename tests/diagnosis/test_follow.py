@@ -10,6 +10,8 @@ from flexmodal.diagnosis.outcome import Compared, Step
 from flexmodal.diagnosis.selection.comparison import Comparison
 from flexmodal.diagnosis.selection.data import Data
 from flexmodal.diagnosis.selection.decision import Answer
+from flexmodal.diagnosis.selection.frf_candidates import does_more, narrowest
+from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.selection.selection import MOST, ForwardSelection
 
 MASS, DELAY, PLAY, LINK, BASE = (
@@ -45,8 +47,8 @@ class World(Data):
 
     asked = None
 
-    def __init__(self, left, named=()):
-        self.left, self.named, self.looked = left, set(named), []
+    def __init__(self, left, named=(), sure=False):
+        self.left, self.named, self.looked, self.sure = left, set(named), [], sure
         self._root = Model(())
 
     @property
@@ -75,6 +77,9 @@ class World(Data):
     def is_named(self, model):
         return model.keys in self.named
 
+    def settles(self, model):
+        return self.sure and len(model.keys) > 1
+
     def vouches(self, model):
         return False
 
@@ -97,8 +102,8 @@ class Selection(ForwardSelection):
         return Mock(spec=Compared)
 
 
-def followed(left, named=()):
-    selection = Selection(World(left, named))
+def followed(left, named=(), sure=False):
+    selection = Selection(World(left, named, sure))
     return selection, selection.follow()
 
 
@@ -160,3 +165,22 @@ def test_what_is_named_stays_whatever_comes_after(more):
     selection, ended = followed(left, named=[(DELAY,)])
     assert ended
     assert steps(selection) == ([DELAY, MASS] if more else [DELAY])
+
+
+def test_what_is_sure_stays_though_something_is_missing_besides():
+    selection, ended = followed(lambda keys: 100.0 - 60 * (BASE in keys) - 30 * (MASS in keys), sure=True)
+    assert ended
+    assert steps(selection) == [BASE, MASS]
+
+
+def test_what_can_do_more_than_is_needed_is_left_out():
+    coupling, servo = ("joint_coupling", "q1+q2"), ("servo_compliance", "q2")
+    other = ("servo_compliance", "q3")
+    assert does_more(coupling, servo)
+    assert does_more(("sensor_misalignment", "tip"), ("sensor_gain", "tip"))
+    assert not does_more(coupling, other)
+    assert not does_more(servo, coupling)
+    assert not does_more(("tip_mass", "link_2"), servo)
+    found = [Mock(spec=FittedFrfs, key=key) for key in (coupling, servo, other)]
+    assert narrowest(found, lambda model: model.key != other) == found[1:]
+    assert narrowest(found, lambda model: model.key == coupling) == found

@@ -30,6 +30,8 @@ EVEN = 3**-0.5
 """Spread of an even beam."""
 SOFT = 1 / 8
 """The stiffness at which that is asked, over that of the stiffest joint below."""
+LEAST = 1e-6
+"""Share of a hinge at least: what is stiffer still leaves no digits for anything else."""
 LONGEST = 2.0
 """Longest step in the exponent of the shares."""
 RIDGE = 1e-12
@@ -129,7 +131,8 @@ def shares(
         if max(abs(a), abs(b)) < 1e-14:
             break
         aa, ab, bb = aa - a * a + RIDGE * largest[0] ** 2, ab - a * b, bb - b * b + RIDGE * largest[1] ** 2
-        along = (bb * a - ab * b) / (aa * bb - ab * ab), (aa * b - ab * a) / (aa * bb - ab * ab)
+        size = max(aa * bb - ab * ab, RIDGE * aa * bb)
+        along = (bb * a - ab * b) / size, (aa * b - ab * a) / size
         longest = max(abs(along[0]) * largest[0], abs(along[1]) * largest[1])
         r, q = (rate - step / max(1.0, longest / LONGEST) for rate, step in zip((r, q), along, strict=True))
-    return np.asarray(part)
+    return np.maximum(part, LEAST)

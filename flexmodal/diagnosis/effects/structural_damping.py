@@ -1,24 +1,66 @@
-"""Hysteretic loss in the joints: K (1 + iη) beside the viscous damping, one loss factor for all.
+"""Loss in the joints that is not viscous: K (1 + iη) and a part of K that relaxes, the same for all joints.
 
-The viscous part is free to be less or more than the card's, where all of it may be hysteresis.
-With the stiffening that causality asks for (see `identification.structure`).
+The viscous part is free to be less or more than the card's, where all of it may be another law's. What
+relaxes is a Maxwell element beside each joint's spring, a standard linear solid's (Zener, Elasticity and
+Anelasticity of Metals, 1948): K (1 + r iωτ/(1 + iωτ)). The constant loss comes with the stiffening that
+causality asks for (see `identification.structure`).
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
+import numpy as np
+
+from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Effect, Placement, positive
 from flexmodal.diagnosis.improved.draft import Draft
+from flexmodal.structure import Parameter
 from flexmodal.structure.assembly import Assembly
+
+LIGHT = 1e-4
+"""Inertia of a relaxing element's end, over that at which it would matter at the end of the band."""
+HELD = 0.02
+"""Part of the stiffness that relaxes from which it is told that no file holds it."""
+
+
+def _shape(assembly: Assembly, placement: Placement) -> None:
+    assembly.add_coordinates([f"{joint} relaxing" for joint in placement.context.robot.joints])
 
 
 def _act(assembly: Assembly, placement: Placement) -> None:
     assembly.loss_factor = placement["loss_factor"]
+    part, time = placement["relaxing"], placement["relaxation_time"]
+    end = 2 * np.pi * placement.context.band[1]
     for joint, card in placement.context.robot.joints.items():
-        name = f"stiffness.{joint}"
+        name, stretch = f"stiffness.{joint}", assembly.stretch_of(joint)
         viscous = placement.values.get(f"damping.{joint}", float(card.damping))
-        more = (placement["viscous"] - 1.0) * viscous
-        assembly.add_damper(assembly.stretch_of(joint), more, f"damping.{joint}")
-        assembly.add_loss(assembly.stretch_of(joint), placement.values.get(name, float(card.stiffness)), name)
+        stiffness = placement.values.get(name, float(card.stiffness))
+        assembly.add_damper(stretch, (placement["viscous"] - 1.0) * viscous, f"damping.{joint}")
+        assembly.add_loss(stretch, stiffness, name)
+        own = assembly.row(f"{joint} relaxing")
+        assembly.add_spring(stretch - own, part * stiffness, name)
+        assembly.add_damper(own, part * stiffness * time, name)
+        assembly.add_inertia(own, LIGHT * part * stiffness * time / end, name)
+
+
+def _starts(context: Context, where: str) -> list[Mapping[str, float]]:
+    low, high = (2 * np.pi * edge for edge in context.band)
+    times = (1 / np.geomspace(2 * low, high / 2, 3)).tolist()
+    return [
+        *({"loss_factor": loss} for loss in (0.01, 0.06)),
+        *({"loss_factor": 1e-3, "relaxing": 0.2, "relaxation_time": time} for time in times),
+    ]
+
+
+def _parameters(context: Context, where: str) -> tuple[Parameter, ...]:
+    low, high = (2 * np.pi * edge for edge in context.band)
+    return (
+        positive("loss_factor", "", 0.05, 1.0, 1e-5, 2.0),
+        positive("viscous", "", 1.0, 0.7, 1e-3, 10.0),
+        positive("relaxing", "", 2e-3, 2.5, 1e-8, 3.0),
+        positive("relaxation_time", "s", float(1 / np.sqrt(low * high)), 1.2, 0.1 / high, 10 / low),
+    )
 
 
 def _extend(draft: Draft, placement: Placement) -> None:
@@ -26,6 +68,12 @@ def _extend(draft: Draft, placement: Placement) -> None:
         draft.loses(joint, placement["loss_factor"])
         draft.damp(joint, placement["viscous"])
     draft.loss_frequency = placement.context.middle
+    if placement["relaxing"] > HELD:
+        part, time = placement["relaxing"], placement["relaxation_time"]
+        draft.notes.append(
+            f"the files have the constant loss of the joints and lack what relaxes: {part:.3g} of their "
+            f"stiffness within {time:.3g} s"
+        )
 
 
 EFFECT = Effect(
@@ -33,11 +81,9 @@ EFFECT = Effect(
     says="the joints lose energy by hysteresis",
     looks_like="damping that does not grow with frequency as viscous damping does",
     places=lambda context: ("joints",),
-    parameters=lambda context, where: (
-        positive("loss_factor", "", 0.05, 1.0, 1e-5, 2.0),
-        positive("viscous", "", 1.0, 0.7, 1e-3, 10.0),
-    ),
-    starts=lambda context, where: [{"loss_factor": 0.01}, {"loss_factor": 0.06}],
+    parameters=_parameters,
+    starts=_starts,
+    shape=_shape,
     act=_act,
     extend=_extend,
 )

@@ -91,6 +91,8 @@ class Field:
     """What is looked at: observations to fit and to judge, and the ports that might be in them."""
 
     root: Hypothesis
+    fitted: Float[np.ndarray, " parameter"]
+    """Its coordinates, re-tuned."""
     seen: Look
     away: Look | None
     ports: tuple[Port, ...]
@@ -120,6 +122,7 @@ class Field:
         """
         return cls(
             root,
+            x,
             look_at(endless(fitted, root, x)),
             None if held is None or not len(held) else look_at(endless(held, root, x)),
             _every(kinds, root),
@@ -129,7 +132,7 @@ class Field:
     @cached_property
     def bare(self) -> float:
         """Misfit without any port: a reading that is nothing."""
-        return self.sighted((Port.at(NOTHING, "", self.root.context),)).misfit
+        return self.sighted((Port.at(NOTHING, "", self.root.context),)).judged
 
     def round(
         self,
@@ -164,13 +167,18 @@ class Field:
         for number, port in enumerate(self.ports):
             if port.key not in taken:
                 ports = (*(before.ports if before else ()), port)
-                model = PortedModel.of(ports, self.root, self._seen(ports), self.seen.lines[::SCREEN_LINES])
+                model = self._model(ports, self._seen(ports), self.seen.lines[::SCREEN_LINES])
                 state = None if before is None else carried_over(before, model, SCREEN_LINES)
                 profile, found = profiled(model, state, floors=SCREENED, steps=SCREEN_STEPS)
                 first.append((profile.reduced(found.residual), port))
             advance((number + 1) / len(self.ports))
         first.sort(key=lambda one: one[0])
         return _kept(first)
+
+    def _model(
+        self, ports: Sequence[Port], observations: Observations, lines: Int[np.ndarray, " line"]
+    ) -> PortedModel:
+        return PortedModel.of(ports, self.root, observations, lines, self.fitted)
 
     def _seen(self, ports: Sequence[Port]) -> Observations:
         return self.seen.apart if any(port.kind.by_blow for port in ports) else self.seen.merged
@@ -187,13 +195,13 @@ class Field:
             before = self.sighted(tuple(first), before)
         every = (*(before.ports if before else ()), port)
         observations, lines = self._seen(every), self.seen.lines
-        model = PortedModel.of(every, self.root, observations, lines)
+        model = self._model(every, observations, lines)
         noise = noise_of(observations, lines)
         state = None if before is None else carried_over(before, model)
         profile, state = profiled(model, state, floors=(*FLOORS, noise), steps=STEPS)
         apart = None
         if self.away is not None and model.cells == 1:
-            other = Profile(PortedModel.of(every, self.root, self.away.merged, lines), noise)
+            other = Profile(self._model(every, self.away.merged, lines), noise)
             residual = other.state(state.x, state.z).residual
             apart = float(np.sqrt(other.mean(residual))) if residual.size else np.inf
         dropped = len(observations) - len(model.observations)

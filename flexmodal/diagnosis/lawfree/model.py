@@ -46,6 +46,8 @@ class PortedModel:
     """What is believed, perhaps with effects that are named already."""
     observations: Observations
     lines: Int[np.ndarray, " line"]
+    fitted: Float[np.ndarray, " known"] | None = None
+    """Coordinates of what is believed, where a fit of it alone ended; None for those of the card."""
 
     @classmethod
     def of(
@@ -54,6 +56,7 @@ class PortedModel:
         root: Hypothesis,
         observations: Observations,
         lines: Int[np.ndarray, " line"],
+        fitted: Float[np.ndarray, " known"] | None = None,
     ) -> PortedModel:
         """Of the observations that the ports leave in.
 
@@ -62,11 +65,12 @@ class PortedModel:
             root: what is believed.
             observations: all of them.
             lines: numbers of those that are looked at.
+            fitted: coordinates of what is believed, as fitted alone.
         """
         for port in ports:
             if port.kind.drops and port.kind.reads is not None:
                 observations = observations.keeping(~port.kind.reads(observations, root.context, port.where))
-        return cls(tuple(ports), root, observations, lines)
+        return cls(tuple(ports), root, observations, lines, fitted)
 
     @cached_property
     def hypothesis(self) -> Hypothesis:

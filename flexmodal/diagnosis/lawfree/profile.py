@@ -17,6 +17,7 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Complex, Float
 
+from flexmodal.diagnosis.lawfree.beginning import beginnings, origin
 from flexmodal.diagnosis.lawfree.model import PortedModel, Slopes, Unknown
 from flexmodal.errors import SingularResponse
 from flexmodal.identification.descent import robust, robust_weight
@@ -73,6 +74,11 @@ class Profile:
     def weight(self) -> Float[np.ndarray, "observation line"]:
         """1/(σ² + ε²)."""
         return Weighting(self.floor, self.model.lines).weight(self.model.observations)
+
+    @cached_property
+    def origin(self) -> Float[np.ndarray, " parameter"]:
+        """Where the priors are centred."""
+        return origin(self.model)
 
     def state(self, x: Float[np.ndarray, " parameter"], z: Unknown) -> State:
         """A state with its cost, infinite where the model does not exist.
@@ -208,7 +214,7 @@ class Profile:
             prior: precision of the parameters.
         """
         low, high = self.model.space.bounds
-        pull = equations.p + prior * state.x
+        pull = equations.p + prior * (state.x - self.origin)
         free = ~(((state.x <= low) & (pull > 0)) | ((state.x >= high) & (pull < 0)))
         diagonal = np.einsum("clff->clf", equations.zz).real
         zz = equations.zz + damping * diagonal[..., None] * np.eye(equations.zz.shape[-1])
@@ -232,7 +238,7 @@ class Profile:
         return robust(self.weight * np.abs(r) ** 2)
 
     def _prior(self, x: np.ndarray, r: np.ndarray) -> float:
-        return self.temper(r) * float(np.sum(self.model.space.precision * x**2))
+        return self.temper(r) * float(np.sum(self.model.space.precision * (x - self.origin) ** 2))
 
     def _by_line(self, r: np.ndarray, z: Unknown) -> Float[np.ndarray, "cell line"]:
         each = self._each(r)
@@ -277,16 +283,18 @@ def profiled(
 
 def _constant(model: PortedModel, before: State | None, floor: float, steps: int) -> State:
     """The best of constants for the last port's functions; many starts are looked at, few followed."""
-    x, none, port = np.zeros(len(model.space)), model.zero(), model.ports[-1]
-    still = model.spans[-1].start
+    none, port, still = model.zero(), model.ports[-1], model.spans[-1].start
+    starts = beginnings(model)
     if before is not None:
-        x[: len(before.x)], none[:, :still] = before.x, before.z
+        none[:, :still] = before.z
+        starts = [np.concatenate([before.x, origin(model)[len(before.x) :]])]
     pooled = Profile(model, floor, pooled=True, still=still)
-    states = [pooled.state(x, none)]
+    plain = min((pooled.state(x, none) for x in starts), key=lambda one: one.cost)
+    states = [plain]
     for start in port.kind.starts(model.root.context, port.where):
         z = none.copy()
         z[:, still:] = np.array(start)[:, None]
-        states.append(pooled.state(x, z))
+        states += [pooled.state(x, z) for x in starts]
     best = sorted((one for one in states[1:] if np.isfinite(one.cost)), key=lambda one: one.cost)[:FOLLOWED]
     found = [pooled.descended(one, steps) for one in (states[0], *best)]
     return min(found, key=lambda one: one.cost)

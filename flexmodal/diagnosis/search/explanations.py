@@ -98,13 +98,13 @@ def from_each_start(
 
 
 def best_of_each(looked: Sequence[FittedFrfs]) -> list[FittedFrfs]:
-    """Of each effect and place the model that fits best, the best first.
+    """Of each effect and place the model that fits best, the best first; none that has no finite cost.
 
     Args:
         looked: fitted models.
     """
     best: dict[tuple[str, str], FittedFrfs] = {}
-    for one in sorted(looked, key=lambda one: one.cost):
+    for one in sorted((one for one in looked if np.isfinite(one.cost)), key=lambda one: one.cost):
         best.setdefault(one.key, one)
     return list(best.values())
 

@@ -147,6 +147,14 @@ class Data(ABC, Generic[M]):
         """
         return False
 
+    def settles(self, model: M) -> bool:
+        """Whether some effects of a model are sure though it leaves more than noise; `standing` says which.
+
+        Args:
+            model: with all effects that were found.
+        """
+        return False
+
     def standing(self, model: M) -> tuple[tuple[tuple[str, str], ...], tuple[str, ...]]:
         """Effects that are sure though their model leaves more than noise, and the places of those it lacks.
 

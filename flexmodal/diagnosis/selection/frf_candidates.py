@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cached_property
 
 import numpy as np
 
 from flexmodal.diagnosis.lawfree.first_look import LooksWithoutLaw
-from flexmodal.diagnosis.lawfree.result import CLASSES_OF, Findings
+from flexmodal.diagnosis.lawfree.result import CLASSES_OF, PORT_OF, Findings, holds
 from flexmodal.diagnosis.search.explanations import best_of_each, explanations, from_each_start
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.selection.frf_thresholds import FLOOR_REACHED
@@ -46,7 +46,7 @@ class FrfCandidates:
         """The finalists of a search where a look points.
 
         Where one place explains everything, effects of the class that its curve has are followed from each
-        of their starts too, unless one of the others is enough.
+        of their starts too, unless another one is enough that can do no more than they.
 
         Args:
             before: the model that something is added to.
@@ -55,9 +55,12 @@ class FrfCandidates:
             is_over: whether nothing else has to be looked for beside a model.
         """
         found = self.searched(before, number, look.worth_trying)
-        if look.explains and not any(is_over(one) for one in found):
-            more = from_each_start(self.setup, before, starts(before), self._pointed_to(before, look))
-            found = best_of_each([*found, *more])
+        if look.explains:
+            enough = [one for one in found if is_over(one)]
+            keys = self._pointed_to(before, look)
+            if enough:  # a wider one than there may be need of
+                keys = [key for key in keys if any(does_more(one.key, key) for one in enough)]
+            found = best_of_each([*found, *from_each_start(self.setup, before, starts(before), keys)])
         return found
 
     def everywhere(self, before: FittedFrfs, number: int) -> list[FittedFrfs]:
@@ -104,6 +107,30 @@ class FrfCandidates:
             if (effect.name, where) not in before.hypothesis.keys
             and any(one.where == where and one.could_be(effect.name, where) for one in look.found)
         ]
+
+
+def does_more(one: tuple[str, str], other: tuple[str, str]) -> bool:
+    """Whether an effect's port can do all that another one's can, and more.
+
+    Args:
+        one: name and place.
+        other: the same of the other.
+    """
+    if one[0] not in PORT_OF or other[0] not in PORT_OF:
+        return False
+    wide, narrow = (PORT_OF[one[0]], one[1]), (PORT_OF[other[0]], other[1])
+    return wide != narrow and holds(wide, narrow)
+
+
+def narrowest(found: Sequence[FittedFrfs], is_enough: Callable[[FittedFrfs], bool]) -> list[FittedFrfs]:
+    """Without what can do more than another one that is enough.
+
+    Args:
+        found: models with one effect more.
+        is_enough: whether nothing is left to be explained.
+    """
+    enough = [one.key for one in found if is_enough(one)]
+    return [one for one in found if not any(does_more(one.key, other) for other in enough)]
 
 
 def _anything(effect: str, where: str) -> bool:

@@ -13,6 +13,7 @@ from flexmodal.diagnosis.disagreement.compare import disagreement, excess, force
 from flexmodal.diagnosis.disagreement.gaps import gap_of, gaps_of, left, over_noise
 from flexmodal.diagnosis.findings import Findings
 from flexmodal.diagnosis.hypothesis import Hypothesis
+from flexmodal.diagnosis.lawfree.pursuit import SOUND
 from flexmodal.diagnosis.lawfree.result import PORT_OF
 from flexmodal.diagnosis.lawfree.result import Findings as LawFree
 from flexmodal.diagnosis.outcome import Gaps, NextMeasurement
@@ -25,9 +26,10 @@ from flexmodal.diagnosis.selection.beside_nothing import beside_nothing
 from flexmodal.diagnosis.selection.comparison import Comparison
 from flexmodal.diagnosis.selection.data import Conclusion, Data
 from flexmodal.diagnosis.selection.decision import Answer, reaches
-from flexmodal.diagnosis.selection.frf_candidates import FrfCandidates, starts
+from flexmodal.diagnosis.selection.frf_candidates import FrfCandidates, narrowest, starts
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs, compare_models
 from flexmodal.diagnosis.selection.frf_thresholds import (
+    CLEARLY,
     EXPLAINED,
     FLOOR_REACHED,
     FORCE,
@@ -42,6 +44,8 @@ from flexmodal.diagnosis.setup import Setup
 from flexmodal.diagnosis.verdict.next_measurement import Sure, next_among_records
 from flexmodal.identification import gap, predict, uncertainty
 from flexmodal.identification.baselines import Baselines
+
+Keys = tuple[tuple[str, str], ...]
 
 
 class FrfData(Data[FittedFrfs]):
@@ -65,6 +69,7 @@ class FrfData(Data[FittedFrfs]):
         """Whether FRFs change with the force of the blow."""
         self._candidates = FrfCandidates(setup, self._root, with_force=self.force > Answer.NO)
         self._look = self._candidates.looks.one
+        self._settled: tuple[Keys, Keys, tuple[str, ...]] = (), (), ()
 
     @property
     def root(self) -> FittedFrfs:
@@ -88,13 +93,15 @@ class FrfData(Data[FittedFrfs]):
         Beside a model that is named already only what such a place stands for: its law may be to blame.
         """
         named, look = self.is_named(before), self._candidates.look_beside(before)
-        if self.asked is not None or not look.needed or (named and not look.explains):
+        nothing = not look.needed and look.alone <= SOUND
+        if self.asked is not None or nothing or (named and not look.explains):
             return [before]
         found = self._candidates.at_places(before, number, look, self.is_over)
         if named:
             return [before, *(one for one in found if look.met([one.key]))]
         if look.explains and not any(self.is_over(one) for one in found):
             found = best_of_each([*found, *self._candidates.everywhere(before, number)])
+        found = narrowest(found, self.is_enough)
         return [before, *found, *([] if number else [unstructured_mode(self.setup, before)])]
 
     def candidates(self, before: FittedFrfs, number: int) -> list[FittedFrfs]:
@@ -107,6 +114,7 @@ class FrfData(Data[FittedFrfs]):
             found = self._candidates.searched(before, number, self.look.worth_trying)
         else:
             found = self._candidates.everywhere(before, number)
+        found = narrowest(found, self.is_enough)
         return [before, *found, unstructured_mode(self.setup, before)]
 
     @property
@@ -141,11 +149,28 @@ class FrfData(Data[FittedFrfs]):
             return False
         return len(self.look.met(keys)) == len(keys)
 
+    def settles(self, model: FittedFrfs) -> bool:
+        """See `Data`: beside the others each of these has its place to itself, and a curve of its class."""
+        keys = model.hypothesis.keys
+        if len(keys) < 2 or self.lacking(model) or self.share(self.root, model) < NEARLY_ALL:
+            return False
+        sure = []
+        for key in keys:
+            look = self._candidates.look_beside(self.without(model, key))
+            one = look.met([key]).get(key)
+            if one is not None and one.surely(key[0]) and look.alone > CLEARLY * look.left:
+                sure.append(key)
+        beyond = self._candidates.look_beside(model)
+        self._settled = keys, tuple(sure), (beyond.place,)
+        return bool(sure)
+
     def standing(self, model: FittedFrfs) -> tuple[tuple[tuple[str, str], ...], tuple[str, ...]]:
         """See `Data`: of the places that the law-free look points to, those whose curve tells the effect."""
         keys = model.hypothesis.keys
         if self.is_named(model):
             return keys, ()
+        if keys and keys == self._settled[0]:
+            return self._settled[1:]
         if not self.look.explains or self.lacking(model):
             return (), ()
         met = {key: one for key, one in self.look.met(keys).items() if one.surely(key[0])}

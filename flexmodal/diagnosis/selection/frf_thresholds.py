@@ -14,6 +14,9 @@ ANOTHER, ANOTHER_MARGIN = 0.33, 0.02
 LARGER_PART, NEARLY_ALL = 0.5, 0.9
 """Part of the disagreement that an effect takes to be named where its law is not quite the catalogue's; the
 second where no curve tells its class, or other places cannot be told from its own."""
+CLEARLY = 2.0
+"""Times by which the misfit without an effect, the others being there, has to exceed that with its function
+free, for it to be named where all of them leave more than noise."""
 FLOOR_REACHED = 1.4
 """Distance of a model from the measurement, over that of the noise, that needs no explanation; a
 perfect one is somewhat above 1, since what repeats share is not in the noise."""

@@ -60,7 +60,8 @@ class ForwardSelection(Generic[M]):
         """Add effects where a look without a law points, each time beside those that are there.
 
         Each has to take no more than the first effect must: several may hide one another. They stay if
-        together they leave nothing, or so many of the first as are named without the others.
+        together they leave nothing, or so many of the first as are named without the others, or if some of
+        them are sure whatever is missing besides.
 
         Returns:
             Whether any stayed.
@@ -70,11 +71,12 @@ class ForwardSelection(Generic[M]):
             ended = self.data.is_enough(self.current)
             if named is None and self.data.is_named(self.current):
                 named = self._state
-        if not ended:
-            self._state = kept if named is None else named
+        stay = ended or named is not None or self.data.settles(self.current)
+        if not ended and (named or not stay):
+            self._state = named or kept
         if [(step.effect, step.where) for step in self.steps] != list(self.current.hypothesis.keys):
             self._describe_anew()
-        return ended or named is not None
+        return stay
 
     def search(self) -> None:
         """Add effects wherever they do best, no more than can be judged without knowing where to look."""

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from flexmodal.diagnosis.effects import catalogue
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.lawfree.body_ports import BODY, CARRIED, GROUND
 from flexmodal.diagnosis.lawfree.curve import classes_of, curve_of
@@ -17,6 +18,7 @@ from flexmodal.diagnosis.lawfree.port import Port
 from flexmodal.diagnosis.lawfree.profile import Profile, profiled
 from flexmodal.diagnosis.lawfree.pursuit import MOST, alone, pursued
 from flexmodal.diagnosis.lawfree.reading_ports import BLOWS, CHANNEL, SENSOR
+from flexmodal.diagnosis.placed import Placed
 from flexmodal.identification import predict, unlimited
 from flexmodal.structure import robot_space
 
@@ -164,6 +166,23 @@ def test_the_class_is_read_off_the_curve(root, hinged, observed):
     _, _, hypothesis, fitted = hinged
     stiffness = hypothesis.space.values(fitted.x)["link_flexibility@link_2.stiffness"]
     assert classes[0].coefficients[0][0] * stiffness == pytest.approx(1.0, rel=0.25)
+
+
+def test_beside_a_named_effect_a_look_begins_where_that_was_fitted(hinged, observed):
+    """A sensor the wrong way round is far from what is expected of a gain, and no descent turns its sign."""
+    _, _, hypothesis, fitted = hinged
+    context = hypothesis.context
+    sensor = Placed(catalogue()["sensor_gain"], context.sensors[0])
+    with_sensor = hypothesis.and_also(sensor)
+    x = with_sensor.start(sensor, {"gain": -1.0, "exponent": 0.0}, fitted.x)
+    number = next(p.id for p in observed.campaign.points if p.name == context.sensors[0])
+    turned = np.where(observed.response[:, 0] == number, -1.0, 1.0)[:, None] * observed.value
+    seen = replace(observed, value=turned)
+    one = Field.of(with_sensor, x, seen, None, kinds=(JOINT,))
+    other = Field.of(hypothesis, fitted.x, observed, None, kinds=(JOINT,))
+    assert one.bare == pytest.approx(other.bare, rel=0.05)
+    at_card = replace(one, fitted=np.zeros(len(x)))
+    assert at_card.bare > 5 * one.bare
 
 
 def test_where_nothing_is_missing_no_port_gains(root, observed, hinged):
