@@ -12,6 +12,7 @@ from flexmodal.diagnosis.selection.data import Data
 from flexmodal.diagnosis.selection.decision import Answer
 from flexmodal.diagnosis.selection.frf_candidates import does_more, narrowest
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
+from flexmodal.diagnosis.selection.frf_data import FrfData
 from flexmodal.diagnosis.selection.selection import MOST, ForwardSelection
 
 MASS, DELAY, PLAY, LINK, BASE = (
@@ -184,3 +185,52 @@ def test_what_can_do_more_than_is_needed_is_left_out():
     found = [Mock(spec=FittedFrfs, key=key) for key in (coupling, servo, other)]
     assert narrowest(found, lambda model: model.key != other) == found[1:]
     assert narrowest(found, lambda model: model.key == coupling) == found
+
+
+def fitted(*keys):
+    """A model of FRFs with some effects."""
+    return Mock(spec=FittedFrfs, hypothesis=Mock(keys=keys))
+
+
+class Settling(FrfData):
+    """Looks that are given: of which effect its place and class are sure, and how much it takes."""
+
+    def __init__(self, sure, takes=5.0, share=0.95):
+        self._settled, self._root = ((), (), ()), fitted()
+        self.taken, self._candidates = share, self
+        self.sure, self.takes = sure, takes
+
+    def look_beside(self, model):
+        gone = [key for key in EVERY if key not in model.hypothesis.keys]
+        met = {key: Mock(surely=lambda name, key=key: key in self.sure) for key in gone}
+        return Mock(met=lambda keys: {key: met[key] for key in keys}, alone=self.takes, left=1.0, place="tip")
+
+    def without(self, model, key):
+        return fitted(*(one for one in model.hypothesis.keys if one != key))
+
+    def share(self, first, last):
+        return self.taken
+
+    def lacking(self, model):
+        return {}
+
+    def is_named(self, model):
+        return False
+
+
+def test_effects_with_a_place_and_a_class_of_their_own_stand_whatever_else_is_missing():
+    data, model = Settling([MASS, DELAY]), fitted(MASS, BASE, DELAY)
+    assert data.settles(model)
+    assert data.standing(model) == ((MASS, DELAY), ("tip",))
+    assert data.standing(fitted(MASS, BASE)) == ((MASS,), ("tip",))
+
+
+@pytest.mark.parametrize(
+    "given", [{"sure": []}, {"sure": [MASS], "takes": 1.5}, {"sure": [MASS], "share": 0.5}]
+)
+def test_what_is_not_sure_settles_nothing(given):
+    assert not Settling(**given).settles(fitted(MASS, BASE))
+
+
+def test_one_effect_alone_settles_nothing():
+    assert not Settling([MASS]).settles(fitted(MASS))

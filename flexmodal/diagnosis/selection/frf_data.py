@@ -169,8 +169,9 @@ class FrfData(Data[FittedFrfs]):
         keys = model.hypothesis.keys
         if self.is_named(model):
             return keys, ()
-        if keys and keys == self._settled[0]:
-            return self._settled[1:]
+        settled, sure, places = self._settled
+        if keys and set(keys) <= set(settled):  # those that nobody misses went
+            return tuple(key for key in sure if key in keys), places
         if not self.look.explains or self.lacking(model):
             return (), ()
         met = {key: one for key, one in self.look.met(keys).items() if one.surely(key[0])}
