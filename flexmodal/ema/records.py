@@ -58,11 +58,12 @@ def averaged(
 ) -> tuple[Complex[np.ndarray, "line frf"], Float[np.ndarray, "line frf"] | None]:
     """Each FRF as the mean of its trials, with the variance of that mean.
 
-    Trials count by 1/variance, taken as it goes over a quarter of the axis: the hammer fell a little elsewhere
-    in each, so that weights that changed within a resonance would put one trial's residue on its one flank
-    and another's on the other. The variance comes from those given for the records, raised where the trials scatter by more than these
-    allow (Birge's ratio, smoothed over neighbouring lines); else, where every FRF has at least two trials,
-    from their scatter about the mean, smoothed likewise; else it is not known.
+    Trials count by 1/variance, taken as it goes over a quarter of the axis: the hammer fell a little
+    elsewhere in each, so that weights that changed within a resonance would put one trial's residue on its
+    one flank and another's on the other. The variance comes from those given for the records, raised where
+    the trials scatter by more than these allow (Birge's ratio, smoothed over neighbouring lines); else, where
+    every FRF has at least two trials, from their scatter about the mean, smoothed likewise; else it is not
+    known.
 
     Args:
         records: FRFs of a campaign.
