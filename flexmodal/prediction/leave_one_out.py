@@ -54,6 +54,11 @@ class LeftOut:
     """Of what was learnt, that goes into `hybrid`; a posture left out is predicted by that of the others."""
 
     @property
+    def names(self) -> tuple[str, ...]:
+        """Of the postures."""
+        return tuple(self.panel.observations.postures[number].name for number in self.postures)
+
+    @property
     def gap(self) -> dict[str, float]:
         """Of each method over all postures."""
         return {name: together(each, self.weight) for name, each in self.gaps.items()}

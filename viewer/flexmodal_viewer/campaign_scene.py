@@ -114,7 +114,7 @@ class _Tested:
                 found = found.beside(self._arrow(kind, place, way))
         ends = self._trace()
         if len(ends):
-            line = Item(f"{self.group}/trace", Lines(ends), POINT)
+            line = Item(f"{self.group}/trace", Lines(ends), POINT, on_top=True)
             found = found.beside(Drawn({}, [line], []))
         return found
 
