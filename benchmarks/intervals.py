@@ -195,8 +195,8 @@ def main() -> None:
 END = """\
 Parameters of one campaign are hit or missed together, so that the shares scatter by more than those of
 independent numbers. Under model error an effect that the parameters can make up for, here a soft link that
-looks like soft joints, leaves hardly any misfit and shows in no interval: a fit that meets the data has
-values of a robot that behaves like the one struck, not of its joints. Modes of the six-link arm are mostly
+looks like soft joints, leaves less than the noise, and what it leaves is shared by neighbouring lines; one
+that is no higher than the noise before the fit can leave nothing at all. Modes of the six-link arm are mostly
 damped beyond what is asked for; with an absorber hidden some are close to others, and how many modes a band
 holds is no part of an interval."""
 
