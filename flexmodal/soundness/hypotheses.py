@@ -154,7 +154,8 @@ def frame_hypotheses(observations: Observations) -> list[Hypothesis]:
     Args:
         observations: what was measured.
     """
-    campaign, there = observations.campaign, observations.used.any(axis=1)
+    campaign = observations.campaign
+    there: Bool[np.ndarray, " observation"] = np.asarray(observations.used.any(axis=1))
     seen = dict.fromkeys(observations.response[there, 0].tolist())
     struck = dict.fromkeys(observations.reference[there, 0].tolist())
     points = [one for one in campaign.points if one.id in {*seen, *struck}]
