@@ -48,6 +48,8 @@ class Campaign(Shown):
     """Whether the modes are a measurement of their own, not an estimate from these FRFs."""
     tolerance: Tolerance = EXACT
     """How well the test was set up."""
+    trace_lines: tuple[tuple[int, ...], ...] = ()
+    """Ids of points that a picture joins one after the other."""
 
     def __post_init__(self) -> None:
         faults = campaign_faults(self, self.frfs, self.blows, self.modes, self.path)

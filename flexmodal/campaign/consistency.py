@@ -54,7 +54,7 @@ def campaign_faults(
 
 
 def add_contradictions(faults: FaultList, tested: Described) -> None:
-    """Add a fault for each id or name given twice, each repeat of no trial, and a band that runs backward.
+    """Add a fault for each id or name given twice, repeat of no trial, trace line astray, band backward.
 
     Args:
         faults: where they go.
@@ -72,6 +72,12 @@ def add_contradictions(faults: FaultList, tested: Described) -> None:
     for place, trial in enumerate(tested.trials):
         if trial.repeat_of is not None and trial.repeat_of not in ids - {trial.id}:
             faults.add(f"trial[{place}].repeat_of", str(trial.repeat_of), "the id of another trial")
+    known = {point.id for point in tested.points}
+    for place, line in enumerate(tested.trace_lines):
+        strangers = sorted({one for one in line if one not in known})
+        if strangers or len(line) < 2:
+            found = f"point {listing(map(str, strangers))}" if strangers else f"{len(line)} ids"
+            faults.add(f"trace_lines[{place}]", found, "two or more ids of points of this campaign")
     if tested.band is not None and not 0 <= tested.band[0] < tested.band[1]:
         faults.add("band", f"{tested.band[0]:g} to {tested.band[1]:g}", BAND)
 

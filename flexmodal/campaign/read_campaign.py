@@ -77,6 +77,7 @@ def read_campaign(path: str | os.PathLike[str]) -> Campaign:
         warnings=tuple(warnings),
         separate_modes=tested.separate_modes,
         tolerance=tested.tolerance,
+        trace_lines=tested.trace_lines,
     )
 
 

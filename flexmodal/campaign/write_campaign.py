@@ -63,6 +63,8 @@ def campaign_toml(campaign: Campaign) -> str:
     lines.append(f"robot = {_text(campaign.robot)}")
     if campaign.separate_modes:
         lines.append("separate_modes = true")
+    if campaign.trace_lines:
+        lines.append(f"trace_lines = {[list(map(int, one)) for one in campaign.trace_lines]}")
     if not campaign.tolerance.is_exact:
         lines += ["", "[tolerance]"]
         lines += [f"{name} = {float(value)!r}" for name, value in asdict(campaign.tolerance).items() if value]

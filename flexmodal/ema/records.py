@@ -14,6 +14,8 @@ from flexmodal.ema.measured import Measured
 
 _SMOOTH = 4
 """The scatter of trials is averaged over so many lines to either side."""
+_SLOW = 8
+"""Weights of trials are averaged over the lines over this to either side."""
 
 Trials = Literal["average", "separate"]
 
@@ -56,9 +58,12 @@ def averaged(
 ) -> tuple[Complex[np.ndarray, "line frf"], Float[np.ndarray, "line frf"] | None]:
     """Each FRF as the mean of its trials, with the variance of that mean.
 
-    The variance comes from those given for the records, raised where the trials scatter by more than these
-    allow (Birge's ratio, smoothed over neighbouring lines); else, where every FRF has at least two trials,
-    from their scatter about the mean, smoothed likewise; else it is not known.
+    Trials count by 1/variance, taken as it goes over a quarter of the axis: the hammer fell a little
+    elsewhere in each, so that weights that changed within a resonance would put one trial's residue on its
+    one flank and another's on the other. The variance comes from those given for the records, raised where
+    the trials scatter by more than these allow (Birge's ratio, smoothed over neighbouring lines); else, where
+    every FRF has at least two trials, from their scatter about the mean, smoothed likewise; else it is not
+    known.
 
     Args:
         records: FRFs of a campaign.
@@ -69,11 +74,13 @@ def averaged(
     for rows in groups.values():
         stack = np.asarray(records.value)[rows]
         if variance is not None:
-            weight = 1 / np.asarray(variance)[rows]
+            noise = np.maximum(np.asarray(variance)[rows], np.finfo(float).tiny)
+            weight = _slow_weight(noise)
             mean = np.sum(weight * stack, axis=0) / np.sum(weight, axis=0)
-            birge = np.sum(weight * np.abs(stack - mean) ** 2, axis=0) / max(len(rows) - 1, 1)
+            birge = np.sum(np.abs(stack - mean) ** 2 / noise, axis=0) / max(len(rows) - 1, 1)
             values.append(mean)
-            spreads.append(np.maximum(_smoothed(birge), 1.0) / np.sum(weight, axis=0))
+            spread = np.sum(weight**2 * noise, axis=0) / np.sum(weight, axis=0) ** 2
+            spreads.append(np.maximum(_smoothed(birge), 1.0) * spread)
             continue
         mean = np.mean(stack, axis=0)
         values.append(mean)
@@ -82,6 +89,15 @@ def averaged(
             spreads.append(np.maximum(_smoothed(scatter), 1e-24 * np.max(np.abs(mean)) ** 2))
     known = len(spreads) == len(values)
     return np.stack(values, axis=1), np.stack(spreads, axis=1) if known else None
+
+
+def _slow_weight(noise: Float[np.ndarray, "trial line"]) -> Float[np.ndarray, "trial line"]:
+    """1/variance, its geometric mean over an eighth of the lines to either side; fewer at the ends."""
+    lines = noise.shape[1]
+    total = np.concatenate([np.zeros((len(noise), 1)), np.cumsum(np.log(noise), axis=1)], axis=1)
+    first = np.maximum(np.arange(lines) - lines // _SLOW, 0)
+    last = np.minimum(np.arange(lines) + lines // _SLOW + 1, lines)
+    return np.exp((total[:, first] - total[:, last]) / (last - first))
 
 
 def _smoothed(scatter: np.ndarray) -> np.ndarray:

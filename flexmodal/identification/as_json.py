@@ -38,6 +38,7 @@ def as_json(outcome: Identification) -> dict[str, Any]:
         ],
         "optima": [{"cost": one.cost, "hits": one.hits} for one in outcome.optima],
         "over_noise": _finite(outcome.over_noise),
+        "shared_misfit": _finite(outcome.shared_misfit),
         "converged": outcome.fitted.converged,
         "verdict": outcome.verdict,
         "warnings": list(outcome.problem.warnings),

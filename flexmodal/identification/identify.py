@@ -123,6 +123,7 @@ def solve_identification(
         optima,
         _provenance(problem, () if parts is None else parts.each, starts, seed),
         problem.evidence.over_noise(shown),
+        problem.evidence.shared_misfit(shown),
         None if parts is None else baselines_beside(problem, parts.predicted, fit_gap),
     )
 

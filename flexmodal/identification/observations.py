@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -26,7 +27,7 @@ from flexmodal.ema import FEWEST_LINES, LARGEST, scatter
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.frf.form import POWER
 from flexmodal.identification.layout import Layout
-from flexmodal.identification.signal import with_signal
+from flexmodal.identification.signal import has_signal, with_signal
 from flexmodal.structure.structure import Axis
 
 NOISIEST = 0.1
@@ -149,8 +150,9 @@ def observe(campaign: Campaign, *, bare: bool = False) -> Observations:
     Raises:
         InvalidRequest: no FRFs and no blows, no line in the band, or nothing that says how noisy they are.
     """
-    records, silent = with_signal(_measured(campaign), campaign)
-    absolute, by_lines = _variance(records, campaign, bare=bare)
+    measured = _measured(campaign)
+    records, silent = with_signal(measured, campaign)
+    absolute, by_lines = _variance(measured, campaign, bare=bare)
     with np.errstate(divide="ignore", invalid="ignore"):
         relative = np.where(records.value == 0, np.inf, absolute / np.abs(records.value) ** 2)
     noise = expected_gap_square(records.value, absolute)
@@ -227,9 +229,16 @@ def _summed(
 
 
 def _variance(
-    records: FrfRecords, campaign: Campaign, *, bare: bool
+    measured: FrfRecords, campaign: Campaign, *, bare: bool
 ) -> tuple[Float[np.ndarray, "record line"], bool]:
-    """Noise of the records, and whether neighbouring lines alone tell it; what cannot tell is named."""
+    """Noise of the records with a signal, and whether neighbouring lines alone tell it.
+
+    What cannot tell is named. A record without a signal still tells the noise of the one that it repeats.
+    """
+    kept = has_signal(measured, campaign)
+    records = measured.take(np.flatnonzero(kept))
+    with suppress(InvalidRequest):
+        return record_variance(measured)[kept], False
     try:
         return record_variance(records), False
     except InvalidRequest as error:

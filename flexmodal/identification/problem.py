@@ -61,6 +61,11 @@ class IdentificationProblem:
         return self.evidence.what
 
     @property
+    def bare(self) -> bool:
+        """Whether nothing but neighbouring lines says how noisy the FRFs are."""
+        return BARE in self.warnings
+
+    @property
     def postures(self) -> tuple[str, ...]:
         """Names of the postures with data, those that are held out too."""
         return tuple(name for kind, name in self.whole.folds() if kind == "posture")

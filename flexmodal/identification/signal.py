@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
 from flexmodal.campaign import COHERENT, Campaign, FrfRecords
 from flexmodal.errors import Fault, InvalidRequest
@@ -27,6 +27,25 @@ def with_signal(frfs: FrfRecords, campaign: Campaign) -> tuple[FrfRecords, tuple
     Raises:
         InvalidRequest: there is none.
     """
+    kept = has_signal(frfs, campaign)
+    names = [
+        f"posture {int(frfs.posture[row])}, response {frfs.response[row].tolist()}, "
+        f"reference {frfs.reference[row].tolist()}, trial {int(frfs.trial[row])}"
+        for row in np.flatnonzero(~kept)
+    ]
+    return frfs.take(np.flatnonzero(kept)), tuple(names)
+
+
+def has_signal(frfs: FrfRecords, campaign: Campaign) -> Bool[np.ndarray, " record"]:
+    """Which records have a signal in them; see `with_signal`.
+
+    Args:
+        frfs: records of a campaign.
+        campaign: whose name an error bears.
+
+    Raises:
+        InvalidRequest: none has.
+    """
     coherent = np.ones(len(frfs), dtype=bool)
     if frfs.coherence is not None:
         coherent = np.mean(frfs.coherence >= COHERENT, axis=1) >= COHERENT_SHARE
@@ -41,12 +60,7 @@ def with_signal(frfs: FrfRecords, campaign: Campaign) -> tuple[FrfRecords, tuple
             found = "nothing but noise: each line has nothing to do with those beside it"
         allowed = "records with a signal in them"
         raise InvalidRequest(Fault(str(campaign.path or "campaign"), "frfs", found, allowed))
-    names = [
-        f"posture {int(frfs.posture[row])}, response {frfs.response[row].tolist()}, "
-        f"reference {frfs.reference[row].tolist()}, trial {int(frfs.trial[row])}"
-        for row in np.flatnonzero(~kept)
-    ]
-    return frfs.take(np.flatnonzero(kept)), tuple(names)
+    return np.asarray(kept)
 
 
 def roughness(frfs: FrfRecords) -> Float[np.ndarray, " record"]:

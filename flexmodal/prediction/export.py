@@ -95,8 +95,12 @@ def as_json(prediction: FrfPrediction) -> dict[str, Any]:
     left = prediction.left_out
     names = [left.panel.observations.postures[number].name for number in left.postures]
     rows = {
-        name: {"gap": finite(total), "postures": [finite(float(one)) for one in each]}
-        for name, total, each in prediction.rows
+        name: {
+            "gap": finite(total),
+            "typical": finite(usual),
+            "postures": [finite(float(one)) for one in each],
+        }
+        for name, usual, total, each in prediction.rows
     }
     return {
         "robot": prediction.robot,

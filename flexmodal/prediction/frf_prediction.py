@@ -11,12 +11,14 @@ from jaxtyping import Complex, Float
 
 from flexmodal.frf import PointDirection
 from flexmodal.identification.baselines import BETTER
-from flexmodal.prediction.leave_one_out import LeftOut, together
+from flexmodal.prediction.leave_one_out import LeftOut, together, typical
 from flexmodal.prediction.methods import DATA_ALONE, METHODS
 from flexmodal.text.shown import Shown
 
 FEW = 5
 """Postures below which the errors that a band is made of are a handful."""
+APART = 3.0
+"""Multiple of the typical gap from which a posture left out is named: there the method does not hold."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +71,7 @@ class FrfPrediction(Shown):
     _PICTURE: ClassVar[str] = "flexmodal.prediction.plot:draw_prediction"
 
     def _facts(self) -> Mapping[str, object]:
-        gaps = self.left_out.gap
+        gaps = self.left_out.typical
         return {
             "": f"{len(self.frfs)} receptances of {self.robot}",
             "method": f"{self.method}: {METHODS[self.method]}",
@@ -82,22 +84,32 @@ class FrfPrediction(Shown):
         return self.method in DATA_ALONE
 
     @property
-    def rows(self) -> list[tuple[str, float, Float[np.ndarray, " posture"]]]:
-        """Method, gap over all postures left out, and gap of each; the choice made anew without each last."""
-        left, totals = self.left_out, self.left_out.gap
-        found = [(name, totals[name], left.gaps[name]) for name in METHODS]
-        anew = left.chosen_anew
-        return [*found, ("chosen anew", together(anew, left.weight), anew)]
+    def rows(self) -> list[tuple[str, float, float, Float[np.ndarray, " posture"]]]:
+        """Method, typical gap, gap over all postures left out, gap of each; the choice made anew last."""
+        left = self.left_out
+        each = {**{name: left.gaps[name] for name in METHODS}, "chosen anew": left.chosen_anew}
+        return [
+            (name, typical(gaps, left.weight), together(gaps, left.weight), gaps)
+            for name, gaps in each.items()
+        ]
 
     @property
     def verdict(self) -> str:
         """What it is worth, and what would make it better."""
-        gaps, floor = self.left_out.gap, self.left_out.noise_floor
+        gaps, floor = self.left_out.typical, self.left_out.noise_floor
         here, count = gaps[self.method], len(self.left_out.postures)
         says = [
-            f"predicted by {self.method}, {METHODS[self.method]}: {here:.2g} on postures it had not seen, "
-            f"{here / floor:.1f} times the noise"
+            f"predicted by {self.method}, {METHODS[self.method]}: {here:.2g} on a typical posture it had not "
+            f"seen, {here / floor:.1f} times the noise"
         ]
+        each = self.left_out.gaps[self.method]
+        far = [
+            f"{name} ({value:.2g})"
+            for name, value in zip(self.left_out.names, each.tolist(), strict=True)
+            if value > APART * here
+        ]
+        if far:
+            says.append(f"it was far off in {', '.join(far)}: do not use it where the arm stands like that")
         says += [self._beside(gaps)]
         if self.is_data_alone:
             says.append(

@@ -1,8 +1,13 @@
 """Every posture left out in turn and predicted by every method, and the choices that follow from it.
 
-How much of what is learnt beside the physics goes into a prediction is such a choice: the share s of e^(s r)
-that leaves least on postures left out. A few postures tell it badly, and the whole of it loses to none where
-next to nothing could be learnt; so it is drawn towards one half, as if `PRIOR` postures more had said that.
+Who asks for a posture asks for one: a method is chosen by its typical gap, the geometric mean over postures.
+A root mean square is that of the worst posture, such as one in which a point stands still in the model and in
+the robot moves a little: ln of next to nothing over nothing, in which all other postures have no part.
+
+How much of what is learnt beside the physics goes into a prediction is such a choice too: the share s of
+e^(s r) that leaves least of the physics' squared gap on postures left out. A few postures tell it badly, and
+the whole of it loses to none where next to nothing could be learnt; so it is drawn towards one half, as if
+`PRIOR` postures more had said that.
 """
 
 from __future__ import annotations
@@ -49,9 +54,19 @@ class LeftOut:
     """Of what was learnt, that goes into `hybrid`; a posture left out is predicted by that of the others."""
 
     @property
+    def names(self) -> tuple[str, ...]:
+        """Of the postures."""
+        return tuple(self.panel.observations.postures[number].name for number in self.postures)
+
+    @property
     def gap(self) -> dict[str, float]:
         """Of each method over all postures."""
         return {name: together(each, self.weight) for name, each in self.gaps.items()}
+
+    @property
+    def typical(self) -> dict[str, float]:
+        """Of each method in a posture like these: the geometric mean."""
+        return {name: typical(each, self.weight) for name, each in self.gaps.items()}
 
     @property
     def chosen(self) -> str:
@@ -70,7 +85,7 @@ class LeftOut:
 
 
 def best(gaps: Mapping[str, Float[np.ndarray, " posture"]], weight: Float[np.ndarray, " posture"]) -> str:
-    """The method with the smallest gap, one that is trusted more where the two are alike.
+    """The method with the smallest typical gap, one that is trusted more where the two are alike.
 
     Args:
         gaps: by method, of each posture.
@@ -78,23 +93,23 @@ def best(gaps: Mapping[str, Float[np.ndarray, " posture"]], weight: Float[np.nda
     """
     chosen, *others = [name for name in METHODS if name in gaps]
     for name in others:
-        if together(gaps[name], weight) < CLEARLY * together(gaps[chosen], weight):
+        if typical(gaps[name], weight) < CLEARLY * typical(gaps[chosen], weight):
             chosen = name
     return chosen
 
 
 def best_share(gaps: Float[np.ndarray, "posture share"], weight: Float[np.ndarray, " posture"]) -> float:
-    """The share of what was learnt with the least gap, drawn towards one half.
+    """The share of what was learnt that leaves least of the squared gap, drawn towards one half.
 
     Args:
-        gaps: of each posture left out, with each of `SHARES`.
+        gaps: of each posture left out, with each of `SHARES`; each counts by its part of the gap without.
         weight: what the lines of each posture count for together.
     """
-    there = np.isfinite(gaps).all(axis=1)
+    there = np.isfinite(gaps).all(axis=1) & (gaps[:, 0] > 0)
     count = int(there.sum())
     if not count:
         return USUAL
-    square = weight[there] @ gaps[there] ** 2 / weight[there].sum()
+    square = weight[there] @ (gaps[there] / gaps[there, :1]) ** 2 / weight[there].sum()
     curve, slope, _ = np.polyfit(SHARES, square, 2)
     least = -slope / (2 * curve) if curve > 0 else SHARES[int(np.argmin(square))]
     return float((count * np.clip(least, 0.0, 1.0) + PRIOR * USUAL) / (count + PRIOR))
@@ -191,3 +206,15 @@ def together(each: Float[np.ndarray, " posture"], weight: Float[np.ndarray, " po
     """
     there = np.isfinite(each)
     return float(np.sqrt(np.sum((weight * each**2)[there]) / np.sum(weight[there])))
+
+
+def typical(each: Float[np.ndarray, " posture"], weight: Float[np.ndarray, " posture"]) -> float:
+    """Geometric mean of the gaps of several postures; those with nothing to judge are left out.
+
+    Args:
+        each: gap of each posture.
+        weight: what the lines of each count for together.
+    """
+    there = np.isfinite(each)
+    with np.errstate(divide="ignore"):
+        return float(np.exp(np.sum((weight * np.log(each))[there]) / np.sum(weight[there])))

@@ -14,11 +14,17 @@ from flexmodal.identification.model import predict
 from flexmodal.model import Robot
 from flexmodal.soundness.blows import blow_findings
 from flexmodal.soundness.finding import Finding, FindingKind
-from flexmodal.soundness.hypotheses import angle_hypotheses, in_radians, record_hypotheses
+from flexmodal.soundness.hypotheses import (
+    angle_hypotheses,
+    frame_hypotheses,
+    in_radians,
+    record_hypotheses,
+)
 from flexmodal.soundness.low_corner import corner_findings
+from flexmodal.soundness.readings import Models
 from flexmodal.soundness.records import record_findings
 from flexmodal.soundness.silent import with_silent
-from flexmodal.soundness.suspicion import Accepted, Models, accepted, with_angles
+from flexmodal.soundness.suspicion import Accepted, accepted
 from flexmodal.structure import robot_space
 from flexmodal.text.words import listing
 
@@ -31,6 +37,9 @@ _REMEDY: dict[FindingKind, str] = {
     "scale": "multiply these records, or set the sensitivity right and export again",
     "postures exchanged": "exchange their angles in campaign.toml, after looking at the protocol",
     "joint sign": "turn the sign of this joint in campaign.toml; the controller may count it the other way",
+    "axes in another frame": 'say in campaign.toml what they are fixed to: axes = "link" where they turn '
+    "with the link, none for the world's; a hammer that struck otherwise than the sensor sat gets a point of "
+    "its own",
     "degrees for radians": "angles of campaign.toml are in rad: multiply by π/180",
 }
 
@@ -78,9 +87,10 @@ def beside_model(observations: Observations, robot: Robot) -> list[Finding]:
     if turned is not None:
         found.append(_degrees(observations))
         observations = turned
-    stated = [dict(one.q) for one in observations.postures]
-    models = Models(lambda reading: predict(model, card, with_angles(observations, reading.of(stated))))
-    hypotheses = [*angle_hypotheses(observations), *record_hypotheses(observations)]
+    models = Models(lambda reading: predict(model, card, reading.applied(observations)))
+    hypotheses = [
+        *angle_hypotheses(observations), *record_hypotheses(observations), *frame_hypotheses(observations)
+    ]  # fmt: skip
     explained, told = accepted(observations, models, hypotheses)
     return [*found, *map(_finding, explained), *corner_findings(observations, told)]
 

@@ -7,8 +7,8 @@ from typing import Literal
 
 FindingKind = Literal[
     "sign", "axes swapped", "points swapped", "hammer positions swapped", "scale", "postures exchanged",
-    "joint sign", "degrees for radians", "reciprocity", "drive point", "double hit", "AC coupling",
-    "overload", "drift", "FRFs against blows", "joint left out",
+    "joint sign", "axes in another frame", "degrees for radians", "reciprocity", "drive point", "double hit",
+    "AC coupling", "overload", "drift", "FRFs against blows", "joint left out",
 ]  # fmt: skip
 
 

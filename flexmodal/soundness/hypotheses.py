@@ -11,7 +11,8 @@ from jaxtyping import Bool, Int
 
 from flexmodal.identification import Observations
 from flexmodal.soundness.finding import FindingKind
-from flexmodal.soundness.suspicion import EVERYWHERE, Hypothesis, scopes, with_angles
+from flexmodal.soundness.readings import Framed, other_frame, with_angles
+from flexmodal.soundness.suspicion import EVERYWHERE, Hypothesis, scopes
 
 GRAVITY = 9.80665
 TURN = 2 * math.pi + 0.1
@@ -142,6 +143,47 @@ def angle_hypotheses(observations: Observations) -> list[Hypothesis]:
         where = f"posture {posture.name}"
         found.append(Hypothesis("degrees for radians", where, rows[number], in_degrees=True))
     return found
+
+
+def frame_hypotheses(observations: Observations) -> list[Hypothesis]:
+    """Axes that turn with the link and are stated in the world, or the other way round.
+
+    Of all points together, of each, and where a point was both struck and sensed of its sensor or its hammer
+    alone.
+
+    Args:
+        observations: what was measured.
+    """
+    campaign = observations.campaign
+    there: Bool[np.ndarray, " observation"] = np.asarray(observations.used.any(axis=1))
+    seen = dict.fromkeys(observations.response[there, 0].tolist())
+    struck = dict.fromkeys(observations.reference[there, 0].tolist())
+    points = [one for one in campaign.points if one.id in {*seen, *struck}]
+    found = []
+    if len(points) > 1 and len({one.frame for one in points}) == 1:
+        axes = "the world" if points[0].frame == "link" else "their links"
+        every: list[Framed] = [(one, "sensor") for one in seen]
+        every += [(one, "hammer") for one in struck]
+        found.append(_framed(observations, f"every point: the axes are those of {axes}", every, there))
+    for point in points:
+        axes = "the world" if other_frame(point) == "world" else point.link
+        parts: list[Framed] = [(point.id, "sensor")] if point.id in seen else []
+        parts += [(point.id, "hammer")] if point.id in struck else []
+        where = f"{point.name}: the axes are those of {axes}"
+        found.append(_framed(observations, where, parts, there))
+        for part in parts if len(parts) > 1 else []:
+            where = f"the {part[1]} at {point.name}: the axes are those of {axes}"
+            found.append(_framed(observations, where, [part], there))
+    return found
+
+
+def _framed(
+    observations: Observations, where: str, framed: list[Framed], there: Bool[np.ndarray, " observation"]
+) -> Hypothesis:
+    """One hypothesis, about the records of these sensors and hammers."""
+    places = {"sensor": observations.response[:, 0], "hammer": observations.reference[:, 0]}
+    here = np.any([places[what] == point for point, what in framed], axis=0) & there
+    return Hypothesis("axes in another frame", where, np.flatnonzero(here), framed=tuple(framed))
 
 
 def in_radians(observations: Observations) -> Observations | None:

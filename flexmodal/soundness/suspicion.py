@@ -10,8 +10,7 @@ once are tried, then three.
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -20,6 +19,7 @@ from jaxtyping import Bool, Complex, Float, Int
 from flexmodal.identification import Observations
 from flexmodal.identification.frf_fit import residual
 from flexmodal.soundness.finding import FindingKind
+from flexmodal.soundness.readings import STATED, Framed, Models
 
 CUT = 2.0
 FAR = 0.2
@@ -54,6 +54,8 @@ class Hypothesis:
     """Joint that counts the other way."""
     in_degrees: bool = False
     """Whether the angles are degrees."""
+    framed: tuple[Framed, ...] = ()
+    """Points, and what of theirs, whose axes are fixed to the other frame."""
     factor: float = 1.0
     """That the records are multiplied by."""
 
@@ -66,48 +68,6 @@ class Accepted:
     before: float
     """Root mean square of |ln(model / record)|, cut, over its records."""
     after: float
-
-
-@dataclass(frozen=True)
-class Reading:
-    """How the angles of a record's posture are read."""
-
-    offset: int = 0
-    """They stand so many postures further on."""
-    turned: frozenset[str] = frozenset()
-    """Joints that count the other way."""
-    in_degrees: bool = False
-
-    def of(self, stated: Sequence[Mapping[str, float]]) -> list[dict[str, float]]:
-        """The angles of every posture [rad, m].
-
-        Args:
-            stated: as they stand in the campaign.
-        """
-        count, scale = len(stated), math.pi / 180 if self.in_degrees else 1.0
-        return [
-            {
-                joint: scale * (-value if joint in self.turned else value)
-                for joint, value in stated[(number + self.offset) % count].items()
-            }
-            for number in range(count)
-        ]
-
-
-STATED = Reading()
-
-
-class Models(dict[Reading, Complex[np.ndarray, "observation line"]]):
-    """Receptances of every observation by how the angles are read, each made when it is asked for [m/N]."""
-
-    def __init__(self, make: Callable[[Reading], Complex[np.ndarray, "observation line"]]) -> None:
-        super().__init__()
-        self.make = make
-
-    def __missing__(self, reading: Reading) -> Complex[np.ndarray, "observation line"]:
-        """Make it, once."""
-        self[reading] = self.make(reading)
-        return self[reading]
 
 
 @dataclass(eq=False)
@@ -129,6 +89,8 @@ class _State:
                 was = replace(was, offset=int(one.offset[place]))
             if one.turned:
                 was = replace(was, turned=was.turned ^ {one.turned})
+            if one.framed:
+                was = replace(was, framed=was.framed ^ set(one.framed))
             state.reading[row] = replace(was, in_degrees=True) if one.in_degrees else was
         state.factor[one.rows] *= one.factor
         return state
@@ -278,17 +240,6 @@ def _predicted(
     rows: Int[np.ndarray, " some"],
 ) -> Complex[np.ndarray, "some line"]:
     return np.array([models[state.reading[row]][state.compared[row]] for row in rows.tolist()])
-
-
-def with_angles(observations: Observations, angles: Sequence[Mapping[str, float]]) -> Observations:
-    """The same records in other postures.
-
-    Args:
-        observations: whose postures are changed.
-        angles: of each posture [rad, m].
-    """
-    pairs = zip(observations.postures, angles, strict=True)
-    return replace(observations, postures=tuple(replace(one, q=dict(q)) for one, q in pairs))
 
 
 def scopes(observations: Observations) -> Iterator[tuple[str, Bool[np.ndarray, " observation"]]]:

@@ -68,6 +68,7 @@ def test_nodes_lines_modes_and_frfs(tmp_path, change):
     found = read_campaign(file)
     assert {point.id: point.xyz for point in found.points} == dict(geometry.nodes)
     assert len(found.frfs) == 2
+    assert found.trace_lines == ((1, 2, 3),)
     assert found.modes.natural_frequency.tolist() == [9.0] * 3 + [24.0] * 3
     assert found.modes.damping_ratio.tolist() == [0.03] * 3 + [0.02] * 3
     assert check_campaign(file).is_sound

@@ -15,7 +15,15 @@ from flexmodal.identification.gap import gap
 from flexmodal.identification.poor import POOR
 from flexmodal.prediction import METHODS, build_prediction, solve_by_all, solve_prediction
 from flexmodal.prediction.export import COLUMNS, as_frf, as_json, write_csv, write_uff
-from flexmodal.prediction.leave_one_out import PRIOR, SHARES, best, best_share, known_by
+from flexmodal.prediction.leave_one_out import (
+    PRIOR,
+    SHARES,
+    best,
+    best_share,
+    known_by,
+    together,
+    typical,
+)
 from flexmodal.prediction.methods import predicted_by_all
 from flexmodal.prediction.page import write_prediction_page
 from flexmodal.prediction.panel import with_posture
@@ -70,9 +78,9 @@ def test_the_band_holds_most_lines(judged, problem):
 
 def test_the_choice_is_that_of_the_smallest_gap_left_out(problem):
     left = problem.left_out
-    gaps = left.gap
-    assert gaps[left.chosen] <= 1.02 * min(gaps.values())
-    assert set(gaps) == set(METHODS)
+    usual, gaps = left.typical, left.gap
+    assert usual[left.chosen] <= 1.02 * min(usual.values())
+    assert set(gaps) == set(usual) == set(METHODS)
     for name, each in left.gaps.items():
         assert gaps[name] == pytest.approx(gap(left.panel.observations, left.predicted[name]).value)
         assert len(each) == len(left.postures)
@@ -105,6 +113,36 @@ def test_choice_takes_the_more_trusted_of_two_alike():
     assert best(gaps, alike) == "hybrid"
     assert best({**gaps, "physics": np.array([0.05, 0.05])}, alike) == "physics"
     assert best({**gaps, "mean": np.array([0.01, 0.6])}, np.array([1.0, 1e-9])) == "mean"
+
+
+def test_one_posture_does_not_decide_which_method_predicts():
+    """Seven postures at half the gap of the mean, and one in which the model has next to nothing."""
+    usual = {name: np.full(8, 1.0) for name in METHODS}
+    physics = np.full(8, 0.5)
+    physics[3] = 5.0
+    gaps = {**usual, "hybrid": 1.1 * physics, "physics": physics}
+    assert together(physics, np.ones(8)) > together(usual["mean"], np.ones(8))
+    assert best(gaps, np.ones(8)) == "physics"
+    weight = np.linspace(1, 2, 8)
+    assert typical(physics, weight) == pytest.approx(np.prod(physics ** (weight / weight.sum())))
+    missing = np.where(np.arange(8) == 3, np.nan, physics)
+    assert typical(missing, weight) == pytest.approx(0.5)
+
+
+def test_a_posture_with_a_large_gap_tells_no_more_of_the_share_than_another():
+    gaps = np.sqrt([[0.01 + (0.2 - share) ** 2 for share in SHARES]] * 8)
+    gaps[3] *= 30.0
+    assert best_share(gaps, np.ones(8)) == pytest.approx((8 * 0.2 + PRIOR / 2) / (8 + PRIOR))
+
+
+def test_a_posture_in_which_it_was_far_off_is_named(problem, every):
+    left = problem.left_out
+    gaps = {name: np.array(each) for name, each in left.gaps.items()}
+    gaps[left.chosen][2] = 40 * left.typical[left.chosen]
+    spoilt = replace(problem, left_out=replace(left, gaps=gaps))
+    told = solve_prediction(spoilt, every.postures[5].q, method=left.chosen).verdict
+    assert f"it was far off in {left.names[2]} (" in told
+    assert "far off" not in solve_prediction(problem, every.postures[5].q).verdict
 
 
 def test_a_share_is_where_the_parabola_is_least_drawn_towards_a_half():

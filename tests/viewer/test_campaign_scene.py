@@ -84,6 +84,18 @@ def test_arrows_say_where_sensor_and_hammer_point(fanuc, campaign):
     assert (colours["response"], colours["hammer"]) == (POINT, FORCE)
 
 
+def test_trace_lines_join_the_points_where_they_stand(fanuc, campaign):
+    scene = campaign_scene(fanuc, replace(campaign, trace_lines=((2, 1), (1, 2, 1))))
+    for posture in campaign.postures:
+        (traced,) = (one for one in scene.items if one.path == f"posture_{posture.id}/trace")
+        posed = fanuc.at(dict(posture.q))
+        first, last = posed.position("location_2"), posed.position("location_1")
+        np.testing.assert_allclose(
+            traced.shape.ends, [[first, last], [last, first], [first, last]], atol=1e-12
+        )
+    assert not any(one.path.endswith("trace") for one in campaign_scene(fanuc, campaign).items)
+
+
 def test_each_posture_is_seen_alone(fanuc, campaign):
     scene = campaign_scene(fanuc, campaign, [SHAPES])
     assert [motion.name for motion in scene.motions] == [

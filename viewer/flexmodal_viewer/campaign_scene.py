@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from jaxtyping import Complex, Float
 
 from flexmodal.campaign import Campaign, CampaignPoint, CampaignPosture
 from flexmodal.ema.shapes import FittedShapes, Way
-from flexmodal.errors import Fault, InvalidCampaign
 from flexmodal.model import PosedRobot, Posture, Robot
 from flexmodal.model.placements import link_placements
 from flexmodal_viewer import marks
@@ -23,6 +23,7 @@ from flexmodal_viewer.palette import EXTREME, FORCE, POINT, TARGET
 from flexmodal_viewer.scene import Caption, Item, Label, Matrix, Motion, Scene, Swatch, Table
 from flexmodal_viewer.shapes import Lines, Sphere
 from flexmodal_viewer.stage import set_stage, view_of
+from flexmodal_viewer.strangers import refuse_strangers
 from flexmodal_viewer.units import joint_value, plain
 
 _BALL, _RESPONSE, _HAMMER = 0.012, 0.07, 0.13
@@ -46,7 +47,7 @@ def campaign_scene(robot: Robot, campaign: Campaign, shapes: Sequence[FittedShap
     Raises:
         InvalidCampaign: postures or points that the robot does not have, all of them at once.
     """
-    _refuse_strangers(robot, campaign)
+    refuse_strangers(robot, campaign)
     arm = Arm(robot)
     nodes: dict[str, Matrix] = {}
     items: list[Item] = []
@@ -89,6 +90,8 @@ class _Tested:
     """Axes of the links that carry the points, column by column."""
     responses: tuple[Way, ...]
     references: tuple[Way, ...]
+    trace_lines: tuple[tuple[int, ...], ...] = ()
+    """Ids of points that are joined one after the other."""
 
     @property
     def group(self) -> str:
@@ -96,7 +99,7 @@ class _Tested:
         return f"posture_{self.posture.id}"
 
     def drawn(self) -> Drawn:
-        """The arm, a ball on each point, an arrow for each direction of a sensor or the hammer."""
+        """The arm, a ball on each point, an arrow for each direction of sensor or hammer, trace lines."""
         arm, reach = self.arm, self.arm.reach
         nodes = arm.nodes(self.group, self.values.values)
         found = Drawn(nodes, arm.items(self.group, lambda own: own), [])
@@ -109,7 +112,16 @@ class _Tested:
         for kind, ways in (("response", self.responses), ("hammer", self.references)):
             for place, way in enumerate(ways):
                 found = found.beside(self._arrow(kind, place, way))
+        ends = self._trace()
+        if len(ends):
+            line = Item(f"{self.group}/trace", Lines(ends), POINT, on_top=True)
+            found = found.beside(Drawn({}, [line], []))
         return found
+
+    def _trace(self) -> Float[np.ndarray, "line 2 3"]:
+        """Both ends of every stretch of the trace lines."""
+        pairs = [pair for line in self.trace_lines for pair in pairwise(line)]
+        return np.array([[self.positions[one] for one in pair] for pair in pairs]).reshape(-1, 2, 3)
 
     def _arrow(self, kind: str, number: int, way: Way) -> Drawn:
         """A sensor's arrow begins at its point; the hammer's ends there."""
@@ -175,7 +187,8 @@ def _tested(arm: Arm, campaign: Campaign, posture: CampaignPosture) -> _Tested:
     responses, references = _ways(campaign, posture.id)
     points = {point.id: point for point in campaign.points}
     turned = {point.id: placed[point.link][:3, :3] for point in campaign.points}
-    return _Tested(arm, posture, values, positions, points, turned, responses, references)
+    lines = campaign.trace_lines
+    return _Tested(arm, posture, values, positions, points, turned, responses, references, lines)
 
 
 def _ways(campaign: Campaign, posture: int) -> tuple[tuple[Way, ...], tuple[Way, ...]]:
@@ -272,29 +285,3 @@ def _amplitudes(tested: _Tested, shapes: FittedShapes, mode: int) -> dict[int, C
 def _at(amplitude: np.ndarray, phases: np.ndarray) -> Float[np.ndarray, "frame 3"]:
     moved: Float[np.ndarray, "frame 3"] = (amplitude[None, :] * np.exp(1j * phases)[:, None]).real
     return moved
-
-
-def _refuse_strangers(robot: Robot, campaign: Campaign) -> None:
-    """Complain of all postures and points that the robot cannot have."""
-    from flexmodal.errors import InvalidPosture
-
-    source = str(campaign.path or campaign.title)
-    faults: list[Fault] = []
-    for posture in campaign.postures:
-        try:
-            robot.posture(dict(posture.q), source=f"{source}: posture {posture.id}")
-        except InvalidPosture as error:
-            faults += error.faults
-    links = [link.name for link in robot.urdf.links]
-    for point in campaign.points:
-        if point.link not in links:
-            faults.append(
-                Fault(
-                    source,
-                    f"point {point.id}: link",
-                    repr(point.link),
-                    f"a link of {robot.name}: {', '.join(links)}",
-                )
-            )
-    if faults:
-        raise InvalidCampaign(faults)

@@ -50,6 +50,7 @@ def _tested(table: CampaignTable) -> Tested:
         trials=tuple(_trial(trial) for trial in table.trial),
         separate_modes=table.separate_modes,
         tolerance=Tolerance(**table.tolerance.model_dump()),
+        trace_lines=tuple(map(tuple, table.trace_lines)),
     )
 
 

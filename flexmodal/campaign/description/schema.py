@@ -19,6 +19,7 @@ _ID = f"a whole number from 1 to {MOST_DIGITS}"
 _TRIAL_ID = f"a whole number from 1 to {MOST_TRIAL}"
 _WINDOW = '"none", or { kind = "force" or "exponential", decay = a number in 1/s, 0 or more }'
 
+TRACES = "lists of two or more ids of points, which pictures join one after the other"
 SMALL = "a number from 0 to 1"
 Small = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0, le=1)]
 Frequency = Annotated[float, Field(strict=True, ge=0, le=1e9)]
@@ -115,6 +116,7 @@ class CampaignTable(Table):
     )
     separate_modes: bool = Field(default=False, strict=True, description="true or false")
     tolerance: ToleranceTable = Field(default=ToleranceTable(), description="a table [tolerance]")
+    trace_lines: list[Annotated[list[Id], Field(min_length=2)]] = Field(default=[], description=TRACES)
     posture: list[PostureTable] = Field(min_length=1, description="at least one table [[posture]]")
     point: list[PointTable] = Field(min_length=1, description="at least one table [[point]]")
     trial: list[TrialTable] = Field(min_length=1, description="at least one table [[trial]]")

@@ -132,6 +132,10 @@ class Described(Protocol):
     def band(self) -> tuple[float, float] | None:
         """The lines to compare [Hz]."""
 
+    @property
+    def trace_lines(self) -> tuple[tuple[int, ...], ...]:
+        """Ids of points that a picture joins one after the other."""
+
 
 @dataclass(frozen=True)
 class Tested:
@@ -146,3 +150,5 @@ class Tested:
     separate_modes: bool = False
     """Whether `modes.csv` is a measurement of its own, not an estimate from the FRFs beside it."""
     tolerance: Tolerance = EXACT
+    trace_lines: tuple[tuple[int, ...], ...] = ()
+    """Ids of points that a picture joins one after the other."""

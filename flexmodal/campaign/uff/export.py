@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Iterable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -97,6 +98,7 @@ def read_export(file: Path) -> Campaign:
         modes=modes,
         path=file.parent,
         warnings=tuple(warnings),
+        trace_lines=tested.trace_lines,
     )
 
 
@@ -117,7 +119,27 @@ def _described(file: Path, headers: list[Header], geometry: Geometry, modes: Mod
             for node in nodes
         ),
         trials=tuple(Trial(version, 1.0, 1, "unknown") for version in versions),
+        trace_lines=through(geometry.lines, set(nodes)),
     )
+
+
+def through(lines: Iterable[Sequence[int]], points: Collection[int]) -> tuple[tuple[int, ...], ...]:
+    """Trace lines as far as something was measured along them: cut at nodes that are no points.
+
+    Args:
+        lines: nodes one after the other.
+        points: those that are points.
+    """
+    found: list[tuple[int, ...]] = []
+    for line in lines:
+        stretch: list[int] = []
+        for node in (*line, 0):
+            if node in points:
+                stretch.append(node)
+                continue
+            found += [tuple(stretch)] if len(stretch) > 1 else []
+            stretch = []
+    return tuple(found)
 
 
 def _with_peaks(trials: tuple[Trial, ...], blows: tuple[Blow, ...]) -> tuple[Trial, ...]:

@@ -11,6 +11,8 @@ from flexmodal.ema.methods.separable import Elimination, Separable, columns_at, 
 
 _NEAR = 9
 """The deviations of so many lines to either side say how noisy a line is."""
+_MOST = 0.9
+"""Of a line's noise; what is left of more says nothing."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,6 +69,8 @@ def _inverse_of_free(information: np.ndarray, free: np.ndarray) -> np.ndarray:
 
 def noise_of(
     problem: Separable,
+    omega: np.ndarray,
+    damping: np.ndarray,
     state: Elimination,
     variance: Float[np.ndarray, "group line frf"] | None,
     *,
@@ -76,12 +80,15 @@ def noise_of(
 
     A known variance is taken at its word unless the deviations near a line are larger, as they are round a
     resonance that the model misses by more than its valleys; an unknown one is s²/weight with s² from the
-    deviations of each FRF, with the same exception. Deviations that
+    deviations of each FRF, with the same exception. Deviations are smaller than the noise, the more so where
+    few lines decide a mode: near a resonance each counts by what its leverage leaves of it. Those that
     neighbouring lines share (leakage, a mode that the model lacks) count for fewer lines, as their
     autocorrelation says.
 
     Args:
         problem: what was solved.
+        omega: natural frequencies at the minimum [rad/s].
+        damping: ratios there.
         state: where.
         variance: of the values, where it is known.
         by_weight: whether the weights say how the noise goes from line to line. Otherwise an unknown
@@ -93,15 +100,43 @@ def noise_of(
     weight = np.broadcast_to(problem.weight, problem.value.shape)
     square = np.abs(state.deviation) ** 2
     colour = _colour(np.sqrt(weight) * state.deviation)[:, None, None]
-    spent = 2 * lines / max(freedom, 1)
+    left = _nearby(np.broadcast_to(1 - leverage(problem, omega, damping, state), square.shape))
     if variance is not None:
-        each = variance * np.maximum(_nearby(square / variance) * spent, 1.0)
+        each = variance * np.maximum(_nearby(square / variance) / left, 1.0)
     elif by_weight:
-        each = np.mean(weight * square, axis=1, keepdims=True) * spent / weight
-        each = each * np.maximum(_nearby(square / each), 1.0)
+        each = np.mean(weight * square, axis=1, keepdims=True) * (2 * lines / max(freedom, 1)) / weight
+        each = each * np.maximum(_nearby(square / each) / left, 1.0)
     else:
-        each = _nearby(square) * spent
+        each = _nearby(square) / left
     return each * colour, np.full(len(problem.value), max(freedom, 1) * frfs)
+
+
+def leverage(
+    problem: Separable, omega: np.ndarray, damping: np.ndarray, state: Elimination
+) -> Float[np.ndarray, "group line frf"]:
+    """Part of each line's noise that the fit takes up: half the trace of its block of the hat matrix.
+
+    Of the linear unknowns w φᵀG⁻¹φ, and of the poles w kᵀH⁻¹k, k what their movement changes beyond these
+    (Cook and Weisberg, Residuals and Influence in Regression, section 2.1). Its sum over lines and FRFs is
+    half the number of unknowns. Kept below one by `_MOST`.
+
+    Args:
+        problem: what was solved.
+        omega: natural frequencies at the minimum [rad/s].
+        damping: ratios there.
+        state: where.
+    """
+    columns, count = columns_at(problem, omega, damping)
+    flat = np.concatenate([columns.real, columns.imag], axis=1)[:, None]  # group, 1, 2 line, term
+    plain, moved = flat[..., :count], flat[..., count:]
+    inner, cross = state.gram[..., :count, :count], state.gram[..., :count, count:]
+    taken = np.sum(plain * solve_scaled(inner, plain.swapaxes(-1, -2)).swapaxes(-1, -2), axis=-1)
+    beyond = (moved - plain @ solve_scaled(inner, cross)) @ state.turn  # group, frf, 2 line, twomode
+    inverse = _inverse_of_free(state.information, problem.free.ravel())
+    taken = taken + np.sum((beyond @ inverse[:, None]) * beyond, axis=-1)
+    lines = len(problem.omega)
+    each = (taken[..., :lines] + taken[..., lines:]) / 2
+    return np.minimum(problem.weight * each.swapaxes(-1, -2), _MOST)
 
 
 def _nearby(values: Float[np.ndarray, "group line frf"]) -> Float[np.ndarray, "group line frf"]:

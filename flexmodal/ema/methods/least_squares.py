@@ -122,7 +122,8 @@ def solve_many(problems: Sequence[LeastSquaresProblem]) -> list[EstimatedModes]:
     if variance is None and first.weighting == "variance" and value.shape[2] > 1:
         separable = replace(separable, weight=by_deviation(state.deviation))
         omega, damping, state, settled = minimise(separable, omega, damping)
-    noise, freedom = noise_of(separable, state, variance, by_weight=first.weighting != "logarithmic")
+    by_weight = first.weighting != "logarithmic"
+    noise, freedom = noise_of(separable, omega, damping, state, variance, by_weight=by_weight)
     covariances = propagate(separable, omega, damping, state, noise)
     solved = Solved(separable, omega, damping, state, noise, covariances)
     moves = moves_of(solved, first.weighting, variance) if first.vary else np.zeros((1, 1, 1))

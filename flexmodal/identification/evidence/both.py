@@ -137,6 +137,11 @@ class Both(Evidence):
         pairs = zip(self.parts, self._split(predicted), strict=True)
         return max(part.over_noise(own) for part, own in pairs if len(own))
 
+    def shared_misfit(self, predicted: Shaped[np.ndarray, " observation"]) -> float | None:
+        """Of the FRFs."""
+        frfs, _ = self._split(predicted)
+        return self.frfs.shared_misfit(frfs) if len(frfs) else None
+
     def folds(self) -> Mapping[Key, Bool[np.ndarray, " observation"]]:
         """Postures with their FRFs and modes, and points that carried the sensor."""
         frfs, modes = (part.folds() for part in self.parts)

@@ -118,6 +118,10 @@ class Evidence(ABC):
     def over_noise(self, predicted: Shaped[np.ndarray, "observation *entry"]) -> float:
         """Distance from the data over that of the noise alone, where the data are more than noise."""
 
+    def shared_misfit(self, predicted: Shaped[np.ndarray, "observation *entry"]) -> float | None:
+        """Misfit that neighbouring lines share, in variances of the noise; None where there are no lines."""
+        return None
+
     @abstractmethod
     def folds(self) -> Mapping[Key, Bool[np.ndarray, " observation"]]:
         """What could be held out, with its observations."""

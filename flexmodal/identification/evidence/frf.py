@@ -14,6 +14,7 @@ from flexmodal.identification.frf_fit import FLOORS, FrfMisfit, Weighting, norma
 from flexmodal.identification.gap import Gap, gap, over_noise
 from flexmodal.identification.model import FrfModel, predict
 from flexmodal.identification.observations import Observations
+from flexmodal.identification.shared import shared_misfit
 from flexmodal.identification.uncertainty import Uncertainty, clusters, uncertainty
 from flexmodal.structure.parameter import ParameterSpace
 
@@ -103,6 +104,11 @@ class FrfEvidence(Evidence):
     def over_noise(self, predicted: Shaped[np.ndarray, "observation *entry"]) -> float:
         """On the lines that are fitted."""
         return over_noise(self.observations, predicted)
+
+    def shared_misfit(self, predicted: Shaped[np.ndarray, "observation *entry"]) -> float | None:
+        """Of the lines that are fitted; None where no FRF has enough of them."""
+        found = shared_misfit(self.observations, predicted)
+        return found if np.isfinite(found) else None
 
     def folds(self) -> Mapping[Key, Bool[np.ndarray, " observation"]]:
         """Postures, and points that carried the sensor."""

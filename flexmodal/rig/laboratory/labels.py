@@ -10,6 +10,7 @@ import numpy as np
 
 from flexmodal.campaign import Blow, Campaign, place_text
 from flexmodal.rig.laboratory.draws import channels, posture_or_all, some_channel
+from flexmodal.text.words import listing
 
 GRAVITY = 9.80665
 
@@ -118,6 +119,24 @@ def postures(campaign: Campaign, random: np.random.Generator) -> tuple[Campaign,
     first, second = listed[one], listed[other]
     listed[one], listed[other] = replace(first, q=second.q), replace(second, q=first.q)
     return replace(campaign, postures=tuple(listed)), f"{first.name} and {second.name}"
+
+
+def frames(campaign: Campaign, random: np.random.Generator) -> tuple[Campaign, str]:
+    """Axes of one point, or as often of all, said to be fixed to the other of world and link.
+
+    Args:
+        campaign: as it should be.
+        random: what is drawn from.
+    """
+    used = {p for blow in campaign.blows for p, _ in (blow.reference, *blow.channels)}
+    points = [point for point in campaign.points if point.id in used]
+    wrong = points if random.random() < 0.5 else [points[int(random.integers(len(points)))]]
+    ids = {point.id for point in wrong}
+    listed = tuple(
+        replace(one, frame="world" if one.frame == "link" else "link") if one.id in ids else one
+        for one in campaign.points
+    )
+    return replace(campaign, points=listed), listing(point.name for point in wrong)
 
 
 def joint_sign(campaign: Campaign, random: np.random.Generator) -> tuple[Campaign, str]:

@@ -39,6 +39,7 @@ MISHAPS: Mapping[str, Spoil] = MappingProxyType(
         "sensitivity": labels.sensitivity,
         "postures exchanged": labels.postures,
         "joint sign": labels.joint_sign,
+        "axes in another frame": labels.frames,
         "degrees for radians": labels.degrees,
         "double hit": channels.double_hit,
         "AC coupling": channels.coupled_response,
