@@ -20,12 +20,12 @@ from flexmodal.diagnosis import Diagnosis, diagnose
 from flexmodal.diagnosis.report.modal_pictures import draw_evidence, draw_frequencies, draw_shapes
 from flexmodal.diagnosis.report.modal_sections import after_name, compared_fits
 from flexmodal.diagnosis.report.modal_tables import (
+    COMPARISON,
     SHAPES,
     SUMMARY,
-    WEIGHING,
+    comparison_rows,
     shape_rows,
     summary_rows,
-    weighing_rows,
 )
 from flexmodal.diagnosis.verdict.modal_words import named
 from flexmodal.files import whole_file
@@ -60,8 +60,8 @@ def table(columns: Sequence[Column], rows: Sequence[Sequence[str | Cell]]) -> st
     return "\n".join([*lines, *("| " + " | ".join(line) + " |" for line in cells)])
 
 
-def weighing(diagnosis: Diagnosis) -> str:
-    return table(WEIGHING, weighing_rows(diagnosis.modal))
+def comparison(diagnosis: Diagnosis) -> str:
+    return table(COMPARISON, comparison_rows(diagnosis.modal))
 
 
 def gaps(diagnosis: Diagnosis) -> str:
@@ -152,7 +152,7 @@ def main() -> None:
         pictures["shapes"] = picture(draw_shapes(everything.modal, *fits), "appendix_c_shapes")
     text = PAGE_TEXT.format(
         verdict=everything.verdict.says,
-        weighing=weighing(everything),
+        comparison=comparison(everything),
         evidence=pictures["evidence"],
         fifty_one=between_postures(everything, 3),
         eight=between_postures(everything, 1),
@@ -175,10 +175,10 @@ def main() -> None:
             for name, value in told.steps[0].parameters.items()
         ),
         four_verdict=four.verdict.says,
-        four=weighing(four),
+        four=comparison(four),
         peak=measured_38(everything),
         left_verdict=left.verdict.says,
-        left=weighing(left),
+        left=comparison(left),
         card=nats(card[0]), card_low=nats(card.min()), card_high=nats(card.max()),
         tuned=f"{100 * figures(errors(left.modal.before)).frequency:.1f}",
     )  # fmt: skip
@@ -202,7 +202,7 @@ flexmodal diagnose robots/fanuc_s360/campaigns/thesis --robot fanuc_s360_rigid_l
 
 > {verdict}
 
-{weighing}
+{comparison}
 
 Evidence is over the robot re-tuned with nothing added, in natural logarithms. "Under other priors" is its
 range when the card is trusted twice or half as far, the priors of what is added are twice as wide, shapes

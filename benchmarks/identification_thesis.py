@@ -36,7 +36,7 @@ def predictions(
     found = {}
     partners = evidence.problem.partners(x)
     for number, posture in enumerate(evidence.observations.postures):
-        here = evidence.observations.in_posture(number)
+        here = evidence.observations.here[number]
         if not here:
             continue
         seen = evidence.problem.see(x, number, slopes=False)
