@@ -66,7 +66,7 @@ def comparison(diagnosis: Diagnosis) -> str:
 
 def gaps(diagnosis: Diagnosis) -> str:
     found = diagnosis.modal
-    return table(SUMMARY, summary_rows(found, after_name(diagnosis, found)))
+    return table(SUMMARY, summary_rows(found.modes, after_name(diagnosis, found)))
 
 
 def picture(figure: Any, name: str) -> str:
@@ -78,7 +78,7 @@ def picture(figure: Any, name: str) -> str:
 
 def between_postures(diagnosis: Diagnosis, number: int) -> str:
     """Smallest and largest MAC of the measured shapes of one mode between two postures."""
-    shapes = list(shapes_of(diagnosis.modal.measured, number).values())
+    shapes = list(shapes_of(diagnosis.modal.modes.measured, number).values())
     found = []
     for k, (rows, one) in enumerate(shapes):
         for others, other in shapes[k + 1 :]:
@@ -90,8 +90,8 @@ def between_postures(diagnosis: Diagnosis, number: int) -> str:
 
 
 def measured_38(diagnosis: Diagnosis) -> str:
-    modes = [m for m in diagnosis.modal.measured.modes if m.number == PEAK_38]
-    postures = diagnosis.modal.measured.postures
+    modes = [m for m in diagnosis.modal.modes.measured.modes if m.number == PEAK_38]
+    postures = diagnosis.modal.modes.measured.postures
     return "; ".join(
         f"{postures[m.posture].name.replace('_', ' ')} {m.frequency:.1f} Hz, ζ {m.damping_ratio:.3f}, "
         f"{sum(len(s.places) for s in m.shapes)} amplitudes"
@@ -116,9 +116,9 @@ def next_words(diagnosis: Diagnosis) -> str:
 
 def what_fell(diagnosis: Diagnosis) -> str:
     """Whether the gap fell on the modes that the robot had before, or only since modes were lacking."""
-    found = diagnosis.modal
-    before, after = errors(found.before), errors(found.after)
-    had = [k for k, partner in enumerate(found.before.pairs) if partner >= 0 and found.after.pairs[k] >= 0]
+    modes = diagnosis.modes
+    before, after = errors(modes.before), errors(modes.after)
+    had = [k for k, pair in enumerate(modes.before.pairs) if pair >= 0 and modes.after.pairs[k] >= 0]
     was, now = figures(before[had]), figures(after[had])
     return (
         f"Part of that is that a mode which a model lacks counts as 1. On the {len(had)} modes that the "
@@ -144,7 +144,7 @@ def main() -> None:
     card = np.subtract(*(one.modal.comparison.models[0].evidence for one in (left, everything)))
     pictures = {
         "frequencies": picture(
-            draw_frequencies(told.modal, after_name(told, told.modal)), "appendix_c_frequencies"
+            draw_frequencies(told.modal.modes, after_name(told, told.modal)), "appendix_c_frequencies"
         ),
         "evidence": picture(draw_evidence(everything.modal), "appendix_c_evidence"),
     }
@@ -180,7 +180,7 @@ def main() -> None:
         left_verdict=left.verdict.says,
         left=comparison(left),
         card=nats(card[0]), card_low=nats(card.min()), card_high=nats(card.max()),
-        tuned=f"{100 * figures(errors(left.modal.before)).frequency:.1f}",
+        tuned=f"{100 * figures(errors(left.modal.modes.before)).frequency:.1f}",
     )  # fmt: skip
     with whole_file(PAGE, overwrite=True) as scratch:
         scratch.write_text(text, encoding="utf-8")
