@@ -123,7 +123,8 @@ class _Tested:
         """The button that shows this posture at rest."""
         robot = self.arm.robot
         rows = [
-            (name, joint_value(value, robot.moving[name].type)) for name, value in self.values.values.items()
+            (name, joint_value(value, slides=robot.moving[name].is_prismatic))
+            for name, value in self.values.values.items()
         ]
         rows += [(self.points[number].name, self._at_point(number)) for number in self.positions]
         rows += [
