@@ -94,14 +94,14 @@ def integrating() -> Variants:
 def rig() -> Variants:
     """The first 4000 steps of the time integration of a simulated campaign with friction in a joint."""
     robot = flexmodal.load("six_link")
-    compiled = nonlinear._stepper()
+    compiled = nonlinear._stepper(float("inf"))
     given: list[tuple[Any, ...]] = []
 
     def watched(*arguments: Any) -> None:
         given.append(arguments)
         compiled(*arguments)
 
-    with patch.object(nonlinear, "_stepper", lambda: watched):
+    with patch.object(nonlinear, "_stepper", lambda seconds: watched):
         simulate(robot, postures=1, points=2, trials=1, hide=["coulomb_friction"], seed=1)
     *before, fine = given[-1]
     origin = int(before[4])
