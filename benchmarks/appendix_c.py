@@ -129,6 +129,28 @@ def what_fell(diagnosis: Diagnosis) -> str:
     )
 
 
+def what_came(diagnosis: Diagnosis) -> str:
+    """The gap, and the parameters of what was added, if anything was."""
+    gaps = diagnosis.gaps
+    if not diagnosis.steps:
+        return (
+            f"The gap of the robot re-tuned, as the file formats define it for modes, is {gaps.before:.3f}, on "
+            f"configurations held out in turn {gaps.held_out_before:.3f}; the scatter over the locations alone "
+            f"makes {gaps.noise_floor:.3f}. Nothing is added without evidence, asked for or not."
+        )
+    step = diagnosis.steps[0]
+    values = "; ".join(
+        f"{name} {value:.3g} ± {step.uncertainty[name]:.2g} {step.units[name]}".rstrip()
+        for name, value in step.parameters.items()
+    )
+    return (
+        f"The gap, as the file formats define it for modes, falls from {gaps.before:.3f} to {gaps.after:.3f}, on "
+        f"configurations held out in turn from {gaps.held_out_before:.3f} to {gaps.held_out_after:.3f}; the "
+        f"scatter over the locations alone makes {gaps.noise_floor:.3f}. {what_fell(diagnosis)} Parameters: "
+        f"{values}."
+    )
+
+
 def nats(value: float) -> str:
     return f"{value:.0f}".replace("-", "−")
 
@@ -164,16 +186,10 @@ def main() -> None:
         next=next_words(everything),
         untestable=", ".join(name.replace("_", " ") for name in everything.untestable),
         told=told.verdict.says,
-        before=f"{told.gaps.before:.3f}", after=f"{told.gaps.after:.3f}",
-        held_before=f"{told.gaps.held_out_before:.3f}", held_after=f"{told.gaps.held_out_after:.3f}",
-        floor=f"{told.gaps.noise_floor:.3f}",
-        what_fell=what_fell(told),
+        told_compared=comparison(told),
+        what_came=what_came(told),
         figures=gaps(told),
         frequencies=pictures["frequencies"],
-        parameters="; ".join(
-            f"{name} {value:.3g} ± {told.steps[0].uncertainty[name]:.2g} {told.steps[0].units[name]}".rstrip()
-            for name, value in told.steps[0].parameters.items()
-        ),
         four_verdict=four.verdict.says,
         four=comparison(four),
         peak=measured_38(everything),
@@ -241,10 +257,9 @@ flexmodal diagnose robots/fanuc_s360/campaigns/thesis --robot fanuc_s360_rigid_l
 
 > {told}
 
-The gap, as the file formats define it for modes, falls from {before} to {after}, on configurations held out
-in turn from {held_before} to {held_after}; the scatter over the locations alone makes {floor}. {what_fell}
-Parameters:
-{parameters}.
+{told_compared}
+
+{what_came}
 
 {figures}
 
