@@ -134,9 +134,10 @@ def what_came(diagnosis: Diagnosis) -> str:
     gaps = diagnosis.gaps
     if not diagnosis.steps:
         return (
-            f"The gap of the robot re-tuned, as the file formats define it for modes, is {gaps.before:.3f}, on "
-            f"configurations held out in turn {gaps.held_out_before:.3f}; the scatter over the locations alone "
-            f"makes {gaps.noise_floor:.3f}. Nothing is added without evidence, asked for or not."
+            "The gap of the robot re-tuned, as the file formats define it for modes, is "
+            f"{gaps.before:.3f}, on configurations held out in turn {gaps.held_out_before:.3f}; the scatter "
+            f"over the locations alone makes {gaps.noise_floor:.3f}. Nothing is added without evidence, asked "
+            "for or not."
         )
     step = diagnosis.steps[0]
     values = "; ".join(
@@ -144,10 +145,10 @@ def what_came(diagnosis: Diagnosis) -> str:
         for name, value in step.parameters.items()
     )
     return (
-        f"The gap, as the file formats define it for modes, falls from {gaps.before:.3f} to {gaps.after:.3f}, on "
-        f"configurations held out in turn from {gaps.held_out_before:.3f} to {gaps.held_out_after:.3f}; the "
-        f"scatter over the locations alone makes {gaps.noise_floor:.3f}. {what_fell(diagnosis)} Parameters: "
-        f"{values}."
+        "The gap, as the file formats define it for modes, falls from "
+        f"{gaps.before:.3f} to {gaps.after:.3f}, on configurations held out in turn from "
+        f"{gaps.held_out_before:.3f} to {gaps.held_out_after:.3f}; the scatter over the locations alone makes "
+        f"{gaps.noise_floor:.3f}. {what_fell(diagnosis)} Parameters: {values}."
     )
 
 
