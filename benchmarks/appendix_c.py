@@ -136,8 +136,8 @@ def what_came(diagnosis: Diagnosis) -> str:
         return (
             "The gap of the robot re-tuned, as the file formats define it for modes, is "
             f"{gaps.before:.3f}, on configurations held out in turn {gaps.held_out_before:.3f}; the scatter "
-            f"over the locations alone makes {gaps.noise_floor:.3f}. Nothing is added without evidence, asked "
-            "for or not."
+            f"over the locations alone makes {gaps.noise_floor:.3f}. Nothing is added without evidence, "
+            "asked for or not."
         )
     step = diagnosis.steps[0]
     values = "; ".join(
@@ -147,8 +147,8 @@ def what_came(diagnosis: Diagnosis) -> str:
     return (
         "The gap, as the file formats define it for modes, falls from "
         f"{gaps.before:.3f} to {gaps.after:.3f}, on configurations held out in turn from "
-        f"{gaps.held_out_before:.3f} to {gaps.held_out_after:.3f}; the scatter over the locations alone makes "
-        f"{gaps.noise_floor:.3f}. {what_fell(diagnosis)} Parameters: {values}."
+        f"{gaps.held_out_before:.3f} to {gaps.held_out_after:.3f}; the scatter over the locations alone "
+        f"makes {gaps.noise_floor:.3f}. {what_fell(diagnosis)} Parameters: {values}."
     )
 
 
