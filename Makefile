@@ -104,7 +104,6 @@ recovery: .venv/tested
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/identification_recovery.py
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/identification_routes.py
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/identification_speed.py
-	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/identification_program.py
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/intervals.py --count 12
 
 .venv/documented: .venv/installed

@@ -20,12 +20,12 @@ from flexmodal.diagnosis import Diagnosis, diagnose
 from flexmodal.diagnosis.report.modal_pictures import draw_evidence, draw_frequencies, draw_shapes
 from flexmodal.diagnosis.report.modal_sections import after_name, compared_fits
 from flexmodal.diagnosis.report.modal_tables import (
+    COMPARISON,
     SHAPES,
     SUMMARY,
-    WEIGHING,
+    comparison_rows,
     shape_rows,
     summary_rows,
-    weighing_rows,
 )
 from flexmodal.diagnosis.verdict.modal_words import named
 from flexmodal.files import whole_file
@@ -60,13 +60,13 @@ def table(columns: Sequence[Column], rows: Sequence[Sequence[str | Cell]]) -> st
     return "\n".join([*lines, *("| " + " | ".join(line) + " |" for line in cells)])
 
 
-def weighing(diagnosis: Diagnosis) -> str:
-    return table(WEIGHING, weighing_rows(diagnosis.modal))
+def comparison(diagnosis: Diagnosis) -> str:
+    return table(COMPARISON, comparison_rows(diagnosis.modal))
 
 
 def gaps(diagnosis: Diagnosis) -> str:
     found = diagnosis.modal
-    return table(SUMMARY, summary_rows(found, after_name(diagnosis, found)))
+    return table(SUMMARY, summary_rows(found.modes, after_name(diagnosis, found)))
 
 
 def picture(figure: Any, name: str) -> str:
@@ -78,7 +78,7 @@ def picture(figure: Any, name: str) -> str:
 
 def between_postures(diagnosis: Diagnosis, number: int) -> str:
     """Smallest and largest MAC of the measured shapes of one mode between two postures."""
-    shapes = list(shapes_of(diagnosis.modal.measured, number).values())
+    shapes = list(shapes_of(diagnosis.modal.modes.measured, number).values())
     found = []
     for k, (rows, one) in enumerate(shapes):
         for others, other in shapes[k + 1 :]:
@@ -90,8 +90,8 @@ def between_postures(diagnosis: Diagnosis, number: int) -> str:
 
 
 def measured_38(diagnosis: Diagnosis) -> str:
-    modes = [m for m in diagnosis.modal.measured.modes if m.number == PEAK_38]
-    postures = diagnosis.modal.measured.postures
+    modes = [m for m in diagnosis.modal.modes.measured.modes if m.number == PEAK_38]
+    postures = diagnosis.modal.modes.measured.postures
     return "; ".join(
         f"{postures[m.posture].name.replace('_', ' ')} {m.frequency:.1f} Hz, ζ {m.damping_ratio:.3f}, "
         f"{sum(len(s.places) for s in m.shapes)} amplitudes"
@@ -116,9 +116,9 @@ def next_words(diagnosis: Diagnosis) -> str:
 
 def what_fell(diagnosis: Diagnosis) -> str:
     """Whether the gap fell on the modes that the robot had before, or only since modes were lacking."""
-    found = diagnosis.modal
-    before, after = errors(found.before), errors(found.after)
-    had = [k for k, partner in enumerate(found.before.pairs) if partner >= 0 and found.after.pairs[k] >= 0]
+    modes = diagnosis.modes
+    before, after = errors(modes.before), errors(modes.after)
+    had = [k for k, pair in enumerate(modes.before.pairs) if pair >= 0 and modes.after.pairs[k] >= 0]
     was, now = figures(before[had]), figures(after[had])
     return (
         f"Part of that is that a mode which a model lacks counts as 1. On the {len(had)} modes that the "
@@ -126,6 +126,29 @@ def what_fell(diagnosis: Diagnosis) -> str:
         f"{100 * now.frequency:.1f} % after, damping ratios by {100 * was.damping:.0f} % and "
         f"{100 * now.damping:.0f} %, and the mean MAC is "
         f"{was.mac:.2f} and {now.mac:.2f}."
+    )
+
+
+def what_came(diagnosis: Diagnosis) -> str:
+    """The gap, and the parameters of what was added, if anything was."""
+    gaps = diagnosis.gaps
+    if not diagnosis.steps:
+        return (
+            "The gap of the robot re-tuned, as the file formats define it for modes, is "
+            f"{gaps.before:.3f}, on configurations held out in turn {gaps.held_out_before:.3f}; the scatter "
+            f"over the locations alone makes {gaps.noise_floor:.3f}. Nothing is added without evidence, "
+            "asked for or not."
+        )
+    step = diagnosis.steps[0]
+    values = "; ".join(
+        f"{name} {value:.3g} ± {step.uncertainty[name]:.2g} {step.units[name]}".rstrip()
+        for name, value in step.parameters.items()
+    )
+    return (
+        "The gap, as the file formats define it for modes, falls from "
+        f"{gaps.before:.3f} to {gaps.after:.3f}, on configurations held out in turn from "
+        f"{gaps.held_out_before:.3f} to {gaps.held_out_after:.3f}; the scatter over the locations alone "
+        f"makes {gaps.noise_floor:.3f}. {what_fell(diagnosis)} Parameters: {values}."
     )
 
 
@@ -144,7 +167,7 @@ def main() -> None:
     card = np.subtract(*(one.modal.comparison.models[0].evidence for one in (left, everything)))
     pictures = {
         "frequencies": picture(
-            draw_frequencies(told.modal, after_name(told, told.modal)), "appendix_c_frequencies"
+            draw_frequencies(told.modal.modes, after_name(told, told.modal)), "appendix_c_frequencies"
         ),
         "evidence": picture(draw_evidence(everything.modal), "appendix_c_evidence"),
     }
@@ -152,7 +175,7 @@ def main() -> None:
         pictures["shapes"] = picture(draw_shapes(everything.modal, *fits), "appendix_c_shapes")
     text = PAGE_TEXT.format(
         verdict=everything.verdict.says,
-        weighing=weighing(everything),
+        comparison=comparison(everything),
         evidence=pictures["evidence"],
         fifty_one=between_postures(everything, 3),
         eight=between_postures(everything, 1),
@@ -164,23 +187,17 @@ def main() -> None:
         next=next_words(everything),
         untestable=", ".join(name.replace("_", " ") for name in everything.untestable),
         told=told.verdict.says,
-        before=f"{told.gaps.before:.3f}", after=f"{told.gaps.after:.3f}",
-        held_before=f"{told.gaps.held_out_before:.3f}", held_after=f"{told.gaps.held_out_after:.3f}",
-        floor=f"{told.gaps.noise_floor:.3f}",
-        what_fell=what_fell(told),
+        told_compared=comparison(told),
+        what_came=what_came(told),
         figures=gaps(told),
         frequencies=pictures["frequencies"],
-        parameters="; ".join(
-            f"{name} {value:.3g} ± {told.steps[0].uncertainty[name]:.2g} {told.steps[0].units[name]}".rstrip()
-            for name, value in told.steps[0].parameters.items()
-        ),
         four_verdict=four.verdict.says,
-        four=weighing(four),
+        four=comparison(four),
         peak=measured_38(everything),
         left_verdict=left.verdict.says,
-        left=weighing(left),
+        left=comparison(left),
         card=nats(card[0]), card_low=nats(card.min()), card_high=nats(card.max()),
-        tuned=f"{100 * figures(errors(left.modal.before)).frequency:.1f}",
+        tuned=f"{100 * figures(errors(left.modal.modes.before)).frequency:.1f}",
     )  # fmt: skip
     with whole_file(PAGE, overwrite=True) as scratch:
         scratch.write_text(text, encoding="utf-8")
@@ -202,7 +219,7 @@ flexmodal diagnose robots/fanuc_s360/campaigns/thesis --robot fanuc_s360_rigid_l
 
 > {verdict}
 
-{weighing}
+{comparison}
 
 Evidence is over the robot re-tuned with nothing added, in natural logarithms. "Under other priors" is its
 range when the card is trusted twice or half as far, the priors of what is added are twice as wide, shapes
@@ -241,10 +258,9 @@ flexmodal diagnose robots/fanuc_s360/campaigns/thesis --robot fanuc_s360_rigid_l
 
 > {told}
 
-The gap, as the file formats define it for modes, falls from {before} to {after}, on configurations held out
-in turn from {held_before} to {held_after}; the scatter over the locations alone makes {floor}. {what_fell}
-Parameters:
-{parameters}.
+{told_compared}
+
+{what_came}
 
 {figures}
 

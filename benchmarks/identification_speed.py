@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import argparse
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from tables import write
 
 import flexmodal
-from flexmodal.frf.kernels.route import choose, run
-from flexmodal.frf.kernels.task import Task
 from flexmodal.identification import (
     IdentificationProblem,
     build_identification,
@@ -22,9 +21,13 @@ from flexmodal.identification import (
 from flexmodal.identification.evidence.frf import FrfEvidence
 from flexmodal.identification.frf_fit import Weighting, fit, residual
 from flexmodal.rig import simulate
-from flexmodal.structure.structure import Axis, Structure
+from flexmodal.structure.solution import Entries, solved
+from flexmodal.structure.stack import Structures
+from flexmodal.structure.structure import Axis
 
 FLOOR = 0.01
+REPEATS = 5
+"""Of the solves in one timing."""
 MOST = 150
 """Jacobians that scipy may take; it has needed 15."""
 
@@ -66,44 +69,27 @@ def timed(work: Callable[[], object]) -> tuple[float, float]:
     return time.process_time() - processor, time.perf_counter() - clock
 
 
-def engine_task(structure: Structure, axis: Axis) -> Task:
-    """The engine's task for what `Structure.solve` gives: Z⁻¹ jᵀ of every row."""
-    n = structure.dof
-    rows = np.concatenate([np.eye(n), structure.response, structure.reference])
-    # s = iω + σ: the window's decay σ moves into stiffness and damping.
-    decay, mass, damping = axis.decay, structure.mass, structure.damping
-    return Task(
-        count=1,
-        block=lambda _: (mass[None], rows[None]),
-        stiffness=structure.stiffness + decay * damping + decay**2 * mass,
-        damping=damping + 2 * decay * mass,
-        hysteresis=np.zeros((n, n)),
-        pairs=tuple((i, j) for j in range(n, len(rows)) for i in range(n)),
-        omega=2 * np.pi * axis.frequency,
-    )
-
-
 def solves(data: FrfEvidence, steps: int, rounds: int) -> dict[str, float]:
-    """Processor time [s] of the systems of equations of as many steps, by three ways, interleaved."""
+    """Processor time [s] of the systems of equations of as many evaluations, by two ways, interleaved."""
     seen = data.observations
     groups = data.model.groups(np.zeros(len(data.space)), seen, slopes=False)
-    given = [(group.structure, seen.axis_of(group.level)) for group in groups]
-    tasks = [engine_task(*one) for one in given]
-    structure, axis = given[0]
-    solved = np.concatenate(structure.solve(axis), axis=2)  # [line, dof, row]
-    for way in ("numpy", "compiled any n"):
-        found = run(tasks[0], choose(tasks[0], 1, way))[0].reshape(len(axis), -1, structure.dof)
-        np.testing.assert_allclose(np.swapaxes(found, 1, 2), solved, rtol=1e-8)
-    ways: dict[str, Callable[[], object]] = {
-        "stack": lambda: [one.solve(lines) for one, lines in given],
-        "numpy": lambda: [run(task, choose(task, 1, "numpy")) for task in tasks],
-        "compiled": lambda: [run(task, choose(task, 1, "compiled any n")) for task in tasks],
-    }
-    taken: dict[str, list[float]] = {name: [] for name in ways}
+    given = [(one.structures, seen.axis_of(one.part.level), one.part.entries) for one in groups]
+    for structures, axis, entries in given:
+        one, other = (solved(structures, axis, entries, compiled=way).value for way in (False, True))
+        np.testing.assert_allclose(one, other, rtol=1e-8, atol=1e-12 * np.abs(one).max())
+    taken: dict[str, list[float]] = {"numpy": [], "compiled": []}
     for _ in range(rounds):
-        for name, work in ways.items():
-            taken[name].append(timed(lambda work=work: [work() for _ in range(5)])[0] / 5)  # type: ignore[misc]
-    return {name: steps * float(np.median(values)) for name, values in taken.items()}
+        for name, times in taken.items():
+            work = partial(all_solved, given, compiled=name == "compiled")
+            times.append(timed(work)[0] / REPEATS)
+    return {name: steps * float(np.median(times)) for name, times in taken.items()}
+
+
+def all_solved(given: Sequence[tuple[Structures, Axis, Entries]], *, compiled: bool) -> None:
+    """Some times over."""
+    for _ in range(REPEATS):
+        for structures, axis, entries in given:
+            solved(structures, axis, entries, compiled=compiled)
 
 
 def main() -> None:
@@ -138,8 +124,6 @@ def main() -> None:
     folds = len(data.folds())
     everything = "flexmodal, with intervals, and each posture and point held out"
     rows.append([everything, f"{processor[3]:.2f}", f"{clock[3]:.1f}", f"{folds + 1} fits", ""])
-    whole_time = processor[0]
-    after = whole_time - parts["stack"] + min(parts.values())
     write(
         "identification_speed",
         "Identification of 16 parameters, beside scipy",
@@ -152,12 +136,9 @@ def main() -> None:
         rows,
         f"The two answers to one question differ by at most {away.max():.3f} standard errors. flexmodal "
         "has exact derivatives; its three floors are a way around local minima that scipy's run does not "
-        "take.\n\nThe engine has no switch here, since a fit does not go through it: derivatives need Z⁻¹jᵀ "
-        f"of every row, and one stacked solve gives them. Those solves are {parts['stack']:.2f} s of the "
-        f"{whole_time:.2f} s of the first row. The same by the engine: {parts['numpy']:.2f} s in its numpy "
-        f"form, {parts['compiled']:.2f} s compiled; with the quickest of the three the fit would take "
-        f"{after:.2f} s, not counting the half second that loading the compiled engine takes, so that a "
-        "single identification gains nothing by it.",
+        "take.\n\nThe systems of equations of the first row are solved by compiled loops, in "
+        f"{parts['compiled']:.2f} s of its {processor[0]:.2f} s; in their numpy form, which a program "
+        f"without numba takes, they need {parts['numpy']:.2f} s.",
     )
 
 

@@ -10,6 +10,7 @@ from flexmodal.campaign import read_campaign
 from flexmodal.identification import build_identification
 from flexmodal.identification.eigenvalue_method import Bounds, eigenvalue_method
 from flexmodal.identification.evidence.modal import ModalEvidence
+from flexmodal.identification.evidence.modal_gap import errors_of
 from flexmodal.structure.poles import poles
 
 CAMPAIGN = "robots/fanuc_s360/campaigns/thesis"
@@ -34,22 +35,15 @@ def predictions(
 ) -> dict[Key, tuple[float, float, float, float, float]]:
     """By posture and mode: frequency measured and predicted [Hz], damping ratio likewise, MAC."""
     found = {}
-    partners = evidence.problem.partners(x)
-    for number, posture in enumerate(evidence.observations.postures):
-        here = evidence.observations.in_posture(number)
-        if not here:
-            continue
-        seen = evidence.problem.see(x, number, slopes=False)
-        alike = evidence.problem.alike(number, seen)
-        for row, k in enumerate(here):
-            mode, partner = evidence.observations.modes[k], partners[k]
-            if partner >= 0:
-                numbers = (
-                    seen.found.frequency[partner],
-                    mode.damping_ratio,
-                    seen.found.damping_ratio[partner],
-                )
-                found[posture.name, partner] = (mode.frequency, *numbers, alike[row, partner])
+    observed, pairs = evidence.observations, evidence.pairs(x)
+    seen = evidence.likelihood.see(x, slopes=False)
+    alike = 1 - errors_of(observed, seen, pairs)[:, 2]
+    for k, (mode, m) in enumerate(zip(observed.modes, pairs, strict=True)):
+        if m >= 0:
+            one = seen[mode.posture]
+            ratio = float(np.exp(one.log_damping[m]))
+            numbers = float(np.exp(one.log_frequency[m])), mode.damping_ratio, ratio, float(alike[k])
+            found[observed.postures[mode.posture].name, m] = (mode.frequency, *numbers)
     return found
 
 

@@ -1,4 +1,4 @@
-"""What a diagnosis from modes knows beyond that from FRFs, for the report."""
+"""What a diagnosis knows of measured modes, for the report."""
 
 from __future__ import annotations
 
@@ -14,23 +14,30 @@ from flexmodal.identification.evidence.measured_modes import ModeObservations
 
 
 @dataclass(frozen=True, eq=False)
-class Findings:
-    """Fits and comparisons of the last round of comparison, and the baselines."""
+class ModesSeen:
+    """Measured modes and what models have in their place, whatever these were fitted to."""
 
     measured: ModeObservations
     before: ModalFit
     """The robot re-tuned, nothing added."""
     after: ModalFit
-    """The final model; without a step the best of what was compared."""
+    """The final model; from modes alone without a step the best of what was compared."""
     held_before: HeldOut | None
     held_after: HeldOut | None
-    comparison: Comparison[FittedModes]
-    """Of the first round."""
-    free: ModalFit | None
-    """With one more mode that has no structure."""
-    held_free: HeldOut | None
     mean: Errors
     """Errors of the mean of the other postures."""
+    free: ModalFit | None = None
+    """With one more mode that has no structure."""
+    held_free: HeldOut | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Findings:
+    """What a diagnosis from modes alone knows besides: comparisons of its first round."""
+
+    modes: ModesSeen
+    comparison: Comparison[FittedModes]
+    """Of the first round."""
     tied: tuple[tuple[str, str], ...]
     """Explanations that these data cannot tell apart; empty where they can."""
     missing: tuple[tuple[int, float], ...]

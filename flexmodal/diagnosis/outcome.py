@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from jaxtyping import Complex, Float
 
-from flexmodal.diagnosis.findings import Findings
+from flexmodal.diagnosis.findings import Findings, ModesSeen
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.lawfree.result import Findings as LawFreeFindings
 from flexmodal.diagnosis.names import UNKNOWN
@@ -177,6 +177,8 @@ class Diagnosis:
     """Effects of the final model that are not named: they stand for something that has no name."""
     baselines: Baselines | None = None
     """What needs no model, beside the final one on the postures held out."""
+    modes: ModesSeen | None = None
+    """Measured modes beside those of the models; None where FRFs alone were measured."""
     modal: Findings | None = None
     """What a diagnosis from modes alone knows besides; None of one from FRFs."""
 

@@ -65,6 +65,7 @@ def diagnosis_of(
         deviation=found.deviation,
         refused=tuple(selection.refused),
         provenance=provenance(data.campaign, data.context.robot, seed),
+        modes=data.modes_seen(selection.root, last, found) if modal is None else modal.modes,
         modal=modal,
         look=data.look,
         warnings=warnings,

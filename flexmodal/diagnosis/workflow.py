@@ -65,7 +65,7 @@ def diagnose(
     with threadpool_limits(1):  # matrices this small only wait for the threads of a BLAS
         if chosen != "modes":
             setup = prepare(campaign, robot, hold_out, asked, trust, seed, advance)
-            modes = ModesBeside(modes_of_table(campaign), setup.fitted) if chosen == "both" else None
+            modes = ModesBeside(modes_of_table(campaign)) if chosen == "both" else None
             left_out = setup.observations.silent
             return _concluded(FrfData(setup, modes), left_out=left_out, warnings=warnings, seed=seed)
         placed, moved = placed_on(campaign, robot)

@@ -19,7 +19,7 @@ from flexmodal.ema.methods.standing import mode_indicator
 from flexmodal.ema.mode import ModeEstimate
 from flexmodal.ema.of_campaign import known_variance
 from flexmodal.ema.records import by_posture
-from flexmodal.frf.form import unit
+from flexmodal.frf.form import POWER, unit
 from flexmodal.report import Live, Parts, Section, Text
 
 _LARGEST = 6_000_000
@@ -94,7 +94,7 @@ def _posture(
         "form": part.form,
         "unit": f"1 {unit(part.form)}",
         "least": _LINE * 2 * np.pi * part.spacing,
-        "power": {"receptance": 0, "mobility": 1, "inertance": 2}[part.form],
+        "power": POWER[part.form],
         "frequency": _base64(part.frequency),
         "value": _base64(stacked),
         "highest": int(diagram.orders[-1]),

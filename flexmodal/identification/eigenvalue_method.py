@@ -29,8 +29,8 @@ from flexmodal.structure.mass_map import moment_of
 from flexmodal.structure.parameter import Parameter, ParameterSpace
 from flexmodal.structure.structure import Structure
 
-FAR = 1.0
-"""Relative difference of frequency that pairing counts as large at first: the start may be anywhere."""
+FAR = 0.3
+"""Relative error of frequencies that pairing grants the model at first: the start may be anywhere."""
 NO_PRIOR = 30.0
 """Standard deviation of a logarithm that says nothing."""
 UNITS = {"stiffness": "N·m/rad", "damping": "N·m·s/rad", "mass": "kg", "moment": "kg·m²"}

@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from flexmodal.identification.baselines import Baselines
+from flexmodal.identification.evidence.both import Both
 from flexmodal.identification.outcome import Estimate, Identification
-from flexmodal.identification.plot import draw_held_out, draw_identification
+from flexmodal.identification.plot import draw_held_out, draw_identification, draw_modes
 from flexmodal.report import (
     Facts,
     Items,
@@ -69,6 +70,8 @@ def write_identification_page(outcome: Identification, path: Path, *, overwrite:
         table = Table(columns(BESIDE, words=["which"]), baseline_cells(beside))
         gap = [*gap, f"Beside simple baselines: {beside.verdict}.", table, Text(BESIDE_NOTE, note=True)]
     pictures = [Picture(partial(draw_identification, outcome), "Measured and modelled")]
+    if isinstance(problem.evidence, Both):
+        pictures.append(Picture(partial(draw_modes, outcome, problem.evidence.modes), "Errors of the modes"))
     if outcome.held_out:
         pictures.append(Picture(partial(draw_held_out, outcome), "Gaps of what the fit had not seen"))
     tied = ", ".join(f"{a} and {b} ({minus(f'{r:+.3f}')})" for a, b, r in outcome.correlated)

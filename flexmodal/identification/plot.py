@@ -31,14 +31,14 @@ MOST = 6
 
 @drawing
 def draw_identification(outcome: Identification) -> Any:
-    """Measured against model: FRFs with their band, or errors of modes.
+    """Measured against model: FRFs with their band; errors of modes where they alone were fitted.
 
     Returns:
         A matplotlib figure.
     """
     evidence = outcome.problem.evidence
     if isinstance(evidence, ModalEvidence):
-        return _draw_modes(outcome, evidence)
+        return draw_modes(outcome, evidence)
     if isinstance(evidence, Both):
         evidence = evidence.frfs
     assert isinstance(evidence, FrfEvidence)
@@ -60,7 +60,7 @@ def draw_held_out(outcome: Identification) -> Any:
         axes.plot(values, rows, marker, color=colour, label=label, markersize=7, markeredgewidth=1.8)
     axes.set_yticks(rows, [f"{one.kind} {short(one.name, 30)}" for one in held])
     axes.set_ylim(len(held) - 0.4, -0.6)
-    what = "|ln(model / measured)|" if outcome.problem.source == "frf" else "errors of modes"
+    what = "errors of modes" if outcome.problem.source == "modes" else "|ln(model / measured)|"
     axes.set_xlabel(f"Gap, root mean square of {what} [–]")
     log_axis(axes.xaxis)
     figure.legend(*axes.get_legend_handles_labels(), loc="outside upper right", ncols=3)
@@ -118,7 +118,17 @@ def _title(seen: Observations, row: int) -> str:
     return f"{posture}: {seen.direction(seen.response[row])} per {seen.direction(seen.reference[row])}"
 
 
-def _draw_modes(outcome: Identification, evidence: ModalEvidence) -> Any:
+@drawing
+def draw_modes(outcome: Identification, evidence: ModalEvidence) -> Any:
+    """Errors of frequencies and damping ratios, of the card and of the fit, beside those of measurement.
+
+    Args:
+        outcome: what was found.
+        evidence: the modes that were fitted, alone or beside FRFs.
+
+    Returns:
+        A matplotlib figure.
+    """
     observed = evidence.observations
     before, after = evidence.predicted(np.zeros(len(evidence.space))), evidence.predicted(outcome.at)
     labels = [f"{observed.postures[m.posture].name}, {m.frequency:.1f} Hz" for m in observed.modes]

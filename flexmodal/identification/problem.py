@@ -14,8 +14,7 @@ from flexmodal.identification.compatibility import check_compatible
 from flexmodal.identification.evidence.both import Both
 from flexmodal.identification.evidence.evidence import Evidence
 from flexmodal.identification.evidence.frf import FrfEvidence
-from flexmodal.identification.evidence.modal import MODEL_ERROR, ModalEvidence
-from flexmodal.identification.evidence.modal_residuals import USES
+from flexmodal.identification.evidence.modal import MODEL_ERROR, USES, ModalEvidence
 from flexmodal.identification.evidence.mode_sources import modes_of_frfs, modes_of_table
 from flexmodal.identification.identifiability import Identifiability
 from flexmodal.identification.model import RobotModel

@@ -64,9 +64,6 @@ class LinearModel(Shown):
         return control.ss(*self, inputs=inputs, outputs=outputs)
 
 
-_ORDER = {"receptance": 0, "mobility": 1, "inertance": 2}
-
-
 def linear_model(
     system: SecondOrderSystem,
     response: Float[np.ndarray, "output dof"],
@@ -74,7 +71,7 @@ def linear_model(
     *,
     inputs: tuple[str, ...],
     outputs: tuple[str, ...],
-    form: str = "receptance",
+    derivative: int = 0,
 ) -> LinearModel:
     """The state-space model of a second-order system, its states the coordinates and their velocities.
 
@@ -84,13 +81,11 @@ def linear_model(
         reference: rows along which the forces act.
         inputs: names of the forces.
         outputs: names of the motions.
-        form: receptance (motion), mobility (velocity) or inertance (acceleration).
+        derivative: 0 for outputs that are motions, 1 for velocities, 2 for accelerations.
 
     Raises:
-        InvalidRequest: another form, or a system with hysteresis, which no finite number of states has.
+        InvalidRequest: a system with hysteresis, which no finite number of states has.
     """
-    if form not in _ORDER:
-        raise InvalidRequest(Fault("call", "form", repr(form), ", ".join(_ORDER)))
     if system.hysteresis is not None:
         allowed = "viscous damping alone: a loss factor has no state space of finite order"
         raise InvalidRequest(Fault("system", "hysteresis", "springs with a loss factor", allowed))
@@ -105,7 +100,7 @@ def linear_model(
     forced = np.vstack([np.zeros_like(pushed), pushed])
     rows = np.hstack([response, np.zeros_like(response)])
     through = np.zeros((len(response), len(reference)))
-    for _ in range(_ORDER[form]):  # the derivative of y = C x + D u, as long as D is zero
+    for _ in range(derivative):  # the derivative of y = C x + D u, as long as D is zero
         rows, through = rows @ moves, rows @ forced
     return LinearModel(moves, forced, rows, through, inputs, outputs)
 

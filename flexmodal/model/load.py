@@ -87,7 +87,7 @@ def _refuse_beside_card(path: Path, **given: object) -> None:
 def _card_for(
     urdf: Urdf, stiffness: PerJoint | None, damping: PerJoint | None, tool: str | None
 ) -> RobotCard:
-    moving = [joint.name for joint in urdf.joints if joint.type != "fixed"]
+    moving = [joint.name for joint in urdf.joints if joint.movable]
     if not moving:
         raise InvalidRequest(Fault(str(urdf.path), "joints", "none that moves", "at least one"))
     if stiffness is None:

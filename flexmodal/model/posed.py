@@ -11,8 +11,9 @@ import numpy as np
 from jaxtyping import Float
 
 from flexmodal.errors import Fault, InvalidPoint, InvalidSystem, InvalidUrdf
-from flexmodal.frf import Frf, PointDirection, frequency_axis, receptance
+from flexmodal.frf import POWER, Frf, PointDirection, frequency_axis, receptance
 from flexmodal.frf.axis import check_values
+from flexmodal.frf.form import check_form
 from flexmodal.modal import (
     LinearModel,
     Modes,
@@ -234,11 +235,8 @@ class PosedRobot(Shown):
         >>> scipy.signal.StateSpace(*model).inputs
         1
         """
-        responses = self.directions(response)
-        references = responses if reference is None else self.directions(reference)
-        inputs, outputs = (tuple(map(str, one)) for one in (references, responses))
-        rows, forces = self.rows(responses), self.rows(references)
-        return linear_model(self.system, rows, forces, inputs=inputs, outputs=outputs, form=form)
+        rows, forces, names = self._ports(response, reference)
+        return linear_model(self.system, rows, forces, derivative=POWER[check_form(form)], **names)
 
     def modal_ss(
         self, *, response: Directions = None, reference: Directions = None, keep: int | None = None
@@ -253,11 +251,15 @@ class PosedRobot(Shown):
         Raises:
             InvalidPoint: bad directions.
         """
+        rows, forces, names = self._ports(response, reference)
+        return model_of_modes(self.modes(), rows, forces, keep=keep, **names)
+
+    def _ports(self, response: Directions, reference: Directions) -> tuple[Any, Any, dict[str, Any]]:
+        """Rows of the outputs and the inputs of a linear model, and what they are called."""
         responses = self.directions(response)
         references = responses if reference is None else self.directions(reference)
-        inputs, outputs = (tuple(map(str, one)) for one in (references, responses))
-        rows, forces = self.rows(responses), self.rows(references)
-        return model_of_modes(self.modes(), rows, forces, inputs=inputs, outputs=outputs, keep=keep)
+        names = {"inputs": tuple(map(str, references)), "outputs": tuple(map(str, responses))}
+        return self.rows(responses), self.rows(references), names
 
     def modes(self) -> Modes:
         """Modes over the flexible joints.

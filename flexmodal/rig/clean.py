@@ -78,7 +78,8 @@ def strike_all_points(
     if linear:
         y = records(plant.state_matrix, column, outputs, blows, plan.analyser)
     else:
-        fine = fine_records(plant, column, outputs, rows, blows, plan.analyser)
+        repeats = len(plan.postures) * len(plan.points)
+        fine = fine_records(plant, column, outputs, rows, blows, plan.analyser, repeats=repeats)
         ranges = np.repeat([mounted[p.name].range for p in plan.points], len(plan.axes))[:, None]
         np.clip(fine, -ranges, ranges, out=fine)
         y = plan.analyser.sampled(fine, plan.analyser.weights(), 0, plan.analyser.samples)

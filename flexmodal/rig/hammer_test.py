@@ -180,7 +180,8 @@ def _record(
         y = records(plant.state_matrix, column, outputs, blows, analyser)
     else:
         sensor = mounted[points[0].name]
-        fine = fine_records(plant, column, outputs, rows[0], blows, analyser)
+        repeats = len(stand.plan.postures) * len(stand.plan.points)
+        fine = fine_records(plant, column, outputs, rows[0], blows, analyser, repeats=repeats)
         np.clip(fine, -sensor.range, sensor.range, out=fine)
         y = analyser.sampled(fine, analyser.weights(sensor.delay), 0, analyser.samples)
     gain = np.repeat([mounted[point.name].gain for point in points], each)

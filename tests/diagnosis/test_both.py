@@ -10,6 +10,7 @@ from flexmodal.campaign import estimate_frfs
 from flexmodal.diagnosis import diagnose
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.placed import Placed
+from flexmodal.diagnosis.report.page import report_text
 from flexmodal.diagnosis.search.close_fit import fitted_closely
 from flexmodal.diagnosis.selection.asked import asked_of
 from flexmodal.diagnosis.selection.beside_frfs import SETTINGS, ModesBeside
@@ -64,13 +65,28 @@ def test_a_mode_that_only_the_table_has_is_missing(clean):
     assert not found.verdict.explained
     assert found.verdict.effects[0][0] == "unknown"
     assert f"no mode for those measured near {PEAK:.3g} Hz" in found.verdict.says
+    # the page shows both kinds, and each measured mode beside the models'
+    page = report_text(found)
+    assert all(f"<h2>{head}</h2>" in page for head in ("Measured and modelled", "Modes"))
+    assert page.count("30.00 ±") == len(campaign.postures)
+    assert found.modes is not None
+    lacks = [k for k, partner in enumerate(found.modes.after.pairs) if partner < 0]
+    assert {round(found.modes.measured.modes[k].frequency) for k in lacks} == {30}
+    held = found.modes.held_after
+    away = [m.posture in held_out_places(found) for m in found.modes.measured.modes]
+    np.testing.assert_array_equal(np.isfinite(held.errors[:, 0]), away)
+
+
+def held_out_places(found):
+    """Numbers of the postures held out, among those with modes."""
+    return {k for k, one in enumerate(found.modes.measured.postures) if one.id in found.held_out}
 
 
 @pytest.mark.slow
 def test_evidence_of_modes_adds_to_that_of_frfs():
     campaign, robot = campaign_with("added_mass@link_3")
     setup = prepare(campaign, robot, None, asked_of(["added_mass"]), None, 0, lambda doing, part: None)
-    modes = ModesBeside(modes_of_table(campaign), setup.fitted)
+    modes = ModesBeside(modes_of_table(campaign))
     root = Hypothesis(setup.context, setup.base)
     before = fitted_closely(setup, root, np.zeros(len(setup.base)))
     placed = Placed(setup.effects[0], "link_3")

@@ -9,6 +9,7 @@ from flexmodal.campaign import ModeTable, read_campaign, write_campaign
 from flexmodal.errors import InvalidCampaign
 from flexmodal.identification import RobotModel, build_identification, identify
 from flexmodal.identification.evidence.both import Both
+from flexmodal.identification.page import write_identification_page
 from flexmodal.identification.spot import places_of
 from flexmodal.structure import robot_space
 from flexmodal.structure.poles import poles
@@ -71,7 +72,7 @@ def test_sums_of_squares_add_and_the_prior_counts_once(problem):
         )
 
 
-def test_together_they_tell_more_than_each_alone(problem, tested_twice, fanuc, rig):
+def test_together_they_tell_more_than_each_alone(problem, tested_twice, fanuc, rig, tmp_path):
     expected = problem.identifiability.expected
     for source in ("frf", "modes"):
         alone = build_identification(tested_twice, fanuc, source=source).identifiability.expected
@@ -83,6 +84,11 @@ def test_together_they_tell_more_than_each_alone(problem, tested_twice, fanuc, r
     assert outcome.explained
     assert outcome.gap.held_out_after < outcome.gap.held_out_before
     assert {one.kind for one in outcome.held_out} == {"posture", "point"}
+    write_identification_page(outcome, tmp_path / "page.html")
+    page = (tmp_path / "page.html").read_text(encoding="utf-8")
+    assert (
+        page.index("Measured and modelled") < page.index("Errors of the modes") < page.index("Gaps of what")
+    )
 
 
 def test_a_posture_that_is_held_out_loses_its_frfs_and_its_modes(tested_twice, fanuc):

@@ -17,7 +17,6 @@ from flexmodal.identification.evidence.measured_modes import (
     ModeObservations,
 )
 from flexmodal.identification.evidence.modal import ModalEvidence
-from flexmodal.identification.evidence.modal_residuals import ModeProblem
 from flexmodal.identification.evidence.mode_sources import modes_of_table
 from flexmodal.identification.spot import places_of
 from flexmodal.structure import robot_space
@@ -55,25 +54,24 @@ def made(campaign, fanuc):
 
 def test_residuals_vanish_at_the_truth(made):
     _, model, x, observed = made
-    problem = ModeProblem(model, observed, EVERYTHING)
-    partners = problem.partners(x)
-    assert partners == (0, 1, 2, 3) * 3
-    entries = problem.entries(x, partners, slopes=False)
-    assert max(np.abs(one.residual).max() for one in entries) < 1e-7  # a minimum is placed to 1e-8
+    misfit = ModalEvidence(model, observed, EVERYTHING).misfit(x, 0.01)
+    assert misfit.pairs == (0, 1, 2, 3) * 3
+    found = misfit.residuals(x, slopes=False)
+    # each mode has a frequency, a damping ratio, a shape and a residue at three places, as real numbers
+    assert len(found.away) == len(observed.modes) * (2 + 6 + 6) + len(observed.antiresonances)
+    assert np.abs(found.away).max() < 1e-7  # a minimum is placed to 1e-8
 
 
 def test_the_gradient_is_that_of_central_differences(made):
     space, model, x, observed = made
-    problem = ModeProblem(model, observed, EVERYTHING)
     away = x + np.random.default_rng(6).normal(0, 0.01, len(space))
-    partners = problem.partners(away)
-    normal = problem.equations(away, partners, 0.01)
+    misfit = ModalEvidence(model, observed, EVERYTHING).misfit(away, 0.01)
+    normal = misfit.equations(away, apart=True)
+    np.testing.assert_allclose(normal.blocks.sum(axis=0), normal.curvature, rtol=1e-9, atol=1e-6)
     step = 1e-6
     for k in range(len(space)):
         shift = step * np.eye(len(space))[k]
-        numeric = (
-            problem.cost(away + shift, partners, 0.01) - problem.cost(away - shift, partners, 0.01)
-        ) / (4 * step)
+        numeric = (misfit.cost(away + shift) - misfit.cost(away - shift)) / (4 * step)
         # the gradient is that of half the cost; rounding of the cost 1e-13 over 1e-6
         assert normal.gradient[k] == pytest.approx(numeric, abs=2e-5 * np.abs(normal.gradient).max()), (
             space.names[k]
@@ -164,8 +162,8 @@ def test_the_table_of_the_thesis_is_read_with_its_doubts():
 def test_a_mode_that_the_model_lacks_stays_single(fanuc):
     campaign = read_campaign(ROOT / "robots/fanuc_s360/campaigns/thesis")
     problem = build_identification(campaign, fanuc, use=["frequency", "damping"])
-    partners = problem.evidence.problem.partners(np.zeros(len(problem.space)))
-    single = [m for m, p in zip(problem.evidence.observations.modes, partners, strict=True) if p < 0]
+    pairs = problem.evidence.pairs(np.zeros(len(problem.space)))
+    single = [m for m, p in zip(problem.evidence.observations.modes, pairs, strict=True) if p < 0]
     assert {round(mode.frequency) for mode in single} <= {37, 38, 39}
     assert len(single) == 3
 

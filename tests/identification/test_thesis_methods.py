@@ -139,4 +139,4 @@ def test_order_of_modes_does_not_matter(measured, fanuc):
     )
     assert isinstance(evidence.observations.modes[0], MeasuredMode)
     x = np.zeros(len(evidence.space))
-    assert evidence.problem.partners(x) == turned.problem.partners(x)[::-1]
+    assert evidence.pairs(x) == turned.pairs(x)[::-1]

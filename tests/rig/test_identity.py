@@ -301,7 +301,7 @@ def test_compiled_and_plain_loops_agree_on_every_form(name, stand, hidden, monke
     bench = stand(flexmodal.load("fanuc_s360"), points=1, trials=2, record_length=0.3)
     spec = [hidden(bench, name, "q1"), hidden(bench, "clearance", "q3")]
     compiled = strike_posture(bench, bench.plan.postures[0], spec, Conduct(noise=0.0))
-    monkeypatch.setattr(nonlinear, "_stepper", lambda: nonlinear.step_through_numpy)
+    monkeypatch.setattr(nonlinear, "_stepper", lambda seconds: nonlinear.step_through_numpy)
     plain = strike_posture(bench, bench.plan.postures[0], spec, Conduct(noise=0.0))
     size = np.abs(compiled.response).max()
     np.testing.assert_allclose(plain.response, compiled.response, atol=1e-9 * size)
@@ -331,7 +331,7 @@ def test_compiled_and_plain_loops_agree(stand, hidden, monkeypatch):
     posture = bench.plan.postures[0]
     spec = [hidden(bench, name, joint) for name, joint in zip(LAWS, ("q1", "q2", "q3"), strict=True)]
     compiled = strike_posture(bench, posture, spec, Conduct(noise=0.0))
-    monkeypatch.setattr(nonlinear, "_stepper", lambda: nonlinear.step_through_numpy)
+    monkeypatch.setattr(nonlinear, "_stepper", lambda seconds: nonlinear.step_through_numpy)
     plain = strike_posture(bench, posture, spec, Conduct(noise=0.0))
     size = np.abs(compiled.response).max()
     np.testing.assert_allclose(plain.response, compiled.response, atol=1e-9 * size)

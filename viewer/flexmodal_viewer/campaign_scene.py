@@ -133,10 +133,8 @@ class _Tested:
 
     def still(self) -> Motion:
         """The button that shows this posture at rest."""
-        robot = self.arm.robot
-        rows = [
-            (name, joint_value(value, robot.moving[name].type)) for name, value in self.values.values.items()
-        ]
+        moving, values = self.arm.robot.moving, self.values.values.items()
+        rows = [(name, joint_value(value, slides=moving[name].is_prismatic)) for name, value in values]
         rows += [(self.points[number].name, self._at_point(number)) for number in self.positions]
         rows += [
             (f"x, y, z at {one.name}", one.axes_text())

@@ -131,7 +131,7 @@ def _tables(outcome: Outcome, before: PosedRobot | None) -> tuple[Table, ...]:
     for name, joint in robot.commanded.items():
         values = [before.posture.values[name]] if before is not None else []
         values.append(best.posture.values[name])
-        rows.append((name, *(joint_value(value, joint.type) for value in values)))
+        rows.append((name, *(joint_value(value, slides=joint.is_prismatic) for value in values)))
     return _objective(outcome, before), Table("Postures", columns, tuple(rows))
 
 

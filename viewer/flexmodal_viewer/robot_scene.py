@@ -110,7 +110,10 @@ def _subtitle(robot: Robot, posture: Posture) -> str:
 
 
 def _tables(robot: Robot, posture: Posture) -> tuple[Table, ...]:
-    rows = [(name, joint_value(value, robot.moving[name].type)) for name, value in posture.values.items()]
+    rows = [
+        (name, joint_value(value, slides=robot.moving[name].is_prismatic))
+        for name, value in posture.values.items()
+    ]
     rows += [(name, "0.0° (pseudo-joint)") for name in robot.pseudo_joints]
     tool = robot.at(posture).position(robot.tool)
     place = [

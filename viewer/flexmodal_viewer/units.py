@@ -27,9 +27,9 @@ def plain(value: float, digits: int = 4) -> str:
     return f"{factor} × 10{raised}".replace("-", "−")
 
 
-def joint_value(value: float, kind: str) -> str:
-    """Degrees, or millimetres of a prismatic joint."""
-    if kind == "prismatic":
+def joint_value(value: float, *, slides: bool) -> str:
+    """Degrees, or millimetres of a joint that slides."""
+    if slides:
         return f"{1e3 * value:.1f} mm".replace("-", "−")
     return degrees(value, 1)
 

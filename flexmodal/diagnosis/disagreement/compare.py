@@ -120,3 +120,16 @@ def _runs(above: Float[np.ndarray, " line"]) -> Iterator[tuple[int, int]]:
         return
     for run in np.split(lines, np.flatnonzero(np.diff(lines) > 2 * SMOOTH) + 1):
         yield int(run[0]), int(run[-1])
+
+
+def worst_point(seen: Observations, predicted: Complex[np.ndarray, "observation line"]) -> str:
+    """Name of the point whose FRFs disagree most above the noise, all together.
+
+    Args:
+        seen: the FRFs.
+        predicted: what a model has in their place.
+    """
+    above = excess(seen, predicted).sum(axis=1)
+    points = np.unique(seen.response[:, 0])
+    share = [above[seen.response[:, 0] == p].sum() for p in points]
+    return seen.campaign.point(int(points[int(np.argmax(share))])).name

@@ -256,8 +256,8 @@ class Draft:
 
 def _joint(name: str, kind: str, parent: str, child: str, axis: Vector, xyz: Vector) -> UrdfJoint:
     """A new joint, turned as the link that carries it; with small limits around 0 if it moves."""
-    reach = SLIDE if kind == "prismatic" else TURN
-    return UrdfJoint(name, kind, parent, child, axis, xyz, np.zeros(3), -reach, reach, _SPEED)
+    made = UrdfJoint(name, kind, parent, child, axis, xyz, np.zeros(3), -TURN, TURN, _SPEED)
+    return replace(made, lower=-SLIDE, upper=SLIDE) if made.is_prismatic else made
 
 
 def _joint_card(robot: Robot, name: str, values: Mapping[str, float]) -> JointCard:

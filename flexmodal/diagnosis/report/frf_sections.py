@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from functools import partial
 
+from flexmodal.diagnosis.findings import ModesSeen
 from flexmodal.diagnosis.names import UNKNOWN
 from flexmodal.diagnosis.outcome import Diagnosis
 from flexmodal.diagnosis.report.arm_picture import draw_arm
 from flexmodal.diagnosis.report.free_look import look_parts
+from flexmodal.diagnosis.report.modal_pictures import RETUNED, draw_frequencies
+from flexmodal.diagnosis.report.modal_tables import SUMMARY, mode_table, summary_rows
 from flexmodal.diagnosis.report.pictures import draw_descent, draw_map, draw_pair, telling_rows
 from flexmodal.diagnosis.report.tables import comparison_table, refused, regions, remaining
 from flexmodal.diagnosis.report.words import effect_words, held_out, pair, placed, posture_name
@@ -29,6 +32,12 @@ from flexmodal.report.words import percent, size
 from flexmodal.text.words import enumeration
 
 _ARM = "Joints are rings, sensors diamonds; what the verdict names is orange."
+_BOTH = (
+    "The modes that were measured too. Models are fitted to the FRFs; how probable they make these modes "
+    "counts in every comparison. The gap of modes is the root mean square of relative errors of natural "
+    "frequency, of a tenth of those of damping ratios, and of 1 − MAC; a mode that the model lacks counts as "
+    "1, 0.1 and 1."
+)
 _EVIDENCE = (
     "Adds: how many parameters the explanation has of its own; each costs. Evidence: the logarithm of how "
     "probable it makes the measurements, postures held out included, over that of the best. It is counted in "
@@ -49,6 +58,7 @@ def frf_sections(diagnosis: Diagnosis) -> list[Section]:
         Section("Where they disagree", _disagreement(diagnosis)),
         *look,
         Section("Measured and modelled", _pairs(diagnosis)),
+        *([] if diagnosis.modes is None else [Section("Modes", _modes(diagnosis, diagnosis.modes))]),
         Section("What was compared", _compared(diagnosis)),
         Section("How the gap came down", _left(diagnosis)),
     ]
@@ -143,6 +153,12 @@ def _pairs(diagnosis: Diagnosis) -> Parts:
         for row in telling_rows(diagnosis)
     ]
     return [says, Legend(names), Gallery(pictures)]
+
+
+def _modes(diagnosis: Diagnosis, found: ModesSeen) -> Parts:
+    name = _after(diagnosis) if diagnosis.model.placed else RETUNED
+    picture = Picture(partial(draw_frequencies, found, name), "Natural frequencies by posture")
+    return [_BOTH, picture, Table(SUMMARY, summary_rows(found, name)), mode_table(found, name)]
 
 
 def _compared(diagnosis: Diagnosis) -> Parts:

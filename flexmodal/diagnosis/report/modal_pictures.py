@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from flexmodal.diagnosis.findings import Findings
+from flexmodal.diagnosis.findings import Findings, ModesSeen
 from flexmodal.diagnosis.names import UNSTRUCTURED
 from flexmodal.diagnosis.report.pictures import AFTER, BEFORE, MEASURED
 from flexmodal.diagnosis.report.words import placed
@@ -17,6 +17,9 @@ from flexmodal.identification.evidence.likelihood.shapes import shapes_of
 from flexmodal.report.figure import NARROW, SOFT, drawing, new_figure
 from flexmodal.report.figure import short as cut
 
+RETUNED = "re-tuned"
+"""The robot with nothing added, in a picture or a table."""
+
 
 def short(key: tuple[str, str]) -> str:
     """An explanation in a few words."""
@@ -24,8 +27,16 @@ def short(key: tuple[str, str]) -> str:
 
 
 @drawing
-def draw_frequencies(found: Findings, after_name: str) -> Any:
-    """Each measured mode over the postures, with what the models have there: one panel a mode."""
+def draw_frequencies(found: ModesSeen, after_name: str) -> Any:
+    """Each measured mode over the postures, with what the models have there: one panel a mode.
+
+    Args:
+        found: the modes.
+        after_name: what the second model is; `RETUNED` where nothing was added, and there is none.
+
+    Returns:
+        A matplotlib figure.
+    """
     measured, numbers = found.measured, found.measured.numbers
     numbers = tuple(
         sorted(numbers, key=lambda n: np.median([m.frequency for m in measured.modes if m.number == n]))
@@ -42,9 +53,10 @@ def draw_frequencies(found: Findings, after_name: str) -> Any:
             at, f, yerr=2 * bars, fmt="o", color=MEASURED, capsize=3, label="measured, ±2 standard errors"
         )
         _partners(axes, found.before, rows, at - 0.14, BEFORE, "X", "re-tuned, nothing added")
-        _partners(axes, found.after, rows, at + 0.12, AFTER, "s", after_name)
+        if after_name != RETUNED:
+            _partners(axes, found.after, rows, at + 0.12, AFTER, "s", after_name)
         _predicted(axes, found.held_after, rows, at + 0.26, AFTER, f"{after_name}, posture held out")
-        _lacking(axes, {"re-tuned": found.before, after_name: found.after}, rows)
+        _lacking(axes, {RETUNED: found.before, after_name: found.after}, rows)
         middle = float(np.median(f))
         axes.set_ylabel(f"{middle:.3g} Hz")
         low, high = axes.get_ylim()
@@ -118,7 +130,7 @@ def draw_evidence(found: Findings) -> Any:
 def draw_shapes(found: Findings, one: ModalFit, other: ModalFit) -> Any:
     """The mode that two explanations differ in most, as they have it and as it was measured."""
     chosen = most_telling(found.shapes)
-    measured = found.measured
+    measured = found.modes.measured
     figure = new_figure(NARROW, 4.2)
     axes = figure.subplots()
     rows = list(range(len(measured.responses)))

@@ -9,7 +9,13 @@ from flexmodal.diagnosis.findings import Findings
 from flexmodal.diagnosis.names import NONE
 from flexmodal.diagnosis.outcome import Diagnosis, Region
 from flexmodal.diagnosis.report.arm_picture import draw_arm
-from flexmodal.diagnosis.report.modal_pictures import draw_evidence, draw_frequencies, draw_shapes, short
+from flexmodal.diagnosis.report.modal_pictures import (
+    RETUNED,
+    draw_evidence,
+    draw_frequencies,
+    draw_shapes,
+    short,
+)
 from flexmodal.diagnosis.report.modal_tables import (
     COMPARISON,
     SHAPES,
@@ -74,9 +80,9 @@ _SHAPES = (
 
 
 def _frequencies(diagnosis: Diagnosis, found: Findings, name: str) -> Parts:
-    frequencies = Picture(partial(draw_frequencies, found, name), "Natural frequencies by posture")
+    frequencies = Picture(partial(draw_frequencies, found.modes, name), "Natural frequencies by posture")
     arm = Picture(partial(draw_arm, diagnosis), "The arm with its points")
-    table = Table(SUMMARY, summary_rows(found, name))
+    table = Table(SUMMARY, summary_rows(found.modes, name))
     return [Gallery([frequencies, arm]), table, Text(_MEANS, note=True)]
 
 
@@ -125,7 +131,7 @@ def modal_sections(diagnosis: Diagnosis, found: Findings) -> list[Section]:
         Section("Where they disagree", _disagreement(diagnosis)),
         Section("What was compared", _compared(diagnosis, found)),
         Section("What the shapes say", _shapes(found)),
-        Section("Mode by mode", [mode_table(found, name)]),
+        Section("Mode by mode", [mode_table(found.modes, name)]),
     ]
 
 
@@ -170,9 +176,9 @@ def modal_paragraphs(diagnosis: Diagnosis, found: Findings) -> list[Text]:
 
 def after_name(diagnosis: Diagnosis, found: Findings) -> str:
     """What the second model of the pictures is."""
-    name = short(found.after.model.key)
-    if found.after.model.key[0] == NONE:
-        return "re-tuned"
+    name = short(found.modes.after.model.key)
+    if found.modes.after.model.key[0] == NONE:
+        return RETUNED
     if diagnosis.steps:
         return f"with {enumeration([placed(s.effect, s.where) for s in diagnosis.steps])}"
     return f"best of what is tied: {name}"

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from flexmodal.diagnosis.findings import Findings
+from flexmodal.diagnosis.findings import Findings, ModesSeen
 from flexmodal.diagnosis.names import NONE, UNSTRUCTURED
-from flexmodal.diagnosis.report.modal_pictures import short
+from flexmodal.diagnosis.report.modal_pictures import RETUNED, short
 from flexmodal.identification.evidence.likelihood.errors import Errors, errors, figures
 from flexmodal.identification.evidence.likelihood.laplace import ModalFit
 from flexmodal.report import Cell, Column, Table
@@ -32,7 +32,7 @@ SHAPES = (
 )  # fmt: skip
 
 
-def summary_rows(found: Findings, name: str) -> list[list[str]]:
+def summary_rows(found: ModesSeen, name: str) -> list[list[str]]:
     """Re-tuned, with what was added, the two baselines: fitted, and each posture held out."""
     rows = [
         _figures(
@@ -100,11 +100,17 @@ def shape_rows(found: Findings) -> list[list[str]]:
     ]  # fmt: skip
 
 
-def mode_table(found: Findings, name: str) -> Table:
-    """Every measured mode beside the models; `name` is that of the second one."""
-    names = ("measured [Hz]", "re-tuned", name, "held out", "mean of the others")
+def mode_table(found: ModesSeen, name: str) -> Table:
+    """Every measured mode beside the models.
+
+    Args:
+        found: the modes.
+        name: of the second model; `RETUNED` where nothing was added, and there is none.
+    """
+    models = {RETUNED: found.before, name: found.after}
+    names = ("measured [Hz]", *models, "held out", "mean of the others")
     heads = [Column("posture", words=True), *(Column(one, group="natural frequency") for one in names)]
-    heads += [Column(one, group="damping ratio") for one in ("measured", "re-tuned", name)]
+    heads += [Column(one, group="damping ratio") for one in ("measured", *models)]
     rows = []
     for k, mode in enumerate(found.measured.modes):
         held = None if found.held_after is None else found.held_after.frequency[k]
@@ -112,8 +118,8 @@ def mode_table(found: Findings, name: str) -> Table:
         rows.append([
             found.measured.postures[mode.posture].name,
             f"{mode.frequency:.2f} ± {mode.frequency * mode.frequency_error:.2f}",
-            _frequency(found.before, k), _frequency(found.after, k), fixed(held, 2), fixed(mean, 2),
-            fixed(mode.damping_ratio, 3), _damping(found.before, k), _damping(found.after, k),
+            *(_frequency(one, k) for one in models.values()), fixed(held, 2), fixed(mean, 2),
+            fixed(mode.damping_ratio, 3), *(_damping(one, k) for one in models.values()),
         ])  # fmt: skip
     return Table(heads, rows)
 

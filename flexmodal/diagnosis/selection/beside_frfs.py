@@ -10,18 +10,21 @@ where no model has hysteretic losses, which the modes of viscous structures leav
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float
 
+from flexmodal.diagnosis.findings import ModesSeen
 from flexmodal.diagnosis.modal_model import ModalModel
 from flexmodal.diagnosis.names import UNSTRUCTURED
 from flexmodal.diagnosis.selection.comparison import Comparison
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.errors import InvalidSystem
-from flexmodal.identification import Observations, uncertainty
+from flexmodal.identification import uncertainty
+from flexmodal.identification.evidence.likelihood.errors import mean_of_others
+from flexmodal.identification.evidence.likelihood.held_out import HeldOut, together
 from flexmodal.identification.evidence.likelihood.laplace import ModalFit
 from flexmodal.identification.evidence.likelihood.likelihood import Likelihood
 from flexmodal.identification.evidence.likelihood.pairing import paired
@@ -42,8 +45,6 @@ class ModesBeside:
     """Measured modes of a campaign that has FRFs too."""
 
     measured: ModeObservations
-    fitted: Observations
-    """The FRFs that models are fitted to."""
 
     def added_to(self, comparison: Comparison[FittedFrfs]) -> Comparison[FittedFrfs]:
         """A comparison by FRFs with what the modes say; every draw under each set of beliefs."""
@@ -51,6 +52,26 @@ class ModesBeside:
         scores = np.array([[fit.evidence for fit in fits] for fits in seen])
         table = np.concatenate([comparison.table + column[:, None] for column in scores.T], axis=1)
         return replace(comparison, scores=comparison.scores + scores[:, 0], table=table)
+
+    def shown(
+        self, fitted: Sequence[FittedFrfs], everywhere: Sequence[FittedFrfs], held: Collection[int]
+    ) -> ModesSeen:
+        """The modes beside those of two models.
+
+        Args:
+            fitted: the robot re-tuned and the final model, to what was not held out.
+            everywhere: the same fitted to everything.
+            held: ids of the postures held out.
+        """
+        lossless = not _lossy([*fitted, *everywhere])
+        measured = self.measured if lossless else _undamped(self.measured)
+        away = np.array([measured.postures[mode.posture].id in held for mode in measured.modes])
+        before, after = (self.predicted(one, lossless=lossless)[0] for one in everywhere)
+        apart: list[HeldOut | None] = [None, None]
+        if away.any():
+            seen = [self.predicted(one, lossless=lossless)[0] for one in fitted]
+            apart = [together([one], measured, [away], one) if one.forecasts else None for one in seen]
+        return ModesSeen(measured, before, after, apart[0], apart[1], mean_of_others(measured))
 
     def predicted(self, model: FittedFrfs, *, lossless: bool = True) -> list[ModalFit]:
         """The modes as a model predicts them, under each set of beliefs.
@@ -64,9 +85,9 @@ class ModesBeside:
         size = len(model.hypothesis.space)
         x = np.concatenate([model.x, np.zeros(len(explanation.space) - size)])
         covariance = np.diag([p.deviation**2 for p in explanation.space])
-        covariance[:size, :size] = uncertainty(
-            model.hypothesis.space, model.fitted.normal, self.fitted
-        ).covariance
+        fitted = model.fitted
+        sure = uncertainty(model.hypothesis.space, fitted.normal, fitted.misfit.observations)
+        covariance[:size, :size] = sure.covariance
         return [_seen(explanation, measured, beliefs, x, covariance) for beliefs in SETTINGS]
 
 

@@ -12,7 +12,7 @@ from jaxtyping import Float
 
 from flexmodal.campaign import Campaign
 from flexmodal.diagnosis.effects import Context, Effect
-from flexmodal.diagnosis.findings import Findings
+from flexmodal.diagnosis.findings import Findings, ModesSeen
 from flexmodal.diagnosis.lawfree.result import Findings as LawFree
 from flexmodal.diagnosis.outcome import Gaps, NextMeasurement, Region
 from flexmodal.diagnosis.selection.comparison import Comparison, M
@@ -211,6 +211,16 @@ class Data(ABC, Generic[M]):
             rounds: every comparison.
             current: the final model.
             compared: it, or the best, and what it is tied with.
+        """
+        return None
+
+    def modes_seen(self, first: M, last: M, conclusion: Conclusion[M]) -> ModesSeen | None:
+        """Modes that were measured beside what decides; None where there are none.
+
+        Args:
+            first: the robot re-tuned, to what was not held out.
+            last: the final model, likewise.
+            conclusion: both, fitted to everything.
         """
         return None
 

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from flexmodal.diagnosis.disagreement.compare import disagreement, excess, force_dependence
+from flexmodal.diagnosis.disagreement.compare import disagreement, force_dependence, worst_point
 from flexmodal.diagnosis.disagreement.gaps import gap_of, gaps_of, left, over_noise
-from flexmodal.diagnosis.findings import Findings
+from flexmodal.diagnosis.findings import Findings, ModesSeen
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.lawfree.pursuit import SOUND
 from flexmodal.diagnosis.lawfree.result import PORT_OF
@@ -184,9 +184,8 @@ class FrfData(Data[FittedFrfs]):
         One effect is, though it takes everything that was fitted, where it fails on what was held out.
         """
         keys, held = model.hypothesis.keys, self.setup.held
-        if not keys or not self.look.explains or any(name not in PORT_OF for name, _ in keys):
-            return False
-        if self.look.met(keys):
+        known = all(name in PORT_OF for name, _ in keys)
+        if not keys or not known or not self.look.explains or self.look.met(keys):
             return False
         fails = held.any() and over_noise(self.setup, model, held) > EXPLAINED
         return len(keys) > len(self.look.found) or bool(fails)
@@ -266,11 +265,14 @@ class FrfData(Data[FittedFrfs]):
             return self.look.place
         if model.hypothesis.placed:
             return model.hypothesis.keys[-1][1]
-        seen = self.setup.observations
-        above = excess(seen, model.predicted).sum(axis=1)
-        points = np.unique(seen.response[:, 0])
-        share = [above[seen.response[:, 0] == p].sum() for p in points]
-        return seen.campaign.point(int(points[int(np.argmax(share))])).name
+        return worst_point(self.setup.observations, model.predicted)
+
+    def modes_seen(
+        self, first: FittedFrfs, last: FittedFrfs, conclusion: Conclusion[FittedFrfs]
+    ) -> ModesSeen | None:
+        """See `Data`."""
+        every = conclusion.before, conclusion.after
+        return None if self.modes is None else self.modes.shown((first, last), every, self.held_out)
 
     def stand_in(self, model: FittedFrfs) -> FittedFrfs | None:
         """See `Data`: at the places that the law-free look points to."""

@@ -10,7 +10,7 @@ from jaxtyping import Float
 
 from flexmodal.diagnosis.disagreement.modal_regions import regions
 from flexmodal.diagnosis.effects import Context, Effect
-from flexmodal.diagnosis.findings import Findings
+from flexmodal.diagnosis.findings import Findings, ModesSeen
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.modal_model import ModalModel
 from flexmodal.diagnosis.names import NONE, UNSTRUCTURED
@@ -213,15 +213,17 @@ class ModalData(Data[FittedModes]):
         pair = compared if compared and all(one.hypothesis.placed for one in compared) else None
         tied = tuple(first.models[k].key for k in first.tied)
         return Findings(
-            measured=self.whole,
-            before=self.everywhere(self.root.fit),
-            after=self.everywhere(best.fit),
-            held_before=first.models[0].held,
-            held_after=best.held,
+            modes=ModesSeen(
+                measured=self.whole,
+                before=self.everywhere(self.root.fit),
+                after=self.everywhere(best.fit),
+                held_before=first.models[0].held,
+                held_after=best.held,
+                mean=mean_of_others(self.whole),
+                free=None if free is None else self.everywhere(free.fit),
+                held_free=None if free is None else free.held,
+            ),
             comparison=first,
-            free=None if free is None else self.everywhere(free.fit),
-            held_free=None if free is None else free.held,
-            mean=mean_of_others(self.whole),
             tied=tied if worth_it and len(tied) > 1 else (),
             missing=tuple(unmatched(self.root.fit).items()),
             left=tuple(unmatched(best.fit if worth_it else self.root.fit).items()),
@@ -232,7 +234,7 @@ class ModalData(Data[FittedModes]):
 
     def place(self, model: FittedModes, findings: Findings | None) -> str:
         """The one place that everything tied points at; the arm as a whole where there is none."""
-        named = (model.key,) if findings is None else findings.tied or (findings.after.model.key,)
+        named = (model.key,) if findings is None else findings.tied or (findings.modes.after.model.key,)
         places = {where for effect, where in named if effect != NONE}
         return places.pop() or EVERYWHERE if len(places) == 1 else EVERYWHERE
 

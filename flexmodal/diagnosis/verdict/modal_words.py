@@ -73,8 +73,8 @@ def _gain_words(facts: Facts, found: Findings) -> str:
 
 def missing_words(found: Findings) -> str:
     """What the measurement has and the robot lacks."""
-    before = figures(errors(found.before))
-    total = len(found.measured.modes)
+    before = figures(errors(found.modes.before))
+    total = len(found.modes.measured.modes)
     says = (
         f"The robot re-tuned meets {total - before.missing} of the {total} measured modes"
         f" ({100 * before.frequency:.1f} % in frequency)"
@@ -126,8 +126,8 @@ def left_words(found: Findings) -> str:
     """What is left unexplained."""
     if not found.left:
         return ""
-    parts = []
+    parts, measured = [], found.modes.measured
     for number, frequency in found.left:
-        here = [m.posture for m in found.measured.modes if m.number == number]
-        parts.append(f"near {frequency:.3g} Hz (in {len(here)} of {len(found.measured.postures)} postures)")
+        here = [m.posture for m in measured.modes if m.number == number]
+        parts.append(f"near {frequency:.3g} Hz (in {len(here)} of {len(measured.postures)} postures)")
     return f"No partner is left for the peak{'s' if len(parts) > 1 else ''} {enumeration(parts)}."

@@ -25,6 +25,10 @@ _stored: dict[Hashable, bool] = {}
 """Whether the code was on disk when that was looked up first, which takes as long as a small call."""
 
 
+_stored_at_first: dict[Hashable, bool] = {}
+"""The same, for work that is not counted."""
+
+
 def is_worth_it(kind: Hashable, seconds: float, compilation: float, is_stored: Callable[[], bool]) -> bool:
     """Count work that is about to be done, and say whether to do it by compiled code.
 
@@ -42,6 +46,32 @@ def is_worth_it(kind: Hashable, seconds: float, compilation: float, is_stored: C
         _stored[kind] = is_stored()
     if _stored[kind] or _spent[kind] < price + compilation:
         return _stored[kind]
-    _LOG.info("compiling once on this machine, some %.0f s", compilation)
+    _say(compilation)
     _stored[kind] = True
     return True
+
+
+def pays_alone(kind: Hashable, seconds: float, compilation: float, is_stored: Callable[[], bool]) -> bool:
+    """Whether work is worth compiled code by itself, whatever was done before.
+
+    So that the same work gives the same numbers to the last digit as long as the process lives.
+
+    Args:
+        kind: of work.
+        seconds: that all of it takes interpreted.
+        compilation: seconds that it takes to compile that code.
+        is_stored: says whether it is on disk already; asked once.
+    """
+    if seconds < IMPORT + LOAD:
+        return False
+    if kind not in _stored_at_first:
+        _stored_at_first[kind] = is_stored()
+    if _stored_at_first[kind] or seconds < IMPORT + LOAD + compilation:
+        return _stored_at_first[kind]
+    if not is_stored():
+        _say(compilation)
+    return True
+
+
+def _say(compilation: float) -> None:
+    _LOG.info("compiling once on this machine, some %.0f s", compilation)

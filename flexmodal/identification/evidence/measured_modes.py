@@ -93,6 +93,12 @@ class ModeObservations:
         return tuple(sorted(found)) or ((self.campaign.points[0].id, 3),)
 
     @cached_property
+    def places(self) -> tuple[Place, ...]:
+        """`responses`, then every other place where the hammer fell."""
+        struck = {shape.reference for mode in self.modes for shape in mode.shapes}
+        return (*self.responses, *sorted(struck - set(self.responses)))
+
+    @cached_property
     def numbers(self) -> tuple[int, ...]:
         """Modes as the measurement counts."""
         return tuple(sorted({mode.number for mode in self.modes}))

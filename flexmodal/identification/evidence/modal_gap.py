@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from jaxtyping import Float
 
+from flexmodal.identification.evidence.likelihood.forecast import Forecast
 from flexmodal.identification.evidence.measured_modes import MeasuredMode, ModeObservations
-from flexmodal.identification.evidence.modal_residuals import ModeProblem
+from flexmodal.modal.mac import mac_with
 
 DAMPING_SHARE = 0.1
 
@@ -26,32 +29,32 @@ def mode_errors(
     return frequency / mode.frequency - 1, damping, 1 - alike
 
 
-def errors_of(problem: ModeProblem, x: Float[np.ndarray, " parameter"]) -> Float[np.ndarray, "observation 3"]:
-    """Relative error of frequency, a tenth of that of damping, and 1 − MAC; NaN where nothing was measured.
+def errors_of(
+    measured: ModeObservations, seen: Sequence[Forecast], pairs: Sequence[int], *, shapes: bool = True
+) -> Float[np.ndarray, "mode 3"]:
+    """Relative error of frequency, a tenth of that of damping, and 1 − MAC of every measured mode.
 
-    Modes that the model has no partner for stay NaN; `ModeProblem.partners` names them. Antiresonances have a
-    frequency only.
+    NaN where nothing was measured, and throughout where the model has no partner.
+
+    Args:
+        measured: the modes.
+        seen: what the model has in each posture.
+        pairs: which mode of it each is.
+        shapes: whether these are compared; of several hammer positions the mean.
     """
-    observed = problem.observations
-    partners = problem.partners(x)
-    table = np.full((len(observed), 3), np.nan)
-    shapes = "shape" in problem.use or "residue" in problem.use
-    for number in range(len(observed.postures)):
-        here = observed.here[number]
-        seen = problem.see(x, number, slopes=False)
-        alike = problem.alike(number, seen)
-        for row, k in enumerate(here):
-            mode, partner = observed.modes[k], partners[k]
-            if partner < 0:
-                continue
-            mac = float(alike[row, partner]) if shapes else float("nan")
-            found = seen.found
-            table[k] = mode_errors(mode, found.frequency[partner], found.damping_ratio[partner], mac)
-    if "antiresonance" in problem.use:
-        entries = problem.entries(x, partners, slopes=False)[len(observed.modes) :]
-        for k, one in enumerate(entries):
-            if one is not None:
-                table[len(observed.modes) + k, 0] = np.expm1(one.residual[0])
+    table = np.full((len(measured.modes), 3), np.nan)
+    for k, (mode, m) in enumerate(zip(measured.modes, pairs, strict=True)):
+        if m < 0:
+            continue
+        one = seen[mode.posture]
+        alike = [
+            0.0 if np.isnan(one.shape[0, m]) else mac_with(s.residue, one.shape[measured.rows(s.places), m])
+            for s in mode.shapes
+            if shapes and len(s.places) > 1
+        ]
+        mac = float(np.mean(alike)) if alike else float("nan")
+        frequency, ratio = np.exp(one.log_frequency[m]), np.exp(one.log_damping[m])
+        table[k] = mode_errors(mode, float(frequency), float(ratio), mac)
     return table
 
 

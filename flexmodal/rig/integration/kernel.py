@@ -1,4 +1,4 @@
-"""The inner loop of a non-linear plant, compiled. Import it only where it runs: numba is slow to load.
+"""The inner loop of a non-linear plant: plain functions of numbers and arrays, compiled by `nonlinear`.
 
 Codes of the laws are those of `plant`, the laws themselves those of `laws`. All blows go side by side; in the
 first three laws in loops that the compiler works on several at a time, so that nothing in them may branch or
@@ -10,11 +10,9 @@ from __future__ import annotations
 
 from typing import no_type_check
 
-import numba
 import numpy as np
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
 def add(total, weights, values):
     """Total += weights @ values, [row, blow] += [row, column] @ [column, blow]."""
@@ -25,7 +23,6 @@ def add(total, weights, values):
                 total[i, b] += weight * values[j, b]
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
 def hardening(p, new, force):
     """Torque of a spring that hardens, beside the linear one: p = k a, q_r."""
@@ -35,7 +32,6 @@ def hardening(p, new, force):
         force[b] = -p[0] * new[b] * square / (1.0 + square)
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
 def friction(p, old, new, before, force):
     """Dahl's law over one step: p = F_c, σ. The force decays towards ±F_c with the distance moved.
@@ -56,7 +52,6 @@ def friction(p, old, new, before, force):
         force[b] = end + (before[b] - end) * left
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
 def backlash(p, new, force):
     """Dead zone beside a preloaded contact: p = k, gap, preload."""
@@ -67,7 +62,6 @@ def backlash(p, new, force):
         force[b] = p[0] * new[b] + p[2] - held
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
 def elastic(kind, p, new, force):
     """Torques that only the elongation sets: polynomial (3), piecewise (4), saturating (5), sinh (6)."""
@@ -88,33 +82,32 @@ def elastic(kind, p, new, force):
             force[b] = -torque if u > 0 else torque
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
-def sliding(kind, p, speed, moved, memory, fresh, force, ease):
+def sliding(kind, p, speed, old, new, memory, fresh, force, ease):
     """Torques that the rate sets, Stribeck's (7) and the bristles' (8); `ease` of the last guess stays."""
     for b in range(len(speed)):
-        v = speed[b]
+        v, moved = speed[b], new[b] - old[b]
         if kind == 7:
             torque = (p[0] + (p[1] - p[0]) * np.exp(-((v / p[2]) ** 2))) * np.tanh(v / p[3])
         else:
             limit = p[2] + (p[3] - p[2]) * np.exp(-((v / p[4]) ** 2))
-            end = (limit if moved[b] >= 0 else -limit) / p[0]
-            bristle = end + (memory[b] - end) * np.exp(-p[0] * abs(moved[b]) / limit)
+            end = (limit if moved >= 0 else -limit) / p[0]
+            bristle = end + (memory[b] - end) * np.exp(-p[0] * abs(moved) / limit)
             fresh[b] = bristle
             torque = p[0] * bristle + p[1] * (v - p[0] * abs(v) * bristle / limit)
         force[b] += (-torque - force[b]) / (1.0 + ease)
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
-def yielding(kind, p, moved, memory, fresh, force):
+def yielding(kind, p, old, new, memory, fresh, force):
     """Torques that the distance moved sets: a spring that slips (9), Bouc and Wen's (10)."""
-    for b in range(len(moved)):
+    for b in range(len(new)):
+        moved = new[b] - old[b]
         if kind == 9:
-            torque = min(max(memory[b] + p[0] * moved[b], -p[1]), p[1])
+            torque = min(max(memory[b] + p[0] * moved, -p[1]), p[1])
         else:
-            way = 1.0 if moved[b] >= 0 else -1.0
-            far = p[0] / p[1] * abs(moved[b])
+            way = 1.0 if moved >= 0 else -1.0
+            far = p[0] / p[1] * abs(moved)
             part = way * memory[b] / p[1]
             back = min(far, max(-part, 0.0))
             part += back
@@ -124,7 +117,6 @@ def yielding(kind, p, moved, memory, fresh, force):
         force[b] = -torque
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
 def act(kind, p, old, new, speed, before, memory, fresh, force, ease):
     """The force of one element at the end of a step; what it remembers goes to `fresh`."""
@@ -137,12 +129,11 @@ def act(kind, p, old, new, speed, before, memory, fresh, force, ease):
     elif kind <= 6:
         elastic(kind, p, new, force)
     elif kind <= 8:
-        sliding(kind, p, speed, new - old, memory, fresh, force, ease)
+        sliding(kind, p, speed, old, new, memory, fresh, force, ease)
     else:
-        yielding(kind, p, new - old, memory, fresh, force)
+        yielding(kind, p, old, new, memory, fresh, force)
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
 def search(
     kinds, parameters, gain, swift, free, coast, stretch, before, memory, fresh, force, ease, rounds, end,
@@ -150,9 +141,11 @@ def search(
 ):  # fmt: skip
     """The forces at the end of a step: contracts by about (ω h)²/6 a round, or by what `ease` says."""
     for _ in range(rounds):
-        end[:] = free
+        for e in range(len(kinds)):
+            for b in range(free.shape[1]):
+                end[e, b] = free[e, b]
+                speed[e, b] = coast[e, b]
         add(end, gain, force)
-        speed[:] = coast
         add(speed, swift, force)
         for e in range(len(kinds)):
             act(
@@ -161,7 +154,6 @@ def search(
             )  # fmt: skip
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
 def step_through(
     phi, early, late, pulse, origin, kinds, parameters, rows, rates, ease, rounds, c, d, fine

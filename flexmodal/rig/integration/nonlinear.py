@@ -9,13 +9,18 @@ F_c at any step.
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any
 
 import numpy as np
 from jaxtyping import Float
 
+from flexmodal.frf.kernels.compiled import Kernel, together
+from flexmodal.frf.kernels.route import has_numba
+from flexmodal.frf.kernels.worth import pays_alone
 from flexmodal.rig.analyser import Analyser
 from flexmodal.rig.blow import Strike
+from flexmodal.rig.integration import kernel
 from flexmodal.rig.integration.exponential import exponential
 from flexmodal.rig.integration.laws import LAWS, steepest
 from flexmodal.rig.integration.linear import Outputs, pulse_states
@@ -24,6 +29,9 @@ from flexmodal.rig.plant.plant import NUMBERS, Plant
 _ROUNDS = 4
 """Of the search for the elements' forces where no torque depends on a rate."""
 _MOST_ROUNDS = 40
+_ROUND_SECONDS, _COMPILATION = 1e-5, 8.0
+"""What a round of the search takes in numpy, however many the blows, and compiling the loop [s]; processor
+time of a core of 2020."""
 _LEFT = 1e-4
 """Of the error of the first guess, which is of the order of a step already."""
 
@@ -35,6 +43,8 @@ def fine_records(
     rows: Float[np.ndarray, "channel dof"],
     strikes: list[Strike],
     analyser: Analyser,
+    *,
+    repeats: int = 1,
 ) -> Float[np.ndarray, "blow channel grid"]:
     """Accelerations on the fine grid, long enough for the filter at the last sample [m/s²].
 
@@ -45,6 +55,7 @@ def fine_records(
         rows: the same channels as rows over the coordinates.
         strikes: the blows.
         analyser: sets the grid.
+        repeats: how often the like is done in a simulation; much of it pays for compiled loops.
     """
     step = analyser.step
     grid = (analyser.samples - 1) * analyser.oversampling + analyser.reach + 1
@@ -62,8 +73,7 @@ def fine_records(
     for element, numbers in zip(plant.elements, parameters, strict=True):
         numbers[: len(element.parameters)] = element.parameters
     ease, rounds = _search(kinds, parameters, rates @ late)
-    step_through = _stepper()
-    step_through(
+    _stepper(repeats * grid * rounds * _ROUND_SECONDS)(
         phi, early, late, pulse, origin, kinds, parameters, seen, rates, ease, rounds,
         np.ascontiguousarray(outputs.by_state[0]), np.ascontiguousarray(by_element), fine,
     )  # fmt: skip
@@ -112,13 +122,24 @@ def held(
     )
 
 
-def _stepper() -> Any:
-    """The compiled loop, or the same in numpy where numba is not installed."""
-    try:
-        from flexmodal.rig.integration.kernel import step_through
-    except ImportError:
-        return step_through_numpy
-    return step_through
+def _stepper(seconds: float) -> Any:
+    """The compiled loop, or the same in numpy: without numba, or for less work than compiling would be."""
+    if has_numba() and pays_alone("steps of the rig", seconds, _COMPILATION, _kernel().is_stored):
+        return _kernel().compiled
+    return step_through_numpy
+
+
+@cache
+def _kernel() -> Kernel:
+    laws = (
+        kernel.hardening,
+        kernel.friction,
+        kernel.backlash,
+        kernel.elastic,
+        kernel.sliding,
+        kernel.yielding,
+    )
+    return together(kernel.add, *laws, kernel.act, kernel.search, last=kernel.step_through)
 
 
 def step_through_numpy(

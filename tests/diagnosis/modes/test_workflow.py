@@ -102,7 +102,7 @@ def test_the_improved_robot_loads_and_has_the_modes_of_the_model(told, tmp_path)
     out = tmp_path / "found"
     write_diagnosis(told, out)
     robot = flexmodal.load(out / "robot" / "robot.toml")
-    fit = told.modal.after
+    fit = told.modal.modes.after
     seen = np.sort(np.exp(fit.forecasts[0].log_frequency))
     posture = told.model.context.postures[0]
     frequencies = np.sort(robot.at(dict(posture.q)).modes().frequency)
@@ -124,7 +124,7 @@ def test_what_modes_cannot_tell_of_is_said_to_be_untestable(nothing):
 
 @pytest.mark.slow
 def test_a_lacking_mode_counts_in_the_gap(told):
-    before = told.modal.before
+    before = told.modal.modes.before
     table = errors(before)
     lacking = [k for k, m in enumerate(before.pairs) if m < 0]
     assert lacking
@@ -135,7 +135,7 @@ def test_a_lacking_mode_counts_in_the_gap(told):
 
 @pytest.mark.slow
 def test_the_mean_of_the_others_by_hand(told):
-    measured = told.modal.measured
+    measured = told.modal.modes.measured
     table = mean_of_others(measured)
     modes = measured.modes
     first = [m.frequency for m in modes if m.number == modes[0].number]

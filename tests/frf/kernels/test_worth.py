@@ -102,6 +102,29 @@ def test_receptances_of_one_system_count(monkeypatch):
     assert asked[0][:2] == asked[1][:2]
 
 
+def test_work_that_is_judged_by_itself_goes_one_way_as_long_as_the_process_lives(monkeypatch, caplog):
+    """So that a simulation repeated gives the same numbers to the last digit."""
+    monkeypatch.setattr(worth, "_stored_at_first", {})
+    compilation, stored = 8.0, [False]
+
+    def pays(seconds):
+        return worth.pays_alone("a kind", seconds, compilation, lambda: stored[0])
+
+    less, more = compilation, compilation + worth.IMPORT + worth.LOAD
+    with caplog.at_level("INFO", logger="flexmodal.engine"):
+        assert [pays(less) for _ in range(5)] == [False] * 5  # however often
+        assert not caplog.messages
+        assert pays(more)
+        assert caplog.messages == ["compiling once on this machine, some 8 s"]
+        stored[0] = True  # by now it is on disk
+        assert not pays(less)
+        assert pays(more)
+        assert len(caplog.messages) == 1
+    worth._stored_at_first.clear()  # another process
+    assert pays(less)
+    assert not pays(0.9 * (worth.IMPORT + worth.LOAD))
+
+
 def test_what_numba_keeps_is_found_without_loading_it(tmp_path):
     """In processes of their own; one file of code for a kernel and all it calls."""
     pytest.importorskip("numba")

@@ -14,7 +14,7 @@ from jaxtyping import Float
 
 from flexmodal.identification.evidence.likelihood.laplace import ModalFit
 from flexmodal.identification.evidence.measured_modes import MeasuredMode, ModeObservations
-from flexmodal.identification.evidence.modal_gap import DAMPING_SHARE, gap_of_errors, mode_errors
+from flexmodal.identification.evidence.modal_gap import DAMPING_SHARE, errors_of, gap_of_errors, mode_errors
 from flexmodal.modal.mac import mac_with
 
 Errors = Float[np.ndarray, "mode 3"]
@@ -37,24 +37,10 @@ class Figures:
 
 def errors(fit: ModalFit) -> Errors:
     """Of every measured mode of a fit."""
-    table = np.full((len(fit.measured.modes), 3), np.nan)
+    table = errors_of(fit.measured, fit.forecasts, fit.pairs)
     for k, mode in enumerate(fit.measured.modes):
-        m = fit.pairs[k]
-        if m < 0:
+        if fit.pairs[k] < 0:
             table[k] = lacking(mode)
-            continue
-        seen = fit.forecasts[mode.posture]
-        alike = [
-            0.0
-            if np.isnan(seen.shape[0, m])
-            else mac_with(s.residue, seen.shape[fit.measured.rows(s.places), m])
-            for s in mode.shapes
-            if len(s.places) > 1
-        ]
-        mac = float(np.mean(alike)) if alike else float("nan")
-        table[k] = mode_errors(
-            mode, float(np.exp(seen.log_frequency[m])), float(np.exp(seen.log_damping[m])), mac
-        )
     return table
 
 

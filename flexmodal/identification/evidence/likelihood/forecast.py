@@ -31,6 +31,13 @@ class Forecast:
     damping_slope: Float[np.ndarray, "parameter mode"]
     shape_slope: Complex[np.ndarray, "parameter place mode"]
 
+    @staticmethod
+    def none(places: int, parameters: int) -> Forecast:
+        """No modes at all, seen at so many places."""
+        empty, slopes = np.zeros(0), np.zeros((parameters, 0))
+        shape, turned = np.zeros((places, 0), complex), np.zeros((parameters, places, 0), complex)
+        return Forecast(empty, empty, shape, slopes, slopes, turned)
+
     @property
     def structured(self) -> int:
         """How many of the modes have a structure."""

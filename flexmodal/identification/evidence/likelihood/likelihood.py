@@ -14,6 +14,7 @@ from flexmodal.identification.evidence.likelihood.forecast import Forecast, Mode
 from flexmodal.identification.evidence.likelihood.scatter import (
     DAMPING,
     FREQUENCY,
+    RESIDUE,
     SHAPE,
     Beliefs,
     log_anywhere,
@@ -37,6 +38,8 @@ class Likelihood:
     model: ModeModel
     measured: ModeObservations
     beliefs: Beliefs
+    use: tuple[str, ...] = (FREQUENCY, DAMPING, SHAPE)
+    """What of the modes counts."""
 
     @cached_property
     def space(self) -> ParameterSpace:
@@ -59,7 +62,8 @@ class Likelihood:
 
     def see(self, x: Float[np.ndarray, " parameter"], *, slopes: bool) -> list[Forecast]:
         """What the model predicts in each posture."""
-        return self.model.forecasts(x, self.measured.responses, slopes=slopes)
+        places = self.measured.places if RESIDUE in self.use else self.measured.responses
+        return self.model.forecasts(x, places, slopes=slopes)
 
     def gains(
         self,
@@ -103,7 +107,7 @@ class Likelihood:
         total = float(np.log(self.beliefs.seen)) + log_normal(
             float(seen.log_frequency[m] - np.log(mode.frequency)), variance
         )
-        if np.isfinite(mode.damping_ratio):
+        if DAMPING in self.use and np.isfinite(mode.damping_ratio):
             variance = mode.damping_error**2 + z + (DAMPING_GRANT * grant) ** 2 + more[1]
             total += log_normal(float(seen.log_damping[m] - np.log(mode.damping_ratio)), variance)
         if self.beliefs.shapes and not np.isnan(seen.shape[0, m]):
@@ -116,7 +120,8 @@ class Likelihood:
     def anywhere(self, mode: MeasuredMode) -> float:
         """Ln likelihood of a measured mode that is none of the model's."""
         ratio = mode.damping_ratio
-        damping = float(np.log(ratio)) if np.isfinite(ratio) and ratio > 0 else float("nan")
+        known = DAMPING in self.use and np.isfinite(ratio) and ratio > 0
+        damping = float(np.log(ratio)) if known else float("nan")
         return log_anywhere(self.measured.band, self.beliefs, damping)
 
     def overlooked(self, seen: Forecast, m: int) -> float:

@@ -21,7 +21,7 @@ import numpy as np
 
 from flexmodal.identification.evidence.likelihood.forecast import DAMPING_SPREAD, USUAL_DAMPING
 
-FREQUENCY, DAMPING, SHAPE = "frequency", "damping", "shape"
+FREQUENCY, DAMPING, SHAPE, RESIDUE = "frequency", "damping", "shape", "residue"
 LEAST, MOST = -12.0, 12.0
 """Bounds of the logarithm of a scale."""
 
