@@ -39,6 +39,7 @@ def campaign(tmp_path_factory):
     return folder
 
 
+@pytest.mark.slow  # half a minute
 def test_an_old_processor_without_numba_says_the_same(campaign, tmp_path):
     usual = diagnosed(campaign, tmp_path / "usual")
     old = diagnosed(

@@ -84,11 +84,9 @@ LONG = ("optimise", "six_link", "--hold=-2,2", "--frequency", "5", "--starts", "
 @pytest.mark.usefixtures("ctrl_c")
 @pytest.mark.parametrize(
     ("number", "status", "says"),
-    [
-        (signal.SIGINT, 130, "interrupted"),
-        pytest.param(signal.SIGTERM, 143, "", marks=pytest.mark.slow),
-    ],
+    [(signal.SIGINT, 130, "interrupted"), (signal.SIGTERM, 143, "")],
 )
+@pytest.mark.slow
 def test_stopped_in_the_midst_of_a_search(program, number, status, says):
     # The first large search on a machine compiles its kernels; only from then on does time go into searching.
     subprocess.run((program, *LONG[:-1], "4096"), capture_output=True, check=True, timeout=300)

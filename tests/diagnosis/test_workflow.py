@@ -176,9 +176,8 @@ def test_started_from_everywhere_it_leaves_a_local_minimum():
     assert over_noise(setup, fitted_closely(setup, hypothesis, again.x, near=True)) < FLOOR_REACHED
 
 
-@pytest.mark.parametrize(
-    "last", ["local_absorber@link_1", pytest.param("added_mass@link_3", marks=pytest.mark.slow)]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("last", ["local_absorber@link_1", "added_mass@link_3"])
 def test_an_effect_that_nobody_misses_goes_whether_found_first_or_last(loaded, last):
     setup = prepare(
         *loaded, None, asked_of(["added_mass", "local_absorber"]), None, 0, lambda doing, part: None

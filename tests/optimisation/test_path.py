@@ -315,6 +315,7 @@ def test_bad_requests(three):
         plan_path(PathProblem.along(three, line((2.0, 0.0), (3.0, 0.0), 3, 0.05), 5.0), nodes=4)
 
 
+@pytest.mark.slow
 def test_command(capsys, tmp_path):
     from flexmodal.cli.main import main
 

@@ -125,6 +125,7 @@ def test_work_that_is_judged_by_itself_goes_one_way_as_long_as_the_process_lives
     assert not pays(0.9 * (worth.IMPORT + worth.LOAD))
 
 
+@pytest.mark.slow
 def test_what_numba_keeps_is_found_without_loading_it(tmp_path):
     """In processes of their own; one file of code for a kernel and all it calls."""
     pytest.importorskip("numba")
