@@ -10,7 +10,7 @@ from flexmodal.diagnosis.outcome import Compared, Step
 from flexmodal.diagnosis.selection.comparison import Comparison
 from flexmodal.diagnosis.selection.data import Data
 from flexmodal.diagnosis.selection.decision import Answer
-from flexmodal.diagnosis.selection.frf_candidates import does_more, narrowest
+from flexmodal.diagnosis.selection.frf_candidates import MOST_LOOKS, FrfCandidates, does_more, narrowest
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.selection.frf_data import FrfData
 from flexmodal.diagnosis.selection.selection import MOST, ForwardSelection
@@ -200,6 +200,9 @@ class Settling(FrfData):
         self.taken, self._candidates = share, self
         self.sure, self.takes = sure, takes
 
+    def can_look(self, model):
+        return True
+
     def look_beside(self, model):
         gone = [key for key in EVERY if key not in model.hypothesis.keys]
         met = {key: Mock(surely=lambda name, key=key: key in self.sure) for key in gone}
@@ -234,3 +237,13 @@ def test_what_is_not_sure_settles_nothing(given):
 
 def test_one_effect_alone_settles_nothing():
     assert not Settling([MASS]).settles(fitted(MASS))
+
+
+def test_so_many_looks_and_no_more():
+    candidates = FrfCandidates.__new__(FrfCandidates)
+    candidates.root = fitted()
+    candidates._beside = {frozenset([("added_mass", str(number))]): "found" for number in range(MOST_LOOKS)}
+    assert candidates.can_look(candidates.root)
+    assert candidates.can_look(fitted(("added_mass", "3")))
+    assert candidates.look_beside.__wrapped__(candidates, fitted(("added_mass", "3"))) == "found"
+    assert not candidates.can_look(fitted(DELAY))

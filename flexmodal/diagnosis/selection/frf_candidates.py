@@ -14,6 +14,10 @@ from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.selection.frf_thresholds import FLOOR_REACHED
 from flexmodal.diagnosis.setup import Setup
 
+MOST_LOOKS = 8
+"""Looks beside effects that are there; each takes as long as the first, and where many do not help, more
+do not."""
+
 
 class FrfCandidates:
     """Looks and searches beside a model; those beside the re-tuned robot are done once."""
@@ -29,6 +33,7 @@ class FrfCandidates:
         self.setup, self.root, self.with_force = setup, root, with_force
         self.looks = LooksWithoutLaw(setup, root, with_force, setup.advance)
         """Of the re-tuned robot."""
+        self._beside: dict[frozenset[tuple[str, str]], Findings] = {}
 
     def look_beside(self, model: FittedFrfs) -> Findings:
         """The law-free look for one place beside what a model has.
@@ -38,7 +43,20 @@ class FrfCandidates:
         """
         if model is self.root:
             return self.looks.one
-        return LooksWithoutLaw(self.setup, model, self.with_force, self.setup.advance).one
+        keys = frozenset(model.hypothesis.keys)
+        if keys not in self._beside:
+            looks = LooksWithoutLaw(self.setup, model, self.with_force, self.setup.advance)
+            self._beside[keys] = looks.one
+        return self._beside[keys]
+
+    def can_look(self, model: FittedFrfs) -> bool:
+        """Whether a look beside a model is known, or few enough were taken that another one may be.
+
+        Args:
+            model: the root, or one with effects.
+        """
+        known = model is self.root or frozenset(model.hypothesis.keys) in self._beside
+        return known or len(self._beside) < MOST_LOOKS
 
     def at_places(
         self, before: FittedFrfs, number: int, look: Findings, is_over: Callable[[FittedFrfs], bool]

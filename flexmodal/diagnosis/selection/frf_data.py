@@ -92,6 +92,8 @@ class FrfData(Data[FittedFrfs]):
 
         Beside a model that is named already only what such a place stands for: its law may be to blame.
         """
+        if not self._candidates.can_look(before):
+            return [before]
         named, look = self.is_named(before), self._candidates.look_beside(before)
         nothing = not look.needed and look.alone <= SOUND
         if self.asked is not None or nothing or (named and not look.explains):
@@ -156,12 +158,16 @@ class FrfData(Data[FittedFrfs]):
             return False
         sure = []
         for key in keys:
-            look = self._candidates.look_beside(self.without(model, key))
+            less = self.without(model, key)
+            if not self._candidates.can_look(less):
+                continue
+            look = self._candidates.look_beside(less)
             one = look.met([key]).get(key)
             if one is not None and one.surely(key[0]) and look.alone > CLEARLY * look.left:
                 sure.append(key)
-        beyond = self._candidates.look_beside(model)
-        self._settled = keys, tuple(sure), (beyond.place,)
+        if not self._candidates.can_look(model):
+            return False
+        self._settled = keys, tuple(sure), (self._candidates.look_beside(model).place,)
         return bool(sure)
 
     def standing(self, model: FittedFrfs) -> tuple[tuple[tuple[str, str], ...], tuple[str, ...]]:
