@@ -6,6 +6,7 @@ from unittest.mock import Mock
 import numpy as np
 import pytest
 
+from flexmodal.diagnosis.lawfree.result import Findings
 from flexmodal.diagnosis.outcome import Compared, Step
 from flexmodal.diagnosis.selection.comparison import Comparison
 from flexmodal.diagnosis.selection.data import Data
@@ -242,8 +243,9 @@ def test_one_effect_alone_settles_nothing():
 def test_so_many_looks_and_no_more():
     candidates = FrfCandidates.__new__(FrfCandidates)
     candidates.root = fitted()
-    candidates._beside = {frozenset([("added_mass", str(number))]): "found" for number in range(MOST_LOOKS)}
+    found = Mock(spec=Findings)
+    candidates._beside = {frozenset([("added_mass", str(number))]): found for number in range(MOST_LOOKS)}
     assert candidates.can_look(candidates.root)
     assert candidates.can_look(fitted(("added_mass", "3")))
-    assert candidates.look_beside.__wrapped__(candidates, fitted(("added_mass", "3"))) == "found"
+    assert candidates.look_beside(fitted(("added_mass", "3"))) is found
     assert not candidates.can_look(fitted(DELAY))
