@@ -159,12 +159,11 @@ class FrfData(Data[FittedFrfs]):
         sure = []
         for key in keys:
             less = self.without(model, key)
-            if not self._candidates.can_look(less):
-                continue
-            look = self._candidates.look_beside(less)
-            one = look.met([key]).get(key)
-            if one is not None and one.surely(key[0]) and look.alone > CLEARLY * look.left:
-                sure.append(key)
+            if self._candidates.can_look(less):
+                look = self._candidates.look_beside(less)
+                one = look.met([key]).get(key)
+                if one is not None and one.surely(key[0]) and look.alone > CLEARLY * look.left:
+                    sure.append(key)
         if not self._candidates.can_look(model):
             return False
         self._settled = keys, tuple(sure), (self._candidates.look_beside(model).place,)
