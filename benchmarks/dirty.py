@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 from exam_plan import NAMED, POSTURES
-from tables import ROOT, write
+from tables import kept, write
 
 import flexmodal
 from flexmodal.campaign import Campaign
@@ -127,15 +127,12 @@ def main() -> None:
     parser.add_argument("--campaigns", type=int, default=20)
     parser.add_argument("--first", type=int, default=FIRST, help="of the seeds")
     given = parser.parse_args()
-    kept = ROOT / "build" / f"dirty-{given.first}.jsonl"
-    kept.parent.mkdir(exist_ok=True)
-    done = {}
-    if kept.exists():
-        done = {row["seed"]: row for row in map(json.loads, kept.read_text(encoding="utf-8").splitlines())}
+    cache, rows = kept(f"dirty-{given.first}")
+    done = {row["seed"]: row for row in rows}
     for seed in range(given.first, given.first + given.campaigns):
         if seed not in done:
             done[seed] = one(seed)
-            with kept.open("a", encoding="utf-8") as file:
+            with cache.open("a", encoding="utf-8") as file:
                 file.write(json.dumps(done[seed]) + "\n")
         print(done[seed], flush=True)
     told([done[seed] for seed in sorted(done)], given.first == FIRST)

@@ -15,7 +15,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from tables import ROOT, TABLES
+from tables import TABLES, kept
 
 import flexmodal
 from flexmodal.campaign import Campaign
@@ -112,10 +112,8 @@ def main() -> None:
     asked.add_argument("--robots", default=",".join(ROBOTS), help="separated by commas")
     asked.add_argument("--first", type=int, default=FIRST, help="seed; the table is written for the default")
     given = asked.parse_args()
-    cache = ROOT / "build" / f"prediction_{given.first}.jsonl"
+    cache, rows = kept(f"prediction_{given.first}")
     counts = tuple(int(part) for part in given.counts.split(","))
-    cache.parent.mkdir(exist_ok=True)
-    rows = [json.loads(line) for line in cache.read_text().splitlines()] if cache.exists() else []
     done = {(row["robot"], row["seed"], row["count"]) for row in rows}
     for seed in range(given.first, given.first + given.campaigns):
         for name in given.robots.split(","):

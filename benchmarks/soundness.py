@@ -16,7 +16,7 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from tables import ROOT, TABLES
+from tables import TABLES, kept
 
 import flexmodal
 from flexmodal.campaign import Campaign
@@ -111,9 +111,7 @@ def main() -> None:
     asked.add_argument("--campaigns", type=int, default=200)
     asked.add_argument("--first", type=int, default=FIRST, help="seed; the table is written for the default")
     given = asked.parse_args()
-    cache = ROOT / "build" / f"soundness_{given.first}.jsonl"
-    cache.parent.mkdir(exist_ok=True)
-    rows = [json.loads(line) for line in cache.read_text().splitlines()] if cache.exists() else []
+    cache, rows = kept(f"soundness_{given.first}")
     done = {row["number"] for row in rows}
     for number in range(given.campaigns):
         if number in done:

@@ -3,15 +3,29 @@
 from __future__ import annotations
 
 import csv
+import json
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from flexmodal.files import whole_file
 
 ROOT = Path(__file__).parents[1]
 THESIS = ROOT / "tests" / "data" / "thesis"
 TABLES = ROOT / "docs" / "tables"
+
+
+def kept(name: str) -> tuple[Path, list[dict[str, Any]]]:
+    """A file of JSON lines in build/, with the rows that a run before this one left there.
+
+    Args:
+        name: of the file, without its ending.
+    """
+    cache = ROOT / "build" / f"{name}.jsonl"
+    cache.parent.mkdir(exist_ok=True)
+    lines = cache.read_text(encoding="utf-8").splitlines() if cache.exists() else []
+    return cache, [json.loads(line) for line in lines]
 
 
 def thesis(name: str) -> list[dict[str, str]]:

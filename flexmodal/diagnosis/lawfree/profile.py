@@ -290,11 +290,11 @@ def _constant(model: PortedModel, before: State | None, floor: float, steps: int
         starts = [np.concatenate([before.x, origin(model)[len(before.x) :]])]
     pooled = Profile(model, floor, pooled=True, still=still)
     plain = min((pooled.state(x, none) for x in starts), key=lambda one: one.cost)
-    states = [plain]
+    started = []
     for start in port.kind.starts(model.root.context, port.where):
         z = none.copy()
         z[:, still:] = np.array(start)[:, None]
-        states += [pooled.state(x, z) for x in starts]
-    best = sorted((one for one in states[1:] if np.isfinite(one.cost)), key=lambda one: one.cost)[:FOLLOWED]
-    found = [pooled.descended(one, steps) for one in (states[0], *best)]
+        started += [pooled.state(x, z) for x in starts]
+    best = sorted((one for one in started if np.isfinite(one.cost)), key=lambda one: one.cost)[:FOLLOWED]
+    found = [pooled.descended(one, steps) for one in (plain, *best)]
     return min(found, key=lambda one: one.cost)
