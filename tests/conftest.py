@@ -13,6 +13,7 @@ from typing import Any
 
 import jaxtyping
 import pytest
+from beartype import BeartypeConf, beartype
 
 FIRST, THEN = 3, 1000
 """Calls of a function that are checked in every test; the distance of those that are checked later."""
@@ -22,6 +23,8 @@ _test = [0]
 _seen: dict[tuple[str, str], list[int]] = {}
 """Test and number of calls in it, by module and name of the function; closures are counted together."""
 _always = jaxtyping.jaxtyped
+_numbers = beartype(conf=BeartypeConf(is_pep484_tower=True))
+"""The checker of types: an int is a float too, in a list as well, of which it looks at one item by chance."""
 
 
 @pytest.hookimpl(tryfirst=True)
@@ -29,7 +32,7 @@ def pytest_runtest_setup() -> None:
     _test[0] += 1
 
 
-def sampled(function: Any, typechecker: Any) -> Any:
+def sampled(function: Any) -> Any:
     """The function, checked in some of its calls; it is wrapped for the check when that is first needed."""
     seen = _seen.setdefault((function.__module__, function.__qualname__), [0, 0])
     checked = None
@@ -43,7 +46,7 @@ def sampled(function: Any, typechecker: Any) -> Any:
         if seen[1] > FIRST and seen[1] % THEN:
             return function(*args, **kwargs)
         if checked is None:
-            checked = _always(function, typechecker=typechecker)
+            checked = _always(function, typechecker=_numbers)
         return checked(*args, **kwargs)
 
     return wrapper
@@ -54,10 +57,10 @@ def jaxtyped(*, typechecker: Any) -> Any:
 
     def decorate(thing: Any) -> Any:
         if not inspect.isclass(thing):
-            return sampled(thing, typechecker)
+            return sampled(thing)
         own = vars(thing).get("__init__") if dataclasses.is_dataclass(thing) else None
         if own is not None and not hasattr(own, "__wrapped__"):
-            thing.__init__ = sampled(own, typechecker)
+            thing.__init__ = sampled(own)
         return thing
 
     return decorate

@@ -1,8 +1,9 @@
 """The checks of types and shapes that conftest.py puts on the package: there, and by sample."""
 
+from collections.abc import Sequence
+
 import numpy as np
 import pytest
-from beartype import beartype
 from jaxtyping import Float, TypeCheckError
 
 from flexmodal.cards.card import JointCard
@@ -11,6 +12,10 @@ from flexmodal.modal.mac import auto_mac
 
 def first(x: Float[np.ndarray, " n"], y: Float[np.ndarray, " n"]) -> float:
     return x[0]
+
+
+def total(x: Sequence[float]) -> float:
+    return sum(x)
 
 
 @pytest.fixture
@@ -33,7 +38,7 @@ def test_a_dataclass_is_checked():
 
 
 def test_first_calls_and_one_of_many_are_checked(sampling):
-    function = sampling.sampled(first, beartype)
+    function = sampling.sampled(first)
     refused = []
     for call in range(1, 2 * sampling.THEN + 1):
         try:
@@ -41,6 +46,12 @@ def test_first_calls_and_one_of_many_are_checked(sampling):
         except TypeCheckError:
             refused.append(call)
     assert refused == [*range(1, sampling.FIRST + 1), sampling.THEN, 2 * sampling.THEN]
+
+
+def test_an_int_is_a_float_too(sampling):
+    assert sampling.sampled(total)([0, 1]) == 1
+    with pytest.raises(TypeCheckError):
+        sampling.sampled(total)(["0", "1"])
 
 
 @pytest.mark.parametrize("time", [1, 2])

@@ -42,7 +42,10 @@ def _draws(truth: Truth, axis: np.ndarray, seed: int, *, known: bool, count: int
     return [Measured(axis, v, "mobility", variance if known else None) for v, variance in drawn]
 
 
-@pytest.mark.parametrize(("weighting", "count"), [("variance", REPEATS), ("logarithmic", 3 * REPEATS)])
+@pytest.mark.parametrize(
+    ("weighting", "count"),
+    [("variance", REPEATS), pytest.param("logarithmic", 3 * REPEATS, marks=pytest.mark.slow)],
+)
 @pytest.mark.parametrize("known", [True, False], ids=["noise known", "noise unknown"])
 def test_least_squares(known: bool, weighting: str, count: int) -> None:
     truth = real_modes([20.0, 24.0, 40.0], [0.04, 0.03, 0.1], np.array([[1.0, 0.8 + 0.3j, 1.2]]))

@@ -97,7 +97,7 @@ def test_dynamic_programming_against_enumeration(three, way, seed):
     assert judged(found) == pytest.approx(min(map(judged, allowed)), rel=1e-12)
 
 
-@pytest.mark.parametrize("way", ["sum", "worst"])
+@pytest.mark.parametrize("way", [pytest.param("sum", marks=pytest.mark.slow), "worst"])
 def test_as_good_as_a_dense_scan_of_the_self_motion(three, way):
     """Dynamic programming over 3000 postures a point, written out here, is not better than the plan."""
     problem = straight(three, way=way, smoothness=0.0)
