@@ -153,6 +153,7 @@ def pull(matrices, bounds, kinds, factors, y, sides, first, entries, scale, out)
     """
     n, lines = y.shape[2], y.shape[4]
     force = np.empty((n, 2, WIDTH))
+    acts = np.empty(n, dtype=np.bool_)
     x, z, a, b = np.empty(WIDTH), np.empty(WIDTH), np.empty(WIDTH), np.empty(WIDTH)
     for side in range(len(sides)):
         m, v = sides[side, 0], sides[side, 1]
@@ -160,6 +161,7 @@ def pull(matrices, bounds, kinds, factors, y, sides, first, entries, scale, out)
             width = min(WIDTH, lines - start)
             for parameter in range(len(bounds) - 1):
                 force[:] = 0.0
+                acts[:] = False
                 for part in range(bounds[parameter], bounds[parameter + 1]):
                     fr = factors[kinds[part], 0, start : start + width]
                     fi = factors[kinds[part], 1, start : start + width]
@@ -179,6 +181,7 @@ def pull(matrices, bounds, kinds, factors, y, sides, first, entries, scale, out)
                                     x[p], z[p] = q * s[p], q * t[p]
                                 some = True
                         if some:
+                            acts[i] = True
                             g, h = force[i, 0], force[i, 1]
                             for p in range(width):
                                 g[p] += fr[p] * x[p] - fi[p] * z[p]
@@ -188,6 +191,8 @@ def pull(matrices, bounds, kinds, factors, y, sides, first, entries, scale, out)
                     for p in range(width):
                         a[p], b[p] = 0.0, 0.0
                     for i in range(n):
+                        if not acts[i]:
+                            continue
                         s, t = y[m, u, i, 0, start : start + width], y[m, u, i, 1, start : start + width]
                         g, h = force[i, 0], force[i, 1]
                         for p in range(width):

@@ -1,171 +1,296 @@
 """Structures with a dynamic stiffness or compliance of any law at a port, one complex number a line.
 
 A stiffness port adds z(s) P to Z, P = b bᵀ for a joint or a direction at a point, or any symmetric matrix. A
-compliance port is a coordinate e whose spring 1/c(s) stands beside what Z has there already,
+compliance port is a coordinate e whose spring 1/c(s) stands beside what Z has there already; it is rigid at
+c = 0. Several such coordinates may share a symmetric matrix of compliances.
 
-    Z′ = Z + e eᵀ/c,    [Z diag(1, …, c, …, 1) + e eᵀ] x = jᵀ,    y = diag(1, …, c, …, 1) x,
+What the ports add has a low rank, so Z is solved once, for the rows and for the motions B of the ports, and
+any values follow by the identity of Woodbury (Hager, SIAM Review 31, 1989): with G = Bᵀ Z⁻¹ B and ΔZ = B Δ Bᵀ
 
-in which x_e = f is the force through the port; this form is regular at c = 0, where the port is rigid.
-Several such coordinates may share a symmetric matrix of compliances in place of the diagonal. With
-y = Z′⁻¹ jᵀ of the rows u and v
+    α′ = α − (Bᵀ y_u)ᵀ W Bᵀ y_v,    y′ = y − Z⁻¹B W Bᵀ y,    W = (Δ⁻¹ + G)⁻¹ = (C + A G)⁻¹ A.
 
-    ∂α/∂z = −y_uᵀ P y_v,    ∂α/∂c = f_u f_v,    ∂α/∂c_ij = f_ui f_vj + f_uj f_vi,
-    ∂α/∂p = −y_uᵀ (∂Z + z ∂P) y_v + ∂u y_v + y_uᵀ ∂vᵀ,
+For stiffness C = 1 and A is the matrix z of the functions. A coordinate of a compliance is held by a spring
+k₀ while Z is solved, which keeps Z regular; there C is the matrix c of the functions and A = 1 − c k₀, so
+that nothing is singular at c = 0. With y_b′ = Bᵀ y′ and the force f = W Bᵀ y + k₀ y_b′ through a compliance
+
+    ∂α/∂z = −y_u′ᵀ P y_v′,    ∂α/∂c = f_u f_v,    ∂α/∂c_ij = f_ui f_vj + f_uj f_vi,
+    ∂α/∂p = −y_u′ᵀ (∂Z + z ∂P) y_v′ + ∂u y_v′ + y_u′ᵀ ∂vᵀ,
 
 exact at any z and c. Substructuring by frequency: de Klerk, Rixen and Voormeeren, AIAA Journal 46, 2008.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from jaxtyping import Complex, Float, Int
 
 from flexmodal.errors import SingularResponse
-from flexmodal.structure.solution import Entries, Solved, is_worth_compiling, line_factors
+from flexmodal.structure.solution import Entries, Solved, is_worth_compiling, solutions
 from flexmodal.structure.stack import Structures
-from flexmodal.structure.structure import Axis
+from flexmodal.structure.structure import ROUNDING, Axis
+
+RANK = 1e-10
+"""Part of a pattern below which a motion is none."""
 
 
 @dataclass(frozen=True, eq=False)
 class StiffnessPort:
-    """A dynamic stiffness on a fixed pattern."""
+    """A dynamic stiffness on a fixed pattern [N/m, N·m/rad for a pattern without unit]."""
 
     pattern: Float[np.ndarray, "system dof dof"]
     """P, symmetric."""
-    value: Complex[np.ndarray, "#system line"]
-    """z, the same in every system or one for each [N/m, N·m/rad for a pattern without unit]."""
-    moved: tuple[Int[np.ndarray, " changed"], Float[np.ndarray, "changed system dof dof"]] | None = None
-    """Numbers of the parameters that the pattern depends on, and ∂P along them."""
 
 
 @dataclass(frozen=True, eq=False)
 class CompliancePort:
-    """A compliance behind a coordinate that is rigid without it."""
+    """A compliance behind a coordinate that is rigid without it [m/N, rad/(N·m)]."""
 
     coordinate: int
-    value: Complex[np.ndarray, "#system line"]
-    """c, the same in every system or one for each [m/N, rad/(N·m)]."""
     other: int | None = None
     """Another such coordinate, for what the force through one does to both; itself if None."""
 
+    @property
+    def both(self) -> tuple[int, int]:
+        """The coordinate and the other one, or itself."""
+        return self.coordinate, self.coordinate if self.other is None else self.other
+
 
 Port = StiffnessPort | CompliancePort
+Moved = Mapping[int, tuple[Int[np.ndarray, " changed"], Float[np.ndarray, "changed system dof dof"]]]
+"""By port: numbers of the parameters that its pattern depends on, and ∂P along them."""
+
+
+@dataclass(frozen=True, eq=False)
+class PortedStructures:
+    """Structures solved for their rows and for the motions of ports, which may take any value."""
+
+    ports: tuple[Port, ...]
+    solved: Solved
+    """Without the ports' own values, compliances held by k₀; the motions B stand behind the rows."""
+    basis: Float[np.ndarray, "system dof port"]
+    """B: coordinates with a compliance, then what spans the patterns of stiffness."""
+    held: Float[np.ndarray, "system port"]
+    """k₀; 0 for stiffness."""
+    coordinates: tuple[int, ...]
+    """Those with a compliance."""
+
+    def at(self, values: Sequence[Complex[np.ndarray, "#system line"]]) -> Ported:
+        """The structures with their ports.
+
+        Args:
+            values: z or c of each port, the same in every system or one for each.
+
+        Raises:
+            SingularResponse: Z′ is singular on a line.
+        """
+        count, stiff = self.basis.shape[2], len(self.coordinates)
+        shape = len(self.basis), len(self.solved.axis)
+        c, a = np.zeros((2, *shape, count, count), dtype=complex)
+        c[..., range(stiff, count), range(stiff, count)] = 1.0
+        for number, (port, value) in enumerate(zip(self.ports, values, strict=True)):
+            if isinstance(port, CompliancePort):
+                i, j = (self.coordinates.index(one) for one in port.both)
+                c[..., i, j] += value
+                if i != j:
+                    c[..., j, i] += value
+            else:
+                a += value[..., None, None] * self.small[number][:, None]
+        a[..., :stiff, :stiff] -= c[..., :stiff, :stiff] * self.held[:, None, None, :stiff]
+        a[..., range(stiff), range(stiff)] += 1.0
+        return Ported(self, tuple(values), c + a @ self.own, a)
+
+    @cached_property
+    def small(self) -> dict[int, Float[np.ndarray, "system port port"]]:
+        """The pattern of each stiffness between the motions that span these, by the number of the port."""
+        span = self.basis.copy()
+        span[:, :, : len(self.coordinates)] = 0.0
+        turned = np.swapaxes(span, 1, 2)
+        ports = enumerate(self.ports)
+        return {k: turned @ one.pattern @ span for k, one in ports if isinstance(one, StiffnessPort)}
+
+    @cached_property
+    def motion(self) -> Complex[np.ndarray, "system line row dof"]:
+        """Z⁻¹ of every row, the motions of the ports last."""
+        y = self.solved.y
+        return np.ascontiguousarray(np.moveaxis(y[..., 0, :] + 1j * y[..., 1, :], -1, 1))
+
+    @cached_property
+    def _pulled(self) -> Complex[np.ndarray, "system line port row"]:
+        return np.ascontiguousarray(np.swapaxes(self.motion @ self.basis[:, None], 2, 3))
+
+    @property
+    def rows(self) -> int:
+        """How many rows a system has, those of the ports left out."""
+        return sum(self.solved.entries.rows)
+
+    @property
+    def seen(self) -> Complex[np.ndarray, "system line port row"]:
+        """Motion of the ports under a force at each row."""
+        return self._pulled[..., : self.rows]
+
+    @property
+    def own(self) -> Complex[np.ndarray, "system line port port"]:
+        """G: motion of the ports under forces at the ports."""
+        return self._pulled[..., self.rows :]
+
+    def between(self, left: np.ndarray, right: np.ndarray) -> Complex[np.ndarray, "entry line"]:
+        """Products over the ports, of responses with references, for every entry.
+
+        Args:
+            left: of every row [system line port row].
+            right: the same, or of the references only.
+        """
+        entries = self.solved.entries
+        responses, references = entries.rows
+        full = np.swapaxes(left[..., :responses], 2, 3) @ right[..., -references:]
+        system, u, v = entries.table.T
+        return np.asarray(full[system, :, u, v])
 
 
 @dataclass(frozen=True, eq=False)
 class Ported:
-    """Structures with ports, solved."""
+    """Structures with ports of some value."""
 
-    solved: Solved
-    """Its value holds the receptances [m/N]."""
-    ports: Sequence[Port]
-    force: Complex[np.ndarray, "system row dof line"]
-    """x: the motion of every coordinate, the force through those with a compliance."""
+    base: PortedStructures
+    values: tuple[Complex[np.ndarray, "#system line"], ...]
+    matrix: Complex[np.ndarray, "system line port port"]
+    """C + A G."""
+    factor: Complex[np.ndarray, "system line port port"]
+    """A."""
+
+    @cached_property
+    def value(self) -> Complex[np.ndarray, "entry line"]:
+        """α′ [m/N]; what is nothing but rounding is exactly zero."""
+        base = self.base
+        plain = base.solved.value
+        taken = base.between(base.seen, self._taken)
+        found = plain - taken
+        found[np.abs(found) <= ROUNDING * (np.abs(plain) + np.abs(taken))] = 0.0
+        return found
 
     def along(self, port: int) -> Complex[np.ndarray, "entry line"]:
         """Derivatives along z or c of a port, by its number; each line depends on its own alone."""
-        one, (system, left, right) = self.ports[port], self._rows
+        base, one = self.base, self.base.ports[port]
         if isinstance(one, CompliancePort):
-            i, force = one.coordinate, self.force
-            j = i if one.other is None else one.other
-            found = force[system, left, i] * force[system, right, j]
-            return np.asarray(found if i == j else found + force[system, left, j] * force[system, right, i])
-        return -self._between(one.pattern)
+            i, j = (base.coordinates.index(k) for k in one.both)
+            f, g = (self._force[:, :, k : k + 1] for k in (i, j))
+            found = base.between(f, g)
+            return found if i == j else found + base.between(g, f)
+        return -base.between(self._left, base.small[port][:, None] @ self._left)
 
-    def slopes(self, scale: Complex[np.ndarray, "entry line"]) -> Float[np.ndarray, "parameter entry 2 line"]:
-        """Derivatives along the parameters times a scale; see `Solved.slopes`."""
-        found = self.solved.slopes(scale)
-        system = self._rows[0]
-        for one in self.ports:
-            if isinstance(one, StiffnessPort) and one.moved is not None:
-                z = np.broadcast_to(one.value, (len(one.pattern), scale.shape[1]))[system]
-                for number, change in zip(one.moved[0].tolist(), one.moved[1], strict=True):
-                    more = -self._between(change) * z * scale
-                    found[number] += np.stack([more.real, more.imag], axis=1)
+    def slopes(
+        self,
+        scale: Complex[np.ndarray, "entry line"],
+        structures: Structures | None = None,
+        moved: Moved | None = None,
+    ) -> Float[np.ndarray, "parameter entry 2 line"]:
+        """Derivatives along the parameters times a scale; see `Solved.slopes`.
+
+        Args:
+            scale: of each entry.
+            structures: the same ones with derivatives; by default they have them.
+            moved: derivatives of the ports' patterns, where these depend on parameters.
+        """
+        solved, motion = self.base.solved, self._motion
+        parts = np.ascontiguousarray(np.moveaxis(np.stack([motion.real, motion.imag]), (0, 2), (3, 4)))
+        found = replace(solved, structures=structures or solved.structures, y=parts).slopes(scale)
+        responses, references = solved.entries.rows
+        system, u, v = solved.entries.table.T
+        for port, (numbers, changes) in (moved or {}).items():
+            z = np.broadcast_to(self.values[port], (len(motion), scale.shape[1]))
+            for number, change in zip(numbers.tolist(), changes, strict=True):
+                pulled = motion[:, :, :responses] @ change[:, None]
+                full = pulled @ np.swapaxes(motion[:, :, -references:], 2, 3) * z[..., None, None]
+                more = -full[system, :, u, v] * scale
+                found[number] += np.stack([more.real, more.imag], axis=1)
         return found
 
-    @property
-    def _rows(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        system, u, v = self.solved.entries.table.T
-        return system, u, v + self.solved.entries.rows[0]
+    def _forced(self, rows: slice) -> Complex[np.ndarray, "system line port row"]:
+        """W Bᵀ y of some rows."""
+        right = self.factor @ self.base.seen[..., rows]
+        if self.matrix.shape[-1] == 1:
+            with np.errstate(divide="ignore", invalid="ignore"):
+                found = right / self.matrix
+        else:
+            try:
+                found = np.linalg.solve(self.matrix, right)
+            except np.linalg.LinAlgError:
+                found = np.full(right.shape, np.nan)
+        if not np.isfinite(found).all():
+            raise SingularResponse("the receptance is infinite here: with its ports Z is singular")
+        return found
 
     @cached_property
-    def _motion(self) -> Complex[np.ndarray, "system row dof line"]:
-        return np.asarray(self.solved.y[..., 0, :] + 1j * self.solved.y[..., 1, :])
+    def _taken(self) -> Complex[np.ndarray, "system line port reference"]:
+        return self._forced(slice(-self.base.solved.entries.rows[1], None))
 
-    def _between(self, matrix: Float[np.ndarray, "system dof dof"]) -> Complex[np.ndarray, "entry line"]:
-        """The product y_uᵀ A y_v."""
-        system, left, right = self._rows
-        shift = self.solved.entries.rows[0]
-        pulled = matrix[:, None] @ self._motion[:, shift:]  # of all references
-        return np.asarray(np.sum(self._motion[system, left] * pulled[system, right - shift], axis=1))
+    @cached_property
+    def _every(self) -> Complex[np.ndarray, "system line port row"]:
+        first = self._forced(slice(self.base.solved.entries.rows[0]))
+        return np.concatenate([first, self._taken], axis=3)
+
+    @cached_property
+    def _left(self) -> Complex[np.ndarray, "system line port row"]:
+        """y_b′: motion of the ports that is left."""
+        return self.base.seen - self.base.own @ self._every
+
+    @cached_property
+    def _force(self) -> Complex[np.ndarray, "system line port row"]:
+        return self._every + self.base.held[:, None, :, None] * self._left
+
+    @cached_property
+    def _motion(self) -> Complex[np.ndarray, "system line row dof"]:
+        """y′ of every row."""
+        motion, rows = self.base.motion, self.base.rows
+        return motion[:, :, :rows] - np.swapaxes(self._every, 2, 3) @ motion[:, :, rows:]
 
 
-def solved_with(structures: Structures, axis: Axis, entries: Entries, ports: Sequence[Port]) -> Ported:
-    """Solve structures with ports, with pivoting.
+def with_ports(
+    structures: Structures, axis: Axis, entries: Entries, ports: Sequence[Port]
+) -> PortedStructures:
+    """Solve structures for their rows and the motions of ports.
 
     Args:
         structures: the believed ones.
         axis: where.
         entries: receptances that are wanted.
-        ports: with their stiffness or compliance.
+        ports: whose values follow.
 
     Raises:
-        SingularResponse: Z′ is singular on a line.
+        SingularResponse: an undamped mode is driven at its natural frequency.
     """
-    matrix = _stiffened(structures, axis, ports)
-    factor = None
-    if any(isinstance(one, CompliancePort) for one in ports):
-        factor, rigid = _compliances(ports, matrix.shape)
-        matrix = matrix @ factor + np.diag(rigid)
-    rows = np.concatenate([structures.response, structures.reference], axis=1)
-    right = np.broadcast_to(np.swapaxes(rows, 1, 2)[:, None], (*matrix.shape[:3], rows.shape[1]))
-    try:
-        x = np.linalg.solve(matrix, right.astype(complex))
-    except np.linalg.LinAlgError:
-        raise SingularResponse("the receptance is infinite here: with its ports Z is singular") from None
-    force = np.moveaxis(x, (3, 2), (1, 2))  # system, row, dof, line
-    y = force if factor is None else np.moveaxis(factor @ x, (3, 2), (1, 2))
-    parts_of_y = np.ascontiguousarray(np.stack([y.real, y.imag], axis=3))
-    solved = Solved(structures, axis, entries, parts_of_y, is_worth_compiling(len(structures) * len(axis)))
-    return Ported(solved, tuple(ports), force)
-
-
-def _stiffened(
-    structures: Structures, axis: Axis, ports: Sequence[Port]
-) -> Complex[np.ndarray, "system line dof dof"]:
-    """Z with what the ports add to it that have a stiffness."""
-    parts = np.stack([structures.stiffness, structures.damping, structures.mass, structures.loss])
-    systems, dofs = parts.shape[1:3]
-    factors = line_factors(structures, axis)[:4]
-    found = np.empty((systems, len(axis), dofs, dofs), dtype=complex)
-    flat = parts.reshape(4, -1)
-    found.real, found.imag = (
-        np.swapaxes((factors[:, k].T @ flat).reshape(len(axis), systems, dofs, dofs), 0, 1) for k in (0, 1)
+    systems, dofs = structures.mass.shape[:2]
+    coordinates = tuple(sorted({k for one in ports if isinstance(one, CompliancePort) for k in one.both}))
+    unit = np.broadcast_to(np.eye(dofs)[:, list(coordinates)], (systems, dofs, len(coordinates)))
+    patterns = [one.pattern for one in ports if isinstance(one, StiffnessPort)]
+    basis = np.concatenate([unit, _spanning(patterns, unit)], axis=2)
+    held = np.zeros((systems, basis.shape[2]))
+    stiffness = structures.stiffness
+    if coordinates:
+        diagonal = np.einsum("sdd->sd", structures.mass)[:, list(coordinates)]
+        held[:, : len(coordinates)] = diagonal * float(np.max(np.abs(axis.s)) ** 2)
+        stiffness = stiffness + unit @ (held[:, : len(coordinates), None] * np.swapaxes(unit, 1, 2))
+    rows = np.concatenate([structures.response, structures.reference, np.swapaxes(basis, 1, 2)], axis=1)
+    wanted = np.zeros(rows.shape[:2], dtype=bool)
+    wanted[:, sum(entries.rows) :] = True
+    wanted[: len(entries.wanted), : sum(entries.rows)] = entries.wanted
+    compiled = is_worth_compiling(systems * len(axis))
+    y = solutions(replace(structures, stiffness=stiffness), axis, rows, wanted, compiled=compiled)
+    return PortedStructures(
+        tuple(ports), Solved(structures, axis, entries, y, compiled), basis, held, coordinates
     )
-    stiff = [one for one in ports if isinstance(one, StiffnessPort)]
-    if stiff:
-        patterns = np.stack([one.pattern.reshape(systems, -1) for one in stiff], axis=1)
-        value = np.stack([np.broadcast_to(one.value, (systems, len(axis))) for one in stiff], axis=2)
-        found.real += (value.real @ patterns).reshape(found.shape)
-        found.imag += (value.imag @ patterns).reshape(found.shape)
-    return found
 
 
-def _compliances(
-    ports: Sequence[Port], shape: tuple[int, ...]
-) -> tuple[Complex[np.ndarray, "system line dof dof"], Float[np.ndarray, " dof"]]:
-    """What turns forces through the ports into motions, 1 elsewhere; and which coordinates have a port."""
-    factor = np.zeros(shape, dtype=complex)
-    factor[...] = np.eye(shape[-1])
-    rigid = np.zeros(shape[-1])
-    for one in ports:
-        if isinstance(one, CompliancePort):
-            i, j = one.coordinate, one.coordinate if one.other is None else one.other
-            factor[:, :, i, j] = factor[:, :, j, i] = one.value
-            rigid[[i, j]] = 1.0
-    return factor, rigid
+def _spanning(
+    patterns: Sequence[Float[np.ndarray, "system dof dof"]], unit: Float[np.ndarray, "system dof own"]
+) -> Float[np.ndarray, "system dof port"]:
+    """Motions that span patterns, as many in every system."""
+    if not patterns:
+        return np.zeros((*unit.shape[:2], 0))
+    each = [pattern / (np.max(np.abs(pattern)) or 1.0) for pattern in patterns]
+    left, size, _ = np.linalg.svd(np.concatenate(each, axis=2))
+    return left[:, :, : max(1, int(np.max(np.sum(size > RANK * size[:, :1], axis=1))))]

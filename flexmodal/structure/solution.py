@@ -24,9 +24,9 @@ from flexmodal.structure import kernel
 from flexmodal.structure.stack import Structures
 from flexmodal.structure.structure import ROUNDING, Axis
 
-_SECONDS, _COMPILATION = 8e-6, 4.0
-"""What numpy takes beyond compiled loops for a system and a line, with derivatives, and what compiling takes
-[s]; processor time of a core of 2020."""
+_SECONDS, _PULL, _COMPILATION = 8e-6, 2.5e-8, 4.0
+"""What numpy takes beyond compiled loops for a system and a line, what for a number among the derivatives, and
+what compiling takes [s]; processor time of a core of 2020."""
 PARTS = ("stiffness", "damping", "mass", "loss", "growth")
 """What multiplies a part of ∂Z: 1, s, s², h and ∂h/∂η."""
 
@@ -98,6 +98,8 @@ class Solved:
             bounds = np.searchsorted(numbers, np.arange(len(many.names) + 1))
             given = matrices, bounds, kinds, line_factors(many, self.axis), self.y
             flat = np.stack([scale.real, scale.imag], axis=1)
+            if not self.compiled:
+                is_worth_compiling(out.size * _PULL / _SECONDS)
             pull = _compiled()[1] if self.compiled else _pull
             pull(*given, *self.entries.sides, flat, out)
         self._turned(scale, out)
@@ -134,18 +136,41 @@ def solved(structures: Structures, axis: Axis, entries: Entries, *, compiled: bo
     """
     use = is_worth_compiling(len(structures) * len(axis)) if compiled is None else compiled
     rows = np.concatenate([structures.response, structures.reference], axis=1)
+    y = solutions(structures, axis, rows, entries.wanted, compiled=use)
+    return Solved(structures, axis, entries, y, use)
+
+
+def solutions(
+    structures: Structures,
+    axis: Axis,
+    rows: Float[np.ndarray, "system row dof"],
+    wanted: Bool[np.ndarray, "some row"],
+    *,
+    compiled: bool,
+) -> Float[np.ndarray, "system row dof 2 line"]:
+    """Z⁻¹ of rows, by real and imaginary part.
+
+    Args:
+        structures: of one size.
+        axis: where.
+        rows: of any motions.
+        wanted: which of them are solved for, in the first so many systems; compiled loops leave others 0.
+        compiled: whether by compiled loops.
+
+    Raises:
+        SingularResponse: an undamped mode is driven at its natural frequency.
+    """
     out = np.zeros((*rows.shape, 2, len(axis)))
-    if not use:
+    if not compiled:
         _pivoted(structures, axis, rows, np.ones((len(rows), len(axis)), dtype=bool), out)
-        return Solved(structures, axis, entries, out, use)
+        return out
     matrices = np.stack([structures.stiffness, structures.damping, structures.mass, structures.loss], axis=1)
     trust = np.empty((len(rows), len(axis)))
-    wanted = entries.wanted
     _compiled()[0](matrices[: len(wanted)], rows, wanted, line_factors(structures, axis)[:4], out, trust)
     doubtful = ~(trust[: len(wanted)] > 0)
     if doubtful.any():
         _pivoted(structures, axis, rows, doubtful, out)
-    return Solved(structures, axis, entries, out, use)
+    return out
 
 
 def _pivoted(
@@ -225,11 +250,11 @@ def _compiled() -> tuple[Any, Any, Any]:
     return solve.compiled, pull.compiled, values.compiled
 
 
-def is_worth_compiling(points: int) -> bool:
+def is_worth_compiling(points: float) -> bool:
     """Whether to work on so many systems and lines by compiled loops.
 
     Args:
-        points: systems times lines.
+        points: systems times lines, or other work as long as so many of them.
     """
     if not has_numba():
         return False

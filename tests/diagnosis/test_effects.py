@@ -23,7 +23,7 @@ from flexmodal.rig.effects.effect import Site
 from flexmodal.rig.plant.build import build
 from flexmodal.rig.simulate import make_stand
 from flexmodal.structure import robot_space
-from flexmodal.structure.ports import StiffnessPort, solved_with
+from flexmodal.structure.ports import StiffnessPort, with_ports
 
 
 @pytest.fixture(scope="module")
@@ -215,9 +215,10 @@ def test_joints_relax(bench):
     for group in root.groups(np.zeros(len(root.space)), observed, slopes=False):
         springs = np.zeros_like(group.structures.stiffness)
         springs[:] = np.diag([context.robot.joints[name].stiffness for name in group.structures.coordinates])
-        port = StiffnessPort(springs, (part * lag / (1 + lag))[None])
-        solved = solved_with(group.structures, observed.axis_of(group.part.level), group.part.entries, [port])
-        expected[group.part.observations] = solved.solved.value[group.part.entry]
+        axis = observed.axis_of(group.part.level)
+        ported = with_ports(group.structures, axis, group.part.entries, [StiffnessPort(springs)])
+        value = ported.at([(part * lag / (1 + lag))[None]]).value
+        expected[group.part.observations] = value[group.part.entry]
     np.testing.assert_allclose(found, expected, rtol=2e-3, atol=1e-3 * np.abs(expected).max())
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from flexmodal.frf.kernels.route import has_numba
 from flexmodal.structure.assembly import KINDS
-from flexmodal.structure.ports import CompliancePort, StiffnessPort, solved_with
+from flexmodal.structure.ports import CompliancePort, StiffnessPort, with_ports
 from flexmodal.structure.solution import Entries, solved
 from flexmodal.structure.stack import Structures, joined
 from flexmodal.structure.structure import Axis, receptance
@@ -95,6 +95,10 @@ def pattern_of(b):
     return b[:, :, None] * b[:, None, :]
 
 
+def ported(structures, port, value):
+    return with_ports(structures, AXIS, ENTRIES, [port]).at([value])
+
+
 @pytest.fixture
 def between(structures):
     """A spring, a dashpot and a mass between two rows, as an effect puts them in, and as a port."""
@@ -106,30 +110,26 @@ def between(structures):
         mass=structures.mass + m * p,
     )  # fmt: skip
     s = AXIS.s
-    return built, StiffnessPort(p, (k + c * s + m * s**2)[None])
+    return built, StiffnessPort(p), (k + c * s + m * s**2)[None]
 
 
 def test_a_port_is_the_parts_it_stands_for(structures, between):
-    built, port = between
-    made, truth = solved_with(structures, AXIS, ENTRIES, [port]), solved(built, AXIS, ENTRIES, compiled=False)
-    np.testing.assert_allclose(made.solved.value, truth.value, rtol=1e-10)
+    built, port, z = between
+    made, truth = ported(structures, port, z), solved(built, AXIS, ENTRIES, compiled=False)
+    np.testing.assert_allclose(made.value, truth.value, rtol=1e-10)
     scale = 1 / truth.value
     np.testing.assert_allclose(made.slopes(scale), truth.slopes(scale), rtol=1e-8, atol=1e-10)
 
 
 def test_derivatives_along_a_stiffness_and_its_pattern(structures, between):
-    _, port = between
+    _, port, z = between
     b = structures.response[:, 0] - structures.response[:, 1]
     way = structures.reference[:, 0]
     moved = np.array([4]), (b[:, :, None] * way[:, None] + way[:, :, None] * b[:, None])[None]
-    port = replace(port, moved=moved)
-    made = solved_with(structures, AXIS, ENTRIES, [port])
-    z, step = port.value, 1e-4 * np.abs(port.value).max()
+    made = ported(structures, port, z)
+    step = 1e-4 * np.abs(z).max()
     for turn in (1.0, 1j):  # holomorphic: the same along the real and the imaginary axis
-        up, down = (
-            solved_with(structures, AXIS, ENTRIES, [replace(port, value=z + side * step * turn)]).solved.value
-            for side in (1, -1)
-        )
+        up, down = (ported(structures, port, z + side * step * turn).value for side in (1, -1))
         # central differences: step² of the third derivative
         np.testing.assert_allclose((up - down) / (2 * step * turn), made.along(0), rtol=1e-3, atol=1e-14)
     h = 1e-5
@@ -138,11 +138,10 @@ def test_derivatives_along_a_stiffness_and_its_pattern(structures, between):
         here = replace(
             structures, stiffness=structures.stiffness + side * h * structures.slopes["stiffness"][1][2]
         )
-        turned = replace(port, pattern=pattern_of(b + side * h * way))
-        return solved_with(here, AXIS, ENTRIES, [turned]).solved.value
+        return ported(here, StiffnessPort(pattern_of(b + side * h * way)), z).value
 
-    slopes = complex_of(made.slopes(1 / made.solved.value))
-    numeric = (at(1) - at(-1)) / (2 * h) / made.solved.value
+    slopes = complex_of(made.slopes(1 / made.value, moved={0: moved}))
+    numeric = (at(1) - at(-1)) / (2 * h) / made.value
     np.testing.assert_allclose(slopes[4], numeric, rtol=1e-5, atol=1e-7)
 
 
@@ -150,13 +149,12 @@ def test_derivatives_along_a_stiffness_and_its_pattern(structures, between):
 def test_a_compliance_is_regular_where_it_vanishes(structures, size):
     """At 0 the port holds its coordinate; elsewhere it is a spring of 1/c there."""
     c = np.full((1, len(AXIS)), size * (1 - 0.3j))
-    port = CompliancePort(4, c)
-    made = solved_with(structures, AXIS, ENTRIES, [port])
+    made = ported(structures, CompliancePort(4), c)
     if size:
         pattern = np.zeros((SYSTEMS, DOF, DOF))
         pattern[:, 4, 4] = 1.0
-        other = solved_with(structures, AXIS, ENTRIES, [StiffnessPort(pattern, 1 / c)])
-        scale = 1 / other.solved.value
+        other = ported(structures, StiffnessPort(pattern), 1 / c)
+        scale = 1 / other.value
         np.testing.assert_allclose(made.slopes(scale), other.slopes(scale), rtol=1e-7, atol=1e-9)
     else:
         cut = replace(
@@ -165,19 +163,47 @@ def test_a_compliance_is_regular_where_it_vanishes(structures, size):
             response=structures.response[:, :, :4], reference=structures.reference[:, :, :4],
         )  # fmt: skip
         other = solved(cut, AXIS, ENTRIES, compiled=False)
-        np.testing.assert_allclose(made.solved.value, other.value, rtol=1e-9)
-        return
-    np.testing.assert_allclose(made.solved.value, other.solved.value, rtol=1e-9)
+    np.testing.assert_allclose(made.value, other.value, rtol=1e-9)
+
+
+def test_ports_together_are_solved_as_one(structures):
+    """Two coordinates that share a compliance, beside a stiffness between two motions, put into Z itself."""
+    random = np.random.default_rng(4)
+    a, b = structures.response[:, 0], structures.response[:, 1]
+    mixed = a[:, :, None] * b[:, None] + b[:, :, None] * a[:, None]
+    patterns = [pattern_of(a), mixed, pattern_of(b)]
+    stiffness = 1e4 * (random.normal(size=(3, len(AXIS))) + 1j * random.normal(size=(3, len(AXIS))))
+    compliance = 1e-5 * (random.normal(size=(3, len(AXIS))) + 1j * random.normal(size=(3, len(AXIS))))
+    ports = [CompliancePort(3), CompliancePort(3, 4), CompliancePort(4), *map(StiffnessPort, patterns)]
+    values = [each[None] for each in (*compliance, *stiffness)]
+    made = with_ports(structures, AXIS, ENTRIES, ports).at(values)
+    s = AXIS.s[:, None, None]
+    h = AXIS.hysteresis(structures.loss_factor)[0][:, None, None]
+    expected = np.empty_like(made.value)
+    for e, (m, u, v) in enumerate(ENTRIES.table):
+        z = structures.stiffness[m] + s * structures.damping[m] + s**2 * structures.mass[m]
+        z = z + h * structures.loss[m]
+        z = z + sum(k[:, None, None] * p[m] for k, p in zip(stiffness, patterns, strict=True))
+        shared = np.array([[compliance[0], compliance[1]], [compliance[1], compliance[2]]])
+        z[:, 3:, 3:] += np.linalg.inv(np.moveaxis(shared, 2, 0))
+        y = np.linalg.solve(z, np.broadcast_to(structures.reference[m, v][:, None], (len(AXIS), DOF, 1)))
+        expected[e] = (structures.response[m, u] @ y)[:, 0]
+    np.testing.assert_allclose(made.value, expected, rtol=1e-8)
+    for number, value in enumerate(values):
+        step = 1e-5 * np.abs(value).max()
+        moved = [[*values[:number], value + side * step, *values[number + 1 :]] for side in (1, -1)]
+        up, down = (made.base.at(one).value for one in moved)
+        slope = made.along(number)
+        np.testing.assert_allclose(
+            (up - down) / (2 * step), slope, rtol=1e-4, atol=1e-5 * np.abs(slope).max()
+        )
 
 
 @pytest.mark.parametrize("size", [0.0, 1e-6])
 def test_derivatives_along_a_compliance(structures, size):
     c, step = np.full((1, len(AXIS)), size + 0j), 1e-10
-    made = solved_with(structures, AXIS, ENTRIES, [CompliancePort(4, c)])
-    up, down = (
-        solved_with(structures, AXIS, ENTRIES, [CompliancePort(4, c + side * step)]).solved.value
-        for side in (1, -1)
-    )
+    made = ported(structures, CompliancePort(4), c)
+    up, down = (ported(structures, CompliancePort(4), c + side * step).value for side in (1, -1))
     found, numeric = made.along(0), (up - down) / (2 * step)
     np.testing.assert_allclose(found, numeric, rtol=1e-4, atol=1e-5 * np.abs(found).max())
 

@@ -13,7 +13,8 @@ from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.lawfree.kinds import KINDS, NOTHING, TORQUE
 from flexmodal.diagnosis.lawfree.model import PortedModel
 from flexmodal.diagnosis.lawfree.port import Port, PortKind
-from flexmodal.diagnosis.lawfree.profile import FLOORS, Profile, State, profiled
+from flexmodal.diagnosis.lawfree.ported_fit import FLOORS, profiled
+from flexmodal.diagnosis.lawfree.profile import Profile, State
 from flexmodal.diagnosis.lawfree.records import endless
 from flexmodal.diagnosis.search.coarse import Look, look_at
 from flexmodal.identification import Observations

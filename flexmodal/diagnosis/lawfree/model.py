@@ -1,4 +1,4 @@
-"""The believed robot with ports, as residuals of its FRFs and their derivatives line by line."""
+"""The believed robot with ports whose functions are free: what is unknown, and of which observations."""
 
 from __future__ import annotations
 
@@ -10,35 +10,18 @@ import numpy as np
 from jaxtyping import Complex, Float, Int
 
 from flexmodal.diagnosis.hypothesis import Hypothesis
-from flexmodal.diagnosis.lawfree.port import Patterns, Port
+from flexmodal.diagnosis.lawfree.port import Port
 from flexmodal.diagnosis.placed import Placed
 from flexmodal.identification import Observations
-from flexmodal.identification.frf_fit import residual
-from flexmodal.identification.model import Group
 from flexmodal.structure import ParameterSpace
-from flexmodal.structure.ports import CompliancePort, Ported, StiffnessPort, solved_with
-from flexmodal.structure.ports import Port as StructurePort
-
-_STEP = 1e-4
-"""Of the central differences along the geometry of a port."""
 
 Unknown = Complex[np.ndarray, "cell function line"]
 """The functions in units of their sizes; a cell for all postures, or one for each posture and blow."""
 
 
 @dataclass(frozen=True, eq=False)
-class Slopes:
-    """Residuals with their derivatives."""
-
-    residual: Complex[np.ndarray, "observation line"]
-    along: Complex[np.ndarray, "observation line function"]
-    """Along the unknown functions of the observation's own cell; holomorphic."""
-    parameters: Complex[np.ndarray, "parameter observation line"]
-
-
-@dataclass(frozen=True, eq=False)
 class PortedModel:
-    """Residuals ln(model / measurement) of some observations on some lines."""
+    """Of some observations on some lines."""
 
     ports: tuple[Port, ...]
     """Whose functions are free, one after the other."""
@@ -138,105 +121,8 @@ class PortedModel:
         """Nothing is missing."""
         return np.zeros((self.cells, len(self.names), len(self.lines)), dtype=complex)
 
-    def residual(
-        self, x: Float[np.ndarray, " parameter"], z: Unknown
-    ) -> Complex[np.ndarray, "observation line"]:
-        """The residuals alone."""
-        found = np.zeros((len(self.observations), len(self.lines)), dtype=complex)
-        for group in self.hypothesis.groups(x, self.observations, slopes=False):
-            ported, log, _ = self._solved(group, x, z, slopes=False)
-            part = group.part
-            value = ported.solved.value * np.exp(log)
-            measured = self.observations.value[part.observations][:, self.lines]
-            found[part.observations] = residual(value[part.entry], measured)
-        return self._read(found, z)
-
-    def slopes(self, x: Float[np.ndarray, " parameter"], z: Unknown) -> Slopes:
-        """Residuals with derivatives."""
-        shape = len(self.observations), len(self.lines)
-        found = np.zeros(shape, dtype=complex)
-        along = np.zeros((*shape, len(self.names)), dtype=complex)
-        parameters = np.zeros((len(self.space), *shape), dtype=complex)
-        for group in self.hypothesis.groups(x, self.observations, slopes=True):
-            ported, log, more = self._solved(group, x, z, slopes=True)
-            part, rows = group.part, group.part.observations
-            plain = ported.solved.value
-            safe = np.where(plain == 0, np.inf, plain)
-            measured = self.observations.value[rows][:, self.lines]
-            found[rows] = residual((plain * np.exp(log))[part.entry], measured)
-            along[rows] = (self._along(group, x, ported) / safe[:, :, None])[part.entry]
-            flat = ported.slopes(1 / safe)
-            relative = flat[:, :, 0] + 1j * flat[:, :, 1]
-            for number, slope in more.items():
-                relative[number] += slope
-            parameters[:, rows] = relative[:, part.entry]
-        for seen, number in self._readings:
-            along[seen, :, number] = self.size[number]
-        return Slopes(self._read(found, z), along, parameters)
-
-    # the unknown in the structure
-
-    def _solved(
-        self, group: Group, x: np.ndarray, z: Unknown, *, slopes: bool
-    ) -> tuple[Ported, np.ndarray, dict[int, np.ndarray]]:
-        axis = self.observations.axis_of(group.part.level).take(self.lines)
-        ports = self._ports(group, x, z, slopes=slopes)
-        ported = solved_with(group.structures, axis, group.part.entries, ports)
-        if group.reading is None:
-            return ported, np.zeros((1, 1)), {}
-        log, more = group.reading(axis)
-        return ported, log, dict(more)
-
-    def _patterns(self, group: Group, x: np.ndarray) -> list[Patterns | None]:
-        """Of each port; None of one in a reading."""
-        placed = self.hypothesis.placed_in(group.part, x)[len(self.root.placed) :]
-        return [
-            None if port.kind.patterns is None else port.kind.patterns(*here)
-            for port, here in zip(self.ports, placed, strict=True)
-        ]
-
-    def _ports(self, group: Group, x: np.ndarray, z: Unknown, *, slopes: bool) -> Sequence[StructurePort]:
-        value = z[self._of_systems(group)] * self.size  # system, function, line
-        moved = self._moved(group, x) if slopes else {}
-        found: list[StructurePort] = []
-        for number, (patterns, span) in enumerate(zip(self._patterns(group, x), self.spans, strict=True)):
-            own = value[:, span]
-            if patterns is None:
-                continue
-            if patterns.compliance is not None:
-                found += [
-                    CompliancePort(i, np.einsum("f,sfl->sl", patterns.compliance[:, i, j], own), j)
-                    for i, j in _pairs(patterns.compliance)
-                ]
-            if patterns.stiffness is not None:
-                of_port = moved.get(number)
-                found += [
-                    StiffnessPort(
-                        pattern, own[:, k], None if of_port is None else (of_port[0], of_port[1][:, k])
-                    )
-                    for k, pattern in enumerate(patterns.stiffness)
-                ]
-        return found
-
-    def _moved(self, group: Group, x: np.ndarray) -> dict[int, tuple[np.ndarray, np.ndarray]]:
-        """Derivatives of the patterns of ports along their geometry [parameter function system dof dof]."""
-        found = {}
-        for port, numbers in enumerate(self._geometry):
-            changes = []
-            for number in numbers.tolist():
-                step = np.where(np.arange(len(x)) == number, _STEP, 0.0)
-                ahead, behind = (self._patterns(group, x + way * step)[port] for way in (1, -1))
-                assert ahead is not None
-                assert behind is not None
-                assert ahead.stiffness is not None
-                assert behind.stiffness is not None
-                changes.append((ahead.stiffness - behind.stiffness) / (2 * _STEP))
-            if changes:
-                found[port] = numbers, np.array(changes)
-        return found
-
     @cached_property
-    def _geometry(self) -> list[Int[np.ndarray, " parameter"]]:
+    def geometry(self) -> list[Int[np.ndarray, " parameter"]]:
         """Numbers of the parameters of each port."""
         context, begin, found = self.root.context, len(self.root.space), []
         for port in self.ports:
@@ -245,50 +131,11 @@ class PortedModel:
             begin += count
         return found
 
-    def _along(
-        self, group: Group, x: np.ndarray, ported: Ported
-    ) -> Complex[np.ndarray, "entry line function"]:
-        """Derivatives of the receptances along the functions in their sizes; 0 along those of readings."""
-        found = np.zeros((len(group.part.entries.table), len(self.lines), len(self.names)), dtype=complex)
-        taken = 0
-        for patterns, span in zip(self._patterns(group, x), self.spans, strict=True):
-            if patterns is None:
-                continue
-            pairs = [] if patterns.compliance is None else _pairs(patterns.compliance)
-            count = len(pairs) if patterns.stiffness is None else len(patterns.stiffness)
-            each = np.stack([ported.along(taken + k) for k in range(count)], axis=-1)  # entry line port
-            if patterns.compliance is not None:
-                each = each @ np.array([patterns.compliance[:, i, j] for i, j in pairs])
-            found[..., span] = each * self.size[span].T
-            taken += count
-        return found
-
-    def _of_systems(self, group: Group) -> Int[np.ndarray, " system"]:
-        """The cell of each system of a part."""
-        found = np.zeros(len(group.structures), dtype=int)
-        system = group.part.entries.table[group.part.entry, 0]
-        found[system] = self.cell[group.part.observations]
-        return found
-
-    # the unknown in a reading
-
     @cached_property
-    def _readings(self) -> list[tuple[np.ndarray, int]]:
-        """Observations that a function multiplies, and its number."""
+    def readings(self) -> list[tuple[np.ndarray, int]]:
+        """Observations whose reading a function multiplies, and its number."""
         return [
             (port.kind.reads(self.observations, self.root.context, port.where), span.start)
             for port, span in zip(self.ports, self.spans, strict=True)
             if port.kind.reads is not None and not port.kind.drops
         ]
-
-    def _read(self, found: np.ndarray, z: Unknown) -> np.ndarray:
-        for seen, number in self._readings:
-            found[seen] += z[self.cell[seen], number] * self.size[number]
-            found.imag[seen] = (found.imag[seen] + np.pi) % (2 * np.pi) - np.pi
-        return found
-
-
-def _pairs(compliance: Float[np.ndarray, "function dof dof"]) -> list[tuple[int, int]]:
-    """Coordinates that have a compliance, by themselves or between two."""
-    first, second = np.nonzero(np.triu(np.any(compliance, axis=0)))
-    return list(zip(first.tolist(), second.tolist(), strict=True))

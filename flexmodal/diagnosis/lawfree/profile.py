@@ -17,22 +17,19 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Complex, Float
 
-from flexmodal.diagnosis.lawfree.beginning import beginnings, origin
-from flexmodal.diagnosis.lawfree.model import PortedModel, Slopes, Unknown
+from flexmodal.diagnosis.lawfree.at_parameters import AtParameters, Slopes
+from flexmodal.diagnosis.lawfree.beginning import origin
+from flexmodal.diagnosis.lawfree.model import PortedModel, Unknown
 from flexmodal.errors import SingularResponse
 from flexmodal.identification.descent import robust, robust_weight
 from flexmodal.identification.frf_fit import Weighting
 
-FLOORS = (0.2, 0.05, 0.01)
-"""Relative model error, in the order in which it is lowered."""
 RIDGE = 1e-3
 """Precision of a weak prior on the functions in units of their sizes: lines that say nothing stay small."""
 LONGEST = 2.0
 """Longest step of a function at one line, in its size or multiples of what it is."""
 FIRST, LAST = 1e-3, 1e4
 """Damping of the first step, and where a descent gives up."""
-FOLLOWED = 2
-"""Starts that are followed, beside that from nothing."""
 SETTLED = 5e-4
 """A step that changes the cost relatively by less ends a round."""
 
@@ -41,11 +38,16 @@ SETTLED = 5e-4
 class State:
     """Where a descent stands."""
 
-    x: Float[np.ndarray, " parameter"]
+    at: AtParameters
     z: Unknown
     cost: float
     """Robust sum of squares with all priors."""
     residual: Complex[np.ndarray, "observation line"]
+
+    @property
+    def x(self) -> Float[np.ndarray, " parameter"]:
+        """Coordinates of the parameters."""
+        return self.at.x
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,12 +89,30 @@ class Profile:
             x: coordinates of the parameters.
             z: the functions in their sizes.
         """
+        return self.with_functions(AtParameters(self.model, x), z)
+
+    def with_functions(self, at: AtParameters, z: Unknown) -> State:
+        """A state at parameters where the model was looked at before.
+
+        Args:
+            at: the model there.
+            z: the functions in their sizes.
+        """
         try:
-            r = self.model.residual(x, z)
+            r = at.residual(z)
         except (np.linalg.LinAlgError, SingularResponse):
-            return State(x, z, np.inf, np.zeros((0, 0), dtype=complex))
-        cost = float(self._each(r).sum()) + self._prior(x, r) + RIDGE * float(np.sum(np.abs(z) ** 2))
-        return State(x, z, cost if np.isfinite(cost) else np.inf, r)
+            return State(at, z, np.inf, np.zeros((0, 0), dtype=complex))
+        return self.judged(State(at, z, np.inf, r))
+
+    def judged(self, state: State) -> State:
+        """A state at this model error.
+
+        Args:
+            state: of the same model.
+        """
+        ridge = RIDGE * float(np.sum(np.abs(state.z) ** 2))
+        cost = float(self._each(state.residual).sum()) + self._prior(state.x, state.residual) + ridge
+        return replace(state, cost=cost if np.isfinite(cost) else np.inf)
 
     def descended(self, state: State, most: int) -> State:
         """Some steps down."""
@@ -118,13 +138,13 @@ class Profile:
         """Each line offered what its neighbours have, and the median around it; it takes what serves best."""
         z, best = state.z, self._by_line(state.residual, state.z)
         for offered in _offers(state.z):
-            other = self.state(state.x, offered)
+            other = self.with_functions(state.at, offered)
             if not np.isfinite(other.cost):
                 continue
             cost = self._by_line(other.residual, offered)
             better = cost < best
             z, best = np.where(better[:, None], offered, z), np.where(better, cost, best)
-        found = self.state(state.x, z)
+        found = self.with_functions(state.at, z)
         return found if found.cost < state.cost else state
 
     # sums
@@ -147,7 +167,7 @@ class Profile:
 
     def equations(self, state: State) -> Equations:
         """Normal equations."""
-        slopes = self.model.slopes(state.x, state.z)
+        slopes = state.at.slopes(state.z)
         scaled = self.weight * np.abs(slopes.residual) ** 2
         w = self.weight * robust_weight(scaled)
         found = [self._of_cell(slopes, w, self.model.cell == cell) for cell in range(self.model.cells)]
@@ -194,13 +214,13 @@ class Profile:
         trial = self.state(x, z)
         if self.pooled or not np.isfinite(trial.cost):
             return trial
-        kept = self.state(x, state.z)
+        kept = self.with_functions(trial.at, state.z)
         if not np.isfinite(kept.cost):
             return trial
         better = self._by_line(trial.residual, z) <= self._by_line(kept.residual, state.z)
         if better.all():
             return trial
-        return self.state(x, np.where(better[:, None], z, state.z))
+        return self.with_functions(trial.at, np.where(better[:, None], z, state.z))
 
     def step(
         self, state: State, equations: Equations, damping: float, prior: Float[np.ndarray, " parameter"]
@@ -255,46 +275,3 @@ def _offers(z: Unknown) -> list[Unknown]:
     wide = np.pad(z, [(0, 0), (0, 0), (2, 2)], mode="edge")
     stack = np.stack([wide[..., k : k + z.shape[-1]] for k in range(5)])
     return [left, right, np.median(stack.real, axis=0) + 1j * np.median(stack.imag, axis=0)]
-
-
-def profiled(
-    model: PortedModel,
-    before: State | None = None,
-    *,
-    floors: tuple[float, ...] = FLOORS,
-    steps: int = 8,
-) -> tuple[Profile, State]:
-    """Fit a ported model: constants first, then free at every line.
-
-    Args:
-        model: to be fitted.
-        before: where a fit with all its ports but the last ended, on the same lines.
-        floors: relative model errors, lowered one after the other.
-        steps: most at each of them.
-    """
-    profile = Profile(model, floors[0])
-    state = _constant(model, before, floors[0], steps)
-    for floor in floors:
-        profile = replace(profile, floor=floor)
-        state = profile.descended(profile.state(state.x, state.z), steps)
-        state = profile.repaired(state)
-    return profile, profile.descended(state, steps)
-
-
-def _constant(model: PortedModel, before: State | None, floor: float, steps: int) -> State:
-    """The best of constants for the last port's functions; many starts are looked at, few followed."""
-    none, port, still = model.zero(), model.ports[-1], model.spans[-1].start
-    starts = beginnings(model)
-    if before is not None:
-        none[:, :still] = before.z
-        starts = [np.concatenate([before.x, origin(model)[len(before.x) :]])]
-    pooled = Profile(model, floor, pooled=True, still=still)
-    plain = min((pooled.state(x, none) for x in starts), key=lambda one: one.cost)
-    started = []
-    for start in port.kind.starts(model.root.context, port.where):
-        z = none.copy()
-        z[:, still:] = np.array(start)[:, None]
-        started += [pooled.state(x, z) for x in starts]
-    best = sorted((one for one in started if np.isfinite(one.cost)), key=lambda one: one.cost)[:FOLLOWED]
-    found = [pooled.descended(one, steps) for one in (plain, *best)]
-    return min(found, key=lambda one: one.cost)

@@ -7,6 +7,7 @@ import pytest
 
 from flexmodal.diagnosis.effects import catalogue
 from flexmodal.diagnosis.hypothesis import Hypothesis
+from flexmodal.diagnosis.lawfree.at_parameters import AtParameters
 from flexmodal.diagnosis.lawfree.body_ports import BODY, CARRIED, GROUND
 from flexmodal.diagnosis.lawfree.curve import classes_of, curve_of
 from flexmodal.diagnosis.lawfree.elastic_ports import BASE, LINK
@@ -15,7 +16,8 @@ from flexmodal.diagnosis.lawfree.kinds import KINDS
 from flexmodal.diagnosis.lawfree.look import ALIKE, Field, carried_over, noise_of
 from flexmodal.diagnosis.lawfree.model import PortedModel
 from flexmodal.diagnosis.lawfree.port import Port
-from flexmodal.diagnosis.lawfree.profile import Profile, profiled
+from flexmodal.diagnosis.lawfree.ported_fit import profiled
+from flexmodal.diagnosis.lawfree.profile import Profile
 from flexmodal.diagnosis.lawfree.pursuit import MOST, alone, pursued
 from flexmodal.diagnosis.lawfree.reading_ports import BLOWS, CHANNEL, SENSOR
 from flexmodal.diagnosis.placed import Placed
@@ -72,18 +74,20 @@ def test_derivatives_are_those_of_the_residuals(root, observed, places):
     ports = [port_of(root, kind, where) for kind, where in places]
     model = PortedModel.of(ports, root, observed, np.arange(20, len(observed.axis), 41))
     x, z = somewhere(model)
-    slopes, step = model.slopes(x, z), 1e-6
-    assert slopes.residual == pytest.approx(model.residual(x, z), abs=1e-12)
+    here, step = AtParameters(model, x), 1e-5
+    slopes = here.slopes(z)
+    assert slopes.residual == pytest.approx(here.residual(z), abs=1e-12)
     for number in range(len(x)):
         unit = np.where(np.arange(len(x)) == number, step, 0.0)
-        found = (model.residual(x + unit, z) - model.residual(x - unit, z)) / (2 * step)
+        ahead, behind = (AtParameters(model, x + side * unit).residual(z) for side in (1, -1))
+        found = (ahead - behind) / (2 * step)
         size = np.abs(found).max() + 1e-3
         assert slopes.parameters[number] / size == pytest.approx(found / size, abs=2e-6)
     for number in range(z.shape[1]):
         for way in (1.0, 1j):  # holomorphic: a step along i gives i times the derivative
             unit = np.zeros(z.shape, dtype=complex)
             unit[:, number] = step * way
-            found = (model.residual(x, z + unit) - model.residual(x, z - unit)) / (2 * step * way)
+            found = (here.residual(z + unit) - here.residual(z - unit)) / (2 * step * way)
             size = np.abs(found).max()
             assert slopes.along[:, :, number] / size == pytest.approx(found / size, abs=2e-6)
 
@@ -98,7 +102,7 @@ def test_functions_that_were_put_in_come_out_again(root, observed, kind):
     z = model.zero() + smooth * np.linspace(1.0, 0.4, len(model.names))[:, None]
     x = np.zeros(len(model.space))
     value = observed.value.copy()
-    value[:, model.lines] *= np.exp(model.residual(x, z))
+    value[:, model.lines] *= np.exp(AtParameters(model, x).residual(z))
     clean = replace(model, observations=replace(observed, value=value, used=np.ones_like(observed.used)))
     _, state = profiled(clean, floors=(0.2, 0.05, 0.01, 1e-4), steps=30)
     assert np.abs(state.residual).max() < 1e-4
@@ -217,7 +221,7 @@ def several(root, observed):
     noise = np.sqrt(observed.variance / 2)
     noisy = noise * (random.normal(size=noise.shape) + 1j * random.normal(size=noise.shape))
     x = np.zeros(len(model.space))
-    made = replace(still, value=still.value * np.exp(model.residual(x, z) + noisy))
+    made = replace(still, value=still.value * np.exp(AtParameters(model, x).residual(z) + noisy))
     return sensor, Field.of(
         root, np.zeros(len(root.space)), made, None, kinds=(JOINT, COUPLING, SENSOR, CHANNEL)
     )

@@ -1,0 +1,216 @@
+"""A ported model at some parameters: residuals of its FRFs and their derivatives line by line.
+
+The structures are solved once there; functions of any value follow from that, see `structure.ports`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from jaxtyping import Complex, Float, Int
+
+from flexmodal.diagnosis.lawfree.model import PortedModel, Unknown
+from flexmodal.diagnosis.lawfree.port import Patterns
+from flexmodal.identification.frf_fit import residual
+from flexmodal.identification.layout import Part
+from flexmodal.identification.model import Group
+from flexmodal.structure.ports import CompliancePort, Ported, PortedStructures, StiffnessPort, with_ports
+from flexmodal.structure.ports import Port as StructurePort
+
+_STEP = 1e-4
+"""Of the central differences along the geometry of a port."""
+
+
+@dataclass(frozen=True, eq=False)
+class Slopes:
+    """Residuals with their derivatives."""
+
+    residual: Complex[np.ndarray, "observation line"]
+    along: Complex[np.ndarray, "observation line function"]
+    """Along the unknown functions of the observation's own cell; holomorphic."""
+    parameters: Complex[np.ndarray, "parameter observation line"]
+
+
+@dataclass(frozen=True, eq=False)
+class PortedGroup:
+    """Structures of a group of observations, solved for any functions of the ports."""
+
+    group: Group
+    patterns: Sequence[Patterns | None]
+    """Of each port; None of one in a reading."""
+    ported: PortedStructures
+    reading: Complex[np.ndarray, "#entry #line"]
+    """ln(reading / motion) of what is believed."""
+    cell: Int[np.ndarray, " system"]
+    """The cell of each system."""
+
+
+@dataclass(frozen=True, eq=False)
+class AtParameters:
+    """Residuals ln(model / measurement) as they depend on the functions."""
+
+    model: PortedModel
+    x: Float[np.ndarray, " parameter"]
+    """Coordinates of the parameters."""
+
+    @cached_property
+    def groups(self) -> list[PortedGroup]:
+        """Solved.
+
+        Raises:
+            SingularResponse: there is no receptance on some line.
+        """
+        model = self.model
+        return [
+            self._solved(one) for one in model.hypothesis.groups(self.x, model.observations, slopes=False)
+        ]
+
+    def residual(self, z: Unknown) -> Complex[np.ndarray, "observation line"]:
+        """The residuals.
+
+        Args:
+            z: the functions in their sizes.
+
+        Raises:
+            SingularResponse: there is no receptance on some line.
+        """
+        model = self.model
+        found = np.zeros((len(model.observations), len(model.lines)), dtype=complex)
+        for one in self.groups:
+            value = self._ported(one, z).value * np.exp(one.reading)
+            part = one.group.part
+            measured = model.observations.value[part.observations][:, model.lines]
+            found[part.observations] = residual(value[part.entry], measured)
+        for seen, number in model.readings:
+            found[seen] += z[model.cell[seen], number] * model.size[number]
+            found.imag[seen] = (found.imag[seen] + np.pi) % (2 * np.pi) - np.pi
+        return found
+
+    def slopes(self, z: Unknown) -> Slopes:
+        """The residuals with derivatives.
+
+        Args:
+            z: the functions in their sizes.
+
+        Raises:
+            SingularResponse: there is no receptance on some line.
+        """
+        model = self.model
+        shape = len(model.observations), len(model.lines)
+        along = np.zeros((*shape, len(model.names)), dtype=complex)
+        parameters = np.zeros((len(model.space), *shape), dtype=complex)
+        for one in self.groups:
+            part = one.group.part
+            ported = self._ported(one, z)
+            scale = 1 / np.where(ported.value == 0, np.inf, ported.value)
+            along[part.observations] = (self._along(one, ported) * scale[:, :, None])[part.entry]
+            relative = self._relative(one, ported, scale)
+            parameters[:, part.observations] = relative[:, part.entry]
+        for seen, number in model.readings:
+            along[seen, :, number] = model.size[number]
+        return Slopes(self.residual(z), along, parameters)
+
+    def _solved(self, group: Group) -> PortedGroup:
+        model = self.model
+        axis = model.observations.axis_of(group.part.level).take(model.lines)
+        patterns = self._patterns(group.part, self.x)
+        ports = [one for own in patterns if own is not None for one in _structure_ports(own)]
+        ported = with_ports(group.structures, axis, group.part.entries, ports)
+        reading = np.zeros((1, 1), dtype=complex) if group.reading is None else group.reading(axis)[0]
+        cell = np.zeros(len(group.structures), dtype=int)
+        cell[group.part.entries.table[group.part.entry, 0]] = model.cell[group.part.observations]
+        return PortedGroup(group, patterns, ported, np.asarray(reading, dtype=complex), cell)
+
+    def _patterns(self, part: Part, x: np.ndarray) -> list[Patterns | None]:
+        model = self.model
+        placed = model.hypothesis.placed_in(part, x)[len(model.root.placed) :]
+        return [
+            None if port.kind.patterns is None else port.kind.patterns(*here)
+            for port, here in zip(model.ports, placed, strict=True)
+        ]
+
+    def _ported(self, one: PortedGroup, z: Unknown) -> Ported:
+        """The structures of a group with the functions in them."""
+        value = z[one.cell] * self.model.size  # system, function, line
+        found = []
+        for patterns, span in zip(one.patterns, self.model.spans, strict=True):
+            if patterns is None:
+                continue
+            own = value[:, span]
+            if patterns.compliance is not None:
+                pairs = _pairs(patterns.compliance)
+                found += [np.einsum("f,sfl->sl", patterns.compliance[:, i, j], own) for i, j in pairs]
+            if patterns.stiffness is not None:
+                found += [own[:, k] for k in range(len(patterns.stiffness))]
+        return one.ported.at(found)
+
+    def _along(self, one: PortedGroup, ported: Ported) -> Complex[np.ndarray, "entry line function"]:
+        """Derivatives of the receptances along the functions in their sizes; 0 along those of readings."""
+        model = self.model
+        shape = len(one.group.part.entries.table), len(model.lines), len(model.names)
+        found, taken = np.zeros(shape, dtype=complex), 0
+        for patterns, span in zip(one.patterns, model.spans, strict=True):
+            if patterns is None:
+                continue
+            count = len(_structure_ports(patterns))
+            each = np.stack([ported.along(taken + k) for k in range(count)], axis=-1)  # entry line port
+            if patterns.compliance is not None:
+                pairs = _pairs(patterns.compliance)
+                each = each @ np.array([patterns.compliance[:, i, j] for i, j in pairs])
+            found[..., span] = each * model.size[span].T
+            taken += count
+        return found
+
+    def _relative(
+        self, one: PortedGroup, ported: Ported, scale: np.ndarray
+    ) -> Complex[np.ndarray, "parameter entry line"]:
+        """Derivatives of ln α along the parameters."""
+        model = self.model
+        group = one.group if one.group.sloped is None else one.group.sloped()
+        flat = ported.slopes(scale, group.structures, self._moved(one))
+        found = np.asarray(flat[:, :, 0] + 1j * flat[:, :, 1])
+        if group.reading is not None:
+            axis = model.observations.axis_of(group.part.level).take(model.lines)
+            for number, slope in group.reading(axis)[1].items():
+                found[number] += slope
+        return found
+
+    def _moved(self, one: PortedGroup) -> Mapping[int, tuple[np.ndarray, np.ndarray]]:
+        """Derivatives of the patterns of stiffness along their geometry, by the ports of the structures."""
+        found, taken = {}, 0
+        for port, (patterns, numbers) in enumerate(zip(one.patterns, self.model.geometry, strict=True)):
+            if patterns is None:
+                continue
+            if patterns.stiffness is not None and len(numbers):
+                changes = np.array([self._turned(one.group.part, port, k) for k in numbers.tolist()])
+                found.update({taken + k: (numbers, changes[:, k]) for k in range(len(patterns.stiffness))})
+            taken += len(_structure_ports(patterns))
+        return found
+
+    def _turned(self, part: Part, port: int, number: int) -> Float[np.ndarray, "function system dof dof"]:
+        """The derivative of a port's stiffness patterns along one parameter."""
+        step = np.where(np.arange(len(self.x)) == number, _STEP, 0.0)
+        ahead, behind = (self._patterns(part, self.x + way * step)[port] for way in (1, -1))
+        assert ahead is not None
+        assert behind is not None
+        assert ahead.stiffness is not None
+        assert behind.stiffness is not None
+        return np.asarray((ahead.stiffness - behind.stiffness) / (2 * _STEP))
+
+
+def _structure_ports(patterns: Patterns) -> list[StructurePort]:
+    """What the functions of a port do to a structure, compliances first."""
+    pairs = [] if patterns.compliance is None else _pairs(patterns.compliance)
+    found: list[StructurePort] = [CompliancePort(i, j if j != i else None) for i, j in pairs]
+    if patterns.stiffness is not None:
+        found += [StiffnessPort(pattern) for pattern in patterns.stiffness]
+    return found
+
+
+def _pairs(compliance: Float[np.ndarray, "function dof dof"]) -> list[tuple[int, int]]:
+    """Coordinates that have a compliance, by themselves or between two."""
+    first, second = np.nonzero(np.triu(np.any(compliance, axis=0)))
+    return list(zip(first.tolist(), second.tolist(), strict=True))

@@ -1,0 +1,61 @@
+"""A fit of a ported model: constants first, then functions free at every line."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from flexmodal.diagnosis.lawfree.at_parameters import AtParameters
+from flexmodal.diagnosis.lawfree.beginning import beginnings, origin
+from flexmodal.diagnosis.lawfree.model import PortedModel
+from flexmodal.diagnosis.lawfree.profile import Profile, State
+
+FLOORS = (0.2, 0.05, 0.01)
+"""Relative model error, in the order in which it is lowered."""
+FOLLOWED = 2
+"""Starts that are followed, beside that from nothing."""
+
+
+def profiled(
+    model: PortedModel,
+    before: State | None = None,
+    *,
+    floors: tuple[float, ...] = FLOORS,
+    steps: int = 8,
+) -> tuple[Profile, State]:
+    """Fit a ported model: constants first, then free at every line.
+
+    Args:
+        model: to be fitted.
+        before: where a fit with all its ports but the last ended, on the same lines.
+        floors: relative model errors, lowered one after the other.
+        steps: most at each of them.
+    """
+    profile = Profile(model, floors[0])
+    state = _constant(model, before, floors[0], steps)
+    for floor in floors:
+        profile = replace(profile, floor=floor)
+        state = profile.descended(profile.judged(state), steps)
+        state = profile.repaired(state)
+    return profile, profile.descended(state, steps)
+
+
+def _constant(model: PortedModel, before: State | None, floor: float, steps: int) -> State:
+    """The best of constants for the last port's functions; many starts are looked at, few followed."""
+    none, port, still = model.zero(), model.ports[-1], model.spans[-1].start
+    starts = beginnings(model)
+    if before is not None:
+        none[:, :still] = before.z
+        starts = [np.concatenate([before.x, origin(model)[len(before.x) :]])]
+    pooled = Profile(model, floor, pooled=True, still=still)
+    places = [AtParameters(model, x) for x in starts]
+    plain = min((pooled.with_functions(at, none) for at in places), key=lambda one: one.cost)
+    started = []
+    for start in port.kind.starts(model.root.context, port.where):
+        z = none.copy()
+        z[:, still:] = np.array(start)[:, None]
+        started += [pooled.with_functions(at, z) for at in places]
+    best = sorted((one for one in started if np.isfinite(one.cost)), key=lambda one: one.cost)[:FOLLOWED]
+    found = [pooled.descended(one, steps) for one in (plain, *best)]
+    return min(found, key=lambda one: one.cost)
