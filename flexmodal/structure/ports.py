@@ -196,7 +196,9 @@ class Ported:
             moved: derivatives of the ports' patterns, where these depend on parameters.
         """
         solved, motion = self.base.solved, self._motion
-        parts = np.ascontiguousarray(np.moveaxis(np.stack([motion.real, motion.imag]), (0, 2), (3, 4)))
+        turned = np.moveaxis(motion, 1, -1)
+        parts = np.empty((*turned.shape[:3], 2, turned.shape[3]))
+        parts[..., 0, :], parts[..., 1, :] = turned.real, turned.imag
         found = replace(solved, structures=structures or solved.structures, y=parts).slopes(scale)
         responses, references = solved.entries.rows
         system, u, v = solved.entries.table.T

@@ -25,7 +25,7 @@ from flexmodal.structure.stack import Structures
 from flexmodal.structure.structure import ROUNDING, Axis
 
 _SECONDS, _PULL, _COMPILATION = 8e-6, 2.5e-8, 4.0
-"""What numpy takes beyond compiled loops for a system and a line, what for a number among the derivatives, and
+"""What numpy takes beyond compiled loops for a system and a line, and for a number among the derivatives, and
 what compiling takes [s]; processor time of a core of 2020."""
 PARTS = ("stiffness", "damping", "mass", "loss", "growth")
 """What multiplies a part of ∂Z: 1, s, s², h and ∂h/∂η."""

@@ -26,12 +26,12 @@ _STEP = 1e-4
 
 @dataclass(frozen=True, eq=False)
 class Slopes:
-    """Residuals with their derivatives."""
+    """Derivatives of residuals."""
 
-    residual: Complex[np.ndarray, "observation line"]
     along: Complex[np.ndarray, "observation line function"]
     """Along the unknown functions of the observation's own cell; holomorphic."""
-    parameters: Complex[np.ndarray, "parameter observation line"]
+    parameters: Float[np.ndarray, "parameter observation 2 line"]
+    """By real and imaginary part; of no parameter where these are held."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,29 +89,30 @@ class AtParameters:
             found.imag[seen] = (found.imag[seen] + np.pi) % (2 * np.pi) - np.pi
         return found
 
-    def slopes(self, z: Unknown) -> Slopes:
-        """The residuals with derivatives.
+    def slopes(self, z: Unknown, *, held: bool = False) -> Slopes:
+        """Derivatives of the residuals.
 
         Args:
             z: the functions in their sizes.
+            held: whether the parameters stay as they are.
 
         Raises:
             SingularResponse: there is no receptance on some line.
         """
         model = self.model
-        shape = len(model.observations), len(model.lines)
-        along = np.zeros((*shape, len(model.names)), dtype=complex)
-        parameters = np.zeros((len(model.space), *shape), dtype=complex)
+        observations, lines = len(model.observations), len(model.lines)
+        along = np.zeros((observations, lines, len(model.names)), dtype=complex)
+        parameters = np.zeros((0 if held else len(model.space), observations, 2, lines))
         for one in self.groups:
             part = one.group.part
             ported = self._ported(one, z)
             scale = 1 / np.where(ported.value == 0, np.inf, ported.value)
             along[part.observations] = (self._along(one, ported) * scale[:, :, None])[part.entry]
-            relative = self._relative(one, ported, scale)
-            parameters[:, part.observations] = relative[:, part.entry]
+            if not held:
+                parameters[:, part.observations] = self._relative(one, ported, scale)[:, part.entry]
         for seen, number in model.readings:
             along[seen, :, number] = model.size[number]
-        return Slopes(self.residual(z), along, parameters)
+        return Slopes(along, parameters)
 
     def _solved(self, group: Group) -> PortedGroup:
         model = self.model
@@ -166,16 +167,15 @@ class AtParameters:
 
     def _relative(
         self, one: PortedGroup, ported: Ported, scale: np.ndarray
-    ) -> Complex[np.ndarray, "parameter entry line"]:
-        """Derivatives of ln α along the parameters."""
+    ) -> Float[np.ndarray, "parameter entry 2 line"]:
+        """Derivatives of ln α along the parameters, by real and imaginary part."""
         model = self.model
         group = one.group if one.group.sloped is None else one.group.sloped()
-        flat = ported.slopes(scale, group.structures, self._moved(one))
-        found = np.asarray(flat[:, :, 0] + 1j * flat[:, :, 1])
+        found = ported.slopes(scale, group.structures, self._moved(one))
         if group.reading is not None:
             axis = model.observations.axis_of(group.part.level).take(model.lines)
             for number, slope in group.reading(axis)[1].items():
-                found[number] += slope
+                found[number] += np.stack([slope.real, slope.imag], axis=1)
         return found
 
     def _moved(self, one: PortedGroup) -> Mapping[int, tuple[np.ndarray, np.ndarray]]:

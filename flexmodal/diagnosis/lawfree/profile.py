@@ -17,7 +17,7 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Complex, Float
 
-from flexmodal.diagnosis.lawfree.at_parameters import AtParameters, Slopes
+from flexmodal.diagnosis.lawfree.at_parameters import AtParameters
 from flexmodal.diagnosis.lawfree.beginning import origin
 from flexmodal.diagnosis.lawfree.model import PortedModel, Unknown
 from flexmodal.errors import SingularResponse
@@ -114,11 +114,17 @@ class Profile:
         cost = float(self._each(state.residual).sum()) + self._prior(state.x, state.residual) + ridge
         return replace(state, cost=cost if np.isfinite(cost) else np.inf)
 
-    def descended(self, state: State, most: int) -> State:
-        """Some steps down."""
+    def descended(self, state: State, most: int, *, held: bool = False) -> State:
+        """Some steps down.
+
+        Args:
+            state: where it starts.
+            most: steps.
+            held: whether the parameters stay as they are.
+        """
         damping = FIRST
         for _ in range(most):
-            equations, temper = self.equations(state), self.temper(state.residual)
+            equations, temper = self.equations(state, held=held), self.temper(state.residual)
             found = None
             while found is None and damping < LAST:
                 trial = self._tried(state, equations, damping, temper)
@@ -165,62 +171,68 @@ class Profile:
         """Robust χ² over the number of real values, where nothing was fitted."""
         return float(2 * self._each(residual).sum() / max(2 * np.count_nonzero(self.weight), 1))
 
-    def equations(self, state: State) -> Equations:
-        """Normal equations."""
-        slopes = state.at.slopes(state.z)
-        scaled = self.weight * np.abs(slopes.residual) ** 2
-        w = self.weight * robust_weight(scaled)
-        found = [self._of_cell(slopes, w, self.model.cell == cell) for cell in range(self.model.cells)]
-        zz, zp, z = (np.stack(parts) for parts in zip(*found, strict=True))
-        if self.pooled:
-            zz, zp, z = (part.sum(axis=1, keepdims=True) for part in (zz, zp, z))
-        flat = (slopes.parameters * np.sqrt(w)).reshape(len(state.x), -1)
-        pull = (slopes.residual * np.sqrt(w)).ravel()
+    def equations(self, state: State, *, held: bool = False) -> Equations:
+        """Normal equations.
+
+        Args:
+            state: where.
+            held: whether the parameters stay as they are and have none.
+        """
+        slopes = state.at.slopes(state.z, held=held)
+        root = np.sqrt(self.weight * robust_weight(self.weight * np.abs(state.residual) ** 2))
+        along, r = slopes.along[..., self.still :] * root[..., None], state.residual * root
+        parameters = slopes.parameters * root[:, None]
+        flat, pull = parameters.reshape(len(parameters), -1), np.stack([r.real, r.imag], axis=1).ravel()
         lines = len(self.model.lines) if self.pooled else 1
-        own = state.z.mean(axis=2, keepdims=True) if self.pooled else state.z
-        zz, zp, z, own = (
-            zz[..., self.still :, self.still :],
-            zp[..., self.still :, :],
-            z[..., self.still :],
-            own[:, self.still :],
-        )
-        functions = zz.shape[-1]
+        own = (state.z.mean(axis=2, keepdims=True) if self.pooled else state.z)[:, self.still :]
+        found = [
+            self._of_cell(along[rows], r[rows], parameters[:, rows])
+            for rows in (self.model.cell == cell for cell in range(self.model.cells))
+        ]
+        zz, zp, z = (np.stack(parts) for parts in zip(*found, strict=True))
         return Equations(
-            zz + lines * RIDGE * np.eye(functions),
+            zz + lines * RIDGE * np.eye(zz.shape[-1]),
             zp,
             z + lines * RIDGE * np.swapaxes(own, 1, 2),
-            (flat.conj() @ flat.T).real,
-            (flat.conj() @ pull).real,
+            flat @ flat.T,
+            flat @ pull,
         )
 
     def _of_cell(
-        self, slopes: Slopes, w: np.ndarray, rows: np.ndarray
+        self, along: np.ndarray, r: np.ndarray, parameters: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        along = np.moveaxis(slopes.along[rows], (1, 2), (0, 1))  # line function observation
-        weighted = along.conj() * w[rows].T[:, None]
-        parameters = slopes.parameters[:, rows].transpose(2, 1, 0)  # line observation parameter
-        return (
-            weighted @ np.swapaxes(along, 1, 2),
-            weighted @ parameters,
-            (weighted @ slopes.residual[rows].T[:, :, None])[..., 0],
-        )
+        """Products of the derivatives along the functions with all others, line by line or summed."""
+        turned = np.moveaxis(along.conj(), (1, 2), (0, 1))  # line function observation
+        zz, z = turned @ np.moveaxis(along, 1, 0), (turned @ r.T[:, :, None])[..., 0]
+        # by real and imaginary part of the observations, as the parameters are
+        real = np.stack([turned.real, -turned.imag], axis=3).reshape(*turned.shape[:2], -1)
+        imaginary = np.stack([turned.imag, turned.real], axis=3).reshape(real.shape)
+        both = np.concatenate([real, imaginary], axis=1)
+        others = np.moveaxis(parameters.reshape(len(parameters), both.shape[2], -1), 2, 0)
+        if self.pooled:
+            zz, z = zz.sum(axis=0, keepdims=True), z.sum(axis=0, keepdims=True)
+            zp = np.tensordot(both, others, axes=([0, 2], [0, 2]))[None]
+        else:
+            zp = both @ np.swapaxes(others, 1, 2)
+        return zz, zp[:, : zz.shape[1]] + 1j * zp[:, zz.shape[1] :], z
 
     def _tried(self, state: State, equations: Equations, damping: float, temper: float) -> State:
         prior, (low, high) = temper * self.model.space.precision, self.model.space.bounds
         step, along = self.step(state, equations, damping, prior)
-        x = np.clip(state.x + step, low, high)
+        held = not len(equations.p)
+        at = state.at if held else AtParameters(self.model, np.clip(state.x + step, low, high))
         most = LONGEST * np.maximum(1.0, np.abs(state.z))
         z = state.z + along / np.maximum(1.0, np.abs(along) / most)
-        trial = self.state(x, z)
+        trial = self.with_functions(at, z)
         if self.pooled or not np.isfinite(trial.cost):
             return trial
-        kept = self.with_functions(trial.at, state.z)
+        kept = self.with_functions(at, state.z)
         if not np.isfinite(kept.cost):
             return trial
         better = self._by_line(trial.residual, z) <= self._by_line(kept.residual, state.z)
         if better.all():
             return trial
-        return self.with_functions(trial.at, np.where(better[:, None], z, state.z))
+        return self.with_functions(at, np.where(better[:, None], z, state.z))
 
     def step(
         self, state: State, equations: Equations, damping: float, prior: Float[np.ndarray, " parameter"]
@@ -233,12 +245,16 @@ class Profile:
             damping: part of the diagonals that is added.
             prior: precision of the parameters.
         """
-        low, high = self.model.space.bounds
-        pull = equations.p + prior * (state.x - self.origin)
-        free = ~(((state.x <= low) & (pull > 0)) | ((state.x >= high) & (pull < 0)))
         diagonal = np.einsum("clff->clf", equations.zz).real
         zz = equations.zz + damping * diagonal[..., None] * np.eye(equations.zz.shape[-1])
         solved = np.linalg.solve(zz, np.concatenate([equations.zp, equations.z[..., None]], axis=-1))
+        step, along = np.zeros(len(state.x)), np.zeros(state.z.shape, dtype=complex)
+        if not len(equations.p):
+            along[:, self.still :] = -np.swapaxes(solved[..., -1], 1, 2)
+            return step, along
+        low, high = self.model.space.bounds
+        pull = equations.p + prior * (state.x - self.origin)
+        free = ~(((state.x <= low) & (pull > 0)) | ((state.x >= high) & (pull < 0)))
         schur = (
             equations.pp
             + np.diag(prior)
@@ -246,11 +262,9 @@ class Profile:
         )
         right = pull - np.einsum("clfp,clf->p", equations.zp.conj(), solved[..., -1]).real
         schur = schur + np.diag(damping * np.diag(schur) + 1e-12)
-        step = np.zeros(len(state.x))
         if free.any():
             step[free] = -np.linalg.solve(schur[np.ix_(free, free)], right[free])
         step *= min(1.0, 1.0 / max(float(np.max(np.abs(step), initial=0.0)), 1e-300))
-        along = np.zeros(state.z.shape, dtype=complex)
         along[:, self.still :] = -np.swapaxes(solved[..., -1] + solved[..., :-1] @ step, 1, 2)
         return step, along
 

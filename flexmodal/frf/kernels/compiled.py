@@ -49,9 +49,15 @@ class Kernel:
 
     @cached_property
     def name(self) -> str:
-        """Its name, with a digest of its code, of the constants it reads, and of what it calls."""
+        """Its name, with a digest of its code and file, of the constants it reads, and of what it calls."""
         code, scope = self.plain.__code__, self.plain.__globals__
-        parts = [code.co_code.hex(), repr(code.co_consts), repr(code.co_varnames), repr(self.flags)]
+        parts = [
+            _text(code.co_filename),
+            code.co_code.hex(),
+            repr(code.co_consts),
+            repr(code.co_varnames),
+            repr(self.flags),
+        ]
         for name in code.co_names:
             value = scope.get(name)
             if name in self.calls:
@@ -62,15 +68,17 @@ class Kernel:
         return f"{self.plain.__name__}_{digest}"
 
     def is_stored(self) -> bool:
-        """Whether numba has it on disk, for the source as it is; looked up without loading numba."""
+        """Whether numba has it on disk, for the source as it is; looked up without loading numba.
+
+        The name says what the source is; when its file was written says nothing, nor does numba go by that.
+        """
         source = Path(self.plain.__code__.co_filename)
         pattern, chosen = f"*.{self.name}-*.nbi", os.environ.get("NUMBA_CACHE_DIR")
         user = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "numba"
         try:
             inside = user.glob("*/") if not chosen else Path(chosen).glob("*/")
             folders = inside if chosen else [source.parent / "__pycache__", *inside]
-            written = source.stat().st_mtime
-            return any(file.stat().st_mtime >= written for folder in folders for file in folder.glob(pattern))
+            return any(True for folder in folders for _ in folder.glob(pattern))
         except OSError:  # a folder that may not be read, or a file that another process has just replaced
             return False
 
@@ -92,6 +100,15 @@ class Kernel:
             except RuntimeError:  # no writable place on disk
                 pass
         return numba.njit(**options)(copy)
+
+
+@cache
+def _text(file: str) -> str:
+    """What a file of code says; nothing where the code is of no file."""
+    try:
+        return Path(file).read_text(encoding="utf-8")
+    except OSError:
+        return ""
 
 
 def together(

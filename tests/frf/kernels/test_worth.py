@@ -1,5 +1,6 @@
 """Whether to load a compiled function: told by the work done so far, counted and not timed."""
 
+import os
 import subprocess
 import sys
 from itertools import count
@@ -160,3 +161,24 @@ def test_a_cache_that_may_not_be_read_holds_nothing(monkeypatch, chosen):
     monkeypatch.setenv("NUMBA_CACHE_DIR", chosen)
     monkeypatch.setattr(Path, "glob", refuses)
     assert not kernel.is_stored()
+
+
+def test_what_is_on_disk_is_known_by_what_its_source_says(monkeypatch, tmp_path):
+    """Not by when that was written: a clone, or an editor that saves, gives files a new time."""
+    source, cache = tmp_path / "loops.py", tmp_path / "cache"
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(cache))
+
+    def kernel(text):
+        source.write_text(text, encoding="utf-8")
+        compiled._text.cache_clear()
+        scope = {"__name__": "loops"}
+        exec(compile(text, str(source), "exec"), scope)
+        return compiled.Kernel(scope["loop"])
+
+    first = kernel("def loop(x):\n    return x\n")
+    assert not first.is_stored()
+    (cache / "here").mkdir(parents=True)
+    (cache / "here" / f"loops.{first.name}-1.py311.nbi").touch()
+    os.utime(source, (2e9, 2e9))
+    assert first.is_stored()
+    assert not kernel("def loop(x):\n    return x\n\n\nMORE = 1\n").is_stored()
