@@ -42,7 +42,10 @@ def profiled(
 
 
 def _constant(model: PortedModel, before: State | None, floor: float, steps: int) -> State:
-    """The best of constants for the last port's functions; many starts are looked at, few followed."""
+    """The best of constants for the last port's functions; many starts are looked at, few followed.
+
+    These at first for the robot as it is, which takes no derivatives along its parameters.
+    """
     none, port, still = model.zero(), model.ports[-1], model.spans[-1].start
     starts = beginnings(model)
     if before is not None:
@@ -57,5 +60,5 @@ def _constant(model: PortedModel, before: State | None, floor: float, steps: int
         z[:, still:] = np.array(start)[:, None]
         started += [pooled.with_functions(at, z) for at in places]
     best = sorted((one for one in started if np.isfinite(one.cost)), key=lambda one: one.cost)[:FOLLOWED]
-    found = [pooled.descended(one, steps) for one in (plain, *best)]
-    return min(found, key=lambda one: one.cost)
+    found = [pooled.descended(one, steps, held=True) for one in (plain, *best)]
+    return pooled.descended(min(found, key=lambda one: one.cost), steps)

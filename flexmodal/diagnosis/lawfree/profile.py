@@ -182,7 +182,10 @@ class Profile:
         root = np.sqrt(self.weight * robust_weight(self.weight * np.abs(state.residual) ** 2))
         along, r = slopes.along[..., self.still :] * root[..., None], state.residual * root
         parameters = slopes.parameters * root[:, None]
-        flat, pull = parameters.reshape(len(parameters), -1), np.stack([r.real, r.imag], axis=1).ravel()
+        flat, pull = (
+            parameters.reshape(len(parameters), 2 * r.size),
+            np.stack([r.real, r.imag], axis=1).ravel(),
+        )
         lines = len(self.model.lines) if self.pooled else 1
         own = (state.z.mean(axis=2, keepdims=True) if self.pooled else state.z)[:, self.still :]
         found = [
@@ -208,7 +211,7 @@ class Profile:
         real = np.stack([turned.real, -turned.imag], axis=3).reshape(*turned.shape[:2], -1)
         imaginary = np.stack([turned.imag, turned.real], axis=3).reshape(real.shape)
         both = np.concatenate([real, imaginary], axis=1)
-        others = np.moveaxis(parameters.reshape(len(parameters), both.shape[2], -1), 2, 0)
+        others = np.moveaxis(parameters.reshape(len(parameters), both.shape[2], len(both)), 2, 0)
         if self.pooled:
             zz, z = zz.sum(axis=0, keepdims=True), z.sum(axis=0, keepdims=True)
             zp = np.tensordot(both, others, axes=([0, 2], [0, 2]))[None]
