@@ -32,12 +32,39 @@ def profiled(
         floors: relative model errors, lowered one after the other.
         steps: most at each of them.
     """
-    profile = Profile(model, floors[0])
-    state = _constant(model, before, floors[0], steps)
+    return finished(*begun(model, before, floor=floors[0], steps=steps), floors=floors[1:], steps=steps)
+
+
+def begun(
+    model: PortedModel, before: State | None = None, *, floor: float, steps: int
+) -> tuple[Profile, State]:
+    """The fit at its first model error.
+
+    Args:
+        model: to be fitted.
+        before: where a fit with all its ports but the last ended, on the same lines.
+        floor: relative model error.
+        steps: most.
+    """
+    profile = Profile(model, floor)
+    state = profile.judged(_constant(model, before, floor, steps))
+    return profile, profile.repaired(profile.descended(state, steps))
+
+
+def finished(
+    profile: Profile, state: State, *, floors: tuple[float, ...], steps: int
+) -> tuple[Profile, State]:
+    """The fit at further model errors.
+
+    Args:
+        profile: at the one before.
+        state: where the fit has come to.
+        floors: relative model errors, lowered one after the other.
+        steps: most at each of them.
+    """
     for floor in floors:
         profile = replace(profile, floor=floor)
-        state = profile.descended(profile.judged(state), steps)
-        state = profile.repaired(state)
+        state = profile.repaired(profile.descended(profile.judged(state), steps))
     return profile, profile.descended(state, steps)
 
 
