@@ -217,7 +217,8 @@ class Hypothesis:
         )
 
     def _frame(self, part: Part, values: Mapping[str, float]) -> Frame:
-        geometry = tuple(values[f"{one.label}.{name}"] for one in self.placed for name in one.effect.geometry)
+        names = [f"{one.label}.{name}" for one in self.placed for name in one.effect.geometry]
+        geometry = tuple(values[name] for name in names if name in values)
         key = (part.posture.tobytes(), part.where.tobytes(), part.struck.tobytes(), geometry)
         return self._frames.get(key, lambda: self._build(part, values))
 

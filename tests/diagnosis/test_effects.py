@@ -39,6 +39,19 @@ def bench():
     return Context.of(robot, observed), observed, stand
 
 
+@pytest.fixture(scope="module")
+def standing():
+    """The same of an arm in space, in one posture."""
+    robot = flexmodal.load("six_axis")
+    result = simulate(
+        robot, postures=["work"], points=3, trials=2, averages=2, seed=3, record_length=1.0,
+        band=(2.0, 120.0), parameter_error=0.0,
+    )  # fmt: skip
+    stand = make_stand(result.robot, result.plan, known_robot(result.robot, {}))
+    observed = unlimited(observe(result.campaign))
+    return Context.of(robot, observed), observed, stand
+
+
 def ours(context, observed, effect, where, values):
     """Receptances of the robot with one effect, for every observation."""
     placed = Placed(catalogue()[effect], where)
@@ -66,6 +79,8 @@ def theirs(observations, stand, effect, where, values, form="own"):
 
 
 K = 4e5
+LIGHT = 1e-5
+"""Of the arm's mass: as light as a foundation may be."""
 STILL = 1e-9
 """An idler too light to tell [kg·m²]."""
 CASES = {
@@ -182,6 +197,27 @@ def test_a_foundation_with_springs_of_its_own_each_way_is_that_of_the_rig(bench)
     })  # fmt: skip
     other = theirs(observed, stand, "base_flexibility", "base", values, "directions")
     np.testing.assert_allclose(found, other, rtol=1e-7)
+
+
+def test_in_space_a_foundation_gives_six_ways(standing):
+    """About a centre beside and below the root, each way its own stiffness and damping; next to no mass."""
+    context, observed, stand = standing
+    values = {**SOIL, "aside": -0.1, "spread": 0.6, "phase": 1.0}
+    angle = values["phase"] + 2.399963 * np.arange(6)
+    spring = np.array([4e7, 4e7, 1.6 * 4e7, 2e7, 2e7, 2e7]) * np.exp(0.6 * np.sin(angle))
+    time = np.sqrt(sum(body.mass for body in stand.true.bodies.values()) / 4e7)
+    damper = 2 * 0.03 * np.exp(0.6 * np.cos(angle)) * spring * time
+    found = ours(context, observed, "base_flexibility", "base", {
+        "horizontal_stiffness": spring[0], "sideways_ratio": spring[1] / spring[0],
+        "vertical_stiffness": spring[2], "tilt_stiffness": spring[3], "tilt_ratio": spring[4] / spring[3],
+        "twist_stiffness": spring[5], "translation_damping": damper[0],
+        "sideways_damping_ratio": damper[1] / damper[0], "vertical_damping_ratio": damper[2] / damper[0],
+        "tilt_damping": damper[3], "tilt_damping_ratio": damper[4] / damper[3],
+        "twist_damping_ratio": damper[5] / damper[3], "aside": -0.1, "below": 0.3,
+        "mass": LIGHT * sum(body.mass for body in stand.true.bodies.values()),
+    })  # fmt: skip
+    other = theirs(observed, stand, "base_flexibility", "base", values, "directions")
+    np.testing.assert_allclose(found, other, rtol=1e-3)
 
 
 def test_a_foundation_on_a_block_is_that_of_the_rig(bench):

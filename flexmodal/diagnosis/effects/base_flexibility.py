@@ -18,6 +18,9 @@ from flexmodal.structure import Parameter
 from flexmodal.structure.arm import Body, carried
 from flexmodal.structure.assembly import Assembly
 
+SIDEWAYS = {"base y": "sideways", "base ry": "tilt"}
+"""Coordinates in space that have ratios to those along and about x."""
+
 
 def motions(normal: np.ndarray | None) -> tuple[list[str], np.ndarray]:
     """Names and motions [6, coordinate]: along, up, tilt; or x, y, z, rx, ry, rz."""
@@ -62,6 +65,9 @@ def _parameters(context: Context, where: str) -> tuple[Parameter, ...]:
             positive("twist_stiffness", "N·m/rad", 2 * tilt, 2.0, tilt / 1e3, tilt * 1e4),
             positive("sideways_ratio", "", 1.0, 0.5, 0.05, 20.0),
             positive("tilt_ratio", "", 1.0, 0.5, 0.05, 20.0),
+            positive("sideways_damping_ratio", "", 1.0, 0.5, 0.05, 20.0),
+            positive("tilt_damping_ratio", "", 1.0, 0.5, 0.05, 20.0),
+            positive("twist_damping_ratio", "", 1.0, 0.5, 0.05, 20.0),
             signed("ahead", "m", 0.1 * length, -length, length),
         ]
     return tuple(found)
@@ -121,8 +127,11 @@ def _springs(placement: Placement) -> list[tuple[str, np.ndarray, float, float]]
         damping = placement["tilt_damping" if kind == "tilt" else "translation_damping"]
         if kind == "vertical":
             damping *= placement["vertical_damping_ratio"]
-        if name in ("base y", "base ry"):
-            stiffness *= placement["sideways_ratio" if name == "base y" else "tilt_ratio"]
+        elif upright:
+            damping *= placement["twist_damping_ratio"]
+        elif name in SIDEWAYS:
+            stiffness *= placement[f"{SIDEWAYS[name]}_ratio"]
+            damping *= placement[f"{SIDEWAYS[name]}_damping_ratio"]
         found.append((name, way, stiffness, damping))
     return found
 

@@ -11,7 +11,12 @@ from flexmodal.diagnosis.effects import base_flexibility, bearing_flexibility, h
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Bodies, Placement
 from flexmodal.diagnosis.lawfree.port import Patterns, PortKind, constant, outer
+from flexmodal.structure import Parameter
+from flexmodal.structure.arm import carried
 from flexmodal.structure.assembly import Assembly
+
+BASE_AXIS = ("aside", "ahead")
+"""Of the foundation in space [m]."""
 
 
 def _base_terms(context: Context) -> list[tuple[int, int]]:
@@ -51,6 +56,19 @@ def _base_starts(context: Context, where: str) -> tuple[tuple[float, ...], ...]:
     )
 
 
+def _base_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
+    """In space: where the upright axis is about which horizontal shifts and tilts go together."""
+    if context.normal is not None:
+        return ()
+    return tuple(one for one in base_flexibility.EFFECT.parameters(context, where) if one.name in BASE_AXIS)
+
+
+def _base_shape(assembly: Assembly, placement: Placement) -> None:
+    names, motion = base_flexibility.motions(placement.context.normal)
+    axis = [placement[name] for name in BASE_AXIS] if placement.context.normal is None else [0.0, 0.0]
+    assembly.move_root(assembly.add_coordinates(names), carried(motion, -np.array([*axis, 0.0])))
+
+
 BASE = PortKind(
     name="base",
     says="the foundation",
@@ -59,7 +77,15 @@ BASE = PortKind(
     sizes=_base_sizes,
     starts=_base_starts,
     unit="1/stiffness",
-    shape=replace(base_flexibility.EFFECT, name="port", parameters=lambda c, w: (), act=None, extend=None),
+    shape=replace(
+        base_flexibility.EFFECT,
+        name="port",
+        parameters=_base_parameters,
+        geometry=BASE_AXIS,
+        shape=_base_shape,
+        act=None,
+        extend=None,
+    ),
     patterns=_base_patterns,
 )
 
