@@ -7,6 +7,7 @@ and nothing else is.
 
 from __future__ import annotations
 
+import logging
 import multiprocessing
 import os
 import re
@@ -22,10 +23,13 @@ from concurrent.futures import (
     wait,
 )
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
 from itertools import islice
+from logging.handlers import QueueHandler, QueueListener
 from typing import Any, TypeVar
 
 from flexmodal.errors import Fault, FlexmodalError, InvalidRequest, MissingExtra
+from flexmodal.frf.kernels.announced import COMPILER
 from flexmodal.frf.kernels.route import available_cores
 
 Item = TypeVar("Item")
@@ -73,7 +77,7 @@ def spread(
         yield from _on_cluster(call, iter(items), scheduler, patience)
         return
     count = workers or available_cores()
-    with _local(count, threads) as pool:
+    with ThreadPoolExecutor(count) if threads else _processes(count) as pool:
         yield from _locally(pool, call, iter(items), count)
 
 
@@ -87,16 +91,34 @@ def check_workers(workers: int | None) -> None:
         raise InvalidRequest(Fault("call", "workers", str(workers), f"1 to {MOST_WORKERS}"))
 
 
-def _local(count: int, threads: bool) -> Executor:
-    if threads:
-        return ThreadPoolExecutor(count)
+@contextmanager
+def _processes(count: int) -> Iterator[Executor]:
+    """A pool of processes; what they compile is said here."""
     context = multiprocessing.get_context("spawn")
-    return ProcessPoolExecutor(count, context, initializer=_follow_parent)
+    records = context.Queue()
+    listener = QueueListener(records, _Said())
+    listener.start()
+    try:
+        begin = (records, COMPILER.getEffectiveLevel())
+        with ProcessPoolExecutor(count, context, initializer=_follow_parent, initargs=begin) as pool:
+            yield pool
+    finally:
+        listener.stop()
 
 
-def _follow_parent() -> None:
-    """End with the process that started this one, however that ends."""
+class _Said(logging.Handler):
+    """Logs what another process logged."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        COMPILER.handle(record)
+
+
+def _follow_parent(records: Any, level: int) -> None:
+    """End with the process that started this one, however that ends, and tell it what is compiled here."""
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    records.cancel_join_thread()  # nobody may be there any more to read them
+    COMPILER.addHandler(QueueHandler(records))
+    COMPILER.setLevel(level)
     parent = multiprocessing.parent_process()
     if parent is not None:
 

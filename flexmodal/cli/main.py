@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from flexmodal.cli.compiling import compilations_said
 from flexmodal.cli.printing import plain, say
 from flexmodal.cli.waiting import signs_of_life
 from flexmodal.cli.width import NARROWEST, WIDEST, WIDTH
@@ -206,11 +207,11 @@ def _pipes() -> Iterator[None]:
 
 @contextmanager
 def _signs(arguments: list[str] | None) -> Iterator[None]:
-    """As the program of a process, say after some seconds that it works, unless told to be quiet."""
+    """As the program of a process, say what is compiled, and that it works, unless told to be quiet."""
     if arguments is not None or "--quiet" in sys.argv:
         yield
         return
-    with signs_of_life():
+    with compilations_said(), signs_of_life():
         yield
 
 

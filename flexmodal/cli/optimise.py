@@ -149,7 +149,6 @@ def _search(
             way=way,
             advance=advance,
             improved=lambda value: note(f"best {value:.4g} {unit}"),
-            doing=note,
         )
 
 

@@ -14,7 +14,6 @@ from flexmodal.optimisation.search import (
     Advance,
     Basins,
     Descent,
-    Doing,
     Ends,
     Improved,
     is_compilable,
@@ -43,7 +42,6 @@ def optimise(
     way: str = "auto",
     advance: Advance = lambda: None,
     improved: Improved = lambda value: None,
-    doing: Doing = lambda text: None,
 ) -> Outcome:
     """Search for the best posture.
 
@@ -63,7 +61,6 @@ def optimise(
             but for rounding.
         advance: called once a start, for a progress bar.
         improved: called with the objective of the best so far, whenever it is better than before.
-        doing: told of a compilation, which takes half a minute.
 
     Returns:
         All distinct optima found, best first, those of equal value as one. Interrupted by Ctrl-C, what was
@@ -86,7 +83,7 @@ def optimise(
         assert given is not None
         alone = tell_apart(problem, Ends.of([null_space_descent(problem, given)]))
         return _outcome(problem, alone, before, method)
-    basins = search(problem, given, starts, seed, way, advance=advance, improved=improved, doing=doing)
+    basins = search(problem, given, starts, seed, way, advance=advance, improved=improved)
     return _outcome(problem, basins, before, method, seed)
 
 

@@ -241,7 +241,12 @@ def _pull(
 
 @cache
 def _kernels() -> tuple[Kernel, Kernel, Kernel]:
-    return together(kernel.back, last=kernel.solve), Kernel(kernel.pull), Kernel(kernel.values)
+    purpose = "responses of a structure"
+    return (
+        together(kernel.back, last=kernel.solve, purpose=purpose, seconds=_COMPILATION),
+        together(last=kernel.pull, purpose=purpose, seconds=_COMPILATION),
+        together(last=kernel.values, purpose=purpose, seconds=_COMPILATION),
+    )
 
 
 @cache

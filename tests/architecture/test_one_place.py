@@ -15,6 +15,7 @@ RULES = {
     "the power of iω of a form": (r"""["']inertance["']:\s*2""", {"frf/form.py"}),
     "the suffixes of universal files": (r"""["']\.unv["']""", {"campaign/uff/export.py"}),
     "the least coherence of a line": (r"^COHERENT\b.*=", {"campaign/records.py"}),
+    "what numba is asked to compile": (r"\bn?jit\(|@n?jit\b", {"frf/kernels/compiled.py"}),
     "a coherence compared with a number": (r"coheren\w*\s*[<>]=?\s*0?\.\d", set()),
 }
 
@@ -42,6 +43,7 @@ def test_a_rule_stands_in_one_place(rule: str) -> None:
         ("the power of iω of a form", '{"receptance": 0, "mobility": 1, "inertance": 2}'),
         ("the suffixes of universal files", 'if path.suffix in (".uff", ".unv"):'),
         ("the least coherence of a line", "COHERENT = 0.8"),
+        ("what numba is asked to compile", "@njit(cache=True)"),
         ("a coherence compared with a number", "coherence >= 0.8"),
     ],
 )

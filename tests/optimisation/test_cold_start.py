@@ -11,7 +11,7 @@ from flexmodal.frf import PointDirection
 from flexmodal.frf.kernels import worth
 from flexmodal.frf.kernels.compiled import Kernel
 from flexmodal.frf.kernels.worth import IMPORT, LOAD
-from flexmodal.optimisation import Hold, PostureProblem, ReceptanceObjective, SeparationObjective, optimise
+from flexmodal.optimisation import Hold, PostureProblem, ReceptanceObjective, SeparationObjective
 from flexmodal.optimisation.compiled import COMPILATION
 from flexmodal.optimisation.search import choose_way
 
@@ -71,18 +71,6 @@ def test_what_cannot_be_compiled_counts_for_nothing(arm, first):
     first(True)
     assert choose_way(PostureProblem(arm, SeparationObjective(20.0)), 4096) == "plain"
     assert not worth._spent
-
-
-def test_a_compilation_is_said(problem, monkeypatch):
-    pytest.importorskip("numba")
-    told = []
-    optimise(problem, starts=2, way="compiled", doing=told.append)
-    told.clear()
-    optimise(problem, starts=2, way="compiled", doing=told.append)
-    assert told == []  # it is on disk by now
-    monkeypatch.setattr(Kernel, "is_stored", lambda _: False)
-    optimise(problem, starts=2, way="compiled", doing=told.append)
-    assert [text.split(",")[0] for text in told] == ["compiling"]
 
 
 def test_the_first_command_compiles_nothing(tmp_path):

@@ -263,4 +263,4 @@ def loop_of(struck: Sequence[Struck], steps: Steps, compiled: bool | None = None
 
 @cache
 def _kernel() -> Kernel:
-    return together(kernel.law, last=kernel.integrate)
+    return together(kernel.law, last=kernel.integrate, purpose="steps in time", seconds=_COMPILATION)

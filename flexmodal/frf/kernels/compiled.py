@@ -19,11 +19,15 @@ from types import FunctionType
 from typing import Any
 
 from flexmodal.frf.kernels import any_size, pivoted, recursion, sweep
+from flexmodal.frf.kernels.announced import announce
 from flexmodal.frf.kernels.factor import Pairs, Shape, write_kernel
 from flexmodal.frf.kernels.recursion import KINDS, Algebra, write_step
 
 OPTIONS: dict[str, Any] = {"nogil": True, "error_model": "numpy", "fastmath": {"contract"}}
 """Multiply-adds may fuse; nothing may be reordered. The interpreter's lock is released."""
+
+COMPILATION = 4.0
+"""Seconds to compile the loops over points [s]; 2.5 to 5 measured."""
 
 UNCOUNTED, MERGED, INSIDE = "_nrt", "forceinline", "no_cpython_wrapper"
 """Flags of numba, where it has them: no reference counting, which takes most of the time of a call with many
@@ -41,6 +45,10 @@ class Kernel:
     calls: Mapping[str, Kernel] = field(default_factory=dict)
     """By the names under which it calls them."""
     flags: tuple[str, ...] = ()
+    purpose: str = ""
+    """What it works out, in words, for those who wait while it is compiled."""
+    seconds: float = 0.0
+    """That its compilation takes, where that was measured [s]."""
 
     @cached_property
     def plain(self) -> Any:
@@ -94,12 +102,14 @@ class Kernel:
         copy.__module__ = self.plain.__module__
         known = {flag: flag != UNCOUNTED for flag in self.flags if hasattr(DefaultOptions, flag)}
         options = OPTIONS | known | ({"no_cfunc_wrapper": True} if INSIDE in known else {})
-        if INSIDE not in self.flags:
-            try:
-                return numba.njit(cache=True, **options)(copy)
-            except RuntimeError:  # no writable place on disk
-                pass
-        return numba.njit(**options)(copy)
+        if INSIDE in self.flags:
+            return numba.njit(**options)(copy)
+        try:
+            made, kept = numba.njit(cache=True, **options)(copy), True
+        except RuntimeError:  # no writable place on disk
+            made, kept = numba.njit(**options)(copy), False
+        announce(self.name, self.purpose, self.seconds, kept=kept)
+        return made
 
 
 @cache
@@ -112,13 +122,20 @@ def _text(file: str) -> str:
 
 
 def together(
-    *functions: Callable[..., Any], last: Callable[..., Any], allocates: bool = True, merged: bool = False
+    *functions: Callable[..., Any],
+    last: Callable[..., Any],
+    purpose: str,
+    seconds: float = 0.0,
+    allocates: bool = True,
+    merged: bool = False,
 ) -> Kernel:
     """A function with those that it calls, lowest first.
 
     Args:
         functions: those that it calls, or that they call; they allocate nothing.
         last: the one to be called.
+        purpose: what it works out, in words.
+        seconds: that its compilation takes, where that was measured [s].
         allocates: whether it allocates anything; its references are counted then.
         merged: put the code of the others in the place of each call.
     """
@@ -126,7 +143,7 @@ def together(
     flags = (*_INNER, MERGED) if merged else _INNER
     for function in functions:
         calls[function.__name__] = Kernel(function, _called(function, calls), flags)
-    return Kernel(last, _called(last, calls), () if allocates else (UNCOUNTED,))
+    return Kernel(last, _called(last, calls), () if allocates else (UNCOUNTED,), purpose, seconds)
 
 
 def _called(function: Callable[..., Any], known: Mapping[str, Kernel]) -> dict[str, Kernel]:
@@ -152,7 +169,8 @@ def from_source(source: str, name: str) -> Kernel:
 @cache
 def sweep_of(shape: Shape) -> Kernel:
     """The loops over points, with the kernel of this shape inside."""
-    return Kernel(sweep.sweep, {**_around_tiles(), "kernel": from_source(write_kernel(shape)[0], "kernel")})
+    kernel = from_source(write_kernel(shape)[0], "kernel")
+    return _sweep(sweep.sweep, {**_around_tiles(), "kernel": kernel})
 
 
 @cache
@@ -160,7 +178,7 @@ def sweep_of_any_size() -> Kernel:
     """The loops over points with the kernel for any number of coordinates."""
     inner = {part.__name__: Kernel(part, flags=_INNER) for part in (any_size.fill, any_size.add_products)}
     kernel = Kernel(any_size.kernel, inner, _INNER)
-    return Kernel(sweep.sweep, {**_around_tiles(), "kernel": kernel})
+    return _sweep(sweep.sweep, {**_around_tiles(), "kernel": kernel})
 
 
 @cache
@@ -175,13 +193,17 @@ def sweep_along(algebra: Algebra, pairs: Pairs, kinds: frozenset[str]) -> Kernel
     steps = {kind: from_source(write_step(algebra, pairs, kind), "step") for kind in KINDS if kind in kinds}
     never = next(iter(steps.values()))
     scope = {f"step_{kind}": steps.get(kind, never) for kind in KINDS}
-    return Kernel(recursion.sweep_along, {**scope, "spread": _around_tiles()["spread"]})
+    return _sweep(recursion.sweep_along, {**scope, "spread": _around_tiles()["spread"]})
 
 
 @cache
 def repair() -> Kernel:
     """`flexmodal.frf.kernels.pivoted.repair`."""
-    return together(pivoted.eliminate, last=pivoted.repair)
+    return together(pivoted.eliminate, last=pivoted.repair, purpose="receptances with pivoting")
+
+
+def _sweep(function: Callable[..., Any], calls: Mapping[str, Kernel]) -> Kernel:
+    return Kernel(function, calls, purpose="receptances", seconds=COMPILATION)
 
 
 @cache

@@ -35,9 +35,6 @@ WORTH_A_CALL = 200
 """Points from which a compiled kernel that is loaded already is quicker than anything else; calls with
 fewer do not count towards loading one."""
 
-COMPILATION = 4.0
-"""Seconds to compile one [s]; 2.5 to 5 measured."""
-
 _LOADED: set[Shape] = set()
 """Shapes whose kernels this process has used."""
 
@@ -117,7 +114,7 @@ def _is_worth_it(task: Task) -> bool:
 
     kernel = compiled.sweep_of(task.shape) if task.fits_fixed else compiled.sweep_of_any_size()
     seconds = task.points * (0.3e-6 + 3e-9 * task.dof**3 + 0.05e-6 * len(task.pairs))
-    return is_worth_it(task.shape, seconds, COMPILATION, kernel.is_stored)
+    return is_worth_it(task.shape, seconds, kernel.seconds, kernel.is_stored)
 
 
 def _goes_along(task: Task) -> bool:

@@ -8,15 +8,12 @@ knew (ski rental; Karlin, Manasse, Rudolph and Sleator, Algorithmica 3, 1988, se
 
 from __future__ import annotations
 
-import logging
 import sys
 from collections import defaultdict
 from collections.abc import Callable, Hashable
 
 IMPORT, LOAD = 0.7, 0.05
 """Seconds to import numba, and to read a function from disk; processor time of a core of 2020."""
-
-_LOG = logging.getLogger("flexmodal.engine")
 
 _spent: defaultdict[Hashable, float] = defaultdict(float)
 """Seconds that compiled code would have saved this process so far, by kind of work."""
@@ -44,11 +41,8 @@ def is_worth_it(kind: Hashable, seconds: float, compilation: float, is_stored: C
         return False
     if kind not in _stored:
         _stored[kind] = is_stored()
-    if _stored[kind] or _spent[kind] < price + compilation:
-        return _stored[kind]
-    _say(compilation)
-    _stored[kind] = True
-    return True
+    _stored[kind] = _stored[kind] or _spent[kind] >= price + compilation
+    return _stored[kind]
 
 
 def pays_alone(kind: Hashable, seconds: float, compilation: float, is_stored: Callable[[], bool]) -> bool:
@@ -66,12 +60,4 @@ def pays_alone(kind: Hashable, seconds: float, compilation: float, is_stored: Ca
         return False
     if kind not in _stored_at_first:
         _stored_at_first[kind] = is_stored()
-    if _stored_at_first[kind] or seconds < IMPORT + LOAD + compilation:
-        return _stored_at_first[kind]
-    if not is_stored():
-        _say(compilation)
-    return True
-
-
-def _say(compilation: float) -> None:
-    _LOG.info("compiling once on this machine, some %.0f s", compilation)
+    return _stored_at_first[kind] or seconds >= IMPORT + LOAD + compilation

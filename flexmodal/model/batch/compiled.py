@@ -7,6 +7,11 @@ from functools import cache
 from flexmodal.frf.kernels.compiled import Kernel, together
 from flexmodal.model.batch import gradient_kernel, kinematics, planar, spatial, tile
 
+POSES_COMPILED, SLOPES_COMPILED = 6.0, 20.0
+"""Seconds to compile mass matrices and gradients [s]."""
+
+_CHAIN = "motions along a chain"
+
 _KINEMATICS = (
     kinematics.cross,
     kinematics.turn,
@@ -20,7 +25,10 @@ _KINEMATICS = (
 @cache
 def pose_kernel() -> Kernel:
     """`flexmodal.model.batch.kinematics.pose_batch`."""
-    return together(*_KINEMATICS, last=kinematics.pose_batch, merged=True)
+    purpose = "mass matrices of many postures"
+    return together(
+        *_KINEMATICS, last=kinematics.pose_batch, purpose=purpose, seconds=POSES_COMPILED, merged=True
+    )
 
 
 @cache
@@ -42,6 +50,8 @@ def slope_kernel() -> Kernel:
         gradient_kernel.gradients,
         gradient_kernel.hand_out,
         last=gradient_kernel.gradient_batch,
+        purpose="receptances with their gradients",
+        seconds=SLOPES_COMPILED,
         merged=True,
     )
 
@@ -49,13 +59,12 @@ def slope_kernel() -> Kernel:
 @cache
 def plane_kernel() -> Kernel:
     """`flexmodal.model.batch.planar.plane_batch`."""
-    return together(*_KINEMATICS[:4], planar.plane_wrench, last=planar.plane_batch)
+    return together(*_KINEMATICS[:4], planar.plane_wrench, last=planar.plane_batch, purpose=_CHAIN)
 
 
 @cache
 def space_kernel() -> Kernel:
     """`flexmodal.model.batch.spatial.space_batch`."""
     inner = (gradient_kernel.place_arm, spatial.apply_inertia, spatial.gather_inertias)
-    return together(
-        *_KINEMATICS[:4], *inner, spatial.fill_joint, spatial.fill_wrench, last=spatial.space_batch
-    )
+    joints = (spatial.fill_joint, spatial.fill_wrench)
+    return together(*_KINEMATICS[:4], *inner, *joints, last=spatial.space_batch, purpose=_CHAIN)

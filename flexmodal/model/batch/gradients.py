@@ -21,8 +21,8 @@ from flexmodal.model.gradient import receptance_and_gradient
 from flexmodal.model.posture import Pose
 from flexmodal.model.robot import Robot
 
-_POSTURE, _POINT, _COMPILATION = 3e-4, 2e-5, 20.0
-"""Seconds that Pinocchio and LAPACK take for a posture and for each of its lines; and the compilation [s]."""
+_POSTURE, _POINT = 3e-4, 2e-5
+"""Seconds that Pinocchio and LAPACK take for a posture and for each of its lines [s]."""
 
 _EACH = 64
 """Postures that a thread is worth."""
@@ -79,8 +79,8 @@ def gradient_batch(
 
 def _is_worth_compiling(chain: Chain | None, postures: int, lines: int) -> bool:
     seconds = postures * (_POSTURE + lines * _POINT)
-    ready = chain is not None and has_numba()
-    return ready and is_worth_it("slopes", seconds, _COMPILATION, slope_kernel().is_stored)
+    ready, kernel = chain is not None and has_numba(), slope_kernel()
+    return ready and is_worth_it("slopes", seconds, kernel.seconds, kernel.is_stored)
 
 
 def _compiled(

@@ -16,15 +16,16 @@ from flexmodal.model.robot import Robot
 FEW = 64
 """Postures up to which Pinocchio is as quick as the call of compiled kinematics."""
 
-_SECONDS, _COMPILATION = 2e-5, 6.0
-"""Seconds that Pinocchio takes for a posture, and that the compilation takes [s]."""
+_SECONDS = 2e-5
+"""That Pinocchio takes for a posture [s]."""
 
 
 def is_worth_compiling(count: int) -> bool:
     """Whether compiled kinematics pay in this process for so many postures more."""
     if count < FEW or not has_numba():
         return False
-    return is_worth_it("poses", count * _SECONDS, _COMPILATION, pose_kernel().is_stored)
+    kernel = pose_kernel()
+    return is_worth_it("poses", count * _SECONDS, kernel.seconds, kernel.is_stored)
 
 
 class Poser:

@@ -81,4 +81,7 @@ _LOWEST_FIRST = (
 @cache
 def descents() -> Kernel:
     """`flexmodal.optimisation.descent.descend.descend_all` on an `Arm`."""
-    return together(*_LOWEST_FIRST, last=descend.descend_all, allocates=False)
+    purpose = "descents of a search"
+    return together(
+        *_LOWEST_FIRST, last=descend.descend_all, purpose=purpose, seconds=COMPILATION, allocates=False
+    )

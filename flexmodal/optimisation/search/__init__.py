@@ -20,7 +20,6 @@ from flexmodal.optimisation.search.null_space import null_space_descent as null_
 from flexmodal.optimisation.search.starts import BLOCK as BLOCK
 from flexmodal.optimisation.search.starts import DEFAULT_STARTS as DEFAULT_STARTS
 from flexmodal.optimisation.search.starts import Advance as Advance
-from flexmodal.optimisation.search.starts import Doing as Doing
 from flexmodal.optimisation.search.starts import Improved as Improved
 from flexmodal.optimisation.search.starts import beside as beside
 from flexmodal.optimisation.search.starts import search as search

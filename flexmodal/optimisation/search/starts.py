@@ -9,7 +9,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from flexmodal.errors import InCollision
-from flexmodal.optimisation import compiled
 from flexmodal.optimisation.objectives import Limit
 from flexmodal.optimisation.problem import PostureProblem
 from flexmodal.optimisation.search.descents import choose_way, descend, descend_from, random_starts
@@ -30,7 +29,6 @@ _FEW = 4
 
 Advance = Callable[[], None]
 Improved = Callable[[float], None]
-Doing = Callable[[str], None]
 
 
 @dataclass
@@ -63,7 +61,6 @@ def search(
     *,
     advance: Advance,
     improved: Improved,
-    doing: Doing,
 ) -> Basins:
     """Descend from the given start and random ones.
 
@@ -78,7 +75,6 @@ def search(
         way: as for `flexmodal.optimisation.search.search_postures`.
         advance: called once a start.
         improved: called with every better value.
-        doing: told of a compilation.
 
     Raises:
         Unreachable: no start came onto the hold.
@@ -86,8 +82,6 @@ def search(
         KeyboardInterrupt: before there was anything to keep.
     """
     way = choose_way(problem, starts or DEFAULT_STARTS) if way == "auto" else way
-    if way == "compiled" and not compiled.descents().is_stored():
-        doing("compiling, once on this machine: about half a minute")
     report = _Report(problem, advance, improved)
     blocks: list[Ends] = []
     interrupted = False

@@ -139,7 +139,8 @@ def _kernel() -> Kernel:
         kernel.sliding,
         kernel.yielding,
     )
-    return together(kernel.add, *laws, kernel.act, kernel.search, last=kernel.step_through)
+    inner, purpose = (kernel.add, *laws, kernel.act, kernel.search), "steps in time"
+    return together(*inner, last=kernel.step_through, purpose=purpose, seconds=_COMPILATION)
 
 
 def step_through_numpy(
