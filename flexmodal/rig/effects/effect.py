@@ -17,6 +17,8 @@ from flexmodal.rig.sensing import Sensor
 from flexmodal.structure.arm import plane_normal
 
 Parameters = Mapping[str, float]
+Check = Callable[[Parameters], str | None]
+"""What is wrong with given parameters, if anything."""
 
 OWN = "own"
 """The form that the rig has always had."""
@@ -63,6 +65,10 @@ class Site:
         return np.array([self.parameters[name] for name in names])
 
 
+Draw = Callable[[Stand, str, np.random.Generator], dict[str, float]]
+"""Plausible parameters for a place."""
+
+
 @dataclass(frozen=True)
 class Effect:
     """One way in which a robot differs from its card. The hooks that do not apply are None."""
@@ -76,14 +82,13 @@ class Effect:
     """Where it can sit, on a robot with sensors on these points."""
     place_is: str
     """What kind of place that is, for people."""
-    draw: Callable[[Stand, str, np.random.Generator], dict[str, float]]
-    """Plausible parameters, severity 1."""
+    draw: Draw
+    """Of severity 1."""
     scaled: Callable[[Parameters, float], dict[str, float]]
     """The parameters at another severity; 0 is nothing at all, or as good as."""
     most: Callable[[Parameters], float] = lambda parameters: 30.0
     """The highest severity that still makes sense."""
-    check: Callable[[Parameters], str | None] = lambda parameters: None
-    """What is wrong with given parameters, if anything."""
+    check: Check = lambda parameters: None
     shape: Callable[[PlantAssembly, Site], None] | None = None
     """New coordinates: done first, since they change how everything moves."""
     body: Callable[[PlantAssembly, Site], bool] | None = None
@@ -108,7 +113,62 @@ class Effect:
         return self.name if self.form == OWN else f"{self.name}:{self.form}"
 
 
-def positive(*names: str) -> Callable[[Parameters], str | None]:
+def drawing(draw: Draw | None = None, /, **spans: tuple[float, float]) -> Draw:
+    """Parameters drawn evenly from spans, after those of another way to draw.
+
+    Args:
+        draw: the other way, if any.
+        spans: least and most, by parameter.
+    """
+
+    def drawn(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
+        before = {} if draw is None else draw(stand, where, random)
+        return before | {name: float(random.uniform(*span)) for name, span in spans.items()}
+
+    return drawn
+
+
+def either_sign(random: np.random.Generator, low: float, high: float) -> float:
+    """A number of a size between two, as often below 0 as above.
+
+    Args:
+        random: drawn from twice, the size first.
+        low: the least size.
+        high: the most.
+    """
+    size = float(random.uniform(low, high))
+    return size if random.uniform() < 0.5 else -size
+
+
+def within(**spans: tuple[float, float]) -> Check:
+    """A check that parameters lie within spans, both ends allowed."""
+
+    def check(parameters: Parameters) -> str | None:
+        for name, (low, high) in spans.items():
+            if not low <= parameters[name] <= high:
+                allowed = f"{low:g} or more" if high == np.inf else f"{low:g} to {high:g}"
+                return f"{name} = {parameters[name]:g}, where {allowed.replace('-', '−')} is allowed"
+        return None
+
+    return check
+
+
+def each(*checks: Check) -> Check:
+    """One check after the other, until something is wrong."""
+    return lambda parameters: next(filter(None, (check(parameters) for check in checks)), None)
+
+
+def directed(*names: str) -> Check:
+    """A check that the parts of a direction are not all 0."""
+
+    def check(parameters: Parameters) -> str | None:
+        given = any(parameters[name] for name in names)
+        return None if given else f"{', '.join(names)} all 0, where a direction is needed"
+
+    return check
+
+
+def positive(*names: str) -> Check:
     """A check that these parameters are above 0."""
 
     def check(parameters: Parameters) -> str | None:

@@ -7,7 +7,7 @@ from itertools import combinations
 import numpy as np
 
 from flexmodal.model import Robot
-from flexmodal.rig.effects.effect import Effect, Parameters, Site, Stand, multiplied
+from flexmodal.rig.effects.effect import Effect, Site, Stand, multiplied, within
 from flexmodal.rig.plant.assembly import PlantAssembly
 from flexmodal.rig.plant.chain import commanded_joints
 
@@ -27,11 +27,6 @@ def _act(assembly: PlantAssembly, site: Site) -> None:
     assembly.add_coupling(one, other, float(site["coupling"] * size))
 
 
-def _check(parameters: Parameters) -> str | None:
-    value = parameters["coupling"]
-    return None if abs(value) <= 0.9 else f"coupling = {value:g}, where −0.9 to 0.9 is allowed"
-
-
 EFFECT = Effect(
     name="joint_coupling",
     says="a mechanism couples two joints",
@@ -41,6 +36,6 @@ EFFECT = Effect(
     draw=_draw,
     scaled=multiplied("coupling"),
     most=lambda parameters: 0.9 / max(abs(parameters["coupling"]), 1e-9),
-    check=_check,
+    check=within(coupling=(-0.9, 0.9)),
     act=_act,
 )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from flexmodal.rig.believed import Body
-from flexmodal.rig.effects.effect import Effect, Parameters, Site, Stand, divided
+from flexmodal.rig.effects.effect import Effect, Site, Stand, divided, each, positive, within
 from flexmodal.rig.plant.assembly import PlantAssembly
 from flexmodal.rig.plant.beam import Beam, sections
 from flexmodal.rig.plant.chain import reach, slender_links
@@ -106,14 +106,6 @@ def body(assembly: PlantAssembly, site: Site) -> bool:
     return True
 
 
-def _check(parameters: Parameters) -> str | None:
-    if parameters["bending_stiffness"] <= 0:
-        return f"bending_stiffness = {parameters['bending_stiffness']:g}, where a number above 0 is needed"
-    if not 0 <= parameters["damping_ratio"] < 1:
-        return f"damping_ratio = {parameters['damping_ratio']:g}, where 0 to 1 is allowed"
-    return None
-
-
 EFFECT = Effect(
     name="link_flexibility",
     says="the link bends as a uniform Euler-Bernoulli beam",
@@ -122,7 +114,7 @@ EFFECT = Effect(
     place_is="a link that is long enough to bend",
     draw=_draw,
     scaled=divided("bending_stiffness"),
-    check=_check,
+    check=each(positive("bending_stiffness"), within(damping_ratio=(0.0, 1.0))),
     shape=_shape,
     body=body,
 )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from flexmodal.rig.effects.added_mass import arm_mass, on_link
-from flexmodal.rig.effects.effect import Effect, Parameters, Site, Stand, multiplied
+from flexmodal.rig.effects.effect import Effect, Site, Stand, directed, each, multiplied, positive, within
 from flexmodal.rig.plant.assembly import PlantAssembly
 from flexmodal.rig.plant.chain import reach
 from flexmodal.rig.plant.geometry import across
@@ -50,17 +50,6 @@ def _act(assembly: PlantAssembly, site: Site) -> None:
     assembly.add_spring(own, stiffness, 2 * site["damping_ratio"] * float(np.sqrt(stiffness * mass)))
 
 
-def _check(parameters: Parameters) -> str | None:
-    for name in ("mass", "frequency"):
-        if parameters[name] <= 0:
-            return f"{name} = {parameters[name]:g}, where a number above 0 is needed"
-    if parameters["damping_ratio"] < 0:
-        return f"damping_ratio = {parameters['damping_ratio']:g}, where 0 or more is allowed"
-    if not any(parameters[name] for name in ("dx", "dy", "dz")):
-        return "dx, dy, dz all 0, where a direction is needed"
-    return None
-
-
 EFFECT = Effect(
     name="local_absorber",
     says="a mass on a spring and damper, attached to a link",
@@ -73,6 +62,8 @@ EFFECT = Effect(
     draw=_draw,
     scaled=multiplied("mass"),
     most=lambda parameters: 5.0,
-    check=_check,
+    check=each(
+        positive("mass", "frequency"), within(damping_ratio=(0.0, np.inf)), directed("dx", "dy", "dz")
+    ),
     act=_act,
 )  # fmt: skip

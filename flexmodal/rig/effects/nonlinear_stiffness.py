@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from flexmodal.rig.effects.effect import Effect, Parameters, Site, Stand, multiplied
+from flexmodal.rig.effects.effect import Effect, Site, Stand, each, multiplied, positive, within
 from flexmodal.rig.plant.assembly import PlantAssembly
 from flexmodal.rig.plant.chain import commanded_joints
 from flexmodal.rig.plant.plant import HARDENING, NonlinearElement
@@ -27,14 +27,6 @@ def _act(assembly: PlantAssembly, site: Site) -> None:
     assembly.elements.append(NonlinearElement(assembly.stretch(site.where), HARDENING, law))
 
 
-def _check(parameters: Parameters) -> str | None:
-    if not -0.85 <= parameters["change"] <= 10:
-        return f"change = {parameters['change']:g}, where −0.85 to 10 is allowed"
-    if parameters["deflection"] <= 0:
-        return f"deflection = {parameters['deflection']:g}, where a number above 0 is needed"
-    return None
-
-
 EFFECT = Effect(
     name="nonlinear_stiffness",
     says="a hardening (+) or softening (−) joint spring",
@@ -49,7 +41,7 @@ EFFECT = Effect(
     most=lambda parameters: (
         (4.0 if parameters["change"] > 0 else 0.85) / max(abs(parameters["change"]), 1e-9)
     ),
-    check=_check,
+    check=each(within(change=(-0.85, 10.0)), positive("deflection")),
     act=_act,
     linear=False,
 )

@@ -9,7 +9,17 @@ import numpy as np
 from flexmodal.campaign import CampaignPoint
 from flexmodal.model import Robot
 from flexmodal.rig.effects.added_mass import arm_mass
-from flexmodal.rig.effects.effect import Effect, Parameters, Site, Stand, multiplied, positive
+from flexmodal.rig.effects.effect import (
+    Effect,
+    Site,
+    Stand,
+    directed,
+    each,
+    either_sign,
+    multiplied,
+    positive,
+    within,
+)
 from flexmodal.rig.plant.geometry import turn
 from flexmodal.rig.sensing import Sensor
 from flexmodal.structure.arm import moved_bodies
@@ -24,11 +34,6 @@ def points_that_move(robot: Robot, points: Sequence[CampaignPoint]) -> tuple[str
     """
     moved = moved_bodies(robot)
     return tuple(point.name for point in points if point.link in moved)
-
-
-def _signed(random: np.random.Generator, low: float, high: float) -> float:
-    size = float(random.uniform(low, high))
-    return size if random.uniform() < 0.5 else -size
 
 
 def _weigh(sensors: dict[str, Sensor], site: Site) -> None:
@@ -55,26 +60,8 @@ def _draw_turn(stand: Stand, where: str, random: np.random.Generator) -> dict[st
     normal = stand.normal_in(link)
     axis = axis if normal is None else normal
     axis = axis / np.linalg.norm(axis)
-    angle = _signed(random, np.radians(8), np.radians(25))
+    angle = either_sign(random, np.radians(8), np.radians(25))
     return {"angle": angle, "ax": float(axis[0]), "ay": float(axis[1]), "az": float(axis[2])}
-
-
-def _check_turn(parameters: Parameters) -> str | None:
-    if not any(parameters[name] for name in ("ax", "ay", "az")):
-        return "ax, ay, az all 0, where an axis is needed"
-    if abs(parameters["angle"]) > 1.3:
-        return f"angle = {parameters['angle']:g}, where −1.3 to 1.3 is allowed"
-    return None
-
-
-def _check_error(parameters: Parameters) -> str | None:
-    value = parameters["error"]
-    return None if -0.9 <= value <= 9 else f"error = {value:g}, where −0.9 to 9 is allowed"
-
-
-def _check_delay(parameters: Parameters) -> str | None:
-    value = parameters["delay"]
-    return None if 0 <= value <= 0.02 else f"delay = {value:g}, where 0 to 0.02 is allowed"
 
 
 SENSOR_MASS = Effect(
@@ -94,10 +81,10 @@ SENSOR_GAIN = Effect(
     units={"error": "relative: 0.1 reads 10 % too much"},
     places=points_that_move,
     place_is="a point with a sensor",
-    draw=lambda stand, where, random: {"error": _signed(random, 0.1, 0.35)},
+    draw=lambda stand, where, random: {"error": either_sign(random, 0.1, 0.35)},
     scaled=multiplied("error"),
     most=lambda parameters: (2.0 if parameters["error"] > 0 else 0.7) / max(abs(parameters["error"]), 1e-9),
-    check=_check_error,
+    check=within(error=(-0.9, 9.0)),
     sense=_gain,
 )
 TIME_DELAY = Effect(
@@ -109,7 +96,7 @@ TIME_DELAY = Effect(
     draw=lambda stand, where, random: {"delay": float(random.uniform(0.02, 0.12) / stand.plan.band[1])},
     scaled=multiplied("delay"),
     most=lambda parameters: 0.01 / max(parameters["delay"], 1e-9),
-    check=_check_delay,
+    check=within(delay=(0.0, 0.02)),
     sense=_delay,
 )
 SENSOR_MISALIGNMENT = Effect(
@@ -121,6 +108,6 @@ SENSOR_MISALIGNMENT = Effect(
     draw=_draw_turn,
     scaled=multiplied("angle"),
     most=lambda parameters: 1.0 / max(abs(parameters["angle"]), 1e-9),
-    check=_check_turn,
+    check=each(directed("ax", "ay", "az"), within(angle=(-1.3, 1.3))),
     sense=_turn,
 )

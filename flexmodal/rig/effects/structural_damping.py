@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from flexmodal.rig.effects.effect import Effect, Parameters, Site, Stand, multiplied
+from flexmodal.rig.effects.effect import Effect, Site, Stand, multiplied, within
 from flexmodal.rig.plant.assembly import PlantAssembly
 from flexmodal.rig.plant.plant import Branch
 
@@ -56,14 +56,6 @@ def _act(assembly: PlantAssembly, site: Site) -> None:
         ]
 
 
-def _check(parameters: Parameters) -> str | None:
-    if not 0 <= parameters["loss_factor"] <= 0.6:
-        return f"loss_factor = {parameters['loss_factor']:g}, where 0 to 0.6 is allowed"
-    if parameters["viscous"] < 0:
-        return f"viscous = {parameters['viscous']:g}, where 0 or more is allowed"
-    return None
-
-
 EFFECT = Effect(
     name="structural_damping",
     says="hysteretic loss in the joints",
@@ -73,6 +65,6 @@ EFFECT = Effect(
     draw=_draw,
     scaled=multiplied("loss_factor"),
     most=lambda parameters: 0.6 / max(parameters["loss_factor"], 1e-9),
-    check=_check,
+    check=within(loss_factor=(0.0, 0.6), viscous=(0.0, np.inf)),
     act=_act,
 )

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 
 from flexmodal.rig.effects.added_mass import EFFECT as OWN
 from flexmodal.rig.effects.added_mass import on_link
-from flexmodal.rig.effects.effect import Effect, Parameters, Site, Stand, positive
+from flexmodal.rig.effects.effect import Effect, Parameters, Site, Stand, drawing, each, positive, within
 from flexmodal.rig.plant.assembly import PlantAssembly
 
 _PLACE = {"mass": "kg", "x": "m", "y": "m", "z": "m"}
@@ -46,9 +45,8 @@ def _direction(stand: Stand, where: str, random: np.random.Generator) -> dict[st
     return dict(zip(_AXIS, map(float, way), strict=True))
 
 
-def _draw_disc(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
-    drawn = {**_draw_point(stand, where, random), **_direction(stand, where, random)}
-    return {**drawn, "radius": float(random.uniform(0.05, 0.2))}
+def _draw_axis(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
+    return {**_draw_point(stand, where, random), **_direction(stand, where, random)}
 
 
 def _act_disc(assembly: PlantAssembly, site: Site) -> None:
@@ -56,11 +54,6 @@ def _act_disc(assembly: PlantAssembly, site: Site) -> None:
     axis = site.vector(*_AXIS)
     inertia = site["mass"] * site["radius"] ** 2 / 4 * (np.eye(3) + np.outer(axis, axis))
     assembly.add_body(site.where, site.vector("x", "y", "z"), site["mass"], inertia)
-
-
-def _draw_rod(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
-    drawn = {**_draw_point(stand, where, random), **_direction(stand, where, random)}
-    return {**drawn, "length": float(random.uniform(0.15, 0.5))}
 
 
 def _act_rod(assembly: PlantAssembly, site: Site) -> None:
@@ -91,20 +84,9 @@ def _act_stalk(assembly: PlantAssembly, site: Site) -> None:
         assembly.add_spring(own, site["mass"] * omega**2, 2 * site["damping_ratio"] * site["mass"] * omega)
 
 
-def _unit(*names: str) -> Callable[[Parameters], str | None]:
-    def check(parameters: Parameters) -> str | None:
-        size = float(np.linalg.norm([parameters[name] for name in _AXIS]))
-        if abs(size - 1) > 1e-6:
-            return f"ax, ay, az of length {size:g}, where 1 is needed"
-        return positive(*names)(parameters)
-
-    return check
-
-
-def _check_two(parameters: Parameters) -> str | None:
-    if not 0 <= parameters["share"] <= 1:
-        return f"share = {parameters['share']:g}, where 0 to 1 is allowed"
-    return positive("mass")(parameters)
+def _check_unit(parameters: Parameters) -> str | None:
+    size = float(np.linalg.norm([parameters[name] for name in _AXIS]))
+    return None if abs(size - 1) <= 1e-6 else f"ax, ay, az of length {size:g}, where 1 is needed"
 
 
 _INERTIA = "Featherstone, Rigid Body Dynamics Algorithms, Springer 2008, section 2.13"
@@ -119,7 +101,7 @@ TWO: Effect = replace(
     says="two point masses on a link",
     units={**_PLACE, "x2": "m", "y2": "m", "z2": "m, of the second", "share": "of the mass, the second's"},
     draw=_draw_two,
-    check=_check_two,
+    check=each(within(share=(0.0, 1.0)), positive("mass")),
     act=_act_two,
 )
 DISC: Effect = replace(
@@ -127,8 +109,8 @@ DISC: Effect = replace(
     form="disc",
     says="a disc with an axis of its own",
     units={**_PLACE, **_AXIS, "radius": "m"},
-    draw=_draw_disc,
-    check=_unit("mass", "radius"),
+    draw=drawing(_draw_axis, radius=(0.05, 0.2)),
+    check=each(_check_unit, positive("mass", "radius")),
     act=_act_disc,
 )
 ROD: Effect = replace(
@@ -136,8 +118,8 @@ ROD: Effect = replace(
     form="rod",
     says="a rod held at one end",
     units={**_PLACE, **_AXIS, "length": "m"},
-    draw=_draw_rod,
-    check=_unit("mass", "length"),
+    draw=drawing(_draw_axis, length=(0.15, 0.5)),
+    check=each(_check_unit, positive("mass", "length")),
     act=_act_rod,
 )
 STALK: Effect = replace(

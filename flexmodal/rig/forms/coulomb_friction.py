@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 
 from flexmodal.rig.effects.coulomb_friction import EFFECT as OWN
-from flexmodal.rig.effects.effect import Effect, Parameters, Site, Stand, multiplied, positive
+from flexmodal.rig.effects.effect import Check, Effect, Site, Stand, each, multiplied, positive, within
 from flexmodal.rig.plant.assembly import PlantAssembly
 from flexmodal.rig.plant.plant import BOUC_WEN, LUGRE, SLIDER, STRIBECK, NonlinearElement
 
@@ -95,13 +94,8 @@ def _act_bouc_wen(assembly: PlantAssembly, site: Site) -> None:
     _element(assembly, site, BOUC_WEN, site["presliding_stiffness"], site["torque"])
 
 
-def _check_breakaway(*names: str) -> Callable[[Parameters], str | None]:
-    def check(parameters: Parameters) -> str | None:
-        if not 1 <= parameters["breakaway"] <= 3:
-            return f"breakaway = {parameters['breakaway']:g}, where 1 to 3 is allowed"
-        return positive(*names)(parameters)
-
-    return check
+def _check_breakaway(*names: str) -> Check:
+    return each(within(breakaway=(1.0, 3.0)), positive(*names))
 
 
 _TORQUE = {"torque": "N·m, sliding"}

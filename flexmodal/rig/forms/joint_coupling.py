@@ -10,7 +10,7 @@ import numpy as np
 
 from flexmodal.campaign import CampaignPoint
 from flexmodal.model import Robot
-from flexmodal.rig.effects.effect import Effect, Site, Stand, multiplied, positive
+from flexmodal.rig.effects.effect import Effect, Site, Stand, either_sign, multiplied, positive
 from flexmodal.rig.effects.joint_coupling import EFFECT as OWN
 from flexmodal.rig.plant.assembly import PlantAssembly
 from flexmodal.rig.plant.chain import commanded_joints, reach
@@ -18,17 +18,12 @@ from flexmodal.rig.plant.geometry import across
 from flexmodal.rig.plant.plant import Branch
 
 
-def _signed(random: np.random.Generator, low: float, high: float) -> float:
-    size = float(random.uniform(low, high))
-    return size if random.uniform() < 0.5 else -size
-
-
 def _draw_ratio(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
     """About as stiff as the joints themselves, over a ratio that makes it count alike at both."""
     one, other = (stand.true.stiffness[name] for name in where.split("+"))
     return {
         "stiffness": float(random.uniform(0.2, 0.8) * one),
-        "ratio": _signed(random, 0.5, 1.6) * float(np.sqrt(other / one)),
+        "ratio": either_sign(random, 0.5, 1.6) * float(np.sqrt(other / one)),
     }
 
 

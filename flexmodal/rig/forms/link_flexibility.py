@@ -9,7 +9,18 @@ import numpy as np
 
 from flexmodal.campaign import CampaignPoint
 from flexmodal.model import Robot
-from flexmodal.rig.effects.effect import Effect, Parameters, Site, Stand, divided
+from flexmodal.rig.effects.effect import (
+    Check,
+    Draw,
+    Effect,
+    Site,
+    Stand,
+    divided,
+    drawing,
+    each,
+    positive,
+    within,
+)
 from flexmodal.rig.effects.link_flexibility import EFFECT as OWN
 from flexmodal.rig.effects.link_flexibility import span
 from flexmodal.rig.plant.assembly import PlantAssembly
@@ -56,10 +67,6 @@ def _draw_spring(stand: Stand, where: str, random: np.random.Generator) -> dict[
     length, _ = span(where, stand)
     stiffness = drawn.pop("bending_stiffness") / length
     return {"stiffness": stiffness, **drawn}
-
-
-def _draw_hinge(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
-    return {**_draw_spring(stand, where, random), "place": float(random.uniform(0.2, 0.8))}
 
 
 def _shape_hinge(assembly: PlantAssembly, site: Site) -> None:
@@ -130,27 +137,16 @@ def _spatial(robot: Robot, points: Sequence[CampaignPoint]) -> tuple[str, ...]:
     return () if plane_normal(robot) is not None else slender_links(robot)
 
 
-def _checking(**spans: tuple[float, float]) -> Callable[[Parameters], str | None]:
-    inside = {"damping_ratio": (0.0, 1.0), "ratio": (0.05, 20.0), **spans}
-
-    def check(parameters: Parameters) -> str | None:
-        for name in ("stiffness", "bending_stiffness"):
-            if parameters.get(name, 1.0) <= 0:
-                return f"{name} = {parameters[name]:g}, where a number above 0 is needed"
-        for name, (low, high) in inside.items():
-            if not low <= parameters[name] <= high:
-                return f"{name} = {parameters[name]:g}, where {low:g} to {high:g} is allowed"
-        return None
-
-    return check
+def _checking(stiffness: str, **spans: tuple[float, float]) -> Check:
+    return each(positive(stiffness), within(damping_ratio=(0.0, 1.0), ratio=(0.05, 20.0), **spans))
 
 
-def _with(
-    draw: Callable[[Stand, str, np.random.Generator], dict[str, float]], **spans: tuple[float, float]
-) -> Callable[[Stand, str, np.random.Generator], dict[str, float]]:
+def _with(**spans: tuple[float, float]) -> Draw:
+    """These drawn before the numbers of a beam."""
+
     def drawn(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
-        others = {name: float(random.uniform(*span_)) for name, span_ in spans.items()}
-        return {**draw(stand, where, random), **others}
+        others = drawing(**spans)(stand, where, random)
+        return {**_draw(stand, where, random), **others}
 
     return drawn
 
@@ -165,9 +161,9 @@ HINGE: Effect = replace(
     says="the link bends at one hinge somewhere along it",
     source="Yoshikawa and Hosoda, Int. J. Robotics Research 15 (1996) 290 (virtual links, passive joints)",
     units={**_SPRING, "place": "over the length"},
-    draw=_draw_hinge,
+    draw=drawing(_draw_spring, place=(0.2, 0.8)),
     scaled=divided("stiffness"),
-    check=_checking(place=(0.0, 0.99)),
+    check=_checking("stiffness", place=(0.0, 0.99)),
     shape=_shape_hinge,
 )
 TAPERED: Effect = replace(
@@ -176,8 +172,8 @@ TAPERED: Effect = replace(
     says="a beam that tapers, stiffer in one plane than in the other",
     source="Géradin and Rixen, Mechanical Vibrations, 3rd ed., section 5.3, in steps of an element",
     units={**_BEAM, "taper": "fall of EI from root to end"},
-    draw=_with(_draw, taper=(0.4, 0.85)),
-    check=_checking(taper=(0.0, 0.95)),
+    draw=_with(taper=(0.4, 0.85)),
+    check=_checking("bending_stiffness", taper=(0.0, 0.95)),
     shape=_shape_tapered,
 )
 FLANGED: Effect = replace(
@@ -189,7 +185,7 @@ FLANGED: Effect = replace(
     places=_carrying,
     place_is="a link that is long enough to bend and carries another",
     draw=_draw_spring,
-    check=_checking(),
+    check=_checking("stiffness"),
     shape=_shape_flange,
 )
 TIMOSHENKO: Effect = replace(
@@ -198,8 +194,8 @@ TIMOSHENKO: Effect = replace(
     says="a beam that bends and shears",
     source="Przemieniecki, Theory of Matrix Structural Analysis, McGraw-Hill 1968, section 5.6",
     units={**_BEAM, "shear": "12 E I/(κ G A) over the square of the length"},
-    draw=_with(_draw, shear=(0.3, 2.0)),
-    check=_checking(shear=(0.0, 20.0)),
+    draw=_with(shear=(0.3, 2.0)),
+    check=_checking("bending_stiffness", shear=(0.0, 20.0)),
     shape=_shape_timoshenko,
 )
 TWISTING: Effect = replace(
@@ -210,8 +206,8 @@ TWISTING: Effect = replace(
     units={**_BEAM, "torsion": "G J over E I"},
     places=_spatial,
     place_is="a link of a spatial arm that is long enough to bend",
-    draw=_with(_draw, torsion=(0.3, 0.9)),
-    check=_checking(torsion=(0.01, 100.0)),
+    draw=_with(torsion=(0.3, 0.9)),
+    check=_checking("bending_stiffness", torsion=(0.01, 100.0)),
     shape=_shape_twisting,
 )
 PIECEWISE: Effect = replace(
@@ -221,7 +217,7 @@ PIECEWISE: Effect = replace(
     source="Huston, Multibody Dynamics, Butterworth-Heinemann 1990, chapter 11 (finite segments)",
     units={**_SPRING, "fall": "of the spring from hinge to hinge"},
     draw=_draw_pieces,
-    check=_checking(fall=(0.05, 1.0)),
+    check=_checking("stiffness", fall=(0.05, 1.0)),
     shape=_shape_pieces,
 )
 

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 
-from flexmodal.rig.effects.effect import Effect, Parameters, Site, Stand
+from flexmodal.rig.effects.effect import Effect, Parameters, Site, Stand, drawing, each, positive, within
 from flexmodal.rig.effects.local_absorber import EFFECT as OWN
 from flexmodal.rig.plant.assembly import PlantAssembly
 from flexmodal.rig.plant.geometry import across
@@ -88,30 +87,14 @@ def _act_rubber(assembly: PlantAssembly, site: Site) -> None:
     assembly.branches.append(Branch(own, strength * static, 1 / omega))
 
 
-def _drawing(**spans: tuple[float, float]) -> Callable[[Stand, str, np.random.Generator], dict[str, float]]:
-    def draw(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
-        drawn = OWN.draw(stand, where, random)
-        return {**drawn, **{name: float(random.uniform(*span)) for name, span in spans.items()}}
-
-    return draw
-
-
 def _draw_rubber(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
-    drawn = _drawing(relaxing=(0.1, 0.6))(stand, where, random)
+    drawn = drawing(OWN.draw, relaxing=(0.1, 0.6))(stand, where, random)
     del drawn["damping_ratio"]
     return drawn
 
 
-def _checking(*names: str) -> Callable[[Parameters], str | None]:
-    def check(parameters: Parameters) -> str | None:
-        low = [name for name in names if parameters[name] <= 0]
-        if low:
-            return f"{low[0]} = {parameters[low[0]]:g}, where a number above 0 is needed"
-        if parameters.get("share", 0.5) >= 1:
-            return f"share = {parameters['share']:g}, where less than 1 is allowed"
-        return OWN.check({"damping_ratio": 0.0, **parameters})
-
-    return check
+def _check_own(parameters: Parameters) -> str | None:
+    return OWN.check({"damping_ratio": 0.0, **parameters})
 
 
 _SECOND = {"second": "frequency of the second way over the first"}
@@ -122,8 +105,8 @@ TWO_WAY: Effect = replace(
     says="a mass on springs that is free two ways",
     source="Den Hartog, Mechanical Vibrations, 4th ed., chapter 3",
     units={**OWN.units, **_SECOND},
-    draw=_drawing(second=(0.5, 2.2)),
-    check=_checking("second"),
+    draw=drawing(OWN.draw, second=(0.5, 2.2)),
+    check=each(positive("second"), _check_own),
     act=_act_two_way,
 )
 PENDULUM: Effect = replace(
@@ -132,8 +115,8 @@ PENDULUM: Effect = replace(
     says="a body on an arm that turns about a hinge",
     source="Hunt, Dynamic Vibration Absorbers, Mechanical Engineering Publications 1979 (pendulum absorbers)",
     units={**OWN.units, "arm": "m", "gyration": "m, radius"},
-    draw=_drawing(arm=(0.05, 0.25), gyration=(0.01, 0.06)),
-    check=_checking("arm", "gyration"),
+    draw=drawing(OWN.draw, arm=(0.05, 0.25), gyration=(0.01, 0.06)),
+    check=each(positive("arm", "gyration"), _check_own),
     act=_act_pendulum,
 )
 TWIN: Effect = replace(
@@ -142,8 +125,8 @@ TWIN: Effect = replace(
     says="two masses on springs, one across the other",
     source="Iwanami and Seto, Bulletin of JSME 27 (1984) 1506 (dual dynamic dampers)",
     units={**OWN.units, **_SECOND, "share": "of the mass, the second's"},
-    draw=_drawing(second=(1.3, 2.5), share=(0.3, 0.6)),
-    check=_checking("second", "share"),
+    draw=drawing(OWN.draw, second=(1.3, 2.5), share=(0.3, 0.6)),
+    check=each(positive("second", "share"), within(share=(0.0, 0.999)), _check_own),
     act=_act_twin,
 )
 RUBBER: Effect = replace(
@@ -156,7 +139,7 @@ RUBBER: Effect = replace(
         "relaxing": "stiffness that relaxes over the one that stays",
     },
     draw=_draw_rubber,
-    check=_checking("relaxing"),
+    check=each(positive("relaxing"), _check_own),
     act=_act_rubber,
 )
 

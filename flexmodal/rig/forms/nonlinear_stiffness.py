@@ -10,7 +10,18 @@ from dataclasses import replace
 
 import numpy as np
 
-from flexmodal.rig.effects.effect import Effect, Parameters, Site, Stand, multiplied
+from flexmodal.rig.effects.effect import (
+    Check,
+    Draw,
+    Effect,
+    Parameters,
+    Site,
+    Stand,
+    each,
+    multiplied,
+    positive,
+    within,
+)
 from flexmodal.rig.effects.nonlinear_stiffness import EFFECT as OWN
 from flexmodal.rig.plant.assembly import PlantAssembly
 from flexmodal.rig.plant.plant import PIECEWISE, POLYNOMIAL, SATURATING, SINH, NonlinearElement
@@ -27,9 +38,7 @@ def _stiffness(site: Site) -> float:
     return float(site.stand.true.stiffness[site.where])
 
 
-def _drawing(
-    change: tuple[float, float], deflection: tuple[float, float]
-) -> Callable[[Stand, str, np.random.Generator], dict[str, float]]:
+def _drawing(change: tuple[float, float], deflection: tuple[float, float]) -> Draw:
     """A change, and a deflection over the joint's peak under the hardest blow."""
 
     def draw(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
@@ -41,15 +50,8 @@ def _drawing(
     return draw
 
 
-def _checking(least: float, most: float) -> Callable[[Parameters], str | None]:
-    def check(parameters: Parameters) -> str | None:
-        if not least <= parameters["change"] <= most:
-            return f"change = {parameters['change']:g}, where {least:g} to {most:g} is allowed"
-        if parameters["deflection"] <= 0:
-            return f"deflection = {parameters['deflection']:g}, where a number above 0 is needed"
-        return None
-
-    return check
+def _checking(most: float) -> Check:
+    return each(within(change=(0.0, most)), positive("deflection"))
 
 
 def _act_cubic(assembly: PlantAssembly, site: Site) -> None:
@@ -97,7 +99,7 @@ def _check_leaning(parameters: Parameters) -> str | None:
     """1 + 6 c l u + 3 c u² stays above 0 where 3 c l² < 1."""
     if 3 * parameters["change"] * parameters["load"] ** 2 > 0.95:
         return f"load = {parameters['load']:g} with change = {parameters['change']:g}, which turns unstable"
-    return _checking(0.0, 10.0)(parameters)
+    return _checking(10.0)(parameters)
 
 
 def _most(limit: float) -> Callable[[Parameters], float]:
@@ -117,7 +119,7 @@ def _form(
         draw=_drawing(change, deflection),
         scaled=multiplied("change"),
         most=_most(most),
-        check=_checking(0.0, most),
+        check=_checking(most),
         act=act,
     )
 

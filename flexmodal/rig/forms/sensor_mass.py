@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from flexmodal.campaign import CampaignPoint
-from flexmodal.rig.effects.effect import Effect, Site, Stand, multiplied, positive
+from flexmodal.rig.effects.effect import Effect, Site, Stand, drawing, multiplied, positive
 from flexmodal.rig.effects.sensors import SENSOR_MASS as OWN
 from flexmodal.rig.plant.assembly import PlantAssembly
 from flexmodal.rig.plant.chain import reach
@@ -24,14 +24,6 @@ def _everywhere(
             sensor.loads.append(lambda assembly, point: load(assembly, point, site))
 
     return sense
-
-
-def _drawing(**spans: tuple[float, float]) -> Callable[[Stand, str, np.random.Generator], dict[str, float]]:
-    def draw(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
-        drawn = OWN.draw(stand, where, random)
-        return {**drawn, **{name: float(random.uniform(*span)) for name, span in spans.items()}}
-
-    return draw
 
 
 def _outward(assembly: PlantAssembly, point: CampaignPoint, site: Site) -> np.ndarray:
@@ -70,7 +62,7 @@ def _sprung(assembly: PlantAssembly, point: CampaignPoint, site: Site) -> None:
 
 
 def _draw_sprung(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
-    drawn = _drawing(damping_ratio=(0.02, 0.1))(stand, where, random)
+    drawn = drawing(OWN.draw, damping_ratio=(0.02, 0.1))(stand, where, random)
     return {**drawn, "frequency": float(random.uniform(1.5, 4.0) * stand.plan.band[1])}
 
 
@@ -88,7 +80,7 @@ BLOCK: Effect = replace(
     says="a sensor on a block, its mass off the surface",
     source="ISO 5348, mechanical mounting of accelerometers",
     units={"mass": "kg", "height": "m"},
-    draw=_drawing(height=(0.03, 0.12)),
+    draw=drawing(OWN.draw, height=(0.03, 0.12)),
     check=positive("mass", "height"),
     sense=_everywhere(_block),
 )
@@ -98,7 +90,7 @@ CABLE: Effect = replace(
     says="a sensor and its cable, taped to the link",
     source="Ewins, Modal Testing, 2nd ed., section 3.5 (attachment of transducers)",
     units={"mass": "kg", "share": "of it, the cable's"},
-    draw=_drawing(share=(0.2, 0.5)),
+    draw=drawing(OWN.draw, share=(0.2, 0.5)),
     check=lambda p: (
         positive("mass")(p) or (None if p["share"] < 1 else f"share = {p['share']:g}, where below 1")
     ),
@@ -120,7 +112,7 @@ DRAGGED: Effect = replace(
     says="a sensor whose cable hangs in the air and holds it back",
     source="McConnell and Varoto, Vibration Testing, 2nd ed., Wiley 2008, chapter 4 (cables)",
     units={"mass": "kg", "frequency": "Hz, of the mass on its cable", "damping_ratio": ""},
-    draw=_drawing(frequency=(1.0, 4.0), damping_ratio=(0.1, 0.5)),
+    draw=drawing(OWN.draw, frequency=(1.0, 4.0), damping_ratio=(0.1, 0.5)),
     scaled=multiplied("mass"),
     check=positive("mass", "frequency"),
     sense=_everywhere(_dragging),

@@ -7,7 +7,18 @@ from dataclasses import replace
 
 import numpy as np
 
-from flexmodal.rig.effects.effect import Effect, Parameters, Site, Stand, divided, multiplied, positive
+from flexmodal.rig.effects.effect import (
+    Draw,
+    Effect,
+    Parameters,
+    Site,
+    Stand,
+    divided,
+    drawing,
+    multiplied,
+    positive,
+    within,
+)
 from flexmodal.rig.effects.sensors import SENSOR_GAIN, SENSOR_MISALIGNMENT, TIME_DELAY
 from flexmodal.rig.plant.geometry import turn
 from flexmodal.rig.sensing import Filter, Sensor
@@ -22,23 +33,11 @@ def _filtering(made: Callable[[Site], Filter]) -> Callable[[dict[str, Sensor], S
     return sense
 
 
-def _drawn(**spans: tuple[float, float]) -> Callable[[Stand, str, np.random.Generator], dict[str, float]]:
-    def draw(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
-        return {name: float(random.uniform(*span)) for name, span in spans.items()}
-
-    return draw
-
-
-def _over_band(
-    name: str, low: float, high: float, **spans: tuple[float, float]
-) -> Callable[[Stand, str, np.random.Generator], dict[str, float]]:
+def _over_band(name: str, low: float, high: float, **spans: tuple[float, float]) -> Draw:
     """A frequency as a part of the band's end; other numbers as they are."""
-
-    def draw(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
-        size = float(random.uniform(low, high) * stand.plan.band[1])
-        return {name: size, **_drawn(**spans)(stand, where, random)}
-
-    return draw
+    return drawing(
+        lambda stand, where, random: {name: float(random.uniform(low, high) * stand.plan.band[1])}, **spans
+    )
 
 
 # a reading that is too large or too small
@@ -82,10 +81,10 @@ AGED: Effect = replace(
     says="a sensitivity that falls with frequency as a weak power, and rises below",
     source="Serridge and Licht, Piezoelectric Accelerometers and Vibration Preamplifiers, Brüel & Kjær 1987",
     units={"exponent": "of frequency"},
-    draw=_drawn(exponent=(0.03, 0.12)),
+    draw=drawing(exponent=(0.03, 0.12)),
     scaled=multiplied("exponent"),
     most=lambda parameters: 0.4 / max(parameters["exponent"], 1e-9),
-    check=lambda p: None if 0 <= p["exponent"] <= 0.4 else f"exponent = {p['exponent']:g}, where 0 to 0.4 is",
+    check=within(exponent=(0.0, 0.4)),
     sense=_filtering(_ageing),
 )
 AC_COUPLED: Effect = replace(
@@ -147,7 +146,7 @@ def _late(form: str, says: str, source: str, made: Callable[[Site], Filter], lon
         },
         scaled=multiplied("time"),
         most=lambda parameters: 0.02 / max(parameters["time"], 1e-9),
-        check=lambda p: None if 0 <= p["time"] <= 0.021 else f"time = {p['time']:g}, where 0 to 0.02 is",
+        check=within(time=(0.0, 0.021)),
         sense=_filtering(made),
     )
 
@@ -163,10 +162,6 @@ HELD = _late(
 )  # fmt: skip
 
 # a sensor that looks elsewhere
-
-
-def _draw_turn(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
-    return SENSOR_MISALIGNMENT.draw(stand, where, random)
 
 
 def _mix(sensors: dict[str, Sensor], site: Site) -> None:
@@ -187,7 +182,7 @@ def _draw_stand_off(stand: Stand, where: str, random: np.random.Generator) -> di
     off = random.standard_normal(3)
     off *= random.uniform(0.01, 0.04) / np.linalg.norm(off)
     place = dict(zip("xyz", map(float, off), strict=True))
-    return {**_draw_turn(stand, where, random), **place}
+    return {**SENSOR_MISALIGNMENT.draw(stand, where, random), **place}
 
 
 def _lean(sensors: dict[str, Sensor], site: Site) -> None:
@@ -206,8 +201,8 @@ def _skew(sensors: dict[str, Sensor], site: Site) -> None:
 
 
 def _draw_skew(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
-    others = _drawn(second=(0.3, 1.2), third=(0.3, 1.2))(stand, where, random)
-    return {**_draw_turn(stand, where, random), **others}
+    others = drawing(second=(0.3, 1.2), third=(0.3, 1.2))(stand, where, random)
+    return {**SENSOR_MISALIGNMENT.draw(stand, where, random), **others}
 
 
 def _least(parameters: Parameters) -> float:

@@ -7,12 +7,11 @@ then sets how fast the rotor swings.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 
-from flexmodal.rig.effects.effect import Effect, Parameters, Site, Stand, positive
+from flexmodal.rig.effects.effect import Check, Draw, Effect, Parameters, Site, Stand, each, positive, within
 from flexmodal.rig.effects.servo_compliance import EFFECT as OWN
 from flexmodal.rig.plant.assembly import PlantAssembly
 from flexmodal.rig.plant.plant import Branch, Feedback
@@ -41,9 +40,7 @@ def _rotor(assembly: PlantAssembly, site: Site) -> np.ndarray:
     return motor
 
 
-def _drawing(
-    damping: tuple[float, float], **spans: tuple[float, float]
-) -> Callable[[Stand, str, np.random.Generator], dict[str, float]]:
+def _drawing(damping: tuple[float, float], **spans: tuple[float, float]) -> Draw:
     """Gains and rotor as in the rig's own form, a damping ratio of the loop, times over K_D/K_P."""
 
     def draw(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
@@ -110,7 +107,7 @@ def _act_current(assembly: PlantAssembly, site: Site) -> None:
     assembly.feedbacks.append(Feedback(motor, motor, a, b, b_rate, c, 0.0, brake))
 
 
-def _checking(**most: float) -> Callable[[Parameters], str | None]:
+def _checking(**most: float) -> Check:
     """Times stay below a part of T_D = K_D/K_P, beyond which the loop may ring up."""
 
     def check(parameters: Parameters) -> str | None:
@@ -124,12 +121,6 @@ def _checking(**most: float) -> Callable[[Parameters], str | None]:
         return None
 
     return check
-
-
-def _check_cascade(parameters: Parameters) -> str | None:
-    if not 0 < parameters["outer"] <= 0.3:
-        return f"outer = {parameters['outer']:g}, where 0 to 0.3 is allowed"
-    return _checking(filter_time=0.3)(parameters)
 
 
 _LOOP = OWN.units
@@ -156,7 +147,7 @@ CASCADE: Effect = replace(
     units={**_LOOP, "outer": "part of the gain that comes from the position loop", "filter_time": "s"},
     draw=_drawing((0.5, 0.9), outer=(0.08, 0.25), filter_time=(0.05, 0.2)),
     scaled=_scaled,
-    check=_check_cascade,
+    check=each(positive("outer"), within(outer=(0.0, 0.3)), _checking(filter_time=0.3)),
     act=_act_cascade,
     active=True,
 )

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from flexmodal.rig.effects.effect import Effect, Parameters, Site, Stand
+from flexmodal.rig.effects.effect import Effect, Parameters, Site, Stand, drawing, within
 from flexmodal.rig.effects.structural_damping import EFFECT as OWN
 from flexmodal.rig.plant.assembly import PlantAssembly
 from flexmodal.rig.plant.plant import Branch
@@ -141,39 +141,20 @@ def _acting(series: Callable[[Site, int], Series]) -> Callable[[PlantAssembly, S
     return act
 
 
-def _drawing(
-    **others: tuple[float, float],
-) -> Callable[[Stand, str, np.random.Generator], dict[str, float]]:
-    """The card's own damping is there in part: who measures a loss factor has no damper beside it."""
-
-    def draw(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
-        found = {"loss_factor": random.uniform(0.03, 0.12), "viscous": random.uniform(0.2, 1.0)}
-        found |= {name: random.uniform(*span) for name, span in others.items()}
-        return {name: float(value) for name, value in found.items()}
-
-    return draw
+_draw = drawing(loss_factor=(0.03, 0.12), viscous=(0.2, 1.0))
+"""The card's own damping is there in part: who measures a loss factor has no damper beside it."""
 
 
 def _draw_zener(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
     low, high = stand.plan.band
     peak = np.exp(random.uniform(np.log(max(2 * low, 0.02 * high)), np.log(0.4 * high)))
-    return {**_drawing()(stand, where, random), "frequency": float(peak)}
+    return {**_draw(stand, where, random), "frequency": float(peak)}
 
 
 def _scaled(parameters: Parameters, s: float) -> dict[str, float]:
     """The loss grows with the severity; below 1 the card's damping comes back."""
     viscous = 1 - (1 - parameters["viscous"]) * min(s, 1.0)
     return {**parameters, "loss_factor": parameters["loss_factor"] * s, "viscous": viscous}
-
-
-def _checking(**spans: tuple[float, float]) -> Callable[[Parameters], str | None]:
-    def check(parameters: Parameters) -> str | None:
-        for name, (low, high) in {"loss_factor": (0.0, MOST_LOSS), "viscous": (0.0, np.inf), **spans}.items():
-            if not low <= parameters[name] <= high:
-                return f"{name} = {parameters[name]:g}, where {low:g} to {high:g} is allowed"
-        return None
-
-    return check
 
 
 def _form(
@@ -186,10 +167,10 @@ def _form(
         says=says,
         source=source,
         units={**OWN.units, **units},
-        draw=_drawing(**draws),
+        draw=drawing(_draw, **draws),
         scaled=_scaled,
         most=lambda parameters: MOST_LOSS / max(parameters["loss_factor"], 1e-9),
-        check=_checking(**spans),
+        check=within(loss_factor=(0.0, MOST_LOSS), viscous=(0.0, np.inf), **spans),
         act=_acting(series),
     )
 
