@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar, Literal
+from typing import Any, ClassVar
 
 import numpy as np
 from jaxtyping import Float
@@ -30,9 +30,6 @@ from flexmodal.text.shown import Shown, several
 
 _ALIKE = 0.05
 """Relative distance of two frequencies at which they are hardly those of one mode."""
-
-Per = Literal["frf", "posture"]
-"""Poles of each FRF's own, or common to the FRFs of a posture."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)

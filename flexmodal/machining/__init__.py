@@ -28,7 +28,6 @@ from flexmodal.machining.simulate import CutHistory as CutHistory
 from flexmodal.machining.simulate import simulate as simulate
 from flexmodal.machining.stability.directional import average as average
 from flexmodal.machining.stability.limit import limiting_depth as limiting_depth
-from flexmodal.machining.stability.limit import limiting_depth_slope as limiting_depth_slope
 from flexmodal.machining.stability.lobes import Lobes as Lobes
 from flexmodal.machining.stability.mode_coupling import ModeCoupling as ModeCoupling
 from flexmodal.machining.stability.mode_coupling import mode_coupling as mode_coupling

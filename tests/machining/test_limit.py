@@ -1,9 +1,9 @@
-"""Depth without regard to speed: closed forms, a brute search, derivatives by differences."""
+"""Depth without regard to speed: closed forms, a brute search."""
 
 import numpy as np
 import pytest
 
-from flexmodal.machining import average, limiting_depth, limiting_depth_slope, unconditional_depth
+from flexmodal.machining import average, limiting_depth, unconditional_depth
 
 
 def test_one_mode_in_closed_form(benchmark):
@@ -41,29 +41,8 @@ def test_no_speed_is_unstable_below_it(two_modes):
         assert any(turns) != clear
 
 
-@pytest.mark.parametrize("seed", range(5))
-def test_slopes_by_differences(seed):
-    rng = np.random.default_rng(seed)
-    shape = (4, 3, 3)
-    receptance = 1e-7 * (rng.normal(size=shape) + 1j * rng.normal(size=shape))
-    directional = 1e8 * rng.normal(size=(3, 3))
-    change = 1e-7 * (rng.normal(size=shape) + 1j * rng.normal(size=shape))
-    depth, slope = limiting_depth_slope(receptance, directional)
-    np.testing.assert_array_equal(depth, limiting_depth(receptance, directional))
-    step = 1e-6
-    sides = [limiting_depth(receptance + sign * step * change, directional) for sign in (1, -1)]
-    expected = (sides[0] - sides[1]) / (2 * step)
-    found = np.sum((slope * change).real, axis=(1, 2))
-    finite = np.isfinite(depth)
-    assert np.any(finite)
-    np.testing.assert_allclose(found[finite], expected[finite], rtol=1e-6)  # second order in 1e-6
-
-
 def test_where_nothing_limits_the_depth():
     """A force that only damps: every eigenvalue on the left."""
     receptance = np.diag([1e-6, 2e-6, 0]).astype(complex)[None]
     directional = -1e8 * np.eye(3)
     assert limiting_depth(receptance, directional)[0] == np.inf
-    depth, slope = limiting_depth_slope(receptance, directional)
-    assert depth[0] == np.inf
-    assert np.all(np.isnan(slope))

@@ -84,26 +84,25 @@ class Shape:
     """Something is added to Z that depends on the frequency otherwise; not with `diagonal`."""
 
 
-def write_kernel(shape: Shape, *, lanes: int = LANES) -> tuple[str, int]:
+def write_kernel(shape: Shape) -> tuple[str, int]:
     """Source of `kernel(tile, rows, out, n, pairs, work)`, which works on one tile of points.
 
-    Entry e of a point's input stands at tile[e·lanes + p]: ω, then M (packed), K, B, structural damping
+    Entry e of a point's input stands at tile[e·LANES + p]: ω, then M (packed), K, B, structural damping
     (packed, or their diagonals), then the real and the imaginary half of the addition. `rows` holds row
-    r's entry i at (r·n + i)·lanes; `out` receives for each pair the real and the imaginary part, and last
+    r's entry i at (r·n + i)·LANES; `out` receives for each pair the real and the imaginary part, and last
     the trust. The three last arguments are for the kernel of any size and are not looked at.
 
     Args:
         shape: what the kernel is for.
-        lanes: points worked on together.
 
     Returns:
         The source, and the floating-point operations of one point.
     """
     code = Emitter()
     n = shape.n
-    matrix, sizes = _dynamic_stiffness(code, shape, lanes)
+    matrix, sizes = _dynamic_stiffness(code, shape)
     rows = [
-        [Number(code.scalar(f"rows[{(r * n + i) * lanes}+p]")) for i in range(n)]
+        [Number(code.scalar(f"rows[{(r * n + i) * LANES}+p]")) for i in range(n)]
         for r in range(row_count(shape.pairs))
     ]
     results: list[Number | None] = [None] * len(shape.pairs)
@@ -127,23 +126,21 @@ def write_kernel(shape: Shape, *, lanes: int = LANES) -> tuple[str, int]:
                 row[j] = code.minus_times(row[j], factor, row[k])
     for place, result in enumerate(results):
         assert result is not None
-        code.lines.append(f"out[{2 * place * lanes}+p] = {result.re}")
-        code.lines.append(f"out[{(2 * place + 1) * lanes}+p] = {result.im}")
-    code.lines.append(f"out[{2 * len(shape.pairs) * lanes}+p] = {trust}")
+        code.lines.append(f"out[{2 * place * LANES}+p] = {result.re}")
+        code.lines.append(f"out[{(2 * place + 1) * LANES}+p] = {result.im}")
+    code.lines.append(f"out[{2 * len(shape.pairs) * LANES}+p] = {trust}")
     body = "\n".join(f"        {line}" for line in code.lines)
-    return f"def kernel(tile, rows, out, n, pairs, work):\n    for p in range({lanes}):\n{body}\n", code.flops
+    return f"def kernel(tile, rows, out, n, pairs, work):\n    for p in range({LANES}):\n{body}\n", code.flops
 
 
-def _dynamic_stiffness(
-    code: Emitter, shape: Shape, lanes: int
-) -> tuple[dict[tuple[int, int], Number], list[str]]:
+def _dynamic_stiffness(code: Emitter, shape: Shape) -> tuple[dict[tuple[int, int], Number], list[str]]:
     """The upper half of Z, and the size |K_kk| + ω²M_kk + ωB_kk of each of its rows."""
     n = shape.n
     half = n * (n + 1) // 2
     width = n if shape.diagonal else half
 
     def load(row: int) -> str:
-        return code.scalar(f"tile[{row * lanes}+p]")
+        return code.scalar(f"tile[{row * LANES}+p]")
 
     omega = load(0)
     minus = code.scalar(f"-{omega} * {omega}")

@@ -63,7 +63,7 @@ class Algebra:
         return len(self.places) + self.width * rows
 
 
-def write_step(algebra: Algebra, pairs: Pairs, kind: str, *, lanes: int = LANES) -> str:
+def write_step(algebra: Algebra, pairs: Pairs, kind: str) -> str:
     """Source of `step(state, omega, joint, wrench, least)`: one joint, for one tile of frequencies.
 
     `state` holds I, then the wrench of each row, all complex in two parts; then the receptances in two
@@ -74,8 +74,8 @@ def write_step(algebra: Algebra, pairs: Pairs, kind: str, *, lanes: int = LANES)
     rows, width, places = row_count(pairs), algebra.width, algebra.places
     head = [f"    {name} = joint[{place}]" for place, name in enumerate(algebra.entries)]
     head += [f"    w{r}_{a} = wrench[{width * r + a}]" for r in range(rows) for a in range(width)]
-    inertia = {place: _load(code, number, lanes) for number, place in enumerate(places)}
-    wrenches = [[_load(code, len(places) + width * r + a, lanes) for a in range(width)] for r in range(rows)]
+    inertia = {place: _load(code, number) for number, place in enumerate(places)}
+    wrenches = [[_load(code, len(places) + width * r + a) for a in range(width)] for r in range(rows)]
     omega = code.scalar("omega[p]")
     minus = code.scalar(f"-{omega} * {omega}")
     algebra.carry(code, inertia, wrenches, Number(minus))
@@ -85,11 +85,11 @@ def write_step(algebra: Algebra, pairs: Pairs, kind: str, *, lanes: int = LANES)
     ]
     if kind != RIGID:
         across, own, drives = algebra.project(code, inertia, wrenches, kind == TURNING)
-        inverse = _pivot(code, own, omega, minus, algebra.before(rows) + len(pairs), lanes)
+        inverse = _pivot(code, own, omega, minus, algebra.before(rows) + len(pairs))
         for place, (u, v) in enumerate(pairs):
-            total = _load(code, algebra.before(rows) + place, lanes)
+            total = _load(code, algebra.before(rows) + place)
             total = code.plus_times(total, code.times(drives[u], inverse), drives[v])
-            _store(code, total, algebra.before(rows) + place, lanes)
+            _store(code, total, algebra.before(rows) + place)
         shares = [code.times(part, inverse) for part in across]
         for a, b in places:
             inertia[a, b] = code.minus_times(inertia[a, b], shares[a], across[b])
@@ -98,38 +98,38 @@ def write_step(algebra: Algebra, pairs: Pairs, kind: str, *, lanes: int = LANES)
             for r, wrench in enumerate(wrenches)
         ]
     for number, entry in enumerate(places):
-        _store(code, inertia[entry], number, lanes)
+        _store(code, inertia[entry], number)
     for r, wrench in enumerate(wrenches):
         for a, part in enumerate(wrench):
-            _store(code, part, len(places) + width * r + a, lanes)
+            _store(code, part, len(places) + width * r + a)
     body = "\n".join(f"        {line}" for line in code.lines)
     start = "def step(state, omega, joint, wrench, least):\n"
-    return start + "\n".join(head) + f"\n    for p in range({lanes}):\n{body}\n"
+    return start + "\n".join(head) + f"\n    for p in range({LANES}):\n{body}\n"
 
 
-def _pivot(code: Emitter, own: Number, omega: str, minus: str, last: int, lanes: int) -> Number:
+def _pivot(code: Emitter, own: Number, omega: str, minus: str, last: int) -> Number:
     """1/δ; lessens the trust where δ grew beyond its terms, or vanishes where it must not."""
     pivot = Number(code.scalar(f"{own.re} + k + {minus} * rotor"), code.scalar(f"{own.im} + h + {omega} * b"))
     inverse, square = code.inverse(pivot)
     size = code.scalar(f"k - {minus} * diagonal + h + {omega} * b")
     limit = code.scalar(f"{size} * {size}")
     room = code.scalar(f"{GROWTH**2!r} * {limit} - {square}")
-    trust = code.scalar(f"state[{2 * last * lanes}+p]")
+    trust = code.scalar(f"state[{2 * last * LANES}+p]")
     trust = code.scalar(f"{room} if {room} < {trust} else {trust}")
     room = code.scalar(f"{square} - least * {limit}")
     trust = code.scalar(f"{room} if {room} < {trust} else {trust}")
-    code.lines.append(f"state[{2 * last * lanes}+p] = {trust}")
+    code.lines.append(f"state[{2 * last * LANES}+p] = {trust}")
     return inverse
 
 
-def _load(code: Emitter, place: int, lanes: int) -> Number:
-    parts = (code.scalar(f"state[{(2 * place + part) * lanes}+p]") for part in (0, 1))
+def _load(code: Emitter, place: int) -> Number:
+    parts = (code.scalar(f"state[{(2 * place + part) * LANES}+p]") for part in (0, 1))
     return Number(*parts)
 
 
-def _store(code: Emitter, value: Number, place: int, lanes: int) -> None:
-    code.lines.append(f"state[{2 * place * lanes}+p] = {value.re}")
-    code.lines.append(f"state[{(2 * place + 1) * lanes}+p] = {value.im}")
+def _store(code: Emitter, value: Number, place: int) -> None:
+    code.lines.append(f"state[{2 * place * LANES}+p] = {value.re}")
+    code.lines.append(f"state[{(2 * place + 1) * LANES}+p] = {value.im}")
 
 
 def sweep_along(joints, wrenches, omega, before, out):
