@@ -136,6 +136,54 @@ def values(table, rows, y, shift, rounding, out):
 
 
 @no_type_check
+def push(matrices, own, kinds, factors, y, m, v, start, width, x, z, force, acts):
+    """Fill in ∂Z y_v of one parameter on a block of lines.
+
+    Args:
+        matrices: see `pull`.
+        own: first part of the parameter, and the end.
+        kinds: see `pull`.
+        factors: see there.
+        y: see there.
+        m: the system.
+        v: its row.
+        start: first line of the block.
+        width: lines in it.
+        x: room for a line of numbers.
+        z: likewise.
+        force: filled, [dof, 2, line].
+        acts: whether the parameter does anything to a coordinate, filled.
+    """
+    n = y.shape[2]
+    force[:] = 0.0
+    acts[:] = False
+    for part in range(own[0], own[1]):
+        fr = factors[kinds[part], 0, start : start + width]
+        fi = factors[kinds[part], 1, start : start + width]
+        for i in range(n):
+            some = False
+            for j in range(n):
+                q = matrices[part, m, i, j]
+                if q == 0.0:
+                    continue
+                s, t = y[m, v, j, 0, start : start + width], y[m, v, j, 1, start : start + width]
+                if some:
+                    for p in range(width):
+                        x[p] += q * s[p]
+                        z[p] += q * t[p]
+                else:
+                    for p in range(width):
+                        x[p], z[p] = q * s[p], q * t[p]
+                    some = True
+            if some:
+                acts[i] = True
+                g, h = force[i, 0], force[i, 1]
+                for p in range(width):
+                    g[p] += fr[p] * x[p] - fi[p] * z[p]
+                    h[p] += fr[p] * z[p] + fi[p] * x[p]
+
+
+@no_type_check
 def pull(matrices, bounds, kinds, factors, y, sides, first, entries, scale, out):
     """Fill in −y_uᵀ ∂Z y_v, times a scale, for every parameter and every entry (system, u, v).
 
@@ -160,32 +208,8 @@ def pull(matrices, bounds, kinds, factors, y, sides, first, entries, scale, out)
         for start in range(0, lines, WIDTH):
             width = min(WIDTH, lines - start)
             for parameter in range(len(bounds) - 1):
-                force[:] = 0.0
-                acts[:] = False
-                for part in range(bounds[parameter], bounds[parameter + 1]):
-                    fr = factors[kinds[part], 0, start : start + width]
-                    fi = factors[kinds[part], 1, start : start + width]
-                    for i in range(n):
-                        some = False
-                        for j in range(n):
-                            q = matrices[part, m, i, j]
-                            if q == 0.0:
-                                continue
-                            s, t = y[m, v, j, 0, start : start + width], y[m, v, j, 1, start : start + width]
-                            if some:
-                                for p in range(width):
-                                    x[p] += q * s[p]
-                                    z[p] += q * t[p]
-                            else:
-                                for p in range(width):
-                                    x[p], z[p] = q * s[p], q * t[p]
-                                some = True
-                        if some:
-                            acts[i] = True
-                            g, h = force[i, 0], force[i, 1]
-                            for p in range(width):
-                                g[p] += fr[p] * x[p] - fi[p] * z[p]
-                                h[p] += fr[p] * z[p] + fi[p] * x[p]
+                own = bounds[parameter], bounds[parameter + 1]
+                push(matrices, own, kinds, factors, y, m, v, start, width, x, z, force, acts)
                 for place in range(first[side], first[side + 1]):
                     e, u = entries[place, 0], entries[place, 1]
                     for p in range(width):

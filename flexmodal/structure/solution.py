@@ -244,7 +244,7 @@ def _kernels() -> tuple[Kernel, Kernel, Kernel]:
     purpose = "responses of a structure"
     return (
         together(kernel.back, last=kernel.solve, purpose=purpose, seconds=_COMPILATION),
-        together(last=kernel.pull, purpose=purpose, seconds=_COMPILATION),
+        together(kernel.push, last=kernel.pull, purpose=purpose, seconds=_COMPILATION, merged=True),
         together(last=kernel.values, purpose=purpose, seconds=_COMPILATION),
     )
 

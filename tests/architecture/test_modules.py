@@ -19,10 +19,10 @@ LONGEST_FUNCTION = 60
 
 KNOWN_CIRCLES: frozenset[tuple[str, ...]] = frozenset()
 KNOWN_LONG_MODULES: frozenset[str] = frozenset()
-KNOWN_LONG_FUNCTIONS = frozenset({"flexmodal.diagnosis.time_domain.kernel.integrate"})
+KNOWN_LONG_FUNCTIONS: frozenset[str] = frozenset()
 KNOWN_PRIVATE_IMPORTS: frozenset[str] = frozenset()
 
-KERNELS = ("flexmodal.frf.kernels", "flexmodal.model.batch", "flexmodal.structure.kernel")
+KERNELS = ("flexmodal.frf.kernels", "flexmodal.model.batch")
 """Rooms of loops written out for the compiler, in which a function may be longer."""
 
 

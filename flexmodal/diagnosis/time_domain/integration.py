@@ -263,4 +263,5 @@ def loop_of(struck: Sequence[Struck], steps: Steps, compiled: bool | None = None
 
 @cache
 def _kernel() -> Kernel:
-    return together(kernel.law, last=kernel.integrate, purpose="steps in time", seconds=_COMPILATION)
+    inner, purpose = (kernel.law, kernel.coast, kernel.settle), "steps in time"
+    return together(*inner, last=kernel.integrate, purpose=purpose, seconds=_COMPILATION, merged=True)

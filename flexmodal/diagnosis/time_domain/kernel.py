@@ -54,7 +54,95 @@ def law(kind, first, second, third, old, new, memory):
     return limit - limit * share, second * share / left
 
 
-@no_type_check  # a checker's wrapper cannot be compiled
+@no_type_check
+def coast(phi, carried, rows, gain, now, held, base, free, end):
+    """Bring a state to the end of a step, as the torques held so far leave it.
+
+    Args:
+        phi: see `integrate`, of one system as all below.
+        carried: see there.
+        rows: see there.
+        gain: what torques at the end of a step take from elongations there, [law, law].
+        now: the state without what the torques at its time do at once, [state, lane].
+        held: those torques, [law, lane].
+        base: filled, the same one step later.
+        free: filled, elongations one step later without torques there, [law, lane].
+        end: filled, those with the torques held.
+    """
+    count, states = rows.shape
+    for i in range(states):
+        b0 = b1 = b2 = b3 = 0.0
+        for j in range(states):
+            p = phi[i, j]
+            b0 += p * now[j, 0]
+            b1 += p * now[j, 1]
+            b2 += p * now[j, 2]
+            b3 += p * now[j, 3]
+        base[i, 0] += b0
+        base[i, 1] += b1
+        base[i, 2] += b2
+        base[i, 3] += b3
+    for one in range(count):
+        for i in range(states):
+            p = carried[one, i]
+            for b in range(LANES):
+                base[i, b] -= p * held[one, b]
+    for one in range(count):
+        for b in range(LANES):
+            free[one, b] = 0.0
+        for i in range(states):
+            p = rows[one, i]
+            for b in range(LANES):
+                free[one, b] += p * base[i, b]
+        for b in range(LANES):
+            end[one, b] = free[one, b]
+        for other in range(count):
+            p = gain[one, other]
+            for b in range(LANES):
+                end[one, b] -= p * held[other, b]
+
+
+@no_type_check
+def settle(kinds, parameters, gain, free, old, held, end, guess, size):
+    """Find the elongations at the end of a step by Newton's method, a law at a time.
+
+    Args:
+        kinds: code of each law.
+        parameters: of the laws, [law, 3].
+        gain: see `coast`.
+        free: see there.
+        old: elongations at the beginning, [law, lane].
+        held: torques there, [law, lane].
+        end: elongations, from a first guess to the last.
+        guess: torques, likewise.
+        size: the largest elongations so far, kept up.
+    """
+    for b in range(LANES):
+        for turn in range(ROUNDS):
+            settled = True
+            for one in range(len(kinds)):
+                value, slope = law(
+                    kinds[one], parameters[one, 0], parameters[one, 1], parameters[one, 2],
+                    old[one, b], end[one, b], held[one, b],
+                )  # fmt: skip
+                own = gain[one, one]
+                miss = end[one, b] - free[one, b] + own * value
+                for other in range(len(kinds)):
+                    if other != one:
+                        miss += gain[one, other] * guess[other, b]
+                change = -miss / (1.0 + own * slope)
+                if turn >= STUBBORN:
+                    change *= 0.5
+                end[one, b] += change
+                guess[one, b] = value + slope * change
+                size[one, b] = max(size[one, b], abs(end[one, b]))
+                if abs(change) > CLOSE * size[one, b]:
+                    settled = False
+            if settled:
+                break
+
+
+@no_type_check
 def integrate(phi, carried, late, rows, kinds, parameters, system, push, torque, last):
     """Integrate blows, `LANES` of one system together.
 
@@ -71,90 +159,35 @@ def integrate(phi, carried, late, rows, kinds, parameters, system, push, torque,
         last: filled with the state at the end, [group, lane, state].
     """
     count, states = rows.shape[1], rows.shape[2]
-    steps, struck = torque.shape[3] - 1, push.shape[1]
-    now = np.zeros((states, LANES))
-    base = np.zeros((states, LANES))
+    now, base = np.zeros((states, LANES)), np.zeros((states, LANES))
     gain = np.zeros((count, count))
-    old = np.zeros((count, LANES))
-    end = np.zeros((count, LANES))
-    free = np.zeros((count, LANES))
-    size = np.zeros((count, LANES))
-    guess = np.zeros((count, LANES))
-    held = np.zeros((count, LANES))
+    old, end, free = np.zeros((count, LANES)), np.zeros((count, LANES)), np.zeros((count, LANES))
+    size, guess, held = np.zeros((count, LANES)), np.zeros((count, LANES)), np.zeros((count, LANES))
     for group in range(len(system)):
         m = system[group]
-        a, before, after, seen = phi[m], carried[m], late[m], rows[m]
-        now[:] = 0.0  # the state without what the torques at the end of the last step do at once
+        now[:] = 0.0
         old[:] = 0.0
         size[:] = 0.0
         held[:] = 0.0
-        for one in range(count):  # how torques at the end of a step move elongations there
+        for one in range(count):
             for other in range(count):
-                gain[one, other] = np.sum(seen[one] * after[other])
-        for k in range(steps):
-            for i in range(states):
-                b0 = b1 = b2 = b3 = 0.0
-                for j in range(states):
-                    p = a[i, j]
-                    b0 += p * now[j, 0]
-                    b1 += p * now[j, 1]
-                    b2 += p * now[j, 2]
-                    b3 += p * now[j, 3]
-                base[i, 0], base[i, 1], base[i, 2], base[i, 3] = b0, b1, b2, b3
-            for one in range(count):
-                for i in range(states):
-                    p = before[one, i]
-                    for b in range(LANES):
-                        base[i, b] -= p * held[one, b]
-            if k < struck:
-                for i in range(states):
-                    for b in range(LANES):
-                        base[i, b] += push[group, k, i, b]
+                gain[one, other] = np.sum(rows[m, one] * late[m, other])
+        for k in range(torque.shape[3] - 1):
+            if k < push.shape[1]:
+                base[:] = push[group, k]
+            else:
+                base[:] = 0.0
+            coast(phi[m], carried[m], rows[m], gain, now, held, base, free, end)
+            guess[:] = held
+            settle(kinds, parameters[m], gain, free, old, held, end, guess, size)
+            old[:] = end
+            held[:] = guess
             for one in range(count):
                 for b in range(LANES):
-                    free[one, b] = 0.0
-                for i in range(states):
-                    p = seen[one, i]
-                    for b in range(LANES):
-                        free[one, b] += p * base[i, b]
-                for b in range(LANES):
-                    end[one, b] = free[one, b]
-                    guess[one, b] = held[one, b]
-                for other in range(count):
-                    p = gain[one, other]
-                    for b in range(LANES):
-                        end[one, b] -= p * held[other, b]
-            for b in range(LANES):
-                for turn in range(ROUNDS):
-                    settled = True
-                    for one in range(count):
-                        value, slope = law(
-                            kinds[one], parameters[m, one, 0], parameters[m, one, 1], parameters[m, one, 2],
-                            old[one, b], end[one, b], held[one, b],
-                        )  # fmt: skip
-                        own = gain[one, one]
-                        miss = end[one, b] - free[one, b] + own * value
-                        for other in range(count):
-                            if other != one:
-                                miss += gain[one, other] * guess[other, b]
-                        change = -miss / (1.0 + own * slope)
-                        if turn >= STUBBORN:
-                            change *= 0.5
-                        end[one, b] += change
-                        guess[one, b] = value + slope * change
-                        size[one, b] = max(size[one, b], abs(end[one, b]))
-                        if abs(change) > CLOSE * size[one, b]:
-                            settled = False
-                    if settled:
-                        break
-            for one in range(count):
-                for b in range(LANES):
-                    old[one, b] = end[one, b]
-                    held[one, b] = guess[one, b]
                     torque[group, b, one, k + 1] = guess[one, b]
             now, base = base, now
         for i in range(states):
             for b in range(LANES):
                 last[group, b, i] = now[i, b]
                 for one in range(count):
-                    last[group, b, i] -= after[one, i] * held[one, b]
+                    last[group, b, i] -= late[m, one, i] * held[one, b]
