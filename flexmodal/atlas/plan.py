@@ -197,7 +197,13 @@ def robot_digest(robot: Robot) -> str:
 
 
 def differing(one: dict[str, Any], other: dict[str, Any], under: str = "") -> list[str]:
-    """Names of the facts in which two plans differ."""
+    """Names of the facts in which two plans differ.
+
+    Args:
+        one: facts of a plan.
+        other: of another.
+        under: what their keys stand under.
+    """
     found = []
     for key in sorted({*one, *other}):
         left, right = one.get(key), other.get(key)

@@ -31,6 +31,10 @@ _SAME = 1e-3
 def check_robot(atlas: Atlas, robot: Robot) -> None:
     """Refuse a robot that is not the atlas's.
 
+    Args:
+        atlas: the atlas.
+        robot: to compare with the one it was computed with.
+
     Raises:
         InvalidRequest: a number of it is another.
     """

@@ -63,6 +63,10 @@ def quietly() -> Iterator[None]:
 def create(plan: Plan, path: Path) -> None:
     """Make a store with its labels and attributes and without any chunk of its results.
 
+    Args:
+        plan: what the atlas is to hold.
+        path: of the new store.
+
     Raises:
         OutputExists: something stands there.
         NotWritten: it cannot be written.

@@ -66,7 +66,15 @@ class Task:
         return Judge("receptance", "frequency", lines, {"pair": self._place(dataset, "pair")})
 
     def label_in(self, dataset: xarray.Dataset, quantity: str) -> str:
-        """The label that counts, as the atlas has it; empty where it has none."""
+        """The label that counts, as the atlas has it; empty where it has none.
+
+        Args:
+            dataset: the atlas.
+            quantity: which it is of.
+
+        Raises:
+            InvalidRequest: none of the atlas's labels.
+        """
         name = {"receptance": "pair", "stiffness": "direction"}.get(quantity)
         return "" if name is None else str(dataset[name].values[self._place(dataset, name)])
 

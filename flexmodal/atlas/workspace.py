@@ -149,6 +149,7 @@ def write_map_page(
 
     Raises:
         OutputExists: the file exists.
+        NotWritten: the disk is full, or the folder may not be written.
     """
     title = f"{atlas.facts['robot']}: {what}"
     seen = int(found.count.sum())

@@ -232,6 +232,9 @@ def modes_of(diagram: Stabilisation, choices: Choices) -> EstimatedModes:
     Args:
         diagram: a stabilisation diagram.
         choices: what a person decides.
+
+    Raises:
+        InvalidRequest: a frequency or damping forced where there is no stable pole.
     """
     measured = diagram.measured
     if choices.at is None:
@@ -287,8 +290,7 @@ def _with_scatter(mode: ModeEstimate, diagram: Stabilisation) -> ModeEstimate:
     ]
     if not near:
         return mode
-    column = near[0]
-    table = np.stack([diagram.frequency[column], diagram.damping_ratio[column]])
+    table = np.stack([diagram.frequency[near[0]], diagram.damping_ratio[near[0]]])
     remark = "the uncertainty is the scatter over the orders, not a confidence interval"
     return replace(
         mode,

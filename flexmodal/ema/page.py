@@ -40,6 +40,7 @@ def write_fit_page(
 
     Raises:
         OutputExists: the file exists.
+        NotWritten: the disk is full, or the folder may not be written.
     """
     method = f"Modes by {fits[0].modes.method}. " if fits else ""
     lead: Parts = [

@@ -16,6 +16,10 @@ _NAMED = 5
 def refuse_file(path: str | Path, *, overwrite: bool = False) -> None:
     """Complain about a file that output cannot become.
 
+    Args:
+        path: of the output.
+        overwrite: whether a file that stands there may be replaced.
+
     Raises:
         OutputExists: something stands there and `overwrite` is false, or it is no file, or the folder it
             belongs in does not exist.

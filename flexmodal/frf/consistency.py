@@ -71,6 +71,7 @@ def check_drive_point(
 
     Raises:
         InvalidRequest: values not finite.
+        InvalidFrequencies: lines that do not ascend.
     """
     axis, response = _above_zero(frequency, value)
     mobility = convert(response, axis, form, "mobility")

@@ -23,6 +23,7 @@ def write_csv(frf: Frf, path: Path, *, overwrite: bool = False) -> None:
 
     Raises:
         OutputExists: the file exists.
+        NotWritten: the disk is full, or the folder may not be written.
     """
     with whole_file(path, overwrite=overwrite) as scratch, scratch.open("w", newline="") as file:
         writer = csv.writer(file)
@@ -44,6 +45,7 @@ def write_npz(frf: Frf, path: Path, *, overwrite: bool = False) -> None:
 
     Raises:
         OutputExists: the file exists.
+        NotWritten: the disk is full, or the folder may not be written.
     """
     with whole_file(path, overwrite=overwrite) as scratch, scratch.open("wb") as file:
         np.savez(

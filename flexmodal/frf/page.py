@@ -28,6 +28,7 @@ def write_page(curves: Mapping[str, Frf], path: Path, *, title: str, overwrite: 
 
     Raises:
         OutputExists: the file exists.
+        NotWritten: the disk is full, or the folder may not be written.
     """
     first = next(iter(curves.values()))
     axis = first.frequency

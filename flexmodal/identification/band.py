@@ -35,7 +35,19 @@ def banded(
     sure: Uncertainty,
     keep: Bool[np.ndarray, " observation"],
 ) -> Banded:
-    """Predict some observations with their error, to first order: √(∂ ln|α| cov ∂ ln|α|ᵀ)."""
+    """Predict some observations with their error, to first order: √(∂ ln|α| cov ∂ ln|α|ᵀ).
+
+    Args:
+        model: of receptances.
+        x: coordinates of the parameters, 0 at the card's values.
+        observations: what was measured.
+        sure: covariance of the parameters.
+        keep: which of the observations.
+
+    Raises:
+        SingularResponse: an undamped mode is driven at its natural frequency.
+        InaccurateModes: stiffness and damping range over too many decades for a double.
+    """
     some = observations.keeping(keep)
     value = np.zeros(some.value.shape, dtype=complex)
     error = np.zeros(some.value.shape)

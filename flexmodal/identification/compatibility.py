@@ -14,6 +14,10 @@ from flexmodal.text.words import listing
 def check_compatible(campaign: Campaign, robot: Robot) -> None:
     """Check postures and points of a campaign against a robot.
 
+    Args:
+        campaign: what was measured.
+        robot: on which it is said to be.
+
     Raises:
         InvalidRequest: links or joints that the robot does not have, postures outside its limits, points that
             no flexible joint moves.
@@ -88,6 +92,10 @@ def placed_on(campaign: Campaign, robot: Robot) -> tuple[Campaign, tuple[str, ..
 
     A campaign names links of one card; a card with fewer links, the same arm without a pseudo-joint, say,
     keeps its points under the same names elsewhere.
+
+    Args:
+        campaign: what was measured.
+        robot: with points of its card.
 
     Returns:
         The campaign, and a sentence for each point that was moved.

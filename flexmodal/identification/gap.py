@@ -61,7 +61,12 @@ def gap(
 def share(
     observations: Observations, predicted: Complex[np.ndarray, "observation line"]
 ) -> Float[np.ndarray, "observation line"]:
-    """|ln(model / measured)|² of the averaged receptances; 0 on lines that are not used."""
+    """|ln(model / measured)|² of the averaged receptances; 0 on lines that are not used.
+
+    Args:
+        observations: what was measured.
+        predicted: receptances [m/N].
+    """
     found = np.abs(residual(predicted, observations.value)) ** 2
     return np.where(observations.used, found, 0.0)
 
@@ -71,6 +76,10 @@ def over_noise(observations: Observations, predicted: Complex[np.ndarray, "obser
 
     Other than the gap it leaves out what is noise: a point that stands still in the model, at which the
     sensor hears little but its own amplifier. 1 for a perfect model; NaN where no line is used.
+
+    Args:
+        observations: what was measured.
+        predicted: receptances [m/N].
     """
     used = observations.used
     away = float(share(observations, predicted)[used].sum())

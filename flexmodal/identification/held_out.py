@@ -39,6 +39,10 @@ def predicted_apart(problem: IdentificationProblem, fitted: Fitted) -> Apart | N
 
     Taken in turn, postures and points are both reported; together they are judged over the postures, over the
     points where there is one posture only.
+
+    Args:
+        problem: that was solved.
+        fitted: by all that was not held out.
     """
     if problem.held_out:
         return _named(problem, fitted)

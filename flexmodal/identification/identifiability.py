@@ -129,7 +129,13 @@ class Identifiability:
 def patterns(
     space: ParameterSpace, what: str, exact: bool
 ) -> list[tuple[Float[np.ndarray, "parameter basis"], str]]:
-    """Sets of directions, and what it means if one of them is not told."""
+    """Sets of directions, and what it means if one of them is not told.
+
+    Args:
+        space: the parameters.
+        what: is measured, in words.
+        exact: whether they are not told at all, or hardly.
+    """
     kinds = [name.split(".")[0] for name in space.names]
     unit = np.eye(len(space))
 

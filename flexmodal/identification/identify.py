@@ -57,6 +57,7 @@ def identify(
 
     Raises:
         InvalidRequest: see `build_identification`.
+        InaccurateModes, SingularResponse: see there.
     """
     advance("reading")
     problem = build_identification(

@@ -46,6 +46,7 @@ def write_improved(
 
     Raises:
         OutputExists: a file is there, or the folder is the one that the URDF came from.
+        NotWritten: the disk is full, or the folder may not be written.
     """
     refuse_own(robot, folder)
     folder.mkdir(parents=True, exist_ok=True)
@@ -56,6 +57,10 @@ def write_improved(
 
 def refuse_own(robot: Robot, folder: Path) -> None:
     """Complain about a folder that holds the robot's own URDF.
+
+    Args:
+        robot: whose URDF it may be.
+        folder: of the output.
 
     Raises:
         OutputExists: it does.

@@ -51,7 +51,13 @@ class Part:
 def unmeasured(
     count: int, responses: Int[np.ndarray, "row 2"], references: Int[np.ndarray, "struck 2"]
 ) -> Part:
-    """A system for each of so many postures with nothing measured on it."""
+    """A system for each of so many postures with nothing measured on it.
+
+    Args:
+        count: of postures.
+        responses: point and direction of the rows.
+        references: point and direction of the blows.
+    """
     none = np.zeros(0, dtype=int)
     blank = np.zeros((count, 2), dtype=int)
     entries = Entries(np.zeros((0, 3), dtype=int), (len(responses), len(references)))
@@ -117,7 +123,13 @@ class Layout:
 def summed(
     value: Shaped[np.ndarray, "observation line"], entry: Int[np.ndarray, " observation"], count: int
 ) -> Shaped[np.ndarray, "entry line"]:
-    """Sums over the observations of each entry."""
+    """Sums over the observations of each entry.
+
+    Args:
+        value: of every observation.
+        entry: to which each of them belongs.
+        count: of entries.
+    """
     if len(entry) == count:  # one each
         found = np.empty_like(value)
         found[entry] = value

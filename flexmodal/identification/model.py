@@ -64,7 +64,13 @@ class FrfModel(Protocol):
     def groups(
         self, x: Float[np.ndarray, " parameter"], observations: Observations, *, slopes: bool
     ) -> Sequence[Group]:
-        """Structures at coordinates x, for every observation one; with derivatives if asked."""
+        """Structures at coordinates x, for every observation one; with derivatives if asked.
+
+        Args:
+            x: coordinates of the parameters, 0 at the card's values.
+            observations: what was measured.
+            slopes: whether derivatives are wanted.
+        """
         ...
 
 
@@ -85,7 +91,14 @@ class ReceptanceModel(Protocol):
         *,
         slopes: bool,
     ) -> tuple[Complex[np.ndarray, "observation line"], Complex[np.ndarray, "slope observation line"]]:
-        """Receptances of every observation on some lines, and their derivatives; none unless asked."""
+        """Receptances of every observation on some lines, and their derivatives; none unless asked.
+
+        Args:
+            x: see `FrfModel.groups`.
+            observations: see there.
+            lines: of the axis.
+            slopes: see `FrfModel.groups`.
+        """
         ...
 
 
@@ -130,7 +143,7 @@ class RobotModel:
         responses: Sequence[Spot],
         references: Sequence[Spot],
     ) -> Structure:
-        """The robot in one posture with its derivatives, seen and struck at any places."""
+        """The robot in one posture with its derivatives; see `PosedModel` for the arguments."""
         return self._structures(x, [q], responses, references, slopes=True)[0]
 
     def _structures(
@@ -195,7 +208,10 @@ def predict(
     model: Model, x: Float[np.ndarray, " parameter"], observations: Observations,
     lines: slice | np.ndarray = slice(None),
 ) -> Complex[np.ndarray, "observation line"]:  # fmt: skip
-    """Receptances that the model gives for every observation [m/N]."""
+    """Receptances that the model gives for every observation [m/N].
+
+    See `predictions` for the arguments and the errors; all lines if none are named.
+    """
     count = len(observations.axis.take(lines))
     value = np.zeros((len(observations), count), dtype=complex)
     for seen in predictions(model, x, observations, lines, slopes=False):
@@ -207,7 +223,10 @@ def evaluated(
     model: Model, x: Float[np.ndarray, " parameter"], observations: Observations, lines: slice | np.ndarray,
     *, slopes: bool,
 ) -> Iterator[tuple[Int[np.ndarray, " some"], np.ndarray, np.ndarray]]:  # fmt: skip
-    """Numbers of some observations, their receptances [some line] and derivatives [parameter some line]."""
+    """Numbers of some observations, their receptances [some line] and derivatives [parameter some line].
+
+    See `predictions` for the arguments and the errors.
+    """
     for seen in predictions(model, x, observations, lines, slopes=slopes):
         changes = np.zeros((0, len(seen.observations), seen.value.shape[1]), dtype=complex)
         if slopes:
@@ -220,7 +239,19 @@ def predictions(
     model: Model, x: Float[np.ndarray, " parameter"], observations: Observations, lines: slice | np.ndarray,
     *, slopes: bool,
 ) -> Iterator[Seen]:  # fmt: skip
-    """What a model predicts, group by group; with derivatives if asked."""
+    """What a model predicts, group by group; with derivatives if asked.
+
+    Args:
+        model: the model.
+        x: coordinates of the parameters, 0 at the card's values.
+        observations: for which it predicts.
+        lines: of the axis.
+        slopes: whether derivatives are wanted.
+
+    Raises:
+        SingularResponse: an undamped mode is driven at its natural frequency.
+        InaccurateModes: stiffness and damping range over too many decades for a double.
+    """
     if isinstance(model, ReceptanceModel):
         value, changes = model.receptances(x, observations, lines, slopes=slopes)
         every = np.arange(len(observations))
@@ -235,7 +266,12 @@ def _parts_of(value: np.ndarray) -> np.ndarray:
 
 
 def seen_in(group: Group, axis: Axis) -> Seen:
-    """Receptances of a group as the sensors read them, and their derivatives once they are asked for."""
+    """Receptances of a group as the sensors read them, and their derivatives once they are asked for.
+
+    Args:
+        group: structures and what was measured on them.
+        axis: frequencies.
+    """
     part = group.part
     found = solved(group.structures, axis, part.entries)
     value, factor = found.value, None

@@ -52,6 +52,7 @@ def write_identification_page(outcome: Identification, path: Path, *, overwrite:
 
     Raises:
         OutputExists: the file exists.
+        NotWritten: the disk is full, or the folder may not be written.
     """
     problem = outcome.problem
     rows = [estimate_cells(one) for one in outcome.estimates]

@@ -104,6 +104,7 @@ def build_identification(
     Raises:
         InvalidRequest: campaign and robot do not belong together, the data are too few or nothing but noise,
             or an argument is out of its range.
+        SingularResponse, InaccurateModes: as the FRFs of the robot.
     """
     check_compatible(campaign, robot)
     if not 0 <= model_error < 1:
@@ -130,8 +131,7 @@ def build_identification(
     if held:
         folds = whole.folds()
         evidence = whole.keeping(~np.any([folds[key] for key in held], axis=0))
-    faults = evidence.faults()
-    if faults:
+    if faults := evidence.faults():
         raise InvalidRequest(faults)
     return IdentificationProblem(campaign, robot, chosen, source, evidence, whole, held, warnings)
 

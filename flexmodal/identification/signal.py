@@ -24,6 +24,10 @@ def with_signal(frfs: FrfRecords, campaign: Campaign) -> tuple[FrfRecords, tuple
     A sensor that sits where nothing moves along its axis records noise. With few averages some lines of noise
     are coherent by chance: one in 25 above 0.8 with three averages.
 
+    Args:
+        frfs: the records.
+        campaign: they belong to.
+
     Raises:
         InvalidRequest: there is none.
     """

@@ -39,11 +39,21 @@ def in_world(
 
 
 def spot_of(point: CampaignPoint, direction: int) -> Spot:
-    """A direction ±1 ±2 ±3 at a point, along the point's own axes."""
+    """A direction ±1 ±2 ±3 at a point, along the point's own axes.
+
+    Args:
+        point: of the campaign.
+        direction: ±1 ±2 ±3 for ±x ±y ±z.
+    """
     way = point.rows()[abs(direction) - 1] * np.sign(direction)
     return Spot(point.link, np.array(point.xyz), way, point.frame == "link")
 
 
 def places_of(campaign: Campaign, given: Iterable[Sequence[int]]) -> list[Spot]:
-    """Where point ids and directions are."""
+    """Where point ids and directions are.
+
+    Args:
+        campaign: with the points.
+        given: pairs of the id of a point and a direction.
+    """
     return [spot_of(campaign.point(int(number)), int(direction)) for number, direction in given]

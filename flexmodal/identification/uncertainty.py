@@ -80,7 +80,12 @@ class Uncertainty:
     def interval(
         self, x: Float[np.ndarray, " parameter"], level: float = 0.95
     ) -> Float[np.ndarray, "2 parameter"]:
-        """Confidence interval of each coordinate."""
+        """Confidence interval of each coordinate.
+
+        Args:
+            x: coordinates of the parameters, 0 at the card's values.
+            level: probability that it covers the truth.
+        """
         from scipy.special import stdtrit
 
         reach = stdtrit(np.minimum(self.freedom, 1e9), (1 + level) / 2) * self.deviation
@@ -96,6 +101,11 @@ def clusters(observations: Observations) -> Int[np.ndarray, " observation"]:
 
 def uncertainty(space: ParameterSpace, normal: Normal, observations: Observations) -> Uncertainty:
     """Covariance at the end of a fit of FRFs.
+
+    Args:
+        space: the parameters.
+        normal: equations at the end of the fit, with what each observation adds.
+        observations: that were fitted.
 
     Raises:
         InvalidRequest: normal equations that do not say what each observation adds.
@@ -129,7 +139,13 @@ def sandwich(
     score: Float[np.ndarray, "cluster parameter"],
     block: Float[np.ndarray, "cluster parameter parameter"],
 ) -> Uncertainty:
-    """Covariance from the gradient and the curvature that each cluster adds."""
+    """Covariance from the gradient and the curvature that each cluster adds.
+
+    Args:
+        space: the parameters.
+        score: gradient that each cluster of observations adds.
+        block: curvature that it adds.
+    """
     prior = np.diag(space.precision)
     information = block.sum(axis=0)
     root = _root(information + prior)  # A = root rootᵀ

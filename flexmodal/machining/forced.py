@@ -174,6 +174,7 @@ def forced_sweep(
 
     Raises:
         As `forced_vibration`.
+        InvalidRequest: see there.
     """
     each = [forced_vibration(tip, cut, float(one), depth) for one in speed]
     errors, dynamic = (

@@ -183,6 +183,7 @@ def write_lobes_csv(found: PostureDepth, path: Path, *, overwrite: bool = False)
 
     Raises:
         OutputExists: the file exists.
+        NotWritten: the disk is full, or the folder may not be written.
     """
     lobes, forced = found.lobes, found.forced
     lobe = [int(value) if value >= 0 else None for value in lobes.lobe]
@@ -203,6 +204,7 @@ def write_comparison_csv(found: Comparison, path: Path, *, overwrite: bool = Fal
 
     Raises:
         OutputExists: the file exists.
+        NotWritten: the disk is full, or the folder may not be written.
     """
     rows = []
     for one in found.postures:
@@ -247,6 +249,7 @@ def write_lobes_page(robot: str, found: PostureDepth, path: Path, *, overwrite: 
 
     Raises:
         OutputExists: the file exists.
+        NotWritten: the disk is full, or the folder may not be written.
     """
     title = f"{robot} at {found.posture}: {found.lobes.cut.title}"
     picture = Picture(partial(lobes_picture, robot, found), "Stable depth of cut over spindle speed")
@@ -263,6 +266,7 @@ def write_comparison_page(found: Comparison, path: Path, *, overwrite: bool = Fa
 
     Raises:
         OutputExists: the file exists.
+        NotWritten: the disk is full, or the folder may not be written.
     """
     picture = Picture(partial(draw_comparison, found), "Critical depth of cut by posture")
     sections = [

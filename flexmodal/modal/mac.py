@@ -65,7 +65,11 @@ def shape_residual(
 
 
 def auto_mac(shapes: Shaped[np.ndarray, "dof mode"]) -> Float[np.ndarray, "mode mode"]:
-    """MAC of shapes with one another: off the diagonal, what the points chosen cannot tell apart."""
+    """MAC of shapes with one another: off the diagonal, what the points chosen cannot tell apart.
+
+    Raises:
+        InvalidRequest: a shape that is all zeros.
+    """
     return mac(shapes, shapes)
 
 

@@ -85,6 +85,9 @@ def track_all(
     Returns:
         For each posture the place of each track's mode, −1 where the track has none there. A track ends
         where its mode finds no partner; modes without a predecessor begin a new one.
+
+    Raises:
+        InvalidRequest: see `track`.
     """
     tracks: list[list[int]] = [[place] for place in range(len(frequencies[0]))] if frequencies else []
     for here in range(1, len(frequencies)):

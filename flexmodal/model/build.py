@@ -20,7 +20,11 @@ _STANDARD_ERROR = threading.Lock()
 
 
 def pinocchio() -> Any:
-    """Import Pinocchio, and say so plainly when another package has taken its name."""
+    """Import Pinocchio, and say so plainly when another package has taken its name.
+
+    Raises:
+        MissingExtra: another package stands where Pinocchio should.
+    """
     import pinocchio as pin
 
     if not hasattr(pin, "buildModelFromXML"):
@@ -42,6 +46,7 @@ def build_model(urdf: Urdf, points: Mapping[str, PointCard], rotor_inertia: Mapp
 
     Raises:
         InvalidUrdf: Pinocchio refuses the text, or drops part of it.
+        MissingExtra: another package stands where Pinocchio should.
     """
     pin = pinocchio()
     with _native_errors() as complaint:
@@ -74,6 +79,9 @@ def point_frame(model: Any, name: str, *, named: bool) -> int:
         model: Pinocchio's.
         name: of a point or a link.
         named: whether it is a point of the card.
+
+    Raises:
+        MissingExtra: another package stands where Pinocchio should.
     """
     kind = pinocchio().FrameType
     return int(model.getFrameId(name, kind.OP_FRAME if named else kind.BODY))

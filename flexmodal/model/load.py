@@ -51,6 +51,7 @@ def load(
     Raises:
         RobotNotFound: nothing answers to that reference.
         InvalidCard, InvalidUrdf, InvalidRequest: what is wrong, all of it.
+        MissingExtra: another package stands where Pinocchio should.
 
     >>> import flexmodal
     >>> robot = flexmodal.load("six_axis")
@@ -70,7 +71,11 @@ def load(
 
 
 def robots() -> tuple[Robot, ...]:
-    """The robots whose cards ship, loaded, in the order of their names."""
+    """The robots whose cards ship, loaded, in the order of their names.
+
+    Raises:
+        InvalidCard, InvalidUrdf, InvalidRequest: see `load`.
+    """
     return tuple(load(path) for path in shipped_cards().values())
 
 

@@ -76,7 +76,9 @@ def write_mujoco(robot: FlexibleChain, pose: Pose, path: Path, *, overwrite: boo
         overwrite: replace a file that stands there.
 
     Raises:
+        InvalidRequest: see `mujoco_text`.
         OutputExists: the file exists.
+        NotWritten: the disk is full, or the folder may not be written.
     """
     text = mujoco_text(robot, pose)
     with whole_file(path, overwrite=overwrite) as scratch:

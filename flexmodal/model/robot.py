@@ -57,6 +57,10 @@ class Robot(FlexibleChain):
             response: directions of the motion.
             reference: directions of the forces.
             form: receptance, mobility or inertance.
+
+        Raises:
+            InvalidPosture: see `at`.
+            InvalidPoint, InvalidFrequencies, InvalidRequest, SingularResponse: see `PosedRobot.frf`.
         """
         return self.at(posture).frf(frequencies, response=response, reference=reference, form=form)
 
@@ -79,5 +83,9 @@ class Robot(FlexibleChain):
             direction: such as "tool:+z".
             frequency: of the dynamic receptance [Hz].
             task: "full" or "position".
+
+        Raises:
+            InvalidPosture: see `at`.
+            InvalidPoint, InvalidRequest, InvalidFrequencies, SingularResponse: see `measure`.
         """
         return measure(self.at(posture), direction, frequency, task=task)

@@ -71,6 +71,7 @@ def optimise(
         InvalidPosture: a bad start.
         Unreachable: no start could be brought to the target.
         SingularResponse: at every start an undamped mode is driven at its natural frequency.
+        MissingExtra: compiled descents were asked for and numba is not installed.
     """
     _check(problem, family, start, starts, method, way)
     posture = None if start is None else problem.robot.posture(start)

@@ -145,6 +145,7 @@ def write_figure(figure: Any, path: Path, *, overwrite: bool = False) -> None:
 
     Raises:
         OutputExists: the file exists.
+        NotWritten: the disk is full, or the folder may not be written.
     """
     with whole_file(path, overwrite=overwrite) as scratch:
         timeless = (

@@ -53,6 +53,7 @@ def write_page(path: Path, text: str, *, overwrite: bool = False) -> None:
 
     Raises:
         OutputExists: the file exists.
+        NotWritten: the disk is full, or the folder may not be written.
     """
     with whole_file(path, overwrite=overwrite) as scratch:
         scratch.write_text(text, encoding="utf-8")
@@ -68,6 +69,7 @@ def write_json(value: Mapping[str, Any], path: Path, *, overwrite: bool = False)
 
     Raises:
         OutputExists: the file exists.
+        NotWritten: the disk is full, or the folder may not be written.
     """
     write_page(path, json_text(value), overwrite=overwrite)
 

@@ -29,6 +29,9 @@ def write_robot(
         folder: of the campaign.
         postures: of the campaign; they take the place of the card's.
         points: likewise.
+
+    Raises:
+        OutputExists, NotWritten, InvalidCard: see `flexmodal.cards.write.write_robot`.
     """
     place = folder / "robot"
     place.mkdir()

@@ -53,7 +53,12 @@ class Quantity(ABC):
 
 
 def posed_at(robot: Robot, values: np.ndarray) -> Iterator[PosedRobot]:
-    """The robot in one posture after another."""
+    """The robot in one posture after another.
+
+    Args:
+        robot: the robot.
+        values: of the commanded joints, posture × joint [rad, m].
+    """
     names = list(robot.commanded)
     for vector in values:
         yield robot.at(dict(zip(names, map(float, vector), strict=True)))

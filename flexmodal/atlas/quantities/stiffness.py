@@ -32,6 +32,10 @@ class Stiffnesses(Quantity):
     def of(cls, robot: Robot, directions: Sequence[str | PointDirection]) -> Stiffnesses:
         """Check the directions.
 
+        Args:
+            robot: the robot.
+            directions: such as "tool:+z".
+
         Raises:
             InvalidPoint, InvalidRequest: bad text, no such point, none, or one twice.
         """

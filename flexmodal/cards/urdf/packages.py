@@ -20,6 +20,9 @@ def resolve_package(address: str, extra_roots: Iterable[Path] = ()) -> Path | st
 
     Returns:
         The path of an existing file, or a phrase that says why there is none.
+
+    Raises:
+        RobotNotFound: no package of that name is installed.
     """
     package, _, inside = address.removeprefix(PREFIX).partition("/")
     if not package or package in {".", ".."} or not inside or "\0" in address:

@@ -39,6 +39,7 @@ def write_robot(
         OutputExists: one of the files exists.
         InvalidCard: what was written is not a sound card, or another one.
         InvalidUrdf: likewise of the URDF.
+        NotWritten: the disk is full, or the folder may not be written.
     """
     text = "".join(f"# {_line(note)}\n" for note in notes) + "\n" * bool(notes) + toml_text(_table(card))
     with whole_set([card.path, card.urdf], overwrite=overwrite) as scratch:

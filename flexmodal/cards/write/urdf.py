@@ -162,6 +162,7 @@ class UrdfDraft:
         Raises:
             OutputExists: the file exists.
             InvalidUrdf: what was written is not a sound URDF, or holds other numbers than were put into it.
+            NotWritten: the disk is full, or the folder may not be written.
         """
         root = copy.deepcopy(self._root)
         _find_meshes(root, self._old, (home or path.parent).absolute())

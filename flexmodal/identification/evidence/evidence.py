@@ -34,7 +34,12 @@ class Misfit(Protocol):
         ...
 
     def equations(self, x: Float[np.ndarray, " parameter"], *, apart: bool = False) -> Normal:
-        """Cost, gradient and curvature; `apart`: with what each observation adds."""
+        """Cost, gradient and curvature; `apart`: with what each observation adds.
+
+        Args:
+            x: coordinates of the parameters, 0 at the card's values.
+            apart: with what each observation adds.
+        """
         ...
 
     def same_pairs(self, other: Misfit) -> bool:
@@ -86,13 +91,25 @@ class Evidence(ABC):
 
     @abstractmethod
     def floors(self, *, quick: bool = False, warm: bool = False) -> Sequence[float]:
-        """Relative model errors, lowered one after the other; see `fit`."""
+        """Relative model errors, lowered one after the other; see `fit`.
+
+        Args:
+            quick: the first two alone, for a look.
+            warm: the last alone, from a start that is near.
+        """
 
     @abstractmethod
     def misfit(
         self, x: Float[np.ndarray, " parameter"], floor: float, *, near: bool = True, quick: bool = False
     ) -> Misfit:
-        """The misfit at a model error, modes paired at x; `near`: x is close to the answer."""
+        """The misfit at a model error, modes paired at x; `near`: x is close to the answer.
+
+        Args:
+            x: coordinates of the parameters, 0 at the card's values.
+            floor: relative error that the model is granted.
+            near: whether x is close to the answer, for the pairing of modes.
+            quick: on few lines.
+        """
 
     @abstractmethod
     def information(self) -> Float[np.ndarray, "parameter parameter"]:
@@ -175,7 +192,14 @@ class Evidence(ABC):
 
 
 def few(source: str, count: int, parameters: int, what: str) -> list[Fault]:
-    """What there is to say of fewer numbers than parameters."""
+    """What there is to say of fewer numbers than parameters.
+
+    Args:
+        source: file or folder at fault.
+        count: how many numbers there are.
+        parameters: how many of those.
+        what: the numbers are, in words.
+    """
     if count >= parameters:
         return []
     found = f"{count} {what} for {parameters} parameters"

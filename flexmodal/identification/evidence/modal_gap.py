@@ -65,7 +65,12 @@ def gap_of_errors(table: Float[np.ndarray, "observation 3"]) -> float:
 
 
 def noise_of(observed: ModeObservations, table: Float[np.ndarray, "observation 3"]) -> float:
-    """The same figure for the errors of measurement, over the entries that the table has."""
+    """The same figure for the errors of measurement, over the entries that the table has.
+
+    Args:
+        observed: the modes, with their standard errors.
+        table: errors of a model by mode in frequency, damping and shape; NaN where there is none.
+    """
     noise = np.full(table.shape, np.nan)
     for k, mode in enumerate(observed.modes):
         noise[k, 0], noise[k, 1] = mode.frequency_error, DAMPING_SHARE * mode.damping_error

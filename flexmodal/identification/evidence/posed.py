@@ -42,7 +42,14 @@ class PosedModel(Protocol):
         responses: Sequence[Spot],
         references: Sequence[Spot],
     ) -> Structure:
-        """In one posture, seen at these places."""
+        """In one posture, seen at these places.
+
+        Args:
+            x: coordinates of the parameters, 0 at the card's values.
+            q: values of the joints [rad, m].
+            responses: where sensors sit.
+            references: where the hammer strikes.
+        """
         ...
 
 

@@ -58,6 +58,8 @@ def fixed_gain_descent(
 
     Raises:
         InvalidRequest: numbers out of range.
+        InvalidSystem: the mass matrix is not positive definite.
+        InaccurateModes: stiffness and damping range over too many decades for a double.
     """
     if not (0 < start < ceiling and gain > 0 and steps > 0):
         allowed = "0 < start < ceiling, gain > 0, steps > 0"

@@ -141,6 +141,8 @@ def logarithmic_slope(
     Raises:
         InvalidRequest: the force does not move the response at any frequency, or the robot has causal
             hysteresis, and its receptance no such form.
+        InvalidSystem: the mass matrix is not positive definite.
+        InaccurateModes: stiffness and damping range over too many decades for a double.
     """
     rows, system = direction_rows(posed, response, reference), posed.system
     if system.hysteresis is None:
@@ -214,6 +216,10 @@ def antiresonances(
         system: mass, damping, stiffness.
         response: row of the motion.
         reference: row of the force.
+
+    Raises:
+        InvalidSystem: the mass matrix is not positive definite.
+        InaccurateModes: stiffness and damping range over too many decades for a double.
     """
     ahead, behind = _across(response), _across(reference)
     if ahead.shape[1] == 0:

@@ -102,6 +102,8 @@ def tune(
     Raises:
         InvalidRequest: a band that is no band, or a direction in which nothing gives way.
         InvalidPoint: a bad direction.
+        InvalidSystem: the mass matrix is not positive definite.
+        InaccurateModes: stiffness and damping range over too many decades for a double.
 
     >>> import flexmodal
     >>> found = flexmodal.tune(flexmodal.load("six_axis").at("work"), (5.0, 30.0))

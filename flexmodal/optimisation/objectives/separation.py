@@ -32,7 +32,11 @@ class SeparationObjective:
             raise InvalidRequest(Fault("call", "frequency", f"{self.frequency} Hz", "finite, ≥ 0 Hz"))
 
     def value(self, posed: PosedRobot) -> float:
-        """The least distance [Hz]."""
+        """The least distance [Hz].
+
+        Raises:
+            InvalidRequest: a robot of one mode, and no frequency to keep away from.
+        """
         modes = posed.modes()
         return float(np.min(np.abs(self._gaps(modes.pole, modes.overdamped)))) / (2 * np.pi)
 
@@ -41,6 +45,7 @@ class SeparationObjective:
 
         Raises:
             DefectiveModes: critically damped poles, which no derivative exists for.
+            InvalidRequest: a robot of one mode, and no frequency to keep away from.
         """
         modes = posed.modes()
         if not np.all(np.isfinite(modes.condition)):

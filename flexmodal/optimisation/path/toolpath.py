@@ -36,6 +36,12 @@ class Toolpath:
 def line(start: tuple[float, ...], end: tuple[float, ...], points: int, feed: float) -> Toolpath:
     """Points evenly spaced along a line, both ends included, passed at a feed [m/s].
 
+    Args:
+        start: x, y, z, or the two of a planar arm [m].
+        end: likewise [m].
+        points: how many, both ends included.
+        feed: speed along the line [m/s].
+
     Raises:
         InvalidRequest: fewer than two points, a feed that is none, or ends that are one.
     """
@@ -48,6 +54,13 @@ def arc(
     start: tuple[float, ...], via: tuple[float, ...], end: tuple[float, ...], points: int, feed: float
 ) -> Toolpath:
     """Points evenly spaced along the circular arc from start through via to end, passed at a feed [m/s].
+
+    Args:
+        start: x, y, z, or the two of a planar arm [m].
+        via: a place on the way [m].
+        end: where the arc ends [m].
+        points: how many, both ends included.
+        feed: speed along the arc [m/s].
 
     Raises:
         InvalidRequest: as for `line`, or three places on one line.

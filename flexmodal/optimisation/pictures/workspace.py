@@ -30,7 +30,11 @@ _RED = "#D55E00"
 
 
 def extent(problem: PostureProblem) -> Float[np.ndarray, "axis 2"]:
-    """Least and greatest coordinate of the held point over random postures, along each held axis [m]."""
+    """Least and greatest coordinate of the held point over random postures, along each held axis [m].
+
+    Raises:
+        InvalidRequest: a search without a held position.
+    """
     hold, generator = _held(problem), np.random.default_rng(0)
     postures = [problem.posed(problem.random_vector(generator)) for _ in range(_SAMPLE)]
     places = np.array([hold.rows @ posed.position(hold.point) for posed in postures])

@@ -108,6 +108,9 @@ def descend_from(
         threads: most of them.
         way: "auto", "compiled" or "plain".
         progress: told of every batch.
+
+    Raises:
+        InvalidRequest, MissingExtra: see `search_postures`.
     """
     starts = _checked(problem, starts, iterations, threads, way)
     way = choose_way(problem, len(starts)) if way == "auto" else way

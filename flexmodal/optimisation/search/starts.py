@@ -80,6 +80,7 @@ def search(
         Unreachable: no start came onto the hold.
         SingularResponse: at every start an undamped mode is driven at its natural frequency.
         KeyboardInterrupt: before there was anything to keep.
+        InvalidRequest, MissingExtra: see `flexmodal.optimisation.search.search_postures`.
     """
     way = choose_way(problem, starts or DEFAULT_STARTS) if way == "auto" else way
     report = _Report(problem, advance, improved)

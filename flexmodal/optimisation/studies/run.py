@@ -66,6 +66,9 @@ def run_study(
         starts: of the global search of a posture study, the printed start included.
         seed: of its random starts.
         advance: called once a start.
+
+    Raises:
+        FlexmodalError: what `flexmodal.load`, `flexmodal.optimise` and `flexmodal.tune` raise.
     """
     robot = load(study.robot)
     if study.kind == "frequency":

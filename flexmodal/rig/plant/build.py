@@ -45,6 +45,10 @@ def build(
         posture: where it stands.
         hidden: what is put in.
         carrying: name of the point with the sensor on it, and the sensor.
+
+    Raises:
+        InvalidPosture: see `Robot.at`.
+        InvalidRequest: what is drawn and hidden is more than the robot's own couplings hold.
     """
     assembly = PlantAssembly(stand.robot.at(dict(posture.q)))
     ordered = sorted(hidden, key=lambda item: list(EFFECTS).index(item[0].name))
