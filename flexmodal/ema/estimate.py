@@ -68,7 +68,7 @@ def check_method(method: str) -> Method:
 
 
 def peaks_of(measured: Measured, choices: Choices) -> tuple[Peak, ...]:
-    """The peaks that the choices amount to.
+    """The peaks that the choices amount to; errors as in `choose_peaks`.
 
     Args:
         measured: FRFs of one posture.

@@ -58,6 +58,7 @@ class Clearance(Shown):
 
         Raises:
             InvalidRequest: there is nothing to keep away from.
+            InvalidUrdf: a mesh that is missing or cannot be read.
         """
         scene = scene_of(robot, near=distance)
         if scene is None:

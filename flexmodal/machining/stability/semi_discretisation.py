@@ -41,7 +41,7 @@ def multipliers(
             mode, 20 for the part in which a tooth cuts, 60 at least.
 
     Raises:
-        InvalidRequest: the tip holds a measured receptance, or the intervals are more than 900.
+        InvalidRequest: the tip holds a measured receptance, or the intervals are not 2 to 900.
     """
     period = cut.tooth_period(spindle_speed)
     count = _intervals(tip, cut, period) if intervals is None else intervals

@@ -82,7 +82,7 @@ def largest(values):
 
 
 def null_space(rows, values, basis):
-    """Orthonormal rows orthogonal to those of a matrix that `orthogonal_rows` left; returns how many.
+    """Orthonormal rows orthogonal to those of a matrix that `orthogonal_rows` left.
 
     Args:
         rows: ΣVᵀ.

@@ -30,6 +30,8 @@ def across(
 ) -> tuple[Float[np.ndarray, "3"], ...]:
     """Unit vectors across `axis`: the one in the plane of a planar chain, or two of a spatial one.
 
+    None where the link of a planar chain stands across its plane.
+
     Args:
         axis: unit vector along the link.
         normal: unit normal of the plane the chain moves in; None for a spatial chain.
