@@ -7,7 +7,6 @@ and nothing else is.
 
 from __future__ import annotations
 
-import logging
 import multiprocessing
 import os
 import re
@@ -25,7 +24,7 @@ from concurrent.futures import (
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from itertools import islice
-from logging.handlers import QueueHandler, QueueListener
+from logging.handlers import QueueHandler
 from typing import Any, TypeVar
 
 from flexmodal.errors import Fault, FlexmodalError, InvalidRequest, MissingExtra
@@ -44,7 +43,7 @@ _ADDRESS = re.compile(r"(tcp|tls|ws|wss)://(\[[0-9a-fA-F:]+\]|[\w.-]+):\d{1,5}")
 _CONNECT = 15.0
 """How long a scheduler may take to answer [s]."""
 _LOOK = 1.0
-"""How often it is looked whether there are workers still [s]."""
+"""How often it is looked whether there are workers still, and the longest wait for the last they say [s]."""
 
 
 def spread(
@@ -96,20 +95,21 @@ def _processes(count: int) -> Iterator[Executor]:
     """A pool of processes; what they compile is said here."""
     context = multiprocessing.get_context("spawn")
     records = context.Queue()
-    listener = QueueListener(records, _Said())
-    listener.start()
+    records.cancel_join_thread()  # a process that is killed may have left it locked
+    relay = threading.Thread(target=_relay, args=(records,), daemon=True)
+    relay.start()
     try:
         begin = (records, COMPILER.getEffectiveLevel())
         with ProcessPoolExecutor(count, context, initializer=_follow_parent, initargs=begin) as pool:
             yield pool
     finally:
-        listener.stop()
+        records.put(None)
+        relay.join(_LOOK)
 
 
-class _Said(logging.Handler):
-    """Logs what another process logged."""
-
-    def emit(self, record: logging.LogRecord) -> None:
+def _relay(records: Any) -> None:
+    """Log what other processes logged, until there is nothing."""
+    for record in iter(records.get, None):
         COMPILER.handle(record)
 
 

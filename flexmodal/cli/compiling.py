@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 
 from flexmodal.cli.printing import say
 
@@ -23,7 +23,8 @@ class _Sayer(logging.Handler):
         sentence = record.getMessage()
         if sentence not in self._said:
             self._said.add(sentence)
-            say(f"flexmodal: {sentence}", err=True)
+            with suppress(OSError):  # nobody reads it
+                say(f"flexmodal: {sentence}", err=True)
 
 
 @contextmanager

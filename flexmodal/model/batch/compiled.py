@@ -12,7 +12,7 @@ POSES_COMPILED, SLOPES_COMPILED = 6.0, 20.0
 
 _CHAIN = "motions along a chain"
 
-_KINEMATICS = (
+KINEMATICS = (
     kinematics.cross,
     kinematics.turn,
     kinematics.place_joints,
@@ -20,6 +20,7 @@ _KINEMATICS = (
     kinematics.mass_matrix,
     kinematics.point_jacobian,
 )
+"""What kernels of a chain's kinematics call, lowest first."""
 
 
 @cache
@@ -27,7 +28,7 @@ def pose_kernel() -> Kernel:
     """`flexmodal.model.batch.kinematics.pose_batch`."""
     purpose = "mass matrices of many postures"
     return together(
-        *_KINEMATICS, last=kinematics.pose_batch, purpose=purpose, seconds=POSES_COMPILED, merged=True
+        *KINEMATICS, last=kinematics.pose_batch, purpose=purpose, seconds=POSES_COMPILED, merged=True
     )
 
 
@@ -35,7 +36,7 @@ def pose_kernel() -> Kernel:
 def slope_kernel() -> Kernel:
     """`flexmodal.model.batch.gradient_kernel.gradient_batch`."""
     return together(
-        *_KINEMATICS,
+        *KINEMATICS,
         tile.fill_lane,
         tile.subtract_product,
         tile.factor_tile,
@@ -59,7 +60,7 @@ def slope_kernel() -> Kernel:
 @cache
 def plane_kernel() -> Kernel:
     """`flexmodal.model.batch.planar.plane_batch`."""
-    return together(*_KINEMATICS[:4], planar.plane_wrench, last=planar.plane_batch, purpose=_CHAIN)
+    return together(*KINEMATICS[:4], planar.plane_wrench, last=planar.plane_batch, purpose=_CHAIN)
 
 
 @cache
@@ -67,4 +68,4 @@ def space_kernel() -> Kernel:
     """`flexmodal.model.batch.spatial.space_batch`."""
     inner = (gradient_kernel.place_arm, spatial.apply_inertia, spatial.gather_inertias)
     joints = (spatial.fill_joint, spatial.fill_wrench)
-    return together(*_KINEMATICS[:4], *inner, *joints, last=spatial.space_batch, purpose=_CHAIN)
+    return together(*KINEMATICS[:4], *inner, *joints, last=spatial.space_batch, purpose=_CHAIN)

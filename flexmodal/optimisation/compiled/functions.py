@@ -6,8 +6,9 @@ from functools import cache
 
 from flexmodal.frf.kernels import pivoted
 from flexmodal.frf.kernels.compiled import Kernel, together
-from flexmodal.model.batch import factor, kinematics
+from flexmodal.model.batch import factor
 from flexmodal.model.batch import gradient_kernel as gradient
+from flexmodal.model.batch.compiled import KINEMATICS
 from flexmodal.optimisation.compiled import held, judge, matrix_norm, receptance
 from flexmodal.optimisation.descent import algebra, descend, quadratic_step, retraction
 
@@ -15,12 +16,7 @@ COMPILATION = 40.0
 """Seconds to compile them [s]; 38 to 54 measured."""
 
 _LOWEST_FIRST = (
-    kinematics.cross,
-    kinematics.turn,
-    kinematics.place_joints,
-    kinematics.place_bodies,
-    kinematics.mass_matrix,
-    kinematics.point_jacobian,
+    *KINEMATICS,
     factor.factor_symmetric,
     factor.solve_factored,
     gradient.place_arm,
