@@ -53,7 +53,7 @@ class EigenvalueModel:
         responses: Sequence[Spot],
         references: Sequence[Spot],
     ) -> Structure:
-        """In one posture, as in `PosedModel`; what is not a parameter is as the card says."""
+        """In one posture, see `PosedModel`; what is not a parameter is as the card says."""
         values = self.space.values(x)
         assembly = Assembly(Arm(self.robot, dict(q)))
         for link, body in assembly.arm.bodies.items():

@@ -33,7 +33,12 @@ class Forecast:
 
     @staticmethod
     def none(places: int, parameters: int) -> Forecast:
-        """No modes at all, seen at so many places."""
+        """No modes at all, seen at so many places.
+
+        Args:
+            places: how many.
+            parameters: how many.
+        """
         empty, slopes = np.zeros(0), np.zeros((parameters, 0))
         shape, turned = np.zeros((places, 0), complex), np.zeros((parameters, places, 0), complex)
         return Forecast(empty, empty, shape, slopes, slopes, turned)
@@ -61,7 +66,13 @@ class ModeModel(Protocol):
     def forecasts(
         self, x: Float[np.ndarray, " parameter"], places: Sequence[Place], *, slopes: bool
     ) -> list[Forecast]:
-        """Modes of every posture, seen at these places."""
+        """Modes of every posture, seen at these places.
+
+        Args:
+            x: coordinates of the parameters, 0 at the card's values.
+            places: point and direction of each response.
+            slopes: whether derivatives are wanted.
+        """
         ...
 
 

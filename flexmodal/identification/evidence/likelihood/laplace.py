@@ -44,6 +44,12 @@ def integrated(
 ) -> ModalFit:
     """The fit whose posterior is highest at x and these scales.
 
+    Args:
+        likelihood: of the measured modes.
+        x: coordinates of the parameters, 0 at the card's values.
+        scales: logarithms of the scales of the scatter.
+        pairs: number of the model's mode for each measured one, −1 for none.
+
     Raises:
         InvalidSystem: no model there.
     """
@@ -63,7 +69,13 @@ def integrated(
 def hessian(
     likelihood: Likelihood, found: Residuals, scales: Mapping[str, float]
 ) -> Float[np.ndarray, "coordinate coordinate"]:
-    """Of minus the log-posterior over parameters and scales, Gauss–Newton in the parameters."""
+    """Of minus the log-posterior over parameters and scales, Gauss–Newton in the parameters.
+
+    Args:
+        likelihood: of the measured modes.
+        found: residuals of the pairs, with their derivatives.
+        scales: logarithms of the scales of the scatter.
+    """
     size, names, step = len(likelihood.space), list(scales), 1e-4
     w = found.weights(scales, 0.0)
     total = np.zeros((size + len(names), size + len(names)))

@@ -61,7 +61,12 @@ class Likelihood:
         return found | {f"{SHAPE}.{number}": float(means[SHAPE][0]) for number in self.measured.numbers}
 
     def see(self, x: Float[np.ndarray, " parameter"], *, slopes: bool) -> list[Forecast]:
-        """What the model predicts in each posture."""
+        """What the model predicts in each posture.
+
+        Args:
+            x: coordinates of the parameters, 0 at the card's values.
+            slopes: whether derivatives are wanted.
+        """
         places = self.measured.places if RESIDUE in self.use else self.measured.responses
         return self.model.forecasts(x, places, slopes=slopes)
 
@@ -99,7 +104,7 @@ class Likelihood:
         grant: float,
         spread: Float[np.ndarray, "2 mode"] | None = None,
     ) -> float:
-        """Ln likelihood of measured mode k that is the model's mode m; arguments as of `gains`."""
+        """Ln likelihood of measured mode k that is the model's mode m; see `gains` for the arguments."""
         mode = self.measured.modes[k]
         more = np.zeros(2) if spread is None else spread[:, m]
         s, z = np.exp(2 * scales[FREQUENCY]), np.exp(2 * scales[DAMPING])
@@ -125,7 +130,12 @@ class Likelihood:
         return log_anywhere(self.measured.band, self.beliefs, damping)
 
     def overlooked(self, seen: Forecast, m: int) -> float:
-        """Ln probability of not having found the model's mode m."""
+        """Ln probability of not having found the model's mode m.
+
+        Args:
+            seen: the model's modes in its posture.
+            m: number of the mode.
+        """
         low, high = self.measured.band
         inside = np.log(low) <= seen.log_frequency[m] <= np.log(high)
         if not inside or seen.log_damping[m] > np.log(self.beliefs.damped):
@@ -133,7 +143,13 @@ class Likelihood:
         return float(np.log1p(-self.beliefs.seen))
 
     def log_likelihood(self, seen: Sequence[Forecast], scales: Mapping[str, float], pairs: Pairs) -> float:
-        """Of all measured modes, with these pairs."""
+        """Of all measured modes, with these pairs.
+
+        Args:
+            seen: the model's modes in each posture.
+            scales: logarithms of the scales of the scatter.
+            pairs: number of the model's mode for each measured one, −1 for none.
+        """
         total = 0.0
         for here, one in zip(self.measured.here, seen, strict=True):
             if not here:
@@ -146,7 +162,12 @@ class Likelihood:
         return total
 
     def log_prior(self, x: Float[np.ndarray, " parameter"], scales: Mapping[str, float]) -> float:
-        """Of parameters and scales."""
+        """Of parameters and scales.
+
+        Args:
+            x: coordinates of the parameters, 0 at the card's values.
+            scales: logarithms of the scales of the scatter.
+        """
         p = self.space.precision
         known = p > 0
         total = -0.5 * prior_cost(self.space, x) + 0.5 * float(np.sum(np.log(p[known] / (2 * np.pi))))
@@ -160,5 +181,11 @@ class Likelihood:
     def log_posterior(
         self, x: Float[np.ndarray, " parameter"], scales: Mapping[str, float], pairs: Pairs
     ) -> float:
-        """Likelihood and prior together."""
+        """Likelihood and prior together.
+
+        Args:
+            x: coordinates of the parameters, 0 at the card's values.
+            scales: logarithms of the scales of the scatter.
+            pairs: number of the model's mode for each measured one, −1 for none.
+        """
         return self.log_likelihood(self.see(x, slopes=False), scales, pairs) + self.log_prior(x, scales)

@@ -19,6 +19,11 @@ from flexmodal.identification.evidence.measured_modes import ModeObservations
 def granted(model: ModeModel, measured: ModeObservations, x: Float[np.ndarray, " parameter"]) -> float:
     """Ln likelihood over that of peaks from anywhere, of a model that is granted to be far off.
 
+    Args:
+        model: of modes.
+        measured: the modes that were measured.
+        x: coordinates of the parameters, 0 at the card's values.
+
     Raises:
         InvalidSystem: no model there.
     """
@@ -55,7 +60,13 @@ def predictive(fit: ModalFit) -> float:
 
 
 def restricted(fit: ModalFit, measured: ModeObservations, grant: float = 0.0) -> ModalFit:
-    """The same parameters and scales looked at with other modes; pairs may be off by `grant` besides."""
+    """The same parameters and scales looked at with other modes; pairs may be off by `grant` besides.
+
+    Args:
+        fit: a fit of modes.
+        measured: the modes to look at.
+        grant: relative error of frequencies that is granted besides.
+    """
     likelihood = Likelihood(fit.model, measured, fit.beliefs)
     seen = likelihood.see(fit.x, slopes=True)
     pairs = paired(likelihood, seen, fit.scales, grant)

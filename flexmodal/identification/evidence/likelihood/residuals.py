@@ -47,7 +47,12 @@ class Residuals:
     """Of each shape: its scale, how many places, MAC."""
 
     def weights(self, scales: Mapping[str, float], grant: float) -> Float[np.ndarray, " entry"]:
-        """Of each squared residual in minus twice the log-likelihood, the scatter being inferred."""
+        """Of each squared residual in minus twice the log-likelihood, the scatter being inferred.
+
+        Args:
+            scales: logarithms of the scales of the scatter.
+            grant: relative error of frequencies that is granted besides.
+        """
         granted = {FREQUENCY: grant, DAMPING: DAMPING_GRANT * grant}
         return np.array(
             [

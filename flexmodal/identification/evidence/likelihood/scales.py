@@ -39,7 +39,14 @@ def rescaled(found: Residuals, scales: Mapping[str, float], beliefs: Beliefs) ->
 
 
 def scale_term(found: Residuals, beliefs: Beliefs, name: str, value: float) -> float:
-    """What one scale adds to the log-posterior where its logarithm is `value`."""
+    """What one scale adds to the log-posterior where its logarithm is `value`.
+
+    Args:
+        found: residuals of the pairs.
+        beliefs: priors of the scales.
+        name: of the scale.
+        value: its logarithm.
+    """
     mean, deviation = beliefs.scales[name.partition(".")[0]]
     total = log_normal(value - mean, deviation**2)
     if name.startswith(SHAPE):

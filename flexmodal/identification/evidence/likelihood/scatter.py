@@ -49,12 +49,22 @@ class Beliefs:
 
 
 def log_normal(away: float, variance: float) -> float:
-    """Logarithm of a normal density."""
+    """Logarithm of a normal density.
+
+    Args:
+        away: distance from the mean.
+        variance: of the density.
+    """
     return -0.5 * (away**2 / variance + float(np.log(2 * np.pi * variance)))
 
 
 def log_watson_constant(n: int, kappa: float) -> float:
-    """Ln ₁F₁(1; n; κ) = κ + ln Γ(n) − (n − 1) ln κ + ln P(n − 1, κ), P the regularised incomplete gamma."""
+    """Ln ₁F₁(1; n; κ) = κ + ln Γ(n) − (n − 1) ln κ + ln P(n − 1, κ), P the regularised incomplete gamma.
+
+    Args:
+        n: complex dimensions of a shape.
+        kappa: concentration κ.
+    """
     from scipy.special import gammainc, gammaln
 
     if n < 2:
@@ -66,7 +76,13 @@ def log_watson_constant(n: int, kappa: float) -> float:
 
 
 def log_anywhere(band: tuple[float, float], beliefs: Beliefs, log_damping: float) -> float:
-    """Logarithm of the density of a peak that is none of the model's modes."""
+    """Logarithm of the density of a peak that is none of the model's modes.
+
+    Args:
+        band: in which a peak may lie [Hz].
+        beliefs: priors of the scatter.
+        log_damping: ln ζ of the peak.
+    """
     density = float(np.log(beliefs.spurious / np.log(band[1] / band[0])))
     if np.isfinite(log_damping):
         density += log_normal(log_damping - float(np.log(USUAL_DAMPING)), DAMPING_SPREAD**2)

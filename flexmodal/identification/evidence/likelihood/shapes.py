@@ -45,7 +45,12 @@ class ModeShapes:
 
 
 def compare_shapes(one: ModalFit, other: ModalFit) -> tuple[ModeShapes, ...]:
-    """Every measured mode that both explanations have, by frequency."""
+    """Every measured mode that both explanations have, by frequency.
+
+    Args:
+        one: an explanation.
+        other: another, of the same modes.
+    """
     measured, found = one.measured, []
     for number in measured.numbers:
         entries = []
@@ -105,7 +110,12 @@ def _between(entries: list, column: int) -> float:  # type: ignore[type-arg]
 
 
 def shapes_of(measured: ModeObservations, number: int) -> dict[int, tuple[list[int], np.ndarray]]:
-    """Measured shapes of one mode by posture number: rows in `measured.responses`, residues of unit size."""
+    """Measured shapes of one mode by posture number: rows in `measured.responses`, residues of unit size.
+
+    Args:
+        measured: the modes that were measured.
+        number: of the mode.
+    """
     found = {}
     for mode in measured.modes:
         if mode.number == number and mode.shapes:
