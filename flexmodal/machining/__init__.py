@@ -31,7 +31,6 @@ from flexmodal.machining.stability.limit import limiting_depth as limiting_depth
 from flexmodal.machining.stability.lobes import Lobes as Lobes
 from flexmodal.machining.stability.mode_coupling import ModeCoupling as ModeCoupling
 from flexmodal.machining.stability.mode_coupling import mode_coupling as mode_coupling
-from flexmodal.machining.stability.mode_coupling import process_poles as process_poles
 from flexmodal.machining.stability.semi_discretisation import multipliers as multipliers
 from flexmodal.machining.stability.single_direction import DirectionLobes as DirectionLobes
 from flexmodal.machining.stability.single_direction import oriented as oriented

@@ -14,7 +14,6 @@ from flexmodal.machining import (
     ModelTip,
     average,
     mode_coupling,
-    process_poles,
     tool_tip,
 )
 from flexmodal.modal import SecondOrderSystem
@@ -32,6 +31,14 @@ def make(entry, leaving, radial=0.3):
         Engagement(math.radians(entry), math.radians(leaving), (1000.0, 9000.0)),
         CutFrame("tool", "+z", "+x"),
     )
+
+
+def process_poles(tip, cut, depth):
+    """Poles of the system with the mean cutting force as a stiffness beside its own [rad/s]."""
+    inverse = np.linalg.inv(tip.system.mass)
+    stiffness = tip.system.stiffness - depth * tip.rows.T @ average(cut) @ tip.rows
+    none, one = np.zeros_like(inverse), np.eye(len(inverse))
+    return np.linalg.eigvals(np.block([[none, one], [-inverse @ stiffness, -inverse @ tip.system.damping]]))
 
 
 @pytest.mark.parametrize("engagement", [(0, 90), (0, 180), (60, 140)])

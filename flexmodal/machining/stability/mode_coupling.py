@@ -6,8 +6,8 @@ same frequency that lie askew to the force can feed each other (Tlusty; for robo
 Journal of Materials Processing Technology 173 (2006) 301). With one mode there is no such chatter, only
 divergence.
 
-The limit follows in two ways. From a receptance: `1 = a μ(ω)` for an eigenvalue μ of Φ W₀, so wherever an
-eigenvalue crosses the positive real axis, at 0 Hz too. From a second-order system: the first depth at which
+The limit follows from the receptance: `1 = a μ(ω)` for an eigenvalue μ of Φ W₀, so wherever an eigenvalue
+crosses the positive real axis, at 0 Hz too. The tests hold it against the first depth at which
 `M q̈ + C q̇ + (K − a Rᵀ W₀ R) q = 0` has a root on the right.
 """
 
@@ -16,13 +16,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Complex
 
 from flexmodal.errors import InvalidFrequencies
 from flexmodal.machining.cut import Cut
 from flexmodal.machining.stability.branches import branches, eigenvalues
 from flexmodal.machining.stability.directional import average, chip_axes
-from flexmodal.machining.tip import ModelTip
 from flexmodal.machining.tip_receptance import TipReceptance
 
 _POLISH = 60
@@ -74,20 +72,3 @@ def _static(tip: TipReceptance, cut: Cut) -> np.ndarray:
     except InvalidFrequencies:
         return np.zeros(0)
     return value.real[np.abs(value.imag) <= 1e-9 * np.max(np.abs(value), initial=0.0)]
-
-
-def process_poles(tip: ModelTip, cut: Cut, depth: float) -> Complex[np.ndarray, " pole"]:
-    """Poles of the system with the mean cutting force as a stiffness beside its own [rad/s].
-
-    Args:
-        tip: the tip as a second-order system, without a measured receptance.
-        cut: the cut.
-        depth: axial depth of cut [m].
-    """
-    inverse = np.linalg.inv(tip.system.mass)
-    stiffness = tip.system.stiffness - depth * tip.rows.T @ average(cut) @ tip.rows
-    size = tip.system.dof
-    companion = np.block(
-        [[np.zeros((size, size)), np.eye(size)], [-inverse @ stiffness, -inverse @ tip.system.damping]]
-    )
-    return np.linalg.eigvals(companion)
