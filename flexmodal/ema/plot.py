@@ -29,7 +29,12 @@ from flexmodal.report.figure import (
 
 
 def draw_one(fit: Fit, *, title: str = "") -> Any:
-    """Draw the FRFs of a fit and what was found in them; see `draw_fit`."""
+    """Draw the FRFs of a fit and what was found in them; see `draw_fit`.
+
+    Args:
+        fit: of one posture.
+        title: heading.
+    """
     return draw_fit(fit.modes, title=title)
 
 
@@ -145,7 +150,14 @@ def draw_coherence(
     *,
     title: str = "Coherence",
 ) -> Any:
-    """Ordinary coherence of some FRFs over frequency, on one scale from 0 to 1."""
+    """Ordinary coherence of some FRFs over frequency, on one scale from 0 to 1.
+
+    Args:
+        frequency: of the lines [Hz].
+        coherence: of each FRF, 0 to 1.
+        labels: of the FRFs.
+        title: heading.
+    """
     figure = new_figure(8.2, 3.4)
     axes = figure.subplots()
     for place, values in enumerate(coherence[:12]):

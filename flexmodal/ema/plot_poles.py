@@ -28,7 +28,12 @@ from flexmodal.report.figure import (
 
 @drawing
 def draw_circle(fit: CircleFit, *, title: str = "") -> Any:
-    """The Nyquist arc with its circle, and the traverse rate with the curve that the mode predicts."""
+    """The Nyquist arc with its circle, and the traverse rate with the curve that the mode predicts.
+
+    Args:
+        fit: of one mode in one FRF.
+        title: heading.
+    """
     mode = fit.mode
     natural, damping = 2 * np.pi * mode.frequency, mode.damping_ratio
     figure = new_figure(9.5, 4.6)
@@ -75,7 +80,13 @@ def _rate(omega: np.ndarray, natural: float, damping: float) -> np.ndarray:
 def draw_stabilisation(
     diagram: Stabilisation, chosen: Sequence[float] = (), *, title: str = "Stabilisation diagram"
 ) -> Any:
-    """Poles by frequency and order over the mode indicator; chosen frequencies are marked."""
+    """Poles by frequency and order over the mode indicator; chosen frequencies are marked.
+
+    Args:
+        diagram: poles by order.
+        chosen: frequencies to mark [Hz].
+        title: heading.
+    """
     figure = new_figure(WIDE, 4.8)
     axes = figure.subplots()
     behind = axes.twinx()

@@ -58,7 +58,13 @@ def draw_mac(
 
 @drawing
 def draw_shapes(shapes: FittedShapes, names: Mapping[int, str], *, title: str = "") -> Any:
-    """What each place does in each mode, in the campaign's order: filled in phase, open a quarter off."""
+    """What each place does in each mode, in the campaign's order: filled in phase, open a quarter off.
+
+    Args:
+        shapes: of the fitted modes.
+        names: of the points, by id.
+        title: heading.
+    """
     figure = new_figure(8.2, 4.2)
     axes = figure.subplots()
     places = range(len(shapes.places))
@@ -80,7 +86,12 @@ def draw_shapes(shapes: FittedShapes, names: Mapping[int, str], *, title: str = 
 
 
 def fixed_place(shapes: FittedShapes, names: Mapping[int, str]) -> str:
-    """Such as "hammer at tip +z"."""
+    """Such as "hammer at tip +z".
+
+    Args:
+        shapes: of the fitted modes.
+        names: of the points, by id.
+    """
     point, way = shapes.fixed
     tool = "hammer" if shapes.side == "reference" else "sensor"
     return f"{tool} at {names.get(point, point)} {_sense(way)}"

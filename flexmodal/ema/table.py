@@ -57,7 +57,12 @@ def _with_parts(
 
 
 def decimals(reach: float, value: float) -> int:
-    """Decimals that show two digits of the uncertainty; six digits of the value where there is none."""
+    """Decimals that show two digits of the uncertainty; six digits of the value where there is none.
+
+    Args:
+        reach: the uncertainty; 0 where there is none.
+        value: the number.
+    """
     size = reach if reach > 0 else 1e-4 * abs(value)
     if not (math.isfinite(size) and size > 0):
         return 3

@@ -50,6 +50,11 @@ KEYS = {"fitted_to": "fitted to", "held_out": "held out", "numbers": "numbers fi
 def write_identification_page(outcome: Identification, path: Path, *, overwrite: bool = False) -> None:
     """Write the page; it needs no network.
 
+    Args:
+        outcome: of an identification.
+        path: of the new file.
+        overwrite: replace a file that stands there.
+
     Raises:
         OutputExists: the file exists.
         NotWritten: the disk is full, or the folder may not be written.

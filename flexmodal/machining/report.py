@@ -181,6 +181,11 @@ def hertz(frequency: float | None) -> str:
 def write_lobes_csv(found: PostureDepth, path: Path, *, overwrite: bool = False) -> None:
     """One row for each speed; empty where there is no limit or no wall.
 
+    Args:
+        found: of one posture.
+        path: of the new file.
+        overwrite: replace a file that stands there.
+
     Raises:
         OutputExists: the file exists.
         NotWritten: the disk is full, or the folder may not be written.
@@ -201,6 +206,11 @@ def write_lobes_csv(found: PostureDepth, path: Path, *, overwrite: bool = False)
 
 def write_comparison_csv(found: Comparison, path: Path, *, overwrite: bool = False) -> None:
     """One row for each posture.
+
+    Args:
+        found: of several postures.
+        path: of the new file.
+        overwrite: replace a file that stands there.
 
     Raises:
         OutputExists: the file exists.

@@ -71,7 +71,12 @@ def drawing(draw: Callable[Given, Any]) -> Callable[Given, Any]:
 
 
 def new_figure(width: float, height: float) -> Any:
-    """An empty matplotlib figure [in]."""
+    """An empty matplotlib figure [in].
+
+    Args:
+        width: of the figure [in].
+        height: likewise [in].
+    """
     from matplotlib.figure import Figure
 
     return Figure(figsize=(width, height))
@@ -83,7 +88,12 @@ def look(place: int, **more: Any) -> dict[str, Any]:
 
 
 def headline(figure: Any, text: str) -> None:
-    """A heading over a figure of several panels, broken where it is longer than the figure is wide."""
+    """A heading over a figure of several panels, broken where it is longer than the figure is wide.
+
+    Args:
+        figure: with panels.
+        text: of the heading.
+    """
     from textwrap import wrap
 
     letters = int(11 * figure.get_figwidth())
@@ -91,7 +101,12 @@ def headline(figure: Any, text: str) -> None:
 
 
 def short(text: str, most: int = 18) -> str:
-    """A name cut to so many letters; its end stays, which is what tells `configuration_1` from the next."""
+    """A name cut to so many letters; its end stays, which is what tells `configuration_1` from the next.
+
+    Args:
+        text: the name.
+        most: letters that are left.
+    """
     if len(text) <= most:
         return text
     tail = most // 3
@@ -99,7 +114,13 @@ def short(text: str, most: int = 18) -> str:
 
 
 def frequency_axis(axes: Any, frequency: Float[np.ndarray, " line"], *, wide: float = 20.0) -> None:
-    """Label an x axis; logarithmic where the last frequency is more than `wide` times the first [Hz]."""
+    """Label an x axis; logarithmic where the last frequency is more than `wide` times the first [Hz].
+
+    Args:
+        axes: of matplotlib.
+        frequency: of the lines [Hz].
+        wide: last over first from which the axis is logarithmic.
+    """
     axes.set_xlabel("Frequency [Hz]")
     if len(frequency) > 1:
         if frequency[0] > 0 and frequency[-1] / frequency[0] >= wide:
@@ -125,7 +146,12 @@ def phase_axis(axes: Any) -> None:
 def wrapped(
     frequency: Float[np.ndarray, " line"], phase: Float[np.ndarray, " line"]
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Phases [°] over frequency with a gap where they wrap round, so that no line crosses the picture."""
+    """Phases [°] over frequency with a gap where they wrap round, so that no line crosses the picture.
+
+    Args:
+        frequency: of the lines [Hz].
+        phase: at each of them [°].
+    """
     jump = np.flatnonzero(np.abs(np.diff(phase)) > 180) + 1
     return np.insert(frequency, jump, frequency[jump]), np.insert(phase, jump, np.nan)
 

@@ -93,7 +93,12 @@ class Table:
 
 
 def columns(names: Sequence[str], *, words: Sequence[str] = ()) -> list[Column]:
-    """Columns by their headings; the first holds words, and so do those named."""
+    """Columns by their headings; the first holds words, and so do those named.
+
+    Args:
+        names: headings.
+        words: those of columns that hold words, besides the first.
+    """
     return [Column(name, words=not number or name in words) for number, name in enumerate(names)]
 
 

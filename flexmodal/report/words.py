@@ -11,7 +11,13 @@ RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def figure(value: float, unit: str = "", digits: int = 4) -> str:
-    """A physical number with four figures and its unit, such as "2 × 10⁵ N·m/rad"."""
+    """A physical number with four figures and its unit, such as "2 × 10⁵ N·m/rad".
+
+    Args:
+        value: the number; a dash where it is not finite.
+        unit: behind it.
+        digits: figures.
+    """
     text = f"{value:.{digits}g}" if math.isfinite(value) else DASH
     if "e" in text:
         head, power = text.split("e")
@@ -20,7 +26,12 @@ def figure(value: float, unit: str = "", digits: int = 4) -> str:
 
 
 def error(value: float | None, unit: str = "") -> str:
-    """A standard error with two figures; a dash where the data do not tell it."""
+    """A standard error with two figures; a dash where the data do not tell it.
+
+    Args:
+        value: the standard error.
+        unit: behind it.
+    """
     return DASH if value is None or not math.isfinite(value) else figure(float(f"{value:.2g}"), unit)
 
 
@@ -30,7 +41,13 @@ def size(value: float | None) -> str:
 
 
 def fixed(value: float | None, digits: int, sign: str = "") -> str:
-    """A number with so many decimals; a dash for none."""
+    """A number with so many decimals; a dash for none.
+
+    Args:
+        value: the number.
+        digits: decimals.
+        sign: "+" for one before positive numbers too.
+    """
     if value is None or not math.isfinite(value):
         return DASH
     return minus(f"{value:{sign}.{digits}f}")

@@ -72,18 +72,35 @@ class Arm:
         return {link.name: number for number, link in enumerate(self.robot.urdf.links)}
 
     def node(self, group: str, link: str) -> str:
-        """Path of a link in one of the drawn postures."""
+        """Path of a link in one of the drawn postures.
+
+        Args:
+            group: the drawn posture.
+            link: of the URDF.
+        """
         return f"{group}/link_{self.index[link]}"
 
     def nodes(self, group: str, values: Mapping[str, float]) -> dict[str, Matrix]:
-        """Nodes of all links with the joints at these values."""
+        """Nodes of all links with the joints at these values.
+
+        Args:
+            group: the drawn posture.
+            values: of the joints [rad, m].
+        """
         placed = link_placements(self.robot, values)
         return {self.node(group, link): placed[link] for link in self.index}
 
     def items(
         self, group: str, paint: Paint, *, opacity: float = 1.0, skip: frozenset[str] = frozenset()
     ) -> list[Item]:
-        """The parts of all links but those to skip."""
+        """The parts of all links but those to skip.
+
+        Args:
+            group: the drawn posture.
+            paint: the colour of a part, of its own.
+            opacity: 1 for solid.
+            skip: links that are left out.
+        """
         items = []
         for number, visual in enumerate(self.looks.visuals):
             if visual.link in skip:

@@ -161,7 +161,12 @@ class _Tested:
         return self.arm.robot.at(self.values)
 
     def joints(self, shapes: FittedShapes, mode: int) -> JointShape:
-        """What the joints do in a fitted mode."""
+        """What the joints do in a fitted mode.
+
+        Args:
+            shapes: of the fitted modes.
+            mode: number of one of them.
+        """
         rows = []
         for point, way in shapes.places:
             link = self.points[point].link

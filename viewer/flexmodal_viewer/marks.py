@@ -36,7 +36,12 @@ def at(position: Float[np.ndarray, "3"]) -> Matrix:
 
 
 def target(position: Float[np.ndarray, "3"], size: float) -> Drawn:
-    """A cross in space where a point is held [m]."""
+    """A cross in space where a point is held [m].
+
+    Args:
+        position: of the centre [m].
+        size: length of the bars [m].
+    """
     bar = size / 9
     items = [
         Item(f"target/bar_{axis}", Box(tuple(np.where(np.arange(3) == axis, size, bar))), TARGET, on_top=True)
@@ -47,7 +52,14 @@ def target(position: Float[np.ndarray, "3"], size: float) -> Drawn:
 
 
 def force(direction: PointDirection, position: Float[np.ndarray, "3"], size: float, number: int = 0) -> Drawn:
-    """An arrow from a point along a force, or a bent one about the axis of a moment."""
+    """An arrow from a point along a force, or a bent one about the axis of a moment.
+
+    Args:
+        direction: and point of the force.
+        position: of the point [m].
+        size: length of the arrow [m].
+        number: of the force, where there are several.
+    """
     group = f"force_{number}"
     axis = direction.selector[3:] if direction.is_rotation else direction.selector[:3]
     node = along(axis)
@@ -63,7 +75,15 @@ def force(direction: PointDirection, position: Float[np.ndarray, "3"], size: flo
 def arrow(
     group: str, axis: Float[np.ndarray, "3"], start: Float[np.ndarray, "3"], size: float, colour: Colour
 ) -> Drawn:
-    """An arrow of some length [m] along a unit vector, without a name."""
+    """An arrow of some length [m] along a unit vector, without a name.
+
+    Args:
+        group: path of the arrow.
+        axis: unit vector along it.
+        start: where it begins [m].
+        size: its length [m].
+        colour: of it.
+    """
     node = along(axis)
     node[:3, 3] = start
     return Drawn({group: node}, _arrow(group, size, colour), [])
@@ -97,7 +117,13 @@ def _moment(group: str, size: float) -> list[Item]:
 
 
 def points(arm: Arm, group: str, size: float) -> Drawn:
-    """A ball and a name at each measurement point of the card, moving with its link."""
+    """A ball and a name at each measurement point of the card, moving with its link.
+
+    Args:
+        arm: with the card.
+        group: the drawn posture.
+        size: of a ball [m].
+    """
     drawn = Drawn({}, [], [])
     for number, name in enumerate(arm.robot.points):
         link, place = arm.carrier(name)
@@ -108,7 +134,12 @@ def points(arm: Arm, group: str, size: float) -> Drawn:
 
 
 def nice_step(length: float, most: int) -> float:
-    """The smallest of 1, 2, 5 times a power of ten that divides a length into `most` parts or fewer."""
+    """The smallest of 1, 2, 5 times a power of ten that divides a length into `most` parts or fewer.
+
+    Args:
+        length: above 0.
+        most: parts.
+    """
     rough = length / most
     power = 10.0 ** math.floor(math.log10(rough))
     return next(power * factor for factor in (1, 2, 5, 10) if power * factor >= rough * (1 - 1e-9))
@@ -158,7 +189,12 @@ def grid(
 
 
 def axes(position: Float[np.ndarray, "3"], size: float) -> Drawn:
-    """Arrows along the axes of the world."""
+    """Arrows along the axes of the world.
+
+    Args:
+        position: of the origin [m].
+        size: length of the arrows [m].
+    """
     drawn = Drawn({"axes": at(position)}, [], [])
     for axis in range(3):
         end = np.eye(3)[axis]

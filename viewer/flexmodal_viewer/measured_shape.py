@@ -70,7 +70,13 @@ def joint_shape(
 
 
 def odd_points(shapes: FittedShapes, mode: int, joints: JointShape) -> frozenset[int]:
-    """Points at which the joints miss what was measured by much, beside the largest motion."""
+    """Points at which the joints miss what was measured by much, beside the largest motion.
+
+    Args:
+        shapes: of the fitted modes.
+        mode: number of one of them.
+        joints: what the joints do in it.
+    """
     largest = float(np.max(np.abs(shapes.shape[:, mode])))
     missed = np.abs(joints.left) > _ODD * largest
     return frozenset(way[0] for way, far in zip(shapes.places, missed.tolist(), strict=True) if far)

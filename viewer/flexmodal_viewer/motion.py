@@ -70,7 +70,12 @@ class Deflection:
         return not self.posed.robot.moving[joint].is_prismatic
 
     def values(self, phase: float, scale: float) -> dict[str, float]:
-        """Posture plus scaled deflection of every joint at a phase [rad, m]."""
+        """Posture plus scaled deflection of every joint at a phase [rad, m].
+
+        Args:
+            phase: of the cycle [rad].
+            scale: multiple of the deflection.
+        """
         given: dict[str, float] = dict(self.posed.posture.values)
         moved = scale * (self.amplitude * np.exp(1j * phase)).real
         for name, value in zip(self.posed.robot.joints, moved, strict=True):
@@ -80,7 +85,13 @@ class Deflection:
     def tracks(
         self, arm: Arm, groups: Sequence[str], scale: float
     ) -> Mapping[str, Float[np.ndarray, "frame 4 4"]]:
-        """Placements of every moving link over one cycle, first frame repeated at the end."""
+        """Placements of every moving link over one cycle, first frame repeated at the end.
+
+        Args:
+            arm: that is drawn.
+            groups: drawn postures that move alike.
+            scale: multiple of the deflection.
+        """
         phases = 2 * np.pi * np.arange(FRAMES + 1) / FRAMES
         placed = [link_placements(arm.robot, self.values(phase, scale)) for phase in phases]
         moving = [link for link in arm.index if link not in arm.still_links()]
@@ -94,6 +105,11 @@ class Deflection:
 def forced(posed: PosedRobot, direction: PointDirection, frequency: float) -> Deflection:
     """Deflection q_D(t) = Re(Z⁻¹ jᵀ e^{iωt}) under a harmonic unit force.
 
+    Args:
+        posed: the robot in its posture.
+        direction: of the force.
+        frequency: of it [Hz].
+
     Raises:
         InvalidFrequencies: negative or not finite.
         SingularResponse: an undamped mode is driven at its natural frequency.
@@ -105,7 +121,12 @@ def forced(posed: PosedRobot, direction: PointDirection, frequency: float) -> De
 
 
 def mode_shapes(posed: PosedRobot, modes: Modes) -> list[Deflection]:
-    """The mode shapes, each turned to be as real as it can be and of largest entry 1."""
+    """The mode shapes, each turned to be as real as it can be and of largest entry 1.
+
+    Args:
+        posed: the robot in its posture.
+        modes: of it.
+    """
     shapes = []
     for shape in modes.shape.T:
         turned = shape * np.exp(-0.5j * np.angle(np.sum(shape**2)))

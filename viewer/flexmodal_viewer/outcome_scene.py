@@ -41,7 +41,12 @@ _SIZES = {"weighted": "|tᵀαw|", "force": "‖αw‖", "worst": "‖α‖"}
 
 
 def outcome_scene(outcome: Outcome, *, start: Posture | None) -> Scene:
-    """Draw the optimised posture solid, over the start posture where there is one."""
+    """Draw the optimised posture solid, over the start posture where there is one.
+
+    Args:
+        outcome: of a search.
+        start: the posture to compare with, if any.
+    """
     robot = outcome.problem.robot
     arm = Arm(robot)
     best = robot.at(outcome.best.posture)
@@ -58,22 +63,10 @@ def outcome_scene(outcome: Outcome, *, start: Posture | None) -> Scene:
         clear = arm.items("start", lambda own: shade(START, own), opacity=CLEAR, skip=arm.still_links())
         items += clear
         legend.insert(0, Swatch("start posture", START, "clear"))
-    drawn = [
-        marks.force(direction, best.position(direction.point), 0.13 * arm.reach, number)
-        for number, direction in enumerate(directions_of(outcome))
-    ]
-    if drawn:
-        names = ", ".join(map(str, directions_of(outcome)))
-        legend.append(Swatch(f"direction judged: {names}", FORCE, "arrow"))
-    held = target_of(outcome, best)
-    if held is not None:
-        drawn.append(marks.target(held, 0.07 * arm.reach))
-        where = ", ".join(plain(round(float(value), 4) + 0.0) for value in held)
-        legend.append(Swatch(f"target ({where}) m", TARGET, "cross"))
     around, hidden = obstacles(arm, "optimised")
-    drawn.append(around)
-    legend += [OBSTACLES] if around.items else []
-    for part in drawn:
+    drawn, swatches = _judged(outcome, arm, best)
+    legend += [*swatches, *([OBSTACLES] if around.items else [])]
+    for part in (*drawn, around):
         nodes |= part.nodes
         items += part.items
         labels += part.labels
@@ -98,6 +91,24 @@ def outcome_scene(outcome: Outcome, *, start: Posture | None) -> Scene:
     )
 
 
+def _judged(outcome: Outcome, arm: Arm, best: PosedRobot) -> tuple[list[marks.Drawn], list[Swatch]]:
+    """Arrows along what was judged and a cross where the point is held, with their words."""
+    legend = []
+    drawn = [
+        marks.force(direction, best.position(direction.point), 0.13 * arm.reach, number)
+        for number, direction in enumerate(directions_of(outcome))
+    ]
+    if drawn:
+        names = ", ".join(map(str, directions_of(outcome)))
+        legend.append(Swatch(f"direction judged: {names}", FORCE, "arrow"))
+    held = target_of(outcome, best)
+    if held is not None:
+        drawn.append(marks.target(held, 0.07 * arm.reach))
+        where = ", ".join(plain(round(float(value), 4) + 0.0) for value in held)
+        legend.append(Swatch(f"target ({where}) m", TARGET, "cross"))
+    return drawn, legend
+
+
 def judge_of(outcome: Outcome) -> Objective:
     """The objective; of one over a sample of robots, that of each."""
     objective = outcome.problem.objective
@@ -116,7 +127,12 @@ def directions_of(outcome: Outcome) -> tuple[PointDirection, ...]:
 
 
 def target_of(outcome: Outcome, best: PosedRobot) -> np.ndarray | None:
-    """Where the held point should be; along directions not held, where it is [m]."""
+    """Where the held point should be; along directions not held, where it is [m].
+
+    Args:
+        outcome: of a search.
+        best: the robot in the best posture.
+    """
     hold = outcome.problem.hold
     if hold is None:
         return None
@@ -216,6 +232,11 @@ def _vibration(outcome: Outcome, arm: Arm, best: PosedRobot, before: PosedRobot 
 
 
 def worst_line(objective: ReceptanceObjective, posed: PosedRobot) -> float:
-    """The one frequency of the objective, or of several the one that is answered most [Hz]."""
+    """The one frequency of the objective, or of several the one that is answered most [Hz].
+
+    Args:
+        objective: of the search.
+        posed: the robot in a posture.
+    """
     values = np.abs(posed.frf(objective.frequency, response=objective.directions[0]).value[:, 0, 0])
     return float(objective.frequency[int(np.argmax(values))])

@@ -48,6 +48,11 @@ SCRIPTS = (
 def write_page(scene: Scene, path: str | Path, *, overwrite: bool = False) -> Path:
     """Write a scene as a page, whole or not at all.
 
+    Args:
+        scene: what is drawn.
+        path: of the new file.
+        overwrite: replace a file that stands there.
+
     Raises:
         OutputExists: the file exists and `overwrite` is false, or its folder does not exist.
     """

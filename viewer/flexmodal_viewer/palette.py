@@ -23,7 +23,12 @@ def luminance(colour: Colour) -> float:
 
 
 def shade(role: Colour, own: Colour) -> Colour:
-    """The colour of a role, darker for the parts of an arm that are dark themselves."""
+    """The colour of a role, darker for the parts of an arm that are dark themselves.
+
+    Args:
+        role: colour of the role.
+        own: colour that the part has of itself.
+    """
     factor = 0.62 if luminance(own) < 0.3 else 1.0
     return role[0] * factor, role[1] * factor, role[2] * factor
 

@@ -41,7 +41,12 @@ _LABEL = 40
 
 
 def draw_outcome(outcome: Outcome, *, frequencies: Float[np.ndarray, " line"] | None = None) -> Any:
-    """Draw the receptance at the start, brought onto the hold, and at the best; see `draw_receptances`."""
+    """Draw the receptance at the start, brought onto the hold, and at the best; see `draw_receptances`.
+
+    Args:
+        outcome: of a search.
+        frequencies: of the lines; chosen if none [Hz].
+    """
     start = None if outcome.compared is None else outcome.compared.held
     return draw_receptances(outcome, start, frequencies)
 
