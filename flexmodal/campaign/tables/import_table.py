@@ -21,6 +21,7 @@ from flexmodal.campaign.tables.columns import Layout, read_columns
 from flexmodal.campaign.tables.cut import cut
 from flexmodal.errors import Fault, InvalidCampaign
 from flexmodal.frf import POWER
+from flexmodal.frf.form import convert
 from flexmodal.text.toml import parse_toml
 from flexmodal.text.validation import validated
 from flexmodal.text.words import FaultList, shown
@@ -180,7 +181,7 @@ def _frfs(
     for entry in entries:
         values = tables[entry.table or columns.table]
         row = entry.scale * _complex(entry, values)
-        rows.append(row * (2j * np.pi * axis) ** (POWER[target] - POWER[entry.form]))
+        rows.append(convert(row, axis, entry.form, target))
         coherence.append(np.ones(len(axis)) if entry.coherence is None else values[entry.coherence].real)
     return FrfRecords(
         frequency=axis,

@@ -1,7 +1,7 @@
 """A parallel mechanism ties two joints: an off-diagonal stiffness.
 
-What lies on the diagonal counts as the joints' own. So it holds beside their springs, and may push where one of
-these has given way to something much softer, such as a servo loop: the arm then falls over.
+What lies on the diagonal counts as the joints' own. So it holds beside their springs, and may push where one
+of these has given way to something much softer, such as a servo loop: the arm then falls over.
 """
 
 from __future__ import annotations

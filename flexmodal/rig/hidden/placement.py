@@ -52,7 +52,8 @@ def put_in(
     """
     searched = any(item.height is not None for item in wanted)
     floor = noise_floor(stand, conduct) if searched else None
-    hidden, effects = [], []
+    hidden: list[Hidden] = []
+    effects = []
     for number, item in enumerate(wanted):
         effect = find(item.effect, item.form)
         random = np.random.default_rng([conduct.seed, 5, number, list(EFFECTS).index(item.effect)])
