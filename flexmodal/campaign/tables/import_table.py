@@ -80,6 +80,18 @@ def import_table(path: str | os.PathLike[str]) -> Campaign:
         raise InvalidCampaign(replace(fault, file=str(file)) for fault in error.faults) from None
 
 
+def is_column_map(path: Path) -> bool:
+    """Whether a path is that of a column map: a TOML file that names an abscissa.
+
+    Args:
+        path: any.
+    """
+    if path.suffix.lower() != ".toml" or not path.is_file():
+        return False
+    content = parse_toml(path, kind="a column map")
+    return isinstance(content, dict) and "abscissa" in content and "table" in content
+
+
 def _tables(file: Path, columns: ColumnMap) -> dict[str, dict[str, np.ndarray]]:
     """What is wanted of every table, by its address."""
     wanted: dict[str, list[str]] = {}

@@ -26,6 +26,7 @@ from flexmodal.frf import POWER
 NOTHING = 1e-4
 """Part of its motion down to which a mode has to have decayed for the end to leave nothing out."""
 LEAST_DAMPING = 1e-6
+SAYS = "the motion that the end of the record cut off decides its interval: a longer record tells more"
 
 
 def with_record_end(found: EstimatedModes, length: float | None) -> EstimatedModes:
@@ -38,9 +39,9 @@ def with_record_end(found: EstimatedModes, length: float | None) -> EstimatedMod
     if length is None or not found.modes:
         return found
     after = (1 - PRETRIGGER) * length
-    left = np.exp([mode.pole.real * after for mode in found])
+    left = max(np.exp(mode.pole.real * after) for mode in found)
     measured, count = found.measured, len(found)
-    if left.max() < NOTHING or 2 * len(measured.frequency) <= 4 * count + 4:
+    if left < NOTHING or 2 * len(measured.frequency) <= 4 * count + 4:
         return found
     plain = _problem(found)
     parts = [replace(measured, value=measured.value + rest) for rest in missing(found, after)]
@@ -48,7 +49,7 @@ def with_record_end(found: EstimatedModes, length: float | None) -> EstimatedMod
     if not all(len(one) == count for one in (base, *others)):
         return found
     square = np.mean([(_numbers(one) - _numbers(base)) ** 2 for one in others], axis=0)
-    modes = [_wider(*each) for each in zip(found, square, left.tolist(), strict=True)]
+    modes = [_wider(*each) for each in zip(found, square, strict=True)]
     return replace(found, modes=tuple(modes))
 
 
@@ -85,14 +86,11 @@ def _numbers(found: EstimatedModes) -> Float[np.ndarray, "mode number"]:
     return np.array([[mode.frequency, mode.damping_ratio, *np.abs(mode.residue)] for mode in found])
 
 
-def _wider(mode: ModeEstimate, square: Float[np.ndarray, " number"], left: float) -> ModeEstimate:
+def _wider(mode: ModeEstimate, square: Float[np.ndarray, " number"]) -> ModeEstimate:
     """A mode with these variances beside those that it has; what was forced stays without."""
     added = np.where(np.diag(mode.covariance) > 0, square[:2], 0.0)
     residues = square[2:] if mode.residue_choices is None else mode.residue_choices + square[2:]
     remarks = mode.remarks
     if np.any(added > np.diag(mode.covariance) + np.diag(mode.choices)):
-        remarks = (
-            *remarks,
-            f"the record ends with {100 * left:.2g} % of its motion to come: a longer one tells more",
-        )
+        remarks = (*remarks, SAYS)
     return replace(mode, choices=mode.choices + np.diag(added), residue_choices=residues, remarks=remarks)
