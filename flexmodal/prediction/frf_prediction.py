@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Complex, Float
 
 from flexmodal.frf import PointDirection
-from flexmodal.identification.baselines import BETTER
+from flexmodal.identification.baselines import BETTER, untold
 from flexmodal.prediction.leave_one_out import LeftOut, together, typical
 from flexmodal.prediction.methods import DATA_ALONE, METHODS
 from flexmodal.text.shown import Shown
@@ -135,13 +135,10 @@ class FrfPrediction(Shown):
         return "; ".join(says)
 
     def _untold(self) -> str:
-        """That shuffled angles fit as well as the right ones."""
+        """That shuffled angles fit as well as those that are stated, or better."""
         left = self.left_out
         fitted, control = (typical(each, left.weight) for each in (left.fitted, left.shuffled))
-        return (
-            f"with the postures' angles shuffled the model fits as well ({control:.2g} against "
-            f"{fitted:.2g}): these data do not tell the postures apart"
-        )
+        return untold(fitted, control)
 
     def _beside(self, gaps: Mapping[str, float]) -> str:
         """How the method stands beside what needs no model."""
