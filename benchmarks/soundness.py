@@ -35,7 +35,7 @@ from flexmodal.soundness import check_soundness
 from flexmodal.soundness.suspicion import CUT
 from flexmodal.structure import robot_space
 
-FIRST = 7_500_000
+FIRST = 7_600_000
 """Of the seeds: none from here on was looked at while the checks were made; `--first` looks at others."""
 ARMS: dict[str, dict[str, Any]] = {
     "fanuc_s360": {"postures": 4, "points": 3, "record_length": 3.0},

@@ -7,9 +7,9 @@ wholly wrong counts once. The hypothesis that takes most off the sum is accepted
 next is looked for, the accepted ones in force. Where no single one is left, or one takes little off, two at
 once are tried, then three.
 
-One posture's angles may come nearer to a card that is a little off by chance, since a joint's sign changes
-little where it stands near 0. Another label or factor does not: it moves whole resonances or turns all
-phases. So less is asked of these, `LABEL_LEFT` and `LABEL_FAR`.
+One joint's angle may come nearer to a card that is a little off by chance, since its sign changes little
+where it stands near 0. Another label, factor or frame, or another posture's angles, do not: they move whole
+resonances or turn all phases. So less is asked of these, `LABEL_LEFT` and `LABEL_FAR`.
 """
 
 from __future__ import annotations
@@ -31,10 +31,18 @@ FAR = 0.2
 LEFT = 0.4
 """Part of the misfit of its records that a hypothesis may leave."""
 LABEL_FAR, LABEL_LEFT = 0.05, 0.6
-"""The same of labels and factors. On 120 clean campaigns with cards 5 % off none of them took anything off;
+"""The same of labels. On 120 clean campaigns with cards 5 % off none of them took anything off;
 on 60 with cards off by half, none left less than 0.72 of one posture or 0.97 of all."""
 LABELS: frozenset[FindingKind] = frozenset(
-    {"sign", "scale", "axes swapped", "points swapped", "hammer positions swapped"}
+    {
+        "sign",
+        "scale",
+        "axes swapped",
+        "points swapped",
+        "hammer positions swapped",
+        "postures exchanged",
+        "axes in another frame",
+    }
 )
 PAIR_FAR, PAIR_LEFT, TRIPLE_LEFT = 0.5, 0.2, 0.15
 """The same of two hypotheses at once, of which there are many more, and of three."""
