@@ -3,6 +3,8 @@
 from flexmodal.campaign.band_pass import band_pass_blow as band_pass_blow
 from flexmodal.campaign.blow import Blow as Blow
 from flexmodal.campaign.campaign import Campaign as Campaign
+from flexmodal.campaign.coherence import COHERENT as COHERENT
+from flexmodal.campaign.coherence import is_coherent as is_coherent
 from flexmodal.campaign.description.tested import Axes as Axes
 from flexmodal.campaign.description.tested import AxisFrame as AxisFrame
 from flexmodal.campaign.description.tested import CampaignPoint as CampaignPoint
@@ -19,7 +21,6 @@ from flexmodal.campaign.quality_flag import QualityFlag as QualityFlag
 from flexmodal.campaign.read_campaign import check_campaign as check_campaign
 from flexmodal.campaign.read_campaign import is_campaign as is_campaign
 from flexmodal.campaign.read_campaign import read_campaign as read_campaign
-from flexmodal.campaign.records import COHERENT as COHERENT
 from flexmodal.campaign.records import FrfRecords as FrfRecords
 from flexmodal.campaign.records import named_direction as named_direction
 from flexmodal.campaign.records import place_text as place_text
@@ -28,6 +29,7 @@ from flexmodal.campaign.tables.import_table import import_table as import_table
 from flexmodal.campaign.tables.modes import write_modes as write_modes
 from flexmodal.campaign.tables.receptances import Amplitude as Amplitude
 from flexmodal.campaign.tables.receptances import read_receptances as read_receptances
+from flexmodal.campaign.trial import PRETRIGGER as PRETRIGGER
 from flexmodal.campaign.trial import Trial as Trial
 from flexmodal.campaign.trial import Window as Window
 from flexmodal.campaign.trial import repeat_groups as repeat_groups

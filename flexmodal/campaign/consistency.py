@@ -104,16 +104,23 @@ def _add_frf_faults(faults: FaultList, tested: Described, frfs: FrfRecords) -> N
     if not np.all(np.isfinite(frfs.value)):
         faults.add("frfs", "values that are not finite", "finite values")
     coherence = frfs.coherence
-    if coherence is not None and not np.all((coherence >= 0) & (coherence <= 1 + ROUNDING)):
-        faults.add("frfs", "a coherence outside 0 to 1", "coherences from 0 to 1")
+    if coherence is not None:
+        wrong = np.argwhere(~((coherence >= 0) & (coherence <= 1 + ROUNDING)))
+        if len(wrong):
+            row, line = wrong[0]
+            where = f"posture {frfs.posture[row]}, trial {frfs.trial[row]}, record {row + 1}"
+            found = (
+                f"a coherence outside 0 to 1, {coherence[row, line]:g} at {frequency[line]:g} Hz of {where}"
+            )
+            faults.add("frfs", found, "coherences from 0 to 1")
     _add_unknown(faults, "frfs", "posture", frfs.posture.tolist(), tested.postures)
     _add_unknown(faults, "frfs", "trial", frfs.trial.tolist(), tested.trials)
     for name in ("response", "reference"):
         places = getattr(frfs, name)
         _add_unknown(faults, "frfs", f"{name} point", places[:, 0].tolist(), tested.points)
-        wrong = set(places[:, 1].tolist()) - set(DIRECTIONS)
-        if wrong:
-            faults.add("frfs", f"{name} directions {listing(map(str, sorted(wrong)))}", "±1 ±2 ±3")
+        strange = set(places[:, 1].tolist()) - set(DIRECTIONS)
+        if strange:
+            faults.add("frfs", f"{name} directions {listing(map(str, sorted(strange)))}", "±1 ±2 ±3")
 
 
 def _add_blow_faults(faults: FaultList, tested: Described, blow: Blow) -> None:

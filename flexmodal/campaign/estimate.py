@@ -29,6 +29,7 @@ from flexmodal.campaign.trial import Trial
 from flexmodal.campaign.window import windowed
 from flexmodal.errors import Fault, InvalidCampaign, InvalidRequest
 from flexmodal.frf import POWER, Form
+from flexmodal.frf.form import convert
 
 Estimator = Literal["H1", "H2", "Hv"]
 
@@ -208,7 +209,7 @@ def _one_form(records: list[_Record]) -> list[_Record]:
     return [
         replace(
             record,
-            value=record.value * (2j * np.pi * record.frequency) ** (POWER[target] - POWER[record.form]),
+            value=convert(record.value, record.frequency, record.form, target),
             form=target,
         )
         for record in records

@@ -10,8 +10,9 @@ from jaxtyping import Float
 
 from flexmodal.campaign.blow import Blow
 from flexmodal.campaign.campaign import Campaign
+from flexmodal.campaign.coherence import COHERENT
 from flexmodal.campaign.quality_flag import FlagKind, QualityFlag
-from flexmodal.campaign.records import COHERENT, FrfRecords
+from flexmodal.campaign.records import FrfRecords
 
 EQUAL = 1e-6
 """Relative difference below which neighbouring samples count as one flat top."""

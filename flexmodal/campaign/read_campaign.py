@@ -15,6 +15,7 @@ from flexmodal.campaign.description.read import read_toml
 from flexmodal.campaign.description.tested import Tested
 from flexmodal.campaign.mode_table import ModeTable
 from flexmodal.campaign.records import FrfRecords
+from flexmodal.campaign.tables.import_table import import_table, is_column_map
 from flexmodal.campaign.tables.modes import read_modes
 from flexmodal.campaign.uff.export import is_export, read_export
 from flexmodal.campaign.uff.read_blows import read_time_uff
@@ -31,7 +32,8 @@ def read_campaign(path: str | os.PathLike[str]) -> Campaign:
 
     Args:
         path: its folder, or the `campaign.toml` in it; or a universal file by itself, see `read_export`; or
-            the name of a campaign that ships, `fanuc_s360/thesis`.
+            the column map of a table, see `import_table`; or the name of a campaign that ships,
+            `fanuc_s360/thesis`.
 
     Raises:
         InvalidCampaign: with every fault of every file.
@@ -40,6 +42,8 @@ def read_campaign(path: str | os.PathLike[str]) -> Campaign:
     path = path_or_shipped(path, "campaigns")
     if is_export(file := Path(os.path.abspath(path))):
         return read_export(file)
+    if is_column_map(file):
+        return import_table(file)
     folder = campaign_folder(path)
     tested = read_toml(folder / TOML)
     faults: list[Fault] = []
@@ -91,11 +95,13 @@ def check_campaign(path: str | os.PathLike[str]) -> Report:
 
 
 def is_campaign(path: str | os.PathLike[str]) -> bool:
-    """Whether a path is that of a campaign: a folder with a campaign.toml, that file, or a universal file."""
+    """Whether a path is a campaign's: its folder or campaign.toml, a universal file, or a column map."""
     complete(path)
     try:
         file = path_or_shipped(path, "campaigns")
-        return (file.name == TOML and file.is_file()) or (file / TOML).is_file() or is_export(file)
+        if (file.name == TOML and file.is_file()) or (file / TOML).is_file():
+            return True
+        return is_export(file) or is_column_map(file)
     except (OSError, ValueError):  # too long for a path, or a null byte in it
         return False
 

@@ -10,17 +10,16 @@ import numpy as np
 from jaxtyping import Complex, Float, Int
 
 from flexmodal.campaign.abscissa import same_axis
+from flexmodal.campaign.coherence import is_coherent
 from flexmodal.campaign.quality_flag import QualityFlag
 from flexmodal.campaign.trial import Trial, repeat_groups
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.frf import Form, Frf, PointDirection
-from flexmodal.frf.form import POWER, check_form
+from flexmodal.frf.form import POWER, check_form, convert
 from flexmodal.text.extras import extra
 from flexmodal.text.shown import Shown, several
 
 AXES = "xyz"
-COHERENT = 0.8
-"""Coherence from which on a line is used (file format, section 3)."""
 
 Place = int | tuple[int, int]
 """A point id, or a point id with a direction ±1 ±2 ±3."""
@@ -50,10 +49,10 @@ class FrfRecords(Shown):
 
     @property
     def weight(self) -> Float[np.ndarray, "record line"]:
-        """What each line counts for: its coherence, 0 below `COHERENT`; 1 where there is no coherence."""
+        """What each line counts for: its coherence, 0 where that is too low; 1 where there is none."""
         if self.coherence is None:
             return np.ones(self.value.shape)
-        return np.where(self.coherence < COHERENT, 0.0, self.coherence)
+        return np.where(is_coherent(self.coherence), self.coherence, 0.0)
 
     def _facts(self) -> Mapping[str, object]:
         places = {tuple(place) for place in self.response.tolist()}
@@ -198,7 +197,8 @@ class FrfRecords(Shown):
             above = frequency[frequency > 0]
             lowest = floor if floor is not None else (above[0] if above.size else 1.0)
             frequency = np.maximum(frequency, lowest)
-        return replace(self, value=self.value * (2j * np.pi * frequency) ** power, form=target)
+        value = convert(self.value.T, frequency, self.form, target).T
+        return replace(self, value=value, form=target)
 
     def repeats(self) -> tuple[tuple[int, int], ...]:
         """Pairs of row numbers: the same FRF measured in two trials that repeat each other."""

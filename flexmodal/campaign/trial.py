@@ -11,6 +11,9 @@ MOST_DIGITS = 9_999_999_999
 MOST_TRIAL = 99_999
 """Five digits: what its version field holds."""
 
+PRETRIGGER = 0.02
+"""Part of a record that usually lies before the blow."""
+
 WindowKind = Literal["force", "exponential"]
 
 

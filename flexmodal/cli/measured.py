@@ -22,7 +22,7 @@ def campaign_at(path: str | Path) -> Campaign:
     Raises:
         InvalidCampaign: nothing there, or with every fault of every file.
     """
-    from flexmodal.campaign import UNIVERSAL_SUFFIXES, read_campaign
+    from flexmodal.campaign import UNIVERSAL_SUFFIXES, is_campaign, read_campaign
     from flexmodal.files import complete, path_or_shipped, shipped
 
     place = path_or_shipped(path, "campaigns")
@@ -36,7 +36,7 @@ def campaign_at(path: str | Path) -> Campaign:
         named = f", such as {place / files[0]}" if files else ""
         allowed = f"one that has; or a universal file by itself{named}"
         raise InvalidCampaign(Fault(str(path), "", "a folder without a campaign.toml", allowed))
-    if place.is_file() and place.name != "campaign.toml" and place.suffix.lower() not in UNIVERSAL_SUFFIXES:
+    if place.is_file() and not is_campaign(place):
         raise InvalidCampaign(_no_campaign(place))
     measured = read_campaign(place)
     for warning in measured.warnings:
@@ -47,7 +47,7 @@ def campaign_at(path: str | Path) -> Campaign:
 def _no_campaign(place: Path) -> Fault:
     """What to do with a file that is no campaign."""
     kind = f"a file of the kind {place.suffix or 'without an ending'}"
-    allowed = "a folder with a campaign.toml, or a universal file (.uff, .unv) by itself"
+    allowed = "a folder with a campaign.toml, a universal file (.uff, .unv) by itself, or a table's map"
     if place.suffix.lower() in (".csv", ".xlsx", ".txt", ".mat", ".h5", ".hdf5", ".tdms"):
         allowed += (
             f"; a table becomes a campaign by a map: flexmodal import {place} --draft map.toml, see "

@@ -21,8 +21,9 @@ from flexmodal.ema.estimate import (
     peaks_of,
 )
 from flexmodal.ema.measured import LARGEST, Measured
+from flexmodal.ema.methods.record_end import with_record_end
 from flexmodal.ema.mode import EstimatedModes, Method, ModeEstimate
-from flexmodal.ema.records import Place, Trials, by_posture
+from flexmodal.ema.records import Place, Trials, by_posture, record_length
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.modal import LinearModel, modal_model
 from flexmodal.text.extras import extra
@@ -171,10 +172,13 @@ def fit_records(
     for done, (posture, places, whole) in enumerate(by_posture(records, _trials(trials), variance)):
         advance(f"fitting, posture {done + 1} of {count}", done / count)
         measured = whole if wanted.band is None else whole.within(*wanted.band)
+        length = record_length(records, posture)
         if per == "posture":
-            fits.append(Fit(posture, tuple(places), estimate(measured, name, wanted)))
+            modes = with_record_end(estimate(measured, name, wanted), length)
+            fits.append(Fit(posture, tuple(places), modes))
             continue
         found = _one_by_one([measured.only(frf) for frf in range(len(places))], measured, name, wanted)
+        found = [with_record_end(one, length) for one in found]
         numbers = _numbers(found)
         fits += [Fit(posture, (p,), m, n) for p, m, n in zip(places, found, numbers, strict=True)]
     return tuple(fits)

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
+from flexmodal.campaign import COHERENT
 from flexmodal.ema.fit import Fit
 from flexmodal.ema.mode import EstimatedModes, ModeEstimate
 from flexmodal.frf.form import unit
@@ -163,7 +164,7 @@ def draw_coherence(
     for place, values in enumerate(coherence[:12]):
         label = labels[place] if place < len(labels) else f"FRF {place + 1}"
         axes.plot(frequency, values, label=label, **look(place, linewidth=1.2))
-    axes.axhline(0.8, color=MARK, linewidth=0.9, linestyle=DASHED)
+    axes.axhline(COHERENT, color=MARK, linewidth=0.9, linestyle=DASHED)
     axes.set(
         xlabel="Frequency [Hz]", ylabel="Coherence [–]", ylim=(0, 1.05), xlim=(frequency[0], frequency[-1])
     )

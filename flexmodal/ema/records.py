@@ -124,3 +124,15 @@ def by_posture(
         ends = tuple((place_text(place.response), place_text(place.reference)) for place in part)
         ends = ends if len(set(ends)) == len(ends) else ()
         yield posture, list(part), Measured(records.frequency, value, records.form, spread, labels, ends)
+
+
+def record_length(records: FrfRecords, posture: int) -> float | None:
+    """Of the records that a posture's FRFs were estimated from, the shortest [s]; None where none is stated.
+
+    Args:
+        records: FRFs of a campaign.
+        posture: its id.
+    """
+    used = set(records.trial[records.posture == posture].tolist())
+    stated = [trial.record_length for trial in records.trials if trial.id in used]
+    return min((length for length in stated if length is not None), default=None)

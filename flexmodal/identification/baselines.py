@@ -25,6 +25,10 @@ from flexmodal.identification.observations import Observations
 BETTER = 0.95
 """A gap counts as smaller than another from this multiple of it down; less is chance."""
 
+UNTOLD = "these data do not tell the postures apart"
+MUCH_BETTER = 0.5
+"""Multiple of the gap with the angles as stated from which down another's angles are the right ones."""
+
 
 @dataclass(frozen=True)
 class PostureBaseline:
@@ -87,12 +91,25 @@ class Baselines:
             ]
         else:
             says = [f"on postures it has not seen it beats {mean} and {near} with {self.model:.2g}"]
-        if not self.tells_postures:
-            says.append(
-                f"with the postures' angles shuffled it fits as well ({self.shuffled:.2g} against "
-                f"{self.fitted:.2g}): these data do not tell the postures apart"
-            )
+        if self.fitted is not None and self.shuffled is not None and not self.tells_postures:
+            says.append(untold(self.fitted, self.shuffled))
         return "; ".join(says)
+
+
+def untold(fitted: float, control: float) -> str:
+    """What it means that a model fits as well, or better, while postures bear others' angles.
+
+    Args:
+        fitted: gap with the angles as stated.
+        control: gap with them shuffled.
+    """
+    gaps = f"({control:.2g} against {fitted:.2g})"
+    if control < MUCH_BETTER * fitted:
+        return (
+            f"with the postures' angles shuffled it fits far better {gaps}: angles and FRFs do not belong "
+            "together as stated; look at flexmodal check"
+        )
+    return f"with the postures' angles shuffled it fits as well {gaps}: {UNTOLD}"
 
 
 def baselines(

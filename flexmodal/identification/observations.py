@@ -11,13 +11,14 @@ import numpy as np
 from jaxtyping import Bool, Complex, Float, Int, Shaped
 
 from flexmodal.campaign import (
-    COHERENT,
+    PRETRIGGER,
     Blow,
     Campaign,
     CampaignPosture,
     FrfRecords,
     added_decay,
     estimate_frfs,
+    is_coherent,
     named_direction,
     record_variance,
     repeat_groups,
@@ -32,8 +33,6 @@ from flexmodal.structure.structure import Axis
 
 NOISIEST = 0.1
 """Relative variance beyond which the logarithm of a line is biased by its own noise."""
-PRETRIGGER = 0.02
-"""Part of a record before the blow, where there are no blows to look at."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,7 +164,7 @@ def observe(campaign: Campaign, *, bare: bool = False) -> Observations:
     coherence = np.ones(records.value.shape) if records.coherence is None else records.coherence
     value = _summed(records.value, of_record) / count
     variance = _summed(relative, of_record) / count**2
-    coherent = _summed(coherence, of_record) / count >= COHERENT
+    coherent = is_coherent(_summed(coherence, of_record) / count)
     return Observations(
         campaign=campaign,
         records=records,

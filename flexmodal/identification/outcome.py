@@ -11,7 +11,9 @@ import numpy as np
 from jaxtyping import Float
 
 from flexmodal.identification.baselines import Baselines
+from flexmodal.identification.evidence.both import Both
 from flexmodal.identification.evidence.evidence import Fitted
+from flexmodal.identification.evidence.frf import FrfEvidence
 from flexmodal.identification.identifiability import Combination, Identifiability
 from flexmodal.identification.uncertainty import Uncertainty
 from flexmodal.structure.parameter import Parameter
@@ -34,6 +36,8 @@ the same mostly 0.3 to 2."""
 WORSE = 1.5
 """Held-out gap over fitted gap from which a fit does not carry over."""
 TOUCHING = 1e-9
+UNTRUSTED = 0.3
+"""Standard deviation of the logarithm of a mass from which it holds no scale."""
 
 
 @dataclass(frozen=True)
@@ -193,6 +197,16 @@ class Identification(Shown):
         return self.problem.source != "modes" and (not self.explained or self.made_up_for)
 
     @property
+    def scale_untold(self) -> bool:
+        """Whether nothing holds the scale of the records: one point, and masses that may be anything."""
+        parts = self.problem.evidence
+        frfs = parts.frfs if isinstance(parts, Both) else parts
+        masses = [one.deviation for one in self.problem.space if one.name.startswith("mass.")]
+        if not isinstance(frfs, FrfEvidence) or not masses or min(masses) < UNTRUSTED:
+            return False
+        return len(np.unique(frfs.observations.response[:, 0])) == 1
+
+    @property
     def verdict(self) -> str:
         """What to think of it, and what to do next."""
         gap, says = self.gap, []
@@ -229,6 +243,11 @@ class Identification(Shown):
             if known == count
             else f"{known} of {count} parameters are identified"
         )
+        if self.scale_untold:
+            says.append(
+                "one point was measured and no mass is trusted: a wrong scale of sensor or hammer passes for "
+                "masses and stiffness that are all off as much; weigh a link, or strike a known mass"
+            )
         if self.at_bound:
             says.append(f"at a bound: {', '.join(self.at_bound)}: look at the bounds before using them")
         if len(self.optima) > 1:

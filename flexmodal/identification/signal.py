@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from jaxtyping import Bool, Float
 
-from flexmodal.campaign import COHERENT, Campaign, FrfRecords
+from flexmodal.campaign import COHERENT, Campaign, FrfRecords, is_coherent
 from flexmodal.errors import Fault, InvalidRequest
 
 COHERENT_SHARE = 0.15
@@ -52,7 +52,7 @@ def has_signal(frfs: FrfRecords, campaign: Campaign) -> Bool[np.ndarray, " recor
     """
     coherent = np.ones(len(frfs), dtype=bool)
     if frfs.coherence is not None:
-        coherent = np.mean(frfs.coherence >= COHERENT, axis=1) >= COHERENT_SHARE
+        coherent = np.mean(is_coherent(frfs.coherence), axis=1) >= COHERENT_SHARE
     size = np.abs(frfs.value).max(axis=1)
     there = size > RANGE * size.max()
     kept = coherent & there & (roughness(frfs) < ROUGH)

@@ -10,13 +10,19 @@ import numpy as np
 from jaxtyping import Complex, Float
 
 from flexmodal.frf import PointDirection
-from flexmodal.identification.baselines import BETTER
+from flexmodal.identification.baselines import BETTER, untold
 from flexmodal.prediction.leave_one_out import LeftOut, together, typical
 from flexmodal.prediction.methods import DATA_ALONE, METHODS
 from flexmodal.text.shown import Shown
 
 FEW = 5
 """Postures below which the errors that a band is made of are a handful."""
+CHOSEN_ANEW, SHUFFLED = "chosen anew", "angles shuffled"
+BESIDE: Mapping[str, str] = {
+    CHOSEN_ANEW: "the best of these without the posture that is judged",
+    SHUFFLED: "a control: the model fitted to all, each with another's angles",
+}
+"""What stands below the methods."""
 APART = 3.0
 """Multiple of the typical gap from which a posture left out is named: there the method does not hold."""
 
@@ -85,9 +91,10 @@ class FrfPrediction(Shown):
 
     @property
     def rows(self) -> list[tuple[str, float, float, Float[np.ndarray, " posture"]]]:
-        """Method, typical gap, gap over all postures left out, gap of each; the choice made anew last."""
+        """Method, typical gap, gap over all postures left out, gap of each; those of `BESIDE` last."""
         left = self.left_out
-        each = {**{name: left.gaps[name] for name in METHODS}, "chosen anew": left.chosen_anew}
+        each = {name: left.gaps[name] for name in METHODS}
+        each |= {CHOSEN_ANEW: left.chosen_anew, SHUFFLED: left.shuffled}
         return [
             (name, typical(gaps, left.weight), together(gaps, left.weight), gaps)
             for name, gaps in each.items()
@@ -111,6 +118,8 @@ class FrfPrediction(Shown):
         if far:
             says.append(f"it was far off in {', '.join(far)}: do not use it where the arm stands like that")
         says += [self._beside(gaps)]
+        if not self.left_out.tells_postures:
+            says.append(self._untold())
         if self.is_data_alone:
             says.append(
                 "physics has no part in this: no model of the robot predicts the postures as well; away from "
@@ -124,6 +133,12 @@ class FrfPrediction(Shown):
             says.append(f"{count} postures were struck: the band rests on as many errors")
         says += [f"x, y, z at {name} are {axes}" for name, axes in self.axes.items()]
         return "; ".join(says)
+
+    def _untold(self) -> str:
+        """That shuffled angles fit as well as those that are stated, or better."""
+        left = self.left_out
+        fitted, control = (typical(each, left.weight) for each in (left.fitted, left.shuffled))
+        return untold(fitted, control)
 
     def _beside(self, gaps: Mapping[str, float]) -> str:
         """How the method stands beside what needs no model."""

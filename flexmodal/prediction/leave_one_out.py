@@ -8,16 +8,20 @@ How much of what is learnt beside the physics goes into a prediction is such a c
 e^(s r) that leaves least of the physics' squared gap on postures left out. A few postures tell it badly, and
 the whole of it loses to none where next to nothing could be learnt; so it is drawn towards one half, as if
 `PRIOR` postures more had said that.
+
+A control stands beside: the model fitted to all postures while each bears another's angles. A model that then
+fits as well as with the right ones has not been told by its data which posture is which.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Complex, Float
 
+from flexmodal.identification.baselines import BETTER, shuffled
 from flexmodal.identification.evidence.evidence import Fitted
 from flexmodal.identification.evidence.frf import FrfEvidence
 from flexmodal.identification.gap import gap
@@ -50,6 +54,10 @@ class LeftOut:
     noise_floor: float
     resonances: tuple[Float[np.ndarray, " mode"], ...]
     """The model's natural frequencies in each posture as fitted without it [Hz]."""
+    fitted: Float[np.ndarray, " posture"]
+    """Gaps of the model fitted to all of them, which has seen what it is judged by."""
+    shuffled: Float[np.ndarray, " posture"]
+    """The same of a model fitted while each posture bears another's angles: a control."""
     share: float = 1.0
     """Of what was learnt, that goes into `hybrid`; a posture left out is predicted by that of the others."""
 
@@ -72,6 +80,12 @@ class LeftOut:
     def chosen(self) -> str:
         """The method that predicts best what it has not seen."""
         return best(self.gaps, self.weight)
+
+    @property
+    def tells_postures(self) -> bool:
+        """Whether the right angles fit better than shuffled ones."""
+        fitted, control = (typical(each, self.weight) for each in (self.fitted, self.shuffled))
+        return fitted < BETTER * control
 
     @property
     def chosen_anew(self) -> Float[np.ndarray, " posture"]:
@@ -162,7 +176,21 @@ def leave_each_out(
     floor = gap(seen, found["physics"]).noise_floor
     gaps = {name: gaps_of(found[name]) for name in METHODS}
     share = best_share(by_share, weight)
-    return LeftOut(panel, numbers, found, gaps, weight, floor, tuple(resonances), share)
+    right, wrong = gaps_of(_physics(evidence, fitted.x)), gaps_of(_shuffled(evidence))
+    return LeftOut(panel, numbers, found, gaps, weight, floor, tuple(resonances), right, wrong, share)
+
+
+def _physics(evidence: FrfEvidence, x: Float[np.ndarray, " parameter"]) -> Complex[np.ndarray, "row line"]:
+    """The model's receptances of every observation [m/N]."""
+    from flexmodal.identification import predict
+
+    return predict(evidence.model, x, evidence.observations)
+
+
+def _shuffled(evidence: FrfEvidence) -> Complex[np.ndarray, "row line"]:
+    """The same by a quick fit while every posture bears another's angles."""
+    wrong = replace(evidence, observations=shuffled(evidence.observations))
+    return _physics(wrong, wrong.fit(quick=True).x)
 
 
 def _ratio(
@@ -189,12 +217,11 @@ def known_by(
         postures: numbers of those that may be looked at.
         sliding: names of prismatic joints.
     """
-    from flexmodal.identification import predict
-
     seen = panel.observations
     model = evidence.model
     resonances = [natural_frequencies(model, x, one.q) for one in seen.postures]  # type: ignore[arg-type]
-    return Known(panel, postures, predict(model, x, seen), resonances, sliding)
+    physics = _physics(replace(evidence, observations=seen), x)
+    return Known(panel, postures, physics, resonances, sliding)
 
 
 def together(each: Float[np.ndarray, " posture"], weight: Float[np.ndarray, " posture"]) -> float:

@@ -24,10 +24,11 @@ LOW = 0.25
 """Part of the lines, from the lowest, in which a corner is looked for."""
 FEWEST = 8
 """Usable lines among them."""
-LEAST = 0.3
-"""Corner over the lowest line from which it matters: 17° of phase there."""
-BETTER = 0.87
-"""Part of the mean deviation of phase that a corner has to leave at most; clean channels leave 0.94."""
+LEAST = 0.15
+"""Corner over the lowest line from which it matters: 9° of phase there. In 180 clean channels on which both
+halves agree it is 0.06 at most."""
+BETTER = 0.9
+"""Part of the mean deviation of phase that a corner has to leave at most; clean channels leave 0.93."""
 ALONE = 0.7
 """The same where there is no other channel to take the median of."""
 LARGEST = 2.5

@@ -285,6 +285,17 @@ def test_a_file_cut_between_two_datasets_lacks_a_trial_or_posture(text: Path) ->
     assert any("no FRF of posture bent" in warning for warning in read_campaign(text).warnings)
 
 
+def test_a_coherence_of_arrays_names_its_record(campaign: Campaign) -> None:
+    assert campaign.frfs is not None
+    assert campaign.frfs.coherence is not None
+    coherence = campaign.frfs.coherence.copy()
+    coherence[3, 7] = 1.25
+    posture, trial = campaign.frfs.posture[3], campaign.frfs.trial[3]
+    says = rf"1\.25 at .* Hz of posture {posture}, trial {trial}, record 4"
+    with pytest.raises(InvalidCampaign, match=says):
+        replace(campaign, frfs=replace(campaign.frfs, coherence=coherence))
+
+
 def test_missing_coherence_is_a_warning_and_taken_as_one(text: Path) -> None:
     content = (text / "frf.uff").read_text()
     first = content.index("    -1\n", content.index("    -1\n", 10) + 7)

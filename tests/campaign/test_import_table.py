@@ -80,6 +80,7 @@ def test_csv(folder: Path) -> None:
     made = import_table(folder / "map.toml")
     check(made)
     check(read_campaign(write_campaign(made, folder / "written")))
+    check(read_campaign(folder / "map.toml"))
 
 
 def test_semicolons_decimal_commas_and_lines_above_the_header(folder: Path) -> None:

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from flexmodal.campaign import read_campaign
+from flexmodal.campaign import is_campaign, read_campaign
 
 SAMPLES = Path(__file__).parents[1] / "data" / "dialects"
 
@@ -48,3 +48,19 @@ def test_what_is_wrong_is_said(cli, folder, tmp_path):
 
 def test_fit_of_a_table_says_what_to_do(cli):
     cli("fit", SAMPLES / "decibels.txt").refused("flexmodal import", "--draft map.toml")
+
+
+def test_a_map_is_a_campaign_for_every_command(cli, folder):
+    """As are the folders and universal files: nothing has to be written first."""
+    drafted = folder / "map.toml"
+    assert cli("import", SAMPLES / "decibels.txt", "--draft", drafted).status == 0
+    told = cli("fit", drafted, "--per", "posture", "--json").json()
+    assert {round(row["frequency"]) for row in told["modes"]} == {9, 24}
+    assert len(read_campaign(drafted).frfs) == 2
+    assert is_campaign(drafted)
+    assert not is_campaign(folder / "robot.toml")
+    cli("fit", "robots/fanuc_s360/robot.toml").refused("a robot goes to the other commands")
+    drafted.write_text(
+        drafted.read_text(encoding="utf-8").replace("magnitude =", "magnitud ="), encoding="utf-8"
+    )
+    cli("fit", drafted).refused("magnitud")

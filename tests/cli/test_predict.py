@@ -25,6 +25,8 @@ def test_table_verdict_and_page(cli, folder, tmp_path):
     )
     assert ran.status == 0, ran.err
     assert "chosen anew" in ran.out
+    assert "angles shuffled" in ran.out
+    assert "tell the postures apart" not in ran.out
     assert "predicted by hybrid" in ran.out
     assert "3 postures were struck: the band rests on as many errors" in ran.out
     assert (tmp_path / "p.html").read_text(encoding="utf-8").count("<svg") == 2
@@ -35,6 +37,8 @@ def test_json_and_csv_are_what_the_schema_and_the_header_say(cli, valid, folder,
     asked = ("--poor-card", "--method", "hybrid", "--json", "--out", tmp_path / "p.csv")
     told = valid("predict", cli(*words, *asked).json())
     assert told["method"] == "hybrid"
+    ways = told["left_out"]["methods"]
+    assert ways["angles shuffled"]["typical"] > 2 * ways["physics"]["typical"]
     assert len((tmp_path / "p.csv").read_text().splitlines()) == 1 + 2 * len(told["frequency"])
 
 

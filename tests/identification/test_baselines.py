@@ -9,6 +9,7 @@ from flexmodal.identification import baselines, build_identification, identify
 from flexmodal.identification.as_json import as_json
 from flexmodal.identification.baselines import Baselines, log_mean, posture_distance, shuffled
 from flexmodal.identification.page import BESIDE, baseline_cells
+from flexmodal.identification.poor import POOR
 from flexmodal.structure import robot_space
 
 
@@ -107,6 +108,34 @@ def test_data_that_do_not_tell_postures_apart_are_told(campaign, fanuc):
     told = identify(replace(campaign, frfs=replace(frfs, value=value)), fanuc)
     assert not told.baselines.tells_postures
     assert "with the postures' angles shuffled it fits as well" in told.verdict
+
+
+def test_angles_that_belong_to_other_postures_are_told(campaign, fanuc):
+    """Each posture bears the angles of the next but one but not its own: shuffled back it fits far better."""
+    postures = campaign.postures
+    step = max(1, len(postures) // 2)
+    turned = (*postures[-step:], *postures[:-step])
+    wrong = tuple(replace(one, q=other.q) for one, other in zip(postures, turned, strict=True))
+    told = identify(replace(campaign, postures=wrong), fanuc)
+    assert told.baselines.shuffled < 0.5 * told.baselines.fitted
+    assert "angles and FRFs do not belong together as stated" in told.verdict
+
+
+def test_one_point_and_untrusted_masses_tell_no_scale(campaign, fanuc):
+    """Records 20 % too large make every mass and stiffness 20 % smaller and leave the misfit as it is."""
+    frfs = campaign.frfs.select(response=campaign.points[0].id)
+    told, larger = (
+        identify(replace(campaign, frfs=replace(frfs, value=scale * frfs.value)), fanuc, trust=POOR)
+        for scale in (1.0, 1.2)
+    )
+    assert larger.over_noise == pytest.approx(told.over_noise, rel=0.02)
+    for one, other in zip(told.estimates, larger.estimates, strict=True):
+        if one.name.startswith(("stiffness", "mass")) and one.identified:
+            assert other.value / one.value == pytest.approx(1 / 1.2, rel=0.12)
+    for one in (told, larger):
+        assert "a wrong scale of sensor or hammer passes for masses" in one.verdict
+    assert "wrong scale" not in identify(campaign, fanuc, trust=POOR).verdict
+    assert "wrong scale" not in identify(replace(campaign, frfs=frfs), fanuc).verdict
 
 
 def test_what_only_one_posture_has_is_left_out_and_counted(seen):

@@ -10,6 +10,7 @@ import pytest
 from flexmodal.campaign import read_campaign
 from flexmodal.errors import InvalidPosture, InvalidRequest, MissingExtra
 from flexmodal.identification import identify, observe
+from flexmodal.identification.beside import shuffled_gap
 from flexmodal.identification.frf_fit import residual
 from flexmodal.identification.gap import gap
 from flexmodal.identification.poor import POOR
@@ -74,6 +75,19 @@ def test_the_band_holds_most_lines(judged, problem):
     inside = (error <= size[chosen])[seen.used]
     assert inside.mean() > 0.85
     assert np.median(size[chosen][seen.used]) < np.log(3)  # and says something
+
+
+def test_shuffled_angles_fit_far_worse_and_it_says_where_they_do_not(problem, found):
+    """The gap over all postures at once is that of the postures one by one."""
+    left, evidence = problem.left_out, problem.evidence
+    assert together(left.shuffled, left.weight) == pytest.approx(shuffled_gap(evidence), rel=1e-9)
+    whole = evidence.gap(evidence.predicted(problem.x)).value
+    assert together(left.fitted, left.weight) == pytest.approx(whole, rel=1e-9)
+    assert left.tells_postures
+    assert whole < 0.5 * shuffled_gap(evidence)
+    assert "apart" not in found.verdict
+    alike = replace(found, left_out=replace(left, shuffled=1.02 * left.fitted))
+    assert "these data do not tell the postures apart" in alike.verdict
 
 
 def test_the_choice_is_that_of_the_smallest_gap_left_out(problem):

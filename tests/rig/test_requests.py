@@ -195,3 +195,30 @@ def test_secrets_out_of_range_are_refused_all_at_once(bars):
         )
     assert keys(caught) == {"effects", "seed", "count", "heights", "parameter_errors"}
     assert "joint_coupling" in str(caught.value)  # one joint has no pair
+
+
+SOFT_LOOP = Hide("servo_compliance", "q2", {"proportional_gain": 2000.0, "rotor_inertia": 5.0})
+"""The spring of q2 then hangs on a loop thirty times softer."""
+
+
+def test_effects_that_ring_up_together_are_refused_by_name(fanuc):
+    """A bare off-diagonal spring holds beside the joints' springs, and not where one hangs on a soft loop."""
+    tied = Hide("joint_coupling", "q2+q3", {"coupling": 0.9})
+    for alone in (SOFT_LOOP, tied):
+        simulate(fanuc, **SMALL, hide=[alone], seed=1, time=False)
+    for both in ([SOFT_LOOP, tied], [tied, SOFT_LOOP]):
+        with pytest.raises(InvalidRequest, match=r"an arm that rings up with .*; allowed: weaker effects"):
+            simulate(fanuc, **SMALL, hide=both, seed=1)
+
+
+def test_effects_that_ring_up_together_are_drawn_again_where_places_are_open(fanuc):
+    open_ = Hide("joint_coupling", parameters={"coupling": 0.9})
+    alone, beside = (
+        [
+            simulate(fanuc, **SMALL, hide=hide, seed=seed, time=False).truth.effects[-1].where
+            for seed in range(6)
+        ]
+        for hide in ([open_], [SOFT_LOOP, open_])
+    )
+    assert any("q2" in where for where in alone)
+    assert all("q2" not in where for where in beside)

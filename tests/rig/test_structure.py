@@ -110,6 +110,24 @@ def test_beam_on_a_locked_joint_is_a_cantilever(bars, stand, hidden):
     assert first == pytest.approx(FIRST**2 * np.sqrt(3000.0 / 4.0) / 2 / np.pi, rel=1e-4)
 
 
+def test_exponentials_of_stiff_links_do_not_grow():
+    """Springs of 10² to 10¹⁴ N/m on 0.2 g to a tonne: exp(A t) has the eigenvalues e^(λ t), none beyond 1."""
+    random = np.random.default_rng(1)
+    turn = np.linalg.qr(random.normal(size=(6, 6)))[0]
+    mass = np.diag(np.geomspace(2e-4, 1e3, 6)[::-1])
+    root = np.sqrt(mass)
+    stiffness = root @ turn @ np.diag(np.geomspace(1e2, 1e17, 6)) @ turn.T @ root
+    a = np.zeros((12, 12))
+    a[:6, 6:] = np.eye(6)
+    a[6:] = -np.linalg.solve(mass, np.hstack([stiffness, 1e-5 * stiffness + 2.0 * mass]))
+    step = 6e-5
+    found = np.sort(np.abs(np.linalg.eigvals(exponential(a * step))))
+    expected = np.sort(np.exp(np.linalg.eigvals(a).real * step))
+    assert expected[-1] < 1
+    np.testing.assert_allclose(found[-2:], expected[-2:], rtol=1e-7)
+    assert found.max() < 1
+
+
 def test_exponentials_agree_with_scipy():
     random = np.random.default_rng(0)
     stack = random.standard_normal((5, 7, 7)) * np.array([1e-3, 1.0, 4.0, 10.0, 30.0])[:, None, None]

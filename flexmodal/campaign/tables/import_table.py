@@ -21,6 +21,7 @@ from flexmodal.campaign.tables.columns import Layout, read_columns
 from flexmodal.campaign.tables.cut import cut
 from flexmodal.errors import Fault, InvalidCampaign
 from flexmodal.frf import POWER
+from flexmodal.frf.form import convert
 from flexmodal.text.toml import parse_toml
 from flexmodal.text.validation import validated
 from flexmodal.text.words import FaultList, shown
@@ -77,6 +78,18 @@ def import_table(path: str | os.PathLike[str]) -> Campaign:
         )
     except InvalidCampaign as error:  # a posture, trial or point of the map that is not described
         raise InvalidCampaign(replace(fault, file=str(file)) for fault in error.faults) from None
+
+
+def is_column_map(path: Path) -> bool:
+    """Whether a path is that of a column map: a TOML file that names an abscissa.
+
+    Args:
+        path: any.
+    """
+    if path.suffix.lower() != ".toml" or not path.is_file():
+        return False
+    content = parse_toml(path, kind="a column map")
+    return isinstance(content, dict) and "abscissa" in content and "table" in content
 
 
 def _tables(file: Path, columns: ColumnMap) -> dict[str, dict[str, np.ndarray]]:
@@ -180,7 +193,7 @@ def _frfs(
     for entry in entries:
         values = tables[entry.table or columns.table]
         row = entry.scale * _complex(entry, values)
-        rows.append(row * (2j * np.pi * axis) ** (POWER[target] - POWER[entry.form]))
+        rows.append(convert(row, axis, entry.form, target))
         coherence.append(np.ones(len(axis)) if entry.coherence is None else values[entry.coherence].real)
     return FrfRecords(
         frequency=axis,

@@ -13,6 +13,7 @@ from flexmodal.campaign.records import FrfRecords
 from flexmodal.campaign.uff.codes import COHERENCE, FORM_OF_CODE, FRF
 from flexmodal.campaign.uff.records import Labelled, read_records
 from flexmodal.frf import POWER, Form
+from flexmodal.frf.form import convert
 from flexmodal.text.words import FaultList
 
 
@@ -97,12 +98,12 @@ def _one_form(
     if len(set(codes)) > 1:
         forms = " and ".join(sorted({FORM_OF_CODE[code] for code in codes}))
         warnings.append(f"{file}: {forms} side by side, all taken as {FORM_OF_CODE[target]}")
-    power = {code: POWER[FORM_OF_CODE[code]] for code in codes}
+    form = FORM_OF_CODE[target]
     rows = [
-        one.record.value * (2j * np.pi * axis) ** (power[target] - power[code])
+        convert(np.asarray(one.record.value, dtype=complex), axis, FORM_OF_CODE[code], form)
         for one, code in zip(frfs, codes, strict=True)
     ]
-    return np.array(rows, dtype=complex), FORM_OF_CODE[target]
+    return np.array(rows, dtype=complex), form
 
 
 def _match(

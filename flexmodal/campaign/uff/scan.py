@@ -30,7 +30,6 @@ _BLANK = re.compile(rb"(?:[ \t]*\r?\n)*")
 NODES, TRACE_LINE, SHAPE = (15, 2411), 82, 55
 """Numbers of the datasets of nodes."""
 _INTEL, _MOTOROLA = 1, 2
-_IEEE = 2
 
 
 @dataclass(frozen=True)

@@ -101,7 +101,8 @@ class Effect:
     catalogued: bool = True
     """Whether a diagnosis has a name for it."""
     active: bool = False
-    """Whether there is a motor in it that might ring up."""
+    """Whether it may give work, so that the arm might ring up: a motor, or springs that hold only beside
+    others."""
     form: str = OWN
     """Which of the physical forms under this name."""
     source: str = ""

@@ -1,4 +1,8 @@
-"""A parallel mechanism ties two joints: an off-diagonal stiffness."""
+"""A parallel mechanism ties two joints: an off-diagonal stiffness.
+
+What lies on the diagonal counts as the joints' own. So it holds beside their springs, and may push where one
+of these has given way to something much softer, such as a servo loop: the arm then falls over.
+"""
 
 from __future__ import annotations
 
@@ -38,4 +42,5 @@ EFFECT = Effect(
     most=lambda parameters: 0.9 / max(abs(parameters["coupling"]), 1e-9),
     check=within(coupling=(-0.9, 0.9)),
     act=_act,
+    active=True,
 )

@@ -15,11 +15,12 @@ from flexmodal.rig.hidden.hide import Hide, canonical
 from flexmodal.rig.hidden.severity import CLOSE, Floor, noise_floor, severity_for
 from flexmodal.rig.plant.build import Hidden, build
 from flexmodal.rig.truth import HiddenEffect
+from flexmodal.text.words import listing
 
 NEAR = 0.2
 """Relative distance from the height asked for at which a place will do."""
 _MOST_DRAWS = 10
-"""Draws of a control loop, until one dies down."""
+"""Draws of what may give work, until the arm dies down."""
 _MOST_PLACES = 4
 """Places tried for an effect that may choose where it sits, one height being asked for."""
 
@@ -51,15 +52,13 @@ def put_in(
     """
     searched = any(item.height is not None for item in wanted)
     floor = noise_floor(stand, conduct) if searched else None
-    hidden, effects = [], []
+    hidden: list[Hidden] = []
+    effects = []
     for number, item in enumerate(wanted):
         effect = find(item.effect, item.form)
         random = np.random.default_rng([conduct.seed, 5, number, list(EFFECTS).index(item.effect)])
-        placed = _place(stand, item, random, floor)
+        placed = _place_beside(stand, hidden, item, random, floor)
         site = placed.site
-        wrong = effect.check(site.parameters)
-        if wrong:
-            raise InvalidRequest(Fault("call", f"hide {effect.key}", wrong, "parameters in their range"))
         hidden.append((effect, site))
         effects.append(
             HiddenEffect(
@@ -67,10 +66,30 @@ def put_in(
                 placed.height, effect.catalogued,
             )
         )  # fmt: skip
-    if any(effect.active for effect, _ in hidden) and not _dies_down(stand, hidden):
-        found = "a loop that rings up with the other effects"
-        raise InvalidRequest(Fault("call", "hide", found, "lower gains, another seed or place"))
     return hidden, tuple(effects), None if floor is None else floor.height
+
+
+def _place_beside(
+    stand: Stand, hidden: Sequence[Hidden], item: Hide, random: np.random.Generator, floor: Floor | None
+) -> _Placed:
+    """Place it, and draw it again as long as the arm rings up with it and what is hidden already.
+
+    Raises:
+        InvalidRequest: parameters out of their range, or an arm that rings up in each draw.
+    """
+    effect = find(item.effect, item.form)
+    for _ in range(_MOST_DRAWS):
+        placed = _place(stand, item, random, floor)
+        wrong = effect.check(placed.site.parameters)
+        if wrong:
+            raise InvalidRequest(Fault("call", f"hide {effect.key}", wrong, "parameters in their range"))
+        together = [*hidden, (effect, placed.site)]
+        if not any(one.active for one, _ in together) or _dies_down(stand, together):
+            return placed
+    beside = listing(f"{one.key}@{site.where}" for one, site in hidden)
+    found = "an arm that rings up" + (f" with {beside} beside it" if beside else "")
+    allowed = "weaker effects, lower gains, another place or another seed"
+    raise InvalidRequest(Fault("call", f"hide {effect.key}@{placed.site.where}", found, allowed))
 
 
 def _dies_down(stand: Stand, hidden: Sequence[Hidden]) -> bool:

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from flexmodal.campaign import COHERENT, CampaignPosture
+from flexmodal.campaign import CampaignPosture, is_coherent
 from flexmodal.rig.clean import strike_all_points
 from flexmodal.rig.effects import Site, Stand
 from flexmodal.rig.effects.effect import Effect, Parameters
@@ -69,7 +69,7 @@ def noise_floor(stand: Stand, conduct: Conduct) -> Floor:
             for shift in (0, 1)
         ]
         (one, coherence), (other, again) = ((h[..., lines], c[..., lines]) for h, c in pair)
-        keep.append((coherence >= COHERENT) & (again >= COHERENT) & (np.abs(one) > 0) & (np.abs(other) > 0))
+        keep.append(is_coherent(coherence) & is_coherent(again) & (np.abs(one) > 0) & (np.abs(other) > 0))
         squared.append(np.abs(_log_ratio(one[keep[-1]], other[keep[-1]])) ** 2 / 2)
     every = np.concatenate(squared)
     return Floor(postures, lines, np.array(keep), float(np.sqrt(every.mean())) if every.size else 0.0)
