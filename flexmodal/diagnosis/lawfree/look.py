@@ -33,6 +33,9 @@ KEPT = 6
 WITHIN = 3.0
 """And others up to so many times the misfit of the best."""
 MOST_KEPT = 10
+MOST_ALIKE, EXPLAINED = 20, 1.5
+"""More go on where one place explains everything, to this reduced χ², and others as well: a mass at the end
+of a link is one on the next link, and neither is to be left out for want of room."""
 BEST_OF_KIND = 15.0
 """And of each kind the best up to so many times: a coupling of two joints is near its end after a few steps,
 the link between them that does the same, with its many hinges, is not."""
@@ -258,7 +261,12 @@ def _near(begins: Sequence[tuple[float, Port, Fit]]) -> list[tuple[Port, Fit]]:
 def _kept(first: Sequence[tuple[float, Port]]) -> list[Port]:
     """Of all ports with their misfits, the best first, those that go on."""
     limit, far = WITHIN * first[0][0], BEST_OF_KIND * first[0][0]
-    kept = [port for k, (misfit, port) in enumerate(first[:MOST_KEPT]) if k < KEPT or misfit < limit]
+    alike = ALIKE**2 * first[0][0] if first[0][0] < EXPLAINED else 0.0
+    kept = [
+        port
+        for k, (misfit, port) in enumerate(first[:MOST_ALIKE])
+        if k < KEPT or (k < MOST_KEPT and misfit < limit) or misfit < alike
+    ]
     kinds = {port.kind.name for port in kept}
     for misfit, port in first:
         if misfit < far and port.kind.name not in kinds:

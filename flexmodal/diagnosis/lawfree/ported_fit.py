@@ -48,7 +48,7 @@ def begun(
     """
     profile = Profile(model, floor)
     state = profile.judged(_constant(model, before, floor, steps))
-    return profile, profile.repaired(profile.descended(state, steps))
+    return profile, profile.repaired(profile.descended(state, steps)).light
 
 
 def finished(
@@ -65,7 +65,7 @@ def finished(
     for floor in floors:
         profile = replace(profile, floor=floor)
         state = profile.repaired(profile.descended(profile.judged(state), steps))
-    return profile, profile.descended(state, steps)
+    return profile, profile.descended(state, steps).light
 
 
 def _constant(model: PortedModel, before: State | None, floor: float, steps: int) -> State:

@@ -49,6 +49,11 @@ class State:
         """Coordinates of the parameters."""
         return self.at.x
 
+    @property
+    def light(self) -> State:
+        """The same without the solved structures, which are large; they are solved again when asked for."""
+        return replace(self, at=AtParameters(self.at.model, self.at.x))
+
 
 @dataclass(frozen=True, eq=False)
 class Equations:

@@ -37,7 +37,9 @@ _NOTE = (
 
 def look_parts(look: Findings) -> Parts:
     """The section."""
-    rows: list[list[str | Cell]] = [["none", "the robot re-tuned", "0", f"{look.alone:.2f}", "–"]]
+    rows: list[list[str | Cell]] = [
+        ["none", "the robot re-tuned: the larger of both", "0", f"{look.alone:.2f}", "–"]
+    ]
     alike = {key for one in look.found for key in one.alike if key != (one.port, one.where)}
     rows += [_row(one, tied=(one.port, one.where) in alike) for one in look.places[:_SHOWN]]
     chosen = {(one.port, one.where) for one in look.found} if look.needed else set()
