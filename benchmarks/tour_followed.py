@@ -20,7 +20,7 @@ TARGETS = set(re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(), re.MUL
 LONG = {
     "hammer.md", "identification.md", "optimisation.md", "atlas.md", "machining.md", "prediction.md",
     "real_test.md", "rig.md", "viewer.md", "posture.md", "own_data.md", "robust.md", "ema.md",
-    "cut.md", "path_and_speed.md", "live.md",
+    "cut.md", "path_and_speed.md", "live.md", "engine.md",
 }  # fmt: skip
 """Pages that take five seconds and more; `make slow` follows them."""
 LEFT_ALONE = {"git", "cd", "pip", "cat", ".", "python", "python3.11", "ls"}

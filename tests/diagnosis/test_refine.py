@@ -92,6 +92,7 @@ def test_recovers_the_law_down_to_the_noise(law_hidden):
     np.testing.assert_array_equal(after.predicted, predict(after.model, after.x, observations))
 
 
+@pytest.mark.slow
 def test_recovers_the_law_from_frfs_alone():
     key = "coulomb_friction@q2"
     campaign = replace(campaign_with(written(key)), blows=())

@@ -74,6 +74,7 @@ def test_an_unknown_robot_does_not_hide_the_rest(tmp_path):
     assert len(run.exception.faults) == 3
 
 
+@pytest.mark.slow
 def test_workers_change_not_a_bit(fanuc):
     """Each posture draws from streams of its own; a non-linear effect and one in the sensor go along."""
     hide = ["coulomb_friction", "sensor_gain"]
