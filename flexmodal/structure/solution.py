@@ -99,7 +99,7 @@ class Solved:
             given = matrices, bounds, kinds, line_factors(many, self.axis), self.y
             flat = np.stack([scale.real, scale.imag], axis=1)
             if not self.compiled:
-                is_worth_compiling(out.size * _PULL / _SECONDS)
+                is_worth_compiling(0, out.size)  # counts towards the next time
             pull = _compiled()[1] if self.compiled else _pull
             pull(*given, *self.entries.sides, flat, out)
         self._turned(scale, out)
@@ -255,16 +255,18 @@ def _compiled() -> tuple[Any, Any, Any]:
     return solve.compiled, pull.compiled, values.compiled
 
 
-def is_worth_compiling(points: float) -> bool:
+def is_worth_compiling(points: int, slopes: int = 0) -> bool:
     """Whether to work on so many systems and lines by compiled loops.
 
     Args:
-        points: systems times lines, or other work as long as so many of them.
+        points: systems times lines.
+        slopes: numbers among the derivatives.
     """
     if not has_numba():
         return False
     if _compiled.cache_info().currsize:
         return True
+    seconds = points * _SECONDS + slopes * _PULL
     return is_worth_it(
-        "structures", points * _SECONDS, _COMPILATION, lambda: all(one.is_stored() for one in _kernels())
+        "structures", seconds, _COMPILATION, lambda: all(one.is_stored() for one in _kernels())
     )

@@ -106,10 +106,11 @@ def _shape(assembly: Assembly, placement: Placement) -> None:
 
 def centre_of(placement: Placement) -> np.ndarray:
     """Where the springs meet, in the world [m]; the root's origin is at 0."""
-    return _aside(placement) - placement["below"] * np.array([0.0, 0.0, 1.0])
+    return aside_of(placement) - placement["below"] * np.array([0.0, 0.0, 1.0])
 
 
-def _aside(placement: Placement) -> np.ndarray:
+def aside_of(placement: Placement) -> np.ndarray:
+    """The upright axis that the springs are about, in the world [m]; the root's origin is at 0."""
     _, motion = motions(placement.context.normal)
     if placement.context.normal is not None:
         return placement["aside"] * motion[:3, 0]
@@ -150,7 +151,7 @@ def _act(assembly: Assembly, placement: Placement) -> None:
 
 
 def _mass_centre(placement: Placement) -> np.ndarray:
-    return _aside(placement) - placement["mass_below"] * np.array([0.0, 0.0, 1.0])
+    return aside_of(placement) - placement["mass_below"] * np.array([0.0, 0.0, 1.0])
 
 
 def _extend(draft: Draft, placement: Placement) -> None:

@@ -75,7 +75,7 @@ class Effect:
     shape: Callable[[Assembly, Placement], None] | None = None
     """New coordinates and motions. Sees of its own parameters those in `geometry` only."""
     geometry: tuple[str, ...] = ()
-    """Parameters that motions and bodies depend on."""
+    """Parameters that motions and bodies depend on; those of them that the effect has in a context."""
     bodies: Callable[[Assembly, Placement, Bodies, str], bool] | None = None
     """Takes over a link's body, whose name is last; says whether it did."""
     act: Callable[[Assembly, Placement], None] | None = None

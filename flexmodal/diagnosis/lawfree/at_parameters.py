@@ -5,7 +5,7 @@ The structures are solved once there; functions of any value follow from that, s
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -17,7 +17,14 @@ from flexmodal.diagnosis.lawfree.port import Patterns
 from flexmodal.identification.frf_fit import residual
 from flexmodal.identification.layout import Part
 from flexmodal.identification.model import Group
-from flexmodal.structure.ports import CompliancePort, Ported, PortedStructures, StiffnessPort, with_ports
+from flexmodal.structure.ports import (
+    CompliancePort,
+    Moved,
+    Ported,
+    PortedStructures,
+    StiffnessPort,
+    with_ports,
+)
 from flexmodal.structure.ports import Port as StructurePort
 
 _STEP = 1e-4
@@ -169,16 +176,14 @@ class AtParameters:
         self, one: PortedGroup, ported: Ported, scale: np.ndarray
     ) -> Float[np.ndarray, "parameter entry 2 line"]:
         """Derivatives of ln α along the parameters, by real and imaginary part."""
-        model = self.model
         group = one.group if one.group.sloped is None else one.group.sloped()
         found = ported.slopes(scale, group.structures, self._moved(one))
         if group.reading is not None:
-            axis = model.observations.axis_of(group.part.level).take(model.lines)
-            for number, slope in group.reading(axis)[1].items():
+            for number, slope in group.reading(one.ported.solved.axis)[1].items():
                 found[number] += np.stack([slope.real, slope.imag], axis=1)
         return found
 
-    def _moved(self, one: PortedGroup) -> Mapping[int, tuple[np.ndarray, np.ndarray]]:
+    def _moved(self, one: PortedGroup) -> Moved:
         """Derivatives of the patterns of stiffness along their geometry, by the ports of the structures."""
         found, taken = {}, 0
         for port, (patterns, numbers) in enumerate(zip(one.patterns, self.model.geometry, strict=True)):

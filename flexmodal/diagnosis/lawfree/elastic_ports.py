@@ -65,8 +65,9 @@ def _base_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
 
 def _base_shape(assembly: Assembly, placement: Placement) -> None:
     names, motion = base_flexibility.motions(placement.context.normal)
-    axis = [placement[name] for name in BASE_AXIS] if placement.context.normal is None else [0.0, 0.0]
-    assembly.move_root(assembly.add_coordinates(names), carried(motion, -np.array([*axis, 0.0])))
+    if placement.context.normal is None:
+        motion = carried(motion, -base_flexibility.aside_of(placement))
+    assembly.move_root(assembly.add_coordinates(names), motion)
 
 
 BASE = PortKind(
