@@ -8,7 +8,7 @@ import numpy as np
 from tables import ROOT
 
 from flexmodal.prediction import METHODS
-from flexmodal.report.figure import FITTED, MEASURED, SOFT, THIRD, drawing, log_axis, new_figure
+from flexmodal.report.figure import FITTED, MEASURED, PALETTE, SOFT, THIRD, drawing, log_axis, new_figure
 
 ROBOTS = ("fanuc_s360", "six_link")
 COUNTS = (3, 5, 8, 12, 20)
@@ -18,7 +18,7 @@ CURVES = {
     "physics": (MEASURED, "s", "--", "physics alone"),
     "process": (THIRD, "^", "-.", "process without physics"),
     "mean": (SOFT, "x", ":", "mean of the others"),
-    "nearest": ("#CC79A7", "+", ":", "nearest posture"),
+    "nearest": (PALETTE[3], "+", ":", "nearest posture"),
 }
 PICTURE = ROOT / "docs" / "pictures" / "prediction_learning.png"
 SPREAD = 0.03
