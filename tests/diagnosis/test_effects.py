@@ -291,10 +291,39 @@ def test_a_sensor_off_the_surface_is_a_body_there(bench):
     np.testing.assert_allclose(found, other, rtol=1e-3)
 
 
+FAR = {"mount_frequency": 5e3, "mount_damping_ratio": 0.05, "high_pass": 1e-4}
+
+
+def amplified(frequency, mount_frequency, mount_damping_ratio, high_pass):
+    """What a sensor makes of a motion: a mount of second order, a high pass of first."""
+    s, own = 2j * np.pi * frequency, 2 * np.pi * mount_frequency
+    mount = own**2 / (s**2 + 2 * mount_damping_ratio * own * s + own**2)
+    return mount * s / (s + 2 * np.pi * high_pass)
+
+
+def test_the_mount_of_a_sensor_resonates_and_its_amplifier_passes_what_is_high(bench):
+    context, observed, _ = bench
+    where = context.sensors[0]
+    here = observed.response[:, 0] == next(p.id for p in observed.campaign.points if p.name == where)
+    mount = {"mount_frequency": 40.0, "mount_damping_ratio": 0.03, "high_pass": 2.0}
+    plain, other = (
+        ours(context, observed, "sensor_gain", where, {"gain": 1.3, **values}) for values in (FAR, mount)
+    )
+    frequency = observed.axis.frequency
+    factor = amplified(frequency, **mount) / amplified(frequency, **FAR)
+    np.testing.assert_allclose(other[here], factor * plain[here], rtol=1e-9)
+    np.testing.assert_allclose(other[~here], plain[~here], rtol=1e-12)
+
+
 def test_a_sensor_lags_by_a_delay_a_low_pass_and_an_all_pass(bench):
     context, observed, _ = bench
     where = context.sensors[0]
-    plain = ours(context, observed, "sensor_gain", where, {"gain": 1.0})
+    plain = ours(context, observed, "sensor_gain", where, {"gain": 1.0, **FAR})
+    plain = np.where(
+        (observed.response[:, 0] == next(p.id for p in observed.campaign.points if p.name == where))[:, None],
+        plain / amplified(observed.axis.frequency, **FAR),
+        plain,
+    )
     lags = {"delay": 2e-3, "time_constant": 3e-3, "all_pass_time": 4e-3}
     found = ours(context, observed, "time_delay", where, lags)
     omega = 2 * np.pi * observed.axis.frequency
@@ -310,7 +339,7 @@ def test_a_gain_has_either_sign_and_may_change_with_frequency(bench):
     here = observed.response[:, 0] == next(p.id for p in observed.campaign.points if p.name == where)
     plain, other = (
         ours(context, observed, "sensor_gain", where, values)
-        for values in ({"gain": 1.0, "exponent": 0.0}, {"gain": -0.8, "exponent": 0.1})
+        for values in ({"gain": 1.0, "exponent": 0.0, **FAR}, {"gain": -0.8, "exponent": 0.1, **FAR})
     )
     factor = -0.8 * (observed.axis.frequency / 50.0) ** 0.1
     np.testing.assert_allclose(other[here], factor * plain[here], rtol=1e-9)

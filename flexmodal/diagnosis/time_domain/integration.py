@@ -18,7 +18,7 @@ from jaxtyping import Complex, Float
 
 from flexmodal.diagnosis.time_domain import kernel, numpy_form
 from flexmodal.diagnosis.time_domain.kernel import LANES
-from flexmodal.diagnosis.time_domain.law import Law
+from flexmodal.diagnosis.time_domain.law import FRICTION, Law
 from flexmodal.diagnosis.time_domain.pulse import Pulse
 from flexmodal.diagnosis.time_domain.spectrum import WHOLE, spectrum
 from flexmodal.frf.kernels.compiled import Kernel, together
@@ -159,7 +159,7 @@ def torques(
         np.ascontiguousarray(np.swapaxes(late[:, :, :laws], 1, 2)),
         rows,
         np.array([law.kind for law in struck[0].laws]),
-        np.array([[law.parameters for law in one.laws] for one in struck], dtype=float),
+        _parameters(struck, h),
         system,
         push,
         torque,
@@ -171,6 +171,13 @@ def torques(
         torque.reshape(-1, laws, steps.count + 1)[taken],
         last.reshape(-1, states)[taken],
     )
+
+
+def _parameters(struck: Sequence[Struck], step: float) -> Float[np.ndarray, "system law 5"]:
+    """Of the laws; the speed of friction as elongation in a step."""
+    found = np.array([[law.parameters for law in one.laws] for one in struck], dtype=float)
+    found[:, [law.kind == FRICTION for law in struck[0].laws], 4] *= step
+    return found
 
 
 def _lanes(blows: Sequence[Blow]) -> list[Sequence[Blow]]:

@@ -22,36 +22,44 @@ CLOSE = 1e-6
 
 
 @no_type_check  # a checker's wrapper cannot be compiled
-def law(kind, first, second, third, old, new, memory):
-    """Torque at an elongation and its derivative.
+def law(kind, p, old, new, memory):
+    """Torque at an elongation and its derivative, the limit of friction taken as that of the step's speed.
 
     Args:
         kind: code of the law.
-        first: its parameters.
-        second: likewise.
-        third: likewise.
+        p: its five parameters, the last one of friction in elongation per step.
         old: elongation one step ago.
         new: elongation now.
         memory: torque one step ago.
     """
     if kind == 0:
-        ratio = new / second
+        ratio = (new + p[2]) / p[1]
         ratio *= ratio
         part = ratio / (1.0 + ratio)
-        return first * new * part, first * part * (3.0 + ratio) / (1.0 + ratio)
+        torque = p[0] * (new + p[2]) * part + p[3] * new
+        if p[2] != 0.0:
+            rest = (p[2] / p[1]) ** 2
+            torque -= p[0] * p[2] * rest / (1.0 + rest)
+        return torque, p[0] * part * (3.0 + ratio) / (1.0 + ratio) + p[3]
     moved = new - old
-    limit = first if moved >= 0.0 else -first
-    share = max(1.0 - memory / limit, 0.0)  # of the way to sliding that is left
-    way = second * abs(moved) / first
-    power = 1.0 - third
+    most = p[0]
+    if p[3] > 0.0:
+        most *= 1.0 + p[3] * np.exp(-((moved / p[4]) ** 2))
+    limit = most if moved >= 0.0 else -most
+    share = 1.0 - memory / limit  # of the way to sliding that is left; negative where the limit has fallen
+    way = p[1] * abs(moved) / most
+    power = 1.0 - p[2]
     if abs(power) < 1e-9:
         share *= np.exp(-way)
-        return limit - limit * share, second * share
-    left = share**power - power * way if share > 0.0 else 0.0
+        return limit - limit * share, p[1] * share
+    size = abs(share)
+    left = size**power - power * way if size > 0.0 else 0.0
     if left <= 0.0:
         return limit, 0.0
-    share = left ** (1.0 / power)
-    return limit - limit * share, second * share / left
+    size = left ** (1.0 / power)
+    if share < 0.0:
+        size = -size
+    return limit - limit * size, p[1] * size / left
 
 
 @no_type_check
@@ -108,7 +116,7 @@ def settle(kinds, parameters, gain, free, old, held, end, guess, size):
 
     Args:
         kinds: code of each law.
-        parameters: of the laws, [law, 3].
+        parameters: of the laws, [law, 5].
         gain: see `coast`.
         free: see there.
         old: elongations at the beginning, [law, lane].
@@ -121,10 +129,7 @@ def settle(kinds, parameters, gain, free, old, held, end, guess, size):
         for turn in range(ROUNDS):
             settled = True
             for one in range(len(kinds)):
-                value, slope = law(
-                    kinds[one], parameters[one, 0], parameters[one, 1], parameters[one, 2],
-                    old[one, b], end[one, b], held[one, b],
-                )  # fmt: skip
+                value, slope = law(kinds[one], parameters[one], old[one, b], end[one, b], held[one, b])
                 own = gain[one, one]
                 miss = end[one, b] - free[one, b] + own * value
                 for other in range(len(kinds)):
@@ -152,7 +157,7 @@ def integrate(phi, carried, late, rows, kinds, parameters, system, push, torque,
         late: to the state at once.
         rows: elongations by the state, [system, law, state].
         kinds: code of each law.
-        parameters: of the laws, [system, law, 3].
+        parameters: of the laws, [system, law, 5], see `law`.
         system: which one each group of blows strikes, [group].
         push: what the hammer adds in each step until its pulse is over, [group, step, state, lane].
         torque: filled, [group, lane, law, time]; zero at the start.

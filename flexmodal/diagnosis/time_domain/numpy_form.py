@@ -15,7 +15,7 @@ def integrate(
     late: Float[np.ndarray, "system law state"],
     rows: Float[np.ndarray, "system law state"],
     kinds: Int[np.ndarray, " law"],
-    parameters: Float[np.ndarray, "system law 3"],
+    parameters: Float[np.ndarray, "system law 5"],
     system: Int[np.ndarray, " group"],
     push: Float[np.ndarray, "group step state lane"],
     torque: Float[np.ndarray, "group lane law time"],
@@ -70,17 +70,20 @@ def _law(
     kind: int, p: np.ndarray, old: np.ndarray, new: np.ndarray, memory: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     if kind == HARDENING:
-        ratio = (new / p[:, 1]) ** 2
+        ratio, rest = ((new + p[:, 2]) / p[:, 1]) ** 2, (p[:, 2] / p[:, 1]) ** 2
         part = ratio / (1 + ratio)
-        return p[:, 0] * new * part, p[:, 0] * part * (3 + ratio) / (1 + ratio)
+        torque = p[:, 0] * ((new + p[:, 2]) * part - p[:, 2] * rest / (1 + rest)) + p[:, 3] * new
+        return torque, p[:, 0] * part * (3 + ratio) / (1 + ratio) + p[:, 3]
     moved = new - old
-    limit = np.where(moved >= 0, p[:, 0], -p[:, 0])
-    share = np.maximum(1 - memory / limit, 0.0)  # of the way to sliding that is left
-    way, power = p[:, 1] * np.abs(moved) / p[:, 0], 1 - p[:, 2]
+    most = p[:, 0] * (1 + p[:, 3] * np.exp(-((moved / p[:, 4]) ** 2)))
+    limit = np.where(moved >= 0, most, -most)
+    share = 1 - memory / limit  # of the way to sliding that is left; negative where the limit has fallen
+    way, power = p[:, 1] * np.abs(moved) / most, 1 - p[:, 2]
     smooth = np.abs(power) < 1e-9
     root = np.where(smooth, 1.0, power)
     with np.errstate(divide="ignore", invalid="ignore"):
-        left = np.where(share > 0, share**root - root * way, 0.0)
-        share = np.where(smooth, share * np.exp(-way), np.where(left > 0, left ** (1 / root), 0.0))
-        slope = np.where(share > 0, p[:, 1] * share ** p[:, 2], 0.0)
-    return limit - limit * share, slope
+        left = np.where(share != 0, np.abs(share) ** root - root * way, 0.0)
+        size = np.where(smooth, np.abs(share) * np.exp(-way), np.where(left > 0, left ** (1 / root), 0.0))
+        slope = np.where(size > 0, p[:, 1] * size ** p[:, 2], 0.0)
+    sign = np.sign(share)
+    return limit - limit * sign * size, sign * slope
