@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 import flexmodal
-from flexmodal.diagnosis.effects import Context, catalogue, link_flexibility
+from flexmodal.diagnosis.effects import Context, catalogue, hinges, link_flexibility
 from flexmodal.diagnosis.effects.effect import along, sides
-from flexmodal.diagnosis.effects.hinges import gauss, shares
+from flexmodal.diagnosis.effects.hinges import gauss, quadrature, shares
 from flexmodal.diagnosis.effects.sensors import mounted
 from flexmodal.diagnosis.effects.servo_compliance import loop
 from flexmodal.diagnosis.hypothesis import Hypothesis
@@ -439,6 +439,28 @@ def test_a_slender_link_has_the_modes_of_a_beam(slender, monkeypatch):
 def _with_hinges(monkeypatch, count, then):
     monkeypatch.setattr(link_flexibility, "fixed", lambda context, where: gauss(count))
     return then()
+
+
+@pytest.mark.parametrize(("start", "end"), [(0.0, 1.0), (0.0, 0.4), (0.4, 1.0), (0.3, 0.6)])
+@pytest.mark.parametrize("count", [4, 5, 7])
+def test_hinges_of_a_piece_integrate_polynomials(start, end, count):
+    place, weight = quadrature(start, end, count)
+    assert np.all(weight > 0)
+    assert np.all(np.diff(place) > 0)
+    assert (place[0] == 0.02) == (start == 0.0)
+    assert (place[-1] == 0.98) == (end == 1.0)
+    for degree in range(4):
+        exact = (end ** (degree + 1) - start ** (degree + 1)) / (degree + 1)
+        assert weight @ place**degree == pytest.approx(exact, rel=1e-12)
+
+
+def test_hinges_of_a_link_have_the_moments_of_an_even_beam(slender):
+    context, _, _ = slender
+    known = [hinges.fixed(context, link) for link in context.links]
+    assert any(one is not None for one in known)
+    for place, weight in filter(None, known):
+        assert np.all(np.diff(place) > 1e-3)
+        assert np.stack([place**0, place, place**2]) @ weight == pytest.approx([1, 1 / 2, 1 / 3])
 
 
 @pytest.mark.parametrize("mean", [0.03, 0.17175, 0.5, 0.97])

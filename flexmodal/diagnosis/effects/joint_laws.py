@@ -76,7 +76,8 @@ def dahl(
         short = middle + left(middle, 2 * size) < 2
         low, high = np.where(short, middle, low), np.where(short, high, middle)
     q = -np.cos(_PHASE)  # from −A to A
-    force = torque * (1 - left(((low + high) / 2)[..., None], size[..., None] * (q + 1)))
+    most = np.asarray(torque)[..., None]
+    force = most * (1 - left(((low + high) / 2)[..., None], size[..., None] * (q + 1)))
     stiffness = 2 / len(_PHASE) * np.sum(force * q, axis=-1) / amplitude
     loss = 2 / len(_PHASE) * np.sum(force * np.sin(_PHASE), axis=-1) / amplitude
     return stiffness, loss
