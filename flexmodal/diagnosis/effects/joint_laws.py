@@ -135,8 +135,7 @@ FRICTION = Effect(
     parameters=_friction_parameters,
     starts=lambda context, where: [
         {"torque": share * float(context.robot.joints[where].stiffness) * _typical(context, where)[0], **more}
-        for share in (0.02, 0.1, 0.4)
-        for more in ({}, {"stiction": 0.5})
+        for share, more in ((0.02, {}), (0.1, {}), (0.4, {}), (0.1, {"stiction": 0.5}))
     ],
     act=_rub,
     law=lambda assembly, placement: friction(
@@ -201,8 +200,7 @@ NONLINEAR = Effect(
     starts=lambda context, where: [
         {"change": change, "deflection": share * _typical(context, where)[0], "wound": wound}
         for change in (0.3, -0.3)
-        for share in (0.6, 2.0)
-        for wound in (0.0, 0.8)
+        for share, wound in ((0.6, 0.0), (2.0, 0.0), (1.0, 0.8))
     ],
     act=_stiffen,
     law=_spring,
