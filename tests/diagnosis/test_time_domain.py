@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from flexmodal.diagnosis.effects.joint_laws import dahl, hardened
+from flexmodal.diagnosis.effects.joint_laws import dahl, hardened, levelling
 from flexmodal.diagnosis.time_domain.integration import Steps, Struck, integrate, loop_of, torques
 from flexmodal.diagnosis.time_domain.kernel import law
-from flexmodal.diagnosis.time_domain.law import FRICTION, HARDENING, friction, hardening
+from flexmodal.diagnosis.time_domain.law import FRICTION, HARDENING, SLOW, friction, hardening, slow_friction
 from flexmodal.diagnosis.time_domain.pulse import Pulse, haversine, usual
 from flexmodal.diagnosis.time_domain.record import record_receptance
 from flexmodal.diagnosis.time_domain.spectrum import spectrum
@@ -133,6 +133,13 @@ def test_the_stand_in_of_a_wound_spring_is_its_first_harmonic():
     first = 2 * np.mean(torque * np.cos(phase)) / amplitude - given[3]
     assert 500 * hardened(np.array([1.7]), 0.7)[0] == pytest.approx(first, rel=1e-6)
     assert hardened(np.array([1.7]), 1e-9)[0] == pytest.approx(hardened(np.array([1.7]))[0], rel=1e-6)
+
+
+@pytest.mark.parametrize("speed", [1e-4, 0.05, 3.0])
+def test_the_stand_in_of_slow_friction_loses_what_it_does(speed):
+    phase = np.linspace(0, 2 * np.pi, 20001)[1:]
+    lost = np.mean([law(SLOW, np.array([0.7, 0.04]), 0.0, v, 0.0)[0] * v for v in speed * np.cos(phase)])
+    assert levelling(np.array([speed]), 0.7, 0.04)[0] * speed**2 / 2 == pytest.approx(lost, rel=2e-3)
 
 
 @pytest.mark.parametrize("speed", [0.05, 0.2, 1.0])
@@ -282,6 +289,8 @@ def integrated(laws, end, tolerance=1e-10):
                 share = max(share, 0.0)  # rounding
             rates.append(stiffness * speed * np.sign(share) * abs(share) ** exponent)
         for one in laws:
+            if one.kind == SLOW:
+                force = force - one.row * (one.parameters[0] * np.tanh(one.row @ v / one.parameters[1]))
             if one.kind == HARDENING:
                 top, deflection, wound, linear, _ = one.parameters
                 now, rest = (one.row @ q + wound) / deflection, wound / deflection
@@ -299,6 +308,8 @@ LAWS = {
     "hardening": (hardening(FIRST, 6e3, 2e-3),),
     "softening": (hardening(FIRST, -6e3, 2e-3),),
     "friction at rest": (friction(FIRST, 3.0, 3e4, 1.0, 0.4, 0.05),),
+    "slow friction": (slow_friction(FIRST, 3.0, 0.02),),
+    "both kinds of friction": (friction(FIRST, 2.0, 3e4), slow_friction(FIRST, 1.5, 0.3)),
     "wound up": (hardening(FIRST, 6e3, 2e-3, 1e-3, 9e3),),
     "both": (hardening(np.array([-1.0, 1.0]), 3e3, 2e-3), friction(FIRST, 3.0, 3e4)),
 }

@@ -55,7 +55,7 @@ def _compact(placement: Placement, place: np.ndarray) -> Body:
 
 
 def _ways(context: Context, where: str) -> list[np.ndarray]:
-    """Unit vectors along which a mount gives, in the frame of the link: two in the plane of a planar chain."""
+    """Unit vectors along which a mount gives, in the frame of the link; in a planar chain two."""
     _, axis = along(context, where)
     return [axis, *sides(context, where, axis)]
 
@@ -84,7 +84,13 @@ def _act(assembly: Assembly, placement: Placement) -> None:
 
 def _physical(context: Context, where: str, values: Mapping[str, float]) -> dict[str, float]:
     x, y, z = place_on(context, where, values).tolist()
-    return {"mass": values["mass"], "x": x, "y": y, "z": z, **{name: values[name] for name in ("gyration", "mount_frequency")}}
+    return {
+        "mass": values["mass"],
+        "x": x,
+        "y": y,
+        "z": z,
+        **{name: values[name] for name in ("gyration", "mount_frequency")},
+    }
 
 
 def _extend(draft: Draft, placement: Placement) -> None:

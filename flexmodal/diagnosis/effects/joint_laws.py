@@ -16,7 +16,7 @@ from jaxtyping import Float
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Effect, Placement, positive, signed
 from flexmodal.diagnosis.effects.swing import swings
-from flexmodal.diagnosis.time_domain.law import Law, friction, hardening
+from flexmodal.diagnosis.time_domain.law import Law, friction, hardening, slow_friction
 from flexmodal.structure import Parameter
 from flexmodal.structure.assembly import Assembly
 
@@ -99,6 +99,7 @@ def hardened(amplitude: Float[np.ndarray, "*many"], wound: float = 0.0) -> Float
 
 
 _FRICTION = ("torque", "presliding_stiffness", "exponent", "stiction", "stribeck_speed")
+_SLOW = ("slow_torque", "slow_speed")
 _SPEED = 0.7
 """Of the largest speed of a swing, where friction takes most of its energy."""
 
@@ -111,6 +112,26 @@ def _rub(assembly: Assembly, placement: Placement) -> None:
     row = assembly.stretch_of(placement.where)
     assembly.add_spring(row, stiffness)
     assembly.add_damper(row, loss / omega)
+    assembly.add_damper(row, levelling(amplitude * omega, *(placement[name] for name in _SLOW)))
+
+
+def levelling(speed: Float[np.ndarray, "*many"], torque: float, slow: float) -> Float[np.ndarray, "*many"]:
+    """Damping that a swing feels of T tanh(v/v_t).
+
+    Args:
+        speed: largest in the swing [rad/s].
+        torque: T [N·m].
+        slow: v_t [rad/s].
+    """
+    wave, most = np.sin(_PHASE), np.maximum(speed, 1e-12 * slow)
+    felt = np.tanh(most[..., None] * wave / slow)
+    return np.asarray(2 / len(_PHASE) * torque * np.sum(felt * wave, axis=-1) / most)
+
+
+def _rubbing(assembly: Assembly, placement: Placement) -> tuple[Law, Law]:
+    row = assembly.stretch_of(placement.where)
+    hysteretic = friction(row, *(placement[name] for name in _FRICTION))
+    return hysteretic, slow_friction(row, *(placement[name] for name in _SLOW))
 
 
 def _friction_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
@@ -123,8 +144,20 @@ def _friction_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
         signed("exponent", "", 0.4, 0.0, 1.6, centre=1.0),
         positive("stiction", "", 0.02, 1.5, 1e-3, 4.0),
         positive("stribeck_speed", "rad/s", 0.3 * speed, 1.2, 1e-3 * speed, 10 * speed),
+        positive("slow_torque", "N·m", 0.003 * torque, 2.0, torque / 1e5, torque * 1e3),
+        positive("slow_speed", "rad/s", 0.3 * speed, 1.2, 1e-3 * speed, 10 * speed),
         positive("reach", "", 1.0, 0.7, 0.05, 20.0),
     )
+
+
+def _friction_starts(context: Context, where: str) -> list[Mapping[str, float]]:
+    size = 0.1 * float(context.robot.joints[where].stiffness) * _typical(context, where)[0]
+    found = [{"torque": share * size} for share in (0.2, 1.0, 4.0)]
+    return [
+        *found,
+        {"torque": size, "stiction": 0.5},
+        *({"torque": 0.01 * size, "slow_torque": share * size} for share in (0.3, 2.0)),
+    ]
 
 
 FRICTION = Effect(
@@ -133,17 +166,12 @@ FRICTION = Effect(
     looks_like="resonances that are lower and less damped the harder the blow",
     places=lambda context: context.joints,
     parameters=_friction_parameters,
-    starts=lambda context, where: [
-        {"torque": share * float(context.robot.joints[where].stiffness) * _typical(context, where)[0], **more}
-        for share, more in ((0.02, {}), (0.1, {}), (0.4, {}), (0.1, {"stiction": 0.5}))
-    ],
+    starts=_friction_starts,
     act=_rub,
-    law=lambda assembly, placement: friction(
-        assembly.stretch_of(placement.where), *(placement[name] for name in _FRICTION)
-    ),
+    law=_rubbing,
     variants=("blow",),
     untestable=_one_level,
-    physical=lambda context, where, values: {name: values[name] for name in _FRICTION},
+    physical=lambda context, where, values: {name: values[name] for name in (*_FRICTION, *_SLOW)},
 )
 
 
@@ -154,19 +182,20 @@ def _stiffness(placement: Placement) -> float:
     )
 
 
-def _spring(assembly: Assembly, placement: Placement) -> Law:
+def _spring(assembly: Assembly, placement: Placement) -> tuple[Law]:
     deflection, stiffness = placement["deflection"], _stiffness(placement)
-    return hardening(
+    law = hardening(
         assembly.stretch_of(placement.where),
         placement["change"] * stiffness,
         deflection,
         placement["wound"] * deflection,
         stiffness,
     )
+    return (law,)
 
 
 def _stiffen(assembly: Assembly, placement: Placement) -> None:
-    law, wound = _spring(assembly, placement), placement["wound"]
+    (law,), wound = _spring(assembly, placement), placement["wound"]
     part = hardened(_swing(placement)[0] / placement["deflection"], wound)
     top, _, _, at_rest, _ = law.parameters
     assembly.add_spring(law.row, top * part + at_rest)

@@ -19,7 +19,6 @@ from flexmodal.structure import Parameter
 from flexmodal.structure.arm import Body
 from flexmodal.structure.assembly import Assembly
 
-
 HIGHEST = 1.15
 """Of the band's end, up to which something swings; what is stiffer is a mass."""
 

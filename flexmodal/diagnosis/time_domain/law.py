@@ -1,8 +1,9 @@
 """Torques that depend on how far a joint has moved, and on the way there.
 
-Two laws, both zero at rest:
+Three laws, all zero at rest:
 
     dry friction (Dahl, AFOSR report 0158, 1968)    dT/dq = σ (1 − (T/T_c) sgn q̇)ⁱ,
+    friction that is viscous when slow              T = T_v tanh(q̇/v_t)  (Andersson and others, 2007),
     spring that hardens or softens                  T = a k q u²/(1 + u²),  u = q/q_r, beside k q.
 
 The exponent i says how friction goes over from its spring to sliding: 0 at once, as Jenkins's element does,
@@ -23,7 +24,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float
 
-HARDENING, FRICTION = 0, 1
+HARDENING, FRICTION, SLOW = 0, 1, 2
 """Codes of the laws in the kernels."""
 
 
@@ -35,7 +36,8 @@ class Law:
     """Elongation = row · coordinates [rad, m]."""
     kind: int
     parameters: tuple[float, float, float, float, float]
-    """Of friction T_c, σ, i, r, v_s; of a spring a k, q_r, q_r u₀, the linear part on top, and nothing."""
+    """Of friction T_c, σ, i, r, v_s; of a spring a k, q_r, q_r u₀, the linear part on top, and nothing;
+    of what is viscous when slow T_v, v_t, and nothing."""
 
     def of_system(self, k: int) -> Law:
         """In one of the systems, if its row is not the same in all."""
@@ -61,6 +63,17 @@ def friction(
         speed: at which that has fallen to 1/e, v_s [rad/s].
     """
     return Law(row, FRICTION, (torque, presliding_stiffness, exponent, stiction, speed))
+
+
+def slow_friction(row: Float[np.ndarray, "*system dof"], torque: float, speed: float) -> Law:
+    """Friction that grows with speed and levels off.
+
+    Args:
+        row: elongation by the coordinates.
+        torque: that it comes to [N·m].
+        speed: at which three quarters of it are there, v_t [rad/s].
+    """
+    return Law(row, SLOW, (torque, speed, 0.0, 0.0, 0.0))
 
 
 def hardening(

@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from flexmodal.diagnosis.time_domain.kernel import CLOSE, ROUNDS, STUBBORN
-from flexmodal.diagnosis.time_domain.law import HARDENING
+from flexmodal.diagnosis.time_domain.law import HARDENING, SLOW
 
 
 def integrate(
@@ -49,18 +49,19 @@ def _settle(
     guess = held.copy()
     active = np.ones(len(free), dtype=bool)
     for turn in range(ROUNDS):
-        worst = np.zeros(len(free), dtype=bool)
-        for one, kind in enumerate(kinds):
-            value, slope = _law(int(kind), parameters[:, one], old[:, one], end[:, one], held[:, one])
-            own = gain[:, one, one]
-            others = np.einsum("bm,bm->b", gain[:, one], guess) - own * guess[:, one]
-            change = -(end[:, one] - free[:, one] + own * value + others) / (1 + own * slope)
-            change = np.where(active, change * (0.5 if turn >= STUBBORN else 1.0), 0.0)
-            end[:, one] += change
-            guess[:, one] = np.where(active, value + slope * change, guess[:, one])
-            size[:, one] = np.maximum(size[:, one], np.abs(end[:, one]))
-            worst |= np.abs(change) > CLOSE * size[:, one]
-        active &= worst
+        found = [
+            _law(int(kind), parameters[:, k], old[:, k], end[:, k], held[:, k])
+            for k, kind in enumerate(kinds)
+        ]
+        value, slope = (np.stack(each, axis=1) for each in zip(*found, strict=True))
+        matrix = np.eye(len(kinds)) + gain * slope[:, None, :]
+        miss = free - end - np.einsum("blm,bm->bl", gain, value)
+        change = np.linalg.solve(matrix, miss[..., None])[..., 0] * (0.5 if turn >= STUBBORN else 1.0)
+        change = np.where(active[:, None], change, 0.0)
+        end += change
+        guess = np.where(active[:, None], value + slope * change, guess)
+        np.maximum(size, np.abs(end), out=size)
+        active &= np.any(np.abs(change) > CLOSE * size, axis=1)
         if not active.any():
             break
     return end, guess
@@ -69,6 +70,9 @@ def _settle(
 def _law(
     kind: int, p: np.ndarray, old: np.ndarray, new: np.ndarray, memory: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
+    if kind == SLOW:
+        part = np.tanh(new / p[:, 1])
+        return p[:, 0] * part, p[:, 0] / p[:, 1] * (1 - part**2)
     if kind == HARDENING:
         ratio, rest = ((new + p[:, 2]) / p[:, 1]) ** 2, (p[:, 2] / p[:, 1]) ** 2
         part = ratio / (1 + ratio)
