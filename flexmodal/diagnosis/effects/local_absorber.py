@@ -55,7 +55,7 @@ def _starts(context: Context, where: str) -> list[Mapping[str, float]]:
     turns: list[dict[str, float]] = [{}] if context.normal is not None else [{"turn": 0.0}, {"turn": 1.57}]
     grid = [(float(f), 0.06, 0.03) for f in np.geomspace(first, last, 10)]
     grid += [(float(f), 0.008, 0.06) for f in np.geomspace(first, last, 16)]
-    found = [
+    found: list[Mapping[str, float]] = [
         {"frequency": f, "mass": share * context.arm_mass, "damping_ratio": ratio, "along": 0.75, **turn}
         for f, share, ratio in grid
         for turn in turns
