@@ -141,6 +141,9 @@ class Found:
     def could_be(self, effect: str, where: str) -> bool:
         """Whether the place and the class allow for an effect of the catalogue.
 
+        A curve of no class that is known here speaks for nothing, and against nothing: templates are narrower
+        than the effects.
+
         Args:
             effect: its name.
             where: its place.
@@ -148,7 +151,7 @@ class Found:
         here = self.has(effect, where)
         if not here or self.curve is None or effect not in CLASSES_OF or self.where != where:
             return here  # a function of its own in each posture and blow has no curve
-        return any(one.name in CLASSES_OF[effect] for one in self.classes)
+        return not self.classes or any(one.name in CLASSES_OF[effect] for one in self.classes)
 
     def surely(self, effect: str) -> bool:
         """Whether nothing else can be in its place and its curve tells the class of an effect.
@@ -157,7 +160,7 @@ class Found:
             effect: its name.
         """
         others = [key for key in self.alike if not holds(key, (self.port, self.where))]
-        return self.curve is not None and effect in CLASSES_OF and not others
+        return self.curve is not None and bool(self.classes) and effect in CLASSES_OF and not others
 
 
 @dataclass(frozen=True, eq=False)

@@ -34,9 +34,9 @@ from flexmodal.diagnosis.selection.frf_thresholds import (
     FLOOR_REACHED,
     FORCE,
     FORCE_MARGIN,
-    LARGER_PART,
     NEARLY_ALL,
     at_the_noise,
+    least_share,
     takes_enough,
 )
 from flexmodal.diagnosis.selection.stand_in import stand_in
@@ -141,8 +141,7 @@ class FrfData(Data[FittedFrfs]):
         met = self.look.met(keys)
         if len(met) < max(len(keys), len(self.look.found)):
             return False
-        sure = all(one.surely(name) for (name, _), one in met.items())
-        return self.share(self.root, model) >= (LARGER_PART if sure else NEARLY_ALL)
+        return self.share(self.root, model) >= least_share(met)
 
     def vouches(self, model: FittedFrfs) -> bool:
         """See `Data`: with several places that explain everything without a law, one effect at each."""

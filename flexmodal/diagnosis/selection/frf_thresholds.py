@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
+from flexmodal.diagnosis.lawfree.result import Found
 from flexmodal.diagnosis.selection.comparison import MARGIN
 from flexmodal.diagnosis.selection.decision import SIGNIFICANT, Answer, reaches
 
@@ -14,6 +17,8 @@ ANOTHER, ANOTHER_MARGIN = 0.33, 0.02
 LARGER_PART, NEARLY_ALL = 0.5, 0.9
 """Part of the disagreement that an effect takes to be named where its law is not quite the catalogue's; the
 second where no curve tells its class, or other places cannot be told from its own."""
+ALL_BUT_LITTLE = 0.97
+"""The same where the curve is of no class that is known, so that it speaks for no effect."""
 CLEARLY = 2.0
 """Times by which the misfit without an effect, the others being there, has to exceed that with its function
 free, for it to be named where all of them leave more than noise."""
@@ -26,6 +31,17 @@ LEFT = 0.03
 """Part of the disagreement above the noise that may be left then."""
 FLOOR_MARGIN = 0.035
 """The last 7 % up to these three are the border, which is told: a threshold with this relative margin."""
+
+
+def least_share(met: Mapping[tuple[str, str], Found]) -> float:
+    """Part of the disagreement that effects take at least, to be named where their laws leave more than noise.
+
+    Args:
+        met: the place without a law that each of them sits at, by name and place.
+    """
+    if any(one.curve is not None and not one.classes for one in met.values()):
+        return ALL_BUT_LITTLE
+    return LARGER_PART if all(one.surely(name) for (name, _), one in met.items()) else NEARLY_ALL
 
 
 def at_the_noise(over: float, rest: float) -> Answer:

@@ -61,7 +61,9 @@ def test_only_effects_of_the_place_and_class_are_allowed():
     assert not BENT.could_be("servo_compliance", "q1")
     other = replace(BENT, classes=(class_of("mass"),))
     assert not other.could_be("link_flexibility", "link_2")
-    assert not replace(BENT, classes=()).could_be("link_flexibility", "link_2")
+    unknown = replace(BENT, classes=())
+    assert unknown.could_be("link_flexibility", "link_2")  # of no class that is known: no word against it
+    assert not replace(unknown, alike=unknown.alike[:1]).surely("link_flexibility")
     curveless = replace(BENT, curve=None, classes=(), alike=(("link", "link_2"),))  # one for each blow
     assert curveless.could_be("link_flexibility", "link_2")
     assert not curveless.surely("link_flexibility")
