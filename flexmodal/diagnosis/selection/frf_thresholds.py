@@ -34,7 +34,7 @@ FLOOR_MARGIN = 0.035
 
 
 def least_share(met: Mapping[tuple[str, str], Found]) -> float:
-    """Part of the disagreement that effects take at least, to be named where their laws leave more than noise.
+    """Part of the disagreement that effects take at least, to be named where they leave more than noise.
 
     Args:
         met: the place without a law that each of them sits at, by name and place.
