@@ -157,7 +157,11 @@ def leave_each_out(
         x = evidence.keeping(~here).fit(fitted.x, warm=True, settled=SETTLED).x
         known = known_by(evidence, panel, x, tuple(one for one in numbers if one != number), sliding)
         resonances[number] = known.resonances[number]
-        for name, value in predicted_by_all(known, number).items():
+        rows = panel.of_posture(number)
+        made = predicted_by_all(
+            known, seen.postures[number].q, known.physics[rows], panel.place[rows], known.resonances[number]
+        )
+        for name, value in made.items():
             found[name][here] = value
         learnt[here] = _ratio(found["hybrid"][here], found["physics"][here])
         advance()

@@ -4,20 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
 from flexmodal.campaign import Campaign, named_direction
 from flexmodal.errors import Fault, InvalidRequest
-from flexmodal.identification import build_identification
+from flexmodal.identification import build_identification, predict
 from flexmodal.identification.evidence.frf import FrfEvidence
 from flexmodal.model import Robot
 from flexmodal.model.placements import link_placements
+from flexmodal.prediction.alignment import natural_frequencies
 from flexmodal.prediction.band import band, remoteness
 from flexmodal.prediction.frf_prediction import FrfPrediction, PredictedFrf
 from flexmodal.prediction.leave_one_out import LeftOut, known_by, leave_each_out
-from flexmodal.prediction.methods import METHODS, predicted_by_all
+from flexmodal.prediction.methods import METHODS, Known, predicted_by_all
 from flexmodal.prediction.panel import Panel, with_posture
 from flexmodal.structure.parameter import ParameterSpace
 from flexmodal.text.extras import extra
@@ -37,6 +39,12 @@ class PredictionProblem:
     """Coordinates of the fit to everything."""
     left_out: LeftOut
     sliding: tuple[str, ...]
+
+    @cached_property
+    def known(self) -> Known:
+        """What every posture is predicted from."""
+        left = self.left_out
+        return known_by(self.evidence, left.panel, self.x, left.postures, self.sliding)
 
 
 def build_prediction(
@@ -114,13 +122,18 @@ def solve_by_all(
     left = problem.left_out
     panel = with_posture(left.panel, name, where)
     target = len(panel.observations.postures) - 1
+    model = problem.evidence.model
     with threadpool_limits(1):
-        known = known_by(problem.evidence, panel, problem.x, left.postures, problem.sliding)
-        values = predicted_by_all(known, target, left.share)
+        there = panel.observations.keeping(panel.observations.posture == target)
+        resonances = natural_frequencies(model, problem.x, where)  # type: ignore[arg-type]
+        values = predicted_by_all(
+            problem.known, where, predict(model, problem.x, there), np.arange(len(panel.pairs)), resonances,
+            left.share,
+        )  # fmt: skip
     far, beyond = remoteness(left, where), _beyond(problem, where)
     found = {}
     for method, value in values.items():
-        halves = band(left, method, known.resonances[target])
+        halves = band(left, method, resonances)
         wider = 1.0 if method == "physics" else far
         frfs = _frfs(problem, panel, value, (wider * halves[0], np.minimum(wider * halves[1], np.pi)))
         found[method] = FrfPrediction(

@@ -175,9 +175,11 @@ def test_hybrid_is_physics_times_the_share_of_what_was_learnt(problem, every):
     """Two routes: the prediction, and all of what was learnt, put in by hand."""
     made = solve_by_all(problem, every.postures[5].q)
     left = problem.left_out
-    panel = with_posture(left.panel, "there", dict(every.postures[5].q))
-    known = known_by(problem.evidence, panel, problem.x, left.postures, problem.sliding)
-    whole = predicted_by_all(known, len(panel.observations.postures) - 1)
+    q = dict(every.postures[5].q)
+    panel = with_posture(left.panel, "there", q)
+    there = known_by(problem.evidence, panel, problem.x, left.postures, problem.sliding)
+    rows, resonances = panel.of_posture(len(panel.observations.postures) - 1), there.resonances[-1]
+    whole = predicted_by_all(problem.known, q, there.physics[rows], panel.place[rows], resonances)
     assert 0.0 < left.share < 1.0
     for number, one in enumerate(made["hybrid"].frfs):
         learnt = np.log(whole["hybrid"][number] / whole["physics"][number])
