@@ -130,14 +130,14 @@ def solve_by_all(
             problem.known, where, predict(model, problem.x, there), np.arange(len(panel.pairs)), resonances,
             left.share,
         )  # fmt: skip
-    far, beyond = remoteness(left, where), _beyond(problem, where)
+    far, outside = remoteness(left, where), beyond(problem, where)
     found = {}
     for method, value in values.items():
         halves = band(left, method, resonances)
         wider = 1.0 if method == "physics" else far
         frfs = _frfs(problem, panel, value, (wider * halves[0], np.minimum(wider * halves[1], np.pi)))
         found[method] = FrfPrediction(
-            problem.robot.name, problem.campaign.title, where, panel.axis, frfs, method, left, beyond, far,
+            problem.robot.name, problem.campaign.title, where, panel.axis, frfs, method, left, outside, far,
             _axes(problem, frfs), _ways(problem, panel, where),
         )  # fmt: skip
     return found
@@ -213,8 +213,13 @@ def predict_posture(
     return solve_prediction(problem, q, name=name, method=method)
 
 
-def _beyond(problem: PredictionProblem, q: Mapping[str, float]) -> tuple[str, ...]:
-    """Joints outside the range that was measured."""
+def beyond(problem: PredictionProblem, q: Mapping[str, float]) -> tuple[str, ...]:
+    """Joints outside the range that was measured.
+
+    Args:
+        problem: with the measured postures.
+        q: a posture [rad, m].
+    """
     measured = [
         problem.left_out.panel.observations.postures[number].q for number in problem.left_out.postures
     ]

@@ -55,6 +55,7 @@ class Surface:
             np.exp(np.mean([np.log(one[:count]) for one in resonances], axis=0)) if count else np.zeros(0)
         )
         if count:
+            middle = np.exp(np.mean([np.log(one[:count]) for one in resonances], axis=0))
             rows = [
                 resampled(row, axis, aligned(axis, middle, own[:count]))
                 for row, own in zip(rows, resonances, strict=True)
