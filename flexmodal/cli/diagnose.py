@@ -109,13 +109,15 @@ def _names(text: str | None) -> list[str] | None:
 
 
 def _print(diagnosis: Diagnosis) -> None:
+    from flexmodal.report.words import percent
+
     say(diagnosis.verdict.says)
     for step in diagnosis.steps:
         rows = [
             [name, f"{value:.5g}", _error(step.uncertainty.get(name)), step.units.get(name, "")]
             for name, value in step.parameters.items()
         ]
-        title = f"{step.effect} at {step.where}, confidence {100 * step.confidence:.0f} %"
+        title = f"{step.effect} at {step.where}, confidence {percent(step.confidence)}"
         print_table(title, ["parameter", "value", "±", "unit"], rows)
     gaps = diagnosis.gaps
     cells: list[tuple[str, float | None, float | None]] = [

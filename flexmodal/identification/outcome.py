@@ -16,6 +16,7 @@ from flexmodal.identification.evidence.evidence import Fitted
 from flexmodal.identification.evidence.frf import FrfEvidence
 from flexmodal.identification.identifiability import Combination, Identifiability
 from flexmodal.identification.uncertainty import Uncertainty
+from flexmodal.report.words import times_noise
 from flexmodal.structure.parameter import Parameter
 from flexmodal.text.extras import extra
 from flexmodal.text.shown import Shown
@@ -210,14 +211,14 @@ class Identification(Shown):
     def verdict(self) -> str:
         """What to think of it, and what to do next."""
         gap, says = self.gap, []
-        times = f"{self.over_noise:.1f}" if self.over_noise < 10 else f"{self.over_noise:.3g}"
+        times = times_noise(self.over_noise)
         if not self.fitted.converged:
             says.append("the fit did not converge: give more steps or better starting values")
         if self.explained:
-            says.append(f"the model meets the data to {times} times the noise")
+            says.append(f"the model meets the data to {times}")
         else:
             says.append(
-                f"the fit leaves {times} times the noise: something is missing from the model; "
+                f"the fit leaves {times}: something is missing from the model; "
                 "`flexmodal diagnose` looks for it"
             )
         if self.withheld:

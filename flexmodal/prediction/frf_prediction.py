@@ -13,6 +13,7 @@ from flexmodal.frf import PointDirection
 from flexmodal.identification.baselines import BETTER, untold
 from flexmodal.prediction.leave_one_out import LeftOut, together, typical
 from flexmodal.prediction.methods import DATA_ALONE, METHODS
+from flexmodal.report.words import times_noise
 from flexmodal.text.shown import Shown
 
 FEW = 5
@@ -119,11 +120,11 @@ def worth(left: LeftOut, method: str) -> list[str]:
         left: what was left out.
         method: that predicts.
     """
-    gaps, floor = left.typical, left.noise_floor
+    gaps = left.typical
     here = gaps[method]
     says = [
         f"predicted by {method}, {METHODS[method]}: {here:.2g} on a typical posture it had not "
-        f"seen, {here / floor:.1f} times the noise"
+        f"seen, {times_noise(left.typical_times(method))}"
     ]
     each = zip(left.names, left.gaps[method].tolist(), strict=True)
     far = [f"{name} ({value:.2g})" for name, value in each if value > APART * here]

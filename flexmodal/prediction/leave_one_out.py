@@ -24,7 +24,8 @@ from jaxtyping import Complex, Float
 from flexmodal.identification.baselines import BETTER, shuffled
 from flexmodal.identification.evidence.evidence import Fitted
 from flexmodal.identification.evidence.frf import FrfEvidence
-from flexmodal.identification.gap import gap
+from flexmodal.identification.gap import gap, over_noise
+from flexmodal.identification.observations import Observations
 from flexmodal.prediction.alignment import natural_frequencies
 from flexmodal.prediction.methods import METHODS, Known, predicted_by_all
 from flexmodal.prediction.panel import Panel, panel_of
@@ -58,6 +59,9 @@ class LeftOut:
     """Gaps of the model fitted to all of them, which has seen what it is judged by."""
     shuffled: Float[np.ndarray, " posture"]
     """The same of a model fitted while each posture bears another's angles: a control."""
+    times: Mapping[str, Float[np.ndarray, " posture"]]
+    """By method, and of the two fits above as "fitted" and "shuffled": distance of each posture over that of
+    the noise of its averages, the scale of every verdict."""
     share: float = 1.0
     """Of what was learnt, that goes into `hybrid`; a posture left out is predicted by that of the others."""
 
@@ -90,12 +94,28 @@ class LeftOut:
     @property
     def chosen_anew(self) -> Float[np.ndarray, " posture"]:
         """Gap of each posture where the method is chosen by the others, not by what it is judged by."""
+        return np.array([self.gaps[name][one] for one, name in enumerate(self.methods_anew)])
+
+    @property
+    def methods_anew(self) -> tuple[str, ...]:
+        """The method that the other postures choose for each."""
         count, found = len(self.postures), []
         for one in range(count):
             others = np.arange(count) != one
-            name = best({name: each[others] for name, each in self.gaps.items()}, self.weight[others])
-            found.append(self.gaps[name][one])
-        return np.array(found)
+            found.append(best({n: each[others] for n, each in self.gaps.items()}, self.weight[others]))
+        return tuple(found)
+
+    def typical_times(self, name: str) -> float:
+        """Distance of a typical posture over that of the noise: the geometric mean.
+
+        Args:
+            name: a key of `times`, or "anew" for the method that the other postures choose.
+        """
+        if name == "anew":
+            each = np.array([self.times[method][one] for one, method in enumerate(self.methods_anew)])
+        else:
+            each = self.times[name]
+        return typical(each, self.weight)
 
 
 def best(gaps: Mapping[str, Float[np.ndarray, " posture"]], weight: Float[np.ndarray, " posture"]) -> str:
@@ -180,8 +200,18 @@ def leave_each_out(
     floor = gap(seen, found["physics"]).noise_floor
     gaps = {name: gaps_of(found[name]) for name in METHODS}
     share = best_share(by_share, weight)
-    right, wrong = gaps_of(_physics(evidence, fitted.x)), gaps_of(_shuffled(evidence))
-    return LeftOut(panel, numbers, found, gaps, weight, floor, tuple(resonances), right, wrong, share)
+    controls = {"fitted": _physics(evidence, fitted.x), "shuffled": _shuffled(evidence)}
+    right, wrong = (gaps_of(value) for value in controls.values())
+    times = {name: _times(seen, value, numbers) for name, value in {**found, **controls}.items()}
+    return LeftOut(panel, numbers, found, gaps, weight, floor, tuple(resonances), right, wrong, times, share)
+
+
+def _times(
+    seen: Observations, value: Complex[np.ndarray, "observation line"], numbers: tuple[int, ...]
+) -> Float[np.ndarray, " posture"]:
+    """Distance of each posture over that of the noise of its averages."""
+    each = [seen.posture == number for number in numbers]
+    return np.array([over_noise(seen.keeping(here), value[here]) for here in each])
 
 
 def _physics(evidence: FrfEvidence, x: Float[np.ndarray, " parameter"]) -> Complex[np.ndarray, "row line"]:

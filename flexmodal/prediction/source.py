@@ -84,6 +84,11 @@ class PredictedReceptances:
     ) -> Complex[np.ndarray, "line pair"]:
         """See `ReceptanceSource`.
 
+        Args:
+            posed: the robot in the posture.
+            pairs: responses and forces.
+            frequency: within the band that was measured [Hz].
+
         Raises:
             InvalidPoint: a pair that was not struck and measured, nor its mirror.
             InvalidFrequencies, InvalidRequest: frequencies outside the band that was measured.
@@ -118,7 +123,13 @@ class PredictedReceptances:
     def matrix_and_gradient(
         self, posed: PosedRobot, directions: Sequence[PointDirection], frequency: Float[np.ndarray, " line"]
     ) -> tuple[Complex[np.ndarray, "line dir dir"], Complex[np.ndarray, "line dir dir moving"]]:
-        """See `ReceptanceSource`; by central differences, raises as `receptances` does."""
+        """See `ReceptanceSource`; by central differences, raises as `receptances` does.
+
+        Args:
+            posed: the robot in the posture.
+            directions: rows and columns of the matrix.
+            frequency: [Hz].
+        """
         return by_differences(self, posed, directions, frequency)
 
     def facts(self) -> Mapping[str, Any]:
