@@ -15,6 +15,7 @@ from flexmodal.identification.evidence.both import Both
 from flexmodal.identification.evidence.evidence import Fitted
 from flexmodal.identification.evidence.frf import FrfEvidence
 from flexmodal.identification.identifiability import Combination, Identifiability
+from flexmodal.identification.stages import Stage
 from flexmodal.identification.uncertainty import Uncertainty
 from flexmodal.report.words import times_noise
 from flexmodal.structure.parameter import Parameter
@@ -115,6 +116,8 @@ class Identification(Shown):
     """Misfit that neighbouring lines share, in variances of the noise; None without FRFs."""
     baselines: Baselines | None = None
     """What needs no model, on the postures held out; None without FRFs of several postures."""
+    stages: tuple[Stage, ...] = ()
+    """What each stage reached, where the fit went in stages; the card as it came is the first."""
 
     _PICTURE: ClassVar[str] = "flexmodal.identification.plot:draw_identification"
 

@@ -9,7 +9,7 @@ from flexmodal.prediction.frf_prediction import BESIDE, CHOSEN_ANEW, SHUFFLED, F
 from flexmodal.prediction.methods import METHODS
 from flexmodal.prediction.plot import draw_left_out, draw_prediction
 from flexmodal.report import Facts, Picture, Section, Table, Text, columns, page_text, write_page
-from flexmodal.report.words import times_noise
+from flexmodal.report.words import noises
 
 HEADER = ("method", "typical gap", "× the noise", "over all", "worst posture", "what it is")
 KEYS = {CHOSEN_ANEW: "anew", SHUFFLED: "shuffled"}
@@ -87,7 +87,7 @@ def method_cells(prediction: FrfPrediction) -> list[tuple[str, ...]]:
             (
                 name,
                 f"{usual:.2g}",
-                times_noise(left.typical_times(KEYS.get(name, name))).removesuffix(" × the noise"),
+                noises(left.typical_times(KEYS.get(name, name))),
                 f"{total:.2g}",
                 f"{names[worst]}: {each[worst]:.2g}",
                 {**METHODS, **BESIDE}[name],

@@ -13,6 +13,7 @@ from flexmodal.campaign import Campaign, named_direction
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.identification import build_identification, predict
 from flexmodal.identification.evidence.frf import FrfEvidence
+from flexmodal.identification.stages import is_poor, staged
 from flexmodal.model import Robot
 from flexmodal.model.placements import link_placements
 from flexmodal.prediction.alignment import natural_frequencies
@@ -79,7 +80,7 @@ def build_prediction(
         raise InvalidRequest(Fault(source, "posture", f"{count} with FRFs", allowed))
     sliding = tuple(name for name in robot.commanded if robot.urdf.joint_by_name[name].is_prismatic)
     with threadpool_limits(1):  # matrices this small only wait for the threads of a BLAS
-        fitted = evidence.fit()
+        fitted = staged(evidence)[0] if is_poor(evidence) else evidence.fit()
         advance()
         left = leave_each_out(evidence, fitted, sliding=sliding, advance=advance)
     return PredictionProblem(campaign, robot, evidence, fitted.x, left, sliding)

@@ -61,10 +61,18 @@ def times_noise(ratio: float) -> str:
     Args:
         ratio: one decimal below ten, two figures above; a dash where it is not finite.
     """
+    return f"{noises(ratio)} × the noise"
+
+
+def noises(ratio: float) -> str:
+    """The number of `times_noise` by itself, under a head that says what it is.
+
+    Args:
+        ratio: see there.
+    """
     if not math.isfinite(ratio):
-        return f"{DASH} × the noise"
-    text = f"{ratio:.1f}" if ratio < 9.95 else f"{float(f'{ratio:.2g}'):.0f}"
-    return f"{text} × the noise"
+        return DASH
+    return f"{ratio:.1f}" if ratio < 9.95 else f"{float(f'{ratio:.2g}'):.0f}"
 
 
 def percent(part: float) -> str:
