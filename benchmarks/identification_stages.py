@@ -4,8 +4,8 @@ Campaigns of the rig without anything hidden: five postures drawn at random, thr
 of 1 %, masses and inertias 20 % off the card. Every stiffness and damping of the card is then made wrong by a
 factor of its own, drawn from a normal distribution of its logarithm of which 95 % lie within a decade. The
 same campaign is fitted straight from that card and in stages, both with the trust of a poor card. Found: the
-fit meets the data to 1.6 times the noise or less. Made by `python benchmarks/identification_stages.py`; results
-are kept as JSON lines in build/.
+fit meets the data to 1.6 times the noise or less. Made by `python benchmarks/identification_stages.py`;
+results are kept as JSON lines in build/.
 """
 
 from __future__ import annotations

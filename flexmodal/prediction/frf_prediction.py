@@ -24,6 +24,8 @@ BESIDE: Mapping[str, str] = {
     SHUFFLED: "a control: the model fitted to all, each with another's angles",
 }
 """What stands below the methods."""
+TWIN = 0.25
+"""Of the usual distance between postures, below which one that was left out is said to count for less."""
 APART = 3.0
 """Multiple of the typical gap from which a posture left out is named: there the method does not hold."""
 
@@ -97,7 +99,7 @@ class FrfPrediction(Shown):
         each = {name: left.gaps[name] for name in METHODS}
         each |= {CHOSEN_ANEW: left.chosen_anew, SHUFFLED: left.shuffled}
         return [
-            (name, typical(gaps, left.weight), together(gaps, left.weight), gaps)
+            (name, typical(gaps, left.counts), together(gaps, left.weight), gaps)
             for name, gaps in each.items()
         ]
 
@@ -131,8 +133,14 @@ def worth(left: LeftOut, method: str) -> list[str]:
     if far:
         says.append(f"it was far off in {', '.join(far)}: do not use it where the arm stands like that")
     says.append(_beside(gaps, method))
+    twins = [name for name, standing in zip(left.names, left.standing, strict=True) if standing < TWIN]
+    if twins:
+        says.append(
+            f"{', '.join(twins)}: so near to another posture that leaving it out says little; such a one "
+            "counts for less"
+        )
     if not left.tells_postures:
-        fitted, control = (typical(each, left.weight) for each in (left.fitted, left.shuffled))
+        fitted, control = (typical(each, left.counts) for each in (left.fitted, left.shuffled))
         says.append(untold(fitted, control))
     if method in DATA_ALONE:
         says.append(

@@ -9,19 +9,24 @@ e^(s r) that leaves least of the physics' squared gap on postures left out. A fe
 the whole of it loses to none where next to nothing could be learnt; so it is drawn towards one half, as if
 `PRIOR` postures more had said that.
 
+A new posture is about as far from the struck ones as these are from each other. One that has a twin is
+predicted well by the twin, and says nothing of such a posture: postures count by how far they are from the
+others wherever methods are compared.
+
 A control stands beside: the model fitted to all postures while each bears another's angles. A model that then
 fits as well as with the right ones has not been told by its data which posture is which.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import math
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Complex, Float
 
-from flexmodal.identification.baselines import BETTER, shuffled
+from flexmodal.identification.baselines import BETTER, posture_distance, shuffled
 from flexmodal.identification.evidence.evidence import Fitted
 from flexmodal.identification.evidence.frf import FrfEvidence
 from flexmodal.identification.gap import gap, over_noise
@@ -62,6 +67,9 @@ class LeftOut:
     times: Mapping[str, Float[np.ndarray, " posture"]]
     """By method, and of the two fits above as "fitted" and "shuffled": distance of each posture over that of
     the noise of its averages, the scale of every verdict."""
+    standing: Float[np.ndarray, " posture"]
+    """How much each posture says of one that nobody struck: its distance from the nearest other over the root
+    mean square of these, 1 at most. A twin is predicted by its twin."""
     share: float = 1.0
     """Of what was learnt, that goes into `hybrid`; a posture left out is predicted by that of the others."""
 
@@ -71,6 +79,11 @@ class LeftOut:
         return tuple(self.panel.observations.postures[number].name for number in self.postures)
 
     @property
+    def counts(self) -> Float[np.ndarray, " posture"]:
+        """What each posture counts for where methods are compared."""
+        return self.weight * self.standing
+
+    @property
     def gap(self) -> dict[str, float]:
         """Of each method over all postures."""
         return {name: together(each, self.weight) for name, each in self.gaps.items()}
@@ -78,17 +91,17 @@ class LeftOut:
     @property
     def typical(self) -> dict[str, float]:
         """Of each method in a posture like these: the geometric mean."""
-        return {name: typical(each, self.weight) for name, each in self.gaps.items()}
+        return {name: typical(each, self.counts) for name, each in self.gaps.items()}
 
     @property
     def chosen(self) -> str:
         """The method that predicts best what it has not seen."""
-        return best(self.gaps, self.weight)
+        return best(self.gaps, self.counts)
 
     @property
     def tells_postures(self) -> bool:
         """Whether the right angles fit better than shuffled ones."""
-        fitted, control = (typical(each, self.weight) for each in (self.fitted, self.shuffled))
+        fitted, control = (typical(each, self.counts) for each in (self.fitted, self.shuffled))
         return fitted < BETTER * control
 
     @property
@@ -102,7 +115,7 @@ class LeftOut:
         count, found = len(self.postures), []
         for one in range(count):
             others = np.arange(count) != one
-            found.append(best({n: each[others] for n, each in self.gaps.items()}, self.weight[others]))
+            found.append(best({n: each[others] for n, each in self.gaps.items()}, self.counts[others]))
         return tuple(found)
 
     def typical_times(self, name: str) -> float:
@@ -115,7 +128,7 @@ class LeftOut:
             each = np.array([self.times[method][one] for one, method in enumerate(self.methods_anew)])
         else:
             each = self.times[name]
-        return typical(each, self.weight)
+        return typical(each, self.counts)
 
 
 def best(gaps: Mapping[str, Float[np.ndarray, " posture"]], weight: Float[np.ndarray, " posture"]) -> str:
@@ -192,18 +205,39 @@ def leave_each_out(
         return np.array([gap(seen, value, seen.posture == number).value for number in numbers])
 
     by_share = np.stack([gaps_of(found["physics"] * np.exp(share * learnt)) for share in SHARES], axis=1)
+    standing = standings([seen.postures[number].q for number in numbers])
+    counts = weight * standing
     for place, number in enumerate(numbers):
         others = np.arange(len(numbers)) != place
-        own = best_share(by_share[others], weight[others])
+        own = best_share(by_share[others], counts[others])
         here = seen.posture == number
         found["hybrid"][here] = found["physics"][here] * np.exp(own * learnt[here])
     floor = gap(seen, found["physics"]).noise_floor
     gaps = {name: gaps_of(found[name]) for name in METHODS}
-    share = best_share(by_share, weight)
+    share = best_share(by_share, counts)
     controls = {"fitted": _physics(evidence, fitted.x), "shuffled": _shuffled(evidence)}
     right, wrong = (gaps_of(value) for value in controls.values())
     times = {name: _times(seen, value, numbers) for name, value in {**found, **controls}.items()}
-    return LeftOut(panel, numbers, found, gaps, weight, floor, tuple(resonances), right, wrong, times, share)
+    return LeftOut(
+        panel, numbers, found, gaps, weight, floor, tuple(resonances), right, wrong, times,
+        standing, share,
+    )  # fmt: skip
+
+
+def standings(postures: Sequence[Mapping[str, float]]) -> Float[np.ndarray, " posture"]:
+    """Distance of each posture from the nearest other over the root mean square of these, 1 at most.
+
+    Args:
+        postures: joints of each [rad, m].
+    """
+    near = np.array(
+        [
+            min(posture_distance(one, other) for k, other in enumerate(postures) if k != number)
+            for number, one in enumerate(postures)
+        ]
+    )
+    usual = math.sqrt(float(np.mean(near**2)))
+    return np.minimum(near / usual, 1.0) if usual > 0 else np.ones(len(near))
 
 
 def _times(

@@ -110,7 +110,11 @@ class PredictedReceptances:
         return (sign * value).T
 
     def band(self, posed: PosedRobot, pairs: Sequence[Pair], frequency: Float[np.ndarray, " line"]) -> Band:
-        """See `ReceptanceSource`; raises as `receptances` does."""
+        """See `ReceptanceSource`.
+
+        Raises:
+            InvalidPoint, InvalidFrequencies, InvalidRequest: as `receptances` does.
+        """
         axis, q = check_within(frequency, self.lines), dict(posed.posture.values)
         rows, _ = self._places(posed, pairs)
         left = self.problem.left_out

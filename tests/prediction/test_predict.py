@@ -22,6 +22,7 @@ from flexmodal.prediction.leave_one_out import (
     best,
     best_share,
     known_by,
+    standings,
     together,
     typical,
 )
@@ -141,6 +142,23 @@ def test_one_posture_does_not_decide_which_method_predicts():
     assert typical(physics, weight) == pytest.approx(np.prod(physics ** (weight / weight.sum())))
     missing = np.where(np.arange(8) == 3, np.nan, physics)
     assert typical(missing, weight) == pytest.approx(0.5)
+
+
+def test_a_posture_with_a_twin_counts_for_little_and_is_named(problem, every):
+    """Three postures a radian apart and a twin of the last: of new postures the pair says next to nothing."""
+    found = standings([{"q1": 0.0}, {"q1": 1.0}, {"q1": 2.0}, {"q1": 2.01}])
+    usual = np.sqrt((1 + 1 + 2 * 0.01**2) / 4)
+    np.testing.assert_allclose(found, [1, 1, 0.01 / usual, 0.01 / usual])
+    near = {name: np.array([0.5, 0.5, 0.5, 0.5]) for name in METHODS}
+    near["nearest"] = np.array([0.9, 0.9, 0.001, 0.001])
+    assert best(near, np.ones(4)) == "nearest"
+    assert best(near, found) == "hybrid"
+    left = problem.left_out
+    np.testing.assert_allclose(left.counts, left.weight * left.standing)
+    twinned = replace(problem, left_out=replace(left, standing=np.where(np.arange(5) == 1, 0.1, 1.0)))
+    told = solve_prediction(twinned, every.postures[5].q).verdict
+    assert f"{left.names[1]}: so near to another posture" in told
+    assert "so near to another posture" not in solve_prediction(problem, every.postures[5].q).verdict
 
 
 def test_a_posture_with_a_large_gap_tells_no_more_of_the_share_than_another():
