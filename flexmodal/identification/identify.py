@@ -134,6 +134,7 @@ def solve_identification(
         problem.evidence.shared_misfit(shown),
         None if parts is None else baselines_beside(problem, parts.predicted, fit_gap),
         stages,
+        None if parts is None else parts.without,
     )
 
 

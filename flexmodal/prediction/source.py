@@ -112,6 +112,11 @@ class PredictedReceptances:
     def band(self, posed: PosedRobot, pairs: Sequence[Pair], frequency: Float[np.ndarray, " line"]) -> Band:
         """See `ReceptanceSource`.
 
+        Args:
+            posed: the robot in the posture.
+            pairs: responses and forces.
+            frequency: within the band that was measured [Hz].
+
         Raises:
             InvalidPoint, InvalidFrequencies, InvalidRequest: as `receptances` does.
         """
