@@ -173,8 +173,8 @@ identified, where intervals are given. Withheld:
 campaigns in which none are, since the fit leaves more than {explained:g} times the noise, or less, of which
 neighbouring lines share more than {repeats:g} of the noise's variance ({coherence:g} with coherence alone,
 {bare:g} where the FRFs are bare); what they would have held stands beside. Widened: campaigns in
-which they share more than half of that or so ({doubted:g} with repeats), whose intervals are as wide as the parameters move where a posture is
-left out."""
+which they share less than that but more than most complete models leave ({doubted:g} with repeats), whose
+intervals are as wide as the parameters move where a posture is left out."""
 
 
 def main() -> None:

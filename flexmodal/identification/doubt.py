@@ -35,8 +35,9 @@ class Limits:
 
 
 REPEATS = Limits(0.04, 0.15)
-"""Trials that repeat each other tell the noise: of complete models ten shared 0.03 or less and five up to 0.10,
-of twelve that lacked a soft link five shared 0.06 to 0.15 and met the data all the same, the others more."""
+"""Trials that repeat each other tell the noise: of complete models ten shared 0.03 or less and five up to
+0.10; of twelve that lacked a soft link five shared 0.06 to 0.15 and met the data all the same, the others
+more."""
 COHERENCE = Limits(0.15, 0.3)
 """Complete models shared up to 0.24."""
 LINES = Limits(0.4, 1.0)

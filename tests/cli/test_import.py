@@ -1,10 +1,13 @@
 """`flexmodal import` and `flexmodal campaign new`."""
 
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
-from flexmodal.campaign import is_campaign, read_campaign
+from flexmodal.campaign import estimate_frfs, is_campaign, read_campaign, write_campaign
+from flexmodal.campaign.records import place_text
 
 SAMPLES = Path(__file__).parents[1] / "data" / "dialects"
 
@@ -64,3 +67,45 @@ def test_a_map_is_a_campaign_for_every_command(cli, folder):
         drafted.read_text(encoding="utf-8").replace("magnitude =", "magnitud ="), encoding="utf-8"
     )
     cli("fit", drafted).refused("magnitud")
+
+
+def test_a_corner_is_taken_out_on_request(cli, tmp_path):
+    """FRFs as behind a high pass come back; the force's corner is in every one, the other way round."""
+    true = read_campaign("tests/data/real/laboratory_hammer")
+    frfs = estimate_frfs(true) if true.frfs is None else true.frfs
+    place = frfs.response[0].tolist()
+    passed = 1j * frfs.frequency / (1j * frfs.frequency + 0.8)
+    behind = np.all(np.abs(frfs.response) == np.abs(place), axis=1)[:, None]
+    spoilt = replace(frfs, value=np.where(behind, frfs.value * passed, frfs.value))
+    write_campaign(replace(true, frfs=spoilt, blows=()), tmp_path / "spoilt")
+    channel = place_text(tuple(place))
+    ran = cli(
+        "import", tmp_path / "spoilt", "--without-coupling", f"{channel}=0.8", "--out", tmp_path / "mended"
+    )
+    assert ran.status == 0, ran.err
+    assert "1 corner taken out" in ran.out
+    mended = read_campaign(tmp_path / "mended").frfs
+    high = frfs.frequency > 0
+    np.testing.assert_allclose(mended.value[:, high], frfs.value[:, high], rtol=1e-6)
+    forced = cli(
+        "import", tmp_path / "spoilt", "--without-coupling", "force=0.8", "--out", tmp_path / "forced"
+    )
+    assert forced.status == 0, forced.err
+    other = read_campaign(tmp_path / "forced").frfs.value[~behind[:, 0]]
+    np.testing.assert_allclose(other[:, high], (frfs.value * passed)[~behind[:, 0]][:, high], rtol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("given", "says"),
+    [
+        ("99:+z=0.8", "99:+z"),
+        ("tip=0.8", "the id of a point"),
+        ("force=none", "a corner in Hz"),
+        ("force=-1", "above 0 Hz"),
+    ],
+)
+def test_a_corner_that_cannot_be_taken_out(cli, tmp_path, given, says):
+    source = "tests/data/real/laboratory_hammer"
+    cli("import", source, "--without-coupling", given, "--out", tmp_path / "x").refused(says)
+    assert not (tmp_path / "x").exists()
+    cli("import", source, "--without-coupling", given, "--draft", tmp_path / "m.toml").refused("with --draft")
