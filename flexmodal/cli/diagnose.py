@@ -114,7 +114,7 @@ def _print(diagnosis: Diagnosis) -> None:
     say(diagnosis.verdict.says)
     for step in diagnosis.steps:
         rows = [
-            [name, f"{value:.5g}", _error(step.uncertainty.get(name)), step.units.get(name, "")]
+            [name, f"{value:.5g}", _error(step.uncertainty.get(name)), step.units.get(name) or "–"]
             for name, value in step.parameters.items()
         ]
         title = f"{step.effect} at {step.where}, confidence {percent(step.confidence)}"

@@ -39,6 +39,7 @@ def import_(
     --without-coupling any of them, or a campaign, is written with the corner taken out.
     """
     from flexmodal.campaign import UNIVERSAL_SUFFIXES, draft_map, import_table, write_campaign
+    from flexmodal.campaign.tables.cut import several
     from flexmodal.files import whole_file
 
     is_map = source.suffix.lower() == ".toml"
@@ -77,6 +78,13 @@ def import_(
     folder = write_campaign(made, out, overwrite=force)
     count = 0 if made.frfs is None else len(made.frfs)
     say(f"wrote {folder}: {count} FRFs, {len(made.blows)} blows")
+    for blow in made.blows:
+        held = several(blow)
+        if held is not None:
+            say(
+                f"trial {blow.trial}, blow {blow.sequence}: {held[0]} pulses far apart; length = {held[1]:g} "
+                "under its [[blow]] in the map makes blows of them"
+            )
     say(f"next: flexmodal check {out}")
 
 

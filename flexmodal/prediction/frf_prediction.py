@@ -11,6 +11,7 @@ from jaxtyping import Complex, Float
 
 from flexmodal.frf import PointDirection
 from flexmodal.identification.baselines import BETTER, untold
+from flexmodal.identification.outcome import EXPLAINED
 from flexmodal.prediction.leave_one_out import LeftOut, together, typical
 from flexmodal.prediction.methods import DATA_ALONE, METHODS
 from flexmodal.report.words import times_noise
@@ -149,6 +150,12 @@ def worth(left: LeftOut, method: str) -> list[str]:
         )
     if len(left.postures) < FEW:
         says.append(f"{len(left.postures)} postures were struck: the band rests on as many errors")
+    if method in DATA_ALONE:
+        says.append("next: look at `flexmodal check`, then strike more postures")
+    elif left.typical_times(method) > EXPLAINED:
+        says.append(
+            "next: `flexmodal diagnose` looks for what the model lacks; a posture struck nearby narrows it"
+        )
     return says
 
 

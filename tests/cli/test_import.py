@@ -1,5 +1,6 @@
 """`flexmodal import` and `flexmodal campaign new`."""
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -109,3 +110,16 @@ def test_a_corner_that_cannot_be_taken_out(cli, tmp_path, given, says):
     cli("import", source, "--without-coupling", given, "--out", tmp_path / "x").refused(says)
     assert not (tmp_path / "x").exists()
     cli("import", source, "--without-coupling", given, "--draft", tmp_path / "m.toml").refused("with --draft")
+
+
+def test_a_record_with_several_blows_says_how_long_each_may_be(cli, folder):
+    table, drafted = SAMPLES / "continuous.csv", folder / "map.toml"
+    assert cli("import", table, "--draft", drafted).status == 0
+    ran = cli("import", drafted, "--out", folder.parent / "whole")
+    assert "1 blows" in ran.out
+    length = re.search(r"3 pulses far apart; length = ([\d.]+)", ran.out)[1]
+    text = drafted.read_text().replace("# length = 2.0 ", f"length = {length} ")
+    drafted.write_text(text)
+    ran = cli("import", drafted, "--out", folder.parent / "parts")
+    assert "3 blows" in ran.out, ran.out
+    assert "pulses far apart" not in ran.out
