@@ -23,7 +23,7 @@ from flexmodal.report import (
     page_text,
     write_page,
 )
-from flexmodal.report.words import DASH, minus, noises
+from flexmodal.report.words import DASH, minus, noises, size
 
 HEADER = ("parameter", "value", "standard error", "95 % interval", "card", "remarks")
 GAPS = ("", "card", "fit", "noise floor")
@@ -132,7 +132,7 @@ def gap_cells(outcome: Identification) -> list[tuple[str, ...]]:
     cells += [
         (f"  {one.kind} {one.name}", one.before, one.after, one.noise_floor) for one in outcome.held_out
     ]
-    return [(name, *(f"{value:.4g}" for value in values)) for name, *values in cells]
+    return [(name, *(size(value) for value in values)) for name, *values in cells]
 
 
 def stage_cells(outcome: Identification) -> list[tuple[str, ...]]:

@@ -28,8 +28,9 @@ from flexmodal.identification.poor import DECADE
 
 KINDS = ("stiffness", "damping")
 """What is looked for before masses."""
-POOR_FROM = 0.9 * DECADE
-"""Standard deviation of the logarithm of a stiffness from which a fit goes in stages."""
+POOR_FROM = 0.9
+"""Standard deviation of the logarithm of every stiffness from which a fit goes in stages: cards whose numbers
+`flexmodal card new` guessed have 1, `--poor-card` a decade."""
 REACH = 2.0
 """Standard deviations of the prior that the grids go to."""
 TIED, OWN = 17, 9

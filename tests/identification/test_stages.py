@@ -79,6 +79,8 @@ def test_a_card_that_is_trusted_is_fitted_straight(made, robot, evidence):
     problem = build_identification(made.campaign, robot, source="frf")
     assert not is_poor(problem.evidence)
     assert is_poor(evidence)
+    guessed = build_identification(made.campaign, robot, source="frf", trust={"stiffness": 1.0})
+    assert is_poor(guessed.evidence)  # as flexmodal card new writes it
 
 
 def test_it_is_never_worse_than_straight(made, robot):
