@@ -26,7 +26,7 @@ from flexmodal.identification.frf_fit import residual
 from flexmodal.identification.gap import gap
 from flexmodal.identification.poor import POOR
 from flexmodal.prediction import METHODS, build_prediction, solve_by_all
-from flexmodal.prediction.leave_one_out import typical
+from flexmodal.prediction.judging import typical
 from flexmodal.report import write_figure
 from flexmodal.rig import ParameterError, draw_scenario, simulate
 

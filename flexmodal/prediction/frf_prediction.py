@@ -12,7 +12,8 @@ from jaxtyping import Complex, Float
 from flexmodal.frf import PointDirection
 from flexmodal.identification.baselines import BETTER, untold
 from flexmodal.identification.outcome import EXPLAINED
-from flexmodal.prediction.leave_one_out import LeftOut, together, typical
+from flexmodal.prediction.judging import together, typical
+from flexmodal.prediction.leave_one_out import LeftOut
 from flexmodal.prediction.methods import DATA_ALONE, METHODS
 from flexmodal.report.words import times_noise
 from flexmodal.text.shown import Shown

@@ -1,48 +1,29 @@
 """Every posture left out in turn and predicted by every method, and the choices that follow from it.
 
-Who asks for a posture asks for one: a method is chosen by its typical gap, the geometric mean over postures.
-A root mean square is that of the worst posture, such as one in which a point stands still in the model and in
-the robot moves a little: ln of next to nothing over nothing, in which all other postures have no part.
-
-How much of what is learnt beside the physics goes into a prediction is such a choice too: the share s of
-e^(s r) that leaves least of the physics' squared gap on postures left out. A few postures tell it badly, and
-the whole of it loses to none where next to nothing could be learnt; so it is drawn towards one half, as if
-`PRIOR` postures more had said that.
-
-A new posture is about as far from the struck ones as these are from each other. One that has a twin is
-predicted well by the twin, and says nothing of such a posture: postures count by how far they are from the
-others wherever methods are compared.
-
 A control stands beside: the model fitted to all postures while each bears another's angles. A model that then
 fits as well as with the right ones has not been told by its data which posture is which.
 """
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Complex, Float
 
-from flexmodal.identification.baselines import BETTER, posture_distance, shuffled
+from flexmodal.identification.baselines import BETTER, shuffled
 from flexmodal.identification.evidence.evidence import Fitted
 from flexmodal.identification.evidence.frf import FrfEvidence
 from flexmodal.identification.gap import gap, over_noise
 from flexmodal.identification.observations import Observations
 from flexmodal.prediction.alignment import natural_frequencies
+from flexmodal.prediction.judging import SHARES, best, best_share, standings, together, typical
 from flexmodal.prediction.methods import METHODS, Known, predicted_by_all
 from flexmodal.prediction.panel import Panel, panel_of
 
 SETTLED = 2e-5
 """A step that changes the cost of a fit without a posture relatively by less is its last."""
-CLEARLY = 0.98
-"""A method takes the place of one that is trusted more from this multiple of its gap down."""
-SHARES = (0.0, 0.25, 0.5, 0.75, 1.0)
-"""That are tried; between them the square of the gap is a parabola, but for phases beyond half a turn."""
-USUAL, PRIOR = 0.5, 6
-"""Share that is expected, and postures that this counts for; on 24 campaigns 4 to 16 of them did alike."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,37 +112,6 @@ class LeftOut:
         return typical(each, self.counts)
 
 
-def best(gaps: Mapping[str, Float[np.ndarray, " posture"]], weight: Float[np.ndarray, " posture"]) -> str:
-    """The method with the smallest typical gap, one that is trusted more where the two are alike.
-
-    Args:
-        gaps: by method, of each posture.
-        weight: what each posture counts for.
-    """
-    chosen, *others = [name for name in METHODS if name in gaps]
-    for name in others:
-        if typical(gaps[name], weight) < CLEARLY * typical(gaps[chosen], weight):
-            chosen = name
-    return chosen
-
-
-def best_share(gaps: Float[np.ndarray, "posture share"], weight: Float[np.ndarray, " posture"]) -> float:
-    """The share of what was learnt that leaves least of the squared gap, drawn towards one half.
-
-    Args:
-        gaps: of each posture left out, with each of `SHARES`; each counts by its part of the gap without.
-        weight: what the lines of each posture count for together.
-    """
-    there = np.isfinite(gaps).all(axis=1) & (gaps[:, 0] > 0)
-    count = int(there.sum())
-    if not count:
-        return USUAL
-    square = weight[there] @ (gaps[there] / gaps[there, :1]) ** 2 / weight[there].sum()
-    curve, slope, _ = np.polyfit(SHARES, square, 2)
-    least = -slope / (2 * curve) if curve > 0 else SHARES[int(np.argmin(square))]
-    return float((count * np.clip(least, 0.0, 1.0) + PRIOR * USUAL) / (count + PRIOR))
-
-
 def leave_each_out(
     evidence: FrfEvidence,
     fitted: Fitted,
@@ -224,22 +174,6 @@ def leave_each_out(
     )  # fmt: skip
 
 
-def standings(postures: Sequence[Mapping[str, float]]) -> Float[np.ndarray, " posture"]:
-    """Distance of each posture from the nearest other over the root mean square of these, 1 at most.
-
-    Args:
-        postures: joints of each [rad, m].
-    """
-    near = np.array(
-        [
-            min(posture_distance(one, other) for k, other in enumerate(postures) if k != number)
-            for number, one in enumerate(postures)
-        ]
-    )
-    usual = math.sqrt(float(np.mean(near**2)))
-    return np.minimum(near / usual, 1.0) if usual > 0 else np.ones(len(near))
-
-
 def _times(
     seen: Observations, value: Complex[np.ndarray, "observation line"], numbers: tuple[int, ...]
 ) -> Float[np.ndarray, " posture"]:
@@ -290,26 +224,3 @@ def known_by(
     resonances = [natural_frequencies(model, x, one.q) for one in seen.postures]  # type: ignore[arg-type]
     physics = _physics(replace(evidence, observations=seen), x)
     return Known(panel, postures, physics, resonances, sliding)
-
-
-def together(each: Float[np.ndarray, " posture"], weight: Float[np.ndarray, " posture"]) -> float:
-    """The gap over several postures; those with nothing to judge are left out.
-
-    Args:
-        each: gap of each posture.
-        weight: what the lines of each count for together.
-    """
-    there = np.isfinite(each)
-    return float(np.sqrt(np.sum((weight * each**2)[there]) / np.sum(weight[there])))
-
-
-def typical(each: Float[np.ndarray, " posture"], weight: Float[np.ndarray, " posture"]) -> float:
-    """Geometric mean of the gaps of several postures; those with nothing to judge are left out.
-
-    Args:
-        each: gap of each posture.
-        weight: what the lines of each count for together.
-    """
-    there = np.isfinite(each)
-    with np.errstate(divide="ignore"):
-        return float(np.exp(np.sum((weight * np.log(each))[there]) / np.sum(weight[there])))

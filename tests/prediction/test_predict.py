@@ -16,16 +16,16 @@ from flexmodal.identification.gap import gap
 from flexmodal.identification.poor import POOR
 from flexmodal.prediction import METHODS, build_prediction, solve_by_all, solve_prediction
 from flexmodal.prediction.export import COLUMNS, as_frf, as_json, write_csv, write_uff
-from flexmodal.prediction.leave_one_out import (
+from flexmodal.prediction.judging import (
     PRIOR,
     SHARES,
     best,
     best_share,
-    known_by,
     standings,
     together,
     typical,
 )
+from flexmodal.prediction.leave_one_out import known_by
 from flexmodal.prediction.methods import predicted_by_all
 from flexmodal.prediction.page import write_prediction_page
 from flexmodal.prediction.panel import with_posture
