@@ -179,7 +179,7 @@ intervals are as wide as the parameters move where a posture is left out."""
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--count", type=int, default=8, help="campaigns on each robot")
+    parser.add_argument("--count", type=int, default=6, help="campaigns on each robot")
     parser.add_argument("--first", type=int, default=FIRST, help="seed; the table is written for the default")
     options = parser.parse_args()
     entries = run(options.count, ROOT / "build" / f"intervals_{options.first}.jsonl", options.first)
