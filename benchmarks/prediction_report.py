@@ -67,7 +67,7 @@ def _wins(rows: list[dict[str, Any]]) -> list[str]:
 
 
 def whole(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Rows of campaigns with every count, so that a curve is of the same ones all along; all if there is none.
+    """Rows of campaigns with every count, so that a curve is of the same ones all along; all if none has.
 
     Args:
         rows: one of each campaign and count.
@@ -83,8 +83,8 @@ def _curve(rows: list[dict[str, Any]]) -> list[str]:
     rows = whole(rows)
     lines = ["## Learning curve", ""]
     lines += [
-        "Campaigns with every number of postures. Gap on the four postures that were never shown: median over the campaigns, in brackets the "
-        "quartiles. *foreseen*: the gap on postures left out, the method chosen anew without each, as "
+        "Campaigns with every number of postures. Gap on the four postures that were never shown: median over "
+        "the campaigns, in brackets the quartiles. *foreseen*: the gap on postures left out, the method chosen anew without each, as "
         "`flexmodal predict` says it.",
         "",
     ]
