@@ -83,8 +83,9 @@ def _curve(rows: list[dict[str, Any]]) -> list[str]:
     rows = whole(rows)
     lines = ["## Learning curve", ""]
     lines += [
-        "Campaigns with every number of postures. Gap on the four postures that were never shown: median over "
-        "the campaigns, in brackets the quartiles. *foreseen*: the gap on postures left out, the method chosen anew without each, as "
+        "Campaigns with every number of postures. Gap on the four postures that were never shown: median "
+        "over the campaigns, in brackets the quartiles. *foreseen*: the gap on postures left out, the method "
+        "chosen anew without each, as "
         "`flexmodal predict` says it.",
         "",
     ]
