@@ -136,9 +136,10 @@ class Hypothesis:
         """Torques of the effects that have a law, in each system of a part at these parameter values."""
         assembly = self._frame(part, values).assembly
         found = [
-            one.effect.law(assembly, self._placement(one, part, values))
+            law
             for one in self.placed
             if one.effect.law is not None
+            for law in one.effect.law(assembly, self._placement(one, part, values))
         ]
         return [tuple(law.of_system(k) for law in found) for k in range(len(part.posture))]
 

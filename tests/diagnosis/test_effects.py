@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 import flexmodal
-from flexmodal.diagnosis.effects import Context, catalogue, link_flexibility
+from flexmodal.diagnosis.effects import Context, catalogue, hinges, link_flexibility
 from flexmodal.diagnosis.effects.effect import along, sides
-from flexmodal.diagnosis.effects.hinges import gauss, shares
+from flexmodal.diagnosis.effects.hinges import gauss, quadrature, shares
 from flexmodal.diagnosis.effects.sensors import mounted
 from flexmodal.diagnosis.effects.servo_compliance import loop
 from flexmodal.diagnosis.hypothesis import Hypothesis
@@ -62,12 +62,13 @@ def ours(context, observed, effect, where, values):
     return predict(hypothesis, x, observed)
 
 
-def theirs(observations, stand, effect, where, values, form="own"):
-    """The same from the plant that the rig strikes."""
+def theirs(observations, stand, effect, where, values, form="own", more=()):
+    """The same from the plant that the rig strikes, with more of the same kind in the same place."""
     value = np.zeros(observations.value.shape, dtype=complex)
     frequency = observations.axis.frequency
     for number, posture in enumerate(observations.postures):
-        plant = build(stand, posture, [(FORMS[effect][form], Site(stand, where, values))])
+        sites = [(FORMS[effect][form], Site(stand, where, one)) for one in (values, *more)]
+        plant = build(stand, posture, sites)
         for row in np.flatnonzero(observations.posture == number):
             places = []
             for point, axis in (observations.response[row], observations.reference[row]):
@@ -157,7 +158,8 @@ def test_hysteresis_is_near_the_rigs_row_of_maxwell_elements(bench):
 
 def test_added_mass_is_that_of_the_rig(bench):
     context, observed, stand = bench
-    values = {"mass": 3.0, "along": 0.6, "beside": 0.05, "gyration": 0.2}
+    stiff = 500 * context.band[1]
+    values = {"mass": 3.0, "along": 0.6, "beside": 0.05, "gyration": 0.2, "mount_frequency": stiff}
     from flexmodal.diagnosis.effects.added_mass import place_on
 
     place = place_on(context, "link_3", values)
@@ -165,7 +167,17 @@ def test_added_mass_is_that_of_the_rig(bench):
     np.testing.assert_allclose(
         ours(context, observed, "added_mass", "link_3", values),
         theirs(observed, stand, "added_mass", "link_3", other),
-        rtol=1e-8,
+        rtol=1e-4,  # the mount gives (1/500)² of what it carries at the end of the band, and more at zeros
+    )
+    soft = {**values, "mount_frequency": 1.5 * context.band[1], "gyration": 2e-3}
+    swinging = {
+        "mass": 3.0, "frequency": soft["mount_frequency"], "damping_ratio": 0.03, "second": 1.0,
+        "x": place[0], "y": place[1], "z": place[2], "dx": 1.0, "dy": 0.0, "dz": 0.0,
+    }  # fmt: skip
+    np.testing.assert_allclose(
+        ours(context, observed, "added_mass", "link_3", soft),
+        theirs(observed, stand, "local_absorber", "link_3", swinging, "two_way"),
+        rtol=1e-3,  # the ball's own inertia
     )
 
 
@@ -258,18 +270,46 @@ def test_joints_relax(bench):
     np.testing.assert_allclose(found, expected, rtol=2e-3, atol=1e-3 * np.abs(expected).max())
 
 
+APART = ("across_ratio", "stiffness", "other", "other_ratio", "across_x", "across_y", "across_z")
+
+
+@pytest.mark.parametrize(("arm", "turns"), [("bench", {}), ("standing", {"turn": 0.3, "roll": 0.8})])
+def test_two_absorbers_across_one_another_are_those_of_the_rig(request, arm, turns):
+    context, observed, stand = request.getfixturevalue(arm)
+    where, effect = context.links[1], catalogue()["local_absorber"]
+    values = {
+        "mass": 6.0, "frequency": 21.0, "damping_ratio": 0.06, "along": 0.7, "beside": 0.05, "angle": 0.4,
+        "across_ratio": 1e4, "other": 0.6, "other_ratio": 1.6, **turns,
+    }  # fmt: skip
+    if turns:
+        values["above"] = -0.03
+    physical = effect.physical(context, where, values)
+    first = np.array([physical[name] for name in ("dx", "dy", "dz")])
+    if context.normal is not None:
+        second = np.cross(context.axes(where).T @ context.normal, first)
+    else:
+        second = np.array([physical[f"across_{name}"] for name in "xyz"])
+        assert second @ first == pytest.approx(0.0, abs=1e-12)
+        assert abs(second @ np.cross(first, along(context, where)[1])) > 0.5  # not in the plane of the axis
+    one = {name: value for name, value in physical.items() if name not in APART}
+    other = {**one, "mass": 3.6, "frequency": 33.6, **dict(zip(("dx", "dy", "dz"), second, strict=True))}
+    expected = theirs(observed, stand, "local_absorber", where, one, more=(other,))
+    found = ours(context, observed, "local_absorber", where, values)
+    np.testing.assert_allclose(found, expected, rtol=3e-3, atol=1e-3 * np.abs(expected).max())
+
+
 def test_an_absorber_is_free_two_ways(bench):
     context, observed, stand = bench
     where, effect = "link_2", catalogue()["local_absorber"]
     values = {
         "mass": 12.0, "frequency": 21.0, "damping_ratio": 0.06, "along": 0.7, "beside": 0.05, "angle": 0.4,
-        "across_ratio": 1.7,
+        "across_ratio": 1.7, "other": 1e-6, "other_ratio": 5.0,
     }  # fmt: skip
     found = ours(context, observed, "local_absorber", where, values)
     drawn = {**effect.physical(context, where, values), "second": np.sqrt(values["across_ratio"])}
-    drawn = {name: value for name, value in drawn.items() if name not in ("across_ratio", "stiffness")}
+    drawn = {name: value for name, value in drawn.items() if name not in APART}
     other = theirs(observed, stand, "local_absorber", where, drawn, "two_way")
-    np.testing.assert_allclose(found, other, rtol=1e-7)
+    np.testing.assert_allclose(found, other, rtol=1e-4)  # another mass of a millionth
     one_way = ours(context, observed, "local_absorber", where, {**values, "across_ratio": 1e4})
     own = {name: value for name, value in drawn.items() if name != "second"}
     plain = theirs(observed, stand, "local_absorber", where, own)
@@ -291,10 +331,39 @@ def test_a_sensor_off_the_surface_is_a_body_there(bench):
     np.testing.assert_allclose(found, other, rtol=1e-3)
 
 
+FAR = {"mount_frequency": 5e3, "mount_damping_ratio": 0.05, "high_pass": 1e-4}
+
+
+def amplified(frequency, mount_frequency, mount_damping_ratio, high_pass):
+    """What a sensor makes of a motion: a mount of second order, a high pass of first."""
+    s, own = 2j * np.pi * frequency, 2 * np.pi * mount_frequency
+    mount = own**2 / (s**2 + 2 * mount_damping_ratio * own * s + own**2)
+    return mount * s / (s + 2 * np.pi * high_pass)
+
+
+def test_the_mount_of_a_sensor_resonates_and_its_amplifier_passes_what_is_high(bench):
+    context, observed, _ = bench
+    where = context.sensors[0]
+    here = observed.response[:, 0] == next(p.id for p in observed.campaign.points if p.name == where)
+    mount = {"mount_frequency": 40.0, "mount_damping_ratio": 0.03, "high_pass": 2.0}
+    plain, other = (
+        ours(context, observed, "sensor_gain", where, {"gain": 1.3, **values}) for values in (FAR, mount)
+    )
+    frequency = observed.axis.frequency
+    factor = amplified(frequency, **mount) / amplified(frequency, **FAR)
+    np.testing.assert_allclose(other[here], factor * plain[here], rtol=1e-9)
+    np.testing.assert_allclose(other[~here], plain[~here], rtol=1e-12)
+
+
 def test_a_sensor_lags_by_a_delay_a_low_pass_and_an_all_pass(bench):
     context, observed, _ = bench
     where = context.sensors[0]
-    plain = ours(context, observed, "sensor_gain", where, {"gain": 1.0})
+    plain = ours(context, observed, "sensor_gain", where, {"gain": 1.0, **FAR})
+    plain = np.where(
+        (observed.response[:, 0] == next(p.id for p in observed.campaign.points if p.name == where))[:, None],
+        plain / amplified(observed.axis.frequency, **FAR),
+        plain,
+    )
     lags = {"delay": 2e-3, "time_constant": 3e-3, "all_pass_time": 4e-3}
     found = ours(context, observed, "time_delay", where, lags)
     omega = 2 * np.pi * observed.axis.frequency
@@ -310,7 +379,7 @@ def test_a_gain_has_either_sign_and_may_change_with_frequency(bench):
     here = observed.response[:, 0] == next(p.id for p in observed.campaign.points if p.name == where)
     plain, other = (
         ours(context, observed, "sensor_gain", where, values)
-        for values in ({"gain": 1.0, "exponent": 0.0}, {"gain": -0.8, "exponent": 0.1})
+        for values in ({"gain": 1.0, "exponent": 0.0, **FAR}, {"gain": -0.8, "exponent": 0.1, **FAR})
     )
     factor = -0.8 * (observed.axis.frequency / 50.0) ** 0.1
     np.testing.assert_allclose(other[here], factor * plain[here], rtol=1e-9)
@@ -370,6 +439,28 @@ def test_a_slender_link_has_the_modes_of_a_beam(slender, monkeypatch):
 def _with_hinges(monkeypatch, count, then):
     monkeypatch.setattr(link_flexibility, "fixed", lambda context, where: gauss(count))
     return then()
+
+
+@pytest.mark.parametrize(("start", "end"), [(0.0, 1.0), (0.0, 0.4), (0.4, 1.0), (0.3, 0.6)])
+@pytest.mark.parametrize("count", [4, 5, 7])
+def test_hinges_of_a_piece_integrate_polynomials(start, end, count):
+    place, weight = quadrature(start, end, count)
+    assert np.all(weight > 0)
+    assert np.all(np.diff(place) > 0)
+    assert (place[0] == 0.02) == (start == 0.0)
+    assert (place[-1] == 0.98) == (end == 1.0)
+    for degree in range(4):
+        exact = (end ** (degree + 1) - start ** (degree + 1)) / (degree + 1)
+        assert weight @ place**degree == pytest.approx(exact, rel=1e-12)
+
+
+def test_hinges_of_a_link_have_the_moments_of_an_even_beam(slender):
+    context, _, _ = slender
+    known = [hinges.fixed(context, link) for link in context.links]
+    assert any(one is not None for one in known)
+    for place, weight in filter(None, known):
+        assert np.all(np.diff(place) > 1e-3)
+        assert np.stack([place**0, place, place**2]) @ weight == pytest.approx([1, 1 / 2, 1 / 3])
 
 
 @pytest.mark.parametrize("mean", [0.03, 0.17175, 0.5, 0.97])

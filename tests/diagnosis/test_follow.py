@@ -8,6 +8,7 @@ import pytest
 
 from flexmodal.diagnosis.lawfree.result import Findings
 from flexmodal.diagnosis.outcome import Compared, Step
+from flexmodal.diagnosis.selection import frf_candidates
 from flexmodal.diagnosis.selection.comparison import Comparison
 from flexmodal.diagnosis.selection.data import Data
 from flexmodal.diagnosis.selection.decision import Answer
@@ -15,6 +16,7 @@ from flexmodal.diagnosis.selection.frf_candidates import MOST_LOOKS, FrfCandidat
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.selection.frf_data import FrfData
 from flexmodal.diagnosis.selection.selection import MOST, ForwardSelection
+from flexmodal.diagnosis.setup import Setup
 
 MASS, DELAY, PLAY, LINK, BASE = (
     ("added_mass", "a"),
@@ -249,3 +251,23 @@ def test_so_many_looks_and_no_more():
     assert candidates.can_look(fitted(("added_mass", "3")))
     assert candidates.look_beside(fitted(("added_mass", "3"))) is found
     assert not candidates.can_look(fitted(DELAY))
+
+
+@pytest.mark.parametrize(
+    ("places", "explains", "expected"), [(1, True, True), (2, True, False), (1, False, False)]
+)
+def test_fits_start_from_elsewhere_only_where_one_place_explains(monkeypatch, places, explains, expected):
+    seen = []
+
+    def searched(*given, one_is_enough, **more):
+        seen.append(one_is_enough)
+        return []
+
+    monkeypatch.setattr(frf_candidates, "explanations", searched)
+    monkeypatch.setattr(frf_candidates, "from_each_start", lambda *given: [])
+    root = Mock(spec=FittedFrfs, hypothesis=Mock(base=(), placed=(), keys=()), x=np.zeros(0))
+    candidates = FrfCandidates(Mock(spec=Setup, effects=(), advance=Mock()), root, with_force=False)
+    look = Mock(spec=Findings, explains=explains, found=(None,) * places)
+    candidates.at_places(root, 0, look, lambda model: False)
+    candidates.everywhere(root, 1)
+    assert seen == [expected, False]

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from flexmodal.diagnosis.effects.joint_laws import dahl
+from flexmodal.diagnosis.effects.joint_laws import dahl, hardened, levelling
 from flexmodal.diagnosis.time_domain.integration import Steps, Struck, integrate, loop_of, torques
 from flexmodal.diagnosis.time_domain.kernel import law
-from flexmodal.diagnosis.time_domain.law import FRICTION, HARDENING, friction, hardening
+from flexmodal.diagnosis.time_domain.law import FRICTION, HARDENING, SLOW, friction, hardening, slow_friction
 from flexmodal.diagnosis.time_domain.pulse import Pulse, haversine, usual
 from flexmodal.diagnosis.time_domain.record import record_receptance
 from flexmodal.diagnosis.time_domain.spectrum import spectrum
@@ -52,7 +52,7 @@ def driven(kind, first, second, way, third=1.0):
     """Torques along a prescribed elongation."""
     held = [0.0]
     for old, new in itertools.pairwise(way):
-        held.append(law(kind, first, second, third, old, new, held[-1])[0])
+        held.append(law(kind, np.array([first, second, third, 0.0, 1.0]), old, new, held[-1])[0])
     return np.array(held)
 
 
@@ -96,23 +96,59 @@ def test_friction_is_exact_at_any_step_while_the_direction_holds():
 
 
 @pytest.mark.parametrize(
-    ("kind", "first", "second", "third"),
-    [(FRICTION, 0.7, 900.0, 1.0), (FRICTION, 0.7, 300.0, 0.3), (FRICTION, 0.7, 900.0, 1.5),
-     (HARDENING, -300.0, 1e-3, 0.0)],
+    ("kind", "parameters"),
+    [(FRICTION, (0.7, 900.0, 1.0, 0.0, 1.0)), (FRICTION, (0.7, 300.0, 0.3, 0.0, 1.0)),
+     (FRICTION, (0.7, 900.0, 1.5, 0.0, 1.0)), (HARDENING, (-300.0, 1e-3, 0.0, 0.0, 0.0)),
+     (HARDENING, (500.0, 1e-3, 7e-4, 40.0, 0.0))],
 )  # fmt: skip
 @pytest.mark.parametrize("new", [-1e-3, 4e-4, 1.2e-3])
-def test_slope_of_a_law_is_its_derivative(kind, first, second, third, new):
-    step = 1e-9
-    up, down = (law(kind, first, second, third, 5e-4, new + way * step, 0.2)[0] for way in (1, -1))
+def test_slope_of_a_law_is_its_derivative(kind, parameters, new):
+    step, given = 1e-9, np.array(parameters)
+    up, down = (law(kind, given, 5e-4, new + way * step, 0.2)[0] for way in (1, -1))
     # central differences: rounding 1e-16 · 1 N·m / 1e-9 rad beside slopes of 10 and more
-    assert law(kind, first, second, third, 5e-4, new, 0.2)[1] == pytest.approx(
-        (up - down) / (2 * step), rel=1e-5
-    )
+    assert law(kind, given, 5e-4, new, 0.2)[1] == pytest.approx((up - down) / (2 * step), rel=1e-5)
 
 
 def test_a_hardening_spring_levels_off():
-    assert law(HARDENING, 500.0, 1e-3, 0.0, 0.0, 1e-5, 0.0)[0] == pytest.approx(500 * 1e-15 / 1e-6, rel=1e-3)
-    assert law(HARDENING, 500.0, 1e-3, 0.0, 0.0, 10.0, 0.0)[0] == pytest.approx(5000.0, rel=1e-7)
+    given = np.array([500.0, 1e-3, 0.0, 0.0, 0.0])
+    assert law(HARDENING, given, 0.0, 1e-5, 0.0)[0] == pytest.approx(500 * 1e-15 / 1e-6, rel=1e-3)
+    assert law(HARDENING, given, 0.0, 10.0, 0.0)[0] == pytest.approx(5000.0, rel=1e-7)
+
+
+def test_a_spring_that_is_wound_up_is_the_spring_of_the_card_where_it_rests():
+    at_rest, q = 800.0, np.array([-3e-3, 0.0, 1e-3])
+    given = np.array(hardening(FIRST, 500.0, 1e-3, 7e-4, at_rest).parameters)
+    assert law(HARDENING, given, 0.0, 0.0, 0.0) == pytest.approx((0.0, 0.0), abs=1e-12)
+    whole = [at_rest * one + law(HARDENING, given, 0.0, one, 0.0)[0] for one in q]
+    spring = at_rest * (q + 7e-4) + 500 * (q + 7e-4) ** 3 / (1e-6 + (q + 7e-4) ** 2)
+    scale = at_rest / (at_rest + 500 * 0.49 * 3.49 / 1.49**2)
+    np.testing.assert_allclose(whole, scale * (spring - spring[1]), rtol=1e-12, atol=1e-15)
+
+
+def test_the_stand_in_of_a_wound_spring_is_its_first_harmonic():
+    amplitude, wound, phase = 1.7e-3, 7e-4, np.linspace(0, 2 * np.pi, 4001)[1:]
+    swing = amplitude * np.cos(phase)
+    given = np.array(hardening(FIRST, 500.0, 1e-3, wound).parameters)
+    torque = [law(HARDENING, given, 0.0, one, 0.0)[0] for one in swing]
+    first = 2 * np.mean(torque * np.cos(phase)) / amplitude - given[3]
+    assert 500 * hardened(np.array([1.7]), 0.7)[0] == pytest.approx(first, rel=1e-6)
+    assert hardened(np.array([1.7]), 1e-9)[0] == pytest.approx(hardened(np.array([1.7]))[0], rel=1e-6)
+
+
+@pytest.mark.parametrize("speed", [1e-4, 0.05, 3.0])
+def test_the_stand_in_of_slow_friction_loses_what_it_does(speed):
+    phase = np.linspace(0, 2 * np.pi, 20001)[1:]
+    lost = np.mean([law(SLOW, np.array([0.7, 0.04]), 0.0, v, 0.0)[0] * v for v in speed * np.cos(phase)])
+    assert levelling(np.array([speed]), 0.7, 0.04)[0] * speed**2 / 2 == pytest.approx(lost, rel=2e-3)
+
+
+@pytest.mark.parametrize("speed", [0.05, 0.2, 1.0])
+def test_friction_falls_with_speed(speed):
+    """What a joint that slides at a steady speed is held by."""
+    step = 1e-3
+    given = np.array([0.7, 3e6, 1.0, 0.5, 0.2 * step])
+    held = law(FRICTION, given, 0.0, speed * step, 0.0)[0]
+    assert held == pytest.approx(0.7 * (1 + 0.5 * np.exp(-((speed / 0.2) ** 2))), rel=1e-9)
 
 
 # spectra
@@ -247,12 +283,19 @@ def integrated(laws, end, tolerance=1e-10):
         for one, torque in zip(rubbing, held, strict=True):
             force = force - one.row * torque
             speed = one.row @ v
-            share = max(1 - np.sign(speed) * torque / one.parameters[0], 0.0)
-            rates.append(one.parameters[1] * speed * share ** one.parameters[2])
+            most, stiffness, exponent, stiction, fall = one.parameters
+            share = 1 - np.sign(speed) * torque / (most * (1 + stiction * np.exp(-((speed / fall) ** 2))))
+            if stiction == 0.0:
+                share = max(share, 0.0)  # rounding
+            rates.append(stiffness * speed * np.sign(share) * abs(share) ** exponent)
         for one in laws:
+            if one.kind == SLOW:
+                force = force - one.row * (one.parameters[0] * np.tanh(one.row @ v / one.parameters[1]))
             if one.kind == HARDENING:
-                u = (one.row @ q / one.parameters[1]) ** 2
-                force = force - one.row * (one.parameters[0] * (one.row @ q) * u / (1 + u))
+                top, deflection, wound, linear, _ = one.parameters
+                now, rest = (one.row @ q + wound) / deflection, wound / deflection
+                torque = top * deflection * (now**3 / (1 + now**2) - rest**3 / (1 + rest**2))
+                force = force - one.row * (torque + linear * (one.row @ q))
         return np.concatenate([v, inverse @ force, rates])
 
     start = np.zeros(4 + len(rubbing))
@@ -264,6 +307,10 @@ LAWS = {
     "abrupt friction": (friction(FIRST, 3.0, 3e4, 0.4),),
     "hardening": (hardening(FIRST, 6e3, 2e-3),),
     "softening": (hardening(FIRST, -6e3, 2e-3),),
+    "friction at rest": (friction(FIRST, 3.0, 3e4, 1.0, 0.4, 0.05),),
+    "slow friction": (slow_friction(FIRST, 3.0, 0.02),),
+    "both kinds of friction": (friction(FIRST, 2.0, 3e4), slow_friction(FIRST, 1.5, 0.3)),
+    "wound up": (hardening(FIRST, 6e3, 2e-3, 1e-3, 9e3),),
     "both": (hardening(np.array([-1.0, 1.0]), 3e3, 2e-3), friction(FIRST, 3.0, 3e4)),
 }
 
@@ -279,7 +326,8 @@ def test_march_follows_an_adaptive_integrator(name):
         errors.append(np.abs(last[0] - expected[:4]).max() / np.abs(expected[:4]).max())
         for number, own in enumerate(LAWS[name]):
             if own.kind == FRICTION:
-                assert np.abs(torque[0, number]).max() <= own.parameters[0] * (1 + 1e-9)
+                most = own.parameters[0] * (1 + own.parameters[3])
+                assert np.abs(torque[0, number]).max() <= most * (1 + 1e-9)
     order = np.log2(errors[0] / errors[2]) / 2
     assert errors[2] < 2e-3
     assert order > 1.5, errors  # 2 while the direction holds; each reversal falls somewhere into a step

@@ -1,4 +1,8 @@
-"""A payload, motor or tool that the card lacks: a compact mass fixed to a link, on its axis or beside it."""
+"""A payload, motor or tool that the card lacks: a compact mass on a link, on its axis or beside it.
+
+What holds it may give, alike in every direction, so little that it swings beyond the band only; what swings
+within is an absorber.
+"""
 
 from __future__ import annotations
 
@@ -13,14 +17,22 @@ from flexmodal.structure import Parameter
 from flexmodal.structure.arm import Body
 from flexmodal.structure.assembly import Assembly
 
+LOWEST = 1.15
+"""Of the band's end, above which a mass swings on what holds it."""
+RIGID = 8.0
+"""Likewise, above which files hold the mass as rigid."""
+LOSS = 0.03
+"""Damping ratio of that, which is not to be seen so far below."""
+
 
 def _parameters(context: Context, where: str) -> tuple[Parameter, ...]:
-    mass = context.arm_mass
+    mass, high = context.arm_mass, context.band[1]
     found = [
         positive("mass", "kg", 0.05 * mass, 1.2, 1e-4 * mass, 3 * mass),
         signed("along", "", 0.35, -0.3, 1.3, centre=0.65),
         signed("beside", "m", 0.06, -0.5, 0.5),
         positive("gyration", "m", 0.05, 0.7, 2e-3, 0.5),
+        positive("mount_frequency", "Hz", 50 * high, 1.5, LOWEST * high, 500 * high),
     ]
     if context.normal is None:
         found.append(signed("above", "m", 0.06, -0.5, 0.5))
@@ -42,19 +54,55 @@ def _compact(placement: Placement, place: np.ndarray) -> Body:
     return Body(placement["mass"], place, placement["mass"] * placement["gyration"] ** 2 * np.eye(3))
 
 
+def _ways(context: Context, where: str) -> list[np.ndarray]:
+    """Unit vectors along which a mount gives, in the frame of the link; in a planar chain two."""
+    _, axis = along(context, where)
+    return [axis, *sides(context, where, axis)]
+
+
+def _coordinates(context: Context, where: str) -> list[str]:
+    return [f"{where} mount {number}" for number, _ in enumerate(_ways(context, where))]
+
+
+def _shape(assembly: Assembly, placement: Placement) -> None:
+    assembly.add_coordinates(_coordinates(placement.context, placement.where))
+
+
 def _act(assembly: Assembly, placement: Placement) -> None:
-    place = place_on(placement.context, placement.where, placement.values)
-    assembly.add_body(placement.where, _compact(placement, place))
+    context, where, mass = placement.context, placement.where, placement["mass"]
+    motion = assembly.motion(where, place_on(context, where, placement.values))
+    axes, own = assembly.axes(where), 2 * np.pi * placement["mount_frequency"]
+    for name, way in zip(_coordinates(context, where), _ways(context, where), strict=True):
+        row = assembly.row(name)
+        carried = np.sum((axes @ way)[..., :, None] * motion[..., :3, :], axis=-2)
+        assembly.add_inertia(carried + row, mass)
+        assembly.add_spring(row, mass * own**2)
+        assembly.add_damper(row, 2 * LOSS * mass * own)
+    for k in range(3):
+        assembly.add_inertia(motion[..., k + 3, :], mass * placement["gyration"] ** 2)
 
 
 def _physical(context: Context, where: str, values: Mapping[str, float]) -> dict[str, float]:
     x, y, z = place_on(context, where, values).tolist()
-    return {"mass": values["mass"], "x": x, "y": y, "z": z, "gyration": values["gyration"]}
+    return {
+        "mass": values["mass"],
+        "x": x,
+        "y": y,
+        "z": z,
+        **{name: values[name] for name in ("gyration", "mount_frequency")},
+    }
 
 
 def _extend(draft: Draft, placement: Placement) -> None:
     place = place_on(placement.context, placement.where, placement.values)
-    draft.attach(placement.where, _compact(placement, place), name=f"{placement.where}_payload")
+    body, own = _compact(placement, place), 2 * np.pi * placement["mount_frequency"]
+    ways = _ways(placement.context, placement.where)
+    gives = placement["mount_frequency"] < RIGID * placement.context.band[1]
+    joints = draft.attach(
+        placement.where, body, name=f"{placement.where}_payload", slides=ways if gives else ()
+    )
+    for joint in joints if gives else ():
+        draft.flexible(joint, body.mass * own**2, 2 * LOSS * body.mass * own)
 
 
 EFFECT = Effect(
@@ -66,6 +114,7 @@ EFFECT = Effect(
     starts=lambda context, where: [
         {"mass": share * context.arm_mass, "along": place} for share in (0.04, 0.15) for place in (0.4, 0.95)
     ],
+    shape=_shape,
     act=_act,
     physical=_physical,
     extend=_extend,

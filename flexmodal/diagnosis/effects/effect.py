@@ -80,9 +80,9 @@ class Effect:
     """Takes over a link's body, whose name is last; says whether it did."""
     act: Callable[[Assembly, Placement], None] | None = None
     """Masses, springs, dampers."""
-    law: Callable[[Assembly, Placement], Law] | None = None
-    """The torque itself where it depends on the swing; `act` is then its stand-in at one amplitude, for the
-    search, and the law takes its place where blows are integrated in time (`time_domain`)."""
+    law: Callable[[Assembly, Placement], Sequence[Law]] | None = None
+    """The torques themselves where they depend on the swing; `act` is then their stand-in at one amplitude,
+    for the search, and they take its place where blows are integrated in time (`time_domain`)."""
     turn: Callable[[Assembly, Placement, str, np.ndarray], np.ndarray] | None = None
     """World directions that a sensor truly measures: name of its point, the recorded direction."""
     aside: Callable[[Placement, str], np.ndarray] | None = None

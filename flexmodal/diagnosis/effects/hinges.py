@@ -1,10 +1,10 @@
 """Where the hinges of a link that bends sit, and how they share its compliance.
 
-A link that is looked at or struck between its ends is cut there: two of Gauss's points in each piece are
-exact for what slow motion shows at the cuts, as the moment of a load is linear between them. One with modes
-of its own in the band has four or six in all, as the bars between them then move as the beam does in its
-first modes (with a mass at the end, four are within 0.6 % in the third frequency; two have two). Their
-compliance goes with exp(r x + q x²) and has any mean and spread that it can have.
+A link that is looked at or struck between its ends is cut there: two of Gauss's points in each piece, and at
+either end of the link one more, where a flange gives, are exact for what slow motion shows at the cuts, as
+the moment of a load is linear between them. One with modes of its own in the band has three to five and those
+two, as the bars between them then move as the beam does in its first modes. Their compliance goes with
+exp(r x + q x²) and has any mean and spread that it can have.
 """
 
 from __future__ import annotations
@@ -14,18 +14,21 @@ from itertools import pairwise
 
 import numpy as np
 from jaxtyping import Float
+from scipy.special import roots_jacobi
 
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import along
 from flexmodal.structure.arm import beyond, bodies_of
 
-MANY_IN_SPACE, MANY_IN_PLANE = 4, 6
+MANY_IN_SPACE, MANY_IN_PLANE = 5, 7
 """Hinges of a link whose own modes lie in the band; in space each bends in two planes and is half of the
 coordinates."""
 NEAR = 0.06
 """A place this near to an end of a link, or to another place, makes no piece of its own."""
 MOST_INSIDE = 2
 """Places between the ends that make pieces."""
+INSET = 0.02
+"""How far from its ends the last hinges of a link are, over its length."""
 EVEN = 3**-0.5
 """Spread of an even beam."""
 SOFT = 1 / 8
@@ -53,6 +56,30 @@ def gauss(count: int) -> tuple[Float[np.ndarray, " hinge"], Float[np.ndarray, " 
     """Gauss's points along the length, as parts of it, and their weights."""
     place, weight = np.polynomial.legendre.leggauss(count)
     return (1 + place) / 2, weight / 2
+
+
+@cache
+def quadrature(
+    start: float, end: float, count: int
+) -> tuple[Float[np.ndarray, " hinge"], Float[np.ndarray, " hinge"]]:
+    """Points of a piece and their weights, one of them near each end of the link that it reaches.
+
+    The others are Gauss's for what is left of the weight (Radau's and Lobatto's formulas: Abramowitz and
+    Stegun, Handbook of Mathematical Functions, 25.4.31 and 32); the weights then follow from the moments.
+
+    Args:
+        start: of the piece, as a part of the length of the link.
+        end: likewise.
+        count: of points.
+    """
+    first, last = start <= 0.0, end >= 1.0
+    free, _ = roots_jacobi(count - first - last, float(last), float(first))
+    place = start + (end - start) * (1 + free) / 2
+    place = np.concatenate([[INSET] * first, place, [1 - INSET] * last])
+    moments = np.zeros(count)
+    moments[0] = end - start
+    inside = 2 * (place - start) / (end - start) - 1
+    return place, np.linalg.solve(np.polynomial.legendre.legvander(inside, count - 1).T, moments)
 
 
 @lru_cache(maxsize=128)
@@ -92,11 +119,11 @@ def fixed(
     if len(ends) == 2 and not modes:
         return None
     whole = 0 if not modes else MANY_IN_SPACE if context.normal is None else MANY_IN_PLANE
-    places, weights = [], []
+    found = []
     for start, end in pairwise(ends):
-        place, weight = gauss(max(2, round(whole * (end - start))))
-        places.append(start + (end - start) * place)
-        weights.append((end - start) * weight)
+        least = 2 + (start <= 0.0) + (end >= 1.0)
+        found.append(quadrature(start, end, max(least, round(whole * (end - start)))))
+    places, weights = zip(*found, strict=True)
     return np.concatenate(places), np.concatenate(weights)
 
 

@@ -16,7 +16,7 @@ from jaxtyping import Float
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Effect, Placement, positive, signed
 from flexmodal.diagnosis.effects.swing import swings
-from flexmodal.diagnosis.time_domain.law import friction, hardening
+from flexmodal.diagnosis.time_domain.law import Law, friction, hardening, slow_friction
 from flexmodal.structure import Parameter
 from flexmodal.structure.assembly import Assembly
 
@@ -35,14 +35,16 @@ def _swing(placement: Placement) -> tuple[Float[np.ndarray, " system"], Float[np
     return amplitude * placement.values.get("reach", 1.0), omega
 
 
-def _typical(context: Context, where: str) -> float:
-    """Swing of a joint under the blows of the campaign, geometric mean [rad]."""
-    found = [
-        swings(context, 0, reference, level)[where].amplitude
+def _typical(context: Context, where: str) -> tuple[float, float]:
+    """Swing of a joint under the blows of the campaign [rad], and its speed [rad/s], geometric means."""
+    every = [
+        swings(context, 0, reference, level)[where]
         for level in context.levels
         for reference in context.references
     ]
-    return float(np.exp(np.mean(np.log(np.maximum(found, 1e-300)))))
+    found = [(one.amplitude, one.amplitude * one.omega) for one in every]
+    size, speed = np.exp(np.mean(np.log(np.maximum(found, 1e-300)), axis=0)).tolist()
+    return size, speed
 
 
 def _one_level(context: Context) -> str | None:
@@ -50,7 +52,10 @@ def _one_level(context: Context) -> str | None:
 
 
 def dahl(
-    amplitude: Float[np.ndarray, "*many"], torque: float, presliding: float, exponent: float = 1.0
+    amplitude: Float[np.ndarray, "*many"],
+    torque: float | Float[np.ndarray, "*many"],
+    presliding: float,
+    exponent: float = 1.0,
 ) -> tuple[Float[np.ndarray, "*many"], Float[np.ndarray, "*many"]]:
     """Stiffness and loss (torque a radian, in and out of phase) of Dahl's friction at an amplitude.
 
@@ -71,39 +76,88 @@ def dahl(
         short = middle + left(middle, 2 * size) < 2
         low, high = np.where(short, middle, low), np.where(short, high, middle)
     q = -np.cos(_PHASE)  # from −A to A
-    force = torque * (1 - left(((low + high) / 2)[..., None], size[..., None] * (q + 1)))
+    most = np.asarray(torque)[..., None]
+    force = most * (1 - left(((low + high) / 2)[..., None], size[..., None] * (q + 1)))
     stiffness = 2 / len(_PHASE) * np.sum(force * q, axis=-1) / amplitude
     loss = 2 / len(_PHASE) * np.sum(force * np.sin(_PHASE), axis=-1) / amplitude
     return stiffness, loss
 
 
-def hardened(amplitude: Float[np.ndarray, "*many"]) -> Float[np.ndarray, "*many"]:
-    """Part of the change of stiffness that an amplitude sees, 0 to 1: for u³/(1 + u²), amplitude over q_r."""
+def hardened(amplitude: Float[np.ndarray, "*many"], wound: float = 0.0) -> Float[np.ndarray, "*many"]:
+    """Part of the change of stiffness that an amplitude sees: for u³/(1 + u²), amplitude over q_r.
+
+    Args:
+        amplitude: over q_r.
+        wound: elongation about which it swings, likewise.
+    """
     a = np.maximum(amplitude, 1e-4)
-    return np.asarray(1 - 2 / a**2 * (1 - 1 / np.sqrt(1 + a**2)))
+    if wound == 0.0:
+        return np.asarray(1 - 2 / a**2 * (1 - 1 / np.sqrt(1 + a**2)))
+    wave = np.cos(_PHASE)
+    u = wound + a[..., None] * wave
+    return np.asarray(2 / len(_PHASE) * np.sum(u**3 / (1 + u**2) * wave, axis=-1) / a)
 
 
-_FRICTION = ("torque", "presliding_stiffness", "exponent")
+_FRICTION = ("torque", "presliding_stiffness", "exponent", "stiction", "stribeck_speed")
+_SLOW = ("slow_torque", "slow_speed")
+_SPEED = 0.7
+"""Of the largest speed of a swing, where friction takes most of its energy."""
 
 
 def _rub(assembly: Assembly, placement: Placement) -> None:
     amplitude, omega = _swing(placement)
-    torque, bristles, exponent = (placement[name] for name in _FRICTION)
-    stiffness, loss = dahl(amplitude, torque, bristles, exponent)
+    torque, bristles, exponent, stiction, speed = (placement[name] for name in _FRICTION)
+    limit = torque * (1 + stiction * np.exp(-((_SPEED * amplitude * omega / speed) ** 2)))
+    stiffness, loss = dahl(amplitude, limit, bristles, exponent)
     row = assembly.stretch_of(placement.where)
     assembly.add_spring(row, stiffness)
     assembly.add_damper(row, loss / omega)
+    assembly.add_damper(row, levelling(amplitude * omega, *(placement[name] for name in _SLOW)))
+
+
+def levelling(speed: Float[np.ndarray, "*many"], torque: float, slow: float) -> Float[np.ndarray, "*many"]:
+    """Damping that a swing feels of T tanh(v/v_t).
+
+    Args:
+        speed: largest in the swing [rad/s].
+        torque: T [N·m].
+        slow: v_t [rad/s].
+    """
+    wave, most = np.sin(_PHASE), np.maximum(speed, 1e-12 * slow)
+    felt = np.tanh(most[..., None] * wave / slow)
+    return np.asarray(2 / len(_PHASE) * torque * np.sum(felt * wave, axis=-1) / most)
+
+
+def _rubbing(assembly: Assembly, placement: Placement) -> tuple[Law, Law]:
+    row = assembly.stretch_of(placement.where)
+    hysteretic = friction(row, *(placement[name] for name in _FRICTION))
+    return hysteretic, slow_friction(row, *(placement[name] for name in _SLOW))
 
 
 def _friction_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
     k = float(context.robot.joints[where].stiffness)
-    torque = 0.1 * k * _typical(context, where)
+    size, speed = _typical(context, where)
+    torque = 0.1 * k * size
     return (
         positive("torque", "N·m", torque, 1.2, torque / 1e3, torque * 1e3),
         positive("presliding_stiffness", "N·m/rad", 5 * k, 0.7, 0.1 * k, 200 * k),
         signed("exponent", "", 0.4, 0.0, 1.6, centre=1.0),
+        positive("stiction", "", 0.02, 1.5, 1e-3, 4.0),
+        positive("stribeck_speed", "rad/s", 0.3 * speed, 1.2, 1e-3 * speed, 10 * speed),
+        positive("slow_torque", "N·m", 0.003 * torque, 2.0, torque / 1e5, torque * 1e3),
+        positive("slow_speed", "rad/s", 0.3 * speed, 1.2, 1e-3 * speed, 10 * speed),
         positive("reach", "", 1.0, 0.7, 0.05, 20.0),
     )
+
+
+def _friction_starts(context: Context, where: str) -> list[Mapping[str, float]]:
+    size = 0.1 * float(context.robot.joints[where].stiffness) * _typical(context, where)[0]
+    found = [{"torque": share * size} for share in (0.2, 1.0, 4.0)]
+    return [
+        *found,
+        {"torque": size, "stiction": 0.5},
+        *({"torque": 0.01 * size, "slow_torque": share * size} for share in (0.3, 2.0)),
+    ]
 
 
 FRICTION = Effect(
@@ -112,17 +166,12 @@ FRICTION = Effect(
     looks_like="resonances that are lower and less damped the harder the blow",
     places=lambda context: context.joints,
     parameters=_friction_parameters,
-    starts=lambda context, where: [
-        {"torque": share * float(context.robot.joints[where].stiffness) * _typical(context, where)}
-        for share in (0.02, 0.1, 0.4)
-    ],
+    starts=_friction_starts,
     act=_rub,
-    law=lambda assembly, placement: friction(
-        assembly.stretch_of(placement.where), *(placement[name] for name in _FRICTION)
-    ),
+    law=_rubbing,
     variants=("blow",),
     untestable=_one_level,
-    physical=lambda context, where, values: {name: values[name] for name in _FRICTION},
+    physical=lambda context, where, values: {name: values[name] for name in (*_FRICTION, *_SLOW)},
 )
 
 
@@ -133,18 +182,31 @@ def _stiffness(placement: Placement) -> float:
     )
 
 
-def _stiffen(assembly: Assembly, placement: Placement) -> None:
-    part = hardened(_swing(placement)[0] / placement["deflection"])
-    assembly.add_spring(
-        assembly.stretch_of(placement.where), placement["change"] * part * _stiffness(placement)
+def _spring(assembly: Assembly, placement: Placement) -> tuple[Law]:
+    deflection, stiffness = placement["deflection"], _stiffness(placement)
+    law = hardening(
+        assembly.stretch_of(placement.where),
+        placement["change"] * stiffness,
+        deflection,
+        placement["wound"] * deflection,
+        stiffness,
     )
+    return (law,)
+
+
+def _stiffen(assembly: Assembly, placement: Placement) -> None:
+    (law,), wound = _spring(assembly, placement), placement["wound"]
+    part = hardened(_swing(placement)[0] / placement["deflection"], wound)
+    top, _, _, at_rest, _ = law.parameters
+    assembly.add_spring(law.row, top * part + at_rest)
 
 
 def _hardening_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
-    size = _typical(context, where)
+    size, _ = _typical(context, where)
     return (
         signed("change", "", 0.6, -0.85, 6.0),
         positive("deflection", "rad", size, 1.0, size / 100, size * 100),
+        signed("wound", "of the deflection", 0.5, -4.0, 4.0),
     )
 
 
@@ -153,6 +215,7 @@ def _hardening_physical(context: Context, where: str, values: Mapping[str, float
     return {
         "change": values["change"],
         "deflection": values["deflection"],
+        "wound": values["wound"],
         "cubic_stiffness": values["change"] * k / values["deflection"] ** 2,
     }
 
@@ -164,16 +227,12 @@ NONLINEAR = Effect(
     places=lambda context: context.joints,
     parameters=_hardening_parameters,
     starts=lambda context, where: [
-        {"change": change, "deflection": share * _typical(context, where)}
+        {"change": change, "deflection": share * _typical(context, where)[0], "wound": wound}
         for change in (0.3, -0.3)
-        for share in (0.6, 2.0)
+        for share, wound in ((0.6, 0.0), (2.0, 0.0), (1.0, 0.8))
     ],
     act=_stiffen,
-    law=lambda assembly, placement: hardening(
-        assembly.stretch_of(placement.where),
-        placement["change"] * _stiffness(placement),
-        placement["deflection"],
-    ),
+    law=_spring,
     variants=("blow",),
     untestable=_one_level,
     physical=_hardening_physical,

@@ -72,7 +72,11 @@ def _parameters(context: Context, where: str) -> tuple[Parameter, ...]:
 def _starts(context: Context, where: str) -> list[Mapping[str, float]]:
     k = stiffest(context, where)
     grid = (0.2, 0.8, 3.0, 12.0, 40.0, 400.0, 4000.0)  # the stiffest where a slide comes before the link
-    return [{"stiffness": factor * k, "damping": 3e-4 * factor * k} for factor in grid]
+    found: list[Mapping[str, float]] = [
+        {"stiffness": factor * k, "damping": 3e-4 * factor * k} for factor in grid
+    ]
+    ends = [{"position": place, "spread": 0.1} for place in (0.06, 0.94)]
+    return found + [{**one, **more} for one in found[1:4] for more in ends]
 
 
 def names_of(context: Context, where: str, count: int) -> list[str]:

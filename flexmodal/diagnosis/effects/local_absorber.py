@@ -1,7 +1,8 @@
 """Something resilient attached to a link: a mass on springs and dampers, free along one direction or two.
 
-The second direction is across the first, in the plane of that and the link's axis; its spring is so many
-times as stiff, and where that is much the mass is free along one.
+The second direction is across the first; its spring is so many times as stiff, and where that is much the
+mass is free along one. There may be another mass at the same place that swings along the second direction
+alone; where it weighs next to nothing there is none.
 """
 
 from __future__ import annotations
@@ -18,21 +19,32 @@ from flexmodal.structure import Parameter
 from flexmodal.structure.arm import Body
 from flexmodal.structure.assembly import Assembly
 
+HIGHEST = 1.15
+"""Of the band's end, up to which something swings; what is stiffer is a mass."""
+
+COORDINATES = ("", " across", " other")
+"""What the mass does along its directions, and what another one does along the second."""
+NOTHING = 0.01
+"""Mass of the other one, over that of the first, which is left out of files."""
+
 
 def _parameters(context: Context, where: str) -> tuple[Parameter, ...]:
     mass = context.arm_mass
     low, high = context.band
     found = [
         positive("mass", "kg", 0.06 * mass, 1.0, 1e-4 * mass, 3 * mass),
-        positive("frequency", "Hz", float(np.sqrt(low * high)), 1.2, 0.7 * low, 1.5 * high),
+        positive("frequency", "Hz", float(np.sqrt(low * high)), 1.2, 0.7 * low, HIGHEST * high),
         positive("damping_ratio", "", 0.03, 0.9, 1e-4, 1.0),
         signed("along", "", 0.35, -0.3, 1.3, centre=0.65),
         signed("beside", "m", 0.06, -0.5, 0.5),
         signed("angle", "rad", 0.5, -1.6, 1.6),
         positive("across_ratio", "", 1e3, 2.0, 0.02, 1e4),
+        positive("other", "of the mass", 0.003, 2.0, 1e-6, 3.0),
+        positive("other_ratio", "of the frequency", 1.7, 0.6, 0.2, 5.0),
     ]
     if context.normal is None:
-        found += [signed("above", "m", 0.06, -0.5, 0.5), signed("turn", "rad", 2.0, -3.2, 3.2)]
+        turns = (signed(name, "rad", 2.0, -3.2, 3.2) for name in ("turn", "roll"))
+        found += [signed("above", "m", 0.06, -0.5, 0.5), *turns]
     return tuple(found)
 
 
@@ -43,66 +55,86 @@ def _starts(context: Context, where: str) -> list[Mapping[str, float]]:
     turns: list[dict[str, float]] = [{}] if context.normal is not None else [{"turn": 0.0}, {"turn": 1.57}]
     grid = [(float(f), 0.06, 0.03) for f in np.geomspace(first, last, 10)]
     grid += [(float(f), 0.008, 0.06) for f in np.geomspace(first, last, 16)]
-    return [
+    found: list[Mapping[str, float]] = [
         {"frequency": f, "mass": share * context.arm_mass, "damping_ratio": ratio, "along": 0.75, **turn}
         for f, share, ratio in grid
         for turn in turns
     ]
+    further = [{"other": 0.7, "other_ratio": ratio} for ratio in (0.6, 1.7)]
+    further += [{"across_ratio": ratio} for ratio in (0.4, 2.5)]
+    return found + [{**one, **more} for one in found[: 10 * len(turns)] for more in further]
 
 
-def _ways(context: Context, where: str, values: Mapping[str, float]) -> tuple[np.ndarray, np.ndarray]:
-    """The directions in which it gives, in the frame of the link: across it, turned; and across that."""
+def _ways(context: Context, where: str, values: Mapping[str, float]) -> tuple[np.ndarray, ...]:
+    """The directions in which it gives and, in space, the one in which it does not, in the frame of the link.
+
+    The first is across the link, turned about it and out of that; the second is rolled about the first.
+    """
     _, axis = along(context, where)
     across = sides(context, where, axis)
     side = across[0]
     if len(across) == 2:
         side = np.cos(values["turn"]) * across[0] + np.sin(values["turn"]) * across[1]
     cosine, sine = np.cos(values["angle"]), np.sin(values["angle"])
-    return cosine * side + sine * axis, cosine * axis - sine * side
+    first, second = cosine * side + sine * axis, cosine * axis - sine * side
+    third = np.cross(first, second)
+    if len(across) == 1:
+        return first, second, third
+    cosine, sine = np.cos(values["roll"]), np.sin(values["roll"])
+    return first, cosine * second + sine * third, cosine * third - sine * second
 
 
-def _springs(values: Mapping[str, float]) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Stiffness [N/m] and damping [N·s/m] along either direction."""
-    stiffness = values["mass"] * (2 * np.pi * values["frequency"]) ** 2
-    damping = 2 * values["damping_ratio"] * float(np.sqrt(stiffness * values["mass"]))
-    across = values["across_ratio"]
-    return (stiffness, damping), (across * stiffness, float(np.sqrt(across)) * damping)
+def _springs(values: Mapping[str, float]) -> tuple[tuple[float, float], ...]:
+    """Stiffness [N/m] and damping [N·s/m] along either direction, and of the other mass."""
+    own, loss, mass = 2 * np.pi * values["frequency"], 2 * values["damping_ratio"], values["mass"]
+    faster = float(np.sqrt(values["across_ratio"])) * own
+    apart, other = values["other_ratio"] * own, values["other"] * mass
+    return tuple((m * w**2, loss * m * w) for m, w in ((mass, own), (mass, faster), (other, apart)))
 
 
 def _shape(assembly: Assembly, placement: Placement) -> None:
-    assembly.add_coordinates([f"{placement.where} absorber", f"{placement.where} absorber across"])
+    assembly.add_coordinates([f"{placement.where} absorber{name}" for name in COORDINATES])
 
 
 def _act(assembly: Assembly, placement: Placement) -> None:
-    ways = _ways(placement.context, placement.where, placement.values)
-    own, other = (assembly.row(f"{placement.where} absorber{more}") for more in ("", " across"))
-    axes = assembly.axes(placement.where)
-    along_, across = (axes @ way for way in ways)
-    mass = placement["mass"]
-    place = place_on(placement.context, placement.where, placement.values)
-    motion = assembly.motion(placement.where, place)
-    for k in range(3):
-        moves = motion[..., k, :] + along_[..., k, None] * own + across[..., k, None] * other
-        assembly.add_inertia(moves, mass)
-    for row, spring in zip((own, other), _springs(placement.values), strict=True):
+    values, where = placement.values, placement.where
+    axes = assembly.axes(where)
+    ways = [axes @ way for way in _ways(placement.context, where, values)]
+    motion = assembly.motion(where, place_on(placement.context, where, values))[..., :3, :]
+    carried = [np.sum(way[..., :, None] * motion, axis=-2) for way in ways]
+    own, across, other = (assembly.row(f"{where} absorber{name}") for name in COORDINATES)
+    mass = values["mass"]
+    for body, swung in ((mass, (own, across, 0.0)), (values["other"] * mass, (0.0, other, 0.0))):
+        for moves, row in zip(carried, swung, strict=True):
+            assembly.add_inertia(moves + row, body)
+    for row, spring in zip((own, across, other), _springs(values), strict=True):
         assembly.add_spring(row, spring[0])
         assembly.add_damper(row, spring[1])
 
 
 def _physical(context: Context, where: str, values: Mapping[str, float]) -> dict[str, float]:
     x, y, z = place_on(context, where, values).tolist()
-    dx, dy, dz = _ways(context, where, values)[0].tolist()
-    kept = {name: values[name] for name in ("mass", "frequency", "damping_ratio", "across_ratio")}
-    return {**kept, "stiffness": _springs(values)[0][0], "x": x, "y": y, "z": z, "dx": dx, "dy": dy, "dz": dz}
+    first, second = (way.tolist() for way in _ways(context, where, values)[:2])
+    ways = dict(zip(("dx", "dy", "dz", "across_x", "across_y", "across_z"), [*first, *second], strict=True))
+    names = ("mass", "frequency", "damping_ratio", "across_ratio", "other", "other_ratio")
+    kept = {name: values[name] for name in names}
+    return {**kept, "stiffness": _springs(values)[0][0], "x": x, "y": y, "z": z, **ways}
 
 
 def _extend(draft: Draft, placement: Placement) -> None:
-    place = place_on(placement.context, placement.where, placement.values)
-    ways = _ways(placement.context, placement.where, placement.values)
-    part = Body(placement["mass"], place, np.zeros((3, 3)))
-    joints = draft.attach(placement.where, part, name=f"{placement.where}_absorber", slides=ways)
-    for joint, spring in zip(joints, _springs(placement.values), strict=True):
+    values, name = placement.values, f"{placement.where}_absorber"
+    place = place_on(placement.context, placement.where, values)
+    first, second, _ = _ways(placement.context, placement.where, values)
+    *springs, apart = _springs(values)
+    part = Body(values["mass"], place, np.zeros((3, 3)))
+    for joint, spring in zip(
+        draft.attach(placement.where, part, name=name, slides=(first, second)), springs, strict=True
+    ):
         draft.flexible(joint, *spring)
+    if values["other"] > NOTHING:
+        part = Body(values["other"] * values["mass"], place, np.zeros((3, 3)))
+        (joint,) = draft.attach(placement.where, part, name=f"{name}_other", slides=(second,))
+        draft.flexible(joint, *apart)
 
 
 EFFECT = Effect(

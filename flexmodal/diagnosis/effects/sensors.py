@@ -79,24 +79,58 @@ MIDDLE = 2 * np.pi * 50.0
 """Where a gain that changes with frequency is what its parameter says [rad/s]."""
 
 
+MOUNTS = 8
+"""Frequencies of a mount from which fits start, over the band and somewhat beyond."""
+CORNERS = (0.3, 1.0, 4.0)
+"""Corners of a high pass from which fits start, over the lowest line."""
+
+
 def _gain(placement: Placement, axis: Axis) -> np.ndarray:
-    """A factor of either sign, and a weak power of frequency."""
+    """A factor of either sign, a weak power of frequency, a mount that resonates, and a high pass."""
     gain = placement["gain"]
+    s = np.where(axis.frequency > 0, axis.s, 1j * MIDDLE)
     size = np.log(max(abs(gain), LEAST_GAIN)) + (1j * np.pi if gain < 0 else 0.0)
-    slope = placement["exponent"] * np.log(np.where(axis.frequency > 0, axis.s, 1j * MIDDLE) / (1j * MIDDLE))
-    return np.asarray(size + slope, dtype=complex)
+    slope = placement["exponent"] * np.log(s / (1j * MIDDLE))
+    mount = s / (2 * np.pi * placement["mount_frequency"])
+    resonance = np.log(1 + 2 * placement["mount_damping_ratio"] * mount + mount**2)
+    corner = np.log1p(2 * np.pi * placement["high_pass"] / s)
+    return np.asarray(size + slope - resonance - corner, dtype=complex)
+
+
+def _gain_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
+    """A mount and a high pass that do nothing in the band, unless the data ask for them.
+
+    A damping ratio of more than a third is a filter's: that sensor lags.
+    """
+    low, high = context.band
+    return (
+        signed("gain", "", 0.3, -20.0, 20.0, centre=1.0),
+        signed("exponent", "of frequency", 0.05, -0.6, 0.6),
+        positive("mount_frequency", "Hz", 30 * high, 1.5, low, 1e3 * high),
+        positive("mount_damping_ratio", "", 0.05, 0.8, 1e-3, 0.35),
+        positive("high_pass", "Hz", 1e-3 * low, 2.0, 1e-5 * low, high),
+    )
+
+
+def _gain_starts(context: Context, where: str) -> list[Mapping[str, float]]:
+    """A mount's resonance is not found from where it does nothing."""
+    low, high = context.band
+    mounts = np.geomspace(max(2 * low, 0.1 * high), 1.6 * high, MOUNTS).tolist()
+    return [
+        {"gain": 1.1},
+        {"gain": -1.0},
+        *({"gain": 1.0, "mount_frequency": one} for one in mounts),
+        *({"gain": 1.0, "high_pass": share * low} for share in CORNERS),
+    ]
 
 
 SENSOR_GAIN = Effect(
     name="sensor_gain",
-    says="a sensor reads too much or too little, or the wrong way round",
-    looks_like="one point's FRFs off by the same factor at every frequency",
+    says="a sensor reads too much or too little, or the wrong way round, or its mount resonates",
+    looks_like="one point's FRFs off by the same factor in every posture",
     places=lambda context: context.sensors,
-    parameters=lambda context, where: (
-        signed("gain", "", 0.3, -20.0, 20.0, centre=1.0),
-        signed("exponent", "of frequency", 0.05, -0.6, 0.6),
-    ),
-    starts=lambda context, where: [{"gain": 1.1}, {"gain": -1.0}],
+    parameters=_gain_parameters,
+    starts=_gain_starts,
     read=_gain,
 )
 

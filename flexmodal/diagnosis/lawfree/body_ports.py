@@ -62,6 +62,7 @@ BODY = PortKind(
         parameters=lambda context, where: tuple(
             one for one in ADDED_MASS.parameters(context, where) if one.name in GEOMETRY
         ),
+        shape=None,
         act=None,
         extend=None,
     ),

@@ -46,7 +46,13 @@ CLASSES_OF: Mapping[str, tuple[str, ...]] = {
     "local_absorber": ("resonance",),
     "servo_compliance": ("resonance", "something in series, with a resonance of its own", "relaxation"),
     "sensor_mass": ("mass", "resonance"),
-    "sensor_gain": ("gain", "gain and phase", "gain with a power of frequency"),
+    "sensor_gain": (
+        "gain",
+        "gain and phase",
+        "gain with a power of frequency",
+        "high pass and gain",
+        "resonance of its mount and gain",
+    ),
     "time_delay": ("delay", "gain and delay", "low pass and gain", "all-pass and gain"),
 }
 """The classes that its curve can be of; effects that are not listed have no common curve to be of a class."""

@@ -54,6 +54,10 @@ def _inside(omega: np.ndarray) -> np.ndarray:
     return np.geomspace(omega[0] * 2, omega[-1] * 0.9, 24)
 
 
+def _mounts(omega: np.ndarray) -> np.ndarray:
+    return np.geomspace(omega[0] * 2, omega[-1] * 2, 24)
+
+
 def _ratios(omega: np.ndarray) -> np.ndarray:
     return np.array([0.003, 0.02, 0.1, 0.5, 2.0])
 
@@ -162,6 +166,10 @@ _TURN = Template(
 )
 _HIGH = Template("high pass and gain", lambda w, at: [_one(w), -np.log(1 + 1 / (1j * w * at[0]))], 2,
                  ("ln gain = {:.4g}", "order {:.3g}"), (_times,), "time constant {:.3g} s")  # fmt: skip
+_MOUNT = Template(
+    "resonance of its mount and gain", lambda w, at: [_one(w), np.log(_rotor(w, at))], 2,
+    ("ln gain = {:.4g}", "order {:.3g}"), (_mounts, _ratios), "ω = {:.4g} rad/s, ζ = {:.3g}",
+)  # fmt: skip
 
 _OF = {
     "joint": (_SPRING, _DAMPER, _LOSS, _MASS, _RELAXATION, _ABSORBER, _SERIES),
@@ -173,8 +181,8 @@ _OF = {
     "carried": (_MASS, _SPRING, _BOTH, _ABSORBER),
     "ground": (_SPRING, _DAMPER, _BOTH, _MASS, _RELAXATION),
     "body": (_MASS, _SPRING, _BOTH, _ABSORBER),
-    "sensor": (_GAIN, _SLOPE, _PHASE, _DELAY, _GAIN_DELAY, _LOW, _TURN, _HIGH),
-    "hammer": (_GAIN, _SLOPE, _PHASE, _DELAY, _GAIN_DELAY, _LOW, _TURN, _HIGH),
+    "sensor": (_GAIN, _SLOPE, _PHASE, _DELAY, _GAIN_DELAY, _LOW, _TURN, _HIGH, _MOUNT),
+    "hammer": (_GAIN, _SLOPE, _PHASE, _DELAY, _GAIN_DELAY, _LOW, _TURN, _HIGH, _MOUNT),
 }
 
 

@@ -37,6 +37,7 @@ def explanations(
     enough: float,
     advance: Callable[[float], None],
     allowed: Callable[[str, str], bool] = lambda effect, where: True,
+    one_is_enough: bool,
 ) -> list[FittedFrfs]:
     """Candidates for the next step, fitted closely and looked at, the best first.
 
@@ -48,6 +49,8 @@ def explanations(
         enough: distance over noise from which no other starts are tried.
         advance: called with the part that is done.
         allowed: names and places that are tried.
+        one_is_enough: whether one effect explains everything as far as is known, so that fits which do not
+            get there are started from elsewhere.
     """
     advance(0.0)
     seen = look_at(setup.fitted, worst_lines(setup.fitted, before.predicted[~setup.held]))
@@ -60,7 +63,7 @@ def explanations(
         looked.append(_close(setup, one))
         advance(0.6 + 0.3 * number / len(finalists))
     looked.sort(key=lambda one: one.cost)
-    if looked and over_noise(setup, looked[0]) > enough:
+    if one_is_enough and looked and over_noise(setup, looked[0]) > enough:
         looked = [_elsewhere(setup, seen, one, set_out) if k < AGAIN else one for k, one in enumerate(looked)]
         looked.sort(key=lambda one: one.cost)
     if looked:

@@ -72,7 +72,8 @@ class FrfCandidates:
             look: beside it.
             is_over: whether nothing else has to be looked for beside a model.
         """
-        found = self.searched(before, number, look.worth_trying)
+        alone = look.explains and len(look.found) == 1
+        found = self.searched(before, number, look.worth_trying, one_is_enough=alone)
         if look.explains:
             enough = [one for one in found if is_over(one)]
             keys = self._pointed_to(before, look)
@@ -95,7 +96,12 @@ class FrfCandidates:
         return self.searched(self.root, 0, _anything)
 
     def searched(
-        self, before: FittedFrfs, number: int, allowed: Callable[[str, str], bool]
+        self,
+        before: FittedFrfs,
+        number: int,
+        allowed: Callable[[str, str], bool],
+        *,
+        one_is_enough: bool = False,
     ) -> list[FittedFrfs]:
         """The finalists of a search for some effects in some places.
 
@@ -103,6 +109,7 @@ class FrfCandidates:
             before: the model that something is added to.
             number: how many effects it has.
             allowed: names and places that are tried.
+            one_is_enough: whether one effect explains everything, as far as a look without a law can say.
         """
         doing = f"looking for {'an effect' if not number else 'another effect'}"
         return explanations(
@@ -113,6 +120,7 @@ class FrfCandidates:
             enough=FLOOR_REACHED,
             advance=lambda part: self.setup.advance(doing, part),
             allowed=allowed,
+            one_is_enough=one_is_enough,
         )
 
     def _pointed_to(self, before: FittedFrfs, look: Findings) -> list[tuple[str, str]]:

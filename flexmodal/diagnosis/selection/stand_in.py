@@ -53,6 +53,7 @@ def stand_in(
             enough=FLOOR_REACHED,
             advance=partial(_advance, setup, number),
             allowed=lambda effect, where: where in places,
+            one_is_enough=False,
         )
         found = [one for one in found if is_passive(one)]
         if not found or (nearer := over_noise(setup, found[0], setup.held)) > NEARER * far:

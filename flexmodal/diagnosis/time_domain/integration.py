@@ -18,7 +18,7 @@ from jaxtyping import Complex, Float
 
 from flexmodal.diagnosis.time_domain import kernel, numpy_form
 from flexmodal.diagnosis.time_domain.kernel import LANES
-from flexmodal.diagnosis.time_domain.law import Law
+from flexmodal.diagnosis.time_domain.law import FRICTION, SLOW, Law
 from flexmodal.diagnosis.time_domain.pulse import Pulse
 from flexmodal.diagnosis.time_domain.spectrum import WHOLE, spectrum
 from flexmodal.frf.kernels.compiled import Kernel, together
@@ -151,15 +151,14 @@ def torques(
             push[group, :, :, lane] = np.outer(f[:-1], first) + np.outer(f[1:], second)
     torque = np.zeros((len(groups), LANES, laws, steps.count + 1))
     last = np.zeros((len(groups), LANES, states))
-    rows = np.zeros((len(struck), laws, states))
-    rows[:, :, : states // 2] = [[law.row for law in one.laws] for one in struck]
+    rows = np.array([[_felt(law) for law in one.laws] for one in struck])
     loop(
         np.ascontiguousarray(phi),
         np.ascontiguousarray(np.swapaxes(early[:, :, :laws] + phi @ late[:, :, :laws], 1, 2)),
         np.ascontiguousarray(np.swapaxes(late[:, :, :laws], 1, 2)),
         rows,
         np.array([law.kind for law in struck[0].laws]),
-        np.array([[law.parameters for law in one.laws] for one in struck], dtype=float),
+        _parameters(struck, h),
         system,
         push,
         torque,
@@ -171,6 +170,19 @@ def torques(
         torque.reshape(-1, laws, steps.count + 1)[taken],
         last.reshape(-1, states)[taken],
     )
+
+
+def _felt(law: Law) -> Float[np.ndarray, " state"]:
+    """What of the state a law goes by: elongation or speed along its row."""
+    still = np.zeros_like(law.row)
+    return np.concatenate([still, law.row] if law.kind == SLOW else [law.row, still])
+
+
+def _parameters(struck: Sequence[Struck], step: float) -> Float[np.ndarray, "system law 5"]:
+    """Of the laws; the speed of friction as elongation in a step."""
+    found = np.array([[law.parameters for law in one.laws] for one in struck], dtype=float)
+    found[:, [law.kind == FRICTION for law in struck[0].laws], 4] *= step
+    return found
 
 
 def _lanes(blows: Sequence[Blow]) -> list[Sequence[Blow]]:
@@ -263,5 +275,5 @@ def loop_of(struck: Sequence[Struck], steps: Steps, compiled: bool | None = None
 
 @cache
 def _kernel() -> Kernel:
-    inner, purpose = (kernel.law, kernel.coast, kernel.settle), "steps in time"
+    inner, purpose = (kernel.law, kernel.coast, kernel.eliminate, kernel.settle), "steps in time"
     return together(*inner, last=kernel.integrate, purpose=purpose, seconds=_COMPILATION, merged=True)

@@ -2,7 +2,7 @@
 
 `LANES` blows on one system are integrated side by side, so that the products with its matrices fill a vector
 register.
-Codes of the laws are those of `law`: 0 hardening, 1 friction.
+Codes of the laws are those of `law`: 0 hardening, 1 friction, 2 friction by speed.
 """
 
 from __future__ import annotations
@@ -22,36 +22,47 @@ CLOSE = 1e-6
 
 
 @no_type_check  # a checker's wrapper cannot be compiled
-def law(kind, first, second, third, old, new, memory):
-    """Torque at an elongation and its derivative.
+def law(kind, p, old, new, memory):
+    """Torque at an elongation and its derivative, the limit of friction taken as that of the step's speed.
 
     Args:
         kind: code of the law.
-        first: its parameters.
-        second: likewise.
-        third: likewise.
-        old: elongation one step ago.
+        p: its five parameters, the last one of friction in elongation per step.
+        old: elongation one step ago; of a law by speed that speed, likewise below.
         new: elongation now.
         memory: torque one step ago.
     """
+    if kind == 2:
+        share = np.tanh(new / p[1])
+        return p[0] * share, p[0] / p[1] * (1.0 - share * share)
     if kind == 0:
-        ratio = new / second
+        ratio = (new + p[2]) / p[1]
         ratio *= ratio
         part = ratio / (1.0 + ratio)
-        return first * new * part, first * part * (3.0 + ratio) / (1.0 + ratio)
+        torque = p[0] * (new + p[2]) * part + p[3] * new
+        if p[2] != 0.0:
+            rest = (p[2] / p[1]) ** 2
+            torque -= p[0] * p[2] * rest / (1.0 + rest)
+        return torque, p[0] * part * (3.0 + ratio) / (1.0 + ratio) + p[3]
     moved = new - old
-    limit = first if moved >= 0.0 else -first
-    share = max(1.0 - memory / limit, 0.0)  # of the way to sliding that is left
-    way = second * abs(moved) / first
-    power = 1.0 - third
+    most = p[0]
+    if p[3] > 0.0:
+        most *= 1.0 + p[3] * np.exp(-((moved / p[4]) ** 2))
+    limit = most if moved >= 0.0 else -most
+    share = 1.0 - memory / limit  # of the way to sliding that is left; negative where the limit has fallen
+    way = p[1] * abs(moved) / most
+    power = 1.0 - p[2]
     if abs(power) < 1e-9:
         share *= np.exp(-way)
-        return limit - limit * share, second * share
-    left = share**power - power * way if share > 0.0 else 0.0
+        return limit - limit * share, p[1] * share
+    size = abs(share)
+    left = size**power - power * way if size > 0.0 else 0.0
     if left <= 0.0:
         return limit, 0.0
-    share = left ** (1.0 / power)
-    return limit - limit * share, second * share / left
+    size = left ** (1.0 / power)
+    if share < 0.0:
+        size = -size
+    return limit - limit * size, p[1] * size / left
 
 
 @no_type_check
@@ -103,12 +114,31 @@ def coast(phi, carried, rows, gain, now, held, base, free, end):
 
 
 @no_type_check
-def settle(kinds, parameters, gain, free, old, held, end, guess, size):
-    """Find the elongations at the end of a step by Newton's method, a law at a time.
+def eliminate(system, count):
+    """Solve a linear system in place, by Gauss's elimination; its diagonal is never small here.
+
+    Args:
+        system: matrix and, in the last column, right side; that ends as the solution, [law, law + 1].
+        count: of unknowns.
+    """
+    for k in range(count):
+        for i in range(count):
+            if i != k:
+                factor = system[i, k] / system[k, k]
+                for j in range(k, count):
+                    system[i, j] -= factor * system[k, j]
+                system[i, count] -= factor * system[k, count]
+    for k in range(count):
+        system[k, count] /= system[k, k]
+
+
+@no_type_check
+def settle(kinds, parameters, gain, free, old, held, end, guess, size, system):
+    """Find the elongations at the end of a step by Newton's method, for all laws at once.
 
     Args:
         kinds: code of each law.
-        parameters: of the laws, [law, 3].
+        parameters: of the laws, [law, 5].
         gain: see `coast`.
         free: see there.
         old: elongations at the beginning, [law, lane].
@@ -116,25 +146,30 @@ def settle(kinds, parameters, gain, free, old, held, end, guess, size):
         end: elongations, from a first guess to the last.
         guess: torques, likewise.
         size: the largest elongations so far, kept up.
+        system: scratch, matrix, right side and slopes, [law, law + 2].
     """
+    count = len(kinds)
     for b in range(LANES):
         for turn in range(ROUNDS):
+            for one in range(count):
+                guess[one, b], system[one, count + 1] = law(
+                    kinds[one], parameters[one], old[one, b], end[one, b], held[one, b]
+                )
+            for one in range(count):
+                miss = free[one, b] - end[one, b]
+                for other in range(count):
+                    system[one, other] = gain[one, other] * system[other, count + 1]
+                    miss -= gain[one, other] * guess[other, b]
+                system[one, one] += 1.0
+                system[one, count] = miss
+            eliminate(system, count)
             settled = True
-            for one in range(len(kinds)):
-                value, slope = law(
-                    kinds[one], parameters[one, 0], parameters[one, 1], parameters[one, 2],
-                    old[one, b], end[one, b], held[one, b],
-                )  # fmt: skip
-                own = gain[one, one]
-                miss = end[one, b] - free[one, b] + own * value
-                for other in range(len(kinds)):
-                    if other != one:
-                        miss += gain[one, other] * guess[other, b]
-                change = -miss / (1.0 + own * slope)
+            for one in range(count):
+                change = system[one, count]
                 if turn >= STUBBORN:
                     change *= 0.5
                 end[one, b] += change
-                guess[one, b] = value + slope * change
+                guess[one, b] += system[one, count + 1] * change
                 size[one, b] = max(size[one, b], abs(end[one, b]))
                 if abs(change) > CLOSE * size[one, b]:
                     settled = False
@@ -150,9 +185,9 @@ def integrate(phi, carried, late, rows, kinds, parameters, system, push, torque,
         phi: exp(A h), [system, state, state].
         carried: what torques that end a step do to the state one step later, [system, law, state].
         late: to the state at once.
-        rows: elongations by the state, [system, law, state].
+        rows: elongations by the state, speeds for laws by speed, [system, law, state].
         kinds: code of each law.
-        parameters: of the laws, [system, law, 3].
+        parameters: of the laws, [system, law, 5], see `law`.
         system: which one each group of blows strikes, [group].
         push: what the hammer adds in each step until its pulse is over, [group, step, state, lane].
         torque: filled, [group, lane, law, time]; zero at the start.
@@ -163,6 +198,7 @@ def integrate(phi, carried, late, rows, kinds, parameters, system, push, torque,
     gain = np.zeros((count, count))
     old, end, free = np.zeros((count, LANES)), np.zeros((count, LANES)), np.zeros((count, LANES))
     size, guess, held = np.zeros((count, LANES)), np.zeros((count, LANES)), np.zeros((count, LANES))
+    scratch = np.zeros((count, count + 2))
     for group in range(len(system)):
         m = system[group]
         now[:] = 0.0
@@ -179,7 +215,7 @@ def integrate(phi, carried, late, rows, kinds, parameters, system, push, torque,
                 base[:] = 0.0
             coast(phi[m], carried[m], rows[m], gain, now, held, base, free, end)
             guess[:] = held
-            settle(kinds, parameters[m], gain, free, old, held, end, guess, size)
+            settle(kinds, parameters[m], gain, free, old, held, end, guess, size, scratch)
             old[:] = end
             held[:] = guess
             for one in range(count):

@@ -1,13 +1,20 @@
 """Torques that depend on how far a joint has moved, and on the way there.
 
-Two laws, both zero at rest:
+Three laws, all zero at rest:
 
     dry friction (Dahl, AFOSR report 0158, 1968)    dT/dq = σ (1 − (T/T_c) sgn q̇)ⁱ,
+    friction that is viscous when slow              T = T_v tanh(q̇/v_t)  (Andersson and others, 2007),
     spring that hardens or softens                  T = a k q u²/(1 + u²),  u = q/q_r, beside k q.
 
 The exponent i says how friction goes over from its spring to sliding: 0 at once, as Jenkins's element does,
 1 little by little. Friction is integrated over the distance moved in a step, which is exact while the
-direction holds and stays bounded by T_c at any step.
+direction and the speed hold and stays bounded by T_c at any step. What it slips at may fall with speed,
+
+    T_c(v) = T_c (1 + r exp(−(v/v_s)²))
+
+(Armstrong-Hélouvry, Dupont and Canudas de Wit, Automatica 30, 1994, with Stribeck's speed v_s). A spring may
+be loaded at rest, so that it is wound up by u₀ about which it is not odd: the torque is then the difference
+from that at rest, and k stays the stiffness there.
 """
 
 from __future__ import annotations
@@ -17,7 +24,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float
 
-HARDENING, FRICTION = 0, 1
+HARDENING, FRICTION, SLOW = 0, 1, 2
 """Codes of the laws in the kernels."""
 
 
@@ -28,7 +35,9 @@ class Law:
     row: Float[np.ndarray, "*system dof"]
     """Elongation = row · coordinates [rad, m]."""
     kind: int
-    parameters: tuple[float, float, float]
+    parameters: tuple[float, float, float, float, float]
+    """Of friction T_c, σ, i, r, v_s; of a spring a k, q_r, q_r u₀, the linear part on top, and nothing;
+    of what is viscous when slow T_v, v_t, and nothing."""
 
     def of_system(self, k: int) -> Law:
         """In one of the systems, if its row is not the same in all."""
@@ -36,25 +45,57 @@ class Law:
 
 
 def friction(
-    row: Float[np.ndarray, "*system dof"], torque: float, presliding_stiffness: float, exponent: float = 1.0
+    row: Float[np.ndarray, "*system dof"],
+    torque: float,
+    presliding_stiffness: float,
+    exponent: float = 1.0,
+    stiction: float = 0.0,
+    speed: float = 1.0,
 ) -> Law:
     """Dry friction.
 
     Args:
         row: elongation by the coordinates.
-        torque: at which it slips [N·m].
+        torque: at which it slips when it moves fast [N·m].
         presliding_stiffness: before it does [N·m/rad].
         exponent: i.
+        stiction: part of the torque that comes on top at rest, r.
+        speed: at which that has fallen to 1/e, v_s [rad/s].
     """
-    return Law(row, FRICTION, (torque, presliding_stiffness, exponent))
+    return Law(row, FRICTION, (torque, presliding_stiffness, exponent, stiction, speed))
 
 
-def hardening(row: Float[np.ndarray, "*system dof"], stiffness: float, deflection: float) -> Law:
+def slow_friction(row: Float[np.ndarray, "*system dof"], torque: float, speed: float) -> Law:
+    """Friction that grows with speed and levels off.
+
+    Args:
+        row: elongation by the coordinates.
+        torque: that it comes to [N·m].
+        speed: at which three quarters of it are there, v_t [rad/s].
+    """
+    return Law(row, SLOW, (torque, speed, 0.0, 0.0, 0.0))
+
+
+def hardening(
+    row: Float[np.ndarray, "*system dof"],
+    stiffness: float,
+    deflection: float,
+    wound: float = 0.0,
+    at_rest: float | None = None,
+) -> Law:
     """What a spring that hardens has beyond a linear one.
 
     Args:
         row: elongation by the coordinates.
         stiffness: that comes on top at large elongation; negative if the spring softens [N·m/rad].
         deflection: at which half of it is there, q_r [rad].
+        wound: how far a load has wound it up at rest [rad].
+        at_rest: stiffness about the point of rest, which is that of the linear spring beside it; where it
+            is wound up the whole spring is scaled to have that there [N·m/rad].
     """
-    return Law(row, HARDENING, (stiffness, deflection, 0.0))
+    share = (wound / deflection) ** 2
+    part = share * (3 + share) / (1 + share) ** 2
+    if at_rest is None or part == 0.0:
+        return Law(row, HARDENING, (stiffness, deflection, wound, -stiffness * part, 0.0))
+    scale = 1 / (1 + stiffness / at_rest * part)
+    return Law(row, HARDENING, (scale * stiffness, deflection, wound, (scale - 1) * at_rest, 0.0))

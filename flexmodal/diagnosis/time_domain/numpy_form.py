@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from flexmodal.diagnosis.time_domain.kernel import CLOSE, ROUNDS, STUBBORN
-from flexmodal.diagnosis.time_domain.law import HARDENING
+from flexmodal.diagnosis.time_domain.law import HARDENING, SLOW
 
 
 def integrate(
@@ -15,7 +15,7 @@ def integrate(
     late: Float[np.ndarray, "system law state"],
     rows: Float[np.ndarray, "system law state"],
     kinds: Int[np.ndarray, " law"],
-    parameters: Float[np.ndarray, "system law 3"],
+    parameters: Float[np.ndarray, "system law 5"],
     system: Int[np.ndarray, " group"],
     push: Float[np.ndarray, "group step state lane"],
     torque: Float[np.ndarray, "group lane law time"],
@@ -49,18 +49,19 @@ def _settle(
     guess = held.copy()
     active = np.ones(len(free), dtype=bool)
     for turn in range(ROUNDS):
-        worst = np.zeros(len(free), dtype=bool)
-        for one, kind in enumerate(kinds):
-            value, slope = _law(int(kind), parameters[:, one], old[:, one], end[:, one], held[:, one])
-            own = gain[:, one, one]
-            others = np.einsum("bm,bm->b", gain[:, one], guess) - own * guess[:, one]
-            change = -(end[:, one] - free[:, one] + own * value + others) / (1 + own * slope)
-            change = np.where(active, change * (0.5 if turn >= STUBBORN else 1.0), 0.0)
-            end[:, one] += change
-            guess[:, one] = np.where(active, value + slope * change, guess[:, one])
-            size[:, one] = np.maximum(size[:, one], np.abs(end[:, one]))
-            worst |= np.abs(change) > CLOSE * size[:, one]
-        active &= worst
+        found = [
+            _law(int(kind), parameters[:, k], old[:, k], end[:, k], held[:, k])
+            for k, kind in enumerate(kinds)
+        ]
+        value, slope = (np.stack(each, axis=1) for each in zip(*found, strict=True))
+        matrix = np.eye(len(kinds)) + gain * slope[:, None, :]
+        miss = free - end - np.einsum("blm,bm->bl", gain, value)
+        change = np.linalg.solve(matrix, miss[..., None])[..., 0] * (0.5 if turn >= STUBBORN else 1.0)
+        change = np.where(active[:, None], change, 0.0)
+        end += change
+        guess = np.where(active[:, None], value + slope * change, guess)
+        np.maximum(size, np.abs(end), out=size)
+        active &= np.any(np.abs(change) > CLOSE * size, axis=1)
         if not active.any():
             break
     return end, guess
@@ -69,18 +70,24 @@ def _settle(
 def _law(
     kind: int, p: np.ndarray, old: np.ndarray, new: np.ndarray, memory: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
+    if kind == SLOW:
+        part = np.tanh(new / p[:, 1])
+        return p[:, 0] * part, p[:, 0] / p[:, 1] * (1 - part**2)
     if kind == HARDENING:
-        ratio = (new / p[:, 1]) ** 2
+        ratio, rest = ((new + p[:, 2]) / p[:, 1]) ** 2, (p[:, 2] / p[:, 1]) ** 2
         part = ratio / (1 + ratio)
-        return p[:, 0] * new * part, p[:, 0] * part * (3 + ratio) / (1 + ratio)
+        torque = p[:, 0] * ((new + p[:, 2]) * part - p[:, 2] * rest / (1 + rest)) + p[:, 3] * new
+        return torque, p[:, 0] * part * (3 + ratio) / (1 + ratio) + p[:, 3]
     moved = new - old
-    limit = np.where(moved >= 0, p[:, 0], -p[:, 0])
-    share = np.maximum(1 - memory / limit, 0.0)  # of the way to sliding that is left
-    way, power = p[:, 1] * np.abs(moved) / p[:, 0], 1 - p[:, 2]
+    most = p[:, 0] * (1 + p[:, 3] * np.exp(-((moved / p[:, 4]) ** 2)))
+    limit = np.where(moved >= 0, most, -most)
+    share = 1 - memory / limit  # of the way to sliding that is left; negative where the limit has fallen
+    way, power = p[:, 1] * np.abs(moved) / most, 1 - p[:, 2]
     smooth = np.abs(power) < 1e-9
     root = np.where(smooth, 1.0, power)
     with np.errstate(divide="ignore", invalid="ignore"):
-        left = np.where(share > 0, share**root - root * way, 0.0)
-        share = np.where(smooth, share * np.exp(-way), np.where(left > 0, left ** (1 / root), 0.0))
-        slope = np.where(share > 0, p[:, 1] * share ** p[:, 2], 0.0)
-    return limit - limit * share, slope
+        left = np.where(share != 0, np.abs(share) ** root - root * way, 0.0)
+        size = np.where(smooth, np.abs(share) * np.exp(-way), np.where(left > 0, left ** (1 / root), 0.0))
+        slope = np.where(size > 0, p[:, 1] * size ** p[:, 2], 0.0)
+    sign = np.sign(share)
+    return limit - limit * sign * size, sign * slope
