@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from dataclasses import replace
 from pathlib import Path
@@ -104,6 +105,9 @@ def _mended(source: Path, coupling: tuple[str, ...], out: Path, force: bool) -> 
             raise InvalidRequest(Fault(SOURCE, "--without-coupling", place_text(channel), there))
     for channel, corner in asked:
         records = without_coupling(records, corner, response=channel, force=channel is None)
+    beside = None if measured.path is None else measured.path / measured.robot
+    if beside is not None and beside.is_file():  # a card beside the campaign: named from the new folder
+        measured = replace(measured, robot=os.path.relpath(beside, out))
     folder = write_campaign(replace(measured, frfs=records, blows=()), out, overwrite=force)
     say(f"wrote {folder}: {len(records)} FRFs with {len(asked)} corner{'s' * (len(asked) > 1)} taken out")
     if measured.blows:

@@ -7,8 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import flexmodal
 from flexmodal.campaign import estimate_frfs, is_campaign, read_campaign, write_campaign
 from flexmodal.campaign.records import place_text
+from flexmodal.rig import simulate
 
 SAMPLES = Path(__file__).parents[1] / "data" / "dialects"
 
@@ -123,3 +125,26 @@ def test_a_record_with_several_blows_says_how_long_each_may_be(cli, folder):
     ran = cli("import", drafted, "--out", folder.parent / "parts")
     assert "3 blows" in ran.out, ran.out
     assert "pulses far apart" not in ran.out
+
+
+def test_what_check_finds_is_mended_by_what_it_says(cli, tmp_path):
+    """A channel behind a high pass of 1.5 Hz: found, taken out by the command in the finding, and gone."""
+    made = simulate(
+        flexmodal.load("fanuc_s360"), postures=2, points=3, references=1, trials=2, band=(1.0, 30.0),
+        record_length=4.0, seed=3, time=False,
+    )  # fmt: skip
+    frfs = made.campaign.frfs
+    behind = np.all(frfs.response == frfs.response[0], axis=1)[:, None]
+    passed = 1j * frfs.frequency / (1j * frfs.frequency + 1.5)
+    spoilt = replace(frfs, value=np.where(behind, frfs.value * passed, frfs.value))
+    replace(made, campaign=replace(made.campaign, frfs=spoilt)).write(tmp_path / "spoilt")
+    told = cli("check", tmp_path / "spoilt")
+    assert told.status == 1
+    asked = re.search(r"--without-coupling (\d:\+z=[\d.]+)", told.out)[1]
+    assert float(asked.partition("=")[2]) == pytest.approx(1.5, rel=0.3)
+    ran = cli("import", tmp_path / "spoilt", "--without-coupling", asked, "--out", tmp_path / "mended")
+    assert ran.status == 0, ran.err
+    after = cli("check", tmp_path / "mended")
+    assert "AC coupling" not in after.out
+    assert "looked at without the robot" not in after.err
+    assert after.status == 0, after.out
