@@ -66,11 +66,26 @@ def _wins(rows: list[dict[str, Any]]) -> list[str]:
     return lines
 
 
+def whole(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Rows of campaigns with every count, so that a curve is of the same ones all along; all if none has.
+
+    Args:
+        rows: one of each campaign and count.
+    """
+    counts: dict[tuple[str, int], set[int]] = {}
+    for row in rows:
+        counts.setdefault((row["robot"], row["seed"]), set()).add(row["count"])
+    found = [row for row in rows if counts[row["robot"], row["seed"]] >= set(COUNTS)]
+    return found or rows
+
+
 def _curve(rows: list[dict[str, Any]]) -> list[str]:
+    rows = whole(rows)
     lines = ["## Learning curve", ""]
     lines += [
-        "Gap on the four postures that were never shown: median over the campaigns, in brackets the "
-        "quartiles. *foreseen*: the gap on postures left out, the method chosen anew without each, as "
+        "Campaigns with every number of postures. Gap on the four postures that were never shown: median "
+        "over the campaigns, in brackets the quartiles. *foreseen*: the gap on postures left out, the method "
+        "chosen anew without each, as "
         "`flexmodal predict` says it.",
         "",
     ]
@@ -97,6 +112,7 @@ def draw_learning(rows: list[dict[str, Any]]) -> Any:
     Args:
         rows: one of each campaign and count.
     """
+    rows = whole(rows)
     robots = [name for name in ROBOTS if any(row["robot"] == name for row in rows)]
     figure = new_figure(4.6 * len(robots), 4.2)
     panes = np.atleast_1d(figure.subplots(1, len(robots), sharey=True))

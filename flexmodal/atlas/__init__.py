@@ -19,7 +19,10 @@ from flexmodal.atlas.quantities import DepthOfCut as DepthOfCut
 from flexmodal.atlas.quantities import NaturalModes as NaturalModes
 from flexmodal.atlas.quantities import Quantity as Quantity
 from flexmodal.atlas.quantities import Receptances as Receptances
+from flexmodal.atlas.quantities import SourcedReceptances as SourcedReceptances
 from flexmodal.atlas.quantities import Stiffnesses as Stiffnesses
+from flexmodal.atlas.reach import Reach as Reach
+from flexmodal.atlas.reach import reach as reach
 from flexmodal.atlas.search import check_robot as check_robot
 from flexmodal.atlas.search import search_from as search_from
 from flexmodal.atlas.search import search_spread as search_spread

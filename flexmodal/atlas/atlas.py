@@ -49,6 +49,12 @@ class Atlas:
         return str(self.facts["quantity"]["name"])
 
     @property
+    def source(self) -> Mapping[str, Any] | None:
+        """What its receptances were predicted from: campaign, method, verdict; None for the robot itself."""
+        found: Mapping[str, Any] | None = self.facts["quantity"].get("source")
+        return found
+
+    @property
     def is_grid(self) -> bool:
         """Whether its postures are a grid."""
         return self.facts["points"]["kind"] == "grid"

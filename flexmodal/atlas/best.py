@@ -36,6 +36,8 @@ class Scanned:
     value: Float[np.ndarray, " posture"]
     tool: Float[np.ndarray, "posture 3"]
     joints: Float[np.ndarray, "posture commanded"]
+    inside: Bool[np.ndarray, " posture"]
+    """Within what was struck, where receptances are predicted; else everywhere."""
 
 
 def scan(atlas: Atlas, task: Task, advance: Callable[[], None] = lambda: None) -> Iterator[Scanned]:
@@ -51,14 +53,16 @@ def scan(atlas: Atlas, task: Task, advance: Callable[[], None] = lambda: None) -
         FlexmodalError: a chunk is spoilt.
     """
     judge = task.judge(atlas.dataset, atlas.quantity)
+    struck = ["beyond"] if atlas.source is not None else []
     for number in atlas.standing:
         _, region = atlas.layout.region(number)
         part = dict(zip(atlas.dims, region, strict=True))
         with atlas.reading():
-            some = atlas.dataset[[judge.variable, "tool", *atlas.along]].isel(part)
+            some = atlas.dataset[[judge.variable, "tool", *atlas.along, *struck]].isel(part)
             value = np.asarray(judge.value(some)).ravel()
             tool = some["tool"].values.reshape(-1, 3)
-        yield Scanned(value, tool, _joint_values(atlas, some, len(value)))
+            inside = some["beyond"].values.ravel() == 0 if struck else np.ones(len(value), bool)
+        yield Scanned(value, tool, _joint_values(atlas, some, len(value)), inside)
         advance()
 
 

@@ -8,14 +8,16 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 
 from flexmodal.atlas.atlas import Atlas
 from flexmodal.atlas.best import scan
 from flexmodal.atlas.near import Spot
+from flexmodal.atlas.reach import reach
 from flexmodal.atlas.task import Task
 from flexmodal.errors import Fault, FlexmodalError, InvalidRequest
 from flexmodal.report import Column, Picture, Section, Table, drawing, new_figure, page_text, write_page
+from flexmodal.report.figure import FITTED
 
 PLANES = ("xz", "xy", "yz")
 MOST_CELLS = 400
@@ -35,6 +37,8 @@ class WorkspaceMap:
     """Postures in each cell."""
     unit: str
     larger_is_better: bool
+    outside: Bool[np.ndarray, "first second"]
+    """Where the best posture is outside what was struck; nowhere in an atlas of the robot itself."""
 
 
 def workspace_map(
@@ -75,16 +79,20 @@ def workspace_map(
     larger = task.larger(atlas.quantity)
     worst = -np.inf if larger else np.inf
     value, count = np.full(shape, worst), np.zeros(shape, dtype=np.int64)
+    within, better = np.full(shape, worst), np.maximum if larger else np.minimum
     for some in scan(atlas, task, advance):
         seen = ~np.isnan(some.value)
         cell = tuple(
             np.clip(np.searchsorted(edge, some.tool[seen, one], side="right") - 1, 0, len(edge) - 2)
             for edge, one in zip(edges, axes, strict=True)
         )
-        (np.maximum if larger else np.minimum).at(value, cell, some.value[seen])
+        better.at(value, cell, some.value[seen])
+        better.at(within, cell, np.where(some.inside[seen], some.value[seen], worst))
         np.add.at(count, cell, 1)
+    outside = (count > 0) & (within != value)
     value[count == 0] = np.nan
-    return WorkspaceMap(plane, (edges[0], edges[1]), value, count, task.unit(atlas.quantity), larger)
+    unit = task.unit(atlas.quantity)
+    return WorkspaceMap(plane, (edges[0], edges[1]), value, count, unit, larger, outside)
 
 
 def _reach(atlas: Atlas) -> tuple[np.ndarray, np.ndarray]:
@@ -125,6 +133,14 @@ def draw_map(found: WorkspaceMap, title: str) -> Any:
     colours = "cividis" if found.larger_is_better else "cividis_r"
     held = np.ma.masked_invalid(found.value.T)
     mesh = axes.pcolormesh(*found.edges, held, cmap=colours, rasterized=True, **scale)
+    if found.outside.any():
+        middles = [(edge[:-1] + edge[1:]) / 2 for edge in found.edges]
+        first, second = np.nonzero(found.outside)
+        size = 4 + 600 / max(found.value.shape)
+        label = "the best posture is outside what was struck"
+        at = middles[0][first], middles[1][second]
+        axes.scatter(*at, s=size, color=FITTED, marker="x", linewidths=1.2, label=label)
+        axes.legend(loc="lower left", bbox_to_anchor=(0.0, -0.28))
     word = "largest" if found.larger_is_better else "smallest"
     figure.colorbar(mesh, ax=axes, extend="both", label=f"{word} there [{found.unit}]")
     axes.set_xlabel(f"{found.plane[0]} of the tool [m]")
@@ -135,7 +151,14 @@ def draw_map(found: WorkspaceMap, title: str) -> Any:
 
 
 def write_map_page(
-    atlas: Atlas, found: WorkspaceMap, best: list[Spot], path: Path, *, what: str, overwrite: bool = False
+    atlas: Atlas,
+    found: WorkspaceMap,
+    best: list[Spot],
+    path: Path,
+    *,
+    what: str,
+    task: Task | None = None,
+    overwrite: bool = False,
 ) -> None:
     """Write a map as a page that needs no network, with the best postures below it.
 
@@ -145,6 +168,7 @@ def write_map_page(
         best: the best postures.
         path: a new `.html` file.
         what: the task in words.
+        task: by which the best were found; all lines of the first pair if None.
         overwrite: replace an existing file.
 
     Raises:
@@ -157,6 +181,11 @@ def write_map_page(
         f"Each cell shows the best of the postures that bring the tool there, {seen:,} in all, out of "
         f"{len(atlas.standing)} of {atlas.layout.chunks} chunks of the atlas. White: none does."
     )
+    if atlas.source is not None:
+        lead += (
+            " Crossed: the best posture there has a joint outside the range that was struck. Receptances "
+            f"{atlas.source['verdict']}."
+        )
     picture = Picture(lambda: draw_map(found, title), f"Map of the workspace: {what}")
     columns = [Column("Value", found.unit), Column("Tool x, y, z", "m")]
     columns += [Column(name, "rad or m") for name in atlas.joints]
@@ -168,5 +197,13 @@ def write_map_page(
         ]
         for one in best
     ]
+    if atlas.source is not None:
+        columns += [Column("95 % band", found.unit), Column("Joints outside what was struck")]
+        told = [reach(atlas, task or Task(), one) for one in best]
+        rows = [
+            [*row, f"{one.low:.3g} to {one.high:.3g}", str(one.beyond)]
+            for row, one in zip(rows, told, strict=True)
+            if one is not None
+        ]
     text = page_text(title, [lead, picture], [Section("The best postures", [Table(columns, rows)])])
     write_page(path, text, overwrite=overwrite)

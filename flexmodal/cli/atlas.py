@@ -20,12 +20,14 @@ from flexmodal.cli.options import (
     robot_options,
 )
 from flexmodal.cli.printing import print_json, say
+from flexmodal.cli.sources import Sourcing, source_options
 from flexmodal.cli.waiting import shown_bar
 from flexmodal.errors import Fault, InvalidRequest
 
 if TYPE_CHECKING:
     from flexmodal.atlas import Built, Plan, Points, Quantity
     from flexmodal.model import Robot
+    from flexmodal.prediction import PredictedReceptances
 
 _QUANTITIES = ("receptance", "modes", "stiffness", "depth")
 _MOST_WORKERS = 1024
@@ -33,6 +35,7 @@ _MOST_WORKERS = 1024
 
 @click.command()
 @robot_options
+@source_options
 @click.option(
     "--grid",
     multiple=True,
@@ -74,6 +77,7 @@ _MOST_WORKERS = 1024
 @json_option
 def atlas(
     robot: RobotOptions,
+    sourcing: Sourcing,
     grid: tuple[str, ...],
     sample: int | None,
     ranges: tuple[str, ...],
@@ -99,7 +103,8 @@ def atlas(
 
     arm = robot.load()
     points = _points(arm, grid, sample, ranges, seed)
-    plan = Plan(points, _quantity(arm, quantity, frequencies, directions, single, cut_file, speeds))
+    source = _source(sourcing, arm, quantity, single, quiet)
+    plan = Plan(points, _quantity(arm, quantity, frequencies, directions, single, cut_file, speeds, source))
     if not quiet:
         each = f"{plan.layout.size / 1e9:.3g} GB in {plan.chunks} chunks"
         say(f"{points.count:,} postures, {quantity}: {each}", err=True)
@@ -211,6 +216,19 @@ def _named(texts: Sequence[str], option: str) -> dict[str, str]:
     return found
 
 
+def _source(
+    sourcing: Sourcing, arm: Robot, quantity: str, single: bool, quiet: bool
+) -> PredictedReceptances | None:
+    """The prediction asked for, if any."""
+    if sourcing.campaign is not None:
+        if quantity != "receptance":
+            allowed = "--quantity receptance with --campaign"
+            raise InvalidRequest(Fault(SOURCE, "--quantity", quantity, allowed))
+        if single:
+            raise InvalidRequest(Fault(SOURCE, "--single", "given with --campaign", "none"))
+    return sourcing.source(arm, quiet=quiet)
+
+
 def _quantity(
     arm: Robot,
     quantity: str,
@@ -219,8 +237,9 @@ def _quantity(
     single: bool,
     cut_file: Path | None,
     speeds: int,
+    source: PredictedReceptances | None,
 ) -> Quantity:
-    from flexmodal.atlas import DepthOfCut, NaturalModes, Receptances, Stiffnesses
+    from flexmodal.atlas import DepthOfCut, NaturalModes, Receptances, SourcedReceptances, Stiffnesses
     from flexmodal.machining import read_cut
 
     wanted = {"--frequencies": quantity == "receptance", "--cut": quantity == "depth"}
@@ -240,4 +259,6 @@ def _quantity(
     if cut_file is not None:
         return DepthOfCut(arm, read_cut(cut_file), speeds)
     pairs = [tuple(one.split("/", 1)) if "/" in one else one for one in along]
+    if source is not None:
+        return SourcedReceptances.of(arm, pairs, frequencies_of(frequencies or ""), source)  # type: ignore[arg-type]
     return Receptances.of(arm, pairs, frequencies_of(frequencies or ""), single=single)  # type: ignore[arg-type]

@@ -109,13 +109,15 @@ def _names(text: str | None) -> list[str] | None:
 
 
 def _print(diagnosis: Diagnosis) -> None:
+    from flexmodal.report.words import percent, size
+
     say(diagnosis.verdict.says)
     for step in diagnosis.steps:
         rows = [
-            [name, f"{value:.5g}", _error(step.uncertainty.get(name)), step.units.get(name, "")]
+            [name, f"{value:.5g}", _error(step.uncertainty.get(name)), step.units.get(name) or "–"]
             for name, value in step.parameters.items()
         ]
-        title = f"{step.effect} at {step.where}, confidence {100 * step.confidence:.0f} %"
+        title = f"{step.effect} at {step.where}, confidence {percent(step.confidence)}"
         print_table(title, ["parameter", "value", "±", "unit"], rows)
     gaps = diagnosis.gaps
     cells: list[tuple[str, float | None, float | None]] = [
@@ -124,14 +126,10 @@ def _print(diagnosis: Diagnosis) -> None:
         ("the final model", gaps.after, gaps.held_out_after),
         ("noise of one record" if diagnosis.modal is None else "scatter over places", gaps.noise_floor, None),
     ]
-    rows = [[name, _size(value), _size(held)] for name, value, held in cells]
+    rows = [[name, size(value), size(held)] for name, value, held in cells]
     print_table("gap between model and measurement", ["", "all", "held out"], rows)
     for name, why in diagnosis.untestable.items():
         say(f"could not be tested: {name}: {why}")
-
-
-def _size(value: object) -> str:
-    return f"{value:.4f}" if isinstance(value, float) else "–"
 
 
 def _error(value: float | None) -> str:

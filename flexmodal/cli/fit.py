@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from flexmodal.cli.fit_choices import choices_of, chosen_at
-from flexmodal.cli.measured import campaign_at, of_postures, say_findings
+from flexmodal.cli.measured import campaign_at, of_frfs, of_postures, say_findings
 from flexmodal.cli.options import (
     SOURCE,
     force_option,
@@ -47,6 +47,13 @@ _MOST_LINES = 20
 )
 @click.option(
     "--posture", "only", multiple=True, metavar="POSTURE", help="Name or id of one to fit; may be repeated."
+)
+@click.option(
+    "--frf",
+    "pairs",
+    multiple=True,
+    metavar="RESPONSE/REFERENCE",
+    help="One to fit, by ids or names, such as 2:+z/1:+z; may be repeated.",
 )
 @click.option("--trials", type=click.Choice(["average", "separate"]), default="average", show_default=True)
 @click.option("--band", metavar="LOW:HIGH", help="Lines to use [Hz]; the campaign's band if none.")
@@ -102,6 +109,7 @@ def fit(
     method: str,
     per: str,
     only: tuple[str, ...],
+    pairs: tuple[str, ...],
     trials: str,
     choice: Path | None,
     estimator: str,
@@ -126,6 +134,8 @@ def fit(
         refuse_folder(pictures, own=PICTURES, overwrite=force)
     measured = of_postures(campaign_at(campaign), only)
     say_findings(measured, None)
+    if pairs:
+        measured, estimator = of_frfs(measured, pairs, estimator), "H1"
     choices = choices_of(**wanted)
     with stages(quiet=quiet) as advance:
         advance("fitting", 0.0)

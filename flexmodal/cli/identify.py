@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from flexmodal.identification import Identification, IdentificationProblem
     from flexmodal.model import Robot
 
-STAGES = 4
+_STEPS = 4
 PICTURES = ("fit.png", "fit.svg")
 OWN = ("identification.json", "report.html", *PICTURES, "robot/robot.toml", "robot/*.urdf")
 """All that it writes: a folder that holds anything else is never replaced."""
@@ -100,7 +100,7 @@ def identify(
     say_findings(measured, arm)
     trusted = {**(POOR if poor_card else {}), **trust_of(trust)}
     wanted = [kind.strip() for kind in kinds.split(",") if kind.strip()]
-    with noted_progress(STAGES, "identifying", quiet=quiet) as (advance, note):
+    with noted_progress(_STEPS, "identifying", quiet=quiet) as (advance, note):
 
         def begin(stage: str) -> None:
             advance()
@@ -166,15 +166,19 @@ def _print(outcome: Identification) -> None:
         BESIDE,
         GAPS,
         HEADER,
+        STAGES,
         baseline_cells,
         estimate_cells,
         gap_cells,
+        stage_cells,
     )
 
     problem = outcome.problem
     rows = [estimate_cells(one) for one in outcome.estimates]
     print_table(f"{problem.campaign.title}: {problem.robot.name} from {problem.what}", HEADER, rows)
     print_table("gap", GAPS, gap_cells(outcome))
+    if outcome.stages:
+        print_table("stages", STAGES, stage_cells(outcome))
     if outcome.baselines is not None:
         print_table("gap beside simple baselines", BESIDE, baseline_cells(outcome.baselines))
     for a, b, r in outcome.correlated:

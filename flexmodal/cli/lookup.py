@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,7 +21,7 @@ from flexmodal.cli.printing import print_json, print_table, progress, say
 from flexmodal.errors import Fault, InvalidRequest
 
 if TYPE_CHECKING:
-    from flexmodal.atlas import Atlas, Spot, Task
+    from flexmodal.atlas import Atlas, Reach, Spot, Task
 
 _ENDINGS = (".html", ".png", ".svg")
 
@@ -83,7 +84,7 @@ def lookup(
     elif count is not None:
         with progress(len(read.standing), "looking", quiet=quiet) as advance:
             spots = room.best(read, task, count=count, where=_where(near, radius), advance=advance)
-        _give_best(spots, task.unit(read.quantity), as_json)
+        _give_best(read, task, spots, as_json)
     elif out is not None:
         _write_map(read, task, out, plane or "", force, quiet)
         if as_json:
@@ -171,24 +172,42 @@ def _plain(array: Any) -> Any:
     return [_plain(one) for one in array]
 
 
-def _give_best(spots: list[Spot], unit: str, as_json: bool) -> None:
+def _give_best(read: Atlas, task: Task, spots: list[Spot], as_json: bool) -> None:
+    from flexmodal.atlas import reach
+
+    unit, told = task.unit(read.quantity), [reach(read, task, one) for one in spots]
     if as_json:
-        found = [{"value": one.value, "posture": one.posture, "tool": list(one.tool)} for one in spots]
+        found = [
+            {"value": one.value, "posture": one.posture, "tool": list(one.tool)}
+            | ({} if there is None else {"prediction": asdict(there)})
+            for one, there in zip(spots, told, strict=True)
+        ]
         print_json({"unit": unit, "best": found})
         return
     rows = [
         [
             f"{one.value:.5g}",
+            *([] if there is None else [f"{there.low:.3g} to {there.high:.3g}", _outside(there)]),
             ", ".join(f"{x:.4f}" for x in one.tool),
             ",".join(f"{k}={v:.6g}" for k, v in one.posture.items()),
         ]
-        for one in spots
+        for one, there in zip(spots, told, strict=True)
     ]
+    band = [] if read.source is None else [f"95 % band [{unit}]", "struck there"]
     print_table(
         "The best postures; a start for flexmodal optimise --start",
-        [f"value [{unit}]", "tool [m]", "posture"],
+        [f"value [{unit}]", *band, "tool [m]", "posture"],
         rows,
     )
+    if read.source is not None:
+        say(f"receptances {read.source['verdict']}")
+
+
+def _outside(there: Reach) -> str:
+    """Where a posture is beside what was struck."""
+    if there.beyond:
+        return f"no: {there.beyond} joint{'s' if there.beyond > 1 else ''} outside"
+    return "within" if there.remote <= 1 else f"within, {there.remote:.1f} times as far"
 
 
 def _give_summary(read: Atlas, as_json: bool) -> None:
@@ -211,6 +230,8 @@ def _give_summary(read: Atlas, as_json: bool) -> None:
         for name, (low, high) in read.ranges.items()
     ]
     print_table("Joints", ["joint", "from", "to", "values"], rows)
+    if read.source is not None:
+        say(f"of {read.source['campaign']}: receptances {read.source['verdict']}")
     others = ", ".join(f"{name} {size}" for name, size in sizes.items() if name not in read.ranges)
     say(f"{others}; {len(read.standing)} of {read.layout.chunks} chunks are there")
 
@@ -224,7 +245,7 @@ def _write_map(read: Atlas, task: Task, out: Path, plane: str, force: bool, quie
         spots = best(read, task, advance=advance)
     what = _words(read, task)
     if out.suffix.lower() == ".html":
-        write_map_page(read, found, spots, out, what=what, overwrite=force)
+        write_map_page(read, found, spots, out, what=what, task=task, overwrite=force)
     else:
         write_figure(draw_map(found, f"{read.facts['robot']}: {what}"), out, overwrite=force)
     say(f"wrote {out}", err=True)

@@ -91,6 +91,45 @@ def of_postures(campaign: Campaign, wanted: Sequence[str]) -> Campaign:
     )
 
 
+def of_frfs(campaign: Campaign, wanted: Sequence[str], estimator: str) -> Campaign:
+    """Some FRFs of a campaign, without its blows, from which they come if it has none; all if none is named.
+
+    Args:
+        campaign: what was measured.
+        wanted: RESPONSE/REFERENCE, each a point's id or name with a direction, such as 2:+z/1:+z.
+        estimator: of FRFs from blows.
+
+    Raises:
+        InvalidRequest: an FRF that is none of the campaign's.
+    """
+    import numpy as np
+
+    from flexmodal.campaign import named_direction
+    from flexmodal.ema import records_of
+
+    if not wanted:
+        return campaign
+    records = records_of(campaign, estimator)
+    ids, names = {}, {}
+    for point in campaign.points:
+        ids[point.id], names[point.id] = str(point.id), point.name
+    known: dict[str, set[int]] = {}
+    for row in range(len(records)):
+        pair = records.response[row].tolist(), records.reference[row].tolist()
+        for table in (ids, names):
+            text = "/".join(str(named_direction(place, table)) for place in pair)
+            known.setdefault(text.replace("+", ""), set()).add(row)
+    faults = [
+        Fault("command line", "--frf", repr(one), f"RESPONSE/REFERENCE among {', '.join(sorted(known))}")
+        for one in wanted
+        if one.replace("+", "") not in known
+    ]
+    if faults:
+        raise InvalidRequest(faults)
+    rows = sorted(set().union(*(known[one.replace("+", "")] for one in wanted)))
+    return replace(campaign, frfs=records.take(np.array(rows)), blows=(), modes=None)
+
+
 def say_doubled(campaign: Campaign, source: str | None) -> None:
     """Warn where FRFs and modes both count and one may have been made from the other.
 

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
     from flexmodal.frf import PointDirection
     from flexmodal.model import Robot
+    from flexmodal.model.receptance_source import ReceptanceSource
     from flexmodal.optimisation import Objective
 
 _SEVERAL = ("worst", "weighted", "force")
@@ -88,18 +89,22 @@ def objective_of(
     samples: int,
     uncertainty: str,
     seed: int = 0,
+    source: ReceptanceSource | None = None,
     **lines: Any,
 ) -> Objective:
-    """The objective that the options of `judging_options` describe."""
+    """The objective that the options of `judging_options` describe, of receptances from a source."""
     from flexmodal.optimisation import RobustObjective, sample_robots
 
-    read, weights = _directions(arm, directions or (f"{arm.tool}:+z",), "--direction")
+    if source is not None:
+        _refuse_beside(objective, robust)
+    owner = arm if source is None else None
+    read, weights = _directions(owner, directions or (f"{arm.tool}:+z",), "--direction")
     if len(read) > 1 and objective not in _SEVERAL:
         found = f"{len(read)} directions"
         raise InvalidRequest(Fault(SOURCE, "--direction", found, f"one for --objective {objective}"))
     if toward and objective != "weighted":
         raise InvalidRequest(Fault(SOURCE, "--toward", f"with {objective}", "--objective weighted"))
-    judge = _judge(objective, read, weights, _toward(arm, toward, read), lines)
+    judge = _judge(objective, read, weights, _toward(owner, toward, read), lines, source)
     if robust is None:
         return judge
     spread = [number(part, "--uncertainty", "a relative deviation") for part in uncertainty.split(",")]
@@ -115,7 +120,9 @@ def _judge(
     weights: tuple[float, ...],
     toward: tuple[float, ...],
     lines: dict[str, Any],
+    source: ReceptanceSource | None,
 ) -> Objective:
+    from flexmodal.model.receptance_source import MODEL
     from flexmodal.optimisation import (
         MobilityObjective,
         ReceptanceObjective,
@@ -141,7 +148,20 @@ def _judge(
             raise InvalidRequest(Fault(SOURCE, "--objective separation", found, "--frequency HZ, or none"))
         return SeparationObjective(lines["frequency"])
     combine = name if name in _SEVERAL else "weighted"
-    return ReceptanceObjective(read, _axis(given, lines), combine, weights, toward, lines["over"] or "")
+    over = lines["over"] or ""
+    return ReceptanceObjective(
+        read, _axis(given, lines), combine, weights, toward, over, source=source or MODEL
+    )
+
+
+def _refuse_beside(objective: str, robust: str | None) -> None:
+    """What asks more of a source than receptances."""
+    if objective not in ("receptance", *_SEVERAL):
+        allowed = ", ".join(("receptance", *_SEVERAL)) + " with --campaign: the others are of a model"
+        raise InvalidRequest(Fault(SOURCE, "--objective", objective, allowed))
+    if robust is not None:
+        allowed = "none with --campaign: a prediction has a band of its own"
+        raise InvalidRequest(Fault(SOURCE, "--robust", robust, allowed))
 
 
 def _axis(given: list[str], lines: dict[str, Any]) -> np.ndarray:
@@ -167,18 +187,19 @@ def _axis(given: list[str], lines: dict[str, Any]) -> np.ndarray:
 
 
 def _directions(
-    arm: Robot, given: Sequence[str], option: str
+    arm: Robot | None, given: Sequence[str], option: str
 ) -> tuple[tuple[PointDirection, ...], tuple[float, ...]]:
     from flexmodal.frf import PointDirection
 
     split = [text.partition("=") for text in given]
     read = tuple(PointDirection.parse(text, source=f"{SOURCE} {option}") for text, _, _ in split)
     for direction in read:
-        arm.frame_of(direction.point, source=f"{SOURCE} {option}")
+        if arm is not None:  # a prediction knows the points of its campaign
+            arm.frame_of(direction.point, source=f"{SOURCE} {option}")
     return read, tuple(number(weight, option, "a weight") if weight else 1.0 for _, _, weight in split)
 
 
-def _toward(arm: Robot, given: Sequence[str], among: tuple[PointDirection, ...]) -> tuple[float, ...]:
+def _toward(arm: Robot | None, given: Sequence[str], among: tuple[PointDirection, ...]) -> tuple[float, ...]:
     """Weights over the directions of the force."""
     if not given:
         return ()

@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
-from flexmodal.cli.clearing import clearance_json, clearance_of, clearance_options, say_clearance
+from flexmodal.cli.clearing import clearance_of, clearance_options, say_clearance
 from flexmodal.cli.holds import hold_of, orientation_options
 from flexmodal.cli.objectives import judging_options, objective_of
+from flexmodal.cli.optimised import band_of, chosen_frequency, outcome_json
 from flexmodal.cli.options import (
     MOST_STARTS,
     SOURCE,
@@ -25,6 +26,7 @@ from flexmodal.cli.options import (
 )
 from flexmodal.cli.picturing import draw_pictures, pictures_of, plot_option
 from flexmodal.cli.printing import degrees, noted_progress, print_json, print_table, progress, say
+from flexmodal.cli.sources import Sourcing, band_says, source_options
 from flexmodal.cli.viewing import deliver, page_option, refuse_page
 from flexmodal.errors import Fault, InvalidRequest
 
@@ -45,6 +47,7 @@ _NEAR = 1e-6
 @click.option("--family", metavar="NAME", help="Search along a family of the card.")
 @click.option("--free", is_flag=True, help="Let the end-effector go anywhere.")
 @judging_options
+@source_options
 @clearance_options
 @click.option("--start", metavar="POSTURE", help="Compare with this posture, and start from it too.")
 @click.option(
@@ -76,6 +79,7 @@ def optimise(
     hold: str | None,
     family: str | None,
     free: bool,
+    sourcing: Sourcing,
     orientation: str | None,
     axis: str | None,
     tool_axis: str,
@@ -103,7 +107,8 @@ def optimise(
         plots, force=force, hold=hold is not None, start=start is not None, family=family is not None
     )
     arm = robot.load()
-    judge = objective_of(arm, seed=seed, **judging)
+    predicted = sourcing.source(arm, quiet=quiet)
+    judge = objective_of(arm, seed=seed, source=predicted, **judging)
     kept = clearance_of(arm, clearance, no_collisions)
     problem = PostureProblem(arm, judge, hold_of(arm, hold, orientation, axis, tool_axis), clearance=kept)
     chosen = None if family is None else arm.family(family, source=f"{SOURCE} --family")
@@ -114,9 +119,11 @@ def optimise(
         _refuse_along(family is not None, method)
         outcome = _spread(problem, where, starts, seed, scheduler, quiet)
     if as_json:
-        print_json(_json(outcome))
+        print_json(outcome_json(outcome) | ({} if predicted is None else {"prediction": band_of(outcome)}))
     else:
         _print(outcome, judging["objective"], radians=is_typed_in_radians(start))
+        if predicted is not None:
+            say("; ".join(band_says(outcome.best.objective, judge.unit, band_of(outcome))))
     shown = None if outcome.compared is None else outcome.compared.held
     draw_pictures(outcome, shown, pictures, force=force, quiet=quiet)
     deliver("show_outcome", outcome, page=page, show=show, force=force, start=shown)
@@ -191,49 +198,6 @@ def _one_of(hold: str | None, family: str | None, free: bool) -> None:
         raise InvalidRequest(Fault(SOURCE, "", " and ".join(given) or "none of them", allowed))
 
 
-def _json(outcome: Outcome) -> dict[str, Any]:
-    chosen = _frequency(outcome)
-    return ({} if chosen is None else {"frequency": chosen}) | {
-        "posture": dict(outcome.best.posture.values),
-        "objective": outcome.best.objective,
-        "start": None if outcome.start is None or math.isinf(outcome.start) else outcome.start,
-        "start_as_given": None if outcome.compared is None else _start(outcome.compared),
-        "unit": outcome.problem.objective.unit,
-        "tool": list(outcome.tool),
-        "collisions": clearance_json(outcome.problem.clearance, outcome.nearest),
-        "converged": outcome.converged,
-        "starts": outcome.starts,
-        "optima": [
-            {
-                "posture": dict(optimum.posture.values),
-                "objective": optimum.objective,
-                "hits": optimum.hits,
-                "equals": [dict(other.values) for other in optimum.equals],
-            }
-            for optimum in outcome.optima
-        ],
-    }
-
-
-def _start(compared: Start) -> dict[str, Any]:
-    """Where the start was, and where it was brought to be compared."""
-    return {
-        "objective": None if math.isinf(compared.objective) else compared.objective,
-        "away": compared.away,
-        "brought_to": None if compared.held is None else dict(compared.held.values),
-    }
-
-
-def _frequency(outcome: Outcome) -> float | None:
-    """The frequency that was chosen with the posture, if it was [Hz]."""
-    from flexmodal.optimisation import TunedObjective
-
-    objective = outcome.problem.objective
-    if not isinstance(objective, TunedObjective):
-        return None
-    return objective.frequency_at(outcome.problem.robot.at(outcome.best.posture))
-
-
 def _print_start(outcome: Outcome, compared: Start, *, radians: bool) -> None:
     """The start as it was given, and as it holds the target: the best is compared with that alone."""
     unit, start = outcome.problem.objective.unit, outcome.start
@@ -288,7 +252,7 @@ def _print(outcome: Outcome, objective: str, *, radians: bool) -> None:
         say(f"{several} of them stand for several postures of one value ({what}); --json lists them")
     if outcome.compared is not None:
         _print_start(outcome, outcome.compared, radians=radians)
-    chosen = _frequency(outcome)
+    chosen = chosen_frequency(outcome)
     if chosen is not None:
         say(f"best frequency {chosen:.6g} Hz")
     say(f"{robot.tool} at ({', '.join(f'{value:.4f}' for value in outcome.tool)}) m; {outcome.verdict}")

@@ -18,16 +18,15 @@ from flexmodal.cli.options import (
     quiet_option,
     refuse_existing,
     robot_options,
-    trust_of,
     trust_option,
 )
-from flexmodal.cli.printing import print_json, print_table, progress, say
+from flexmodal.cli.printing import print_json, print_table, say
+from flexmodal.cli.sources import METHODS, leaving_out, trusted
 
 if TYPE_CHECKING:
     from flexmodal.prediction import FrfPrediction
 
 _ENDINGS = (".csv", ".json", ".uff", ".html", ".png", ".svg")
-_METHODS = ("hybrid", "physics", "process", "mean", "nearest")
 
 
 @click.command()
@@ -38,7 +37,7 @@ _METHODS = ("hybrid", "physics", "process", "mean", "nearest")
 @posture_option
 @click.option(
     "--method",
-    type=click.Choice(_METHODS),
+    type=click.Choice(METHODS),
     help="Instead of the one that predicts best what was left out.",
 )
 @trust_option
@@ -63,9 +62,6 @@ def predict(
 
     ROBOT may also be the folder that identify or diagnose wrote, whose improved card is taken.
     """
-    import numpy as np
-
-    from flexmodal.identification.poor import POOR
     from flexmodal.prediction import predict_posture
     from flexmodal.prediction.export import as_json as as_object
 
@@ -75,12 +71,10 @@ def predict(
     arm = robot.load()
     where = posture_of(arm, posture)
     say_findings(measured, arm)
-    trusted = {**(POOR if poor_card else {}), **trust_of(trust)}
-    count = 0 if measured.frfs is None else len(np.unique(measured.frfs.posture))
-    with progress(1 + (count or len(measured.postures)), "leaving out", quiet=quiet) as advance:
+    with leaving_out(measured, quiet=quiet) as advance:
         found = predict_posture(
-            measured, arm, dict(where.values), trust=trusted, method=method, name=where.name or "posture",
-            advance=advance,
+            measured, arm, dict(where.values), trust=trusted(trust, poor=poor_card), method=method,
+            name=where.name or "posture", advance=advance,
         )  # fmt: skip
     if out is not None:
         _write(found, out, force)

@@ -31,6 +31,7 @@ def as_json(outcome: Identification) -> dict[str, Any]:
         "gap": {name: _finite(value) for name, value in asdict(outcome.gap).items()},
         "held_out": [{key: _finite(value) for key, value in asdict(one).items()} for one in outcome.held_out],
         "baselines": None if outcome.baselines is None else baselines_json(outcome.baselines),
+        "stages": [{key: _finite(value) for key, value in asdict(one).items()} for one in outcome.stages],
         "before_fit": outcome.before_fit.verdict,
         "not_identified": [
             {"parts": dict(one.parts), "left": one.left, "exact": one.exact, "says": one.says}

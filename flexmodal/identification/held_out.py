@@ -32,6 +32,8 @@ class Apart:
     each: tuple[HeldOut, ...]
     predicted: Shaped[np.ndarray, "observation *entry"] | None = None
     """Of everything, by fits that had not seen it, where postures were held out."""
+    without: Float[np.ndarray, "posture parameter"] | None = None
+    """Coordinates of the fits without each posture; None where no two were left out in turn."""
 
 
 def predicted_apart(problem: IdentificationProblem, fitted: Fitted) -> Apart | None:
@@ -56,7 +58,7 @@ def predicted_apart(problem: IdentificationProblem, fitted: Fitted) -> Apart | N
         return None
     each = tuple(held for one in found for held in one.each)
     predicted = found[0].predicted if found[0].each[0].kind == "posture" else None
-    return Apart(found[0].before, found[0].after, each, predicted)
+    return Apart(found[0].before, found[0].after, each, predicted, found[0].without)
 
 
 def _named(problem: IdentificationProblem, fitted: Fitted) -> Apart:
@@ -72,7 +74,7 @@ def _in_turn(evidence: Evidence, keys: list[tuple[str, str]], fitted: Fitted) ->
     card = np.zeros(len(evidence.space))
     folds = evidence.folds()
     after = evidence.predicted(fitted.x).copy()
-    each = []
+    each, without = [], []
     for key in keys:
         rest = evidence.keeping(~folds[key])
         if rest.faults():
@@ -81,7 +83,9 @@ def _in_turn(evidence: Evidence, keys: list[tuple[str, str]], fitted: Fitted) ->
         part = evidence.keeping(folds[key])
         after[folds[key]] = part.predicted(x)
         each.append(_judged(part, key, card, x))
-    return Apart(evidence.gap(evidence.predicted(card)), evidence.gap(after), tuple(each), after)
+        without.append(x)
+    moved = np.array(without) if len(without) > 1 and keys[0][0] == "posture" else None
+    return Apart(evidence.gap(evidence.predicted(card)), evidence.gap(after), tuple(each), after, moved)
 
 
 def _without(

@@ -13,9 +13,10 @@ from flexmodal.identification.beside import baselines_beside
 from flexmodal.identification.evidence.modal import MODEL_ERROR
 from flexmodal.identification.held_out import predicted_apart
 from flexmodal.identification.optima import search
-from flexmodal.identification.outcome import Gaps, HeldOut, Identification
+from flexmodal.identification.outcome import Gaps, HeldOut, Identification, Optimum
 from flexmodal.identification.problem import IdentificationProblem, build_identification
 from flexmodal.identification.source import Source
+from flexmodal.identification.stages import Stage, is_poor, staged
 from flexmodal.model import Robot
 from flexmodal.structure.parameter import ParameterSpace
 
@@ -50,7 +51,8 @@ def identify(
         hold_out: names or ids of postures, or names of points, that the fit is not to see.
         use: what of the modes.
         model_error: relative error of natural frequencies that the model is granted.
-        starts: how many starting points: the card, then others drawn from the prior.
+        starts: how many starting points: the card, then others drawn from the prior. With one, and a prior of
+            a decade on the stiffness, the fit goes in stages, see `flexmodal.identification.stages`.
         seed: of those.
         advance: called with the name of each stage as it begins.
         before: called with the problem before it is solved, to see what the data can tell.
@@ -99,7 +101,12 @@ def solve_identification(
     advance("what the data can tell")
     before = problem.identifiability
     advance("fitting")
-    fitted, optima = search(problem.evidence, starts=starts, seed=seed)
+    stages: tuple[Stage, ...] = ()
+    if starts == 1 and is_poor(problem.evidence):
+        fitted, stages = staged(problem.evidence)
+        optima: tuple[Optimum, ...] = (Optimum(tuple(fitted.x.tolist()), fitted.cost, 1),)
+    else:
+        fitted, optima = search(problem.evidence, starts=starts, seed=seed)
     sure = problem.evidence.uncertainty(fitted)
     card = np.zeros(len(problem.space))
     shown = problem.evidence.predicted(fitted.x)
@@ -126,6 +133,8 @@ def solve_identification(
         problem.evidence.over_noise(shown),
         problem.evidence.shared_misfit(shown),
         None if parts is None else baselines_beside(problem, parts.predicted, fit_gap),
+        stages,
+        None if parts is None else parts.without,
     )
 
 

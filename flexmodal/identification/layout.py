@@ -73,7 +73,8 @@ class Layout:
     response: Int[np.ndarray, "observation 2"]
     reference: Int[np.ndarray, "observation 2"]
     level: Int[np.ndarray, " observation"]
-    decays: tuple[float, ...]
+    axes: tuple[tuple[float, float], ...]
+    """Decay of the window and length of the records of each kind of blow."""
 
     def parts(self, variants: Collection[str] = ()) -> tuple[Part, ...]:
         """For structures that depend, besides the posture, on "blow", "response", both or neither."""
@@ -90,8 +91,8 @@ class Layout:
         return {kind: self._parts(kind) for kind in kinds}
 
     def _parts(self, variants: frozenset[str]) -> tuple[Part, ...]:
-        decay = np.array(self.decays)[self.level]
-        return tuple(self._part(np.flatnonzero(decay == one), variants) for one in np.unique(decay))
+        axis = np.array([sorted({*self.axes}).index(one) for one in self.axes], dtype=int)[self.level]
+        return tuple(self._part(np.flatnonzero(axis == one), variants) for one in np.unique(axis))
 
     def _part(self, rows: Int[np.ndarray, " some"], variants: frozenset[str]) -> Part:
         posture, response = self.posture[rows], self.response[rows]

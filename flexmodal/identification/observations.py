@@ -85,7 +85,8 @@ class Observations:
     @cached_property
     def layout(self) -> Layout:
         """Which of them share structures and receptances."""
-        return Layout(self.posture, self.response, self.reference, self.level, self.decays)
+        axes = tuple(zip(self.decays, self.lengths, strict=True))
+        return Layout(self.posture, self.response, self.reference, self.level, axes)
 
     def axis_of(self, level: int) -> Axis:
         """The lines for one kind of blow."""

@@ -11,11 +11,14 @@ import numpy as np
 from jaxtyping import Float
 
 from flexmodal.identification.baselines import Baselines
+from flexmodal.identification.doubt import Limits, jackknife, limits
 from flexmodal.identification.evidence.both import Both
 from flexmodal.identification.evidence.evidence import Fitted
 from flexmodal.identification.evidence.frf import FrfEvidence
 from flexmodal.identification.identifiability import Combination, Identifiability
+from flexmodal.identification.stages import Stage
 from flexmodal.identification.uncertainty import Uncertainty
+from flexmodal.report.words import times_noise
 from flexmodal.structure.parameter import Parameter
 from flexmodal.text.extras import extra
 from flexmodal.text.shown import Shown
@@ -28,11 +31,6 @@ EXPLAINED = 1.6
 what is missing in the model moves the parameters, from one choice of data to another by more than any
 interval says, and none is given: at 1.6 to 5 times the noise intervals held 4 of 5 parameters or fewer on the
 rig."""
-SHARED, SHARED_BARE = 0.3, 1.0
-"""Variances of the noise that neighbouring lines may share and the model still counts as complete; the second
-where nothing but these lines says how noisy they are, and the blows' own scatter is not in that. On the rig
-36 complete models had up to 0.24 and 0.91, models that lacked a soft link or an absorber and met the data all
-the same mostly 0.3 to 2."""
 WORSE = 1.5
 """Held-out gap over fitted gap from which a fit does not carry over."""
 TOUCHING = 1e-9
@@ -114,6 +112,10 @@ class Identification(Shown):
     """Misfit that neighbouring lines share, in variances of the noise; None without FRFs."""
     baselines: Baselines | None = None
     """What needs no model, on the postures held out; None without FRFs of several postures."""
+    stages: tuple[Stage, ...] = ()
+    """What each stage reached, where the fit went in stages; the card as it came is the first."""
+    without: Float[np.ndarray, "posture parameter"] | None = None
+    """Coordinates of the fits without each posture, where they were left out in turn."""
 
     _PICTURE: ClassVar[str] = "flexmodal.identification.plot:draw_identification"
 
@@ -149,9 +151,14 @@ class Identification(Shown):
     def estimates(self) -> tuple[Estimate, ...]:
         """Every parameter."""
         low, high = self.uncertainty.interval(self.at)
+        errors = self.uncertainty.deviation
+        if self.doubted and self.without is not None:
+            moved, t = jackknife(self.at, self.without)
+            low, high = np.minimum(low, self.at - t * moved), np.maximum(high, self.at + t * moved)
+            errors = np.maximum(errors, moved)
         least, most = self.problem.space.bounds
         known = set(self.uncertainty.identified)
-        errors = self.uncertainty.deviation * (np.nan if self.withheld else 1.0)
+        errors = errors * (np.nan if self.withheld else 1.0)
         return tuple(
             _estimate(
                 p,
@@ -188,13 +195,25 @@ class Identification(Shown):
     @property
     def made_up_for(self) -> bool:
         """Whether something is missing that the parameters make up for: within the noise, yet no noise."""
-        bare = self.problem.bare
-        return self.shared_misfit is not None and self.shared_misfit > (SHARED_BARE if bare else SHARED)
+        return self.shared_misfit is not None and self.shared_misfit > self._limits.withheld
+
+    @property
+    def doubted(self) -> bool:
+        """Whether neighbouring lines share more than complete models leave, and not enough to be sure."""
+        if self.shared_misfit is None or self.made_up_for:
+            return False
+        return self.shared_misfit > self._limits.doubted
+
+    @property
+    def _limits(self) -> Limits:
+        return limits(self.problem.evidence, bare=self.problem.bare)
 
     @property
     def withheld(self) -> bool:
         """Whether no intervals are given, since the model's error decides and not the measurement's."""
-        return self.problem.source != "modes" and (not self.explained or self.made_up_for)
+        if self.problem.source == "modes":
+            return False
+        return not self.explained or self.made_up_for or (self.doubted and self.without is None)
 
     @property
     def scale_untold(self) -> bool:
@@ -210,14 +229,14 @@ class Identification(Shown):
     def verdict(self) -> str:
         """What to think of it, and what to do next."""
         gap, says = self.gap, []
-        times = f"{self.over_noise:.1f}" if self.over_noise < 10 else f"{self.over_noise:.3g}"
+        times = times_noise(self.over_noise)
         if not self.fitted.converged:
             says.append("the fit did not converge: give more steps or better starting values")
         if self.explained:
-            says.append(f"the model meets the data to {times} times the noise")
+            says.append(f"the model meets the data to {times}")
         else:
             says.append(
-                f"the fit leaves {times} times the noise: something is missing from the model; "
+                f"the fit leaves {times}: something is missing from the model; "
                 "`flexmodal diagnose` looks for it"
             )
         if self.withheld:
@@ -228,6 +247,12 @@ class Identification(Shown):
                     "make up for; `flexmodal diagnose` looks for it"
                 )
             says.append("no intervals are given: the model's error decides here, not the measurement's")
+        elif self.doubted and self.without is not None:
+            says.append(
+                f"neighbouring lines share {self.shared_misfit:.2g} of the noise's variance, more than most "
+                "complete models leave: intervals are as wide as the parameters move where a posture is left "
+                "out"
+            )
         if gap.held_out_after is not None and gap.held_out_after > WORSE * max(gap.after, gap.noise_floor):
             says.append(f"it does not carry over: {gap.held_out_after:.3g} on what was held out")
         if gap.held_out_after is None:

@@ -23,7 +23,7 @@ from flexmodal.report import (
     page_text,
     write_page,
 )
-from flexmodal.report.words import DASH, minus
+from flexmodal.report.words import DASH, minus, noises, size
 
 HEADER = ("parameter", "value", "standard error", "95 % interval", "card", "remarks")
 GAPS = ("", "card", "fit", "noise floor")
@@ -37,6 +37,11 @@ GAP_NOTE = (
     "Of FRFs, a gap of 0.1 means that on a typical line the model is about 10 % off in size or 6° in phase. "
     "The noise floor is what the noise of the measurement alone makes of it: no model can come nearer. Held "
     "out: predicted by a fit that had not seen it."
+)
+STAGES = ("stage", "gap", "× the noise", "took")
+STAGES_NOTE = (
+    "Little was known of the card, so the fit went in stages. Each is told with its gap, and with the part "
+    "of the squared distance above the noise, as the card had it, that it took."
 )
 BESIDE = ("held out", "model", "mean of the others", "nearest posture", "which", "noise floor")
 BESIDE_NOTE = (
@@ -71,6 +76,8 @@ def write_identification_page(outcome: Identification, path: Path, *, overwrite:
     ]
     gap: Parts = [f"The gap between model and measurement: the root mean square of {GAP_OF[problem.source]}.",
            Table(columns(GAPS), gap_cells(outcome)), Text(GAP_NOTE, note=True)]  # fmt: skip
+    if outcome.stages:
+        gap = [*gap, STAGES_NOTE, Table(columns(STAGES, words=STAGES[:1]), stage_cells(outcome))]
     beside = outcome.baselines
     if beside is not None:
         table = Table(columns(BESIDE, words=["which"]), baseline_cells(beside))
@@ -125,7 +132,20 @@ def gap_cells(outcome: Identification) -> list[tuple[str, ...]]:
     cells += [
         (f"  {one.kind} {one.name}", one.before, one.after, one.noise_floor) for one in outcome.held_out
     ]
-    return [(name, *(f"{value:.4g}" for value in values)) for name, *values in cells]
+    return [(name, *(size(value) for value in values)) for name, *values in cells]
+
+
+def stage_cells(outcome: Identification) -> list[tuple[str, ...]]:
+    """Rows of text under `STAGES`.
+
+    Args:
+        outcome: of a fit in stages.
+    """
+    cells: list[tuple[str, ...]] = []
+    for number, one in enumerate(outcome.stages):
+        took = f"{100 * one.share:.0f} %" if number else ""
+        cells.append((one.name, f"{one.gap:.3g}", noises(one.over_noise), minus(took)))
+    return cells
 
 
 def baseline_cells(found: Baselines) -> list[tuple[str, ...]]:

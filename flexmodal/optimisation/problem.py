@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from typing import TypeGuard
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -12,10 +13,11 @@ from jaxtyping import Bool, Float
 from flexmodal.cards import FrozenDict
 from flexmodal.errors import FlexmodalError
 from flexmodal.model import PosedRobot, Posture, Robot
+from flexmodal.model.receptance_source import ModelReceptances
 from flexmodal.optimisation.clearance import Clearance
 from flexmodal.optimisation.descent import PERFECT, UNBOUNDED, UNSETTLED, Box, retract, work_for
 from flexmodal.optimisation.hold import Hold
-from flexmodal.optimisation.objectives import FunctionObjective, Limit, Objective
+from flexmodal.optimisation.objectives import FunctionObjective, Limit, Objective, ReceptanceObjective
 from flexmodal.text.shown import Shown
 
 _TURN = np.pi
@@ -128,7 +130,7 @@ class PostureProblem(Shown):
 
     def cost(self, values: Float[np.ndarray, " commanded"]) -> float:
         """The cost alone; where the gradient is one of differences, that is a small part of the work."""
-        if isinstance(self.objective, FunctionObjective):
+        if _is_differenced(self.objective):
             posed = self.posed(values)
             barrier = 0.0 if self.clearance is None else self.clearance.barrier(posed)[0]
             return barrier + self.objective.cost(posed)
@@ -188,7 +190,7 @@ class Evaluation:
         """The cost there; infinite where there is none. Differences for a gradient are not taken yet."""
         self._gradient = None
         try:
-            if isinstance(self.problem.objective, FunctionObjective):
+            if _is_differenced(self.problem.objective):
                 return self.problem.cost(self._values)
             cost, self._gradient = self.problem.cost_and_gradient(self._values)
         except FlexmodalError as error:
@@ -205,6 +207,13 @@ class Evaluation:
         """PERFECT or UNBOUNDED where a cost says so, else UNSETTLED."""
         limit = self.problem.objective.limit(cost, self.problem.robot)
         return {Limit.PERFECT: PERFECT, Limit.UNBOUNDED: UNBOUNDED}.get(limit, UNSETTLED)
+
+
+def _is_differenced(objective: Objective) -> TypeGuard[FunctionObjective | ReceptanceObjective]:
+    """Whether its gradient is one of differences, many times the work of its cost."""
+    if isinstance(objective, ReceptanceObjective):
+        return not isinstance(objective.source, ModelReceptances)
+    return isinstance(objective, FunctionObjective)
 
 
 @lru_cache(maxsize=8)

@@ -9,3 +9,4 @@ from flexmodal.prediction.predict import build_prediction as build_prediction
 from flexmodal.prediction.predict import predict_posture as predict_posture
 from flexmodal.prediction.predict import solve_by_all as solve_by_all
 from flexmodal.prediction.predict import solve_prediction as solve_prediction
+from flexmodal.prediction.source import PredictedReceptances as PredictedReceptances

@@ -11,8 +11,11 @@ from jaxtyping import Complex, Float
 
 from flexmodal.frf import PointDirection
 from flexmodal.identification.baselines import BETTER, untold
-from flexmodal.prediction.leave_one_out import LeftOut, together, typical
+from flexmodal.identification.outcome import EXPLAINED
+from flexmodal.prediction.judging import together, typical
+from flexmodal.prediction.leave_one_out import LeftOut
 from flexmodal.prediction.methods import DATA_ALONE, METHODS
+from flexmodal.report.words import times_noise
 from flexmodal.text.shown import Shown
 
 FEW = 5
@@ -23,6 +26,8 @@ BESIDE: Mapping[str, str] = {
     SHUFFLED: "a control: the model fitted to all, each with another's angles",
 }
 """What stands below the methods."""
+TWIN = 0.25
+"""Of the usual distance between postures, below which one that was left out is said to count for less."""
 APART = 3.0
 """Multiple of the typical gap from which a posture left out is named: there the method does not hold."""
 
@@ -96,60 +101,74 @@ class FrfPrediction(Shown):
         each = {name: left.gaps[name] for name in METHODS}
         each |= {CHOSEN_ANEW: left.chosen_anew, SHUFFLED: left.shuffled}
         return [
-            (name, typical(gaps, left.weight), together(gaps, left.weight), gaps)
+            (name, typical(gaps, left.counts), together(gaps, left.weight), gaps)
             for name, gaps in each.items()
         ]
 
     @property
     def verdict(self) -> str:
         """What it is worth, and what would make it better."""
-        gaps, floor = self.left_out.typical, self.left_out.noise_floor
-        here, count = gaps[self.method], len(self.left_out.postures)
-        says = [
-            f"predicted by {self.method}, {METHODS[self.method]}: {here:.2g} on a typical posture it had not "
-            f"seen, {here / floor:.1f} times the noise"
-        ]
-        each = self.left_out.gaps[self.method]
-        far = [
-            f"{name} ({value:.2g})"
-            for name, value in zip(self.left_out.names, each.tolist(), strict=True)
-            if value > APART * here
-        ]
-        if far:
-            says.append(f"it was far off in {', '.join(far)}: do not use it where the arm stands like that")
-        says += [self._beside(gaps)]
-        if not self.left_out.tells_postures:
-            says.append(self._untold())
-        if self.is_data_alone:
-            says.append(
-                "physics has no part in this: no model of the robot predicts the postures as well; away from "
-                "the measured postures nothing holds it"
-            )
+        says = worth(self.left_out, self.method)
         if self.beyond:
             says.append(f"outside what was measured: {', '.join(self.beyond)}")
         if self.remote > 1 and self.method != "physics":
             says.append(f"{self.remote:.1f} times as far from the measured postures as these are apart")
-        if count < FEW:
-            says.append(f"{count} postures were struck: the band rests on as many errors")
         says += [f"x, y, z at {name} are {axes}" for name, axes in self.axes.items()]
         return "; ".join(says)
 
-    def _untold(self) -> str:
-        """That shuffled angles fit as well as those that are stated, or better."""
-        left = self.left_out
-        fitted, control = (typical(each, left.weight) for each in (left.fitted, left.shuffled))
-        return untold(fitted, control)
 
-    def _beside(self, gaps: Mapping[str, float]) -> str:
-        """How the method stands beside what needs no model."""
-        mean, near = gaps["mean"], gaps["nearest"]
-        worse = [
-            f"{words} ({value:.2g})"
-            for words, value in (("the mean of the others", mean), ("the nearest posture", near))
-            if gaps[self.method] >= BETTER * value
-        ]
-        if worse:
-            return f"this is no better than {' or '.join(worse)}"
-        physics = gaps["physics"]
-        also = "" if self.method == "physics" else f", physics alone {physics:.2g}"
-        return f"the mean of the others has {mean:.2g}, the nearest posture {near:.2g}{also}"
+def worth(left: LeftOut, method: str) -> list[str]:
+    """What a method is worth on postures it has not seen, in sentences.
+
+    Args:
+        left: what was left out.
+        method: that predicts.
+    """
+    gaps = left.typical
+    here = gaps[method]
+    says = [
+        f"predicted by {method}, {METHODS[method]}: {here:.2g} on a typical posture it had not "
+        f"seen, {times_noise(left.typical_times(method))}"
+    ]
+    each = zip(left.names, left.gaps[method].tolist(), strict=True)
+    far = [f"{name} ({value:.2g})" for name, value in each if value > APART * here]
+    if far:
+        says.append(f"it was far off in {', '.join(far)}: do not use it where the arm stands like that")
+    says.append(_beside(gaps, method))
+    twins = [name for name, standing in zip(left.names, left.standing, strict=True) if standing < TWIN]
+    if twins:
+        says.append(
+            f"{', '.join(twins)}: so near to another posture that leaving it out says little; such a one "
+            "counts for less"
+        )
+    if not left.tells_postures:
+        fitted, control = (typical(each, left.counts) for each in (left.fitted, left.shuffled))
+        says.append(untold(fitted, control))
+    if method in DATA_ALONE:
+        says.append(
+            "physics has no part in this: no model of the robot predicts the postures as well; away from "
+            "the measured postures nothing holds it"
+        )
+    if len(left.postures) < FEW:
+        says.append(f"{len(left.postures)} postures were struck: the band rests on as many errors")
+    if method in DATA_ALONE:
+        says.append("next: look at `flexmodal check`, then strike more postures")
+    elif left.typical_times(method) > EXPLAINED:
+        says.append(
+            "next: `flexmodal diagnose` looks for what the model lacks; a posture struck nearby narrows it"
+        )
+    return says
+
+
+def _beside(gaps: Mapping[str, float], method: str) -> str:
+    """How the method stands beside what needs no model."""
+    mean, near = gaps["mean"], gaps["nearest"]
+    worse = [
+        f"{words} ({value:.2g})"
+        for words, value in (("the mean of the others", mean), ("the nearest posture", near))
+        if gaps[method] >= BETTER * value
+    ]
+    if worse:
+        return f"this is no better than {' or '.join(worse)}"
+    also = "" if method == "physics" else f", physics alone {gaps['physics']:.2g}"
+    return f"the mean of the others has {mean:.2g}, the nearest posture {near:.2g}{also}"

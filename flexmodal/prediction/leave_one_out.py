@@ -1,14 +1,5 @@
 """Every posture left out in turn and predicted by every method, and the choices that follow from it.
 
-Who asks for a posture asks for one: a method is chosen by its typical gap, the geometric mean over postures.
-A root mean square is that of the worst posture, such as one in which a point stands still in the model and in
-the robot moves a little: ln of next to nothing over nothing, in which all other postures have no part.
-
-How much of what is learnt beside the physics goes into a prediction is such a choice too: the share s of
-e^(s r) that leaves least of the physics' squared gap on postures left out. A few postures tell it badly, and
-the whole of it loses to none where next to nothing could be learnt; so it is drawn towards one half, as if
-`PRIOR` postures more had said that.
-
 A control stands beside: the model fitted to all postures while each bears another's angles. A model that then
 fits as well as with the right ones has not been told by its data which posture is which.
 """
@@ -24,19 +15,15 @@ from jaxtyping import Complex, Float
 from flexmodal.identification.baselines import BETTER, shuffled
 from flexmodal.identification.evidence.evidence import Fitted
 from flexmodal.identification.evidence.frf import FrfEvidence
-from flexmodal.identification.gap import gap
+from flexmodal.identification.gap import gap, over_noise
+from flexmodal.identification.observations import Observations
 from flexmodal.prediction.alignment import natural_frequencies
+from flexmodal.prediction.judging import SHARES, best, best_share, standings, together, typical
 from flexmodal.prediction.methods import METHODS, Known, predicted_by_all
 from flexmodal.prediction.panel import Panel, panel_of
 
 SETTLED = 2e-5
 """A step that changes the cost of a fit without a posture relatively by less is its last."""
-CLEARLY = 0.98
-"""A method takes the place of one that is trusted more from this multiple of its gap down."""
-SHARES = (0.0, 0.25, 0.5, 0.75, 1.0)
-"""That are tried; between them the square of the gap is a parabola, but for phases beyond half a turn."""
-USUAL, PRIOR = 0.5, 6
-"""Share that is expected, and postures that this counts for; on 24 campaigns 4 to 16 of them did alike."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,6 +45,12 @@ class LeftOut:
     """Gaps of the model fitted to all of them, which has seen what it is judged by."""
     shuffled: Float[np.ndarray, " posture"]
     """The same of a model fitted while each posture bears another's angles: a control."""
+    times: Mapping[str, Float[np.ndarray, " posture"]]
+    """By method, and of the two fits above as "fitted" and "shuffled": distance of each posture over that of
+    the noise of its averages, the scale of every verdict."""
+    standing: Float[np.ndarray, " posture"]
+    """How much each posture says of one that nobody struck: its distance from the nearest other over the root
+    mean square of these, 1 at most. A twin is predicted by its twin."""
     share: float = 1.0
     """Of what was learnt, that goes into `hybrid`; a posture left out is predicted by that of the others."""
 
@@ -67,6 +60,11 @@ class LeftOut:
         return tuple(self.panel.observations.postures[number].name for number in self.postures)
 
     @property
+    def counts(self) -> Float[np.ndarray, " posture"]:
+        """What each posture counts for where methods are compared."""
+        return self.weight * self.standing
+
+    @property
     def gap(self) -> dict[str, float]:
         """Of each method over all postures."""
         return {name: together(each, self.weight) for name, each in self.gaps.items()}
@@ -74,59 +72,44 @@ class LeftOut:
     @property
     def typical(self) -> dict[str, float]:
         """Of each method in a posture like these: the geometric mean."""
-        return {name: typical(each, self.weight) for name, each in self.gaps.items()}
+        return {name: typical(each, self.counts) for name, each in self.gaps.items()}
 
     @property
     def chosen(self) -> str:
         """The method that predicts best what it has not seen."""
-        return best(self.gaps, self.weight)
+        return best(self.gaps, self.counts)
 
     @property
     def tells_postures(self) -> bool:
         """Whether the right angles fit better than shuffled ones."""
-        fitted, control = (typical(each, self.weight) for each in (self.fitted, self.shuffled))
+        fitted, control = (typical(each, self.counts) for each in (self.fitted, self.shuffled))
         return fitted < BETTER * control
 
     @property
     def chosen_anew(self) -> Float[np.ndarray, " posture"]:
         """Gap of each posture where the method is chosen by the others, not by what it is judged by."""
+        return np.array([self.gaps[name][one] for one, name in enumerate(self.methods_anew)])
+
+    @property
+    def methods_anew(self) -> tuple[str, ...]:
+        """The method that the other postures choose for each."""
         count, found = len(self.postures), []
         for one in range(count):
             others = np.arange(count) != one
-            name = best({name: each[others] for name, each in self.gaps.items()}, self.weight[others])
-            found.append(self.gaps[name][one])
-        return np.array(found)
+            found.append(best({n: each[others] for n, each in self.gaps.items()}, self.counts[others]))
+        return tuple(found)
 
+    def typical_times(self, name: str) -> float:
+        """Distance of a typical posture over that of the noise: the geometric mean.
 
-def best(gaps: Mapping[str, Float[np.ndarray, " posture"]], weight: Float[np.ndarray, " posture"]) -> str:
-    """The method with the smallest typical gap, one that is trusted more where the two are alike.
-
-    Args:
-        gaps: by method, of each posture.
-        weight: what each posture counts for.
-    """
-    chosen, *others = [name for name in METHODS if name in gaps]
-    for name in others:
-        if typical(gaps[name], weight) < CLEARLY * typical(gaps[chosen], weight):
-            chosen = name
-    return chosen
-
-
-def best_share(gaps: Float[np.ndarray, "posture share"], weight: Float[np.ndarray, " posture"]) -> float:
-    """The share of what was learnt that leaves least of the squared gap, drawn towards one half.
-
-    Args:
-        gaps: of each posture left out, with each of `SHARES`; each counts by its part of the gap without.
-        weight: what the lines of each posture count for together.
-    """
-    there = np.isfinite(gaps).all(axis=1) & (gaps[:, 0] > 0)
-    count = int(there.sum())
-    if not count:
-        return USUAL
-    square = weight[there] @ (gaps[there] / gaps[there, :1]) ** 2 / weight[there].sum()
-    curve, slope, _ = np.polyfit(SHARES, square, 2)
-    least = -slope / (2 * curve) if curve > 0 else SHARES[int(np.argmin(square))]
-    return float((count * np.clip(least, 0.0, 1.0) + PRIOR * USUAL) / (count + PRIOR))
+        Args:
+            name: a key of `times`, or "anew" for the method that the other postures choose.
+        """
+        if name == "anew":
+            each = np.array([self.times[method][one] for one, method in enumerate(self.methods_anew)])
+        else:
+            each = self.times[name]
+        return typical(each, self.counts)
 
 
 def leave_each_out(
@@ -157,7 +140,11 @@ def leave_each_out(
         x = evidence.keeping(~here).fit(fitted.x, warm=True, settled=SETTLED).x
         known = known_by(evidence, panel, x, tuple(one for one in numbers if one != number), sliding)
         resonances[number] = known.resonances[number]
-        for name, value in predicted_by_all(known, number).items():
+        rows = panel.of_posture(number)
+        made = predicted_by_all(
+            known, seen.postures[number].q, known.physics[rows], panel.place[rows], known.resonances[number]
+        )
+        for name, value in made.items():
             found[name][here] = value
         learnt[here] = _ratio(found["hybrid"][here], found["physics"][here])
         advance()
@@ -168,16 +155,31 @@ def leave_each_out(
         return np.array([gap(seen, value, seen.posture == number).value for number in numbers])
 
     by_share = np.stack([gaps_of(found["physics"] * np.exp(share * learnt)) for share in SHARES], axis=1)
+    standing = standings([seen.postures[number].q for number in numbers])
+    counts = weight * standing
     for place, number in enumerate(numbers):
         others = np.arange(len(numbers)) != place
-        own = best_share(by_share[others], weight[others])
+        own = best_share(by_share[others], counts[others])
         here = seen.posture == number
         found["hybrid"][here] = found["physics"][here] * np.exp(own * learnt[here])
     floor = gap(seen, found["physics"]).noise_floor
     gaps = {name: gaps_of(found[name]) for name in METHODS}
-    share = best_share(by_share, weight)
-    right, wrong = gaps_of(_physics(evidence, fitted.x)), gaps_of(_shuffled(evidence))
-    return LeftOut(panel, numbers, found, gaps, weight, floor, tuple(resonances), right, wrong, share)
+    share = best_share(by_share, counts)
+    controls = {"fitted": _physics(evidence, fitted.x), "shuffled": _shuffled(evidence)}
+    right, wrong = (gaps_of(value) for value in controls.values())
+    times = {name: _times(seen, value, numbers) for name, value in {**found, **controls}.items()}
+    return LeftOut(
+        panel, numbers, found, gaps, weight, floor, tuple(resonances), right, wrong, times,
+        standing, share,
+    )  # fmt: skip
+
+
+def _times(
+    seen: Observations, value: Complex[np.ndarray, "observation line"], numbers: tuple[int, ...]
+) -> Float[np.ndarray, " posture"]:
+    """Distance of each posture over that of the noise of its averages."""
+    each = [seen.posture == number for number in numbers]
+    return np.array([over_noise(seen.keeping(here), value[here]) for here in each])
 
 
 def _physics(evidence: FrfEvidence, x: Float[np.ndarray, " parameter"]) -> Complex[np.ndarray, "row line"]:
@@ -222,26 +224,3 @@ def known_by(
     resonances = [natural_frequencies(model, x, one.q) for one in seen.postures]  # type: ignore[arg-type]
     physics = _physics(replace(evidence, observations=seen), x)
     return Known(panel, postures, physics, resonances, sliding)
-
-
-def together(each: Float[np.ndarray, " posture"], weight: Float[np.ndarray, " posture"]) -> float:
-    """The gap over several postures; those with nothing to judge are left out.
-
-    Args:
-        each: gap of each posture.
-        weight: what the lines of each count for together.
-    """
-    there = np.isfinite(each)
-    return float(np.sqrt(np.sum((weight * each**2)[there]) / np.sum(weight[there])))
-
-
-def typical(each: Float[np.ndarray, " posture"], weight: Float[np.ndarray, " posture"]) -> float:
-    """Geometric mean of the gaps of several postures; those with nothing to judge are left out.
-
-    Args:
-        each: gap of each posture.
-        weight: what the lines of each count for together.
-    """
-    there = np.isfinite(each)
-    with np.errstate(divide="ignore"):
-        return float(np.exp(np.sum((weight * np.log(each))[there]) / np.sum(weight[there])))

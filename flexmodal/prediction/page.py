@@ -5,12 +5,15 @@ from __future__ import annotations
 from functools import partial
 from pathlib import Path
 
-from flexmodal.prediction.frf_prediction import BESIDE, FrfPrediction
+from flexmodal.prediction.frf_prediction import BESIDE, CHOSEN_ANEW, SHUFFLED, FrfPrediction
 from flexmodal.prediction.methods import METHODS
 from flexmodal.prediction.plot import draw_left_out, draw_prediction
 from flexmodal.report import Facts, Picture, Section, Table, Text, columns, page_text, write_page
+from flexmodal.report.words import noises
 
-HEADER = ("method", "typical gap", "times the noise", "over all", "worst posture", "what it is")
+HEADER = ("method", "typical gap", "× the noise", "over all", "worst posture", "what it is")
+KEYS = {CHOSEN_ANEW: "anew", SHUFFLED: "shuffled"}
+"""What rows below the methods are called in `LeftOut.times`."""
 NOTE = (
     "Every posture was left out in turn, of the fit of the physics too, and predicted from the others. The "
     "typical gap, by which the method is chosen, is the geometric mean over postures; over all is the root "
@@ -84,7 +87,7 @@ def method_cells(prediction: FrfPrediction) -> list[tuple[str, ...]]:
             (
                 name,
                 f"{usual:.2g}",
-                f"{usual / left.noise_floor:.1f}",
+                noises(left.typical_times(KEYS.get(name, name))),
                 f"{total:.2g}",
                 f"{names[worst]}: {each[worst]:.2g}",
                 {**METHODS, **BESIDE}[name],

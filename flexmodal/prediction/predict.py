@@ -4,20 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
 from flexmodal.campaign import Campaign, named_direction
 from flexmodal.errors import Fault, InvalidRequest
-from flexmodal.identification import build_identification
+from flexmodal.identification import build_identification, predict
 from flexmodal.identification.evidence.frf import FrfEvidence
+from flexmodal.identification.stages import is_poor, staged
 from flexmodal.model import Robot
 from flexmodal.model.placements import link_placements
+from flexmodal.prediction.alignment import natural_frequencies
 from flexmodal.prediction.band import band, remoteness
 from flexmodal.prediction.frf_prediction import FrfPrediction, PredictedFrf
 from flexmodal.prediction.leave_one_out import LeftOut, known_by, leave_each_out
-from flexmodal.prediction.methods import METHODS, predicted_by_all
+from flexmodal.prediction.methods import METHODS, Known, predicted_by_all
 from flexmodal.prediction.panel import Panel, with_posture
 from flexmodal.structure.parameter import ParameterSpace
 from flexmodal.text.extras import extra
@@ -37,6 +40,12 @@ class PredictionProblem:
     """Coordinates of the fit to everything."""
     left_out: LeftOut
     sliding: tuple[str, ...]
+
+    @cached_property
+    def known(self) -> Known:
+        """What every posture is predicted from."""
+        left = self.left_out
+        return known_by(self.evidence, left.panel, self.x, left.postures, self.sliding)
 
 
 def build_prediction(
@@ -71,7 +80,7 @@ def build_prediction(
         raise InvalidRequest(Fault(source, "posture", f"{count} with FRFs", allowed))
     sliding = tuple(name for name in robot.commanded if robot.urdf.joint_by_name[name].is_prismatic)
     with threadpool_limits(1):  # matrices this small only wait for the threads of a BLAS
-        fitted = evidence.fit()
+        fitted = staged(evidence)[0] if is_poor(evidence) else evidence.fit()
         advance()
         left = leave_each_out(evidence, fitted, sliding=sliding, advance=advance)
     return PredictionProblem(campaign, robot, evidence, fitted.x, left, sliding)
@@ -114,17 +123,22 @@ def solve_by_all(
     left = problem.left_out
     panel = with_posture(left.panel, name, where)
     target = len(panel.observations.postures) - 1
+    model = problem.evidence.model
     with threadpool_limits(1):
-        known = known_by(problem.evidence, panel, problem.x, left.postures, problem.sliding)
-        values = predicted_by_all(known, target, left.share)
-    far, beyond = remoteness(left, where), _beyond(problem, where)
+        there = panel.observations.keeping(panel.observations.posture == target)
+        resonances = natural_frequencies(model, problem.x, where)  # type: ignore[arg-type]
+        values = predicted_by_all(
+            problem.known, where, predict(model, problem.x, there), np.arange(len(panel.pairs)), resonances,
+            left.share,
+        )  # fmt: skip
+    far, outside = remoteness(left, where), beyond(problem, where)
     found = {}
     for method, value in values.items():
-        halves = band(left, method, known.resonances[target])
+        halves = band(left, method, resonances)
         wider = 1.0 if method == "physics" else far
         frfs = _frfs(problem, panel, value, (wider * halves[0], np.minimum(wider * halves[1], np.pi)))
         found[method] = FrfPrediction(
-            problem.robot.name, problem.campaign.title, where, panel.axis, frfs, method, left, beyond, far,
+            problem.robot.name, problem.campaign.title, where, panel.axis, frfs, method, left, outside, far,
             _axes(problem, frfs), _ways(problem, panel, where),
         )  # fmt: skip
     return found
@@ -200,8 +214,13 @@ def predict_posture(
     return solve_prediction(problem, q, name=name, method=method)
 
 
-def _beyond(problem: PredictionProblem, q: Mapping[str, float]) -> tuple[str, ...]:
-    """Joints outside the range that was measured."""
+def beyond(problem: PredictionProblem, q: Mapping[str, float]) -> tuple[str, ...]:
+    """Joints outside the range that was measured.
+
+    Args:
+        problem: with the measured postures.
+        q: a posture [rad, m].
+    """
     measured = [
         problem.left_out.panel.observations.postures[number].q for number in problem.left_out.postures
     ]

@@ -16,6 +16,8 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float
@@ -28,59 +30,82 @@ NEGLIGIBLE = 1e-3
 """Vectors with less than this part of the sum of squares are left out."""
 
 
-def features(
-    postures: Sequence[Mapping[str, float]], sliding: Sequence[str] = ()
-) -> Float[np.ndarray, "posture feature"]:
-    """Coordinates in which the distance of two postures is d above.
+@dataclass(frozen=True)
+class Features:
+    """Coordinates in which the distance of two postures is d above."""
+
+    joints: tuple[str, ...]
+    spread: Mapping[str, float]
+    """Of the ways of prismatic joints among the measured postures [m]; 0 where they stood still."""
+
+    @classmethod
+    def of(cls, postures: Sequence[Mapping[str, float]], sliding: Sequence[str] = ()) -> Features:
+        """Those in which measured postures are told apart.
+
+        Args:
+            postures: values of the joints [rad, m]; a joint left out is 0.
+            sliding: names of prismatic joints.
+        """
+        names = tuple(sorted({name for posture in postures for name in posture}))
+        ways = {name: [posture.get(name, 0.0) for posture in postures] for name in names if name in sliding}
+        return cls(names, {name: float(np.std(way)) for name, way in ways.items()})
+
+    def at(self, posture: Mapping[str, float]) -> Float[np.ndarray, " feature"]:
+        """Coordinates of a posture.
+
+        Args:
+            posture: values of the joints [rad, m]; a joint left out is 0.
+        """
+        found: list[float] = []
+        for name in self.joints:
+            way = posture.get(name, 0.0)
+            if name in self.spread:
+                found.append(way / self.spread[name] if self.spread[name] > 0 else 0.0)
+            else:
+                found += [np.cos(way), np.sin(way)]
+        return np.array(found)
+
+
+@dataclass(frozen=True, eq=False)
+class Learnt:
+    """Rows over the posture, learnt once and asked for at any."""
+
+    vectors: Float[np.ndarray, "vector number"]
+    """Of the reduced basis, each times the root mean square of its coefficients."""
+    processes: tuple[Any, ...]
+    """Of the coefficients, which have a mean square of 1."""
+
+    def at(self, wanted: Float[np.ndarray, " feature"]) -> Float[np.ndarray, " number"]:
+        """The row of a posture that was not measured.
+
+        Args:
+            wanted: its coordinates, see `features`.
+        """
+        found = np.zeros(self.vectors.shape[1])
+        for vector, process in zip(self.vectors, self.processes, strict=True):
+            found = found + float(process.predict(wanted[None])[0]) * vector
+        return found
+
+
+def learn(rows: Float[np.ndarray, "posture number"], at: Float[np.ndarray, "posture feature"]) -> Learnt:
+    """Fit a process to each coefficient of the reduced basis.
 
     Args:
-        postures: values of the joints [rad, m]; a joint left out is 0.
-        sliding: names of prismatic joints.
-    """
-    names = sorted({name for posture in postures for name in posture})
-    columns = []
-    for name in names:
-        way = np.array([posture.get(name, 0.0) for posture in postures])
-        if name in sliding:
-            spread = float(way.std())
-            columns.append(way / spread if spread > 0 else 0 * way)
-        else:
-            columns += [np.cos(way), np.sin(way)]
-    return np.array(columns).reshape(len(columns), len(postures)).T
-
-
-def interpolated(
-    rows: Float[np.ndarray, "posture number"],
-    at: Float[np.ndarray, "posture feature"],
-    wanted: Float[np.ndarray, " feature"],
-) -> Float[np.ndarray, " number"]:
-    """The row of a posture that was not measured.
-
-    Args:
-        rows: of those measured.
-        at: their coordinates.
-        wanted: coordinates of the one asked for.
+        rows: of the postures that were measured.
+        at: their coordinates, see `features`.
 
     Raises:
         MissingExtra: scikit-learn is not installed.
     """
-    found = np.zeros(rows.shape[1])
     left, size, right = np.linalg.svd(rows, full_matrices=False)
     total, count = float(np.sum(size**2)), len(rows)
-    for number in range(min(VECTORS, count)):
-        if not size[number] ** 2 > NEGLIGIBLE * total:
-            break
-        coefficient = _process(at, left[:, number] * np.sqrt(count), wanted)
-        found = found + coefficient / np.sqrt(count) * size[number] * right[number]
-    return found
+    kept = [k for k in range(min(VECTORS, count)) if size[k] ** 2 > NEGLIGIBLE * total]
+    processes = tuple(_process(at, left[:, k] * np.sqrt(count)) for k in kept)
+    return Learnt(right[kept] * size[kept, None] / np.sqrt(count), processes)
 
 
-def _process(
-    at: Float[np.ndarray, "posture feature"],
-    value: Float[np.ndarray, " posture"],
-    wanted: Float[np.ndarray, " feature"],
-) -> float:
-    """Mean of a Gaussian process given its values, which have a mean square of 1."""
+def _process(at: Float[np.ndarray, "posture feature"], value: Float[np.ndarray, " posture"]) -> Any:
+    """A Gaussian process given its values, which have a mean square of 1."""
     processes = extra("sklearn.gaussian_process", "predict", "a prediction between postures")
     kernels = processes.kernels
     covariance = (
@@ -91,5 +116,4 @@ def _process(
     model = processes.GaussianProcessRegressor(covariance)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # an optimum at a bound of the list above is one
-        model.fit(at, value)
-        return float(model.predict(wanted[None])[0])
+        return model.fit(at, value)

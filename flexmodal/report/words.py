@@ -53,6 +53,28 @@ def fixed(value: float | None, digits: int, sign: str = "") -> str:
     return minus(f"{value:{sign}.{digits}f}")
 
 
+def times_noise(ratio: float) -> str:
+    """How far a model is from what was measured, such as "1.2 × the noise": the one scale of every page.
+
+    It is the distance from the averages over that of their noise alone, 1 for a perfect model.
+
+    Args:
+        ratio: one decimal below ten, two figures above; a dash where it is not finite.
+    """
+    return f"{noises(ratio)} × the noise"
+
+
+def noises(ratio: float) -> str:
+    """The number of `times_noise` by itself, under a head that says what it is.
+
+    Args:
+        ratio: see there.
+    """
+    if not math.isfinite(ratio):
+        return DASH
+    return f"{ratio:.1f}" if ratio < 9.95 else f"{float(f'{ratio:.2g}'):.0f}"
+
+
 def percent(part: float) -> str:
     """A part of one; small ones keep a figure, and nothing is rounded to certainty."""
     if part > 0.995:

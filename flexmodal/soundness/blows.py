@@ -49,8 +49,8 @@ def blow_findings(campaign: Campaign) -> list[Finding]:
                 f"in {len(coupled)} of {len(campaign.blows)} blows the force swings back after the pulse and "
                 f"decays as behind a high pass of {corner:.2g} Hz",
                 f"every FRF is too large and late below some {3 * corner:.2g} Hz",
-                "measure with the force channel DC coupled, or take the corner out "
-                "(flexmodal.soundness.without_coupling)",
+                "measure with the force channel DC coupled, or take the corner out: flexmodal import "
+                f"CAMPAIGN --without-coupling force={corner:.2g} --out DIR",
             )
         )
     return found

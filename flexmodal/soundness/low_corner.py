@@ -52,13 +52,15 @@ def corner_findings(
         corner = low_corner(observations, model, rows)
         if corner is None:
             continue
+        where = place_text((int(place[0]), int(place[1])))
         found.append(
             Finding(
                 "AC coupling",
-                place_text((int(place[0]), int(place[1]))),
+                where,
                 f"its lowest lines lead as behind a high pass of {corner:.2g} Hz",
                 f"stiffness and damping are read wrongly below some {3 * corner:.2g} Hz",
-                "measure DC coupled, or take the corner out (flexmodal.soundness.without_coupling)",
+                "measure DC coupled, or take the corner out: flexmodal import CAMPAIGN --without-coupling "
+                f"{where}={corner:.2g} --out DIR",
             )
         )
     return found

@@ -95,7 +95,7 @@ def test_points_have_the_colour_of_their_misfit(tab, diagnosed):
     last = told["misfit"]["after"][told["pairs"][0]["posture"]]
     worst = max(last, key=last.get)
     said = tab.locator("#diagnosis-far").inner_text()
-    assert said == f"Farthest in this posture: {worst}, {float(f'{last[worst]:.3g}'):g} times the noise."
+    assert said == f"Farthest in this posture: {worst}, {float(f'{last[worst]:.3g}'):g} × the noise."
 
 
 def test_another_frf_moves_the_arm_to_its_posture(tab, diagnosed):

@@ -46,7 +46,7 @@ def test_gaps_are_told_fitted_and_held_out(outcome, campaign):
     }
     assert all(one.after < one.before for one in outcome.held_out if one.kind == "posture")
     assert outcome.explained
-    assert "times the noise" in outcome.verdict
+    assert "× the noise" in outcome.verdict
 
 
 def test_folds_are_predicted_as_by_fits_of_their_own(outcome):

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from flexmodal.identification import build_identification, observe, solve_identification
-from flexmodal.identification.outcome import EXPLAINED, SHARED
+from flexmodal.identification.doubt import COHERENCE, LINES, REPEATS, jackknife, limits
+from flexmodal.identification.outcome import EXPLAINED
 from flexmodal.identification.shared import shared_misfit
 from flexmodal.rig import Hide, simulate
 
@@ -112,7 +113,7 @@ def test_a_soft_link_that_looks_like_soft_joints_leaves_no_interval(campaigns):
     made = campaigns[3.0]
     outcome = solve_identification(build_identification(made.campaign, made.robot), in_turn=False)
     assert outcome.over_noise < EXPLAINED
-    assert outcome.shared_misfit > SHARED
+    assert outcome.shared_misfit > COHERENCE.withheld
     assert outcome.withheld
     assert "goes on from line to line as noise does not" in outcome.verdict
     assert all(np.isnan(one.standard_error) for one in outcome.estimates)
@@ -124,7 +125,7 @@ def test_a_soft_link_that_looks_like_soft_joints_leaves_no_interval(campaigns):
 def test_a_complete_model_has_its_intervals(campaigns):
     made = campaigns[0.0]
     outcome = solve_identification(build_identification(made.campaign, made.robot), in_turn=False)
-    assert abs(outcome.shared_misfit) < SHARED
+    assert abs(outcome.shared_misfit) < COHERENCE.doubted
     assert not outcome.withheld
     assert any(np.isfinite(one.standard_error) for one in outcome.estimates)
 
@@ -140,3 +141,50 @@ def test_a_silent_record_still_tells_the_noise_of_its_repeat(fanuc):
     seen = observe(spoilt, bare=True)
     assert len(seen.silent) == 1
     assert not seen.by_lines
+
+
+def test_what_is_shared_a_little_widens_the_intervals_by_left_out_postures(campaigns):
+    """The jackknife by hand, and a verdict that says so; where nothing was left out none are given."""
+    made = campaigns[0.0]
+    outcome = solve_identification(build_identification(made.campaign, made.robot))
+    assert not outcome.doubted
+    middle = (COHERENCE.doubted + COHERENCE.withheld) / 2
+    doubted = replace(outcome, shared_misfit=middle)
+    assert doubted.doubted
+    assert "where a posture is left out" in doubted.verdict
+    away = outcome.without - outcome.at
+    error = np.sqrt(2 / 3 * np.sum(away**2, axis=0))
+    t = 4.302652729749464  # of two degrees of freedom
+    for k, (plain, wide) in enumerate(zip(outcome.estimates, doubted.estimates, strict=True)):
+        if plain.at_bound:
+            continue
+        low, high = np.log(np.array(wide.interval) / wide.card)
+        assert low == pytest.approx(min(np.log(plain.interval[0] / plain.card), outcome.at[k] - t * error[k]))
+        assert high == pytest.approx(
+            max(np.log(plain.interval[1] / plain.card), outcome.at[k] + t * error[k])
+        )
+    assert replace(doubted, without=None).withheld
+
+
+def test_the_jackknife_of_a_mean_is_its_standard_error():
+    """Means without each of n numbers: the scatter over √n, exactly."""
+    random = np.random.default_rng(3)
+    values = random.normal(size=(6, 2))
+    whole = values.mean(axis=0)
+    without = np.array([np.delete(values, k, axis=0).mean(axis=0) for k in range(6)])
+    error, t = jackknife(whole, without)
+    np.testing.assert_allclose(error, values.std(axis=0, ddof=1) / np.sqrt(6))
+    assert t == pytest.approx(2.570582, rel=1e-6)
+
+
+def test_limits_go_by_what_tells_the_noise(fanuc):
+    made = simulate(
+        fanuc, postures=2, points=2, references=1, trials=4, band=(2.0, 60.0), record_length=2.0, seed=1,
+        time=False,
+    )  # fmt: skip
+    repeated = build_identification(made.campaign, made.robot).evidence
+    single = replace(made.campaign, frfs=made.campaign.frfs.select(trial=made.campaign.trials[0].id))
+    alone = build_identification(single, made.robot).evidence
+    assert limits(repeated, bare=False) == REPEATS
+    assert limits(alone, bare=False) == COHERENCE
+    assert limits(alone, bare=True) == LINES

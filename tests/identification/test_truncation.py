@@ -1,5 +1,7 @@
 """What a record that ends too early leaves out, against the state-space integral and a simulated test."""
 
+from dataclasses import replace
+
 import numpy as np
 from scipy.linalg import expm
 
@@ -79,3 +81,19 @@ def test_a_short_record_of_a_slow_arm_is_met_at_the_truth():
     plain = replace(observed, lengths=(0.0,))
     away = residual(predict(RobotModel(robot, space), x, plain), plain.value)
     assert np.sqrt(np.mean(np.abs(away[low]) ** 2 / plain.variance[low])) > 2 * score
+
+
+def test_each_kind_of_blow_is_cut_at_the_end_of_its_own_records():
+    """Two kinds of blow in one posture, one recorded for half a second: together as each alone."""
+    robot = flexmodal.load("six_link")
+    made = simulate(robot, postures=1, points=2, references=1, seed=3, time=False)
+    seen = observe(made.campaign)
+    assert len(seen.levels) == 2
+    seen = replace(seen, lengths=(0.5, 4.0))
+    model = RobotModel(robot, robot_space(robot))
+    x = np.zeros(len(model.space))
+    whole = predict(model, x, seen)
+    for level in (0, 1):
+        rows = seen.level == level
+        np.testing.assert_allclose(predict(model, x, seen.keeping(rows)), whole[rows], rtol=1e-12)
+    assert np.abs(np.log(np.abs(whole[seen.level == 0] / whole[seen.level == 1]))).max() > 0.1

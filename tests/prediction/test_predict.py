@@ -16,15 +16,16 @@ from flexmodal.identification.gap import gap
 from flexmodal.identification.poor import POOR
 from flexmodal.prediction import METHODS, build_prediction, solve_by_all, solve_prediction
 from flexmodal.prediction.export import COLUMNS, as_frf, as_json, write_csv, write_uff
-from flexmodal.prediction.leave_one_out import (
+from flexmodal.prediction.judging import (
     PRIOR,
     SHARES,
     best,
     best_share,
-    known_by,
+    standings,
     together,
     typical,
 )
+from flexmodal.prediction.leave_one_out import known_by
 from flexmodal.prediction.methods import predicted_by_all
 from flexmodal.prediction.page import write_prediction_page
 from flexmodal.prediction.panel import with_posture
@@ -143,6 +144,23 @@ def test_one_posture_does_not_decide_which_method_predicts():
     assert typical(missing, weight) == pytest.approx(0.5)
 
 
+def test_a_posture_with_a_twin_counts_for_little_and_is_named(problem, every):
+    """Three postures a radian apart and a twin of the last: of new postures the pair says next to nothing."""
+    found = standings([{"q1": 0.0}, {"q1": 1.0}, {"q1": 2.0}, {"q1": 2.01}])
+    usual = np.sqrt((1 + 1 + 2 * 0.01**2) / 4)
+    np.testing.assert_allclose(found, [1, 1, 0.01 / usual, 0.01 / usual])
+    near = {name: np.array([0.5, 0.5, 0.5, 0.5]) for name in METHODS}
+    near["nearest"] = np.array([0.9, 0.9, 0.001, 0.001])
+    assert best(near, np.ones(4)) == "nearest"
+    assert best(near, found) == "hybrid"
+    left = problem.left_out
+    np.testing.assert_allclose(left.counts, left.weight * left.standing)
+    twinned = replace(problem, left_out=replace(left, standing=np.where(np.arange(5) == 1, 0.1, 1.0)))
+    told = solve_prediction(twinned, every.postures[5].q).verdict
+    assert f"{left.names[1]}: so near to another posture" in told
+    assert "so near to another posture" not in solve_prediction(problem, every.postures[5].q).verdict
+
+
 def test_a_posture_with_a_large_gap_tells_no_more_of_the_share_than_another():
     gaps = np.sqrt([[0.01 + (0.2 - share) ** 2 for share in SHARES]] * 8)
     gaps[3] *= 30.0
@@ -175,9 +193,11 @@ def test_hybrid_is_physics_times_the_share_of_what_was_learnt(problem, every):
     """Two routes: the prediction, and all of what was learnt, put in by hand."""
     made = solve_by_all(problem, every.postures[5].q)
     left = problem.left_out
-    panel = with_posture(left.panel, "there", dict(every.postures[5].q))
-    known = known_by(problem.evidence, panel, problem.x, left.postures, problem.sliding)
-    whole = predicted_by_all(known, len(panel.observations.postures) - 1)
+    q = dict(every.postures[5].q)
+    panel = with_posture(left.panel, "there", q)
+    there = known_by(problem.evidence, panel, problem.x, left.postures, problem.sliding)
+    rows, resonances = panel.of_posture(len(panel.observations.postures) - 1), there.resonances[-1]
+    whole = predicted_by_all(problem.known, q, there.physics[rows], panel.place[rows], resonances)
     assert 0.0 < left.share < 1.0
     for number, one in enumerate(made["hybrid"].frfs):
         learnt = np.log(whole["hybrid"][number] / whole["physics"][number])

@@ -5,4 +5,5 @@ from flexmodal.atlas.quantities.modes import NaturalModes as NaturalModes
 from flexmodal.atlas.quantities.quantity import Quantity as Quantity
 from flexmodal.atlas.quantities.quantity import Variable as Variable
 from flexmodal.atlas.quantities.receptances import Receptances as Receptances
+from flexmodal.atlas.quantities.sourced import SourcedReceptances as SourcedReceptances
 from flexmodal.atlas.quantities.stiffness import Stiffnesses as Stiffnesses

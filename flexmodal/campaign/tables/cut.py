@@ -14,6 +14,31 @@ PART = 0.2
 BEFORE = 0.02
 """Part of the length that is kept before a pulse."""
 
+APART = 0.1
+"""Part of a record that pulses are apart that are blows of their own and no rebounds."""
+KEPT = 0.95
+"""Of the least distance between pulses, that a blow may be long."""
+
+
+def several(record: Blow) -> tuple[int, float] | None:
+    """How many blows a record seems to hold, and how long each may be [s]; None for one.
+
+    Args:
+        record: as it was read.
+    """
+    force = np.abs(record.force - np.median(record.force))
+    above = np.flatnonzero(force >= PART * float(force.max()))
+    if not above.size:
+        return None
+    first = [int(above[0])]
+    for line in above.tolist():
+        if line - first[-1] > APART * len(force):
+            first.append(line)
+    if len(first) < 2:
+        return None
+    least = min(np.diff([*first, len(force)]).tolist())
+    return len(first), float(f"{KEPT * least * record.step:.2g}")
+
 
 def cut(record: Blow, length: float) -> Iterator[Blow]:
     """The blows of a record, each so long, the pulse after two per cent of it.

@@ -6,6 +6,7 @@ from flexmodal.diagnosis.lawfree.curve import classes_of, curve_of, undecided
 from flexmodal.diagnosis.lawfree.look import Sighting
 from flexmodal.diagnosis.lawfree.pursuit import LawFree
 from flexmodal.diagnosis.lawfree.result import Class, Curve, Findings, Found, PlaceTried
+from flexmodal.report.words import percent
 from flexmodal.text.words import enumeration
 
 OF_CLASS = 0.9
@@ -45,8 +46,8 @@ def _words(look: LawFree, found: tuple[Found, ...]) -> str:
     where = enumeration([f"{one.says} ({one.where})" for one in found])
     free = "its function" if len(found) == 1 else "their functions"
     says = [
-        f"Without a law, the data point to {where}: with {free} free the misfit falls from "
-        f"{look.believed:.1f} to {look.whole.judged:.1f} × the noise"
+        f"Without a law, the data point to {where}: with {free} free the misfit falls to "
+        f"{percent(look.whole.judged / look.believed)} of what it was"
         + ("." if look.explains else ", which is not enough: what is missing is not at these places alone.")
     ]
     for one in found:

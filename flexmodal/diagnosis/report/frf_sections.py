@@ -14,6 +14,7 @@ from flexmodal.diagnosis.report.modal_tables import SUMMARY, mode_table, summary
 from flexmodal.diagnosis.report.pictures import draw_descent, draw_map, draw_pair, telling_rows
 from flexmodal.diagnosis.report.tables import comparison_table, refused, regions, remaining
 from flexmodal.diagnosis.report.words import effect_words, held_out, pair, placed, posture_name
+from flexmodal.identification.gap import over_noise
 from flexmodal.identification.page import BESIDE, BESIDE_NOTE, baseline_cells
 from flexmodal.report import (
     Gallery,
@@ -28,7 +29,7 @@ from flexmodal.report import (
     Text,
     columns,
 )
-from flexmodal.report.words import percent, size
+from flexmodal.report.words import percent, size, times_noise
 from flexmodal.text.words import enumeration
 
 _ARM = "Joints are rings, sensors diamonds; what the verdict names is orange."
@@ -44,7 +45,7 @@ _EVIDENCE = (
     "nats: one is a factor of 2.7 in the odds, five are odds of 150 to 1. Probabilities come from drawing "
     "the measurements anew; they are among what was compared."
 )
-WHY = "measure where the two models differ most, about {:.1f} times the noise:"
+WHY = "measure where the two models differ most, about {:.1f} times what noise and unsure parameters make:"
 NO_PAIR = (
     "No two explanations are left to be told apart; look at the place that the verdict names, and at the "
     "records above that it does not explain."
@@ -96,8 +97,8 @@ def frf_figures(diagnosis: Diagnosis) -> list[tuple[str, str, str]]:
     ]
     if diagnosis.model.placed:
         found.append((_after(diagnosis), size(gaps.after), held_out(gaps.held_out_after)))
-    over = gaps.after / gaps.noise_floor if gaps.noise_floor > 0 else float("inf")
-    return [*found, ("noise floor", size(gaps.noise_floor), f"the model is at {over:.2f}\u00a0×")]
+    leaves = times_noise(over_noise(diagnosis.observations, diagnosis.predicted["after"]))
+    return [*found, ("noise floor", size(gaps.noise_floor), f"the model leaves {leaves}")]
 
 
 def frf_note(diagnosis: Diagnosis) -> Text:

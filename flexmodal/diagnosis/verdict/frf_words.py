@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 from flexmodal.diagnosis.names import NONE, UNSTRUCTURED
 from flexmodal.diagnosis.outcome import Gaps
 from flexmodal.diagnosis.verdict.facts import Facts
-from flexmodal.report.words import percent
+from flexmodal.report.words import percent, times_noise
 from flexmodal.text.words import enumeration
 
 
@@ -18,7 +19,7 @@ def frf_words(facts: Facts, *, explained: bool) -> list[str]:
         facts: what the verdict goes by.
         explained: whether what is left is noise.
     """
-    floors = facts.gaps.after / facts.gaps.noise_floor
+    reached = times_noise(facts.over_noise or math.nan)
     silent = f"Of {', '.join(facts.untestable)} these data cannot tell." if facts.untestable else ""
     look = "" if facts.look is None else facts.look.says
     if not explained and facts.standing:
@@ -28,12 +29,12 @@ def frf_words(facts: Facts, *, explained: bool) -> list[str]:
     if not explained:
         return [_unknown(facts), look, *facts.refused, silent]
     if not facts.steps:
-        fits = f"Nothing is missing: re-tuned, the robot's gap is {floors:.2f} × the noise floor."
+        fits = f"Nothing is missing: re-tuned, the robot meets the data to {reached}."
         return [fits, *facts.refused, silent]
     words = " and ".join(f"{facts.says[step.effect]} ({step.where})" for step in facts.steps)
     tied = [_named(*tie) for step in facts.steps for tie in step.ties]
     tail = f"These data cannot tell it from {', '.join(tied)}." if tied else ""
-    return [f"Missing: {words}.", tail, f"The gap falls to {floors:.2f} × the noise floor.", *facts.refused]
+    return [f"Missing: {words}.", tail, f"With it the model meets the data to {reached}.", *facts.refused]
 
 
 def stand_in_words(effects: Sequence[tuple[str, str]], gaps: Gaps) -> str:
@@ -65,8 +66,7 @@ def _partly(facts: Facts) -> str:
         )
     return (
         f"Missing: {names}. {'It takes' if one else 'They take'} {percent(facts.share or 0.0)} of the "
-        f"disagreement; averaged over repeats the model stays {facts.over_noise:.1f} times as far from the "
-        f"measurements as noise alone would put it, {why}."
+        f"disagreement; the model leaves {times_noise(facts.over_noise or math.nan)}, {why}."
     )
 
 
@@ -74,8 +74,8 @@ def _contradicted(facts: Facts) -> str:
     names = enumeration([f"{step.effect} at {step.where}" for step in facts.steps])
     return (
         f"Something is missing that no single effect of the catalogue explains. {names} together would leave "
-        f"{facts.over_noise:.1f} times the noise, but one place alone explains as much, and none of them "
-        f"sits there: look at {facts.place}."
+        f"{times_noise(facts.over_noise or math.nan)}, but one place alone explains as much, and none of "
+        f"them sits there: look at {facts.place}."
     )
 
 
@@ -89,8 +89,8 @@ def _unknown(facts: Facts) -> str:
         frequencies = enumeration([f"{frequency:.3g}" for frequency in facts.lacking.values()])
         modes = f" It has no mode for those measured near {frequencies} Hz."
     return (
-        "Something is missing that nothing in the catalogue explains: averaged over repeats, the model stays "
-        f"{facts.over_noise:.1f} times as far from the measurements as noise alone would put it.{modes} "
+        "Something is missing that nothing in the catalogue explains: the model leaves "
+        f"{times_noise(facts.over_noise or math.nan)}.{modes} "
         f"Look at {facts.place}.{near}"
     )
 

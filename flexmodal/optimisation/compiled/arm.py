@@ -9,6 +9,7 @@ import numpy as np
 from flexmodal.model import Robot
 from flexmodal.model.batch.chain import chain_of, places_of, turn_of
 from flexmodal.model.batch.springs import springs_of
+from flexmodal.model.receptance_source import ModelReceptances
 from flexmodal.optimisation.compiled.arrays import (
     AXIS,
     FORCE,
@@ -130,6 +131,8 @@ def _receptance(robot: Robot, objective: ReceptanceObjective) -> Judge | None:
 
     The largest singular value itself, without the smooth maximum, is left to the objective.
     """
+    if not isinstance(objective.source, ModelReceptances):
+        return None
     worst = objective.combine == "worst" and len(objective.directions) > 1
     largest = objective.over == "largest"
     if worst and not largest:

@@ -18,7 +18,7 @@ from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.frf import PointDirection, directions_of
 from flexmodal.frf.axis import MOST_HERTZ
 from flexmodal.model import PosedRobot, Robot
-from flexmodal.model.gradient import receptance_and_gradient
+from flexmodal.model.receptance_source import MODEL, ReceptanceSource
 
 if TYPE_CHECKING:
     OneGiven = PointDirection
@@ -103,6 +103,8 @@ class ReceptanceObjective:
     """"mean" or "largest" over the frequencies; if empty, "largest" for "worst" and "mean" for the others."""
     line_weights: tuple[float, ...] = ()
     """Share of the force at each frequency, such as at harmonics of the tooth passing; 1 each if empty."""
+    source: ReceptanceSource = MODEL
+    """Where receptances come from: the robot itself, or a prediction."""
     larger_is_better: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
@@ -150,13 +152,18 @@ class ReceptanceObjective:
             posed: the robot in its posture.
             frequency: [Hz].
         """
-        matrices = posed.frf(frequency, response=self.directions).value
+        matrices = self._matrices(posed, frequency)
         return np.array([self._parts(matrix)[0][0] for matrix in matrices])
 
     def cost_and_gradient(self, posed: PosedRobot) -> tuple[float, Float[np.ndarray, " moving"]]:
         """Logarithm of the (smooth maximum or mean of the) receptance, and its gradient."""
-        matrices, slopes = receptance_and_gradient(posed, self.directions, self.frequency)
+        matrices, slopes = self.source.matrix_and_gradient(posed, self.directions, self.frequency)
         return self.of_receptances(matrices, slopes)
+
+    def cost(self, posed: PosedRobot) -> float:
+        """The cost alone."""
+        matrices = self._matrices(posed, self.frequency)
+        return self.of_receptances(matrices, np.zeros((*matrices.shape, 0), dtype=complex))[0]
 
     def of_receptances(
         self,
@@ -185,6 +192,13 @@ class ReceptanceObjective:
     def limit(self, cost: float, robot: Robot) -> Limit:
         """A receptance as good as zero cannot be bettered."""
         return Limit.PERFECT if cost < np.log(BLIND) else Limit.NONE
+
+    def _matrices(
+        self, posed: PosedRobot, frequency: Float[np.ndarray, " some"]
+    ) -> Complex[np.ndarray, "some dir dir"]:
+        count = len(self.directions)
+        pairs = [(row, column) for row in self.directions for column in self.directions]
+        return self.source.receptances(posed, pairs, frequency).reshape(len(frequency), count, count)
 
     def _parts(self, matrix: np.ndarray) -> list[tuple[float, np.ndarray, np.ndarray]]:
         """Sizes of a receptance matrix, largest first, and left and right vectors that give their change.

@@ -70,12 +70,14 @@ def draw_receptances(
     robot, judge = outcome.problem.robot, _judged(outcome.problem.objective)
     postures = {"before": start} if start is not None else {}
     postures["after"] = outcome.best.posture
+    measured = judge.source.lines if isinstance(judge, ReceptanceObjective) else None
     if frequencies is None:
-        frequencies = _telling_axis(robot, list(postures.values()), judge)
+        own = measured is None
+        frequencies = _telling_axis(robot, list(postures.values()), judge) if own else np.asarray(measured)
     title = f"{robot.title or robot.name}, before and after"
     lines = judge.frequency if isinstance(judge, ReceptanceObjective) else np.zeros(0)
     mark = float(lines[0]) if len(lines) == 1 and lines[0] > 0 else None
-    if isinstance(judge, ReceptanceObjective) and len(judge.directions) > 1:
+    if isinstance(judge, ReceptanceObjective) and (len(judge.directions) > 1 or measured is not None):
         return _draw_sizes(robot, judge, postures, frequencies, title, mark)
     along = judge.directions[0] if isinstance(judge, ReceptanceObjective) else _direction(judge)
     curves = {name: robot.frf(posture, frequencies, response=along) for name, posture in postures.items()}
@@ -104,7 +106,7 @@ def _draw_sizes(
         axes.axvline(mark, color=MARK, linewidth=1, linestyle=DASHED)
     axes.legend()
     names = ", ".join(map(str, judge.directions))
-    axes.set_title(f"{title}: {names}")
+    axes.set_title(f"{title}: {names}{'' if judge.source.lines is None else ', predicted'}")
     return figure
 
 

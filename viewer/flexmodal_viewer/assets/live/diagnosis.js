@@ -66,7 +66,7 @@ const Diagnosed = (() => {
       }
       told.marks.forEach((paths, at) => paths.forEach((path) => live.picture.see(path, at < told.stages[stage].marks)));
       const far = Object.entries(here).sort((a, b) => b[1] - a[1])[0];
-      by("diagnosis-far").textContent = far ? `Farthest in this posture: ${far[0]}, ${Units.plain(far[1], 3)} times the noise.` : "";
+      by("diagnosis-far").textContent = far ? `Farthest in this posture: ${far[0]}, ${Units.plain(far[1], 3)} × the noise.` : "";
     }
 
     function show(at) {
