@@ -9,7 +9,8 @@ import flexmodal
 from flexmodal.campaign import read_campaign
 from flexmodal.errors import InvalidRequest
 from flexmodal.rig import simulate
-from flexmodal.rig.continued import continued, next_posture
+from flexmodal.rig.asked import read_asked
+from flexmodal.rig.continued import continued
 
 POSTURES = ("configuration_1", "configuration_3", "configuration_6")
 SMALL = {
@@ -39,7 +40,7 @@ def test_it_is_the_campaign_that_would_have_been(hide, asked, tmp_path):
     robot = flexmodal.load("fanuc_s360")
     first = simulate(robot, postures=POSTURES[:2], hide=hide, time=False, **SMALL)
     first.write(tmp_path / "first")
-    found = continued(tmp_path / "first", next_posture(asked))
+    found = continued(tmp_path / "first", read_asked(asked))
     known = [f"{one.effect}:{one.form}@{one.where}" for one in first.truth.effects]
     known = [
         ",".join([head, *(f"{name}={value!r}" for name, value in one.parameters.items())])
@@ -95,7 +96,7 @@ def test_a_campaign_without_its_truth_is_refused(asked, tmp_path):
     simulate(flexmodal.load("fanuc_s360"), postures=POSTURES[:1], time=False, **SMALL).write(tmp_path / "t")
     (tmp_path / "t.truth.toml").unlink()
     with pytest.raises(InvalidRequest, match=r"t\.truth\.toml"):
-        continued(tmp_path / "t", next_posture(asked))
+        continued(tmp_path / "t", read_asked(asked))
     (tmp_path / "t.truth.toml").write_text("format = 1\n", encoding="utf-8")
     with pytest.raises(InvalidRequest, match="cannot be read"):
-        continued(tmp_path / "t", next_posture(asked))
+        continued(tmp_path / "t", read_asked(asked))
