@@ -107,6 +107,10 @@ def _next(measurement: NextMeasurement | None) -> dict[str, Any] | None:
         "reference": [int(number) for number in measurement.reference],
         "separates": separated(measurement),
         "gain": _known(measurement.gain),
+        "force_peak": _known(measurement.force_peak or None),
+        "new_points": {str(number): name for number, name in measurement.new_points.items()},
+        "locked": list(measurement.locked),
+        "masses": _numbers(measurement.masses),
     }
 
 

@@ -101,6 +101,12 @@ class NextMeasurement:
     """Where a sensor not in the campaign should sit, by name; None for one of its own points."""
     gain: float | None = None
     """Expected information: the logarithm of the odds that it brings [nat]."""
+    new_points: Mapping[int, str] = field(default_factory=dict)
+    """Names of points of the card that the campaign has not used yet, by the ids that they have here."""
+    locked: tuple[str, ...] = ()
+    """Joints to lock from link to link."""
+    masses: Mapping[str, float] = field(default_factory=dict)
+    """Masses to bolt on, by the name of the point [kg]."""
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""A measurement that somebody asked for: what `next_measurement` of a `diagnosis.json` says, read and checked."""
+"""A measurement that somebody asked for: `next_measurement` of a `diagnosis.json`, read and checked."""
 
 from __future__ import annotations
 

@@ -95,9 +95,10 @@ def measured_besides(
     there = replace(stand, plan=add.plan)
     more = struck_campaign(robot, there, hidden, struck, time=bool(campaign.blows), advance=advance)
     frfs, blows = more.frfs, more.blows
-    if one.response is not None and frfs is not None:
-        frfs = frfs.take(np.flatnonzero(frfs.response[:, 0] == one.response[0]))
-        blows = tuple(blow for blow in blows if blow.channels[0][0] == one.response[0])
+    sensed = _sensed(campaign) if one.response is None else [one.response[0]]
+    if frfs is not None:
+        frfs = frfs.take(np.flatnonzero(np.isin(frfs.response[:, 0], sensed)))
+    blows = tuple(blow for blow in blows if blow.channels[0][0] in sensed)
     postures = campaign.postures if add.again else (*campaign.postures, add.posture)
     known = {trial.id for trial in campaign.trials}
     whole = replace(
@@ -158,7 +159,7 @@ def _addition(campaign: Campaign, robot: Robot, plan: HammerPlan, asked: Asked, 
 def _new_points(
     campaign: Campaign, robot: Robot, asked: Asked, faults: FaultList
 ) -> tuple[CampaignPoint, ...]:
-    """Points of the card under the ids that were asked for, their directions fixed to what the others' are."""
+    """Points of the card under the ids that were asked for, their axes fixed to what the others' are."""
     found = []
     for number, name in asked.new_points.items():
         taken = [one for one in campaign.points if number == one.id or name == one.name]
@@ -237,18 +238,22 @@ def _plan(campaign: Campaign, source: str) -> HammerPlan:
         raise InvalidRequest(Fault(source, "", "no FRFs, or trials without force_peak", _RECORDS))
     references = dict.fromkeys((int(a), int(b)) for a, b in frfs.reference)
     axes = dict.fromkeys(abs(int(axis)) for axis in frfs.response[:, 1])
-    seen = set(frfs.response[:, 0].tolist())
     length = campaign.trials[0].record_length or 1 / float(frfs.frequency[1] - frfs.frequency[0])
     rate = RATIO * campaign.band[1]
     return HammerPlan(
         postures=campaign.postures,
-        points=tuple(point for point in campaign.points if point.id in seen),
+        points=campaign.points,
         references=tuple(references),
         axes=tuple(axes),
         trials=campaign.trials,
         band=campaign.band,
         analyser=Analyser(rate, round(length * rate)),
     )
+
+
+def _sensed(campaign: Campaign) -> list[int]:
+    """Ids of the points that bore a sensor."""
+    return [] if campaign.frfs is None else np.unique(campaign.frfs.response[:, 0]).tolist()
 
 
 def _name(campaign: Campaign, number: int) -> str:

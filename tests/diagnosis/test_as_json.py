@@ -34,7 +34,8 @@ def test_keys_are_those_of_the_format(diagnosed):
     assert set(step["gap"]) == GAP
     assert all(set(one) == {"effect", "where", "confidence"} for one in step["alternatives"])
     assert set(found["verdict"]) == {"effects", "explained", "says", "share", "undecided", "remaining"}
-    assert set(found["next_measurement"]) == {"posture", "response", "reference", "separates", "gain"}
+    named = {"posture", "response", "reference", "separates", "gain"}
+    assert set(found["next_measurement"]) == named | {"force_peak", "new_points", "locked", "masses"}
 
 
 def test_values_are_those_of_the_diagnosis(diagnosed):

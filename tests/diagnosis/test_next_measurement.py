@@ -3,14 +3,9 @@
 import numpy as np
 import pytest
 
-from flexmodal.diagnosis.verdict.next_measurement import (
-    NOISE,
-    Predicted,
-    Sure,
-    information,
-    next_among_records,
-    postures_to_try,
-)
+from flexmodal.diagnosis.next_measurement.choose import NOISE, Sure, next_among_records
+from flexmodal.diagnosis.next_measurement.information import Predicted, information
+from flexmodal.diagnosis.next_measurement.setups import postures_to_try
 from flexmodal.identification import uncertainty
 
 
@@ -50,9 +45,9 @@ def test_two_models_are_told_apart_in_a_posture_that_was_tried(observed, hinged)
         Sure(model, fit.x, uncertainty(model.space, fit.normal, observed).covariance)
         for model, fit in ((hypothesis, after), (root, before))
     )
-    found = next_among_records(observed, one, other, seed=3)
+    found = next_among_records(observed, [one, other], seed=3)
     assert found.separates == ("link_flexibility@link_2", "none")
     assert found.posture in [dict(q) for q in postures_to_try(root.context, 3)]
     assert found.gain > 10  # a mode more or less: odds of 20000 to 1
     assert found.force_peak in (observed.peak(0), observed.peak(1))
-    assert next_among_records(observed, one, one, seed=3).gain < 1e-20  # rounding
+    assert next_among_records(observed, [one, one], seed=3).gain < 1e-20  # rounding

@@ -241,12 +241,11 @@ class Data(ABC, Generic[M]):
         return None
 
     @abstractmethod
-    def next_measurement(self, one: M, other: M) -> NextMeasurement:
-        """What would tell two models apart best.
+    def next_measurement(self, models: Sequence[tuple[M, float]]) -> NextMeasurement:
+        """What would tell models apart best.
 
         Args:
-            one: a fitted model.
-            other: the one it is tied with.
+            models: two fitted models or more with their weights, the two that are told first.
         """
 
     def alike(self, one: M, other: M) -> bool:

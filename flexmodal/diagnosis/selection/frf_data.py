@@ -16,6 +16,7 @@ from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.lawfree.pursuit import SOUND
 from flexmodal.diagnosis.lawfree.result import PORT_OF
 from flexmodal.diagnosis.lawfree.result import Findings as LawFree
+from flexmodal.diagnosis.next_measurement.choose import Sure, next_among_records
 from flexmodal.diagnosis.outcome import Gaps, NextMeasurement
 from flexmodal.diagnosis.search.close_fit import fitted_closely
 from flexmodal.diagnosis.search.explanations import best_of_each
@@ -41,7 +42,6 @@ from flexmodal.diagnosis.selection.frf_thresholds import (
 )
 from flexmodal.diagnosis.selection.stand_in import stand_in
 from flexmodal.diagnosis.setup import Setup
-from flexmodal.diagnosis.verdict.next_measurement import Sure, next_among_records
 from flexmodal.identification import gap, predict, uncertainty
 from flexmodal.identification.baselines import Baselines
 
@@ -289,10 +289,11 @@ class FrfData(Data[FittedFrfs]):
         """See `Data`."""
         return beside_nothing(self.setup, model)
 
-    def next_measurement(self, one: FittedFrfs, other: FittedFrfs) -> NextMeasurement:
+    def next_measurement(self, models: Sequence[tuple[FittedFrfs, float]]) -> NextMeasurement:
         """See `Data`."""
-        first, second = (Sure(fit.hypothesis, fit.x, self.covariance(fit)) for fit in (one, other))
-        return next_among_records(self.setup.observations, first, second, self.setup.seed)
+        every = [Sure(fit.hypothesis, fit.x, self.covariance(fit), weight) for fit, weight in models]
+        left = min(gap(self.setup.observations, fit.predicted).value for fit, _ in models)
+        return next_among_records(self.setup.observations, every, left, self.setup.seed)
 
     def shown(self, conclusion: Conclusion[FittedFrfs]) -> dict[str, Any]:
         """The FRFs and what the models have for them."""

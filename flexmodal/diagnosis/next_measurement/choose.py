@@ -1,0 +1,201 @@
+"""Which measurement leaves least doubt between explanations (`information`).
+
+First every posture, with sensor and hammer where the campaign has them. In the best of these, and in those
+where the robot stood already, the sensor or the hammer elsewhere or turned. In the best of all, each joint
+locked and a mass bolted on at each point.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from flexmodal.campaign import Campaign, CampaignPosture
+from flexmodal.diagnosis.effects.context import Context, Place
+from flexmodal.diagnosis.hypothesis import Hypothesis
+from flexmodal.diagnosis.names import NONE
+from flexmodal.diagnosis.next_measurement.information import Predicted, doubt_left
+from flexmodal.diagnosis.next_measurement.setups import Bench, postures_to_try
+from flexmodal.diagnosis.outcome import NextMeasurement
+from flexmodal.identification import Observations
+from flexmodal.identification.gap import gap
+from flexmodal.identification.model import evaluated
+from flexmodal.structure.structure import Axis, receptance
+
+NOISE = 0.05
+"""Relative noise of a line at a point that moves as points typically do, where no FRF was measured."""
+LINES = 48
+"""Of the FRF."""
+CLOSER = 3
+"""Postures that are looked at with other places and fixtures."""
+
+
+@dataclass(frozen=True, eq=False)
+class Sure:
+    """A fitted hypothesis, how sure its parameters are, and how probable it is beside the others."""
+
+    hypothesis: Hypothesis
+    x: np.ndarray
+    covariance: np.ndarray
+    weight: float = 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class Option:
+    """The best of the measurements in one posture."""
+
+    posture: CampaignPosture
+    response: Place
+    reference: Place
+    force_peak: float
+    doubt: float
+    """ln of what it leaves."""
+    gain: float
+    """Information between the first two explanations [nat]."""
+    lines: int
+
+
+def next_among_records(
+    observations: Observations, models: Sequence[Sure], left: float = 0.0, seed: int = 0
+) -> NextMeasurement:
+    """The best of all that could be measured beside FRFs that were.
+
+    Args:
+        observations: the campaign's.
+        models: explanations, two or more, the first two those that are told.
+        left: relative distance of the best of them from the measurements: none is right to better than that.
+        seed: of the random postures.
+    """
+    bench = Bench.of(observations, models[0].hypothesis.context)
+    stride = max(1, len(observations.axis) // LINES)
+    lines = slice(stride // 2, None, stride)
+    floor = gap(observations, observations.value).noise_floor
+    noise = max(floor if floor > 0 else NOISE, left)
+    by_force = any(one.hypothesis.by_force for one in models)
+    levels = bench.levels(by_force=by_force)
+
+    def seen(posture: CampaignPosture, rows: Sequence[tuple[Place, Place]]) -> list[Option]:
+        if not rows:
+            return []
+        planned, there = bench.planned(posture, rows, levels)
+        found = [_seen(one, there, planned, lines) for one in models]
+        peaks = [planned.peak(int(level)) for level in planned.level]
+        told = [(u, v) for u, v in rows for _ in levels]
+        return _options(posture, told, peaks, found, models, noise)
+
+    options: list[Option] = []
+    for q in postures_to_try(bench.context, seed):
+        posture = _standing(bench.context, q)
+        options += seen(posture, _not_measured(bench, posture, bench.rows))
+    for option in _best(options, CLOSER):
+        options += seen(option.posture, bench.other_rows)
+    for own in bench.context.postures:
+        options += seen(own, _not_measured(bench, own, bench.other_rows))
+    for option in _best(options, CLOSER):
+        for locked, masses in bench.fixtures:
+            held = replace(option.posture, locked=locked, masses=masses)
+            options += seen(held, [(option.response, option.reference)])
+    return _told(_best(options, 1)[0], models, {point.id: point.name for point in bench.new})
+
+
+def next_frf(campaign: Campaign, direction: int, models: Sequence[Sure], seed: int = 0) -> NextMeasurement:
+    """The best FRF where modes alone were measured, every point as sensor and every point as hammer point.
+
+    Args:
+        campaign: of modes, whose points there are.
+        direction: of sensor and hammer, 1, 2 or 3.
+        models: explanations, two or more, the first two those that are told.
+        seed: of the random postures.
+    """
+    context = models[0].hypothesis.context
+    places = [(point.id, direction) for point in context.points]
+    pairs = np.array([(u, v) for v in range(len(places)) for u in range(len(places))])
+    axis = Axis(np.linspace(*context.band, LINES), context.middle)
+    peaks = [trial.force_peak for trial in campaign.trials]
+    peak = float(np.mean(peaks)) if peaks else 0.0
+    rows = [(places[u], places[v]) for u, v in pairs.tolist()]
+
+    def seen(fit: Sure, there: Context) -> Predicted:
+        moved = Hypothesis(there, fit.hypothesis.base, fit.hypothesis.placed)
+        (structure,) = moved.structures(fit.x, places, places, slopes=True)
+        value, slopes = receptance(structure, axis, pairs, moved.space.names)
+        return Predicted(value, slopes / np.where(value == 0, 1e-300, value), fit.covariance)
+
+    options: list[Option] = []
+    for number, q in enumerate(postures_to_try(context, seed), start=1):
+        posture = CampaignPosture(number, f"planned_{number}", q)
+        there = replace(context, postures=(posture,))
+        found = [seen(one, there) for one in models]
+        options += _options(posture, rows, [peak] * len(rows), found, models, NOISE)
+    return _told(_best(options, 1)[0], models, {})
+
+
+def _options(
+    posture: CampaignPosture,
+    rows: Sequence[tuple[Place, Place]],
+    peaks: Sequence[float],
+    found: Sequence[Predicted],
+    models: Sequence[Sure],
+    noise: float,
+) -> list[Option]:
+    """The best of some rows in a posture."""
+    total = sum(one.weight for one in models)
+    doubt, gain = doubt_left(found, [one.weight / total for one in models], noise)
+    row = int(np.argmin(doubt))
+    lines = found[0].value.shape[1]
+    return [Option(posture, *rows[row], peaks[row], float(doubt[row]), float(gain[row]), lines)]
+
+
+def _best(options: Iterable[Option], count: int) -> list[Option]:
+    return sorted(options, key=lambda one: one.doubt)[:count]
+
+
+def _standing(context: Context, q: Mapping[str, float]) -> CampaignPosture:
+    """The campaign's own posture of these angles without fixtures, or a new one."""
+    for one in context.postures:
+        if dict(one.q) == dict(q) and not (one.locked or one.masses):
+            return one
+    return CampaignPosture(max(one.id for one in context.postures) + 1, "planned", q)
+
+
+def _not_measured(
+    bench: Bench, posture: CampaignPosture, rows: Sequence[tuple[Place, Place]]
+) -> list[tuple[Place, Place]]:
+    """Rows without those that were measured in this posture."""
+    seen = bench.observations
+    here = np.array([one.id == posture.id for one in seen.postures])[seen.posture]
+    table = np.column_stack([seen.response, seen.reference])[here].tolist()
+    return [row for row in rows if [*row[0], *row[1]] not in table]
+
+
+def _told(best: Option, models: Sequence[Sure], new: Mapping[int, str]) -> NextMeasurement:
+    posture = best.posture
+    used = {number: new[number] for number, _ in (best.response, best.reference) if number in new}
+    return NextMeasurement(
+        posture=dict(posture.q),
+        response=best.response,
+        reference=best.reference,
+        separates=(_label(models[0].hypothesis), _label(models[1].hypothesis)),
+        expected=float(np.sqrt(best.gain / best.lines)),
+        force_peak=best.force_peak,
+        gain=best.gain,
+        new_points=used,
+        locked=posture.locked,
+        masses=dict(posture.masses),
+    )
+
+
+def _label(hypothesis: Hypothesis) -> str:
+    return "@".join(hypothesis.keys[-1]) if hypothesis.placed else NONE
+
+
+def _seen(fit: Sure, there: Context, planned: Observations, lines: slice) -> Predicted:
+    moved = Hypothesis(there, fit.hypothesis.base, fit.hypothesis.placed)
+    count = len(planned.axis.take(lines))
+    value = np.zeros((len(planned), count), dtype=complex)
+    slopes = np.zeros((len(moved.space), len(planned), count), dtype=complex)
+    for some, found, changes in evaluated(moved, fit.x, planned, lines, slopes=True):
+        value[some], slopes[:, some] = found, changes
+    return Predicted(value, slopes / np.where(value == 0, 1e-300, value), fit.covariance)
