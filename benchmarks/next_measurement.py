@@ -3,10 +3,11 @@
     python benchmarks/next_measurement.py [--campaigns N] [--first SEED]
 
 Small campaigns of one sensor, one hammer point and two postures, with an effect hidden, of which the
-ambiguous ones count: those whose diagnosis leaves ties, an unknown or a doubt. Each then goes on by one FRF at
-a time: the one that the diagnosis asks for; one drawn from everything that could be asked for, by two seeds;
-and the one of habit, the same FRF in the next posture of the robot's card. An explanation stands once the model
-is at the noise and no other one has a probability of 5 % or more. Rows are kept in build/, so that a run goes on.
+ambiguous ones count: those whose diagnosis leaves ties, an unknown or a doubt. Each then goes on by one FRF
+at a time: the one that the diagnosis asks for; one drawn from everything that could be asked for, by two
+seeds; and the one of habit, the same FRF in the next posture of the robot's card. An explanation stands once
+the model is at the noise and no other has a probability of 5 % or more. Rows are kept in build/, so that a run
+goes on.
 """
 
 from __future__ import annotations
@@ -220,9 +221,9 @@ def report(rows: list[dict[str, Any]], published: bool) -> None:
     ]
     lead = (
         f"Made by `python benchmarks/next_measurement.py`: {len(posed_)} campaigns of one sensor, one hammer "
-        f"point and two postures on {ROBOT}, of which {len(some)} are ambiguous. Each then goes on by one FRF at a "
-        f"time, {MOST} at most, until one explanation stands. Told is how many that took, – where none stood "
-        "yet, × where it is not what was hidden. None of these seeds was looked at before."
+        f"point and two postures on {ROBOT}, of which {len(some)} are ambiguous. Each then goes on by one "
+        f"FRF at a time, {MOST} at most, until one explanation stands. Told is how many that took, – where none "
+        "stood yet, × where it is not what was hidden. None of these seeds was looked at before."
     )
     if published:
         write(
@@ -242,8 +243,8 @@ def _sum(some: list[dict[str, Any]]) -> str:
     stood = sum(each["count"] is not None for each in some)
     right_ = sum(each["count"] is not None and each["right"] for each in some)
     return (
-        f"one explanation stands in {stood} of {len(some)}, the hidden one in {right_}; {np.mean(counts):.2f} "
-        f"measurements on average until that, {MOST + 1} where it never did"
+        f"one explanation stands in {stood} of {len(some)}, the hidden one in {right_}; "
+        f"{np.mean(counts):.2f} measurements on average until that, {MOST + 1} where it never did"
     )
 
 
