@@ -15,7 +15,7 @@ from flexmodal.campaign import read_campaign
 from flexmodal.diagnosis import diagnose
 from flexmodal.diagnosis.as_json import as_json
 from flexmodal.files import whole_file
-from flexmodal.identification.gap import averages_over_noise
+from flexmodal.identification.gap import over_noise
 
 
 def main() -> None:
@@ -29,7 +29,7 @@ def main() -> None:
         "says": found.verdict.says,
         "confidence": [step.confidence for step in found.steps],
         "steps": told["steps"],
-        "over_noise": averages_over_noise(found.observations, found.predicted["after"]),
+        "over_noise": over_noise(found.observations, found.predicted["after"]),
         "places": None if found.look is None else told["law_free"]["places"],
         "ties": [step.ties for step in found.steps],
         "parameters": [dict(step.parameters) for step in found.steps],

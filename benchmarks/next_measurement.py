@@ -6,8 +6,8 @@ Small campaigns of one sensor, one hammer point and two postures, with an effect
 ambiguous ones count: those whose diagnosis leaves ties, an unknown or a doubt. Each then goes on by one FRF
 at a time: the one that the diagnosis asks for; one drawn from everything that could be asked for, by two
 seeds; and the one of habit, the same FRF in the next posture of the robot's card. An explanation stands once
-the model is at the noise and no other has a probability of 5 % or more. Rows are kept in build/, so that a run
-goes on.
+the model is at the noise and no other has a probability of 5 % or more. Rows are kept in build/, so that a
+run goes on.
 """
 
 from __future__ import annotations
@@ -222,8 +222,8 @@ def report(rows: list[dict[str, Any]], published: bool) -> None:
     lead = (
         f"Made by `python benchmarks/next_measurement.py`: {len(posed_)} campaigns of one sensor, one hammer "
         f"point and two postures on {ROBOT}, of which {len(some)} are ambiguous. Each then goes on by one "
-        f"FRF at a time, {MOST} at most, until one explanation stands. Told is how many that took, – where none "
-        "stood yet, × where it is not what was hidden. None of these seeds was looked at before."
+        f"FRF at a time, {MOST} at most, until one explanation stands. Told is how many that took, – where "
+        "none stood yet, × where it is not what was hidden. None of these seeds was looked at before."
     )
     if published:
         write(

@@ -19,8 +19,9 @@ def contenders(
 ) -> list[tuple[M, float]]:
     """Models and their weights, the two that are told first; fewer than two where one stands alone.
 
-    What is tied, as far as it makes predictions of its own. Where nothing is good enough, what came nearest:
-    none of it is right, but what tells it apart tells where to look.
+    What is tied, as far as it makes predictions of its own, and what came nearest after it: the right one may
+    be among those, as a fit to few data is easily bettered. Where nothing is good enough, what came nearest
+    alone: none of it is right, but what tells it apart tells where to look.
 
     Args:
         rounds: every comparison.
@@ -53,8 +54,9 @@ def _able(comparison: Comparison[M], numbers: Sequence[int]) -> list[int]:
 
 
 def _weighed(comparison: Comparison[M], first: Sequence[M], tied: Sequence[int]) -> list[tuple[M, float]]:
-    """Tied models by their probability, some of them first."""
-    models = [comparison.models[k] for k in _able(comparison, tied)]
+    """Tied models by their probability, some of them first, and others behind them."""
+    every = dict.fromkeys((*tied, *comparison.order))
+    models = [comparison.models[k] for k in _able(comparison, list(every))]
     ordered = [*first, *(one for one in models if not any(one is other for other in first))]
     index = {id(one): k for k, one in enumerate(comparison.models)}
     return [(one, max(float(comparison.probability[index[id(one)]]), TIE)) for one in ordered[:MOST]]
