@@ -41,6 +41,16 @@ def as_json(diagnosis: Diagnosis) -> dict[str, Any]:
         "baselines": None if diagnosis.baselines is None else baselines_json(diagnosis.baselines),
         "stand_in": [list(key) for key in diagnosis.stand_in],
         "next_measurement": _next(diagnosis.next_measurement),
+        "set_up": [
+            {
+                "what": one.nuisance.says,
+                "value": _number("set_up", one.value),
+                "deviation": _known(one.deviation),
+                "tolerance": _number("set_up", one.nuisance.deviation),
+                "unit": one.nuisance.unit,
+            }
+            for one in diagnosis.moved
+        ],
         "warnings": list(diagnosis.warnings),
     }
 

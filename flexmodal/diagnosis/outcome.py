@@ -14,6 +14,7 @@ from flexmodal.diagnosis.lawfree.result import Findings as LawFreeFindings
 from flexmodal.diagnosis.names import UNKNOWN
 from flexmodal.identification import Observations
 from flexmodal.identification.baselines import Baselines
+from flexmodal.identification.setting_up import Found
 
 
 @dataclass(frozen=True)
@@ -183,6 +184,8 @@ class Diagnosis:
     """Effects of the final model that are not named: they stand for something that has no name."""
     baselines: Baselines | None = None
     """What needs no model, beside the final one on the postures held out."""
+    moved: tuple[Found, ...] = ()
+    """What was not set up as the campaign says, by what it was moved."""
     modes: ModesSeen | None = None
     """Measured modes beside those of the models; None where FRFs alone were measured."""
     modal: Findings | None = None

@@ -23,6 +23,7 @@ from flexmodal.diagnosis.verdict.facts import Facts
 from flexmodal.diagnosis.verdict.frf_words import stand_in_words
 from flexmodal.diagnosis.verdict.undecided import refused_words, undecided_words
 from flexmodal.diagnosis.verdict.verdict import verdict
+from flexmodal.identification.setting_up import far_words
 
 
 def diagnosis_of(
@@ -46,6 +47,7 @@ def diagnosis_of(
     nameless = tuple(key for key in found.after.hypothesis.keys if key not in says.effects)
     if nameless:
         says = replace(says, says=f"{says.says} {stand_in_words(nameless, found.gaps)}")
+    shown = data.shown(found)
     data.advance("what to measure next", 0.5)
     open_ = UNKNOWN in (name for name, _ in says.effects)
     standing = contenders(selection.rounds, selection.rivals, open_=open_)
@@ -71,8 +73,8 @@ def diagnosis_of(
         modes=data.modes_seen(selection.root, last, found) if modal is None else modal.modes,
         modal=modal,
         look=data.look,
-        warnings=warnings,
-        **_with_steps(selection, data.shown(found)),
+        warnings=(*warnings, *far_words(shown.get("moved", ()))),
+        **_with_steps(selection, shown),
     )
 
 

@@ -2,13 +2,16 @@
 
 First every posture, with sensor and hammer where the campaign has them. In the best of these, and in those
 where the robot stood already, the sensor or the hammer elsewhere or turned. In the best of all, each joint
-locked and a mass bolted on at each point.
+locked and a mass bolted on at each point. The best few of each kind are then looked at once more, the
+explanations being fitted to each other (`refit`), and the one that leaves least doubt then is chosen.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import combinations
 
 import numpy as np
 
@@ -17,6 +20,7 @@ from flexmodal.diagnosis.effects.context import Context, Place
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.names import NONE
 from flexmodal.diagnosis.next_measurement.information import Predicted, doubt_left
+from flexmodal.diagnosis.next_measurement.refit import At, not_made_up_for
 from flexmodal.diagnosis.next_measurement.setups import Bench, postures_to_try
 from flexmodal.diagnosis.outcome import NextMeasurement
 from flexmodal.identification import Observations
@@ -29,7 +33,9 @@ NOISE = 0.05
 LINES = 48
 """Of the FRF."""
 CLOSER = 3
-"""Postures that are looked at with other places and fixtures."""
+"""Postures looked at with other places and fixtures; measurements of each kind looked at again."""
+REFITTED = 3
+"""Explanations that are fitted to each other."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,19 +91,60 @@ def next_among_records(
         told = [(u, v) for u, v in rows for _ in levels]
         return _options(posture, told, peaks, found, models, noise)
 
-    options: list[Option] = []
+    plain: list[Option] = []
     for q in postures_to_try(bench.context, seed):
         posture = _standing(bench.context, q)
-        options += seen(posture, _not_measured(bench, posture, bench.rows))
-    for option in _best(options, CLOSER):
-        options += seen(option.posture, bench.other_rows)
+        plain += seen(posture, _not_measured(bench, posture, bench.rows))
+    elsewhere: list[Option] = []
+    for option in _best(plain, CLOSER):
+        elsewhere += seen(option.posture, bench.other_rows)
     for own in bench.context.postures:
-        options += seen(own, _not_measured(bench, own, bench.other_rows))
-    for option in _best(options, CLOSER):
+        elsewhere += seen(own, _not_measured(bench, own, bench.other_rows))
+    held: list[Option] = []
+    for option in _best([*plain, *elsewhere], CLOSER):
         for locked, masses in bench.fixtures:
-            held = replace(option.posture, locked=locked, masses=masses)
-            options += seen(held, [(option.response, option.reference)])
-    return _told(_best(options, 1)[0], models, {point.id: point.name for point in bench.new})
+            there = replace(option.posture, locked=locked, masses=masses)
+            held += seen(there, [(option.response, option.reference)])
+    finalists = [one for kind in (plain, elsewhere, held) for one in _best(kind, CLOSER)]
+    again = [_refitted(one, bench, models, lines, noise) for one in finalists]
+    return _told(_best(again, 1)[0], models, {point.id: point.name for point in bench.new})
+
+
+def _refitted(option: Option, bench: Bench, models: Sequence[Sure], lines: slice, noise: float) -> Option:
+    """A measurement judged with the explanations fitted to each other."""
+    level = next(
+        number
+        for number in bench.levels(by_force=any(one.hypothesis.by_force for one in models))
+        if math.isclose(bench.peak(number), option.force_peak)
+    )
+    planned, there = bench.planned(option.posture, [(option.response, option.reference)], [level])
+
+    def at(one: Sure) -> At:
+        moved = Hypothesis(there, one.hypothesis.base, one.hypothesis.placed)
+        low, high = moved.space.bounds
+
+        def found(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+            seen = _seen(replace(one, x=np.clip(x, low, high)), there, planned, lines)
+            return seen.value[0], seen.slopes[:, 0]
+
+        return found
+
+    some = models[:REFITTED]
+    here = [at(one) for one in some]
+    values = [found(one.x)[0] for found, one in zip(here, some, strict=True)]
+    pairs = list(combinations(range(len(some)), 2))
+    each = [
+        min(
+            not_made_up_for(values[i], here[j], some[j].x, some[j].covariance, noise),
+            not_made_up_for(values[j], here[i], some[i].x, some[i].covariance, noise),
+        )
+        for i, j in pairs
+    ]
+    total = sum(one.weight for one in some)
+    weights = [one.weight / total for one in some]
+    share = np.log([2 * weights[i] * weights[j] for i, j in pairs])
+    doubt = float(np.logaddexp.reduce(share - np.array(each) / 4))
+    return replace(option, doubt=doubt, gain=each[0])
 
 
 def next_frf(campaign: Campaign, direction: int, models: Sequence[Sure], seed: int = 0) -> NextMeasurement:
@@ -172,7 +219,8 @@ def _not_measured(
 
 def _told(best: Option, models: Sequence[Sure], new: Mapping[int, str]) -> NextMeasurement:
     posture = best.posture
-    used = {number: new[number] for number, _ in (best.response, best.reference) if number in new}
+    there = {best.response[0], best.reference[0]}
+    used = {number: name for number, name in new.items() if number in there or name in posture.masses}
     return NextMeasurement(
         posture=dict(posture.q),
         response=best.response,

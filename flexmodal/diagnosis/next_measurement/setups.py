@@ -93,6 +93,17 @@ class Bench:
         own = [int(one) for one in np.unique(self.observations.level)]
         return [*own, len(self.observations.levels)] if by_force else own
 
+    def peak(self, level: int) -> float:
+        """Typical force of a kind of blow [N], the harder one that was not struck yet among them.
+
+        Args:
+            level: see `levels`.
+        """
+        seen = self.observations
+        if level < len(seen.levels):
+            return seen.peak(level)
+        return HARDER * max(seen.peak(number) for number in range(len(seen.levels)))
+
     def planned(
         self, posture: CampaignPosture, rows: Sequence[tuple[Place, Place]], levels: Sequence[int]
     ) -> tuple[Observations, Context]:

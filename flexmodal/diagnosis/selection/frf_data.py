@@ -298,4 +298,5 @@ class FrfData(Data[FittedFrfs]):
     def shown(self, conclusion: Conclusion[FittedFrfs]) -> dict[str, Any]:
         """The FRFs and what the models have for them."""
         stages = {"before": conclusion.before.predicted, "after": conclusion.after.predicted}
-        return {"frfs": self.setup.observations, "predicted": {"believed": self.believed, **stages}}
+        told = {"believed": self.believed, **stages}
+        return {"frfs": self.setup.observations, "predicted": told, "moved": self.setup.moved}
