@@ -87,7 +87,8 @@ def measured_besides(
     add = _addition(campaign, robot, plan, one, source)
     conduct = Conduct(truth.noise, truth.scatter, truth.seed)
     before = make_stand(robot, plan, known_robot(robot, truth.factors))
-    stand = replace(before, plan=replace(plan, postures=(add.posture,)))
+    every = (*plan.points, *add.points)
+    stand = replace(before, plan=replace(plan, postures=(add.posture,), points=every))
     wanted = [Hide(one.effect, one.where, dict(one.parameters), form=one.form) for one in truth.effects]
     check_hides(robot, plan.points, wanted, truth.noise)
     hidden, _, _ = put_in(stand, wanted, conduct)
@@ -162,6 +163,8 @@ def _new_points(
     """Points of the card under the ids that were asked for, their axes fixed to what the others' are."""
     found = []
     for number, name in asked.new_points.items():
+        if any(number == one.id and name == one.name for one in campaign.points):
+            continue  # asked for and taken before
         taken = [one for one in campaign.points if number == one.id or name == one.name]
         if taken or name not in robot.points:
             free = [one for one in robot.points if all(one != other.name for other in campaign.points)]
