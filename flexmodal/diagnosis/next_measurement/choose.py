@@ -10,7 +10,7 @@ kind that costs more only where those before leave some.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 
@@ -24,6 +24,7 @@ from flexmodal.diagnosis.next_measurement.information import Predicted, doubt_le
 from flexmodal.diagnosis.next_measurement.refit import At, not_made_up_for
 from flexmodal.diagnosis.next_measurement.setups import Bench, postures_to_try
 from flexmodal.diagnosis.outcome import NextMeasurement
+from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.identification import Observations
 from flexmodal.identification.gap import gap
 from flexmodal.identification.model import evaluated
@@ -65,6 +66,25 @@ class Option:
     gain: float
     """Information between the first two explanations [nat]."""
     lines: int
+
+
+def next_among_fits(
+    observations: Observations,
+    models: Sequence[tuple[FittedFrfs, float]],
+    covariance: Callable[[FittedFrfs], np.ndarray],
+    seed: int = 0,
+) -> NextMeasurement:
+    """The same of models that were compared, each with its weight.
+
+    Args:
+        observations: the campaign's.
+        models: see `next_among_records`.
+        covariance: of a model's coordinates.
+        seed: of the random postures.
+    """
+    every = [Sure(fit.hypothesis, fit.x, covariance(fit), weight) for fit, weight in models]
+    left = min(gap(observations, fit.predicted).value for fit, _ in models)
+    return next_among_records(observations, every, left, seed)
 
 
 def next_among_records(

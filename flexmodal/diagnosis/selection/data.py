@@ -85,6 +85,15 @@ class Data(ABC, Generic[M]):
     def compare(self, models: Sequence[M]) -> Comparison[M]:
         """Their evidence, the first being the one without anything new."""
 
+    def confidences(self, comparison: Comparison[M], chosen: int) -> Float[np.ndarray, " model"]:
+        """Probability of each model of a comparison, beside something that was not compared.
+
+        Args:
+            comparison: of several models.
+            chosen: number of the one that is named.
+        """
+        return comparison.probability
+
     @abstractmethod
     def without(self, model: M, key: tuple[str, str]) -> M:
         """A model fitted again with one effect less.
