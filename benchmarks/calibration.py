@@ -184,16 +184,16 @@ def report(small: Sequence[Statement], exams: Sequence[Statement], published: bo
             f"{100 * share:.0f} %", f"{100 * least:.0f} to {100 * most:.0f} %",
         ])  # fmt: skip
     lead = (
-        f"Made by `python benchmarks/calibration.py`: {len(small)} effects named in small campaigns of one to "
-        f"three postures, points and hammer positions on {ROBOT}, {len(exams)} in answers of the exam, on "
-        "seeds that nobody had looked at. Right is an effect that is hidden, and hidden there."
+        f"Made by `python benchmarks/calibration.py`: {len(small)} effects named in small campaigns of one "
+        f"to three postures, points and hammer positions on {ROBOT}, {len(exams)} in answers of the exam, "
+        "on seeds that nobody had looked at. Right is an effect that is hidden, and hidden there."
     )
-    right = sum(ok for _, ok in both)
+    right, mean = sum(ok for _, ok in both), 100 * np.mean([sure for sure, _ in both])
+    certain = loss([(1.0, ok) for _, ok in both])
     end = (
-        f"Of all, {right} of {len(both)} are right; the mean stated is "
-        f"{100 * np.mean([s for s, _ in both]):.0f} %. Mean logarithmic loss {loss(both):.2f} nats; of the same answers each stated at 100 % it would be "
-        f"{loss([(1.0, ok) for _, ok in both]):.2f} (a certainty that is wrong counted as one in 10 000).\n\n"
-        "![Reliability](calibration.png)"
+        f"Of all, {right} of {len(both)} are right; the mean stated is {mean:.0f} %. Mean logarithmic loss "
+        f"{loss(both):.2f} nats; of the same answers each stated at 100 % it would be {certain:.2f} (a "
+        "certainty that is wrong counted as one in 10 000).\n\n![Reliability](calibration.png)"
     )
     header = ["stated", "mean", "right", "share", "90 % interval"]
     if published:
