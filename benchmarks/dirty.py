@@ -204,10 +204,10 @@ def told(every: list[dict[str, Any]], name: str | None, *, planar: bool, minutes
     if name is not None:
         option, where = (" --planar", " in a plane") if planar else ("", "")
         lead = (
-            f"Made by `python benchmarks/dirty.py{option}`: random arms{where}, three to five effects of other "
-            f"physical forms, masses and inertias {100 * MASS:g} % off, tolerances of {TOLERANCE.posture} rad, "
-            f"{1e3 * TOLERANCE.position:g} mm, {TOLERANCE.direction} rad and {100 * TOLERANCE.gain:g} %, double "
-            "hits in one posture, one FRF whose phases are noise."
+            f"Made by `python benchmarks/dirty.py{option}`: random arms{where}, three to five effects of "
+            f"other physical forms, masses and inertias {100 * MASS:g} % off, tolerances of "
+            f"{TOLERANCE.posture} rad, {1e3 * TOLERANCE.position:g} mm, {TOLERANCE.direction} rad and "
+            f"{100 * TOLERANCE.gain:g} %, double hits in one posture, one FRF whose phases are noise."
         )
         write(name, "Campaigns in which little went well", lead, ["what", "goal", "found"], table)
     else:

@@ -119,11 +119,8 @@ def build_identification(
     model = RobotModel(robot, chosen)
     whole: Evidence
     if source != "modes":
-        seen = observe(campaign, bare=True)
-        warnings = (*warnings, *((BARE,) if seen.by_lines else ()))
-        there = as_set_up(seen, robot, chosen, _away(seen, hold_out))
-        warnings = (*warnings, *far_words(there.found))
-        frfs = FrfEvidence(model, there.observations)
+        frfs, more = _of_frfs(campaign, model, hold_out)
+        warnings = (*warnings, *more)
     if source == "frf":
         whole = frfs
     else:
@@ -162,6 +159,16 @@ def _uses(use: Sequence[str]) -> tuple[str, ...]:
         found = ", ".join(map(repr, unknown)) or "nothing"
         raise InvalidRequest(Fault("call", "use", found, f"some of {', '.join(USES)}"))
     return tuple(use)
+
+
+def _of_frfs(
+    campaign: Campaign, model: RobotModel, hold_out: Sequence[str | int]
+) -> tuple[FrfEvidence, tuple[str, ...]]:
+    """FRFs as they were most likely set up, and what has to be said of them."""
+    seen = observe(campaign, bare=True)
+    there = as_set_up(seen, model.robot, model.space, _away(seen, hold_out))
+    warnings = (BARE,) if seen.by_lines else ()
+    return FrfEvidence(model, there.observations), (*warnings, *far_words(there.found))
 
 
 def _away(seen: Observations, wanted: Sequence[str | int]) -> Bool[np.ndarray, " observation"]:
