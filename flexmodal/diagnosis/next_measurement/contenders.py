@@ -30,10 +30,10 @@ def contenders(
     """
     told = [(one.comparison, one.choice.number) for one in rounds]
     if rivals is not None:
-        found = [(one, number) for one, number in told if any(m is rivals[0] for m in one.models)]
-        if not found or found[-1][0].beliefs:
+        found = [one for one, _ in told if all(any(m is rival for m in one.models) for rival in rivals)]
+        if not found or found[-1].beliefs:  # a comparison that was taken back is not among them
             return [(one, 1.0) for one in rivals]
-        return _weighed(found[-1][0], rivals, found[-1][0].tied)
+        return _weighed(found[-1], rivals, found[-1].tied)
     for comparison, number in reversed(told):
         if comparison.beliefs:
             break
