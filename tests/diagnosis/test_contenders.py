@@ -1,6 +1,6 @@
 """Which explanations a further measurement is to tell apart, from comparisons that were made up."""
 
-from dataclasses import dataclass
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,16 +11,11 @@ from flexmodal.diagnosis.selection.comparison import Comparison
 from flexmodal.diagnosis.selection.decision import Choice, Round
 
 
-@dataclass(frozen=True, eq=False)
-class Model:
-    key: tuple[str, str]
-
-
 def told(scores, chosen=None, *, beliefs=False, names=None):
     """A comparison: nothing added first, then effects a, b, c … and a mode with no structure last."""
     keys = [(NONE, ""), *((name, "q1") for name in names or "abc"[: len(scores) - 2]), (UNSTRUCTURED, "")]
     table = np.array(scores, dtype=float)[:, None]
-    models = [Model(key) for key in keys]
+    models = [SimpleNamespace(key=key, hypothesis=None, x=None, parameters=0) for key in keys]
     return Round(Comparison(models, table[:, 0], table, beliefs=beliefs), Choice(chosen))
 
 
