@@ -30,7 +30,7 @@ from flexmodal.errors import InvalidRequest
 from flexmodal.files import whole_file
 from flexmodal.rig import Hide, simulate
 
-FIRST = 71_000
+FIRST = 72_000
 """Of the seeds: none from here on was looked at while the weights were tuned; `--first` looks at others."""
 ROBOT, HEIGHTS = "fanuc_s360", (3.0, 25.0)
 EDGES = (0.0, 0.5, 0.75, 0.9, 0.97, 1.0 + 1e-9)

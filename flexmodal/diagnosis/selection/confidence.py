@@ -8,15 +8,16 @@ independent pieces, and the size of the errors is integrated out with Jeffreys' 
     ln p_k = −(ν/2) ln C_k − ½ n_k ln(1 + ν) − ½ xᵀPx + const.,   ν = `PIECES` × FRFs,
 
 C_k the sum of squares, n_k how many parameters the data know better than the prior, the last term how far
-these are from what was believed. Beside what was compared stands something that was not: an explanation as
-good as noise allows, and as simple as the one that is named. It weighs little where a look that assumes no
-law points to the same place and kind (`AGREES`), and more where it points elsewhere or nowhere (`ALONE`).
-Both weights, and the pieces, were tuned on campaigns of the virtual rig that judge nothing
-(`benchmarks/calibration.py`).
+these are from what was believed. Beside what was compared stands something that was not, as simple as what is
+named. Where a look that assumes no law points elsewhere or nowhere it is as good as noise allows, and weighs
+`ALONE`: what the named one leaves counts against it. Where the look points to the same place and kind, what is
+left is due to the law and not to the place, and something else weighs no more than `AGREES`. Both weights, and
+the pieces, were tuned on campaigns of the virtual rig that judge nothing (`benchmarks/calibration.py`).
 """
 
 from __future__ import annotations
 
+import math
 from typing import Protocol
 
 import numpy as np
@@ -30,7 +31,7 @@ from flexmodal.diagnosis.setup import Setup
 PIECES = 3.0
 """Independent pieces of an FRF, as far as errors of a law go: a resonance or two, in size and in phase."""
 AGREES, ALONE = 0.05, 0.2
-"""Odds of something that was not considered against what is named, both as good as noise."""
+"""Odds of something that was not considered against what is named, both equally good."""
 TELLS = 0.2
 """Misfit below which a look fits what is noise: with as many unknowns as FRFs it says nothing [noise]."""
 
@@ -57,13 +58,14 @@ def confidences(data: Looked, comparison: Comparison[FittedFrfs], chosen: int) -
     """
     observations, look = data.setup.observations, data.look
     models = comparison.models
-    variance, floor = observations.variance[observations.used], models[0].fitted.weighing.floor
-    noise = float(np.sum(variance / (variance + floor**2)))
     key = models[chosen].key
     costs = np.array([float(one.costs.sum()) for one in models])
     sizes = np.array([one.strong for one in models])
     priors = np.array([one.prior for one in models])
-    odds = AGREES if look.left > TELLS and key in look.met([key]) else ALONE
+    agrees = look.left > TELLS and key in look.met([key])
+    variance, floor = observations.variance[observations.used], models[0].fitted.weighing.floor
+    noise = math.inf if agrees else float(np.sum(variance / (variance + floor**2)))
+    odds = AGREES if agrees else ALONE
     found = probabilities(costs, sizes, priors, chosen, PIECES * len(models[0].costs), noise, odds)
     return np.minimum(found, np.where(np.arange(len(found)) == chosen, comparison.probability, 1.0))
 
@@ -85,8 +87,8 @@ def probabilities(
         priors: xᵀPx.
         chosen: number of the model that is named.
         pieces: ν.
-        noise: sum of squares that noise alone would leave.
-        odds: of something else that leaves no more than that, against the chosen one if it did.
+        noise: sum of squares that something else would leave; what the chosen one leaves, if that is less.
+        odds: of something else against the chosen one, were both equally good.
     """
     other = (sizes * np.log1p(pieces) + priors) / 2
     score = -pieces / 2 * np.log(np.maximum(costs, 1e-300)) - other
