@@ -10,9 +10,9 @@ independent pieces, and the size of the errors is integrated out with Jeffreys' 
 C_k the sum of squares, n_k how many parameters the data know better than the prior, the last term how far
 these are from what was believed. Beside what was compared stands something that was not, as simple as what is
 named. Where a look that assumes no law points elsewhere or nowhere it is as good as noise allows, and weighs
-`ALONE`: what the named one leaves counts against it. Where the look points to the same place and kind, what is
-left is due to the law and not to the place, and something else weighs no more than `AGREES`. Both weights, and
-the pieces, were tuned on campaigns of the virtual rig that judge nothing (`benchmarks/calibration.py`).
+`ALONE`: what the named one leaves counts against it. Where the look points to the same place and kind, what
+is left is due to the law and not to the place, and something else weighs no more than `AGREES`. Both weights,
+and the pieces, were tuned on campaigns of the virtual rig that judge nothing (`benchmarks/calibration.py`).
 """
 
 from __future__ import annotations
