@@ -18,7 +18,7 @@ and the pieces, were tuned on campaigns of the virtual rig that judge nothing (`
 from __future__ import annotations
 
 import math
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Float
@@ -36,6 +36,7 @@ TELLS = 0.2
 """Misfit below which a look fits what is noise: with as many unknowns as FRFs it says nothing [noise]."""
 
 
+@runtime_checkable
 class Looked(Protocol):
     """Data of FRFs with a look that assumes no law."""
 
@@ -60,8 +61,8 @@ def confidences(data: Looked, comparison: Comparison[FittedFrfs], chosen: int) -
     models = comparison.models
     key = models[chosen].key
     costs = np.array([float(one.costs.sum()) for one in models])
-    sizes = np.array([one.strong for one in models])
-    priors = np.array([one.prior for one in models])
+    sizes = np.array([float(one.strong) for one in models])
+    priors = np.array([float(one.prior) for one in models])
     agrees = look.left > TELLS and key in look.met([key])
     variance, floor = observations.variance[observations.used], models[0].fitted.weighing.floor
     noise = math.inf if agrees else float(np.sum(variance / (variance + floor**2)))
