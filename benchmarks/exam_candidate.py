@@ -13,19 +13,24 @@ from pathlib import Path
 import flexmodal
 from flexmodal.campaign import read_campaign
 from flexmodal.diagnosis import diagnose
+from flexmodal.diagnosis.as_json import as_json
 from flexmodal.files import whole_file
+from flexmodal.identification.gap import over_noise
 
 
 def main() -> None:
     folder, answer = Path(sys.argv[1]), Path(sys.argv[2])
     wall, cpu = time.perf_counter(), time.process_time()
     found = diagnose(read_campaign(folder), flexmodal.load(str(folder / "robot" / "robot.toml")))
-    gaps = found.gaps
+    gaps, told = found.gaps, as_json(found)
     table = {
         "effects": found.verdict.effects,
         "explained": found.verdict.explained,
         "says": found.verdict.says,
         "confidence": [step.confidence for step in found.steps],
+        "steps": told["steps"],
+        "over_noise": over_noise(found.observations, found.predicted["after"]),
+        "places": None if found.look is None else told["law_free"]["places"],
         "ties": [step.ties for step in found.steps],
         "parameters": [dict(step.parameters) for step in found.steps],
         "gap": {

@@ -72,6 +72,13 @@ def add_contradictions(faults: FaultList, tested: Described) -> None:
     for place, trial in enumerate(tested.trials):
         if trial.repeat_of is not None and trial.repeat_of not in ids - {trial.id}:
             faults.add(f"trial[{place}].repeat_of", str(trial.repeat_of), "the id of another trial")
+    names = {point.name for point in tested.points}
+    for place, posture in enumerate(tested.postures):
+        if strange := sorted(set(posture.masses) - names):
+            allowed = f"names of points of this campaign: {listing(sorted(names))}"
+            faults.add(f"posture[{place}].masses", listing(map(repr, strange)), allowed)
+        if len(set(posture.locked)) < len(posture.locked):
+            faults.add(f"posture[{place}].locked", "a joint named twice", "each joint once")
     known = {point.id for point in tested.points}
     for place, line in enumerate(tested.trace_lines):
         strangers = sorted({one for one in line if one not in known})

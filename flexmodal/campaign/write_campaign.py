@@ -72,6 +72,11 @@ def campaign_toml(campaign: Campaign) -> str:
         angles = ", ".join(f"{_key(joint)} = {float(angle)!r}" for joint, angle in posture.q.items())
         q = f"{{ {angles} }}" if angles else "{}"
         lines += ["", "[[posture]]", f"id = {posture.id}", f"name = {_text(posture.name)}", f"q = {q}"]
+        if posture.locked:
+            lines.append(f"locked = [{', '.join(map(_text, posture.locked))}]")
+        if posture.masses:
+            bolted = ", ".join(f"{_key(name)} = {float(mass)!r}" for name, mass in posture.masses.items())
+            lines.append(f"masses = {{ {bolted} }}")
     for point in campaign.points:
         lines += ["", "[[point]]", f"id = {point.id}", f"name = {_text(point.name)}"]
         lines += [f"link = {_text(point.link)}", f"xyz = {list(map(float, point.xyz))}", *_axes(point)]

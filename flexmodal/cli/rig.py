@@ -42,16 +42,17 @@ def go_on(
 ) -> None:
     """The measurement that a diagnosis asked for, taken on the simulated arm of CAMPAIGN.
 
-    OUT holds the campaign with the new posture last; CAMPAIGN stays as it is.
+    OUT holds the campaign with what is new last; CAMPAIGN stays as it is.
     """
-    from flexmodal.rig.continued import continued, next_posture
+    from flexmodal.rig.asked import read_asked
+    from flexmodal.rig.continued import continued
     from flexmodal.rig.result import refuse_existing
 
     target = _free(campaign) if out is None else out
     refuse_existing(target)
-    posture = next_posture(measurement)
+    asked = read_asked(measurement)
     with progress(1, "striking", quiet=quiet) as advance:
-        result = continued(campaign, posture)
+        result = continued(campaign, asked)
         advance()
     truth = result.write(target, binary=not as_text)
     if as_json:

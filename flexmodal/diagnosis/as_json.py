@@ -41,6 +41,16 @@ def as_json(diagnosis: Diagnosis) -> dict[str, Any]:
         "baselines": None if diagnosis.baselines is None else baselines_json(diagnosis.baselines),
         "stand_in": [list(key) for key in diagnosis.stand_in],
         "next_measurement": _next(diagnosis.next_measurement),
+        "set_up": [
+            {
+                "what": one.nuisance.says,
+                "value": _number("set_up", one.value),
+                "deviation": _known(one.deviation),
+                "tolerance": _number("set_up", one.nuisance.deviation),
+                "unit": one.nuisance.unit,
+            }
+            for one in diagnosis.moved
+        ],
         "warnings": list(diagnosis.warnings),
     }
 
@@ -107,6 +117,10 @@ def _next(measurement: NextMeasurement | None) -> dict[str, Any] | None:
         "reference": [int(number) for number in measurement.reference],
         "separates": separated(measurement),
         "gain": _known(measurement.gain),
+        "force_peak": _known(measurement.force_peak or None),
+        "new_points": {str(number): name for number, name in measurement.new_points.items()},
+        "locked": list(measurement.locked),
+        "masses": _numbers(measurement.masses),
     }
 
 

@@ -14,6 +14,7 @@ from flexmodal.diagnosis.lawfree.result import Findings as LawFreeFindings
 from flexmodal.diagnosis.names import UNKNOWN
 from flexmodal.identification import Observations
 from flexmodal.identification.baselines import Baselines
+from flexmodal.identification.setting_up import Found
 
 
 @dataclass(frozen=True)
@@ -101,6 +102,12 @@ class NextMeasurement:
     """Where a sensor not in the campaign should sit, by name; None for one of its own points."""
     gain: float | None = None
     """Expected information: the logarithm of the odds that it brings [nat]."""
+    new_points: Mapping[int, str] = field(default_factory=dict)
+    """Names of points of the card that the campaign has not used yet, by the ids that they have here."""
+    locked: tuple[str, ...] = ()
+    """Joints to lock from link to link."""
+    masses: Mapping[str, float] = field(default_factory=dict)
+    """Masses to bolt on, by the name of the point [kg]."""
 
 
 @dataclass(frozen=True)
@@ -177,6 +184,8 @@ class Diagnosis:
     """Effects of the final model that are not named: they stand for something that has no name."""
     baselines: Baselines | None = None
     """What needs no model, beside the final one on the postures held out."""
+    moved: tuple[Found, ...] = ()
+    """What was not set up as the campaign says, by what it was moved."""
     modes: ModesSeen | None = None
     """Measured modes beside those of the models; None where FRFs alone were measured."""
     modal: Findings | None = None

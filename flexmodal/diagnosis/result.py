@@ -11,6 +11,7 @@ from jaxtyping import Complex
 
 from flexmodal.diagnosis.findings import Findings
 from flexmodal.diagnosis.names import UNKNOWN, UNSTRUCTURED
+from flexmodal.diagnosis.next_measurement.contenders import contenders
 from flexmodal.diagnosis.outcome import Diagnosis
 from flexmodal.diagnosis.provenance import provenance
 from flexmodal.diagnosis.selection.comparison import M
@@ -22,6 +23,7 @@ from flexmodal.diagnosis.verdict.facts import Facts
 from flexmodal.diagnosis.verdict.frf_words import stand_in_words
 from flexmodal.diagnosis.verdict.undecided import refused_words, undecided_words
 from flexmodal.diagnosis.verdict.verdict import verdict
+from flexmodal.identification.setting_up import far_words
 
 
 def diagnosis_of(
@@ -45,7 +47,10 @@ def diagnosis_of(
     nameless = tuple(key for key in found.after.hypothesis.keys if key not in says.effects)
     if nameless:
         says = replace(says, says=f"{says.says} {stand_in_words(nameless, found.gaps)}")
+    shown = data.shown(found)
     data.advance("what to measure next", 0.5)
+    open_ = UNKNOWN in (name for name, _ in says.effects)
+    standing = contenders(selection.rounds, selection.rivals, open_=open_)
     return Diagnosis(
         campaign=data.campaign.title,
         robot=data.context.robot.name,
@@ -56,7 +61,7 @@ def diagnosis_of(
         baselines=data.baselines(last),
         steps=tuple(one for one in selection.steps if (one.effect, one.where) in says.effects),
         verdict=says,
-        next_measurement=None if selection.rivals is None else data.next_measurement(*selection.rivals),
+        next_measurement=data.next_measurement(standing) if len(standing) > 1 else None,
         untestable=data.untestable,
         left_out=left_out,
         held_out=data.held_out,
@@ -68,8 +73,8 @@ def diagnosis_of(
         modes=data.modes_seen(selection.root, last, found) if modal is None else modal.modes,
         modal=modal,
         look=data.look,
-        warnings=warnings,
-        **_with_steps(selection, data.shown(found)),
+        warnings=(*warnings, *far_words(shown.get("moved", ()))),
+        **_with_steps(selection, shown),
     )
 
 

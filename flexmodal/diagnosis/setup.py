@@ -17,7 +17,8 @@ from flexmodal.diagnosis.selection.decision import Asked
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.identification import Observations, fit, gap, observe, predict, unlimited
 from flexmodal.identification.compatibility import check_compatible
-from flexmodal.identification.tolerance import with_tolerance
+from flexmodal.identification.setting_up import Found
+from flexmodal.identification.tolerance import as_set_up, with_tolerance
 from flexmodal.model import Robot
 from flexmodal.structure import ParameterSpace, robot_space
 from flexmodal.structure.truncation import missing
@@ -45,6 +46,8 @@ class Setup:
     """Effects that the caller named; None for the whole catalogue."""
     seed: int
     advance: Advance
+    moved: tuple[Found, ...] = ()
+    """What was not set up as it is said to have been, within its tolerance or an angle of a posture."""
 
     @property
     def untestable(self) -> dict[str, str]:
@@ -67,16 +70,21 @@ def prepare(
         InvalidRequest: no data, unknown effects or postures, a campaign that does not belong to the robot.
     """
     check_compatible(campaign, robot)
-    observations = with_tolerance(observe(campaign), robot)
-    context = Context.of(robot, observations)
-    observations = _whole(observations, context)
+    said = observe(campaign)
+    context = Context.of(robot, said)
+    said = _whole(said, context)
+    observations = with_tolerance(said, robot)
     known = effects_of(asked, context)
     base = robot_space(robot, trust={**trust_of(robot, TRUST), **(trust or {})})
     if hold_out is None:
         held = _middling(context, base, observations)
     else:
         held = np.isin(observations.posture, numbers_of(observations.postures, hold_out, seen_by="FRFs"))
-    return Setup(context, base, observations, observations.keeping(~held), held, known, asked, seed, advance)
+    found = as_set_up(said, robot, base, held, far=False)
+    if found.left is not None:
+        observations, context = found.observations, Context.of(robot, found.observations)
+    fitted = observations.keeping(~held)
+    return Setup(context, base, observations, fitted, held, known, asked, seed, advance, found.found)
 
 
 def trust_of(robot: Robot, trust: Mapping[str, float]) -> dict[str, float]:

@@ -56,6 +56,16 @@ def _posture_faults(campaign: Campaign, robot: Robot, source: str) -> list[Fault
             robot.posture(dict(posture.q), source=f"{source}: posture {posture.name}")
         except InvalidPosture as error:
             faults += error.faults
+        springs = [name for name, joint in robot.joints.items() if not joint.pseudo]
+        for name in sorted(set(posture.locked) - set(springs)):
+            allowed = f"flexible joints of {robot.name}: {listing(springs)}"
+            faults.append(Fault(source, f"posture {posture.name}: locked", repr(name), allowed))
+        seen = campaign.modes is not None and posture.id in campaign.modes.posture
+        if seen and (posture.locked or posture.masses):
+            found = "joints locked or masses bolted on beside modes.csv"
+            faults.append(
+                Fault(source, f"posture {posture.name}", found, "FRFs, which alone count with them")
+            )
     return faults
 
 

@@ -15,6 +15,7 @@ from flexmodal.identification.observations import Observations
 from flexmodal.identification.spot import Spot, in_world, places_of
 from flexmodal.model import Robot
 from flexmodal.structure.arm import Arm, Arms
+from flexmodal.structure.fixtures import arm_in
 from flexmodal.structure.frame import Frame, Frames
 from flexmodal.structure.parameter import ParameterSpace
 from flexmodal.structure.shape import KINDS, STEPS, assembled
@@ -119,21 +120,22 @@ class RobotModel:
         made = []
         for part in observations.layout.parts():
             rows = [places_of(observations.campaign, table.tolist()) for table in (part.where, part.struck)]
-            postures = [observations.postures[k].q for k in part.posture.tolist()]
-            sloped = partial(self._group, x, part, postures, rows)
-            made.append(sloped() if slopes else self._group(x, part, postures, rows, sloped))
+            points, stood = observations.campaign.points, observations.postures
+            arms = [arm_in(self.robot, stood[k], points) for k in part.posture.tolist()]
+            sloped = partial(self._group, x, part, arms, rows)
+            made.append(sloped() if slopes else self._group(x, part, arms, rows, sloped))
         return made
 
     def _group(
         self,
         x: Float[np.ndarray, " parameter"],
         part: Part,
-        postures: Sequence[Mapping[str, float]],
+        arms: Sequence[Arm],
         rows: Sequence[Sequence[Spot]],
         sloped: Callable[[], Group] | None = None,
     ) -> Group:
         """With derivatives, unless they are left to `sloped`."""
-        found = self._structures(x, postures, rows[0], rows[1], slopes=sloped is None)
+        found = self._structures(x, arms, rows[0], rows[1], slopes=sloped is None)
         return Group(found, part, sloped=sloped)
 
     def structure_at(
@@ -144,12 +146,12 @@ class RobotModel:
         references: Sequence[Spot],
     ) -> Structure:
         """The robot in one posture with its derivatives; see `PosedModel` for the arguments."""
-        return self._structures(x, [q], responses, references, slopes=True)[0]
+        return self._structures(x, [Arm(self.robot, dict(q))], responses, references, slopes=True)[0]
 
     def _structures(
         self,
         x: Float[np.ndarray, " parameter"],
-        postures: Sequence[Mapping[str, float]],
+        arms: Sequence[Arm],
         responses: Sequence[Spot],
         references: Sequence[Spot],
         *,
@@ -162,12 +164,11 @@ class RobotModel:
             (one.link, one.in_link, *one.place.tolist(), *one.way.tolist())
             for one in (*responses, *references)
         )
-        key = (tuple(tuple(sorted(q.items())) for q in postures), len(responses), where)
+        key = (tuple((*sorted(a.q.items()), a.locked, a.bolted) for a in arms), len(responses), where)
 
         def frame_at(shape: Mapping[str, float]) -> Frame:
             def build() -> Frame:
-                arms = Arms.of([Arm(self.robot, dict(q)) for q in postures])
-                assembly = assembled(arms, {**card, **shape})
+                assembly = assembled(Arms.of(arms), {**card, **shape})
                 rows = (
                     assembly.rows(in_world(responses, assembly)),
                     assembly.rows(in_world(references, assembly)),

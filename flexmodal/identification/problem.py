@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from jaxtyping import Bool
 
 from flexmodal.campaign import Campaign
 from flexmodal.errors import Fault, InvalidRequest
@@ -18,9 +19,10 @@ from flexmodal.identification.evidence.modal import MODEL_ERROR, USES, ModalEvid
 from flexmodal.identification.evidence.mode_sources import modes_of_frfs, modes_of_table
 from flexmodal.identification.identifiability import Identifiability
 from flexmodal.identification.model import RobotModel
-from flexmodal.identification.observations import observe
+from flexmodal.identification.observations import Observations, observe
+from flexmodal.identification.setting_up import far_words
 from flexmodal.identification.source import Source, doubled, source_of
-from flexmodal.identification.tolerance import with_tolerance
+from flexmodal.identification.tolerance import as_set_up
 from flexmodal.model import Robot
 from flexmodal.structure.parameter import ParameterSpace
 from flexmodal.structure.space import robot_space
@@ -117,9 +119,8 @@ def build_identification(
     model = RobotModel(robot, chosen)
     whole: Evidence
     if source != "modes":
-        seen = observe(campaign, bare=True)
-        warnings = (*warnings, *((BARE,) if seen.by_lines else ()))
-        frfs = FrfEvidence(model, with_tolerance(seen, robot))
+        frfs, more = _of_frfs(campaign, model, hold_out)
+        warnings = (*warnings, *more)
     if source == "frf":
         whole = frfs
     else:
@@ -158,6 +159,24 @@ def _uses(use: Sequence[str]) -> tuple[str, ...]:
         found = ", ".join(map(repr, unknown)) or "nothing"
         raise InvalidRequest(Fault("call", "use", found, f"some of {', '.join(USES)}"))
     return tuple(use)
+
+
+def _of_frfs(
+    campaign: Campaign, model: RobotModel, hold_out: Sequence[str | int]
+) -> tuple[FrfEvidence, tuple[str, ...]]:
+    """FRFs as they were most likely set up, and what has to be said of them."""
+    seen = observe(campaign, bare=True)
+    there = as_set_up(seen, model.robot, model.space, _away(seen, hold_out))
+    warnings = (BARE,) if seen.by_lines else ()
+    return FrfEvidence(model, there.observations), (*warnings, *far_words(there.found))
+
+
+def _away(seen: Observations, wanted: Sequence[str | int]) -> Bool[np.ndarray, " observation"]:
+    """What nothing is moved by: observations in postures and of points that are held out."""
+    names = {str(one) for one in wanted}
+    postures = np.array([bool({one.name, str(one.id)} & names) for one in seen.postures])
+    points = [point.id for point in seen.campaign.points if point.name in names]
+    return postures[seen.posture] | np.isin(seen.response[:, 0], points)
 
 
 def _held_out(

@@ -14,13 +14,16 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
-from jaxtyping import Complex, Float
+from jaxtyping import Bool, Complex, Float
 
-from flexmodal.campaign import Axes, CampaignPoint
+from flexmodal.campaign import Axes, CampaignPoint, Tolerance
+from flexmodal.identification.frf_fit import fit
 from flexmodal.identification.model import RobotModel, predict
 from flexmodal.identification.observations import Observations, unlimited
+from flexmodal.identification.sensitivities import moved
+from flexmodal.identification.setting_up import SetUp, set_up
 from flexmodal.model import Robot
-from flexmodal.structure import robot_space
+from flexmodal.structure import ParameterSpace, robot_space
 
 MOST = 1.0
 """Relative variance that one cause adds at most: beyond, at antiresonances, first order says nothing."""
@@ -28,17 +31,61 @@ _STEP = 0.1
 """Of the differences, in standard deviations."""
 
 
-def with_tolerance(observations: Observations, robot: Robot) -> Observations:
-    """The observations with the variance of what their campaign says was not set up exactly.
+LOOKED_AT = 80
+"""Lines by which it is seen what was not set up as it is said."""
+FLOORS, STEPS = (0.2, 0.05, 0.02), 6
+"""Model errors of the fit before, and its steps at each: it only has to come near."""
+
+
+def as_set_up(
+    observations: Observations,
+    robot: Robot,
+    space: ParameterSpace,
+    held: Bool[np.ndarray, " observation"] | None = None,
+    *,
+    far: bool = True,
+) -> SetUp:
+    """The observations as they were most likely set up, with the variance of what is open still.
 
     Args:
-        observations: of the campaign.
-        robot: as its card says; its FRFs give the derivatives.
+        observations: of a campaign, as it says that it was set up.
+        robot: as its card says.
+        space: its parameters, which are fitted along.
+        held: what is held out, by which nothing is moved; nothing if None.
+        far: see `set_up`.
 
     Returns:
         The same observations where everything is exact.
     """
     given = observations.campaign.tolerance
+    if given.is_exact:
+        return SetUp(observations)
+    away = np.zeros(len(observations), dtype=bool) if held is None else held
+    wide = with_tolerance(observations, robot)
+    seen, plain = wide.keeping(~away), observations.keeping(~away)
+    lines = np.arange(0, len(seen.axis), max(1, len(seen.axis) // LOOKED_AT))
+    model = RobotModel(robot, space)
+    tuned = fit(model, seen, floors=FLOORS, steps=STEPS, lines=lines, apart=False)
+    found = set_up(model, tuned.x, plain, lines, seen.variance - plain.variance, far=far)
+    now = moved(observations, found.settings)
+    variance = with_tolerance(now, robot, found.left).variance
+    if away.any():  # of those nothing is known beyond what was said
+        variance = np.where(away[:, None], with_tolerance(now, robot).variance, variance)
+    return SetUp(replace(now, variance=variance), found.found, found.left)
+
+
+def with_tolerance(observations: Observations, robot: Robot, given: Tolerance | None = None) -> Observations:
+    """The observations with the variance of what was not set up exactly.
+
+    Args:
+        observations: of a campaign.
+        robot: as its card says; its FRFs give the derivatives.
+        given: how well it was set up; as the campaign says if None.
+
+    Returns:
+        The same observations where everything is exact.
+    """
+    given = observations.campaign.tolerance if given is None else given
     if given.is_exact:
         return observations
     variance = observations.variance + 2 * given.gain**2
@@ -46,7 +93,7 @@ def with_tolerance(observations: Observations, robot: Robot) -> Observations:
     x = np.zeros(len(model.space))
     endless = unlimited(observations)
     plain = predict(model, x, endless)
-    for share, other, size in _shifted(endless, robot):
+    for share, other, size in _shifted(endless, robot, given):
         change = np.log(_ratio(predict(model, x, other), plain)) / size
         variance = variance + np.minimum(share[:, None] * np.abs(change) ** 2, MOST)
     if given.direction:
@@ -65,14 +112,14 @@ def _ratio(
 
 
 def _shifted(
-    observations: Observations, robot: Robot
+    observations: Observations, robot: Robot, given: Tolerance
 ) -> Iterator[tuple[Float[np.ndarray, " observation"], Observations, float]]:
     """Observations with one thing off, a part of its deviation; the share each counts with, and that part.
 
     An error of a point that bears both hammer and sensor is two independent ones, half of the square of what
     both make together.
     """
-    given, campaign = observations.campaign.tolerance, observations.campaign
+    campaign = observations.campaign
     every = np.ones(len(observations))
     joints = robot.moving if given.posture else ()
     for joint in joints:

@@ -32,6 +32,10 @@ class Body:
     """About the mass centre [kg·m²]."""
 
 
+Load = tuple[str, tuple[float, float, float], float]
+"""Link, place in its frame [m] and mass [kg] of something bolted on."""
+
+
 @dataclass(frozen=True, eq=False)
 class Arm:
     """A robot in one posture."""
@@ -39,6 +43,10 @@ class Arm:
     robot: Robot
     q: Mapping[str, float]
     """Values of commanded joints [rad, m]; a joint left out is 0."""
+    locked: tuple[str, ...] = ()
+    """Joints that are held."""
+    bolted: tuple[Load, ...] = ()
+    """Masses beside those of the URDF."""
 
     @cached_property
     def placed(self) -> Mapping[str, Float[np.ndarray, "4 4"]]:
@@ -76,6 +84,9 @@ class Arms:
     placed: Mapping[str, Float[np.ndarray, "posture 4 4"]]
     maps: Mapping[str, Float[np.ndarray, "posture 6 joint"]]
     bodies: Mapping[str, Body]
+    locked: tuple[tuple[str, ...], ...] = ()
+    bolted: tuple[tuple[Load, ...], ...] = ()
+    """Of each posture; see `Arm`."""
 
     @classmethod
     def of(cls, arms: Sequence[Arm]) -> Arms:
@@ -83,7 +94,8 @@ class Arms:
         first = arms[0]
         placed = {link: np.array([arm.placed[link] for arm in arms]) for link in first.placed}
         maps = {link: np.array([arm.maps[link] for arm in arms]) for link in first.maps}
-        return cls(first.robot, FrozenDict(placed), FrozenDict(maps), first.bodies)
+        locked, bolted = tuple(arm.locked for arm in arms), tuple(arm.bolted for arm in arms)
+        return cls(first.robot, FrozenDict(placed), FrozenDict(maps), first.bodies, locked, bolted)
 
     def take(self, postures: Int[np.ndarray, " taken"]) -> Arms:
         """Some of them, in any order, any of them several times."""
@@ -91,7 +103,8 @@ class Arms:
             FrozenDict({link: value[postures] for link, value in table.items()})
             for table in (self.placed, self.maps)
         )
-        return Arms(self.robot, placed, maps, self.bodies)
+        locked, bolted = (tuple(table[k] for k in postures.tolist()) for table in (self.locked, self.bolted))
+        return Arms(self.robot, placed, maps, self.bodies, locked, bolted)
 
 
 def bodies_of(urdf: Urdf) -> Mapping[str, Body]:

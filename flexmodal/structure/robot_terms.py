@@ -6,10 +6,11 @@ from collections.abc import Mapping
 
 from flexmodal.structure.arm import Body
 from flexmodal.structure.assembly import Assembly
+from flexmodal.structure.fixtures import add_fixtures
 
 
 def put_together(assembly: Assembly, values: Mapping[str, float], bodies: Mapping[str, Body]) -> None:
-    """Every body, spring, damper, rotor and coupling of the robot, at these parameter values.
+    """Every body, spring, damper, rotor and coupling of the robot, at these parameter values; fixtures too.
 
     Args:
         assembly: with all motions added.
@@ -28,6 +29,7 @@ def put_together(assembly: Assembly, values: Mapping[str, float], bodies: Mappin
     for coupling in assembly.robot.couplings.values():
         one, other = (assembly.stretch_of(name) for name in coupling.joints)
         assembly.add_coupling(one, other, coupling.stiffness)
+    add_fixtures(assembly)
 
 
 def scaled(body: Body, link: str, values: Mapping[str, float]) -> Body:

@@ -11,7 +11,7 @@ from flexmodal.errors import FlexmodalError
 
 GAP = {"before", "after", "held_out_before", "held_out_after", "noise_floor"}
 TOP = {"format", "campaign", "robot", "gap", "disagreement", "steps", "verdict", "warnings"}
-TOP |= {"next_measurement", "law_free", "stand_in", "baselines"}
+TOP |= {"next_measurement", "law_free", "stand_in", "baselines", "set_up"}
 REGION = {"rank", "posture", "response", "reference", "trial", "band", "share", "kind", "says"}
 STEP = {"effect", "where", "parameters", "uncertainty", "confidence", "share", "alternatives", "gap"}
 
@@ -34,7 +34,8 @@ def test_keys_are_those_of_the_format(diagnosed):
     assert set(step["gap"]) == GAP
     assert all(set(one) == {"effect", "where", "confidence"} for one in step["alternatives"])
     assert set(found["verdict"]) == {"effects", "explained", "says", "share", "undecided", "remaining"}
-    assert set(found["next_measurement"]) == {"posture", "response", "reference", "separates", "gain"}
+    named = {"posture", "response", "reference", "separates", "gain"}
+    assert set(found["next_measurement"]) == named | {"force_peak", "new_points", "locked", "masses"}
 
 
 def test_values_are_those_of_the_diagnosis(diagnosed):

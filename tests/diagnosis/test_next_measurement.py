@@ -3,15 +3,13 @@
 import numpy as np
 import pytest
 
-from flexmodal.diagnosis.verdict.next_measurement import (
-    NOISE,
-    Predicted,
-    Sure,
-    information,
-    next_among_records,
-    postures_to_try,
-)
+from flexmodal.diagnosis.next_measurement.choose import Sure, next_among_records
+from flexmodal.diagnosis.next_measurement.information import Predicted, doubt_left, information
+from flexmodal.diagnosis.next_measurement.refit import not_made_up_for
+from flexmodal.diagnosis.next_measurement.setups import Bench, postures_to_try
 from flexmodal.identification import uncertainty
+
+NOISE = 0.05
 
 
 def predicted(logs, slope=0.0, variance=0.0):
@@ -50,9 +48,60 @@ def test_two_models_are_told_apart_in_a_posture_that_was_tried(observed, hinged)
         Sure(model, fit.x, uncertainty(model.space, fit.normal, observed).covariance)
         for model, fit in ((hypothesis, after), (root, before))
     )
-    found = next_among_records(observed, one, other, seed=3)
+    found = next_among_records(observed, [one, other], seed=3)
     assert found.separates == ("link_flexibility@link_2", "none")
     assert found.posture in [dict(q) for q in postures_to_try(root.context, 3)]
     assert found.gain > 10  # a mode more or less: odds of 20000 to 1
     assert found.force_peak in (observed.peak(0), observed.peak(1))
-    assert next_among_records(observed, one, one, seed=3).gain < 1e-20  # rounding
+    assert next_among_records(observed, [one, one], seed=3).gain < 1e-20  # rounding
+
+
+def test_of_several_explanations_the_pair_that_is_hardest_to_tell_rules():
+    """Two alike and one apart: nothing is gained on the pair; by hand from the two informations."""
+    one, same, apart = predicted([0.0, 0.0]), predicted([0.0, 0.0]), predicted([0.1, 0.1])
+    doubt, gain = doubt_left([one, same, apart], [0.5, 0.3, 0.2], NOISE)
+    between = information(one, apart, NOISE)[0]
+    by_hand = np.log(2 * 0.5 * 0.3 + 2 * (0.5 + 0.3) * 0.2 * np.exp(-between / 4))
+    assert doubt[0] == pytest.approx(by_hand, rel=1e-12)
+    assert gain[0] == 0.0
+    assert doubt_left([one, apart, same], [0.5, 0.2, 0.3], NOISE)[1][0] == pytest.approx(between, rel=1e-12)
+
+
+def test_a_peak_that_a_parameter_can_move_is_no_information():
+    """Two oscillators 1 % apart, one unsure by 2 %: linear it looks like much, refitted it is not."""
+    w = np.linspace(0.8, 1.2, 48)
+
+    def at(x):
+        h = 1 / ((1 + x[0]) ** 2 - w**2 + 0.002j * w)
+        return h, np.array([-2 * (1 + x[0]) * h])
+
+    wanted, covariance = at(np.array([0.01]))[0], np.array([[0.02**2]])
+    left = not_made_up_for(wanted, at, np.zeros(1), covariance, 0.02)
+    assert left == pytest.approx(
+        0.5 * (0.01 / 0.02) ** 2, rel=0.01
+    )  # what the prior says of the step, and no more
+    value, slopes = at(np.zeros(1))
+    linear = information(
+        Predicted(wanted[None], np.zeros((1, 1, 48), dtype=complex), np.zeros((1, 1))),
+        Predicted(value[None], slopes[:, None], covariance), 0.02,
+    )[0]  # fmt: skip
+    assert linear > 10 * left
+    sure = not_made_up_for(wanted, at, np.zeros(1), 1e-12 * covariance, 0.02)
+    assert sure > 100 * left
+
+
+def test_everything_that_could_be_measured_is_there(observed, hinged):
+    root = hinged[0]
+    bench = Bench.of(observed, root.context)
+    own = {point.name for point in observed.campaign.points}
+    assert {point.name for point in bench.new} == set(root.context.robot.points) - own
+    assert not set(bench.rows) & set(bench.other_rows)
+    locked = [names for names, _ in bench.fixtures if names]
+    assert locked == [(joint,) for joint in root.context.joints]
+    assert {name for _, masses in bench.fixtures for name in masses} == {point.name for point in bench.points}
+    levels = bench.levels(by_force=True)
+    planned, there = bench.planned(observed.postures[0], bench.rows[:2], levels)
+    assert len(planned) == 2 * len(levels)
+    peaks = [planned.peak(number) for number in levels]
+    assert peaks[-1] == pytest.approx(3 * max(peaks[:-1])) == bench.peak(levels[-1])
+    assert there.pulses[-1].peak == pytest.approx(peaks[-1], rel=0.2)  # beside the pulses that were struck

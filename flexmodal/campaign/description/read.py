@@ -45,7 +45,10 @@ def _tested(table: CampaignTable) -> Tested:
         title=table.title,
         robot=table.robot,
         band=None if table.band is None else (table.band[0], table.band[1]),
-        postures=tuple(CampaignPosture(p.id, p.name, FrozenDict(p.q)) for p in table.posture),
+        postures=tuple(
+            CampaignPosture(p.id, p.name, FrozenDict(p.q), tuple(p.locked), FrozenDict(p.masses))
+            for p in table.posture
+        ),
         points=tuple(map(_point, table.point)),
         trials=tuple(_trial(trial) for trial in table.trial),
         separate_modes=table.separate_modes,

@@ -22,6 +22,7 @@ _WINDOW = '"none", or { kind = "force" or "exponential", decay = a number in 1/s
 TRACES = "lists of two or more ids of points, which pictures join one after the other"
 SMALL = "a number from 0 to 1"
 Small = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0, le=1)]
+Kilograms = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0, le=1e6)]
 Frequency = Annotated[float, Field(strict=True, ge=0, le=1e9)]
 Id = Annotated[int, Field(strict=True, ge=1, le=MOST_DIGITS)]
 TrialId = Annotated[int, Field(strict=True, ge=1, le=MOST_TRIAL)]
@@ -33,6 +34,8 @@ class PostureTable(Table):
     id: Id = Field(description=_ID)
     name: Text = Field(description=TEXT)
     q: dict[Text, Metres] = Field(description="a table of joint = finite angle in rad, of at most 1e4")
+    locked: list[Text] = Field(default=[], description="a list of names of joints")
+    masses: dict[Text, Kilograms] = Field(default={}, description="a table of point = mass in kg, above 0")
 
 
 class PointTable(Table):

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal, Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Float
 
 from flexmodal.campaign.trial import Trial
+from flexmodal.text.frozen import FrozenDict
 
 BAND = "two frequencies in Hz, the lower first, at most 1e9"
 """What the band of a campaign may be."""
@@ -37,6 +38,10 @@ class CampaignPosture:
     name: str
     q: Mapping[str, float]
     """Angles of commanded joints [rad, or m]; a joint left out is 0."""
+    locked: tuple[str, ...] = ()
+    """Flexible joints that were locked from link to link while it stood there."""
+    masses: Mapping[str, float] = field(default_factory=FrozenDict)
+    """Masses that were bolted on meanwhile, by the name of the point [kg]."""
 
 
 @dataclass(frozen=True)

@@ -16,6 +16,7 @@ from flexmodal.identification.spot import in_world, spot_of
 from flexmodal.model import Robot
 from flexmodal.structure.arm import Arm, Arms, far_end, moved_bodies, plane_normal
 from flexmodal.structure.assembly import Assembly
+from flexmodal.structure.fixtures import arm_in
 
 Place = tuple[int, int]
 """Point id, and direction 1, 2, 3."""
@@ -99,7 +100,7 @@ class Context:
     @cached_property
     def arms(self) -> tuple[Arm, ...]:
         """The robot in each of the postures."""
-        return tuple(Arm(self.robot, dict(posture.q)) for posture in self.postures)
+        return tuple(arm_in(self.robot, posture, self.points) for posture in self.postures)
 
     @cached_property
     def stacked(self) -> Arms:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from flexmodal.diagnosis.outcome import Diagnosis
 from flexmodal.diagnosis.report import frf_sections, modal_sections
+from flexmodal.diagnosis.report.set_up import set_up_sections
 from flexmodal.diagnosis.report.tables import next_task, parameters
 from flexmodal.diagnosis.report.words import not_testable, state
 from flexmodal.report import Facts, Items, Parts, Section, Verdict, page_text, write_page
@@ -57,6 +58,7 @@ def report_text(diagnosis: Diagnosis, notes: Sequence[str] = ()) -> str:
     sections = [
         *own,
         Section("Parameters", parameters(diagnosis)),
+        *set_up_sections(diagnosis),
         Section("What to measure next", _next(diagnosis)),
         Section("What this does not say", [Items(_not_said(diagnosis, notes))]),
         Section("Where it comes from", [Facts(diagnosis.provenance)]),

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from flexmodal.campaign import named_direction
+from flexmodal.diagnosis.effects import Context
 from flexmodal.diagnosis.names import NONE
 from flexmodal.diagnosis.outcome import Compared, Diagnosis, NextMeasurement, Region, Step
 from flexmodal.diagnosis.report.words import effect_words, parameter_words, placed, plain, posture_words
@@ -122,10 +124,27 @@ def next_task(diagnosis: Diagnosis, measurement: NextMeasurement, why: str) -> T
     context = diagnosis.model.context
     sliding = [name for name, joint in context.robot.commanded.items() if joint.is_prismatic]
     one, other = (placed(*found.partition("@")[::2]) for found in measurement.separates)
-    sensor = context.direction(measurement.response)
+    sensor, hammer = (
+        _direction(context, measurement, at) for at in (measurement.response, measurement.reference)
+    )
     if measurement.point is not None:
         sensor = f"a new sensor at {measurement.point}, along {sensor.partition(':')[2]}"
-    hammer = f"{context.direction(measurement.reference)}, about {measurement.force_peak:.3g} N"
+    hammer = f"{hammer}, about {measurement.force_peak:.3g} N"
     says = f"To tell {one} from {other}, {why.format(measurement.expected)}"
     posture = posture_words(measurement.posture, sliding)
-    return Task(says, Facts({"posture": posture, "hammer": hammer, "sensor": sensor}))
+    more = {}
+    if measurement.locked:
+        more["locked, link to link"] = ", ".join(measurement.locked)
+    if measurement.masses:
+        more["bolted on"] = ", ".join(f"{mass:.3g} kg at {name}" for name, mass in measurement.masses.items())
+    return Task(says, Facts({"posture": posture, **more, "hammer": hammer, "sensor": sensor}))
+
+
+def _direction(context: Context, measurement: NextMeasurement, place: tuple[int, int]) -> str:
+    """A place by name, one of the card's that the campaign has not used among them."""
+    name = measurement.new_points.get(place[0])
+    return (
+        context.direction(place)
+        if name is None
+        else f"{named_direction(place, {place[0]: name})}, a new point"
+    )

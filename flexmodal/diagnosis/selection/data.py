@@ -85,6 +85,15 @@ class Data(ABC, Generic[M]):
     def compare(self, models: Sequence[M]) -> Comparison[M]:
         """Their evidence, the first being the one without anything new."""
 
+    def confidences(self, comparison: Comparison[M], chosen: int) -> Float[np.ndarray, " model"]:
+        """Probability of each model of a comparison, beside something that was not compared.
+
+        Args:
+            comparison: of several models.
+            chosen: number of the one that is named.
+        """
+        return comparison.probability
+
     @abstractmethod
     def without(self, model: M, key: tuple[str, str]) -> M:
         """A model fitted again with one effect less.
@@ -241,12 +250,11 @@ class Data(ABC, Generic[M]):
         return None
 
     @abstractmethod
-    def next_measurement(self, one: M, other: M) -> NextMeasurement:
-        """What would tell two models apart best.
+    def next_measurement(self, models: Sequence[tuple[M, float]]) -> NextMeasurement:
+        """What would tell models apart best.
 
         Args:
-            one: a fitted model.
-            other: the one it is tied with.
+            models: two fitted models or more with their weights, the two that are told first.
         """
 
     def alike(self, one: M, other: M) -> bool:

@@ -16,6 +16,7 @@ from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.lawfree.pursuit import SOUND
 from flexmodal.diagnosis.lawfree.result import PORT_OF
 from flexmodal.diagnosis.lawfree.result import Findings as LawFree
+from flexmodal.diagnosis.next_measurement.choose import next_among_fits
 from flexmodal.diagnosis.outcome import Gaps, NextMeasurement
 from flexmodal.diagnosis.search.close_fit import fitted_closely
 from flexmodal.diagnosis.search.explanations import best_of_each
@@ -24,6 +25,7 @@ from flexmodal.diagnosis.search.unstructured import unstructured_mode
 from flexmodal.diagnosis.selection.beside_frfs import ModesBeside
 from flexmodal.diagnosis.selection.beside_nothing import beside_nothing
 from flexmodal.diagnosis.selection.comparison import Comparison
+from flexmodal.diagnosis.selection.confidence import confidences
 from flexmodal.diagnosis.selection.data import Conclusion, Data
 from flexmodal.diagnosis.selection.decision import Answer, reaches
 from flexmodal.diagnosis.selection.frf_candidates import FrfCandidates, narrowest, starts
@@ -41,15 +43,14 @@ from flexmodal.diagnosis.selection.frf_thresholds import (
 )
 from flexmodal.diagnosis.selection.stand_in import stand_in
 from flexmodal.diagnosis.setup import Setup
-from flexmodal.diagnosis.verdict.next_measurement import Sure, next_among_records
 from flexmodal.identification import gap, predict, uncertainty
 from flexmodal.identification.baselines import Baselines
-
-Keys = tuple[tuple[str, str], ...]
 
 
 class FrfData(Data[FittedFrfs]):
     """Effects are needed as long as the model is far from the averages over repeats."""
+
+    confidences = confidences
 
     def __init__(self, setup: Setup, modes: ModesBeside | None = None) -> None:
         """Re-tune the robot.
@@ -69,7 +70,7 @@ class FrfData(Data[FittedFrfs]):
         """Whether FRFs change with the force of the blow."""
         self._candidates = FrfCandidates(setup, self._root, with_force=self.force > Answer.NO)
         self._look = self._candidates.looks.one
-        self._settled: tuple[Keys, Keys, tuple[str, ...]] = (), (), ()
+        self._settled: tuple[Any, Any, tuple[str, ...]] = (), (), ()
 
     @property
     def root(self) -> FittedFrfs:
@@ -145,10 +146,8 @@ class FrfData(Data[FittedFrfs]):
 
     def vouches(self, model: FittedFrfs) -> bool:
         """See `Data`: with several places that explain everything without a law, one effect at each."""
-        keys = model.hypothesis.keys
-        if not self.look.explains or len(self.look.found) < 2:
-            return False
-        return len(self.look.met(keys)) == len(keys)
+        keys, found = model.hypothesis.keys, self.look.found
+        return self.look.explains and len(found) > 1 and len(self.look.met(keys)) == len(keys)
 
     def settles(self, model: FittedFrfs) -> bool:
         """See `Data`: beside the others each of these has its place to itself, and a curve of its class."""
@@ -288,12 +287,12 @@ class FrfData(Data[FittedFrfs]):
         """See `Data`."""
         return beside_nothing(self.setup, model)
 
-    def next_measurement(self, one: FittedFrfs, other: FittedFrfs) -> NextMeasurement:
+    def next_measurement(self, models: Sequence[tuple[FittedFrfs, float]]) -> NextMeasurement:
         """See `Data`."""
-        first, second = (Sure(fit.hypothesis, fit.x, self.covariance(fit)) for fit in (one, other))
-        return next_among_records(self.setup.observations, first, second, self.setup.seed)
+        return next_among_fits(self.setup.observations, models, self.covariance, self.setup.seed)
 
     def shown(self, conclusion: Conclusion[FittedFrfs]) -> dict[str, Any]:
         """The FRFs and what the models have for them."""
-        stages = {"before": conclusion.before.predicted, "after": conclusion.after.predicted}
-        return {"frfs": self.setup.observations, "predicted": {"believed": self.believed, **stages}}
+        seen, now = self.setup.observations, conclusion
+        told = {"believed": self.believed, "before": now.before.predicted, "after": now.after.predicted}
+        return {"frfs": seen, "predicted": told, "moved": self.setup.moved}

@@ -14,6 +14,7 @@ from flexmodal.diagnosis.findings import Findings, ModesSeen
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.modal_model import ModalModel
 from flexmodal.diagnosis.names import NONE, UNSTRUCTURED
+from flexmodal.diagnosis.next_measurement.choose import Sure, next_frf
 from flexmodal.diagnosis.outcome import Gaps, NextMeasurement
 from flexmodal.diagnosis.placed import Placed
 from flexmodal.diagnosis.search.modal_search import (
@@ -29,7 +30,6 @@ from flexmodal.diagnosis.selection.data import Conclusion, Data
 from flexmodal.diagnosis.selection.decision import Answer, Asked, Round, any_gains
 from flexmodal.diagnosis.selection.variants import FittedModes, under_variants
 from flexmodal.diagnosis.setup import Advance
-from flexmodal.diagnosis.verdict.next_measurement import Sure, next_frf
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.identification.evidence.likelihood.errors import errors, mean_of_others
 from flexmodal.identification.evidence.likelihood.fit import COARSE
@@ -238,10 +238,10 @@ class ModalData(Data[FittedModes]):
         places = {where for effect, where in named if effect != NONE}
         return places.pop() or EVERYWHERE if len(places) == 1 else EVERYWHERE
 
-    def next_measurement(self, one: FittedModes, other: FittedModes) -> NextMeasurement:
+    def next_measurement(self, models: Sequence[tuple[FittedModes, float]]) -> NextMeasurement:
         """An FRF."""
-        first, second = (Sure(model.hypothesis, model.x, model.covariance) for model in (one, other))
-        return next_frf(self.campaign, self.whole.responses[0][1], first, second, self.seed)
+        every = [Sure(one.hypothesis, one.x, one.covariance, weight) for one, weight in models]
+        return next_frf(self.campaign, self.whole.responses[0][1], every, self.seed)
 
     def alike(self, one: FittedModes, other: FittedModes) -> bool:
         """Whether as many measured modes have no partner in both."""

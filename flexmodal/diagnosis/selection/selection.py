@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from itertools import pairwise
 from typing import Any, Generic
 
@@ -202,14 +203,19 @@ class ForwardSelection(Generic[M]):
             model.hypothesis, model.key, model.x, self.data.covariance(model)
         )
         ties = [k for k in comparison.tied if k != chosen]
-        others = {k: self.compared(comparison, k) for k in comparison.order if k != chosen}
+        sure = self.data.confidences(comparison, chosen).tolist()
+        others = {
+            k: replace(self.compared(comparison, k), confidence=sure[k])
+            for k in comparison.order
+            if k != chosen
+        }
         return Step(
             effect=model.key[0],
             where=model.key[1],
             parameters=parameters,
             units=units,
             uncertainty=errors,
-            confidence=float(comparison.probability[chosen]),
+            confidence=sure[chosen],
             gaps=self.data.gaps(comparison.models[0], model),
             alternatives=tuple(others.values()),
             ties=tuple((others[k].effect, others[k].where) for k in ties),

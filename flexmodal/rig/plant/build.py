@@ -14,6 +14,8 @@ from flexmodal.rig.plant.card_springs import add_card_springs
 from flexmodal.rig.plant.plant import Plant
 from flexmodal.rig.sensing import Sensor
 
+LOCK = 2e3
+"""Stiffness of a lock over that of the joint: a clamp gives a little."""
 Hidden = tuple[Effect, Site]
 """An effect in one of its forms, and its site."""
 
@@ -66,12 +68,22 @@ def build(
     for effect, site in ordered:
         if effect.act is not None:
             effect.act(assembly, site)
+    _add_fixtures(assembly, stand, posture)
     add_card_springs(assembly, stand.robot, stand.true, stand.plan)
     if carrying is not None:
         carrying[1].load(assembly, next(p for p in stand.plan.points if p.name == carrying[0]))
     plant = assembly.plant()
     _check_holds(plant, stand)
     return plant
+
+
+def _add_fixtures(assembly: PlantAssembly, stand: Stand, posture: CampaignPosture) -> None:
+    """Locks from link to link, and masses at points, as the posture was asked for."""
+    for joint in posture.locked:
+        assembly.add_spring(assembly.row(joint), LOCK * stand.true.stiffness[joint])
+    for name, mass in posture.masses.items():
+        point = next(one for one in stand.plan.points if one.name == name)
+        assembly.add_body(point.link, np.array(point.xyz), mass)
 
 
 def _check_holds(plant: Plant, stand: Stand) -> None:

@@ -1,0 +1,98 @@
+"""How sure an explanation is that was added: its probability among all that was considered, and what was not.
+
+The evidence that decides counts every line for as much as it is independent of its neighbours. That is
+right for noise. An explanation that is wrong in its law errs over whole FRFs, though, and its errors go on
+from line to line and are of a size that nobody knows. So for what is told every FRF counts as `PIECES`
+independent pieces, and the size of the errors is integrated out with Jeffreys' prior:
+
+    ln p_k = −(ν/2) ln C_k − ½ n_k ln(1 + ν) − ½ xᵀPx + const.,   ν = `PIECES` × FRFs,
+
+C_k the sum of squares, n_k how many parameters the data know better than the prior, the last term how far
+these are from what was believed. Beside what was compared stands something that was not, as simple as what is
+named. Where a look that assumes no law points elsewhere or nowhere it is as good as noise allows, and weighs
+`ALONE`: what the named one leaves counts against it. Where the look points to the same place and kind, what
+is left is due to the law and not to the place, and something else weighs no more than `AGREES`. Both weights,
+and the pieces, were tuned on campaigns of the virtual rig that judge nothing (`benchmarks/calibration.py`).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+from jaxtyping import Float
+
+from flexmodal.diagnosis.lawfree.result import Findings
+from flexmodal.diagnosis.selection.comparison import Comparison
+from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
+from flexmodal.diagnosis.setup import Setup
+
+PIECES = 3.0
+"""Independent pieces of an FRF, as far as errors of a law go: a resonance or two, in size and in phase."""
+AGREES, ALONE = 0.05, 0.2
+"""Odds of something that was not considered against what is named, both equally good."""
+TELLS = 0.2
+"""Misfit below which a look fits what is noise: with as many unknowns as FRFs it says nothing [noise]."""
+
+
+@runtime_checkable
+class Looked(Protocol):
+    """Data of FRFs with a look that assumes no law."""
+
+    @property
+    def setup(self) -> Setup:
+        """What a diagnosis works with."""
+
+    @property
+    def look(self) -> Findings:
+        """What was found without a law."""
+
+
+def confidences(data: Looked, comparison: Comparison[FittedFrfs], chosen: int) -> Float[np.ndarray, " model"]:
+    """Probability of each model, at most that of the comparison; what they lack of 1 is something else's.
+
+    Args:
+        data: on which they were compared.
+        comparison: of models.
+        chosen: number of the one that is named.
+    """
+    observations, look = data.setup.observations, data.look
+    models = comparison.models
+    key = models[chosen].key
+    costs = np.array([float(one.costs.sum()) for one in models])
+    sizes = np.array([float(one.strong) for one in models])
+    priors = np.array([float(one.prior) for one in models])
+    agrees = look.left > TELLS and key in look.met([key])
+    variance, floor = observations.variance[observations.used], models[0].fitted.weighing.floor
+    noise = math.inf if agrees else float(np.sum(variance / (variance + floor**2)))
+    odds = AGREES if agrees else ALONE
+    found = probabilities(costs, sizes, priors, chosen, PIECES * len(models[0].costs), noise, odds)
+    return np.minimum(found, np.where(np.arange(len(found)) == chosen, comparison.probability, 1.0))
+
+
+def probabilities(
+    costs: Float[np.ndarray, " model"],
+    sizes: Float[np.ndarray, " model"],
+    priors: Float[np.ndarray, " model"],
+    chosen: int,
+    pieces: float,
+    noise: float,
+    odds: float,
+) -> Float[np.ndarray, " model"]:
+    """Of the formula above.
+
+    Args:
+        costs: C, sums of squares.
+        sizes: n, numbers of parameters.
+        priors: xᵀPx.
+        chosen: number of the model that is named.
+        pieces: ν.
+        noise: sum of squares that something else would leave; what the chosen one leaves, if that is less.
+        odds: of something else against the chosen one, were both equally good.
+    """
+    other = (sizes * np.log1p(pieces) + priors) / 2
+    score = -pieces / 2 * np.log(np.maximum(costs, 1e-300)) - other
+    ideal = -pieces / 2 * np.log(max(min(float(costs[chosen]), noise), 1e-300)) - other[chosen]
+    total = np.logaddexp.reduce(np.append(score, ideal + np.log(odds)))
+    return np.asarray(np.exp(score - total))
