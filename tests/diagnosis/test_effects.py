@@ -606,13 +606,13 @@ def test_unknown_effects_are_named_all_at_once():
 
 def test_a_structure_seen_anywhere_is_that_of_the_observations(hinged, observed):
     _, _, hypothesis, after = hinged
-    (group,) = hypothesis.groups(after.x, observed, slopes=True)
     places = [(int(n), int(d)) for n, d in np.unique(observed.response, axis=0)]
     structures = hypothesis.structures(after.x, places, places[:1], slopes=True)
-    for number, posture in enumerate(group.part.posture.tolist()):
-        structure, other = structures[posture], group.structures[number]
-        np.testing.assert_array_equal(structure.mass, other.mass)
-        np.testing.assert_array_equal(structure.response, other.response)
+    for group in hypothesis.groups(after.x, observed, slopes=True):
+        for number, posture in enumerate(group.part.posture.tolist()):
+            structure, other = structures[posture], group.structures[number]
+            np.testing.assert_array_equal(structure.mass, other.mass)
+            np.testing.assert_array_equal(structure.response, other.response)
 
 
 @pytest.fixture(scope="module")
