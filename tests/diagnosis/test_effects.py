@@ -270,6 +270,27 @@ def test_joints_relax(bench):
     np.testing.assert_allclose(found, expected, rtol=2e-3, atol=1e-3 * np.abs(expected).max())
 
 
+def test_a_mass_that_is_long_is_a_row_of_masses(standing):
+    """Spread along the link it is two masses there, as far apart as its radius of gyration says."""
+    context, observed, stand = standing
+    from flexmodal.diagnosis.effects.added_mass import place_on
+
+    where = context.links[1]
+    values = {
+        "mass": 3.0, "along": 0.6, "beside": 0.05, "above": -0.02, "gyration": 0.01, "length_ratio": 20.0,
+        "side_ratio": 0.1, "mount_frequency": 500 * context.band[1],
+    }  # fmt: skip
+    place, axis = place_on(context, where, values), along(context, where)[1]
+    half = 20.0 * 0.01 / np.sqrt(2)
+    ends = [
+        {"mass": 1.5, **dict(zip("xyz", (place + way * half * axis).tolist(), strict=True)), "gyration": 1e-4}
+        for way in (1, -1)
+    ]
+    expected = theirs(observed, stand, "added_mass", where, ends[0], more=ends[1:])
+    found = ours(context, observed, "added_mass", where, values)
+    np.testing.assert_allclose(found, expected, rtol=5e-3, atol=1e-4 * np.abs(expected).max())
+
+
 APART = ("across_ratio", "stiffness", "other", "other_ratio", "across_x", "across_y", "across_z")
 
 

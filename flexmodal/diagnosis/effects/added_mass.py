@@ -1,7 +1,7 @@
 """A payload, motor or tool that the card lacks: a compact mass on a link, on its axis or beside it.
 
-What holds it may give, alike in every direction, so little that it swings beyond the band only; what swings
-within is an absorber.
+In space it may be a disc or a rod, longer along the link or to a side. What holds it may give, alike in every
+direction, so little that it swings beyond the band only; what swings within is an absorber.
 """
 
 from __future__ import annotations
@@ -36,6 +36,7 @@ def _parameters(context: Context, where: str) -> tuple[Parameter, ...]:
     ]
     if context.normal is None:
         found.append(signed("above", "m", 0.06, -0.5, 0.5))
+        found += [positive(name, "", 1.0, 0.5, 0.05, 20.0) for name in ("length_ratio", "side_ratio")]
     return tuple(found)
 
 
@@ -49,9 +50,22 @@ def place_on(context: Context, where: str, values: Mapping[str, float]) -> np.nd
     return place
 
 
-def _compact(placement: Placement, place: np.ndarray) -> Body:
-    """With the same moment of inertia about every axis, as a ball or a cube has."""
-    return Body(placement["mass"], place, placement["mass"] * placement["gyration"] ** 2 * np.eye(3))
+def _turning(placement: Placement) -> list[tuple[np.ndarray, float]]:
+    """Axes through the mass centre, in the frame of the link, and the moments of inertia about them [kg·m²].
+
+    Each is the sum of the mass's spreads along the two others, so that some body has them.
+    """
+    _, axis = along(placement.context, placement.where)
+    first, *_ = sides(placement.context, placement.where, axis)
+    ways = [axis, first, np.cross(axis, first)]
+    ratios = (placement.values.get("length_ratio", 1.0), placement.values.get("side_ratio", 1.0), 1.0)
+    spread = placement["mass"] * placement["gyration"] ** 2 / 2 * np.array(ratios) ** 2
+    return list(zip(ways, (spread.sum() - spread).tolist(), strict=True))
+
+
+def _body(placement: Placement, place: np.ndarray) -> Body:
+    inertia = np.sum([size * np.outer(way, way) for way, size in _turning(placement)], axis=0)
+    return Body(placement["mass"], place, inertia)
 
 
 def _ways(context: Context, where: str) -> list[np.ndarray]:
@@ -78,8 +92,8 @@ def _act(assembly: Assembly, placement: Placement) -> None:
         assembly.add_inertia(carried + row, mass)
         assembly.add_spring(row, mass * own**2)
         assembly.add_damper(row, 2 * LOSS * mass * own)
-    for k in range(3):
-        assembly.add_inertia(motion[..., k + 3, :], mass * placement["gyration"] ** 2)
+    for way, size in _turning(placement):
+        assembly.add_inertia(np.sum((axes @ way)[..., :, None] * motion[..., 3:, :], axis=-2), size)
 
 
 def _physical(context: Context, where: str, values: Mapping[str, float]) -> dict[str, float]:
@@ -95,7 +109,7 @@ def _physical(context: Context, where: str, values: Mapping[str, float]) -> dict
 
 def _extend(draft: Draft, placement: Placement) -> None:
     place = place_on(placement.context, placement.where, placement.values)
-    body, own = _compact(placement, place), 2 * np.pi * placement["mount_frequency"]
+    body, own = _body(placement, place), 2 * np.pi * placement["mount_frequency"]
     ways = _ways(placement.context, placement.where)
     gives = placement["mount_frequency"] < RIGID * placement.context.band[1]
     joints = draft.attach(
