@@ -71,7 +71,8 @@ def test_a_hidden_mass_is_found_and_compared(loaded):
     assert step.gaps.held_out_after < 0.8 * step.gaps.held_out_before
     assert any(one.effect == "none" for one in step.alternatives), "the robot re-tuned is always compared"
     assert step.confidence > 0.9
-    assert sum(one.confidence for one in step.alternatives) + step.confidence == pytest.approx(1, abs=1e-9)
+    known = sum(one.confidence for one in step.alternatives) + step.confidence
+    assert 0.8 < known < 1, "the rest is for what was not considered"
     assert step.units["mass"] == "kg"
     assert 0 < step.uncertainty["mass"] < step.parameters["mass"]
 
