@@ -120,6 +120,7 @@ def test_the_film_goes_from_the_start_to_the_optimum(arm, outcome, tmp_path):
         assert pinned == tab.locator("#chart .curve.live").get_attribute("d")  # it stands at the start again
 
 
+@pytest.mark.slow
 def test_the_self_motion_shows_the_objective(arm, tmp_path):
     """Of several directions and frequencies, at the posture found, beside Python's."""
     ways = tuple(PointDirection("tool", axis) for axis in "xz")

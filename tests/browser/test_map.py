@@ -146,6 +146,7 @@ def test_a_place_can_be_chosen_with_keys(tab, arm):
     settled(tab)
 
 
+@pytest.mark.slow
 def test_a_force_that_moves_nothing_has_a_map_too(browser, tmp_path):
     """Across the plane of a planar arm every receptance is zero."""
     arm = load("fanuc_s360")

@@ -42,6 +42,7 @@ def test_a_point_that_stands_still_brings_nothing():
     assert information(still, still, NOISE).tolist() == [0.0]
 
 
+@pytest.mark.slow
 def test_two_models_are_told_apart_in_a_posture_that_was_tried(observed, hinged):
     root, before, hypothesis, after = hinged
     one, other = (

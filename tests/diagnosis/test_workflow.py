@@ -161,6 +161,7 @@ def test_parameters_beyond_belief_count_against_whoever_needs_them(loaded):
     assert here.prior == pytest.approx(float(np.sum(root.space.precision * here.fitted.x**2)))
 
 
+@pytest.mark.slow
 def test_started_from_everywhere_it_leaves_a_local_minimum():
     """A soft foundation: from a stiff tilt a fit ends beside the truth, from all starts it ends on it."""
     measured, robot = campaign("base_flexibility@base", seed=4)

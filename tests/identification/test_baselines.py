@@ -121,6 +121,7 @@ def test_angles_that_belong_to_other_postures_are_told(campaign, fanuc):
     assert "angles and FRFs do not belong together as stated" in told.verdict
 
 
+@pytest.mark.slow
 def test_one_point_and_untrusted_masses_tell_no_scale(campaign, fanuc):
     """Records 20 % too large make every mass and stiffness 20 % smaller and leave the misfit as it is."""
     frfs = campaign.frfs.select(response=campaign.points[0].id)

@@ -97,6 +97,7 @@ def test_zero_infinity_and_errors(arm):
         FunctionObjective(fails).value(posed)
 
 
+@pytest.mark.slow
 def test_posture_by_depth_of_cut(fanuc):
     """On the held point of a named posture the search cuts deeper, by the full comparison too."""
     cut = read_cut(CUT)

@@ -223,6 +223,7 @@ def test_a_start_at_an_undamped_resonance(tmp_path):
         optimise(free, start=start, starts=1)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("types_unchecked")
 @pytest.mark.parametrize("case", ["position", "orientation", "axis", "angle", "axis in the plane"])
 def test_compiled_and_plain_find_the_same(arm, ur5, case):

@@ -216,6 +216,7 @@ def test_the_vibration_is_that_under_the_force(three):
         assert problem.values(postures)[place] == pytest.approx(expected, rel=1e-12)
 
 
+@pytest.mark.slow
 def test_with_the_tool_held_upright(arm):
     hold = lambda place: Hold.at(arm, place, orientation=(np.pi / 2,))  # noqa: E731
     problem = PathProblem.along(arm, line((-2.5, 1.5), (-2.3, 1.7), 3, 0.05), 5.0, hold=hold)

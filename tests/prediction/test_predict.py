@@ -101,6 +101,7 @@ def test_the_choice_is_that_of_the_smallest_gap_left_out(problem):
         assert len(each) == len(left.postures)
 
 
+@pytest.mark.slow
 def test_left_out_gaps_are_those_of_the_identification(problem, campaign, fanuc):
     """Physics, mean and nearest: by another room's loop over the same folds."""
     beside = identify(campaign, fanuc, source="frf", trust=POOR).baselines
@@ -285,6 +286,7 @@ def test_without_scikit_learn_it_says_what_to_install(campaign, fanuc, monkeypat
         build_prediction(campaign, fanuc)
 
 
+@pytest.mark.slow
 def test_along_the_axes_of_a_link_it_predicts_and_says_so(campaign, fanuc):
     """The data of the world's axes taken for those of a link: other numbers, and the axes in the verdict."""
     points = tuple(replace(one, frame="link") for one in campaign.points[:1])

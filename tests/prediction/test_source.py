@@ -70,6 +70,7 @@ def test_signs_mirrors_and_points_of_the_robot(source, fanuc, every):
     np.testing.assert_allclose(placed.receptances(posed, pairs[:1], np.array([12.0]))[0], found[0])
 
 
+@pytest.mark.slow
 def test_a_search_ends_where_the_prediction_says_the_same(source, problem, fanuc):
     judge = ReceptanceObjective("location_1:+z", 12.0, source=source)
     start = dict.fromkeys(fanuc.commanded, 0.3)

@@ -64,6 +64,7 @@ def test_an_arm_has_places_for_what_is_hidden_in_it(tmp_path):
         assert plane_normal(robot) is None
 
 
+@pytest.mark.slow
 def test_a_question_is_posed_without_telling_what_is_hidden(tmp_path):
     question = exam_plan.Question(
         "1", "arm", "pair", ("time_delay", "joint_coupling"), 3, ("all_pass", "idler"), 17
