@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -44,7 +44,6 @@ class PredictedReceptances:
     problem: PredictionProblem
     method: str = ""
     """The one that predicts best what was left out, if empty."""
-    _rows: dict[Pair, tuple[int, int]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         """Check the method.
@@ -179,10 +178,7 @@ class PredictedReceptances:
 
     def _places(self, posed: PosedRobot, pairs: Sequence[Pair]) -> tuple[np.ndarray, np.ndarray]:
         """Number of the place of each pair, and the sign with which its record is taken."""
-        for pair in pairs:
-            if pair not in self._rows:
-                self._rows[pair] = self._place(posed, pair)
-        found = [self._rows[pair] for pair in pairs]
+        found = [self._place(posed, pair) for pair in pairs]
         return np.array([row for row, _ in found]), np.array([[sign] for _, sign in found])
 
     def _place(self, posed: PosedRobot, pair: Pair) -> tuple[int, int]:
