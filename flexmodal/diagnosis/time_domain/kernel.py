@@ -25,6 +25,9 @@ CLOSE = 1e-6
 def law(kind, p, old, new, memory):
     """Torque at an elongation and its derivative, the limit of friction taken as that of the step's speed.
 
+    Where a torque falls back to a lower limit its derivative is given as 0: the equations of a step then stay
+    far from singular, and settle all the same.
+
     Args:
         kind: code of the law.
         p: its five parameters, the last one of friction in elongation per step.
@@ -54,7 +57,7 @@ def law(kind, p, old, new, memory):
     power = 1.0 - p[2]
     if abs(power) < 1e-9:
         share *= np.exp(-way)
-        return limit - limit * share, p[1] * share
+        return limit - limit * share, max(p[1] * share, 0.0)
     size = abs(share)
     left = size**power - power * way if size > 0.0 else 0.0
     if left <= 0.0:
@@ -62,7 +65,7 @@ def law(kind, p, old, new, memory):
     size = left ** (1.0 / power)
     if share < 0.0:
         size = -size
-    return limit - limit * size, p[1] * size / left
+    return limit - limit * size, max(p[1] * size / left, 0.0)
 
 
 @no_type_check

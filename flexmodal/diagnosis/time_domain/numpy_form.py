@@ -90,4 +90,4 @@ def _law(
         size = np.where(smooth, np.abs(share) * np.exp(-way), np.where(left > 0, left ** (1 / root), 0.0))
         slope = np.where(size > 0, p[:, 1] * size ** p[:, 2], 0.0)
     sign = np.sign(share)
-    return limit - limit * sign * size, sign * slope
+    return limit - limit * sign * size, np.maximum(sign * slope, 0.0)
