@@ -51,9 +51,7 @@ class Surface:
             MissingExtra: scikit-learn is not installed.
         """
         count = min((len(one) for one in resonances), default=0)
-        middle = (
-            np.exp(np.mean([np.log(one[:count]) for one in resonances], axis=0)) if count else np.zeros(0)
-        )
+        middle = np.zeros(0)
         if count:
             middle = np.exp(np.mean([np.log(one[:count]) for one in resonances], axis=0))
             rows = [
