@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 from exam_plan import NAMED
 from scipy.stats import beta
-from tables import TABLES, kept, write
+from tables import TABLES, answered, write
 
 import flexmodal
 from flexmodal.diagnosis import diagnose
@@ -151,14 +151,9 @@ def main() -> None:
     parser.add_argument("--campaigns", type=int, default=60, help="small ones")
     parser.add_argument("--first", type=int, default=FIRST, help="of the seeds")
     given = parser.parse_args()
-    cache, before = kept(f"calibration-{given.first}")
-    done = {row["seed"]: row for row in before}
-    for seed in range(given.first, given.first + given.campaigns):
-        if seed not in done:
-            done[seed] = one(seed)
-            with cache.open("a", encoding="utf-8") as file:
-                file.write(json.dumps(done[seed]) + "\n")
-    small = [each for seed in sorted(done) for each in statements(done[seed]["steps"], done[seed]["truth"])]
+    seeds = range(given.first, given.first + given.campaigns)
+    rows = answered(f"calibration-{given.first}", seeds, one)
+    small = [each for row in rows for each in statements(row["steps"], row["truth"])]
     exams = [each for folder in given.folders for each in of_exam(folder)]
     report(small, exams, given.first == FIRST)
 

@@ -13,13 +13,11 @@ run goes on.
 from __future__ import annotations
 
 import argparse
-import json
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
-from tables import kept, write
+from tables import answered, write
 
 import flexmodal
 from flexmodal.diagnosis import Diagnosis, diagnose
@@ -184,15 +182,8 @@ def main() -> None:
     parser.add_argument("--campaigns", type=int, default=40, help="posed; about two in five are ambiguous")
     parser.add_argument("--first", type=int, default=FIRST, help="of the seeds")
     given = parser.parse_args()
-    cache, rows = kept(f"next-{given.first}")
-    done = {row["seed"]: row for row in rows}
-    for seed in range(given.first, given.first + given.campaigns):
-        if seed not in done:
-            done[seed] = one(seed)
-            with Path(cache).open("a", encoding="utf-8") as file:
-                file.write(json.dumps(done[seed]) + "\n")
-        print(done[seed], flush=True)
-    report([done[seed] for seed in sorted(done)], given.first == FIRST)
+    seeds = range(given.first, given.first + given.campaigns)
+    report(answered(f"next-{given.first}", seeds, one), given.first == FIRST)
 
 
 def report(rows: list[dict[str, Any]], published: bool) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +26,25 @@ def kept(name: str) -> tuple[Path, list[dict[str, Any]]]:
     cache.parent.mkdir(exist_ok=True)
     lines = cache.read_text(encoding="utf-8").splitlines() if cache.exists() else []
     return cache, [json.loads(line) for line in lines]
+
+
+def answered(name: str, seeds: Iterable[int], one: Callable[[int], dict[str, Any]]) -> list[dict[str, Any]]:
+    """What was made of every seed, each kept as soon as it is there; a run that was stopped goes on.
+
+    Args:
+        name: of the file that keeps them, see `kept`.
+        seeds: that are asked; what was kept of others counts too.
+        one: makes a row, which has the seed, of one.
+    """
+    cache, rows = kept(name)
+    done = {row["seed"]: row for row in rows}
+    for seed in seeds:
+        if seed not in done:
+            done[seed] = one(seed)
+            with cache.open("a", encoding="utf-8") as file:
+                file.write(json.dumps(done[seed]) + "\n")
+            print(done[seed], flush=True)
+    return [done[seed] for seed in sorted(done)]
 
 
 def thesis(name: str) -> list[dict[str, str]]:

@@ -26,6 +26,7 @@ from flexmodal.identification.frf_fit import residual
 from flexmodal.identification.model import FrfModel, evaluated
 from flexmodal.identification.observations import Observations
 from flexmodal.identification.sensitivities import Nuisance, Sensitivities, moved, nuisances_of
+from flexmodal.identification.shared import independence
 
 WORTH = 3.0
 """Evidence that fitting a parameter has to promise by its score [nat]."""
@@ -233,15 +234,8 @@ def _temper(r: np.ndarray, variance: np.ndarray, used: np.ndarray) -> float:
     """κ/s²: by how much of the lines count, and how large what is left is."""
     z = np.where(used, r, 0.0) / np.sqrt(variance)
     z = z * np.minimum(1.0, HUBER / np.maximum(np.abs(z), 1e-12))
-    power = float(np.sum(np.abs(z) ** 2))
-    total = 1.0
-    for lag in range(1, min(_MOST_LAG, z.shape[1] - 1)):
-        rho = float(np.sum((z[:, lag:] * z[:, :-lag].conj()).real)) / max(power, 1e-300)
-        if rho < 0.02:
-            break
-        total += 2 * rho
-    mean = power / max(int(used.sum()), 1)
-    return 1.0 / (total * max(1.0, mean))
+    mean = float(np.sum(np.abs(z) ** 2)) / max(int(used.sum()), 1)
+    return independence(z, _MOST_LAG) / max(1.0, mean)
 
 
 def _evaluated(

@@ -28,6 +28,26 @@ from flexmodal.identification.observations import Observations
 FEWEST = 20
 """Pairs of lines from which an observation says anything."""
 
+LEAST = 0.02
+"""Autocorrelation from which neighbours count as independent."""
+
+
+def independence(weighted: Complex[np.ndarray, "observation line"], furthest: int) -> float:
+    """κ = 1/(1 + 2Σρ): part of the lines that count, by the autocorrelation ρ of residuals.
+
+    Args:
+        weighted: residuals in standard deviations.
+        furthest: lag at which the sum ends at the latest [line].
+    """
+    power = float(np.sum(np.abs(weighted) ** 2))
+    total = 1.0
+    for lag in range(1, min(furthest, weighted.shape[1] - 1)):
+        rho = float(np.sum((weighted[:, lag:] * np.conj(weighted[:, :-lag])).real)) / max(power, 1e-300)
+        if rho < LEAST:
+            break
+        total += 2 * rho
+    return 1 / total
+
 
 def shared_misfit(observations: Observations, predicted: Complex[np.ndarray, "observation line"]) -> float:
     """Median of s over the observations, in variances of the noise; NaN where none has enough lines.

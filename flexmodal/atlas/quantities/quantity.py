@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -11,6 +12,7 @@ import numpy as np
 from jaxtyping import Float
 
 from flexmodal.model import PosedRobot, Robot
+from flexmodal.model.receptance_source import Pair
 
 
 @dataclass(frozen=True)
@@ -50,6 +52,20 @@ class Quantity(ABC):
     @abstractmethod
     def facts(self) -> dict[str, Any]:
         """What tells it from others, for JSON."""
+
+
+def asked_for(pairs: Sequence[Pair], frequency: Float[np.ndarray, " line"]) -> dict[str, Any]:
+    """Pairs, and frequencies as a digest of their bytes, of the facts of receptances.
+
+    Args:
+        pairs: responses and forces.
+        frequency: [Hz].
+    """
+    return {
+        "pairs": [[str(left), str(right)] for left, right in pairs],
+        "frequencies": [len(frequency), float(frequency[0]), float(frequency[-1])],
+        "frequencies_digest": hashlib.sha256(frequency.tobytes()).hexdigest()[:16],
+    }
 
 
 def posed_at(robot: Robot, values: np.ndarray) -> Iterator[PosedRobot]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -10,7 +9,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Complex, Float
 
-from flexmodal.atlas.quantities.quantity import Quantity, Variable
+from flexmodal.atlas.quantities.quantity import Quantity, Variable, asked_for
 from flexmodal.errors import Fault, InvalidRequest, SingularResponse
 from flexmodal.frf import PointDirection, frequency_axis
 from flexmodal.frf.kernels.route import LONG, WAYS, has_numba
@@ -108,9 +107,7 @@ class Receptances(Quantity):
         """Pairs, frequencies as a digest of their bytes, way, precision."""
         return {
             "name": self.name,
-            "pairs": [[str(left), str(right)] for left, right in self.pairs],
-            "frequencies": [len(self.frequency), float(self.frequency[0]), float(self.frequency[-1])],
-            "frequencies_digest": hashlib.sha256(self.frequency.tobytes()).hexdigest()[:16],
+            **asked_for(self.pairs, self.frequency),
             "way": self.way,
             "precision": "single" if self.single else "double",
         }

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -10,7 +9,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from flexmodal.atlas.quantities.quantity import Quantity, Variable, posed_at
+from flexmodal.atlas.quantities.quantity import Quantity, Variable, asked_for, posed_at
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.frf import PointDirection
 from flexmodal.model import Robot
@@ -102,8 +101,6 @@ class SourcedReceptances(Quantity):
         """Pairs, frequencies as a digest of their bytes, and the source."""
         return {
             "name": self.name,
-            "pairs": [[str(left), str(right)] for left, right in self.pairs],
-            "frequencies": [len(self.frequency), float(self.frequency[0]), float(self.frequency[-1])],
-            "frequencies_digest": hashlib.sha256(self.frequency.tobytes()).hexdigest()[:16],
+            **asked_for(self.pairs, self.frequency),
             "source": dict(self.source.facts()),
         }

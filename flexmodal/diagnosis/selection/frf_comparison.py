@@ -28,6 +28,7 @@ from flexmodal.diagnosis.selection.comparison import Comparison
 from flexmodal.identification import Observations, predict
 from flexmodal.identification.descent import prior_cost, robust
 from flexmodal.identification.frf_fit import FrfFit, Weighting, residual
+from flexmodal.identification.shared import independence
 from flexmodal.identification.uncertainty import clusters
 
 DRAWS = 400
@@ -114,20 +115,12 @@ def cluster_costs(
     return np.bincount(clusters(observations), weights=robust(squared).sum(axis=1))
 
 
-def independence(
+def _independent(
     observations: Observations, predicted: Complex[np.ndarray, "observation line"], floor: float
 ) -> float:
-    """κ = 1/(1 + 2Σρ): part of the lines that count, by the autocorrelation of the weighted residuals."""
+    """κ of a model's residuals."""
     weight = np.sqrt(Weighting(floor, np.arange(len(observations.axis))).weight(observations))
-    r = weight * residual(predicted, observations.value)
-    power = float(np.sum(np.abs(r) ** 2))
-    total = 1.0
-    for lag in range(1, min(_MOST_LAG, r.shape[1] - 1)):
-        rho = float(np.sum((r[:, lag:] * np.conj(r[:, :-lag])).real)) / max(power, 1e-300)
-        if rho < 0.02:
-            break
-        total += 2 * rho
-    return 1 / total
+    return independence(weight * residual(predicted, observations.value), _MOST_LAG)
 
 
 def compare_models(
@@ -142,7 +135,7 @@ def compare_models(
     """
     totals = np.array([one.costs.sum() for one in models])
     best = int(np.argmin(totals))
-    kept = independence(observations, models[best].predicted, models[0].fitted.weighing.floor)
+    kept = _independent(observations, models[best].predicted, models[0].fitted.weighing.floor)
     lines = max(int(observations.used.sum()), 1)
     temper = kept / max(1.0, totals[best] / lines)
     costs = np.array([one.costs for one in models]) * temper / 2
