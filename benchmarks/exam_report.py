@@ -56,8 +56,10 @@ def judged(result: dict) -> dict:
     if question.kind == "outside":
         row["effect"] = row["place"] = "unknown" in names
     else:
-        row["effect"] = sorted(names) == sorted(name for name, _ in hidden)
-        row["place"] = sorted(said) == sorted(hidden)
+        # what remains is told as unknown beside a name; alone it is an answer of its own
+        told = [one for one in said if one[0] != "unknown"] or said
+        row["effect"] = sorted(name for name, _ in told) == sorted(name for name, _ in hidden)
+        row["place"] = sorted(told) == sorted(hidden)
     return row
 
 

@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import replace
-from itertools import product
+from functools import partial
+from itertools import combinations_with_replacement, product
 
 import numpy as np
 
 from flexmodal.diagnosis.effects import base_flexibility, bearing_flexibility, hinges, link_flexibility
 from flexmodal.diagnosis.effects.context import Context
-from flexmodal.diagnosis.effects.effect import Bodies, Placement
-from flexmodal.diagnosis.lawfree.port import Patterns, PortKind, constant, outer
+from flexmodal.diagnosis.effects.effect import Bodies, Effect, Placement
+from flexmodal.diagnosis.lawfree.port import Patterns, PortKind, Wider, constant, outer
 from flexmodal.structure import Parameter
 from flexmodal.structure.arm import carried
 from flexmodal.structure.assembly import Assembly
 
 BASE_AXIS = ("aside", "ahead")
 """Of the foundation in space [m]."""
+
+
+Terms = Callable[[Context], list[tuple[int, int]]]
 
 
 def _base_terms(context: Context) -> list[tuple[int, int]]:
@@ -29,27 +34,33 @@ def _base_terms(context: Context) -> list[tuple[int, int]]:
     return [(k, k) for k in range(count)] + ([(0, 2), (1, 2)] if count == 3 else [(0, 4), (1, 3)])
 
 
-def _base_patterns(assembly: Assembly, placement: Placement) -> Patterns:
+def _every_term(context: Context) -> list[tuple[int, int]]:
+    """Any two of the coordinates: several springs and masses, each about an axis of its own."""
+    count = len(base_flexibility.motions(context.normal)[0])
+    return list(combinations_with_replacement(range(count), 2))
+
+
+def _base_patterns(terms: Terms, assembly: Assembly, placement: Placement) -> Patterns:
     context = placement.context
     rows = [assembly.row(name) for name in base_flexibility.motions(context.normal)[0]]
-    return Patterns(compliance=np.stack([outer(rows[i], rows[j], 1)[0] for i, j in _base_terms(context)]))
+    return Patterns(compliance=np.stack([outer(rows[i], rows[j], 1)[0] for i, j in terms(context)]))
 
 
-def _base_functions(context: Context, where: str) -> tuple[str, ...]:
+def _base_functions(terms: Terms, context: Context, where: str) -> tuple[str, ...]:
     names = base_flexibility.motions(context.normal)[0]
-    return tuple(names[i] if i == j else f"{names[i]} × {names[j]}" for i, j in _base_terms(context))
+    return tuple(names[i] if i == j else f"{names[i]} × {names[j]}" for i, j in terms(context))
 
 
-def _base_sizes(context: Context, where: str, frequency: np.ndarray) -> np.ndarray:
+def _base_sizes(terms: Terms, context: Context, where: str, frequency: np.ndarray) -> np.ndarray:
     tilt, shift = base_flexibility.sizes(context)
     _, motion = base_flexibility.motions(context.normal)
     each = [1 / (tilt if way[3:].any() else shift) for way in motion.T]
-    return constant([float(np.sqrt(each[i] * each[j])) for i, j in _base_terms(context)], frequency)
+    return constant([float(np.sqrt(each[i] * each[j])) for i, j in terms(context)], frequency)
 
 
-def _base_starts(context: Context, where: str) -> tuple[tuple[float, ...], ...]:
+def _base_starts(every: Terms, context: Context, where: str) -> tuple[tuple[float, ...], ...]:
     _, motion = base_flexibility.motions(context.normal)
-    turns, terms = [bool(way[3:].any()) for way in motion.T], _base_terms(context)
+    turns, terms = [bool(way[3:].any()) for way in motion.T], every(context)
     grid = product((0.03, 0.2, 1.0, 5.0, 30.0), (0.01, 0.2, 1.0, 5.0, 30.0))
     return tuple(
         tuple(0.0 if i != j else tilt if turns[i] else shift for i, j in terms) for tilt, shift in grid
@@ -70,24 +81,40 @@ def _base_shape(assembly: Assembly, placement: Placement) -> None:
     assembly.move_root(assembly.add_coordinates(names), motion)
 
 
-BASE = PortKind(
-    name="base",
-    says="the foundation",
-    places=base_flexibility.EFFECT.places,
-    functions=_base_functions,
-    sizes=_base_sizes,
-    starts=_base_starts,
-    unit="1/stiffness",
-    shape=replace(
-        base_flexibility.EFFECT,
-        name="port",
-        parameters=_base_parameters,
-        geometry=BASE_AXIS,
-        shape=_base_shape,
-        act=None,
-        extend=None,
+def _spread(context: Context, values: Mapping[str, float], functions: np.ndarray) -> np.ndarray:
+    """Compliances about an upright axis as those of the root's origin, between any two coordinates."""
+    _, motion = base_flexibility.motions(context.normal)
+    count = motion.shape[1]
+    about = np.zeros((functions.shape[1], count, count), dtype=complex)
+    for (i, j), value in zip(_base_terms(context), functions, strict=True):
+        about[:, i, j] = about[:, j, i] = value
+    if context.normal is None:
+        turned = carried(motion, -np.array([*(values[name] for name in BASE_AXIS), 0.0]))
+        about = turned @ about @ turned.T
+    return np.stack([about[:, i, j] for i, j in _every_term(context)])
+
+
+def _base(terms: Terms, shape: Effect, wider: Wider | None = None) -> PortKind:
+    return PortKind(
+        name="base",
+        says="the foundation",
+        places=base_flexibility.EFFECT.places,
+        functions=partial(_base_functions, terms),
+        sizes=partial(_base_sizes, terms),
+        starts=partial(_base_starts, terms),
+        unit="1/stiffness",
+        shape=replace(shape, name="port", act=None, extend=None),
+        patterns=partial(_base_patterns, terms),
+        wider=wider,
+    )
+
+
+BASE = _base(
+    _base_terms,
+    replace(base_flexibility.EFFECT, parameters=_base_parameters, geometry=BASE_AXIS, shape=_base_shape),
+    wider=Wider(
+        _base(_every_term, replace(base_flexibility.EFFECT, parameters=lambda context, where: ())), _spread
     ),
-    patterns=_base_patterns,
 )
 
 

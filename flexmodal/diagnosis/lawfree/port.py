@@ -9,13 +9,13 @@ and law identifiable from a few points).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import combinations_with_replacement
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Complex, Float
 
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Effect, Placement
@@ -62,11 +62,25 @@ class PortKind:
     """Whether these are left out instead, as if each had a function of its own."""
     by_blow: bool = False
     """Whether the function is another one in each posture and under each kind of blow."""
+    wider: Wider | None = None
+    """The same with more functions, where it comes near and is not enough."""
 
     @cached_property
     def motions(self) -> Effect:
         """Its shape by the name of its kind, so that ports of several kinds can be in one place."""
         return replace(self.shape, name=self.name)
+
+
+@dataclass(frozen=True, eq=False)
+class Wider:
+    """A kind of port that can do whatever another can, and more; without parameters of its own."""
+
+    kind: PortKind
+    begin: Callable[
+        [Context, Mapping[str, float], Complex[np.ndarray, "function line"]],
+        Complex[np.ndarray, "more line"],
+    ]
+    """Its functions where they do what those of the narrower one do, at values of that one's geometry."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,7 +9,7 @@ import numpy as np
 from flexmodal.diagnosis.lawfree.at_parameters import AtParameters
 from flexmodal.diagnosis.lawfree.beginning import beginnings, origin
 from flexmodal.diagnosis.lawfree.model import PortedModel
-from flexmodal.diagnosis.lawfree.profile import Profile, State
+from flexmodal.diagnosis.lawfree.profile import SETTLED, Profile, State
 
 FLOORS = (0.2, 0.05, 0.01)
 """Relative model error, in the order in which it is lowered."""
@@ -23,6 +23,7 @@ def profiled(
     *,
     floors: tuple[float, ...] = FLOORS,
     steps: int = 8,
+    settled: float = SETTLED,
 ) -> tuple[Profile, State]:
     """Fit a ported model: constants first, then free at every line.
 
@@ -31,8 +32,10 @@ def profiled(
         before: where a fit with all its ports but the last ended, on the same lines.
         floors: relative model errors, lowered one after the other.
         steps: most at each of them.
+        settled: relative change of the cost by a step that ends a descent once functions are free.
     """
-    return finished(*begun(model, before, floor=floors[0], steps=steps), floors=floors[1:], steps=steps)
+    profile, state = begun(model, before, floor=floors[0], steps=steps)
+    return finished(replace(profile, settled=settled), state, floors=floors[1:], steps=steps)
 
 
 def begun(

@@ -31,7 +31,7 @@ LONGEST = 2.0
 FIRST, LAST = 1e-3, 1e4
 """Damping of the first step, and where a descent gives up."""
 SETTLED = 5e-4
-"""A step that changes the cost relatively by less ends a round."""
+"""Relative change of the cost by a step that ends a descent."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,6 +76,8 @@ class Profile:
     """Whether a function is one number over all lines, in its size."""
     still: int = 0
     """Functions, the first so many, that stay as they are."""
+    settled: float = SETTLED
+    """A step that changes the cost relatively by less ends a descent."""
 
     @cached_property
     def weight(self) -> Float[np.ndarray, "observation line"]:
@@ -116,7 +118,11 @@ class Profile:
             state: of the same model.
         """
         ridge = RIDGE * float(np.sum(np.abs(state.z) ** 2))
-        cost = float(self._each(state.residual).sum()) + self._prior(state.x, state.residual) + ridge
+        cost = (
+            float(robust(self.weight * np.abs(state.residual) ** 2).sum())
+            + self._prior(state.x, state.residual)
+            + ridge
+        )
         return replace(state, cost=cost if np.isfinite(cost) else np.inf)
 
     def descended(self, state: State, most: int, *, held: bool = False) -> State:
@@ -141,7 +147,7 @@ class Profile:
                 break
             gained = (state.cost - found.cost) / max(state.cost, 1e-300)
             state, damping = found, damping / 5
-            if gained < SETTLED:
+            if gained < self.settled:
                 break
         return state
 
@@ -170,11 +176,13 @@ class Profile:
         values = 2 * np.count_nonzero(weight)
         functions = np.prod(self.model.zero().shape[:2]) * (1 if self.pooled else len(self.model.lines))
         spare = max(values - 2 * int(functions) - len(self.model.space), 0.05 * values, 1.0)
-        return float(2 * self._each(residual).sum() / spare)
+        return float(2 * robust(self.weight * np.abs(residual) ** 2).sum() / spare)
 
     def mean(self, residual: Complex[np.ndarray, "observation line"]) -> float:
         """Robust χ² over the number of real values, where nothing was fitted."""
-        return float(2 * self._each(residual).sum() / max(2 * np.count_nonzero(self.weight), 1))
+        return float(
+            2 * robust(self.weight * np.abs(residual) ** 2).sum() / max(2 * np.count_nonzero(self.weight), 1)
+        )
 
     def equations(self, state: State, *, held: bool = False) -> Equations:
         """Normal equations.
@@ -276,14 +284,11 @@ class Profile:
         along[:, self.still :] = -np.swapaxes(solved[..., -1] + solved[..., :-1] @ step, 1, 2)
         return step, along
 
-    def _each(self, r: np.ndarray) -> Float[np.ndarray, "observation line"]:
-        return robust(self.weight * np.abs(r) ** 2)
-
     def _prior(self, x: np.ndarray, r: np.ndarray) -> float:
         return self.temper(r) * float(np.sum(self.model.space.precision * (x - self.origin) ** 2))
 
     def _by_line(self, r: np.ndarray, z: Unknown) -> Float[np.ndarray, "cell line"]:
-        each = self._each(r)
+        each = robust(self.weight * np.abs(r) ** 2)
         sums = np.array([each[self.model.cell == cell].sum(axis=0) for cell in range(self.model.cells)])
         return np.asarray(sums + RIDGE * np.sum(np.abs(z) ** 2, axis=1))
 

@@ -11,13 +11,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from flexmodal.diagnosis.lawfree.look import ALIKE, Field, Round, Sighting
+from flexmodal.diagnosis.lawfree.look import SOUND, Field, Round, Sighting
 from flexmodal.diagnosis.lawfree.port import Port
 from flexmodal.diagnosis.lawfree.result import holds
+from flexmodal.diagnosis.lawfree.screening import ALIKE
 
-SOUND = 1.6
-"""Misfit up to which ports are said to explain what is missing: 0.6 if perfect. Tuned on single
-effects of the virtual rig, whose true places had 0.6 to 1.5; how sharply was not measured."""
 GAINS = 1.25
 """Times by which the misfit without any port, or without one of several, has to exceed that with it."""
 FURTHER = 1.1

@@ -13,7 +13,7 @@ from flexmodal.diagnosis.disagreement.compare import disagreement, force_depende
 from flexmodal.diagnosis.disagreement.gaps import gap_of, gaps_of, left, over_noise
 from flexmodal.diagnosis.findings import Findings, ModesSeen
 from flexmodal.diagnosis.hypothesis import Hypothesis
-from flexmodal.diagnosis.lawfree.pursuit import SOUND
+from flexmodal.diagnosis.lawfree.look import SOUND
 from flexmodal.diagnosis.lawfree.result import PORT_OF
 from flexmodal.diagnosis.lawfree.result import Findings as LawFree
 from flexmodal.diagnosis.next_measurement.choose import next_among_fits

@@ -4,8 +4,8 @@ Explained is what is noise. Where the data have a noise floor it decides; where 
 nothing may be left that gains enough, and nothing that is tied. A mode that was measured and that the model
 lacks leaves it open in any case. Where a floor shows that the model is not there, the name of its effect
 stands only if a law-free look points to the same place and class and the effect takes the larger part of the
-disagreement; the places to which it points besides are told as unknown. Where there is no floor, what was
-added stands beside what is left.
+disagreement; what remains is told as unknown beside it, at the places to which the look points besides, or
+where the disagreement is largest. Where there is no floor, what was added stands beside what is left.
 """
 
 from __future__ import annotations
@@ -27,7 +27,8 @@ def verdict(facts: Facts) -> Verdict:
     explained = facts.reached > Answer.NO and not open_ and not facts.contradicted
     added = tuple((step.effect, step.where) for step in facts.steps)
     sure = added if explained or not floor else facts.standing
-    effects = sure if explained or not floor else (*sure, *((UNKNOWN, where) for where in facts.lacking_at))
+    besides = () if explained or not floor else facts.lacking_at or (facts.place,)
+    effects = (*sure, *((UNKNOWN, where) for where in besides))
     undecided = facts.undecided
     if explained and facts.reached is Answer.UNDECIDED:
         undecided = (*undecided, BORDER)

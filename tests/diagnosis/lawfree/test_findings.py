@@ -149,7 +149,7 @@ def facts(look):
 
 def test_an_effect_of_another_law_is_named_with_its_share(facts):
     says = verdict(replace(facts, standing=(("link_flexibility", "link_2"),)))
-    assert says.effects == (("link_flexibility", "link_2"),)
+    assert says.effects == (("link_flexibility", "link_2"), ("unknown", "link_2"))
     assert not says.explained
     assert says.share == 0.94
     assert "takes 94" in says.says

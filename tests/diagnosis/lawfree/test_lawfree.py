@@ -14,13 +14,14 @@ from flexmodal.diagnosis.lawfree.curve import classes_of, curve_of
 from flexmodal.diagnosis.lawfree.elastic_ports import BASE, LINK
 from flexmodal.diagnosis.lawfree.joint_ports import COUPLING, DAMPING, JOINT, TORQUE
 from flexmodal.diagnosis.lawfree.kinds import KINDS
-from flexmodal.diagnosis.lawfree.look import ALIKE, Field, carried_over, noise_of
+from flexmodal.diagnosis.lawfree.look import Field, carried_over, noise_of
 from flexmodal.diagnosis.lawfree.model import PortedModel
 from flexmodal.diagnosis.lawfree.port import Port
 from flexmodal.diagnosis.lawfree.ported_fit import profiled
 from flexmodal.diagnosis.lawfree.profile import Profile
 from flexmodal.diagnosis.lawfree.pursuit import MOST, alone, pursued
 from flexmodal.diagnosis.lawfree.reading_ports import BLOWS, CHANNEL, SENSOR
+from flexmodal.diagnosis.lawfree.screening import ALIKE
 from flexmodal.diagnosis.placed import Placed
 from flexmodal.identification import observe, predict, unlimited
 from flexmodal.rig import simulate

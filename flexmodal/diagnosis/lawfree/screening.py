@@ -1,0 +1,109 @@
+"""The first round over all ports: fits of few steps to a part of the data, and which ports go on."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from jaxtyping import Complex
+
+from flexmodal.diagnosis.lawfree.model import Unknown
+from flexmodal.diagnosis.lawfree.port import Port
+from flexmodal.diagnosis.lawfree.profile import Profile, State
+from flexmodal.identification import Observations
+
+FLOORS = (0.2, 0.05)
+"""Model errors."""
+STEPS = 3
+"""Most at each model error."""
+LINES = 2
+"""It takes every so many of the lines."""
+FRFS = 48
+"""And about so many of the FRFs, drawn by chance from each posture."""
+HOPELESS = 16.0
+"""Times the best reduced χ² at the first model error; ports beyond it are not followed to the next, but the
+best of each kind. On 26 campaigns looked at, no port that came to stand among the best was beyond 10."""
+FEWEST, KEPT = 2, 6
+"""Ports that go on at least, and while they are not far behind."""
+FAR = 10.0
+"""Times the best reduced χ² (its root 3.2): on 26 campaigns looked at, no port farther behind after the
+first round came to within two and a half times the best misfit, but one of almost the same function."""
+WITHIN = 3.0
+"""And others up to so many times the misfit of the best."""
+MOST_KEPT = 10
+MOST_ALIKE, EXPLAINED = 20, 1.5
+"""More go on where one place explains everything, to this reduced χ², and others as well: a mass at the end
+of a link is one on the next link, and neither is to be left out for want of room."""
+BEST_OF_KIND = 15.0
+"""And of each kind the best up to so many times: a coupling of two joints is near its end after a few steps,
+the link between them that does the same, with its many hinges, is not."""
+ALIKE = 1.25
+"""Ports whose misfits are within this factor cannot be told apart; the one with the fewest unknowns is taken.
+
+Tuned on twelve campaigns of the rig with a single effect: the next best place had at least 1.4 times the
+misfit where its port does not contain that of the true one. How sharply was not measured."""
+
+
+Fit = tuple[Profile, State]
+
+
+def on_all(z: Unknown, lines: int) -> Complex[np.ndarray, "cell function every"]:
+    """Functions on every `LINES`th of some lines, on all of them by straight lines.
+
+    Args:
+        z: as the first round found them.
+        lines: how many there are.
+    """
+    known = np.arange(z.shape[-1]) * LINES
+    every = np.arange(lines)
+    flat = z.reshape(-1, z.shape[-1])
+    found = [np.interp(every, known, row.real) + 1j * np.interp(every, known, row.imag) for row in flat]
+    return np.array(found).reshape(*z.shape[:-1], lines)
+
+
+def thinned(observations: Observations) -> Observations:
+    """About `FRFS` of them, the same number of each posture, always the same ones."""
+    stride, chance = len(observations) // FRFS, np.random.default_rng(0)
+    if stride < 2:
+        return observations
+    keep = np.zeros(len(observations), dtype=bool)
+    for posture in np.unique(observations.posture):
+        here = chance.permutation(np.flatnonzero(observations.posture == posture))
+        keep[here[: -(-len(here) // stride)]] = True
+    return observations.keeping(keep)
+
+
+def misfit_of(fit: Fit) -> float:
+    """Its reduced χ²."""
+    profile, state = fit
+    return profile.reduced(state.residual)
+
+
+def near(begins: Sequence[tuple[float, Port, Fit]]) -> list[tuple[Port, Fit]]:
+    """Of all ports at the first model error those that are not hopeless, and of each kind the best."""
+    order = sorted(begins, key=lambda one: one[0])
+    best: dict[str, Port] = {}
+    for _, port, _ in order:
+        best.setdefault(port.kind.name, port)
+    limit = HOPELESS * order[0][0] if order else 0.0
+    return [(port, fit) for misfit, port, fit in order if misfit <= limit or best[port.kind.name] is port]
+
+
+def kept(first: Sequence[tuple[float, Port]]) -> list[Port]:
+    """Of all ports with their misfits, the best first, those that go on."""
+    limit, far = WITHIN * first[0][0], BEST_OF_KIND * first[0][0]
+    alike = ALIKE**2 * first[0][0] if first[0][0] < EXPLAINED else 0.0
+    going = [
+        port
+        for k, (misfit, port) in enumerate(first[:MOST_ALIKE])
+        if k < FEWEST
+        or (k < KEPT and misfit < FAR * first[0][0])
+        or (k < MOST_KEPT and misfit < limit)
+        or misfit < alike
+    ]
+    kinds = {port.kind.name for port in going}
+    for misfit, port in first:
+        if misfit < far and port.kind.name not in kinds:
+            going.append(port)
+            kinds.add(port.kind.name)
+    return going
