@@ -20,6 +20,7 @@ from jaxtyping import Complex, Float
 from flexmodal.diagnosis.lawfree.at_parameters import AtParameters
 from flexmodal.diagnosis.lawfree.beginning import origin
 from flexmodal.diagnosis.lawfree.model import PortedModel, Unknown
+from flexmodal.diagnosis.lawfree.offers import offers
 from flexmodal.errors import SingularResponse
 from flexmodal.identification.descent import robust, robust_weight
 from flexmodal.identification.frf_fit import Weighting
@@ -154,7 +155,7 @@ class Profile:
     def repaired(self, state: State) -> State:
         """Each line offered what its neighbours have, and the median around it; it takes what serves best."""
         z, best = state.z, self._by_line(state.residual, state.z)
-        for offered in _offers(state.z):
+        for offered in offers(state.z):
             other = self.with_functions(state.at, offered)
             if not np.isfinite(other.cost):
                 continue
@@ -291,14 +292,3 @@ class Profile:
         each = robust(self.weight * np.abs(r) ** 2)
         sums = np.array([each[self.model.cell == cell].sum(axis=0) for cell in range(self.model.cells)])
         return np.asarray(sums + RIDGE * np.sum(np.abs(z) ** 2, axis=1))
-
-
-def _offers(z: Unknown) -> list[Unknown]:
-    """What is above and below on the axis, and the median of five lines."""
-    left, right = (
-        np.concatenate([z[..., :1], z[..., :-1]], axis=-1),
-        np.concatenate([z[..., 1:], z[..., -1:]], axis=-1),
-    )
-    wide = np.pad(z, [(0, 0), (0, 0), (2, 2)], mode="edge")
-    stack = np.stack([wide[..., k : k + z.shape[-1]] for k in range(5)])
-    return [left, right, np.median(stack.real, axis=0) + 1j * np.median(stack.imag, axis=0)]
