@@ -1,4 +1,4 @@
-"""What a line of a free function may take from its neighbours, where it ended in another minimum than they."""
+"""What a line of a free function may take from its neighbours where it ended in another minimum."""
 
 from __future__ import annotations
 
