@@ -291,7 +291,12 @@ def test_a_mass_that_is_long_is_a_row_of_masses(standing):
     np.testing.assert_allclose(found, expected, rtol=5e-3, atol=1e-4 * np.abs(expected).max())
 
 
-APART = ("across_ratio", "stiffness", "other", "other_ratio", "across_x", "across_y", "across_z")
+APART = (
+    *("across_ratio", "stiffness", "other", "other_ratio", "across_x", "across_y", "across_z"),
+    *("relaxing", "relaxation_time"),
+)
+LASTING = {"relaxing": 1e-8, "relaxation_time": 1e-2}
+"""Of a spring of which nothing relaxes."""
 
 
 @pytest.mark.parametrize(("arm", "turns"), [("bench", {}), ("standing", {"turn": 0.3, "roll": 0.8})])
@@ -300,7 +305,7 @@ def test_two_absorbers_across_one_another_are_those_of_the_rig(request, arm, tur
     where, effect = context.links[1], catalogue()["local_absorber"]
     values = {
         "mass": 6.0, "frequency": 21.0, "damping_ratio": 0.06, "along": 0.7, "beside": 0.05, "angle": 0.4,
-        "across_ratio": 1e4, "other": 0.6, "other_ratio": 1.6, **turns,
+        "across_ratio": 1e4, "other": 0.6, "other_ratio": 1.6, **LASTING, **turns,
     }  # fmt: skip
     if turns:
         values["above"] = -0.03
@@ -324,7 +329,7 @@ def test_an_absorber_is_free_two_ways(bench):
     where, effect = "link_2", catalogue()["local_absorber"]
     values = {
         "mass": 12.0, "frequency": 21.0, "damping_ratio": 0.06, "along": 0.7, "beside": 0.05, "angle": 0.4,
-        "across_ratio": 1.7, "other": 1e-6, "other_ratio": 5.0,
+        "across_ratio": 1.7, "other": 1e-6, "other_ratio": 5.0, **LASTING,
     }  # fmt: skip
     found = ours(context, observed, "local_absorber", where, values)
     drawn = {**effect.physical(context, where, values), "second": np.sqrt(values["across_ratio"])}
@@ -335,6 +340,25 @@ def test_an_absorber_is_free_two_ways(bench):
     own = {name: value for name, value in drawn.items() if name != "second"}
     plain = theirs(observed, stand, "local_absorber", where, own)
     np.testing.assert_allclose(one_way, plain, rtol=3e-3, atol=1e-3 * np.abs(plain).max())
+
+
+def test_part_of_an_absorbers_spring_relaxes_as_rubber_does(bench):
+    context, observed, stand = bench
+    where, effect = "link_2", catalogue()["local_absorber"]
+    omega, part = 2 * np.pi * 24.0, 0.4
+    static = omega / np.sqrt(1 + part / 2)
+    values = {
+        "mass": 12.0, "frequency": static / (2 * np.pi), "damping_ratio": 1e-4, "along": 0.7, "beside": 0.05,
+        "angle": 0.4, "across_ratio": 1e4, "other": 1e-6, "other_ratio": 5.0,
+        "relaxing": part, "relaxation_time": 1 / omega,
+    }  # fmt: skip
+    physical = effect.physical(context, where, values)
+    rubber = {name: physical[name] for name in ("mass", "x", "y", "z", "dx", "dy", "dz", "relaxing")}
+    other = theirs(observed, stand, "local_absorber", where, {**rubber, "frequency": 24.0}, "rubber")
+    found = ours(context, observed, "local_absorber", where, values)
+    np.testing.assert_allclose(found, other, rtol=2e-3, atol=1e-3 * np.abs(other).max())
+    lasting = ours(context, observed, "local_absorber", where, {**values, "relaxing": 1e-8})
+    assert np.max(np.abs(np.log(lasting / other))) > 0.5
 
 
 def test_a_sensor_off_the_surface_is_a_body_there(bench):

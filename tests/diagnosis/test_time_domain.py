@@ -82,6 +82,13 @@ def test_a_stand_in_loses_what_the_loop_does(presliding, exponent):
     assert np.pi * amplitude**2 * stiffness == pytest.approx(inward, rel=2e-2)
 
 
+@pytest.mark.parametrize("exponent", [0.0, 0.5, 1.0, 1.4])
+def test_a_joint_that_stands_still_sticks(exponent):
+    stiffness, loss = dahl(np.array([0.0, 1e-12]), np.array([0.7, 0.7]), 900.0, exponent)
+    np.testing.assert_allclose(stiffness, 900.0, rtol=1e-4)
+    np.testing.assert_allclose(loss, 0.0, atol=1e-2)
+
+
 def test_friction_of_exponent_0_is_a_spring_that_slides():
     way = np.array([0.0, 5e-4, 5e-3, 4.5e-3, -1e-2])
     held = driven(FRICTION, 0.7, 900.0, way, 0.0)

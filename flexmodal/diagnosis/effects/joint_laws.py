@@ -23,6 +23,10 @@ from flexmodal.structure.assembly import Assembly
 _PHASE = (np.arange(32) + 0.5) * np.pi / 32
 
 
+_STICKS = 1e-6
+"""Of the elongation at which friction slides, up to which it is a spring."""
+
+
 def _swing(placement: Placement) -> tuple[Float[np.ndarray, " system"], Float[np.ndarray, " system"]]:
     """Amplitude and frequency of the joint's swing in each system, see `Swing`."""
     found = [
@@ -60,8 +64,10 @@ def dahl(
     """Stiffness and loss (torque a radian, in and out of phase) of Dahl's friction at an amplitude.
 
     On the way up from −A the part of the way to sliding that is left, r = 1 − F/F_c, falls as
-    dr/dq = −(σ/F_c) rⁱ; where it starts is found by bisection, so that loops close.
+    dr/dq = −(σ/F_c) rⁱ; where it starts is found by bisection, so that loops close. One that hardly swings
+    sticks: what it does there stands for all smaller amplitudes.
     """
+    amplitude = np.maximum(amplitude, _STICKS * np.asarray(torque) / presliding)
     size = np.minimum(presliding * amplitude / torque, 300.0)
     power = 1 - exponent
 

@@ -2,7 +2,9 @@
 
 The second direction is across the first; its spring is so many times as stiff, and where that is much the
 mass is free along one. There may be another mass at the same place that swings along the second direction
-alone; where it weighs next to nothing there is none.
+alone; where it weighs next to nothing there is none. Part of the first spring may relax, as that of rubber: a
+Maxwell element beside it, a standard linear solid's (Zener, Elasticity and Anelasticity of Metals, University
+of Chicago Press 1948).
 """
 
 from __future__ import annotations
@@ -22,8 +24,12 @@ from flexmodal.structure.assembly import Assembly
 HIGHEST = 1.15
 """Of the band's end, up to which something swings; what is stiffer is a mass."""
 
-COORDINATES = ("", " across", " other")
-"""What the mass does along its directions, and what another one does along the second."""
+COORDINATES = ("", " across", " other", " relaxing")
+"""What the mass does along its directions, what another one does along the second, and what relaxes."""
+LIGHT = 1e-4
+"""Inertia of a relaxing spring's end, over that at which it would matter at the end of the band."""
+HELD = 0.02
+"""Part of the stiffness that relaxes from which it is told that no file holds it."""
 NOTHING = 0.01
 """Mass of the other one, over that of the first, which is left out of files."""
 
@@ -41,6 +47,8 @@ def _parameters(context: Context, where: str) -> tuple[Parameter, ...]:
         positive("across_ratio", "", 1e3, 2.0, 0.02, 1e4),
         positive("other", "of the mass", 0.003, 2.0, 1e-6, 3.0),
         positive("other_ratio", "of the frequency", 1.7, 0.6, 0.2, 5.0),
+        positive("relaxing", "of the stiffness", 2e-3, 2.5, 1e-8, 3.0),
+        positive("relaxation_time", "s", float(0.5 / np.pi / np.sqrt(low * high)), 1.2, 0.02 / high, 2 / low),
     ]
     if context.normal is None:
         turns = (signed(name, "rad", 2.0, -3.2, 3.2) for name in ("turn", "roll"))
@@ -62,6 +70,7 @@ def _starts(context: Context, where: str) -> list[Mapping[str, float]]:
     ]
     further = [{"other": 0.7, "other_ratio": ratio} for ratio in (0.6, 1.7)]
     further += [{"across_ratio": ratio} for ratio in (0.4, 2.5)]
+    further += [{"relaxing": 0.3}]
     return found + [{**one, **more} for one in found[: 10 * len(turns)] for more in further]
 
 
@@ -102,7 +111,7 @@ def _act(assembly: Assembly, placement: Placement) -> None:
     ways = [axes @ way for way in _ways(placement.context, where, values)]
     motion = assembly.motion(where, place_on(placement.context, where, values))[..., :3, :]
     carried = [np.sum(way[..., :, None] * motion, axis=-2) for way in ways]
-    own, across, other = (assembly.row(f"{where} absorber{name}") for name in COORDINATES)
+    own, across, other, relaxing = (assembly.row(f"{where} absorber{name}") for name in COORDINATES)
     mass = values["mass"]
     for body, swung in ((mass, (own, across, 0.0)), (values["other"] * mass, (0.0, other, 0.0))):
         for moves, row in zip(carried, swung, strict=True):
@@ -110,6 +119,10 @@ def _act(assembly: Assembly, placement: Placement) -> None:
     for row, spring in zip((own, across, other), _springs(values), strict=True):
         assembly.add_spring(row, spring[0])
         assembly.add_damper(row, spring[1])
+    relaxes, time = values["relaxing"] * _springs(values)[0][0], values["relaxation_time"]
+    assembly.add_spring(own - relaxing, relaxes)
+    assembly.add_damper(relaxing, relaxes * time)
+    assembly.add_inertia(relaxing, LIGHT * relaxes * time / (2 * np.pi * placement.context.band[1]))
 
 
 def _physical(context: Context, where: str, values: Mapping[str, float]) -> dict[str, float]:
@@ -117,6 +130,7 @@ def _physical(context: Context, where: str, values: Mapping[str, float]) -> dict
     first, second = (way.tolist() for way in _ways(context, where, values)[:2])
     ways = dict(zip(("dx", "dy", "dz", "across_x", "across_y", "across_z"), [*first, *second], strict=True))
     names = ("mass", "frequency", "damping_ratio", "across_ratio", "other", "other_ratio")
+    names += ("relaxing", "relaxation_time")
     kept = {name: values[name] for name in names}
     return {**kept, "stiffness": _springs(values)[0][0], "x": x, "y": y, "z": z, **ways}
 
@@ -135,6 +149,11 @@ def _extend(draft: Draft, placement: Placement) -> None:
         part = Body(values["other"] * values["mass"], place, np.zeros((3, 3)))
         (joint,) = draft.attach(placement.where, part, name=f"{name}_other", slides=(second,))
         draft.flexible(joint, *apart)
+    if values["relaxing"] > HELD:
+        draft.notes.append(
+            f"the files have the spring of {name} and lack what relaxes: {values['relaxing']:.3g} of its "
+            f"stiffness within {values['relaxation_time']:.3g} s"
+        )
 
 
 EFFECT = Effect(

@@ -25,7 +25,7 @@ class Swing:
     amplitude: float
     """Of the steady vibration that a cubic spring would find as stiff: A² = 4/3 ∫q⁴/∫q² [rad]."""
     omega: float
-    """Root of ∫q̇²/∫q² [rad/s]."""
+    """Root of ∫q̇²/∫q² [rad/s]; in the middle of the band of a joint that stands still."""
 
 
 @lru_cache(maxsize=4096)
@@ -53,7 +53,10 @@ def swings(context: Context, posture: int, reference: Place, level: int) -> Mapp
     )
     q, speed = q * 2 * high, speed * 2 * high  # irfft is a sum over lines; the integral has df = 1/(N dt)
     square, fourth, fast = (q**2).sum(axis=0), (q**4).sum(axis=0), (speed**2).sum(axis=0)
+    still = 2 * np.pi * float(np.sqrt(context.band[0] * context.band[1]))
     return {
         name: Swing(float(np.sqrt(4 / 3 * fourth[k] / square[k])), float(np.sqrt(fast[k] / square[k])))
+        if square[k] > 0
+        else Swing(0.0, still)
         for k, name in enumerate(arm.robot.joints)
     }
