@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from flexmodal.diagnosis.effects import catalogue
 from flexmodal.diagnosis.outcome import Gaps, Step
 from flexmodal.diagnosis.selection.comparison import MARGIN, TIED, Comparison
 from flexmodal.diagnosis.selection.decision import (
@@ -84,6 +85,20 @@ def test_what_is_vouched_for_comes_first_if_it_gains_anything():
     assert choice(found, None, worth, [False, True, False]) == Choice(1)
     assert choice(found, None, worth, [False, True, True]) == Choice(2)
     assert choice(compared(0.5 * MARGIN), None, [Answer.NO] * 2, [False, True]) == Choice(None)
+
+
+@pytest.mark.parametrize(("behind", "expected"), [(0.5, 1), (20.0, 2)])
+def test_what_the_best_comes_down_to_stands_in_its_place_if_tied(behind, expected):
+    mass, absorber = ("added_mass", "link_2"), ("local_absorber", "link_2")
+    effect = catalogue()["local_absorber"]
+    models = [
+        SimpleNamespace(
+            key=key, hypothesis=SimpleNamespace(placed=[SimpleNamespace(effect=effect)]), x=None, parameters=1
+        )
+        for key in (("none", ""), mass, absorber)
+    ]
+    scores = np.array([0.0, 40.0 - behind, 40.0])
+    assert chosen(Comparison(models, scores, np.tile(scores[:, None], 3))) == Choice(expected)
 
 
 def test_how_sure_is_what_is_vouched_for_is_asked_among_its_like():

@@ -267,7 +267,20 @@ def test_fits_start_from_elsewhere_only_where_one_place_explains(monkeypatch, pl
     monkeypatch.setattr(frf_candidates, "from_each_start", lambda *given: [])
     root = Mock(spec=FittedFrfs, hypothesis=Mock(base=(), placed=(), keys=()), x=np.zeros(0))
     candidates = FrfCandidates(Mock(spec=Setup, effects=(), advance=Mock()), root, with_force=False)
-    look = Mock(spec=Findings, explains=explains, found=(None,) * places)
+    look = Mock(spec=Findings, explains=explains, found=(None,) * places, needed=True, fitted=None)
+    candidates.looks = Mock(one=look)
     candidates.at_places(root, 0, look, lambda model: False)
     candidates.everywhere(root, 1)
     assert seen == [expected, False]
+
+
+def test_a_search_sets_out_from_the_card_and_from_where_a_look_has_come_to():
+    root = Mock(spec=FittedFrfs, hypothesis=Mock(base=("mass",), placed=()), x=np.array([0.3]))
+    look = Mock(spec=Findings, needed=True, fitted=np.array([0.1]))
+    assert [x.tolist() for x in frf_candidates.starts(root)] == [[0.0]]
+    assert [x.tolist() for x in frf_candidates.starts(root, look)] == [[0.0], [0.1]]
+    look.needed = False
+    assert [x.tolist() for x in frf_candidates.starts(root, look)] == [[0.0]]
+    beside = Mock(spec=FittedFrfs, hypothesis=Mock(base=("mass",), placed=(None,)), x=np.array([0.3, 2.0]))
+    look = Mock(spec=Findings, needed=True, fitted=np.array([0.1, 1.5]))
+    assert [x.tolist() for x in frf_candidates.starts(beside, look)] == [[0.0, 2.0], [0.3, 2.0], [0.1, 1.5]]

@@ -129,9 +129,9 @@ def _physical(context: Context, where: str, values: Mapping[str, float]) -> dict
     x, y, z = place_on(context, where, values).tolist()
     first, second = (way.tolist() for way in _ways(context, where, values)[:2])
     ways = dict(zip(("dx", "dy", "dz", "across_x", "across_y", "across_z"), [*first, *second], strict=True))
-    names = ("mass", "frequency", "damping_ratio", "across_ratio", "other", "other_ratio")
-    names += ("relaxing", "relaxation_time")
-    kept = {name: values[name] for name in names}
+    where_and_how = {"along", "beside", "above", "angle", "turn", "roll"}
+    own = [parameter.name for parameter in _parameters(context, where)]
+    kept = {name: values[name] for name in own if name not in where_and_how}
     return {**kept, "stiffness": _springs(values)[0][0], "x": x, "y": y, "z": z, **ways}
 
 

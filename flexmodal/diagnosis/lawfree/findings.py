@@ -18,8 +18,16 @@ def summed_up(look: LawFree) -> Findings:
     """Findings of a look."""
     found = tuple(_found(look, number) for number in range(len(look.members)))
     places = tuple(_place(one) for one in look.first.sightings)
+    says, known = _words(look, found), len(look.whole.profile.model.root.space)
     return Findings(
-        look.believed, look.whole.judged, places, found, look.explains, look.needed, _words(look, found)
+        look.believed,
+        look.whole.judged,
+        places,
+        found,
+        look.explains,
+        look.needed,
+        says,
+        look.whole.state.x[:known],
     )
 
 

@@ -180,6 +180,8 @@ class Findings:
     needed: bool
     """Whether anything is gained by one."""
     says: str
+    fitted: Float[np.ndarray, " known"] | None = None
+    """Coordinates of what is believed, as fitted beside the ports that are needed."""
 
     @property
     def place(self) -> str:

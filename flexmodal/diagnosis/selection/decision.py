@@ -97,7 +97,8 @@ def choice(
 
     What was named with its place only has to gain more than a tie. Where settings are sets of beliefs, and
     nothing was named, whatever is tied with the best keeps it from being added. What is vouched for comes
-    first if it gains anything: of several effects each alone may gain little.
+    first if it gains anything: of several effects each alone may gain little. An effect that the best comes
+    down to in a limit stands in its place where the data cannot tell the two.
 
     Args:
         comparison: of the model as it is and of what might be added.
@@ -113,7 +114,7 @@ def choice(
     if asked is None:
         if comparison.beliefs and len(comparison.tied) > 1:
             return Choice(None)
-        ranked = ranked[:1]
+        ranked = _plainer(comparison, ranked[:1]) or ranked[:1]
     open_ = []
     for k in ranked:
         answer = min(gains_enough(comparison, k), worth[k])
@@ -124,6 +125,18 @@ def choice(
         if answer is Answer.UNDECIDED:
             open_.append(k)
     return Choice(None, tuple(open_))
+
+
+def _plainer(comparison: Comparison[M], best: Sequence[int]) -> list[int]:
+    """What is tied with the best model and is what its last effect comes down to in a limit, if anything."""
+    models = comparison.models
+    return [
+        k
+        for first in best
+        for k in comparison.tied
+        if k not in (0, first) and models[k].key[1] == models[first].key[1]
+        if models[k].key[0] in models[first].hypothesis.placed[-1].effect.simpler
+    ]
 
 
 def among_vouched(

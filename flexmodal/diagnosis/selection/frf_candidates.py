@@ -79,7 +79,7 @@ class FrfCandidates:
             keys = self._pointed_to(before, look)
             if enough:  # a wider one than there may be need of
                 keys = [key for key in keys if any(does_more(one.key, key) for one in enough)]
-            found = best_of_each([*found, *from_each_start(self.setup, before, starts(before), keys)])
+            found = best_of_each([*found, *from_each_start(self.setup, before, starts(before, look), keys)])
         return found
 
     def everywhere(self, before: FittedFrfs, number: int) -> list[FittedFrfs]:
@@ -115,13 +115,19 @@ class FrfCandidates:
         return explanations(
             self.setup,
             before,
-            starts(before),
+            starts(before, self._looked(before)),
             with_force=self.with_force,
             enough=FLOOR_REACHED,
             advance=lambda part: self.setup.advance(doing, part),
             allowed=allowed,
             one_is_enough=one_is_enough,
         )
+
+    def _looked(self, before: FittedFrfs) -> Findings | None:
+        """The look beside a model, if there was one."""
+        if before is self.root:
+            return self.looks.one
+        return self._beside.get(frozenset(before.hypothesis.keys))
 
     def _pointed_to(self, before: FittedFrfs, look: Findings) -> list[tuple[str, str]]:
         """Further effects whose place and class a look has found; those that it has a class for."""
@@ -164,14 +170,19 @@ def _anything(effect: str, where: str) -> bool:
     return True
 
 
-def starts(before: FittedFrfs) -> list[np.ndarray]:
-    """Where a search sets out: at the card, with the effects there are, and where the last fit ended.
+def starts(before: FittedFrfs, look: Findings | None = None) -> list[np.ndarray]:
+    """Where a search sets out: at the card, with the effects there are, and where other fits ended.
 
-    A fit without an effect that is there runs away from the truth.
+    A fit without an effect that is there runs away from the truth; one with its law free does not.
 
     Args:
         before: the model that something is added to.
+        look: without a law, beside it.
     """
     count = len(before.hypothesis.base)
-    at_card = np.concatenate([np.zeros(count), before.x[count:]])
-    return [at_card, before.x] if before.hypothesis.placed else [at_card]
+    found = [np.concatenate([np.zeros(count), before.x[count:]])]
+    if before.hypothesis.placed:
+        found.append(before.x)
+    if look is not None and look.needed and look.fitted is not None:
+        found.append(look.fitted)
+    return found
