@@ -278,8 +278,8 @@ class FrfData(Data[FittedFrfs]):
         return None if self.modes is None else self.modes.shown((first, last), every, self.held_out)
 
     def stand_in(self, model: FittedFrfs) -> FittedFrfs | None:
-        """See `Data`: at the places that the law-free look points to."""
-        if not self.look.needed:
+        """See `Data`: at the places that the law-free look points to; where all of them are named, none."""
+        if not self.look.needed or self.is_named(model):
             return None
         return stand_in(self.setup, self.look, model, starts, with_force=self.force > Answer.NO)
 
