@@ -156,6 +156,23 @@ def test_hysteresis_is_near_the_rigs_row_of_maxwell_elements(bench):
     assert np.sqrt(np.mean(np.abs(np.log(ratio)) ** 2)) < 0.02
 
 
+def test_each_joint_may_have_a_loss_factor_of_its_own(bench):
+    context, observed, stand = bench
+    where, drawn = "joints", {"loss_factor": 0.06, "viscous": 1.0, "spread": 0.6, "phase": 1.3}
+    turns = 1.3 + 2.399963 * np.arange(len(context.robot.joints))
+    found = np.exp(0.6 * np.sin(turns)).tolist()
+    ratios = {f"loss_ratio_{joint}": one for joint, one in zip(context.robot.joints, found, strict=True)}
+    assert max(ratios.values()) > 1.5 * min(ratios.values())
+    other = theirs(observed, stand, "structural_damping", where, drawn, "by_joint")
+    values = {"loss_factor": 0.06, "viscous": 1.0, "relaxing": 1e-8, "relaxation_time": 1e-2, **ratios}
+    ratio = ours(context, observed, "structural_damping", where, values) / other
+    # as the row of Maxwell elements above
+    assert np.sqrt(np.mean(np.abs(np.log(ratio)) ** 2)) < 0.02
+    alike = {**values, **dict.fromkeys(ratios, 1.0)}
+    plain = ours(context, observed, "structural_damping", where, alike) / other
+    assert np.sqrt(np.mean(np.abs(np.log(plain)) ** 2)) > 0.04
+
+
 def test_added_mass_is_that_of_the_rig(bench):
     context, observed, stand = bench
     stiff = 500 * context.band[1]

@@ -1,6 +1,6 @@
-"""Loss in the joints that is not viscous: K (1 + iη) and a part of K that relaxes, the same for all joints.
+"""Loss in the joints that is not viscous: K (1 + iη) and a part of K that relaxes.
 
-The viscous part is free to be less or more than the card's, where all of it may be another law's. What
+Each joint has so many times the common loss factor; what relaxes is the same part of all. The viscous part is free to be less or more than the card's, where all of it may be another law's. What
 relaxes is a Maxwell element beside each joint's spring, a standard linear solid's (Zener, Elasticity and
 Anelasticity of Metals, 1948): K (1 + r iωτ/(1 + iωτ)). The constant loss comes with the stiffening that
 causality asks for (see `identification.structure`).
@@ -24,6 +24,10 @@ HELD = 0.02
 """Part of the stiffness that relaxes from which it is told that no file holds it."""
 
 
+def _ratio(joint: str) -> str:
+    return f"loss_ratio_{joint}"
+
+
 def _shape(assembly: Assembly, placement: Placement) -> None:
     assembly.add_coordinates([f"{joint} relaxing" for joint in placement.context.robot.joints])
 
@@ -37,7 +41,7 @@ def _act(assembly: Assembly, placement: Placement) -> None:
         viscous = placement.values.get(f"damping.{joint}", float(card.damping))
         stiffness = placement.values.get(name, float(card.stiffness))
         assembly.add_damper(stretch, (placement["viscous"] - 1.0) * viscous, f"damping.{joint}")
-        assembly.add_loss(stretch, stiffness, name)
+        assembly.add_loss(stretch, placement.values.get(_ratio(joint), 1.0) * stiffness, name)
         own = assembly.row(f"{joint} relaxing")
         assembly.add_spring(stretch - own, part * stiffness, name)
         assembly.add_damper(own, part * stiffness * time, name)
@@ -60,12 +64,16 @@ def _parameters(context: Context, where: str) -> tuple[Parameter, ...]:
         positive("viscous", "", 1.0, 0.7, 1e-3, 10.0),
         positive("relaxing", "", 2e-3, 2.5, 1e-8, 3.0),
         positive("relaxation_time", "s", float(1 / np.sqrt(low * high)), 1.2, 0.1 / high, 10 / low),
+        *(
+            positive(_ratio(joint), "of the loss factor", 1.0, 0.5, 0.05, 20.0)
+            for joint in context.robot.joints
+        ),
     )
 
 
 def _extend(draft: Draft, placement: Placement) -> None:
     for joint in placement.context.robot.joints:
-        draft.loses(joint, placement["loss_factor"])
+        draft.loses(joint, placement["loss_factor"] * placement.values.get(_ratio(joint), 1.0))
         draft.damp(joint, placement["viscous"])
     draft.loss_frequency = placement.context.middle
     if placement["relaxing"] > HELD:
