@@ -12,7 +12,8 @@ these are from what was believed. Beside what was compared stands something that
 named. Where a look that assumes no law points elsewhere or nowhere it is as good as noise allows, and weighs
 `ALONE`: what the named one leaves counts against it. Where the look points to the same place what is left is
 due to the law and not to the place: something else is no better than what is named, and weighs `ALONE`, or
-`AGREES` where the curve has its class too. Both weights, and the pieces, were tuned on campaigns of the virtual rig that judge nothing (`benchmarks/calibration.py`).
+`AGREES` where the curve has its class too. Both weights, and the pieces, were tuned on campaigns of the
+virtual rig that judge nothing (`benchmarks/calibration.py`).
 """
 
 from __future__ import annotations
