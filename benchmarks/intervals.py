@@ -31,8 +31,8 @@ ROBOTS = ("fanuc_s360", "six_link", "six_axis")
 HIDDEN = {"fanuc_s360": "link_flexibility", "six_link": "local_absorber", "six_axis": "link_flexibility"}
 FIRST = 501
 """Of the seeds: none from here on was looked at while the intervals were made. Those from 101 on were judged
-before the end of a record counted, those from 201 on before intervals were widened by left-out postures, those
-from 301 on before modes beyond a band took more than two residual terms."""
+before the end of a record counted, those from 201 on before intervals were widened by left-out postures,
+those from 301 on before modes beyond a band took more than two residual terms."""
 HEIGHTS = {"model error, 3 times": 3.0, "model error, 10 times": 10.0}
 KNOWLEDGE = ("bare", "coherence", "repeats", "both", *HEIGHTS)
 CLEAR = 0.2
