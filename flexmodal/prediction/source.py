@@ -97,15 +97,12 @@ class PredictedReceptances:
         known = self.problem.known
         if self.method == "nearest":
             return (sign * self._between(known.nearest(q)[rows], axis)).T
-        needed = self.method in ("hybrid", "process")
-        resonances = self._resonances(q) if needed else np.zeros(0)
         if self.method == "process":
-            left = known.beside_mean.at(q, resonances, axis)[rows]
-            return (sign * self._between(known.mean[rows], axis) * np.exp(left)).T
+            return (sign * known.by_process(q, rows, axis)).T
         value = self._physics(q, rows, axis)
         if self.method == "hybrid":
-            left = known.beside_physics.at(q, resonances, axis)[rows]
-            value = value * np.exp(self.problem.left_out.share * left)
+            left = self.problem.left_out
+            value = known.by_hybrid(q, value, rows, self._resonances(q), axis, left.share, left.mix)
         return (sign * value).T
 
     def band(self, posed: PosedRobot, pairs: Sequence[Pair], frequency: Float[np.ndarray, " line"]) -> Band:
@@ -143,7 +140,7 @@ class PredictedReceptances:
     def facts(self) -> Mapping[str, Any]:
         """The campaign, the method, and a digest of what was fitted and learnt."""
         left = self.problem.left_out
-        parts = (self.problem.x, np.array(left.share), left.panel.observations.value)
+        parts = (self.problem.x, np.array([left.share, left.mix, left.beside]), left.panel.observations.value)
         digest = hashlib.sha256(b"".join(np.ascontiguousarray(one).tobytes() for one in parts))
         return {
             "campaign": self.problem.campaign.title,

@@ -1,0 +1,49 @@
+"""How a robot moves where its model stands still.
+
+No arm moves as its model says and not at all across: links twist, bearings give, a hammer is tilted by some
+degrees, a sensor hears a few per cent of what goes across its axis. Where a model has next to nothing, an
+error of its logarithm says how little, and not how far the model is from the robot.
+
+So the robot's receptance is taken to be that of the model, H, and beside it some motion of which nothing is
+known but its size s: e, normally distributed in the complex plane with E|e|² = s². What comes nearest to
+ln|H + e| in the mean square is its expectation,
+
+    E ln|H + e| = ln|H| + E₁(|H|²/s²)/2,
+
+E₁ the exponential integral: the logarithm of the mean of a noncentral χ² of two degrees of freedom (Lapidoth
+and Moser, IEEE Transactions on Information Theory 49, 2003, theorem 10.2). It is ln|H| where H is large and
+ln s − γ/2 where it is nothing, γ Euler's constant.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from jaxtyping import Complex
+
+PARTS = (0.01, 0.02, 0.05, 0.1, 0.2)
+"""s over the mean of the struck postures at that place and line: those that are tried."""
+NOTHING = 1e-12
+"""|H|²/s² below which the limit is taken, and the phase is that of the mean."""
+
+
+def with_cross_motion(
+    model: Complex[np.ndarray, "*shape"], usual: Complex[np.ndarray, "*shape"], part: float
+) -> Complex[np.ndarray, "*shape"]:
+    """A model's receptances, no smaller than what moves beside the model.
+
+    Args:
+        model: H, of any places and lines [m/N].
+        usual: the mean of the struck postures there [m/N].
+        part: of that mean that moves beside the model.
+    """
+    from scipy.special import exp1
+
+    size, beside = np.abs(model), part * np.abs(usual)
+    square = (size / np.where(beside > 0, beside, 1.0)) ** 2
+    some = square > NOTHING
+    larger = np.exp(exp1(np.where(some, square, 1.0)) / 2)
+    found = np.where(some, model * larger, usual / np.maximum(np.abs(usual), 1e-300) * beside * _LEAST)
+    return np.where(beside > 0, found, model)
+
+
+_LEAST = float(np.exp(-np.euler_gamma / 2))
