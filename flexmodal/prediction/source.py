@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Complex, Float
 
-from flexmodal.campaign import CampaignPoint
+from flexmodal.campaign import CampaignPoint, named_direction
 from flexmodal.errors import Fault, InvalidPoint, InvalidRequest
 from flexmodal.frf import PointDirection
 from flexmodal.frf.direction import AXES
@@ -149,6 +149,41 @@ class PredictedReceptances:
             "verdict": self.verdict,
             "digest": digest.hexdigest()[:16],
         }
+
+    def drive(
+        self, posed: PosedRobot, point: str
+    ) -> tuple[list[Pair], dict[str, tuple[float, float, float]]]:
+        """Pairs of directions at one point that were struck and measured, and where they point in the world.
+
+        Args:
+            posed: the robot in the posture.
+            point: of the campaign, or of the robot at the same place.
+
+        Raises:
+            InvalidPoint: no FRF between two directions there.
+        """
+        campaign, panel = self.problem.campaign, self.problem.left_out.panel
+        names = {one.id: one.name for one in campaign.points}
+        placed = link_placements(posed.robot, dict(posed.posture.values))
+        own = {one.id for one in campaign.points if one.name == point}
+        if not own and point in (posed.robot.tool, *posed.robot.points):
+            place = posed.position(point)
+            own = {one.id for one in campaign.points if _apart(one, placed, place) < AT}
+        pairs: list[Pair] = []
+        ways: dict[str, tuple[float, float, float]] = {}
+        for row in panel.pairs.tolist():
+            if row[0] not in own or row[2] != row[0]:
+                continue
+            pairs.append((named_direction(row[:2], names), named_direction(row[2:], names)))
+            for number, direction in (row[:2], row[2:]):
+                one = campaign.point(number)
+                x, y, z = (float(part) for part in one.way(direction, placed[one.link][:3, :3]))
+                ways[str(named_direction((number, direction), names))] = (x, y, z)
+        if not pairs:
+            there = dict.fromkeys(names[row[0]] for row in panel.pairs.tolist() if row[0] == row[2])
+            allowed = f"a point struck and measured: {', '.join(there) or 'none'}"
+            raise InvalidPoint(Fault("prediction", "point", point, allowed))
+        return pairs, ways
 
     def _resonances(self, q: Mapping[str, float]) -> Float[np.ndarray, " mode"]:
         model = self.problem.evidence.model
