@@ -27,6 +27,8 @@ from flexmodal.prediction.methods import METHODS
 
 CLEARLY = 0.98
 """A method takes the place of one that is trusted more from this multiple of its gap down."""
+HARDLY = 0.999
+"""The same of the squared gap of a larger part of motion beside the model."""
 SHARES = (0.0, 0.25, 0.5, 0.75, 1.0)
 """That are tried; between them the square of the gap is a parabola, but for phases beyond half a turn."""
 USUAL, PRIOR = 0.5, 6
@@ -38,15 +40,33 @@ ALONE = 0.0
 def best(gaps: Mapping[str, Float[np.ndarray, " posture"]], weight: Float[np.ndarray, " posture"]) -> str:
     """The method with the smallest typical gap, one that is trusted more where the two are alike.
 
+    Alike are those within 2 %, and those whose difference is smaller than its standard error: three postures
+    tell no tenth.
+
     Args:
         gaps: by method, of each posture.
         weight: what each posture counts for.
     """
     chosen, *others = [name for name in METHODS if name in gaps]
     for name in others:
-        if typical(gaps[name], weight) < CLEARLY * typical(gaps[chosen], weight):
+        mean, error = _nearer(gaps[name], gaps[chosen], weight)
+        if mean > max(-math.log(CLEARLY), error):
             chosen = name
     return chosen
+
+
+def _nearer(
+    one: Float[np.ndarray, " posture"], other: Float[np.ndarray, " posture"], weight: np.ndarray
+) -> tuple[float, float]:
+    """Mean over postures of ln(other / one), and its standard error; 0 for one posture."""
+    there = np.isfinite(one) & np.isfinite(other) & (one > 0) & (other > 0)
+    if not there.any():
+        return 0.0, 0.0
+    part = weight[there] / weight[there].sum()
+    apart = np.log(other[there] / one[there])
+    mean = float(part @ apart)
+    spread = float(part @ (apart - mean) ** 2)
+    return mean, math.sqrt(spread / max(len(apart) - 1, 1))
 
 
 def best_share(
@@ -86,7 +106,7 @@ def best_part(
     if not there.any():
         return parts[0]
     square = weight[there] @ (gaps[there] / gaps[there, :1]) ** 2
-    return float(max(part for part, one in zip(parts, square, strict=True) if CLEARLY * one <= square.min()))
+    return float(max(part for part, one in zip(parts, square, strict=True) if HARDLY * one <= square.min()))
 
 
 def standings(postures: Sequence[Mapping[str, float]]) -> Float[np.ndarray, " posture"]:

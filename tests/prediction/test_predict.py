@@ -132,6 +132,17 @@ def test_choice_takes_the_more_trusted_of_two_alike():
     assert best({**gaps, "mean": np.array([0.01, 0.6])}, np.array([1.0, 1e-9])) == "mean"
 
 
+def test_a_difference_within_its_standard_error_is_none():
+    """Three postures at 0.7, 0.7 and 1.5 of the gap: a mean of ln that is a tenth of its scatter."""
+    away = np.array([0.7, 0.7, 1.5])
+    gaps = {"hybrid": np.full(3, 1.0), "physics": away}
+    mean = -np.log(away).mean()
+    assert 0.02 < mean < np.std(np.log(away)) / np.sqrt(2)
+    assert best(gaps, np.ones(3)) == "hybrid"
+    many = {name: np.tile(one, 40) for name, one in gaps.items()}
+    assert best(many, np.ones(120)) == "physics"  # told by 120 postures it is a difference
+
+
 def test_one_posture_does_not_decide_which_method_predicts():
     """Seven postures at half the gap of the mean, and one in which the model has next to nothing."""
     usual = {name: np.full(8, 1.0) for name in METHODS}
