@@ -18,27 +18,38 @@ ln s − γ/2 where it is nothing, γ Euler's constant.
 from __future__ import annotations
 
 import numpy as np
-from jaxtyping import Complex
+from jaxtyping import Complex, Int
 
 PARTS = (0.01, 0.02, 0.05, 0.1, 0.2)
-"""s over the mean of the struck postures at that place and line: those that are tried."""
+"""s over the motion there is: the mean of the struck postures at that place and line, and no more than the
+largest that the model has at any place of this posture, where the arm may move little in all. Those that are
+tried."""
 NOTHING = 1e-12
 """|H|²/s² below which the limit is taken, and the phase is that of the mean."""
 
 
 def with_cross_motion(
-    model: Complex[np.ndarray, "*shape"], usual: Complex[np.ndarray, "*shape"], part: float
-) -> Complex[np.ndarray, "*shape"]:
+    model: Complex[np.ndarray, "row line"],
+    usual: Complex[np.ndarray, "row line"],
+    part: float,
+    posture: Int[np.ndarray, " row"] | None = None,
+) -> Complex[np.ndarray, "row line"]:
     """A model's receptances, no smaller than what moves beside the model.
 
     Args:
         model: H, of any places and lines [m/N].
         usual: the mean of the struck postures there [m/N].
-        part: of that mean that moves beside the model.
+        part: of the motion there is that moves beside the model.
+        posture: number of the posture of each row; one and the same if None.
     """
     from scipy.special import exp1
 
-    size, beside = np.abs(model), part * np.abs(usual)
+    size = np.abs(model)
+    numbers = np.zeros(len(model), dtype=int) if posture is None else posture
+    most = np.zeros_like(size)
+    for number in np.unique(numbers):
+        most[numbers == number] = size[numbers == number].max(axis=0)
+    beside = part * np.where(most > 0, np.minimum(np.abs(usual), most), np.abs(usual))
     square = (size / np.where(beside > 0, beside, 1.0)) ** 2
     some = square > NOTHING
     larger = np.exp(exp1(np.where(some, square, 1.0)) / 2)

@@ -158,7 +158,7 @@ def leave_each_out(
     for number, known in told.items():
         here = seen.posture == number
         found["physics"][here], found["mean"][here] = known.physics[here], known.mean[panel.place[here]]
-    moving = [with_cross_motion(found["physics"], found["mean"], part) for part in PARTS]
+    moving = [with_cross_motion(found["physics"], found["mean"], part, seen.posture) for part in PARTS]
     by_part = np.stack([judge.gaps(value) for value in moving], axis=1)
     without = np.array(seen.value)
     for place, number in enumerate(numbers):

@@ -48,7 +48,8 @@ class Known:
     @cached_property
     def beside_physics(self) -> Surface:
         """What the physics leaves where it moves, its resonances laid over each other."""
-        base = with_cross_motion(self.physics, self.mean[self.panel.place], self.beside)
+        mean, posture = self.mean[self.panel.place], self.panel.observations.posture
+        base = with_cross_motion(self.physics, mean, self.beside, posture)
         return self._learnt(base, [self.resonances[number] for number in self.postures])
 
     @cached_property
@@ -119,7 +120,7 @@ class Known:
         Args:
             q: the posture [rad, m].
             physics: the model's receptances there [m/N].
-            place: numbers of the places asked for.
+            place: numbers of the places, all that were struck.
             resonances: the model's natural frequencies there [Hz].
             axis: where [Hz].
             share: of what was learnt beside the physics.

@@ -99,11 +99,12 @@ class PredictedReceptances:
             return (sign * self._between(known.nearest(q)[rows], axis)).T
         if self.method == "process":
             return (sign * known.by_process(q, rows, axis)).T
-        value = self._physics(q, rows, axis)
-        if self.method == "hybrid":
-            left = self.problem.left_out
-            value = known.by_hybrid(q, value, rows, self._resonances(q), axis, left.share, left.mix)
-        return (sign * value).T
+        if self.method == "physics":
+            return (sign * self._physics(q, rows, axis)).T
+        left, every = self.problem.left_out, np.arange(len(self.problem.left_out.panel.pairs))
+        physics, resonances = self._physics(q, every, axis), self._resonances(q)
+        value = known.by_hybrid(q, physics, every, resonances, axis, left.share, left.mix)
+        return (sign * value[rows]).T
 
     def band(self, posed: PosedRobot, pairs: Sequence[Pair], frequency: Float[np.ndarray, " line"]) -> Band:
         """See `ReceptanceSource`.

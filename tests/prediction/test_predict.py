@@ -213,8 +213,9 @@ def test_hybrid_is_made_of_its_parts(problem, every):
     place = panel.place[rows]
     surface = problem.known.beside_physics.at(q, resonances)[place]
     assert 0.0 < left.share < 1.0
+    moving = with_cross_motion(there.physics[rows], problem.known.mean[place], left.beside)
     for number, one in enumerate(made["hybrid"].frfs):
-        base = with_cross_motion(there.physics[rows[number]], problem.known.mean[place[number]], left.beside)
+        base = moving[number]
         physics = base * np.exp(left.share * surface[number])
         alone = made["process"].frfs[number].value
         size = (1 - left.mix) * np.log(np.abs(physics)) + left.mix * np.log(np.abs(alone))
@@ -246,16 +247,22 @@ def test_what_moves_beside_a_model_is_the_mean_logarithm_of_both():
     rng = np.random.default_rng(1)
     part = 0.1
     beside = part * 2.0 * (rng.normal(size=(2, 1_000_000)) / np.sqrt(2))
-    usual = np.full(4, 2.0 + 0j)
-    model = np.array([0.0, 0.05, 0.2, 3.0]) * np.exp(0.4j)
+    usual = np.full((4, 1), 2.0 + 0j)
+    model = np.array([[0.0], [0.05], [0.2], [3.0]]) * np.exp(0.4j)
     found = with_cross_motion(model, usual, part)
-    for value, own in zip(found, model, strict=True):
+    for value, own in zip(found[:, 0], model[:, 0], strict=True):
         drawn = np.log(np.abs(own + beside[0] + 1j * beside[1]))
         assert np.log(np.abs(value)) == pytest.approx(drawn.mean(), abs=0.003)
-    assert np.angle(found[0]) == 0.0  # the mean's, where the model has none
+    assert np.angle(found[0, 0]) == 0.0  # the mean's, where the model has none
     np.testing.assert_allclose(np.angle(found[1:]), 0.4, rtol=1e-12)
-    assert found[3] == pytest.approx(model[3], rel=1e-6)
+    assert found[3, 0] == pytest.approx(model[3, 0], rel=1e-6)
     np.testing.assert_array_equal(with_cross_motion(model, 0 * usual, part), model)
+    little = with_cross_motion(
+        1e-3 * model, usual, part
+    )  # all of the arm moves little: so does what is beside
+    np.testing.assert_allclose(np.abs(little[0]), 1e-3 * 3.0 * part * np.exp(-np.euler_gamma / 2), rtol=1e-9)
+    apart = with_cross_motion(model, usual, part, np.array([0, 0, 0, 1]))  # the last of another posture
+    np.testing.assert_allclose(np.abs(apart[0]), 0.2 * part * np.exp(-np.euler_gamma / 2), rtol=1e-9)
 
 
 def test_a_point_that_stands_still_in_the_model_is_given_some_motion(problem, every):
