@@ -1,9 +1,9 @@
-"""How far predicted receptances of an atlas may be off, and how far a posture is from what was struck."""
+"""How far predicted numbers of an atlas may be off, and how far a posture is from what was struck."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -17,7 +17,7 @@ class Reach:
     """Of one posture."""
 
     low: float
-    """End of the 95 % band of the task's value [m/N]."""
+    """End of the 95 % band of the task's value [m/N; m of depths]."""
     high: float
     remote: float
     """Distance from what was struck over that between these, 1 or more."""
@@ -41,8 +41,11 @@ def reach(atlas: Atlas, task: Task, spot: Spot) -> Reach | None:
         return None
     judge = task.judge(atlas.dataset, atlas.quantity)
     found = nearest(atlas, spot.posture)[1]
-    size, width = (found[name].isel(judge.fixed).isel({judge.along: judge.part}) for name in _ARRAYS)
-    ends = [np.max(np.abs(size.values) * np.exp(side * width.values)) for side in (-1, 1)]
+    if atlas.quantity == "depth":
+        ends = [replace(judge, variable=f"{end}_{judge.variable}").value(found) for end in ("low", "high")]
+    else:
+        size, width = (found[name].isel(judge.fixed).isel({judge.along: judge.part}) for name in _ARRAYS)
+        ends = [np.max(np.abs(size.values) * np.exp(side * width.values)) for side in (-1, 1)]
     remote, beyond = float(found["remote"]), float(found["beyond"])
     return Reach(float(ends[0]), float(ends[1]), remote, 0 if math.isnan(beyond) else round(beyond))
 

@@ -221,8 +221,8 @@ def _source(
 ) -> PredictedReceptances | None:
     """The prediction asked for, if any."""
     if sourcing.campaign is not None:
-        if quantity != "receptance":
-            allowed = "--quantity receptance with --campaign"
+        if quantity not in ("receptance", "depth"):
+            allowed = "receptance or depth with --campaign: the others are of a model"
             raise InvalidRequest(Fault(SOURCE, "--quantity", quantity, allowed))
         if single:
             raise InvalidRequest(Fault(SOURCE, "--single", "given with --campaign", "none"))
@@ -241,6 +241,7 @@ def _quantity(
 ) -> Quantity:
     from flexmodal.atlas import DepthOfCut, NaturalModes, Receptances, SourcedReceptances, Stiffnesses
     from flexmodal.machining import read_cut
+    from flexmodal.prediction import PredictedTips
 
     wanted = {"--frequencies": quantity == "receptance", "--cut": quantity == "depth"}
     given = {"--frequencies": frequencies is not None, "--cut": cut_file is not None}
@@ -257,7 +258,8 @@ def _quantity(
     if quantity == "stiffness":
         return Stiffnesses.of(arm, along)
     if cut_file is not None:
-        return DepthOfCut(arm, read_cut(cut_file), speeds)
+        tips = None if source is None else PredictedTips(source)
+        return DepthOfCut(arm, read_cut(cut_file), speeds, tips)
     pairs = [tuple(one.split("/", 1)) if "/" in one else one for one in along]
     if source is not None:
         return SourcedReceptances.of(arm, pairs, frequencies_of(frequencies or ""), source)  # type: ignore[arg-type]

@@ -19,7 +19,9 @@ from flexmodal.cli.options import (
     refuse_existing,
     robot_options,
 )
+from flexmodal.cli.predicted_lobes import lobes_of_file, lobes_there, say_standing, tips_of
 from flexmodal.cli.printing import busy, noted_progress, print_json, print_table, progress, say
+from flexmodal.cli.sources import Sourcing, source_options
 from flexmodal.errors import Fault, InvalidRequest
 
 if TYPE_CHECKING:
@@ -27,6 +29,7 @@ if TYPE_CHECKING:
     from flexmodal.machining.depth import PostureDepth
     from flexmodal.model import Posture, Robot
     from flexmodal.optimisation import Hold
+    from flexmodal.prediction import PredictedTips
 
 _ENDINGS = (".csv", ".json", ".png", ".svg", ".html")
 _LISTED = 10
@@ -51,6 +54,7 @@ _METHODS = ("zero-order", "multi-frequency", "semi-discretisation")
     "--hold", metavar="X,Z|X,Y,Z", help="Search the posture that cuts deepest, the tool held there [m]."
 )
 @orientation_options
+@source_options
 @click.option("--starts", type=click.IntRange(1, 1000), default=6, show_default=True, help="With --hold.")
 @click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Of the starts.")
 @click.option(
@@ -69,6 +73,7 @@ _METHODS = ("zero-order", "multi-frequency", "semi-discretisation")
 @json_option
 def lobes(
     robot: RobotOptions,
+    sourcing: Sourcing,
     postures: tuple[str, ...],
     prediction: Path | None,
     family: str | None,
@@ -91,31 +96,40 @@ def lobes(
     """Stability lobes of a milling cut in a posture, or postures compared by depth of cut."""
     from flexmodal.machining import read_cut, read_measured_tip
 
-    _one_way(postures, prediction, family, hold)
+    _one_way(postures, prediction, family, hold, sourcing)
     refuse_existing(out, force, _ENDINGS)
     arm = robot.load()
     cut = read_cut(cut_file)
     added = None if spindle is None else read_measured_tip(spindle)
     _mention(cut, added)
     held = hold_of(arm, hold, orientation, axis, tool_axis)
+    several = len(postures) != 1 and prediction is None
+    if several and method != "zero-order":
+        raise InvalidRequest(Fault(SOURCE, "--method", f"{method} of several postures", "zero-order"))
     if prediction is not None:
-        _give_one(arm, _predicted(arm, prediction, cut, added, method, speeds, quiet), out, force, as_json)
-    elif len(postures) == 1:
-        one = _single(arm, postures[0], cut, added, method, speeds, quiet)
+        found = lobes_of_file(arm, prediction, cut, added, method, speeds, quiet)
+        _give_one(arm, found, out, force, as_json)
+        return
+    where = [posture_of(arm, posture) for posture in postures]
+    tips = tips_of(sourcing, arm, method, quiet=quiet)
+    if not several:
+        one = _single(arm, where[0], cut, added, method, speeds, quiet, tips)
         _give_one(arm, one, out, force, as_json)
-    else:
-        if method != "zero-order":
-            raise InvalidRequest(Fault(SOURCE, "--method", f"{method} of several postures", "zero-order"))
-        if held is not None:
-            poses = _searched(arm, held, cut, added, starts, seed, quiet)
-        else:
-            poses = [posture_of(arm, posture) for posture in postures]
-        several = _several(arm, poses, family, members, cut, added, speeds, quiet)
-        _give_several(several, out, force, as_json)
+        return
+    if held is not None:
+        where = _searched(arm, held, cut, added, starts, seed, quiet, tips)
+    compared = _several(arm, where, family, members, cut, added, speeds, quiet, tips)
+    if tips is not None:
+        say_standing(arm, compared.postures[compared.best].posture, cut, added, tips)
+    _give_several(compared, out, force, as_json)
 
 
 def _one_way(
-    postures: tuple[str, ...], prediction: Path | None, family: str | None, hold: str | None
+    postures: tuple[str, ...],
+    prediction: Path | None,
+    family: str | None,
+    hold: str | None,
+    sourcing: Sourcing,
 ) -> None:
     others = {"--prediction": prediction, "--family": family, "--hold": hold}
     given = ["--posture"] * bool(postures) + [name for name, value in others.items() if value is not None]
@@ -123,31 +137,8 @@ def _one_way(
         found = " and ".join(given) or "none of them"
         allowed = "exactly one of --posture, --prediction, --family and --hold"
         raise InvalidRequest(Fault(SOURCE, "", found, allowed))
-
-
-def _predicted(
-    arm: Robot, file: Path, cut: Cut, added: MeasuredTip | None, method: str, speeds: int | None, quiet: bool
-) -> PostureDepth:
-    """Lobes of predicted FRFs; how far they may be off is said."""
-    from flexmodal.machining import lobes_of_tip, read_predicted_tip
-
-    if method == "semi-discretisation":
-        allowed = "zero-order or multi-frequency: a prediction is a receptance, not a system"
-        raise InvalidRequest(Fault(SOURCE, "--method", method, allowed))
-    told = read_predicted_tip(file, arm, cut, added)
-    if told.rigid:
-        count = "one direction" if told.rigid == 1 else "two directions"
-        say(f"note: along {count} nothing was predicted at the tool; there the arm counts as rigid", err=True)
-    with busy("lobes", quiet=quiet):
-        found = lobes_of_tip(told.tip, told.posture, cut, method=method, speeds=speeds, forced=False)
-        ends = [lobes_of_tip(tip, told.posture, cut, forced=False) for tip in (told.softer, told.stiffer)]
-    low, high = (f"{1e3 * one.critical_depth:.3g}" for one in ends)
-    say(
-        f"note: within the 95 % band of the FRFs, all of them large or all small, the depth stable at every "
-        f"speed is {low} to {high} mm",
-        err=True,
-    )
-    return found
+    if prediction is not None and sourcing.campaign is not None:
+        raise InvalidRequest(Fault(SOURCE, "--prediction", "given with --campaign", "one of the two"))
 
 
 def _mention(cut: Cut, added: MeasuredTip | None) -> None:
@@ -165,17 +156,19 @@ def _mention(cut: Cut, added: MeasuredTip | None) -> None:
 
 def _single(
     arm: Robot,
-    posture: str,
+    where: Posture,
     cut: Cut,
     added: MeasuredTip | None,
     method: str,
     speeds: int | None,
     quiet: bool,
+    tips: PredictedTips | None,
 ) -> PostureDepth:
     from flexmodal.machining import lobes as find
     from flexmodal.machining.stability.solve import SPEEDS
 
-    where = posture_of(arm, posture)
+    if tips is not None:
+        return lobes_there(arm, where, cut, added, method, speeds, quiet, tips)
     if method == "zero-order":  # its speeds come all at once
         with busy("lobes", quiet=quiet):
             return find(arm, where, cut, method=method, speeds=speeds, added=added)
@@ -184,13 +177,20 @@ def _single(
 
 
 def _searched(
-    arm: Robot, held: Hold, cut: Cut, added: MeasuredTip | None, starts: int, seed: int, quiet: bool
+    arm: Robot,
+    held: Hold,
+    cut: Cut,
+    added: MeasuredTip | None,
+    starts: int,
+    seed: int,
+    quiet: bool,
+    tips: PredictedTips | None,
 ) -> list[Posture]:
     """The best postures that a search by the depth of cut ends in."""
     from flexmodal.machining import depth_over
     from flexmodal.optimisation import FunctionObjective, PostureProblem, optimise
 
-    judge = FunctionObjective(depth_over(cut, added=added), "m", larger_is_better=True)
+    judge = FunctionObjective(depth_over(cut, added=added, tips=tips), "m", larger_is_better=True)
     with noted_progress(starts, "searching", quiet=quiet) as (advance, note):
         found = optimise(
             PostureProblem(arm, judge, held),
@@ -213,6 +213,7 @@ def _several(
     added: MeasuredTip | None,
     speeds: int | None,
     quiet: bool,
+    tips: PredictedTips | None,
 ) -> Comparison:
     from flexmodal.machining import compare_family, compare_postures
     from flexmodal.machining.depth import SPEEDS
@@ -223,10 +224,10 @@ def _several(
         arm.family(family, source=f"{SOURCE} --family")
         with progress(members, "postures", quiet=quiet) as advance:
             return compare_family(
-                arm, family, cut, members=members, speeds=count, added=added, advance=advance
+                arm, family, cut, members=members, speeds=count, added=added, tips=tips, advance=advance
             )
     with progress(len(poses), "postures", quiet=quiet) as advance:
-        return compare_postures(arm, poses, cut, speeds=count, added=added, advance=advance)
+        return compare_postures(arm, poses, cut, speeds=count, added=added, tips=tips, advance=advance)
 
 
 def _give_one(arm: Robot, one: PostureDepth, out: Path | None, force: bool, as_json: bool) -> None:

@@ -25,6 +25,7 @@ from flexmodal.cli.options import (
     robot_options,
 )
 from flexmodal.cli.printing import degrees, noted_progress, print_json, print_table, say
+from flexmodal.cli.sources import no_source
 from flexmodal.errors import Fault, InvalidRequest
 
 if TYPE_CHECKING:
@@ -38,6 +39,7 @@ _ENDINGS = (".csv", ".png", ".svg")
 
 @click.command()
 @robot_options
+@no_source
 @click.option("--toolpath", type=click.Path(path_type=Path), help="CSV: x,z or x,y,z; fx,fy,fz; time [s].")
 @click.option("--line", metavar="X,Z:X,Z", help="From one place to another [m].")
 @click.option("--arc", metavar="X,Z:X,Z:X,Z", help="From the first through the second to the third [m].")

@@ -89,6 +89,22 @@ def source_options(command: Command) -> Command:
     return wrapped
 
 
+def no_source(command: Command) -> Command:
+    """`--campaign` of a command that has no use for it: refused with what to do in its place."""
+
+    def refuse(context: click.Context, option: click.Parameter, value: str | None) -> None:
+        if value is not None:
+            name = context.info_name
+            allowed = (
+                f"lobes, optimise or atlas with it; or flexmodal {name} FOLDER, the robot that identify or "
+                "diagnose wrote from this campaign"
+            )
+            raise InvalidRequest(Fault(SOURCE, "--campaign", f"with {name}", allowed))
+
+    decorate = click.option("--campaign", hidden=True, expose_value=False, callback=refuse)
+    return decorate(command)
+
+
 def trusted(texts: tuple[str, ...], *, poor: bool) -> dict[str, float]:
     """How far the card may be off.
 

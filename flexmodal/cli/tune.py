@@ -15,6 +15,7 @@ from flexmodal.cli.options import (
     robot_options,
 )
 from flexmodal.cli.printing import print_json, print_table, say
+from flexmodal.cli.sources import no_source
 
 if TYPE_CHECKING:
     from flexmodal.optimisation import Tuning
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 
 @click.command()
 @robot_options
+@no_source
 @posture_option
 @click.option("--band", required=True, metavar="LOW:HIGH", help="Where to look [Hz].")
 @click.option("--response", metavar="POINT:AXIS", help="Such as tool:+z (the default).")

@@ -42,3 +42,8 @@ from flexmodal.machining.tip import ModelTip as ModelTip
 from flexmodal.machining.tip import modal_tip as modal_tip
 from flexmodal.machining.tip import tool_tip as tool_tip
 from flexmodal.machining.tip_receptance import TipReceptance as TipReceptance
+from flexmodal.machining.tip_source import TipSource as TipSource
+from flexmodal.machining.tip_source import tip_at as tip_at
+from flexmodal.machining.world import point_of_cut as point_of_cut
+from flexmodal.machining.world import tip_in_cut as tip_in_cut
+from flexmodal.machining.world import world_receptance as world_receptance

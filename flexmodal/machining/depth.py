@@ -19,6 +19,7 @@ from flexmodal.machining.stability.mode_coupling import ModeCoupling, mode_coupl
 from flexmodal.machining.stability.solve import stability_lobes, unconditional_depth
 from flexmodal.machining.tip import tool_tip
 from flexmodal.machining.tip_receptance import TipReceptance
+from flexmodal.machining.tip_source import TipSource, tip_at
 from flexmodal.model import Pose, PosedRobot, Posture, Robot
 from flexmodal.text.shown import Shown
 
@@ -114,7 +115,7 @@ def critical_depth(
 
 
 def depth_over(
-    cut: Cut, *, speeds: int = FEW, added: MeasuredTip | None = None
+    cut: Cut, *, speeds: int = FEW, added: MeasuredTip | None = None, tips: TipSource | None = None
 ) -> Callable[[PosedRobot], float]:
     """The least depth over the cut's range of speeds as a function of the posed robot, for a search [m].
 
@@ -122,11 +123,12 @@ def depth_over(
         cut: the cut.
         speeds: at how many it is taken, evenly in their logarithm; in between it may be less.
         added: measured receptance of tool and spindle at the tip, in the frame of the cut.
+        tips: where tips come from, such as a prediction; the robot itself if None.
     """
     axis = np.geomspace(*cut.engagement.spindle_speed, speeds)
 
     def depth(posed: PosedRobot) -> float:
-        return stability_lobes(tool_tip(posed, cut, added), cut, speeds=axis).critical_depth
+        return stability_lobes(tip_at(posed, cut, added, tips), cut, speeds=axis).critical_depth
 
     return depth
 
@@ -141,6 +143,7 @@ def lobes(
     added: MeasuredTip | None = None,
     parameter: float | None = None,
     forced: bool = True,
+    tips: TipSource | None = None,
     advance: Callable[[], None] = lambda: None,
 ) -> PostureDepth:
     """Stability lobes of a cut in a posture, with everything else that the posture allows it.
@@ -154,6 +157,7 @@ def lobes(
         added: measured receptance of tool and spindle at the tip, in the frame of the cut.
         parameter: of the family, to be carried along.
         forced: whether forced vibration is wanted, where the cut says feed and depth.
+        tips: where tips come from, such as a prediction; the robot itself if None.
         advance: see `stability_lobes`.
 
     Raises:
@@ -161,8 +165,8 @@ def lobes(
     """
     posed = robot.at(pose)
     return lobes_of_tip(
-        tool_tip(posed, cut, added), posed.posture, cut, method=method, speeds=speeds, parameter=parameter,
-        forced=forced, advance=advance,
+        tip_at(posed, cut, added, tips), posed.posture, cut, method=method, speeds=speeds,
+        parameter=parameter, forced=forced, advance=advance,
     )  # fmt: skip
 
 
@@ -210,6 +214,7 @@ def compare_postures(
     *,
     speeds: int = SPEEDS,
     added: MeasuredTip | None = None,
+    tips: TipSource | None = None,
     advance: Callable[[], None] = lambda: None,
 ) -> Comparison:
     """Judge a list of postures by depth of cut, zero-order solution.
@@ -220,6 +225,7 @@ def compare_postures(
         cut: the cut.
         speeds: how many spindle speeds over the cut's range; more are taken where the limit bends.
         added: measured receptance of tool and spindle at the tip, in the frame of the cut.
+        tips: where tips come from, such as a prediction; the robot itself if None.
         advance: called after each posture.
 
     Raises:
@@ -231,7 +237,7 @@ def compare_postures(
     checked = [robot.posture(pose) for pose in poses]  # all of them, before the work
     found = []
     for pose in checked:
-        found.append(lobes(robot, pose, cut, speeds=speeds, added=added, forced=False))
+        found.append(lobes(robot, pose, cut, speeds=speeds, added=added, forced=False, tips=tips))
         advance()
     return Comparison(robot, cut, tuple(found))
 
@@ -244,6 +250,7 @@ def compare_family(
     members: int = 21,
     speeds: int = SPEEDS,
     added: MeasuredTip | None = None,
+    tips: TipSource | None = None,
     advance: Callable[[], None] = lambda: None,
 ) -> Comparison:
     """Judge a one-parameter family of the robot's card, evenly from end to end.
@@ -255,6 +262,7 @@ def compare_family(
         members: how many.
         speeds: as for `compare_postures`.
         added: as for `compare_postures`.
+        tips: where tips come from, such as a prediction; the robot itself if None.
         advance: as for `compare_postures`.
 
     Raises:
@@ -267,7 +275,9 @@ def compare_family(
     found = []
     for parameter in np.linspace(card.start, card.stop, members).tolist():
         values = family_member(card, parameter)
-        one = lobes(robot, values, cut, speeds=speeds, added=added, parameter=parameter, forced=False)
+        one = lobes(
+            robot, values, cut, speeds=speeds, added=added, parameter=parameter, forced=False, tips=tips
+        )
         found.append(one)
         advance()
     return Comparison(robot, cut, tuple(found), family)

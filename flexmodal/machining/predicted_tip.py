@@ -1,9 +1,4 @@
-"""The tip of a cutter in a posture of which FRFs were predicted: what `flexmodal predict` wrote, as a tip.
-
-Of receptances H_ij at one point along unit vectors u_i under forces along v_j, the receptance in the world is
-that α of least norm with u_iᵀ α v_j = H_ij, and αᵀ where only that is known. Along directions that nobody
-struck or measured it is 0: there the arm counts as rigid.
-"""
+"""The tip of a cutter in a posture of which FRFs were predicted: what `flexmodal predict` wrote, as a tip."""
 
 from __future__ import annotations
 
@@ -12,19 +7,17 @@ import math
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass
-from itertools import product
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from jaxtyping import Complex, Float
+from jaxtyping import Complex
 
 from flexmodal.errors import Fault, InvalidCut
 from flexmodal.machining.cut import Cut
 from flexmodal.machining.measured_tip import MeasuredTip
-from flexmodal.machining.tip import modal_tip
+from flexmodal.machining.world import point_of_cut, tip_in_cut, world_receptance
 from flexmodal.model import Posture, Robot
-from flexmodal.model.placements import link_placements
 from flexmodal.text.reading import read_regular
 from flexmodal.text.words import listing
 
@@ -68,21 +61,12 @@ def read_predicted_tip(
     posture = robot.posture({str(k): float(v) for k, v in content["posture"].items()}, source=str(file))
     point = _point(file, content, robot, posture, cut)
     frequency = np.array(content["frequency"], dtype=float)
-    placed = link_placements(robot, posture.values)
-    at = cut.frame.point or robot.tool
-    turn = placed[robot.points[at].link if at in robot.points else at][:3, :3]
-    axes = cut.frame.rows @ turn.T if cut.frame.relative_to == "tool" else cut.frame.rows
-    beside = np.zeros((len(frequency), 3, 3), dtype=complex)
-    if cut.modes:
-        beside += modal_tip(cut.modes).receptance(frequency)
-    if added is not None:
-        beside += added.receptance(frequency)
     found: dict[str, MeasuredTip] = {}
     rigid = 0
     for kind in ("re", "high", "low"):
-        world, seen = _in_world(content, point, kind)
+        world, seen = world_receptance(_known(content, point, kind), content["ways"])
         rigid = 3 - seen
-        found[kind] = MeasuredTip(frequency, np.einsum("ai,lij,bj->lab", axes, world, axes) + beside)
+        found[kind] = tip_in_cut(robot.at(posture), cut, frequency, world, added)
     return PredictedTip(posture, found["re"], found["high"], found["low"], rigid)
 
 
@@ -112,14 +96,11 @@ def _content(file: Path) -> dict[str, Any]:
 
 def _point(file: Path, content: Mapping[str, Any], robot: Robot, posture: Posture, cut: Cut) -> str:
     """The predicted point that the cut is at: of its name, or of its place."""
-    wanted = cut.frame.point or robot.tool
+    posed = robot.at(posture)
+    wanted = point_of_cut(posed, cut)
     names = dict.fromkeys(way.rpartition(":")[0] for way in content["ways"])
-    if any(cut.frame.offset):
-        found = f"{listing(map(str, cut.frame.offset))} m from {wanted}"
-        raise InvalidCut(Fault("cut", "frame.offset", found, "0: the tip is where the FRFs are predicted"))
     if wanted in names:
         return wanted
-    posed = robot.at(posture)
     place = posed.position(wanted)
     for name in names:
         if name in robot.points and np.linalg.norm(posed.position(name) - place) < AT:
@@ -128,46 +109,24 @@ def _point(file: Path, content: Mapping[str, Any], robot: Robot, posture: Postur
     raise InvalidCut(Fault(str(file), "frfs", f"FRFs at {listing(names)}", allowed))
 
 
-def _in_world(
+def _known(
     content: Mapping[str, Any], point: str, kind: str
-) -> tuple[Complex[np.ndarray, "line 3 3"], int]:
-    """Receptance of the point in the world [m/N], and along how many directions anything is known.
+) -> dict[tuple[str, str], Complex[np.ndarray, " line"]]:
+    """Receptances of the point by the names of their directions [m/N].
 
     Args:
         content: of the file.
         point: its name there.
         kind: "re" for the prediction itself, "high" or "low" for an end of its band.
     """
-    own = [
-        one for one in content["frfs"]
-        if one["response"].rpartition(":")[0] == point == one["reference"].rpartition(":")[0]
-    ]  # fmt: skip
-    if not own:
-        raise InvalidCut(Fault("prediction", "frfs", f"no FRF between two directions at {point}", "one"))
-    responses = list(dict.fromkeys(one["response"] for one in own))
-    references = list(dict.fromkeys(one["reference"] for one in own))
-    value = np.zeros((len(content["frequency"]), len(responses), len(references)), dtype=complex)
     known: dict[tuple[str, str], np.ndarray] = {}
-    for one in own:
+    for one in content["frfs"]:
+        if not one["response"].rpartition(":")[0] == point == one["reference"].rpartition(":")[0]:
+            continue
         h = np.array(one["re"]) + 1j * np.array(one["im"])
         if kind != "re":
             h = h * np.array(one[kind]) / np.maximum(np.abs(h), 1e-300)
         known[one["response"], one["reference"]] = h
-    for r, f in product(responses, references):
-        if (r, f) not in known and (f, r) not in known:
-            raise InvalidCut(
-                Fault("prediction", "frfs", f"no FRF of {r} per {f}", "every pair, or its mirror")
-            )
-        value[:, responses.index(r), references.index(f)] = known.get((r, f), known.get((f, r)))
-    left, right = (_inverse([content["ways"][name] for name in names]) for names in (responses, references))
-    alpha = np.einsum("ai,lij,bj->lab", left[0], value, right[0])
-    mirrored = np.swapaxes(alpha, 1, 2)
-    alpha = alpha + mirrored - left[1] @ mirrored @ right[1]
-    return alpha, int(np.linalg.matrix_rank(np.vstack([left[1], right[1]])))
-
-
-def _inverse(ways: list[list[float]]) -> tuple[Float[np.ndarray, "3 way"], Float[np.ndarray, "3 3"]]:
-    """Pseudo-inverse of unit vectors as rows, and the projection onto what they span."""
-    rows = np.array(ways, dtype=float)
-    inverse = np.linalg.pinv(rows)
-    return inverse, inverse @ rows
+    if not known:
+        raise InvalidCut(Fault("prediction", "frfs", f"no FRF between two directions at {point}", "one"))
+    return known

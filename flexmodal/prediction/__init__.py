@@ -10,3 +10,4 @@ from flexmodal.prediction.predict import predict_posture as predict_posture
 from flexmodal.prediction.predict import solve_by_all as solve_by_all
 from flexmodal.prediction.predict import solve_prediction as solve_prediction
 from flexmodal.prediction.source import PredictedReceptances as PredictedReceptances
+from flexmodal.prediction.tips import PredictedTips as PredictedTips

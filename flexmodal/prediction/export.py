@@ -112,6 +112,8 @@ def as_json(prediction: FrfPrediction) -> dict[str, Any]:
         "verdict": prediction.verdict,
         "noise_floor": finite(left.noise_floor),
         "share": left.share,
+        "mix": left.mix,
+        "beside": left.beside,
         "left_out": {"postures": names, "methods": rows},
         "methods": dict(METHODS),
         "form": "receptance",

@@ -18,8 +18,19 @@ from flexmodal.identification.evidence.frf import FrfEvidence
 from flexmodal.identification.gap import gap, over_noise
 from flexmodal.identification.observations import Observations
 from flexmodal.prediction.alignment import natural_frequencies
-from flexmodal.prediction.judging import SHARES, best, best_share, standings, together, typical
-from flexmodal.prediction.methods import METHODS, Known, predicted_by_all
+from flexmodal.prediction.cross_motion import PARTS, with_cross_motion
+from flexmodal.prediction.judging import (
+    ALONE,
+    SHARES,
+    USUAL,
+    best,
+    best_part,
+    best_share,
+    standings,
+    together,
+    typical,
+)
+from flexmodal.prediction.methods import METHODS, Known, log_ratio, predicted_by_all
 from flexmodal.prediction.panel import Panel, panel_of
 
 SETTLED = 2e-5
@@ -53,6 +64,10 @@ class LeftOut:
     mean square of these, 1 at most. A twin is predicted by its twin."""
     share: float = 1.0
     """Of what was learnt, that goes into `hybrid`; a posture left out is predicted by that of the others."""
+    mix: float = 0.0
+    """Weight of the prediction without physics in `hybrid`; likewise."""
+    beside: float = PARTS[0]
+    """Part of the mean of the postures that moves beside the model in `hybrid`; likewise."""
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -132,46 +147,89 @@ def leave_each_out(
     """
     panel = panel_of(evidence.observations)
     seen, numbers = panel.observations, tuple(np.unique(panel.observations.posture).tolist())
-    found = {name: np.array(seen.value) for name in METHODS}
-    learnt = np.zeros(seen.value.shape, dtype=complex)
-    resonances: list[np.ndarray] = [np.zeros(0) for _ in seen.postures]
-    for number in numbers:
-        here = seen.posture == number
-        x = evidence.keeping(~here).fit(fitted.x, warm=True, settled=SETTLED).x
-        known = known_by(evidence, panel, x, tuple(one for one in numbers if one != number), sliding)
-        resonances[number] = known.resonances[number]
-        rows = panel.of_posture(number)
-        made = predicted_by_all(
-            known, seen.postures[number].q, known.physics[rows], panel.place[rows], known.resonances[number]
-        )
-        for name, value in made.items():
-            found[name][here] = value
-        learnt[here] = _ratio(found["hybrid"][here], found["physics"][here])
-        advance()
     of_posture = seen.posture[seen.of_record]
     weight = np.array([float(seen.records.weight[of_posture == number].sum()) for number in numbers])
-
-    def gaps_of(value: Complex[np.ndarray, "observation line"]) -> Float[np.ndarray, " posture"]:
-        return np.array([gap(seen, value, seen.posture == number).value for number in numbers])
-
-    by_share = np.stack([gaps_of(found["physics"] * np.exp(share * learnt)) for share in SHARES], axis=1)
     standing = standings([seen.postures[number].q for number in numbers])
     counts = weight * standing
-    for place, number in enumerate(numbers):
-        others = np.arange(len(numbers)) != place
-        own = best_share(by_share[others], counts[others])
+
+    judge = _Judge(seen, numbers, counts)
+    told = _each_by_others(evidence, fitted, panel, numbers, sliding, advance)
+    found = {name: np.array(seen.value) for name in METHODS}
+    for number, known in told.items():
         here = seen.posture == number
-        found["hybrid"][here] = found["physics"][here] * np.exp(own * learnt[here])
+        found["physics"][here], found["mean"][here] = known.physics[here], known.mean[panel.place[here]]
+    moving = [with_cross_motion(found["physics"], found["mean"], part, seen.posture) for part in PARTS]
+    by_part = np.stack([judge.gaps(value) for value in moving], axis=1)
+    without = np.array(seen.value)
+    for place, number in enumerate(numbers):
+        here, others = seen.posture == number, np.arange(len(numbers)) != place
+        known = replace(told[number], beside=best_part(by_part[others], counts[others], PARTS))
+        rows, resonances = panel.of_posture(number), known.resonances[number]
+        asked = known, seen.postures[number].q, known.physics[rows], panel.place[rows], resonances
+        for name, value in predicted_by_all(*asked).items():
+            found[name][here] = value
+        without[here] = predicted_by_all(*asked, share=0.0)["hybrid"]
+
+    more = log_ratio(found["hybrid"], without)
+    found["hybrid"], share = judge.taken(without, more, USUAL)
+    more = log_ratio(found["process"], found["hybrid"])
+    found["hybrid"], mix = judge.taken(found["hybrid"], more, ALONE)
     floor = gap(seen, found["physics"]).noise_floor
-    gaps = {name: gaps_of(found[name]) for name in METHODS}
-    share = best_share(by_share, counts)
+    gaps = {name: judge.gaps(found[name]) for name in METHODS}
     controls = {"fitted": _physics(evidence, fitted.x), "shuffled": _shuffled(evidence)}
-    right, wrong = (gaps_of(value) for value in controls.values())
+    right, wrong = (judge.gaps(value) for value in controls.values())
     times = {name: _times(seen, value, numbers) for name, value in {**found, **controls}.items()}
+    own = tuple(told[k].resonances[k] if k in told else np.zeros(0) for k in range(len(seen.postures)))
     return LeftOut(
-        panel, numbers, found, gaps, weight, floor, tuple(resonances), right, wrong, times,
-        standing, share,
+        panel, numbers, found, gaps, weight, floor, own, right, wrong, times,
+        standing, share, mix, best_part(by_part, counts, PARTS),
     )  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class _Judge:
+    """Postures that were left out, and what each counts for."""
+
+    seen: Observations
+    numbers: tuple[int, ...]
+    counts: Float[np.ndarray, " posture"]
+
+    def gaps(self, value: Complex[np.ndarray, "observation line"]) -> Float[np.ndarray, " posture"]:
+        """Of receptances of every observation [m/N]."""
+        return np.array([gap(self.seen, value, self.seen.posture == one).value for one in self.numbers])
+
+    def taken(
+        self,
+        base: Complex[np.ndarray, "observation line"],
+        more: Complex[np.ndarray, "observation line"],
+        usual: float,
+    ) -> tuple[Complex[np.ndarray, "observation line"], float]:
+        """The base times e^(s more), s for each posture by what the others tell; and what all tell."""
+        gaps = np.stack([self.gaps(base * np.exp(share * more)) for share in SHARES], axis=1)
+        value = np.array(base)
+        for place, number in enumerate(self.numbers):
+            others, here = np.arange(len(self.numbers)) != place, self.seen.posture == number
+            own = best_share(gaps[others], self.counts[others], usual)
+            value[here] = base[here] * np.exp(own * more[here])
+        return value, best_share(gaps, self.counts, usual)
+
+
+def _each_by_others(
+    evidence: FrfEvidence,
+    fitted: Fitted,
+    panel: Panel,
+    numbers: tuple[int, ...],
+    sliding: tuple[str, ...],
+    advance: Callable[[], None],
+) -> dict[int, Known]:
+    """What the others tell of each posture, by its number."""
+    told = {}
+    for number in numbers:
+        apart = evidence.keeping(evidence.observations.posture != number)
+        x = apart.fit(fitted.x, warm=True, settled=SETTLED).x
+        told[number] = known_by(evidence, panel, x, tuple(one for one in numbers if one != number), sliding)
+        advance()
+    return told
 
 
 def _times(
@@ -193,14 +251,6 @@ def _shuffled(evidence: FrfEvidence) -> Complex[np.ndarray, "row line"]:
     """The same by a quick fit while every posture bears another's angles."""
     wrong = replace(evidence, observations=shuffled(evidence.observations))
     return _physics(wrong, wrong.fit(quick=True).x)
-
-
-def _ratio(
-    value: Complex[np.ndarray, "some line"], base: Complex[np.ndarray, "some line"]
-) -> Complex[np.ndarray, "some line"]:
-    """The logarithm of value / base, 0 where there is nothing to divide by."""
-    there = (base != 0) & (value != 0)
-    return np.log(np.where(there, value, 1.0) / np.where(there, base, 1.0))
 
 
 def known_by(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -10,11 +10,15 @@ import numpy as np
 from jaxtyping import Complex, Float, Int
 
 from flexmodal.identification.baselines import log_mean, posture_distance
+from flexmodal.prediction.alignment import aligned, resampled
+from flexmodal.prediction.cross_motion import PARTS, with_cross_motion
 from flexmodal.prediction.panel import Panel
+from flexmodal.prediction.process import NEGLIGIBLE, likeness
 from flexmodal.prediction.surface import Surface
 
 METHODS: Mapping[str, str] = {
-    "hybrid": "the model fitted to the others, times a share of what it leaves, learnt over the posture",
+    "hybrid": "the model fitted to the others, with shares of what it leaves, learnt over the posture, and "
+    "of the process",
     "physics": "the model fitted to the others",
     "process": "their mean, times what that leaves, learnt over the posture: data alone",
     "mean": "the mean of the other postures",
@@ -38,11 +42,15 @@ class Known:
     """The model's natural frequencies in each posture of the panel [Hz]."""
     sliding: tuple[str, ...] = ()
     """Names of prismatic joints."""
+    beside: float = PARTS[0]
+    """Part of the mean that moves beside the model."""
 
     @cached_property
     def beside_physics(self) -> Surface:
-        """What the physics leaves, its resonances laid over each other."""
-        return self._learnt(self.physics, [self.resonances[number] for number in self.postures])
+        """What the physics leaves where it moves, its resonances laid over each other."""
+        mean, posture = self.mean[self.panel.place], self.panel.observations.posture
+        base = with_cross_motion(self.physics, mean, self.beside, posture)
+        return self._learnt(base, [self.resonances[number] for number in self.postures])
 
     @cached_property
     def beside_mean(self) -> Surface:
@@ -77,6 +85,82 @@ class Known:
                     open_[place] = False
         return found
 
+    def by_process(
+        self, q: Mapping[str, float], place: Int[np.ndarray, " some"], axis: Float[np.ndarray, " line"]
+    ) -> Complex[np.ndarray, "some line"]:
+        """Their mean times what that leaves: data alone [m/N].
+
+        Args:
+            q: the posture [rad, m].
+            place: numbers of the places asked for.
+            axis: where [Hz].
+        """
+
+        def plain(where: Mapping[str, float], at: np.ndarray, lines: np.ndarray, _: object) -> np.ndarray:
+            mean = resampled(self.mean[at], self.panel.axis, lines)
+            return mean * np.exp(self.beside_mean.at(where, np.zeros(0), lines)[at])
+
+        return plain(q, place, axis, None) * np.exp(self._rest(q, place, np.zeros(0), axis, plain))
+
+    def by_hybrid(
+        self,
+        q: Mapping[str, float],
+        physics: Complex[np.ndarray, "some line"],
+        place: Int[np.ndarray, " some"],
+        resonances: Float[np.ndarray, " mode"],
+        axis: Float[np.ndarray, " line"],
+        share: float,
+        mix: float,
+    ) -> Complex[np.ndarray, "some line"]:
+        """Physics, with what moves beside it, a share of what that leaves, and a share of data alone [m/N].
+
+        The last is a weighted mean of two predictions, in ln size and along the shorter way of the phase:
+        where their errors have little to do with each other it is nearer than either.
+
+        Args:
+            q: the posture [rad, m].
+            physics: the model's receptances there [m/N].
+            place: numbers of the places, all that were struck.
+            resonances: the model's natural frequencies there [Hz].
+            axis: where [Hz].
+            share: of what was learnt beside the physics.
+            mix: weight of the prediction without physics.
+        """
+
+        def plain(
+            where: Mapping[str, float], at: np.ndarray, lines: np.ndarray, near: int | None
+        ) -> np.ndarray:
+            model, own = (physics, resonances) if near is None else (
+                self.physics[self.panel.of_posture(near)], self.resonances[near]
+            )  # fmt: skip
+            mean = resampled(self.mean[at], self.panel.axis, lines)
+            value = with_cross_motion(model, mean, self.beside)
+            value = value * np.exp(share * self.beside_physics.at(where, own, lines)[at])
+            return value * np.exp(mix * log_ratio(self.by_process(where, at, lines), value)) if mix else value
+
+        return plain(q, place, axis, None) * np.exp(self._rest(q, place, resonances, axis, plain))
+
+    def _rest(
+        self,
+        q: Mapping[str, float],
+        place: Int[np.ndarray, " some"],
+        resonances: Float[np.ndarray, " mode"],
+        axis: Float[np.ndarray, " line"],
+        plain: Callable[[Mapping[str, float], np.ndarray, np.ndarray, int | None], np.ndarray],
+    ) -> Complex[np.ndarray, "some line"] | float:
+        """What a prediction leaves of a known posture, as far as the one asked for is nearly the same."""
+        seen, features = self.panel.observations, self.beside_mean.features
+        here = features.at(q)
+        alike = [likeness(features.at(seen.postures[number].q), here) for number in self.postures]
+        near = self.postures[int(np.argmax(alike))]
+        if max(alike) < NEGLIGIBLE:
+            return 0.0
+        rows, base = self.panel.of_posture(near), np.ones(seen.value.shape, dtype=complex)
+        base[rows] = plain(seen.postures[near].q, self.panel.place[rows], self.panel.axis, near)
+        left = np.nan_to_num(self.panel.ratio(near, base)[place])
+        there = aligned(axis, resonances, self.resonances[near]) if len(resonances) else axis
+        return max(alike) * resampled(left, self.panel.axis, there)
+
     def _learnt(
         self, base: Complex[np.ndarray, "observation line"], resonances: Sequence[np.ndarray]
     ) -> Surface:
@@ -93,6 +177,7 @@ def predicted_by_all(
     place: Int[np.ndarray, " some"],
     resonances: Float[np.ndarray, " mode"],
     share: float = 1.0,
+    mix: float = 0.0,
 ) -> dict[str, Complex[np.ndarray, "some line"]]:
     """Receptances of a posture by every method [m/N].
 
@@ -103,15 +188,29 @@ def predicted_by_all(
         place: numbers of those places.
         resonances: the model's natural frequencies there [Hz].
         share: of what was learnt that goes into `hybrid`.
+        mix: of what `process` says beside that.
 
     Raises:
         MissingExtra: scikit-learn is not installed.
     """
-    mean = known.mean[place]
+    axis = known.panel.axis
     return {
-        "hybrid": physics * np.exp(share * known.beside_physics.at(q, resonances)[place]),
+        "hybrid": known.by_hybrid(q, physics, place, resonances, axis, share, mix),
         "physics": physics,
-        "process": mean * np.exp(known.beside_mean.at(q, resonances)[place]),
-        "mean": mean,
+        "process": known.by_process(q, place, axis),
+        "mean": known.mean[place],
         "nearest": known.nearest(q)[place],
     }
+
+
+def log_ratio(
+    value: Complex[np.ndarray, "some line"], base: Complex[np.ndarray, "some line"]
+) -> Complex[np.ndarray, "some line"]:
+    """The logarithm of value / base, 0 where there is nothing to divide by.
+
+    Args:
+        value: receptances [m/N].
+        base: likewise.
+    """
+    there = (base != 0) & (value != 0)
+    return np.log(np.where(there, value, 1.0) / np.where(there, base, 1.0))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -45,7 +45,8 @@ class PredictionProblem:
     def known(self) -> Known:
         """What every posture is predicted from."""
         left = self.left_out
-        return known_by(self.evidence, left.panel, self.x, left.postures, self.sliding)
+        known = known_by(self.evidence, left.panel, self.x, left.postures, self.sliding)
+        return replace(known, beside=left.beside)
 
 
 def build_prediction(
@@ -129,7 +130,7 @@ def solve_by_all(
         resonances = natural_frequencies(model, problem.x, where)  # type: ignore[arg-type]
         values = predicted_by_all(
             problem.known, where, predict(model, problem.x, there), np.arange(len(panel.pairs)), resonances,
-            left.share,
+            left.share, left.mix,
         )  # fmt: skip
     far, outside = remoteness(left, where), beyond(problem, where)
     found = {}

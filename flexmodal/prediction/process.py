@@ -26,6 +26,8 @@ from flexmodal.text.extras import extra
 
 VECTORS = 3
 """Of the basis, at most."""
+LENGTHS = (0.3, 6.0)
+"""In which ℓ is looked for, in units of d; angles count nearly as themselves [rad]."""
 NEGLIGIBLE = 1e-3
 """Vectors with less than this part of the sum of squares are left out."""
 
@@ -64,6 +66,19 @@ class Features:
             else:
                 found += [np.cos(way), np.sin(way)]
         return np.array(found)
+
+
+def likeness(one: Float[np.ndarray, " feature"], other: Float[np.ndarray, " feature"]) -> float:
+    """Correlation of what the smooth part leaves in two postures: exp(−d²/2λ²), λ a third of the least ℓ.
+
+    From one posture to another far away that is chance. In one that is nearly the same it is no chance: an
+    FRF is a continuous function of posture.
+
+    Args:
+        one: coordinates of a posture, see `Features`.
+        other: of another.
+    """
+    return float(np.exp(-np.sum((one - other) ** 2) / (2 * (LENGTHS[0] / 3) ** 2)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,7 +125,7 @@ def _process(at: Float[np.ndarray, "posture feature"], value: Float[np.ndarray, 
     kernels = processes.kernels
     covariance = (
         kernels.ConstantKernel(1.0, (1e-3, 10.0))
-        + kernels.ConstantKernel(0.5, (1e-3, 10.0)) * kernels.RBF(1.0, (0.3, 6.0))
+        + kernels.ConstantKernel(0.5, (1e-3, 10.0)) * kernels.RBF(1.0, LENGTHS)
         + kernels.WhiteKernel(0.3, (1e-3, 3.0))
     )
     model = processes.GaussianProcessRegressor(covariance)

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Complex, Float
 
-from flexmodal.campaign import CampaignPoint
+from flexmodal.campaign import CampaignPoint, named_direction
 from flexmodal.errors import Fault, InvalidPoint, InvalidRequest
 from flexmodal.frf import PointDirection
 from flexmodal.frf.direction import AXES
@@ -97,16 +97,14 @@ class PredictedReceptances:
         known = self.problem.known
         if self.method == "nearest":
             return (sign * self._between(known.nearest(q)[rows], axis)).T
-        needed = self.method in ("hybrid", "process")
-        resonances = self._resonances(q) if needed else np.zeros(0)
         if self.method == "process":
-            left = known.beside_mean.at(q, resonances, axis)[rows]
-            return (sign * self._between(known.mean[rows], axis) * np.exp(left)).T
-        value = self._physics(q, rows, axis)
-        if self.method == "hybrid":
-            left = known.beside_physics.at(q, resonances, axis)[rows]
-            value = value * np.exp(self.problem.left_out.share * left)
-        return (sign * value).T
+            return (sign * known.by_process(q, rows, axis)).T
+        if self.method == "physics":
+            return (sign * self._physics(q, rows, axis)).T
+        left, every = self.problem.left_out, np.arange(len(self.problem.left_out.panel.pairs))
+        physics, resonances = self._physics(q, every, axis), self._resonances(q)
+        value = known.by_hybrid(q, physics, every, resonances, axis, left.share, left.mix)
+        return (sign * value[rows]).T
 
     def band(self, posed: PosedRobot, pairs: Sequence[Pair], frequency: Float[np.ndarray, " line"]) -> Band:
         """See `ReceptanceSource`.
@@ -143,7 +141,7 @@ class PredictedReceptances:
     def facts(self) -> Mapping[str, Any]:
         """The campaign, the method, and a digest of what was fitted and learnt."""
         left = self.problem.left_out
-        parts = (self.problem.x, np.array(left.share), left.panel.observations.value)
+        parts = (self.problem.x, np.array([left.share, left.mix, left.beside]), left.panel.observations.value)
         digest = hashlib.sha256(b"".join(np.ascontiguousarray(one).tobytes() for one in parts))
         return {
             "campaign": self.problem.campaign.title,
@@ -152,6 +150,41 @@ class PredictedReceptances:
             "verdict": self.verdict,
             "digest": digest.hexdigest()[:16],
         }
+
+    def drive(
+        self, posed: PosedRobot, point: str
+    ) -> tuple[list[Pair], dict[str, tuple[float, float, float]]]:
+        """Pairs of directions at one point that were struck and measured, and where they point in the world.
+
+        Args:
+            posed: the robot in the posture.
+            point: of the campaign, or of the robot at the same place.
+
+        Raises:
+            InvalidPoint: no FRF between two directions there.
+        """
+        campaign, panel = self.problem.campaign, self.problem.left_out.panel
+        names = {one.id: one.name for one in campaign.points}
+        placed = link_placements(posed.robot, dict(posed.posture.values))
+        own = {one.id for one in campaign.points if one.name == point}
+        if not own and point in (posed.robot.tool, *posed.robot.points):
+            place = posed.position(point)
+            own = {one.id for one in campaign.points if _apart(one, placed, place) < AT}
+        pairs: list[Pair] = []
+        ways: dict[str, tuple[float, float, float]] = {}
+        for row in panel.pairs.tolist():
+            if row[0] not in own or row[2] != row[0]:
+                continue
+            pairs.append((named_direction(row[:2], names), named_direction(row[2:], names)))
+            for number, direction in (row[:2], row[2:]):
+                one = campaign.point(number)
+                x, y, z = (float(part) for part in one.way(direction, placed[one.link][:3, :3]))
+                ways[str(named_direction((number, direction), names))] = (x, y, z)
+        if not pairs:
+            there = dict.fromkeys(names[row[0]] for row in panel.pairs.tolist() if row[0] == row[2])
+            allowed = f"a point struck and measured: {', '.join(there) or 'none'}"
+            raise InvalidPoint(Fault("prediction", "point", point, allowed))
+        return pairs, ways
 
     def _resonances(self, q: Mapping[str, float]) -> Float[np.ndarray, " mode"]:
         model = self.problem.evidence.model

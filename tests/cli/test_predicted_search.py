@@ -7,6 +7,7 @@ import pytest
 from click.testing import CliRunner
 
 import flexmodal
+from flexmodal.atlas import open_atlas
 from flexmodal.campaign import read_campaign
 from flexmodal.cli.main import group
 from flexmodal.rig import simulate
@@ -110,5 +111,26 @@ def test_an_atlas_of_anything_else_is_refused(struck, tmp_path):
         "atlas", "fanuc_s360", "--campaign", struck, "--grid", "q1=1,q2=-1,q3=0", "--quantity", "modes",
         "--out", tmp_path / "a.zarr",
     )  # fmt: skip
-    with pytest.raises(flexmodal.FlexmodalError, match="receptance with --campaign"):
+    with pytest.raises(flexmodal.FlexmodalError, match="receptance or depth with --campaign"):
         raise ran.exception
+
+
+@pytest.mark.slow
+def test_an_atlas_of_predicted_depths_is_read_with_its_band(struck, tmp_path):
+    """Its depth is that which `lobes` finds there at the same two speeds."""
+    store = tmp_path / "d.zarr"
+    made = run(
+        "atlas", "fanuc_s360", "--campaign", struck, "--grid", "q1=1.2,q2=-1.2,q3=0.1", "--quantity", "depth",
+        "--cut", "aluminium", "--speeds", "2", "--out", store, "--workers", "1", "--quiet",
+    )  # fmt: skip
+    assert made.exit_code == 0, made.stderr
+    best = json.loads(run("lookup", store, "--best", "1", "--json").stdout)["best"][0]
+    assert best["prediction"]["low"] < best["value"] < best["prediction"]["high"]
+    assert best["prediction"]["beyond"] == 1  # nobody struck with q3 at 0.1 rad
+    there = run(
+        "lobes", "fanuc_s360", "--campaign", struck, "--posture", "q1=1.2,q2=-1.2,q3=0.1",
+        "--cut", "aluminium", "--speeds", "2", "--json", "--quiet",
+    )  # fmt: skip
+    assert json.loads(there.stdout)["depth"][0] == pytest.approx(
+        float(open_atlas(store).dataset["limiting_depth"].values.ravel()[0]), rel=1e-6
+    )

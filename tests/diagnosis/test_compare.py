@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flexmodal.diagnosis.disagreement.compare import but_for_the_blow, disagreement
+from flexmodal.diagnosis.disagreement.compare import but_for_the_blow, disagreement, force_dependence
 from flexmodal.diagnosis.effects import catalogue
 from flexmodal.diagnosis.placed import Placed
 from flexmodal.identification import predict
@@ -96,3 +96,18 @@ def test_blows_of_other_force_on_one_pair_go_together(observed):
         assert (
             len(np.unique(np.column_stack([seen.posture, seen.response, seen.reference])[rows], axis=0)) == 1
         )
+
+
+def test_blows_with_records_of_another_length_are_not_compared(observed):
+    """The end of a record cuts off part of the motion: a difference that the force has no part in."""
+    first, second = observed.lengths
+    rows = np.arange(len(observed))
+    assert len(np.unique(but_for_the_blow(observed))) == len(rows) // 2
+    jitter = replace(observed, lengths=(first, 1.005 * second))
+    np.testing.assert_array_equal(but_for_the_blow(jitter), but_for_the_blow(observed))
+    shorter = replace(observed, lengths=(first, second / 2))
+    assert len(np.unique(but_for_the_blow(shorter))) == len(rows)
+    windowed = replace(observed, decays=(0.0, 2.0))
+    assert len(np.unique(but_for_the_blow(windowed))) == len(rows)
+    assert np.isnan(force_dependence(shorter))
+    assert np.isfinite(force_dependence(observed))

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import pytest
 
 from flexmodal.ema import Choices, Measured, build_least_squares, choose_peaks, estimate, solve_least_squares
+from flexmodal.ema.methods.basis import residual_columns
+from flexmodal.ema.methods.least_squares import with_terms_enough
 from flexmodal.ema.methods.separable import Separable, eliminate, minimise
+from flexmodal.ema.mode import solve_columns
 from flexmodal.errors import InvalidRequest
 
 from .truth import Truth, measured, real_modes
@@ -191,3 +196,37 @@ def test_groups_do_not_disturb_each_other(four_modes: Truth) -> None:
     together = minimise(Separable(omega, value, weight, 1, "complex", free), start, damping)[0]
     alone = minimise(Separable(omega, value[2:3], weight[:1], 1, "complex", free), start[:1], damping[:1])[0]
     np.testing.assert_allclose(together[2], alone[0], rtol=1e-9)  # both converged on exact data
+
+
+@pytest.mark.parametrize("power", [0, 1, 2])
+def test_residual_terms_are_the_series_of_the_modes_beyond_the_band(power: int) -> None:
+    """Modes at 6 and 300 Hz from 40 to 60 Hz: each term more leaves at most a third of what was left.
+
+    The modes by `real_modes` and a formula of their own. The first term left out is that of ω/300 and 6/ω to
+    a power, a sixth, and least squares spreads it over the lines.
+    """
+    axis = np.linspace(40.0, 60.0, 41)
+    truth = real_modes([6.0, 300.0], [0.3, 0.1], np.array([[1.0, 40.0]]))
+    value = truth.frf(axis, ["receptance", "mobility", "inertance"][power])
+    left = []
+    for further in range(4):
+        columns = residual_columns(2 * np.pi * axis, power, "complex", further)
+        assert columns.shape == (len(axis), 4 * (1 + further))
+        terms = solve_columns(columns, value)
+        left.append(np.linalg.norm(value - columns @ terms) / np.linalg.norm(value))
+    assert left[0] > 1e-3
+    assert all(after < before / 3 for before, after in itertools.pairwise(left))
+
+
+def test_as_many_residual_terms_as_the_lines_ask_for() -> None:
+    """None more where there is nothing to explain; some where a strong mode lies close to the band."""
+    axis = np.arange(40.0, 60.1, 0.25)
+    alone = real_modes([51.0], [0.04], np.array([[1.0]]))
+    beside = real_modes([51.0, 66.0], [0.04, 0.03], np.array([[1.0, 1.5]]))
+    taken = []
+    for truth in (alone, beside):
+        peaks = choose_peaks(measured(truth, axis, level=0.002), at=[51.0])
+        problem = build_least_squares(measured(truth, axis, level=0.002), peaks)
+        taken.append(with_terms_enough(problem, 3).further)
+    assert taken[0] == 0
+    assert taken[1] > 0

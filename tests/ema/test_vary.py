@@ -49,6 +49,19 @@ def test_residual_terms_matter_where_a_mode_lies_beyond_the_band() -> None:
     assert np.all(whole >= 0.9)
 
 
+def test_a_strong_neighbour_beyond_the_band_takes_more_than_two_residual_terms() -> None:
+    """U and L of any phase do not stand for a mode 6 Hz above the last line; a term more of each does."""
+    truth = real_modes([51.0, 66.0], [0.04, 0.03], np.array([[1.0, 1.5]]))
+    hits = []
+    for seed in range(REPEATS):
+        data = measured(truth, np.arange(40.0, 60.1, 0.25), level=0.005, seed=seed)
+        found = estimate(data, choices=Choices(at=[51.0]))
+        hits.append(held(found.modes[0], (51.0, 0.04, 1.0)))
+    whole, noise = np.mean(hits, axis=0)
+    assert np.all(noise[:2] < 0.1)
+    assert np.all(whole[:2] >= 0.9)
+
+
 def test_a_choice_that_does_not_fit_does_not_count() -> None:
     """Residual terms in phase with the force leave many times the noise here: nobody would stand by them."""
     truth = real_modes([51.0], [0.04], np.array([[1.3]]))

@@ -15,6 +15,7 @@ from flexmodal.identification.frf_fit import residual
 from flexmodal.identification.gap import gap
 from flexmodal.identification.poor import POOR
 from flexmodal.prediction import METHODS, build_prediction, solve_by_all, solve_prediction
+from flexmodal.prediction.cross_motion import with_cross_motion
 from flexmodal.prediction.export import COLUMNS, as_frf, as_json, write_csv, write_uff
 from flexmodal.prediction.judging import (
     PRIOR,
@@ -26,9 +27,9 @@ from flexmodal.prediction.judging import (
     typical,
 )
 from flexmodal.prediction.leave_one_out import known_by
-from flexmodal.prediction.methods import predicted_by_all
 from flexmodal.prediction.page import write_prediction_page
 from flexmodal.prediction.panel import with_posture
+from flexmodal.prediction.process import likeness
 
 
 @pytest.fixture(scope="module")
@@ -131,6 +132,17 @@ def test_choice_takes_the_more_trusted_of_two_alike():
     assert best({**gaps, "mean": np.array([0.01, 0.6])}, np.array([1.0, 1e-9])) == "mean"
 
 
+def test_a_difference_within_its_standard_error_is_none():
+    """Three postures at 0.7, 0.7 and 1.5 of the gap: a mean of ln that is a tenth of its scatter."""
+    away = np.array([0.7, 0.7, 1.5])
+    gaps = {"hybrid": np.full(3, 1.0), "physics": away}
+    mean = -np.log(away).mean()
+    assert 0.02 < mean < np.std(np.log(away)) / np.sqrt(2)
+    assert best(gaps, np.ones(3)) == "hybrid"
+    many = {name: np.tile(one, 40) for name, one in gaps.items()}
+    assert best(many, np.ones(120)) == "physics"  # told by 120 postures it is a difference
+
+
 def test_one_posture_does_not_decide_which_method_predicts():
     """Seven postures at half the gap of the mean, and one in which the model has next to nothing."""
     usual = {name: np.full(8, 1.0) for name in METHODS}
@@ -190,21 +202,78 @@ def test_a_share_is_where_the_parabola_is_least_drawn_towards_a_half():
     assert best_share(unheard, np.ones(3)) == 0.5
 
 
-def test_hybrid_is_physics_times_the_share_of_what_was_learnt(problem, every):
-    """Two routes: the prediction, and all of what was learnt, put in by hand."""
-    made = solve_by_all(problem, every.postures[5].q)
-    left = problem.left_out
-    q = dict(every.postures[5].q)
+def test_hybrid_is_made_of_its_parts(problem, every):
+    """Two routes: the prediction, and physics, surface and process put together by hand."""
+    q = {**every.postures[5].q, "q2": every.postures[5].q["q2"] - 0.4}  # far from all that were struck
+    problem = replace(problem, left_out=replace(problem.left_out, mix=0.3))
+    made, left = solve_by_all(problem, q), problem.left_out
     panel = with_posture(left.panel, "there", q)
     there = known_by(problem.evidence, panel, problem.x, left.postures, problem.sliding)
     rows, resonances = panel.of_posture(len(panel.observations.postures) - 1), there.resonances[-1]
-    whole = predicted_by_all(problem.known, q, there.physics[rows], panel.place[rows], resonances)
+    place = panel.place[rows]
+    surface = problem.known.beside_physics.at(q, resonances)[place]
     assert 0.0 < left.share < 1.0
+    moving = with_cross_motion(there.physics[rows], problem.known.mean[place], left.beside)
     for number, one in enumerate(made["hybrid"].frfs):
-        learnt = np.log(whole["hybrid"][number] / whole["physics"][number])
-        np.testing.assert_allclose(
-            one.value, whole["physics"][number] * np.exp(left.share * learnt), rtol=1e-9
-        )
+        base = moving[number]
+        physics = base * np.exp(left.share * surface[number])
+        alone = made["process"].frfs[number].value
+        size = (1 - left.mix) * np.log(np.abs(physics)) + left.mix * np.log(np.abs(alone))
+        turn = np.angle(physics) + left.mix * np.angle(alone / physics)
+        np.testing.assert_allclose(one.value, np.exp(size + 1j * turn), rtol=1e-9)
+
+
+def test_a_posture_that_was_struck_is_what_was_measured(problem, campaign):
+    """Also by a model that is far off, and by the mean of postures; half a radian away they are as before."""
+    observed = observe(campaign)
+    for method in ("hybrid", "process"):
+        made = solve_prediction(problem, campaign.postures[1].q, method=method)
+        wanted = {(str(one.response), str(one.reference)): one.value for one in made.frfs}
+        for row in np.flatnonzero(observed.posture == 1).tolist():
+            value = wanted[
+                observed.direction(observed.response[row]), observed.direction(observed.reference[row])
+            ]
+            used = observed.used[row]
+            np.testing.assert_allclose(value[used], observed.value[row][used], rtol=0.01)
+    apart = {**campaign.postures[1].q, "q1": campaign.postures[1].q["q1"] + 0.5}
+    features = problem.known.beside_mean.features
+    here = features.at(campaign.postures[1].q)
+    assert likeness(here, here) == 1.0
+    assert likeness(features.at(apart), here) < 1e-4
+
+
+def test_what_moves_beside_a_model_is_the_mean_logarithm_of_both():
+    """By a million draws of a motion nothing is known of; their mean logarithm scatters by 0.0006."""
+    rng = np.random.default_rng(1)
+    part = 0.1
+    beside = part * 2.0 * (rng.normal(size=(2, 1_000_000)) / np.sqrt(2))
+    usual = np.full((4, 1), 2.0 + 0j)
+    model = np.array([[0.0], [0.05], [0.2], [3.0]]) * np.exp(0.4j)
+    found = with_cross_motion(model, usual, part)
+    for value, own in zip(found[:, 0], model[:, 0], strict=True):
+        drawn = np.log(np.abs(own + beside[0] + 1j * beside[1]))
+        assert np.log(np.abs(value)) == pytest.approx(drawn.mean(), abs=0.003)
+    assert np.angle(found[0, 0]) == 0.0  # the mean's, where the model has none
+    np.testing.assert_allclose(np.angle(found[1:]), 0.4, rtol=1e-12)
+    assert found[3, 0] == pytest.approx(model[3, 0], rel=1e-6)
+    np.testing.assert_array_equal(with_cross_motion(model, 0 * usual, part), model)
+    little = with_cross_motion(
+        1e-3 * model, usual, part
+    )  # all of the arm moves little: so does what is beside
+    np.testing.assert_allclose(np.abs(little[0]), 1e-3 * 3.0 * part * np.exp(-np.euler_gamma / 2), rtol=1e-9)
+    apart = with_cross_motion(model, usual, part, np.array([0, 0, 0, 1]))  # the last of another posture
+    np.testing.assert_allclose(np.abs(apart[0]), 0.2 * part * np.exp(-np.euler_gamma / 2), rtol=1e-9)
+
+
+def test_a_point_that_stands_still_in_the_model_is_given_some_motion(problem, every):
+    """Physics of exactly nothing; far from all that were struck, so that none of these says anything."""
+    q = {**every.postures[5].q, "q2": every.postures[5].q["q2"] - 0.4}
+    axis = problem.left_out.panel.axis
+    places = np.arange(len(problem.left_out.panel.pairs))
+    nothing = np.zeros((len(places), len(axis)), complex)
+    found = problem.known.by_hybrid(q, nothing, places, np.zeros(0), axis, 0.0, 0.0)
+    size = np.abs(found) / np.abs(problem.known.mean)
+    np.testing.assert_allclose(size, problem.known.beside * np.exp(-np.euler_gamma / 2), rtol=1e-9)
 
 
 def test_data_alone_is_said_where_physics_fits_nothing(problem, every):

@@ -22,6 +22,8 @@ STANDS_OUT = 4.0
 """Times the variance of the noise from which a line stands out."""
 MOST = 12
 """Regions that are listed."""
+ALIKE = 1.01
+"""Ratio up to which records are alike long; measured from the blow, they differ by a sample or two."""
 FEWEST = 5
 """Lines that two levels of force have to share to be compared."""
 
@@ -39,10 +41,26 @@ def excess(
 
 
 def but_for_the_blow(observations: Observations) -> Int[np.ndarray, " observation"]:
-    """A number for each observation, the same for those that differ in nothing but the force of the blow."""
-    decay = np.array(observations.decays)[observations.level]
-    key = np.column_stack([observations.posture, observations.response, observations.reference, decay])
+    """A number for each observation, the same for those that differ in nothing but the force of the blow.
+
+    Others have another window, or records of another length, which cut off another part of the motion.
+    """
+    level = observations.level
+    decay, length = np.array(observations.decays)[level], _lengths(observations)[level]
+    key = np.column_stack(
+        [observations.posture, observations.response, observations.reference, decay, length]
+    )
     return np.unique(key, axis=0, return_inverse=True)[1].ravel()
+
+
+def _lengths(observations: Observations) -> Int[np.ndarray, " level"]:
+    """A number for each kind of blow, the same for records that are alike long."""
+    length = np.array(observations.lengths, dtype=float)
+    order = np.argsort(length)
+    apart = length[order][1:] > ALIKE * length[order][:-1]
+    found = np.zeros(len(length), dtype=int)
+    found[order[1:]] = np.cumsum(apart)
+    return found
 
 
 def force_dependence(observations: Observations) -> float:

@@ -16,6 +16,8 @@ from flexmodal.errors import Fault, InvalidRequest
 
 Residuals = Literal["none", "real", "complex"]
 """Terms for the modes outside the band: none, in phase with the force, or of any phase."""
+TERMS = {"none": 0, "real": 2, "complex": 4}
+"""Real unknowns of U and L in each FRF, and of each further pair."""
 
 
 def check_residuals(residuals: str) -> Residuals:
@@ -76,16 +78,28 @@ def mode_columns(
 
 
 def residual_columns(
-    omega: Float[np.ndarray, " line"], power: int, residuals: Residuals
+    omega: Float[np.ndarray, " line"], power: int, residuals: Residuals, further: int = 0
 ) -> Complex[np.ndarray, "line term"]:
     """The factors of U and L: stiffness line and mass line, real parts before imaginary ones.
+
+    A mode above the lines is a power series in ω that begins with U, one below them a series in 1/ω to which
+    L belongs: Σ_k −2 Re(A/λᵏ⁺¹) (iω)ᵏ and Σ_k 2 Re(A λᵏ) (iω)⁻ᵏ⁻¹, geometric series of A/(iω − λ) and its
+    conjugate. `further` takes so many terms more of both, ω in units of the lines' geometric mean; they come
+    behind the others.
 
     Args:
         omega: of the lines [rad/s].
         power: of iω, see `mode_columns`.
         residuals: none, real or complex.
+        further: how many terms more of each series.
     """
     if residuals == "none":
         return np.empty((len(omega), 0), dtype=complex)
-    lines = np.stack([np.ones_like(omega), -1 / omega**2], axis=1) * ((1j * omega) ** power)[:, None]
-    return lines if residuals == "real" else np.concatenate([lines, 1j * lines], axis=1)
+    relative = omega / np.exp(np.mean(np.log(omega)))
+    pairs = [np.stack([np.ones_like(omega), -1 / omega**2], axis=1)]
+    pairs += [np.stack([relative**k, relative ** (-2 - k)], axis=1) for k in range(1, further + 1)]
+    form = ((1j * omega) ** power)[:, None]
+    parts = [pair * form for pair in pairs]
+    if residuals == "complex":
+        parts = [np.concatenate([lines, 1j * lines], axis=1) for lines in parts]
+    return np.concatenate(parts, axis=1)

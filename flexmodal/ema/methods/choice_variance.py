@@ -23,6 +23,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Bool, Float
 
+from flexmodal.ema.methods.basis import TERMS
 from flexmodal.ema.methods.covariance import Covariances, propagate
 from flexmodal.ema.methods.separable import Elimination, Separable, minimise
 from flexmodal.ema.methods.weights import Weighting, by_deviation, weights_of
@@ -122,10 +123,13 @@ def _others(
     """The problems with one choice changed, and the lines that each uses."""
     problem = solved.problem
     everything = np.ones(len(problem.omega), dtype=bool)
+    unknowns = 2 * solved.omega.shape[1] + solved.state.linear.shape[-1]
     yield replace(problem, residuals="real" if problem.residuals == "complex" else "complex"), everything
+    terms = TERMS[problem.residuals]
+    if terms and unknowns + terms < 2 * len(everything):
+        yield replace(problem, further=problem.further + 1), everything
     yield replace(problem, weight=_other_weights(solved, weighting, variance)), everything
     lines = _narrower(solved)
-    unknowns = 2 * solved.omega.shape[1] + solved.state.linear.shape[-1]
     if unknowns < 2 * np.count_nonzero(lines) < 2 * len(lines):
         weight = problem.weight[:, lines]
         yield (

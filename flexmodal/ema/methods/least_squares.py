@@ -14,13 +14,13 @@ import numpy as np
 from jaxtyping import Bool, Complex, Float
 
 from flexmodal.ema.measured import Measured
-from flexmodal.ema.methods.basis import Residuals, check_residuals
+from flexmodal.ema.methods.basis import TERMS, Residuals, check_residuals
 from flexmodal.ema.methods.choice_variance import Solved, moves_of
 from flexmodal.ema.methods.covariance import noise_of, propagate
 from flexmodal.ema.methods.peak import Peak
 from flexmodal.ema.methods.separable import Separable, minimise
 from flexmodal.ema.methods.weights import Weighting, by_deviation, weights_of
-from flexmodal.ema.mode import EstimatedModes, ModeEstimate, fold_terms
+from flexmodal.ema.mode import EstimatedModes, ModeEstimate, fold_terms, with_residual_terms
 from flexmodal.ema.quality import with_quality
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.frf import POWER
@@ -45,6 +45,8 @@ class LeastSquaresProblem:
     """Whether it is solved again under other residual terms, weights and band, for the uncertainty."""
     keep: bool = False
     """Whether modes stay that these FRFs do not show; otherwise the rest is fitted again without them."""
+    further: int = 0
+    """Terms more of the residual terms' series, see `residual_columns`."""
 
 
 def build_least_squares(
@@ -77,7 +79,7 @@ def build_least_squares(
     part = measured if band is None else measured.within(*band)
     if not peaks:
         raise InvalidRequest(Fault("call", "peaks", "none", "at least one; give them by hand"))
-    unknowns = 4 * len(peaks) + {"none": 0, "real": 2, "complex": 4}[residuals]
+    unknowns = 4 * len(peaks) + TERMS[check_residuals(residuals)]
     if 2 * len(part.frequency) <= unknowns:
         found = f"{len(part.frequency)} lines for {len(peaks)} modes"
         raise InvalidRequest(
@@ -102,21 +104,9 @@ def solve_least_squares(problem: LeastSquaresProblem) -> EstimatedModes:
 def solve_many(problems: Sequence[LeastSquaresProblem]) -> list[EstimatedModes]:
     """Fit problems of one shape (the same lines, modes, FRFs) together: much quicker than in turn."""
     first = problems[0]
-    unit = float(np.mean(first.measured.omega))
-    power = POWER[first.measured.form]
-    value = np.stack([problem.measured.value for problem in problems])
-    scale = np.sqrt(np.mean(np.abs(value) ** 2, axis=1, keepdims=True))
-    known = first.measured.variance is not None
-    variance = np.stack([np.asarray(p.measured.variance) for p in problems]) / scale**2 if known else None
-    value = value / scale
-    separable = Separable(
-        omega=first.measured.omega / unit,
-        value=value,
-        weight=weights_of(first.weighting, value, variance),
-        power=power,
-        residuals=first.residuals,
-        free=first.free,
-    )
+    unit, power = float(np.mean(first.measured.omega)), POWER[first.measured.form]
+    separable, scale, variance = _scaled(problems)
+    value = separable.value
     start = np.stack([problem.start for problem in problems])
     omega, damping, state, settled = minimise(separable, 2 * np.pi * start[..., 0] / unit, start[..., 1])
     if variance is None and first.weighting == "variance" and value.shape[2] > 1:
@@ -134,6 +124,57 @@ def solve_many(problems: Sequence[LeastSquaresProblem]) -> list[EstimatedModes]:
         for group, problem in enumerate(problems)
     ]
     return [_without_runaways(problem, *one) for problem, one in zip(problems, found, strict=True)]
+
+
+def _scaled(problems: Sequence[LeastSquaresProblem]) -> tuple[Separable, np.ndarray, np.ndarray | None]:
+    """In units of the mean line and of each FRF's root mean square, which comes with it, and the variance."""
+    first = problems[0]
+    value = np.stack([problem.measured.value for problem in problems])
+    scale = np.sqrt(np.mean(np.abs(value) ** 2, axis=1, keepdims=True))
+    known = first.measured.variance is not None
+    variance = np.stack([np.asarray(p.measured.variance) for p in problems]) / scale**2 if known else None
+    value = value / scale
+    separable = Separable(
+        omega=first.measured.omega / np.mean(first.measured.omega),
+        value=value,
+        weight=weights_of(first.weighting, value, variance),
+        power=POWER[first.measured.form],
+        residuals=first.residuals,
+        free=first.free,
+        further=first.further,
+    )
+    return separable, scale, variance
+
+
+def with_terms_enough(problem: LeastSquaresProblem, most: int) -> LeastSquaresProblem:
+    """The problem with as many terms more of the residual terms' series as lower Schwarz's criterion.
+
+    That is n ln S + p ln n for p real unknowns fitted to n real numbers with the sum of squares S (Annals of
+    Statistics 6, 1978): a term more has to lower S by more than it would lower that of noise.
+
+    Args:
+        problem: a fit of few modes among many, in a band of their own.
+        most: terms to try.
+    """
+    best, lowest = problem, np.inf
+    start = problem.start[None] * [2 * np.pi / np.mean(problem.measured.omega), 1.0]
+    for further in range(most + 1):
+        trial = replace(problem, further=further)
+        separable, _, _ = _scaled([trial])
+        _, lines, frfs = separable.value.shape
+        columns = 2 * len(problem.start) + (1 + further) * TERMS[problem.residuals]
+        if columns + np.count_nonzero(problem.free) / frfs >= lines:
+            break
+        _, _, state, settled = minimise(separable, start[..., 0], start[..., 1])
+        if not settled[0]:
+            break
+        count = 2 * separable.value.size
+        unknowns = columns * frfs + np.count_nonzero(problem.free)
+        left = max(float(state.cost[0]), np.finfo(float).tiny)
+        criterion = count * np.log(left) + unknowns * np.log(count)
+        if criterion < lowest:
+            best, lowest = trial, criterion
+    return best
 
 
 def _without_runaways(
@@ -217,7 +258,8 @@ def _collect(
                 residue_choices=moves[mode, 2:] * (size * unit) ** 2,
             )
         )
-    upper, lower = fold_terms(linear[:, 2 * count :].T * size)
+    terms = TERMS[problem.residuals]
+    upper, lower = fold_terms(linear[:, 2 * count : 2 * count + terms].T * size)
     found = EstimatedModes(
         modes=tuple(sorted(modes, key=lambda mode: mode.frequency)),
         measured=problem.measured,
@@ -226,4 +268,4 @@ def _collect(
         lower=lower * unit**2,
         converged=bool(settled[group]),
     )
-    return modes, found
+    return modes, with_residual_terms(found, problem.residuals) if problem.further else found

@@ -16,14 +16,23 @@ from dataclasses import replace
 import numpy as np
 
 from flexmodal.ema.measured import FEWEST_LINES
+from flexmodal.ema.methods.basis import TERMS
 from flexmodal.ema.methods.fillers import HEAVY
-from flexmodal.ema.methods.least_squares import DRIVEN, HIDDEN, LeastSquaresProblem, solve_least_squares
+from flexmodal.ema.methods.least_squares import (
+    DRIVEN,
+    HIDDEN,
+    LeastSquaresProblem,
+    solve_least_squares,
+    with_terms_enough,
+)
 from flexmodal.ema.methods.standing import Standing, clear_peaks, unexplained
 from flexmodal.ema.mode import EstimatedModes, ModeEstimate, with_residual_terms
 from flexmodal.ema.quality import POOR, share_explained
 
 _WIDTHS = 3.0
 """A mode counts as driven away that ends so many half-power bandwidths, and two lines, from its pole."""
+_TERMS = 3
+"""Terms more of the residual terms' series that a band of its own may take: the modes left out are near."""
 _LINES = 12
 """Its own band reaches as many bandwidths to either side, and so many lines at least."""
 _NEAR = 3.0
@@ -161,7 +170,7 @@ def _alone(
         start=starts[inside],
         free=np.where(same[:, None], problem.free[nearest], True),
     )
-    fit = solve_least_squares(part)
+    fit = solve_least_squares(with_terms_enough(part, _TERMS) if TERMS[part.residuals] else part)
     mode = min(fit.modes, key=lambda mode: abs(mode.frequency - frequency), default=None)
     if not fit.converged:
         return "a fit of its own does not converge"

@@ -34,6 +34,8 @@ class Separable:
     residuals: Residuals
     free: Bool[np.ndarray, "mode 2"]
     """Which natural frequencies and damping ratios are sought; the others stay as they start."""
+    further: int = 0
+    """Terms more of the residual terms' series, see `residual_columns`."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +62,7 @@ def columns_at(problem: Separable, omega: np.ndarray, damping: np.ndarray) -> tu
         damping: ratios.
     """
     pole = pole_of(omega, damping)
-    tail = residual_columns(problem.omega, problem.power, problem.residuals)
+    tail = residual_columns(problem.omega, problem.power, problem.residuals, problem.further)
     first = mode_columns(problem.omega, pole, problem.power)
     second = mode_columns(problem.omega, pole, problem.power, order=2)
     tail = np.broadcast_to(tail, (*first.shape[:-1], tail.shape[1]))
