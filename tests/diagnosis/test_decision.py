@@ -87,14 +87,19 @@ def test_what_is_vouched_for_comes_first_if_it_gains_anything():
     assert choice(compared(0.5 * MARGIN), None, [Answer.NO] * 2, [False, True]) == Choice(None)
 
 
-@pytest.mark.parametrize(("behind", "expected"), [(0.5, 1), (20.0, 2)])
-def test_what_the_best_comes_down_to_stands_in_its_place_if_tied(behind, expected):
+@pytest.mark.parametrize(
+    ("behind", "frequency", "expected"), [(0.5, 0.0, 1), (20.0, 0.0, 2), (20.0, 1.0, 1), (20.0, 0.99, 1)]
+)
+def test_what_the_best_comes_down_to_stands_in_its_place(behind, frequency, expected):
+    """Where the two are tied, or the best swings no slower than what counts as a mass."""
     mass, absorber = ("added_mass", "link_2"), ("local_absorber", "link_2")
-    effect = catalogue()["local_absorber"]
+    placed = SimpleNamespace(effect=catalogue()["local_absorber"], label="local_absorber@link_2")
+    space = SimpleNamespace(
+        index={"local_absorber@link_2.frequency": 0}, bounds=(np.array([-1.0]), np.array([1.0]))
+    )
+    hypothesis = SimpleNamespace(placed=[placed], space=space)
     models = [
-        SimpleNamespace(
-            key=key, hypothesis=SimpleNamespace(placed=[SimpleNamespace(effect=effect)]), x=None, parameters=1
-        )
+        SimpleNamespace(key=key, hypothesis=hypothesis, x=np.array([frequency]), parameters=1)
         for key in (("none", ""), mass, absorber)
     ]
     scores = np.array([0.0, 40.0 - behind, 40.0])

@@ -91,6 +91,8 @@ class Effect:
     """ln(reading / motion) of the sensor at `where`."""
     simpler: Mapping[str, Sequence[str]] = field(default_factory=dict)
     """Effects that it comes down to in a limit, in the same place, and the parameters that they share."""
+    limit: str = ""
+    """The parameter at whose upper bound it comes down to these, if there is one."""
     variants: Sequence[str] = ()
     """What the structure depends on besides the posture: "blow" (level and hammer point) or "response"."""
     untestable: Callable[[Context], str | None] = lambda context: None

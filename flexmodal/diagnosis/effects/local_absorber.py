@@ -166,6 +166,7 @@ EFFECT = Effect(
     shape=_shape,
     act=_act,
     simpler={"added_mass": ("mass", "along", "beside", "above")},
+    limit="frequency",
     physical=_physical,
     extend=_extend,
     units={"stiffness": "N/m", "x": "m", "y": "m", "z": "m"},

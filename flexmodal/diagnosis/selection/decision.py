@@ -13,12 +13,14 @@ from enum import IntEnum
 from typing import Generic
 
 from flexmodal.diagnosis.names import UNSTRUCTURED
-from flexmodal.diagnosis.selection.comparison import MARGIN, TIED, Comparison, M
+from flexmodal.diagnosis.selection.comparison import MARGIN, TIED, Comparison, FittedModel, M
 
 SIGNIFICANT = 7.0
 """Evidence that an explanation has to gain, with `MARGIN` on both sides [nat]: 8 are odds of 3000 to 1."""
 ASKED = 5.0
 """The same for what was asked for by its place."""
+NEAR = 0.02
+"""Distance from a bound up to which a parameter is at it: logarithms of what is positive."""
 
 Asked = Mapping[str, tuple[str, ...]]
 """Effects that the caller named, each with the places that were named along."""
@@ -98,7 +100,7 @@ def choice(
     What was named with its place only has to gain more than a tie. Where settings are sets of beliefs, and
     nothing was named, whatever is tied with the best keeps it from being added. What is vouched for comes
     first if it gains anything: of several effects each alone may gain little. An effect that the best comes
-    down to in a limit stands in its place where the data cannot tell the two.
+    down to in a limit stands in its place where the data cannot tell the two, or where the limit is reached.
 
     Args:
         comparison: of the model as it is and of what might be added.
@@ -114,7 +116,7 @@ def choice(
     if asked is None:
         if comparison.beliefs and len(comparison.tied) > 1:
             return Choice(None)
-        ranked = _plainer(comparison, ranked[:1]) or ranked[:1]
+        ranked = [*_plainer(comparison, ranked[0]), ranked[0]] if ranked else []
     open_ = []
     for k in ranked:
         answer = min(gains_enough(comparison, k), worth[k])
@@ -127,16 +129,25 @@ def choice(
     return Choice(None, tuple(open_))
 
 
-def _plainer(comparison: Comparison[M], best: Sequence[int]) -> list[int]:
-    """What is tied with the best model and is what its last effect comes down to in a limit, if anything."""
+def _plainer(comparison: Comparison[M], first: int) -> list[int]:
+    """What the best model's last effect comes down to in a limit, if that is tied with it or it is there."""
     models = comparison.models
+    here = [k for k in comparison.order if k not in (0, first) and models[k].key[1] == models[first].key[1]]
     return [
         k
-        for first in best
-        for k in comparison.tied
-        if k not in (0, first) and models[k].key[1] == models[first].key[1]
+        for k in here
         if models[k].key[0] in models[first].hypothesis.placed[-1].effect.simpler
+        and (k in comparison.tied or _at_its_limit(models[first]))
     ]
+
+
+def _at_its_limit(model: FittedModel) -> bool:
+    """Whether the last effect of a model has come to where it is another one."""
+    placed, space = model.hypothesis.placed[-1], model.hypothesis.space
+    if not placed.effect.limit:
+        return False
+    k = space.index[f"{placed.label}.{placed.effect.limit}"]
+    return bool(model.x[k] >= space.bounds[1][k] - NEAR)
 
 
 def among_vouched(
