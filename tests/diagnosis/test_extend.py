@@ -79,6 +79,8 @@ def drawn(context, placed, seed):
             "relaxing"
         ):
             x[k] = low[k]
+        if ".loss_ratio_" in parameter.name:  # held to first order
+            x[k] = 0.0
     return hypothesis, x
 
 
@@ -173,6 +175,22 @@ def test_each_effect(name, robot, context_of, diagnosed, tmp_path):
         assert loaded.is_planar == context.robot.is_planar
         plain, _ = drawn(context, [], seed=number)
         assert agreement(loaded, plain, x[: len(plain.space)]) > 1e-3  # the effect is there at all
+
+
+def test_each_joint_takes_its_loss_into_the_files(context_of, diagnosed, tmp_path):
+    hypothesis, x = drawn(context_of("fanuc_s360"), [("structural_damping", "joints")], seed=1)
+    ratios = {}
+    for k, parameter in enumerate(hypothesis.space):
+        if ".loss_ratio_" in parameter.name:
+            x[k] = (-0.6, 0.5, 0.3, -0.4)[len(ratios) % 4]
+            ratios[parameter.name.rpartition("loss_ratio_")[2]] = float(np.exp(x[k]))
+    common = hypothesis.space.values(x)["structural_damping@joints.loss_factor"]
+    _, loaded = written(diagnosed, hypothesis, x, tmp_path)
+    for joint, ratio in ratios.items():
+        assert loaded.joints[joint].loss_factor == pytest.approx(common * ratio, rel=1e-9)
+    truth, found = bare(hypothesis, x), receptances(loaded, SEEN[hypothesis.context])
+    there = np.abs(truth) > 1e-3 * np.abs(truth).max()
+    assert np.sqrt(np.mean(np.abs(np.log(found[there] / truth[there])) ** 2)) < 0.01
 
 
 ALL = {

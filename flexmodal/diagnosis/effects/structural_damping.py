@@ -1,9 +1,10 @@
 """Loss in the joints that is not viscous: K (1 + iη) and a part of K that relaxes.
 
-Each joint has so many times the common loss factor; what relaxes is the same part of all. The viscous part is
-free to be less or more than the card's, where all of it may be another law's. What relaxes is a Maxwell
-element beside each joint's spring, a standard linear solid's (Zener, Elasticity and Anelasticity of Metals,
-1948): K (1 + r iωτ/(1 + iωτ)). The constant loss comes with the stiffening that causality asks for (see
+Each joint has so many times the common loss, stiffening included, which is that of so many times the loss
+factor but for terms of second order. What relaxes is the same part of all. The viscous part is free to be
+less or more than the card's, where all of it may be another law's. What relaxes is a Maxwell element beside
+each joint's spring, a standard linear solid's (Zener, Elasticity and Anelasticity of Metals, 1948):
+K (1 + r iωτ/(1 + iωτ)). The constant loss comes with the stiffening that causality asks for (see
 `identification.structure`).
 """
 
