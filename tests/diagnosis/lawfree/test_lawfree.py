@@ -78,7 +78,9 @@ def test_derivatives_are_those_of_the_residuals(root, observed, places):
     has_right_derivatives(PortedModel.of(ports, root, observed, np.arange(20, len(observed.axis), 41)))
 
 
-def test_derivatives_along_the_axis_of_a_foundation_in_space():
+@pytest.fixture(scope="module")
+def founded():
+    """A foundation in space, free about an axis of its own."""
     robot = flexmodal.load("six_axis")
     result = simulate(
         robot, postures=["work"], points=2, references=1, trials=2, averages=2, record_length=1.0, seed=3,
@@ -87,7 +89,30 @@ def test_derivatives_along_the_axis_of_a_foundation_in_space():
     observed = unlimited(observe(result.campaign))
     root = Hypothesis(Context.of(robot, observed), robot_space(robot))
     lines = np.arange(20, len(observed.axis), 29)
-    has_right_derivatives(PortedModel.of([port_of(root, BASE, "base")], root, observed, lines))
+    return PortedModel.of([port_of(root, BASE, "base")], root, observed, lines)
+
+
+def test_derivatives_along_the_axis_of_a_foundation_in_space(founded):
+    has_right_derivatives(founded)
+
+
+@pytest.mark.parametrize("arm", ["planar", "in space"])
+def test_a_wider_foundation_begins_where_the_narrower_one_is(request, root, observed, arm):
+    """Between any two motions of the root's origin what was about an axis beside it."""
+    narrow = model_of(root, observed, BASE, "base") if arm == "planar" else request.getfixturevalue("founded")
+    x, z = somewhere(narrow)
+    x[narrow.geometry[0]] = 0.4
+    wider, context = BASE.wider, narrow.root.context
+    values = narrow.hypothesis.values_of(narrow.hypothesis.placed[-1], narrow.space.values(x))
+    port = Port.at(wider.kind, "base", context)
+    wide = PortedModel.of([port], narrow.root, narrow.observations, narrow.lines)
+    found = wider.begin(context, values, z[0] * narrow.size)
+    assert len(wide.space) == len(narrow.root.space)
+    assert len(port.names) == len(found) > len(narrow.names)
+    before = AtParameters(narrow, x).residual(z)
+    after = AtParameters(wide, x[: len(wide.space)]).residual((found / wide.size)[None])
+    np.testing.assert_allclose(after, before, rtol=1e-7, atol=1e-9)
+    assert np.abs(before).max() > 0.05
 
 
 def has_right_derivatives(model):

@@ -1,0 +1,52 @@
+"""Which ports go on after the first round, and what that round sees of the data."""
+
+from unittest.mock import MagicMock
+
+import numpy as np
+
+from flexmodal.diagnosis.lawfree.kinds import KINDS
+from flexmodal.diagnosis.lawfree.port import Port
+from flexmodal.diagnosis.lawfree.screening import FRFS, LINES, kept, on_all, thinned
+from flexmodal.identification import Observations
+
+BY_NAME = {kind.name: kind for kind in KINDS}
+
+
+def ports(*misfits):
+    """Joints with these misfits, the best first."""
+    return [(misfit, Port(BY_NAME["joint"], f"q{number}")) for number, misfit in enumerate(misfits)]
+
+
+def test_what_is_far_behind_does_not_go_on_but_a_second_one():
+    assert len(kept(ports(0.1, 5.0, 5.0, 5.0))) == 2
+    assert len(kept(ports(0.5, 1.0, 3.0, 4.0, 4.5, 4.9, 4.9))) == 6  # while no more than six are near
+    assert len(kept(ports(*np.linspace(0.5, 0.6, 30)))) == 20  # all that explain everything alike
+
+
+def test_the_best_of_a_kind_goes_on_from_farther_behind():
+    link = (10.0, Port(BY_NAME["link"], "link_2"))
+    assert kept([*ports(1.0, 1.1, 1.2, 1.3, 1.4, 1.5), link])[-1] is link[1]
+    far = (100.0, link[1])
+    assert link[1] not in kept([*ports(1.0, 1.1, 1.2, 1.3, 1.4, 1.5), far])
+
+
+def test_functions_on_some_lines_are_straight_between_them():
+    every = np.arange(9) * (1.0 - 0.5j)
+    assert LINES == 2
+    np.testing.assert_allclose(on_all(every[None, None, ::LINES], 9)[0, 0], every)
+    np.testing.assert_allclose(on_all(every[None, None, :8:LINES], 8)[0, 0], [*every[:7], every[6]])
+
+
+def test_so_many_frfs_of_every_posture_and_always_the_same():
+    observed = MagicMock(spec=Observations, posture=np.repeat([0, 1, 2], [90, 50, 10]))
+    observed.__len__.return_value = 150
+    observed.keeping.return_value = observed
+    thinned(observed)
+    thinned(observed)
+    first, second = (call.args[0] for call in observed.keeping.call_args_list)
+    assert (first == second).all()
+    assert [int(first[observed.posture == number].sum()) for number in range(3)] == [30, 17, 4]
+    assert FRFS <= first.sum() < 2 * FRFS
+    few = MagicMock(spec=Observations)
+    few.__len__.return_value = FRFS + 1
+    assert thinned(few) is few
