@@ -159,8 +159,12 @@ class Field:
         return Round(tuple(sorted(found, key=lambda one: one.judged)))
 
     def _afresh(self, one: Sighting, before: Sighting | None) -> Sighting:
-        """The best of a fit, of another that sets out from constants on all lines, and of a wider port."""
-        best = min(one, self.sighted((one.port,), before, patient=True), key=lambda each: each.judged)
+        """The best of a fit, of another that sets out from constants on all lines, and of a wider port.
+
+        Beside other ports more may be missing than one: there patience would not be rewarded.
+        """
+        other = self.sighted((one.port,), before, patient=before is None)
+        best = min(one, other, key=lambda each: each.judged)
         if best.judged > NEARLY and one.port.kind.wider is not None:
             best = min(best, self._widened(best, one.port.kind.wider, before), key=lambda each: each.judged)
         return best
