@@ -59,6 +59,7 @@ def outcome(arm):
     )
 
 
+@pytest.mark.slow
 def test_the_film_goes_from_the_start_to_the_optimum(arm, outcome, tmp_path):
     start, problem = outcome.compared.held, outcome.problem
     page = show_outcome(outcome, start=start, out=tmp_path / "page.html", announce=lambda _: None)

@@ -38,7 +38,7 @@ def system(request, monkeypatch):
         pytest.skip("a system that cannot exchange two names")
 
 
-@pytest.mark.parametrize("overwrite", [False, True])
+@pytest.mark.parametrize("overwrite", [pytest.param(False, marks=pytest.mark.slow), True])
 def test_a_folder(tmp_path, system, overwrite):
     target = tmp_path / "there" / "out"
     target.parent.mkdir()
