@@ -16,6 +16,7 @@ import numpy as np
 from flexmodal.diagnosis.effects.added_mass import place_on
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Effect, Placement, along, positive, sides, signed
+from flexmodal.diagnosis.effects.relaxation import HELD, add_relaxing
 from flexmodal.diagnosis.improved.draft import Draft
 from flexmodal.structure import Parameter
 from flexmodal.structure.arm import Body
@@ -26,10 +27,6 @@ HIGHEST = 1.15
 
 COORDINATES = ("", " across", " other", " relaxing")
 """What the mass does along its directions, what another one does along the second, and what relaxes."""
-LIGHT = 1e-4
-"""Inertia of a relaxing spring's end, over that at which it would matter at the end of the band."""
-HELD = 0.02
-"""Part of the stiffness that relaxes from which it is told that no file holds it."""
 NOTHING = 0.01
 """Mass of the other one, over that of the first, which is left out of files."""
 
@@ -120,9 +117,7 @@ def _act(assembly: Assembly, placement: Placement) -> None:
         assembly.add_spring(row, spring[0])
         assembly.add_damper(row, spring[1])
     relaxes, time = values["relaxing"] * _springs(values)[0][0], values["relaxation_time"]
-    assembly.add_spring(own - relaxing, relaxes)
-    assembly.add_damper(relaxing, relaxes * time)
-    assembly.add_inertia(relaxing, LIGHT * relaxes * time / (2 * np.pi * placement.context.band[1]))
+    add_relaxing(assembly, own, relaxing, relaxes, time, placement.context.band[1])
 
 
 def _physical(context: Context, where: str, values: Mapping[str, float]) -> dict[str, float]:

@@ -16,14 +16,10 @@ import numpy as np
 
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Effect, Placement, positive
+from flexmodal.diagnosis.effects.relaxation import HELD, add_relaxing
 from flexmodal.diagnosis.improved.draft import Draft
 from flexmodal.structure import Parameter
 from flexmodal.structure.assembly import Assembly
-
-LIGHT = 1e-4
-"""Inertia of a relaxing element's end, over that at which it would matter at the end of the band."""
-HELD = 0.02
-"""Part of the stiffness that relaxes from which it is told that no file holds it."""
 
 
 def _ratio(joint: str) -> str:
@@ -37,17 +33,14 @@ def _shape(assembly: Assembly, placement: Placement) -> None:
 def _act(assembly: Assembly, placement: Placement) -> None:
     assembly.loss_factor = placement["loss_factor"]
     part, time = placement["relaxing"], placement["relaxation_time"]
-    end = 2 * np.pi * placement.context.band[1]
     for joint, card in placement.context.robot.joints.items():
         name, stretch = f"stiffness.{joint}", assembly.stretch_of(joint)
         viscous = placement.values.get(f"damping.{joint}", float(card.damping))
         stiffness = placement.values.get(name, float(card.stiffness))
         assembly.add_damper(stretch, (placement["viscous"] - 1.0) * viscous, f"damping.{joint}")
         assembly.add_loss(stretch, placement.values.get(_ratio(joint), 1.0) * stiffness, name)
-        own = assembly.row(f"{joint} relaxing")
-        assembly.add_spring(stretch - own, part * stiffness, name)
-        assembly.add_damper(own, part * stiffness * time, name)
-        assembly.add_inertia(own, LIGHT * part * stiffness * time / end, name)
+        end = assembly.row(f"{joint} relaxing")
+        add_relaxing(assembly, stretch, end, part * stiffness, time, placement.context.band[1], name)
 
 
 def _starts(context: Context, where: str) -> list[Mapping[str, float]]:

@@ -188,8 +188,7 @@ class Field:
         for number, port in enumerate(self.ports):
             if port.key not in taken:
                 ports = (*(before.ports if before else ()), port)
-                apart = any(port.kind.by_blow for port in ports)
-                seen = self.seen.apart if apart else self._few
+                seen = self._seen(ports, self._few)
                 model = self._model(ports, seen, self.seen.lines[:: screening.LINES])
                 state = None if before is None else carried_over(before, model, screening.LINES)
                 fit = begun(model, state, floor=screening.FLOORS[0], steps=screening.STEPS)
@@ -214,8 +213,8 @@ class Field:
     ) -> PortedModel:
         return PortedModel.of(ports, self.root, observations, lines, self.fitted)
 
-    def _seen(self, ports: Sequence[Port]) -> Observations:
-        return self.seen.apart if any(port.kind.by_blow for port in ports) else self.seen.merged
+    def _seen(self, ports: Sequence[Port], merged: Observations) -> Observations:
+        return self.seen.apart if any(port.kind.by_blow for port in ports) else merged
 
     def sighted(
         self,
@@ -237,7 +236,7 @@ class Field:
         if first:
             before = self.sighted(tuple(first), before)
         every = (*(before.ports if before else ()), port)
-        observations, lines = self._seen(every), self.seen.lines
+        observations, lines = self._seen(every, self.seen.merged), self.seen.lines
         model = self._model(every, observations, lines)
         noise = noise_of(observations, lines)
         steps, settled = (PATIENT_STEPS, PATIENT) if patient else (STEPS, SETTLED)

@@ -1,0 +1,40 @@
+"""Part of a spring that relaxes: a Maxwell element beside it, as in a standard linear solid.
+
+K (1 + r iωτ/(1 + iωτ)): Zener, Elasticity and Anelasticity of Metals, University of Chicago Press 1948.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from flexmodal.structure.assembly import Assembly
+
+LIGHT = 1e-4
+"""Inertia of a relaxing element's end, over that at which it would matter at the end of the band."""
+HELD = 0.02
+"""Part of the stiffness that relaxes from which it is told that no file holds it."""
+
+
+def add_relaxing(
+    assembly: Assembly,
+    row: np.ndarray,
+    end: np.ndarray,
+    stiffness: float,
+    time: float,
+    highest: float,
+    *names: str,
+) -> None:
+    """A spring and a damper in a row.
+
+    Args:
+        assembly: to which they are added.
+        row: elongation of both.
+        end: of the damper alone, a coordinate of its own.
+        stiffness: of the spring [N/m, N·m/rad].
+        time: in which it relaxes [s].
+        highest: end of the band [Hz].
+        names: parameters of the robot that all of it is proportional to.
+    """
+    assembly.add_spring(row - end, stiffness, *names)
+    assembly.add_damper(end, stiffness * time, *names)
+    assembly.add_inertia(end, LIGHT * stiffness * time / (2 * np.pi * highest), *names)
