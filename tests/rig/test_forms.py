@@ -70,7 +70,13 @@ def test_the_page_lists_every_form():
     assert page.count("| looked at |") + page.count("| sealed |") == len(OTHERS)
 
 
-@pytest.mark.parametrize("key", OTHERS)
+SLOW = ("coulomb_friction:iwan",)
+"""Some hundred sliding elements, integrated in time."""
+
+
+@pytest.mark.parametrize(
+    "key", [pytest.param(key, marks=[pytest.mark.slow] if key in SLOW else []) for key in OTHERS]
+)
 def test_a_form_is_put_in_and_named_in_the_truth_alone(key, arms, plain, tmp_path):
     name, form = key.split(":")
     robot = arms["six_axis"].robot
