@@ -17,6 +17,7 @@ from flexmodal.diagnosis.placed import Placed
 from flexmodal.diagnosis.search.close_fit import fitted_closely
 from flexmodal.diagnosis.search.coarse import Candidate, look_at
 from flexmodal.diagnosis.search.search import restarted, simpler
+from flexmodal.diagnosis.search.set_out import SetOut
 from flexmodal.diagnosis.selection.asked import asked_of
 from flexmodal.diagnosis.selection.decision import SIGNIFICANT, Answer
 from flexmodal.diagnosis.selection.frf_comparison import compare_models
@@ -173,7 +174,7 @@ def test_started_from_everywhere_it_leaves_a_local_minimum():
     stiff = {**lost, "horizontal_stiffness": lost["horizontal_stiffness"] * 100}
     seen = look_at(setup.fitted)
     beside = seen.fitted(Candidate(hypothesis, hypothesis.start(placed, stiff, card), np.inf), 0.1, 10)
-    again = restarted(hypothesis, beside.x, [card], seen)
+    again = restarted(hypothesis, beside.x, SetOut([card]), seen)
     assert again.cost < 0.5 * beside.cost
     assert over_noise(setup, fitted_closely(setup, hypothesis, again.x, near=True)) < FLOOR_REACHED
 

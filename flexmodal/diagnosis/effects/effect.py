@@ -14,6 +14,7 @@ import numpy as np
 from jaxtyping import Int
 
 from flexmodal.diagnosis.effects.context import Context
+from flexmodal.diagnosis.effects.free_function import FreeFunction
 from flexmodal.diagnosis.time_domain.law import Law
 from flexmodal.structure import Parameter
 from flexmodal.structure.arm import Body
@@ -57,7 +58,7 @@ Bodies = Mapping[str, Body]
 Reading = tuple[np.ndarray, Mapping[str, np.ndarray]]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Effect:
     """One way in which a robot or its measurement differs from the card. Hooks that do not apply are None."""
 
@@ -72,6 +73,8 @@ class Effect:
     """At a place, with priors; names without prefix."""
     starts: Callable[[Context, str], Sequence[Mapping[str, float]]]
     """Values to start a fit from; what is left out starts at the prior's centre."""
+    told: Callable[[Context, str, FreeFunction], Sequence[Mapping[str, float]]] | None = None
+    """Values that come near to free functions of its port, to start from beside those."""
     shape: Callable[[Assembly, Placement], None] | None = None
     """New coordinates and motions. Sees of its own parameters those in `geometry` only."""
     geometry: tuple[str, ...] = ()

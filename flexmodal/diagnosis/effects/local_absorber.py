@@ -13,9 +13,11 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from flexmodal.diagnosis.effects.absorber_start import told_by
 from flexmodal.diagnosis.effects.added_mass import place_on
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Effect, Placement, along, positive, sides, signed
+from flexmodal.diagnosis.effects.free_function import FreeFunction
 from flexmodal.diagnosis.effects.relaxation import HELD, add_relaxing
 from flexmodal.diagnosis.improved.draft import Draft
 from flexmodal.structure import Parameter
@@ -69,6 +71,13 @@ def _starts(context: Context, where: str) -> list[Mapping[str, float]]:
     further += [{"across_ratio": ratio} for ratio in (0.4, 2.5)]
     further += [{"relaxing": 0.3}]
     return found + [{**one, **more} for one in found[: 10 * len(turns)] for more in further]
+
+
+def _told(context: Context, where: str, free: FreeFunction) -> list[dict[str, float]]:
+    """Where the port sits, with an absorber whose dynamic stiffness is like its functions."""
+    known = _parameters(context, where)
+    found = told_by(free, {one.name: one.lower for one in known}, {one.name: one.upper for one in known})
+    return [{**free.geometry, **values} for values in found]
 
 
 def _ways(context: Context, where: str, values: Mapping[str, float]) -> tuple[np.ndarray, ...]:
@@ -158,6 +167,7 @@ EFFECT = Effect(
     places=lambda context: context.links,
     parameters=_parameters,
     starts=_starts,
+    told=_told,
     shape=_shape,
     act=_act,
     simpler={"added_mass": ("mass", "along", "beside", "above")},

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from flexmodal.diagnosis.effects.free_function import FreeFunction
 from flexmodal.diagnosis.lawfree.curve import classes_of, curve_of, undecided
 from flexmodal.diagnosis.lawfree.look import Sighting
 from flexmodal.diagnosis.lawfree.pursuit import LawFree
@@ -45,7 +46,24 @@ def _found(look: LawFree, number: int) -> Found:
 
 def _place(one: Sighting) -> PlaceTried:
     kind = one.port.kind
-    return PlaceTried(kind.name, one.port.where, kind.says, one.misfit, one.apart, one.unknowns)
+    return PlaceTried(kind.name, one.port.where, kind.says, one.misfit, one.apart, one.unknowns, _free(one))
+
+
+def _free(one: Sighting) -> FreeFunction | None:
+    """Of the last port."""
+    model, x = one.profile.model, one.state.x
+    if model.cells != 1 or one.port.kind.drops:
+        return None
+    own, placed = model.spans[-1], model.hypothesis.placed[-1]
+    values = model.hypothesis.values_of(placed, model.space.values(x))
+    known = len(model.root.space)
+    names = [one.name.removeprefix(f"{placed.label}.") for one in model.space.parameters[known:]]
+    return FreeFunction(
+        model.observations.axis.frequency[model.lines],
+        one.state.z[0, own] * model.size[own],
+        {name: values[name] for name in names if name in values},
+        x[:known],
+    )
 
 
 def _words(look: LawFree, found: tuple[Found, ...]) -> str:

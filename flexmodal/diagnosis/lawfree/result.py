@@ -9,6 +9,11 @@ import numpy as np
 from jaxtyping import Complex, Float
 from scipy.optimize import linear_sum_assignment
 
+from flexmodal.diagnosis.effects.context import Context
+from flexmodal.diagnosis.effects.effect import Effect
+from flexmodal.diagnosis.effects.free_function import FreeFunction
+from flexmodal.diagnosis.search.set_out import Start
+
 NEAR = 2.5
 """Times the misfit of the best port, up to which an effect at another one is still fitted."""
 PORT_OF: Mapping[str, str] = {
@@ -103,6 +108,8 @@ class PlaceTried:
     """The same on postures that judged."""
     unknowns: int
     """Functions and parameters of its geometry."""
+    free: FreeFunction | None = None
+    """What was found; None where it differs by posture."""
 
     @property
     def judged(self) -> float:
@@ -202,6 +209,28 @@ class Findings:
             return False
         limit = NEAR * self.places[0].judged
         return any((one.port, one.where) == (port, where) and one.judged <= limit for one in self.places)
+
+    def told(self, effect: Effect, where: str, context: Context) -> list[Start]:
+        """Where a fit of an effect may set out, by the functions that were found at its place.
+
+        Args:
+            effect: of the catalogue.
+            where: its place.
+            context: of the diagnosis.
+
+        Returns:
+            Values of the effect, and coordinates of what is believed beside it.
+        """
+        if effect.told is None or not any(one.has(effect.name, where) for one in self.found):
+            return []
+        key = PORT_OF.get(effect.name), where
+        here = [one.free for one in self.places if (one.port, one.where) == key]
+        return [
+            (values, free.fitted)
+            for free in here
+            if free is not None
+            for values in effect.told(context, where, free)
+        ]
 
     def met(self, keys: Sequence[tuple[str, str]]) -> Mapping[tuple[str, str], Found]:
         """Which ports some effects sit at, each at one of its own; those that can be at none are left out.

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from jaxtyping import Float
 
 from flexmodal.diagnosis.disagreement.gaps import over_noise
 from flexmodal.diagnosis.effects import Effect
@@ -14,6 +13,7 @@ from flexmodal.diagnosis.search.close_fit import fitted_closely
 from flexmodal.diagnosis.search.coarse import Candidate, Look, look_at
 from flexmodal.diagnosis.search.lines import worst_lines
 from flexmodal.diagnosis.search.search import candidates, narrowed, restarted, simpler
+from flexmodal.diagnosis.search.set_out import SetOut
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.setup import Setup
 from flexmodal.diagnosis.time_domain.model import has_law
@@ -31,7 +31,7 @@ FIRST_FLOOR, FOLLOWED = 0.2, 6
 def explanations(
     setup: Setup,
     before: FittedFrfs,
-    set_out: Sequence[Float[np.ndarray, " before"]],
+    set_out: SetOut,
     *,
     with_force: bool,
     enough: float,
@@ -44,7 +44,7 @@ def explanations(
     Args:
         setup: what the diagnosis works with.
         before: the model that something is added to.
-        set_out: its parameters, from which the search sets out.
+        set_out: where the search sets out.
         with_force: whether effects that depend on the force of the blow are among them.
         enough: distance over noise from which no other starts are tried.
         advance: called with the part that is done.
@@ -75,7 +75,7 @@ def explanations(
 def from_each_start(
     setup: Setup,
     before: FittedFrfs,
-    set_out: Sequence[Float[np.ndarray, " before"]],
+    set_out: SetOut,
     keys: Sequence[tuple[str, str]],
 ) -> list[FittedFrfs]:
     """Effects in places that are known, fitted closely from each of their best starts.
@@ -85,7 +85,7 @@ def from_each_start(
     Args:
         setup: what the diagnosis works with.
         before: the model that one of them is added to.
-        set_out: its parameters, from which the search sets out.
+        set_out: where the search sets out.
         keys: names and places.
     """
     seen = look_at(setup.fitted, worst_lines(setup.fitted, before.predicted[~setup.held]))
@@ -93,8 +93,7 @@ def from_each_start(
     for name, where in keys:
         placed = Placed(effects[name], where)
         hypothesis = before.hypothesis.and_also(placed)
-        tried = [hypothesis.start(placed, start, x) for start in placed.effect.starts(setup.context, where)
-                 for x in set_out]  # fmt: skip
+        tried = [one for some in set_out.starts(hypothesis) for one in some]
         for one in seen.started(hypothesis, tried, FIRST_FLOOR, FOLLOWED):
             found.append(fitted_closely(setup, hypothesis, one.x))
     return best_of_each(found)
@@ -123,9 +122,7 @@ def _close(setup: Setup, one: Candidate) -> FittedFrfs:
     return fitted_closely(setup, one.hypothesis, one.x, near=True)
 
 
-def _elsewhere(
-    setup: Setup, seen: Look, one: FittedFrfs, set_out: Sequence[Float[np.ndarray, " before"]]
-) -> FittedFrfs:
+def _elsewhere(setup: Setup, seen: Look, one: FittedFrfs, set_out: SetOut) -> FittedFrfs:
     """The same explanation from all the starts of its effect, if one of them leads further down."""
     if has_law(one.hypothesis):
         return one

@@ -9,6 +9,7 @@ law.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 from jaxtyping import Float
@@ -17,6 +18,7 @@ from flexmodal.diagnosis.effects.effect import Effect
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.placed import Placed
 from flexmodal.diagnosis.search.coarse import Candidate, Look
+from flexmodal.diagnosis.search.set_out import SetOut
 from flexmodal.diagnosis.time_domain.model import has_law
 
 STARTS = 2
@@ -37,7 +39,7 @@ ASIDE = (-2.0, -1.0, 0.0, 1.0, 2.0)
 
 def candidates(
     root: Hypothesis,
-    set_out: Sequence[Float[np.ndarray, " before"]],
+    set_out: SetOut,
     effects: Sequence[Effect],
     look: Look,
     allowed: Callable[[str, str], bool] = lambda effect, where: True,
@@ -46,7 +48,7 @@ def candidates(
 
     Args:
         root: the hypothesis that an effect is added to.
-        set_out: parameters of the root from which the search sets out; the best starts are kept of each.
+        set_out: where the search sets out; the best starts are kept of each.
         effects: to add.
         look: the coarse look.
         allowed: names and places that are tried.
@@ -61,9 +63,7 @@ def candidates(
             placed = Placed(effect, where)
             hypothesis = root.and_also(placed)
             most = 1 if has_law(hypothesis) else STARTS
-            starts = effect.starts(root.context, where)
-            for x in set_out:
-                tried = [hypothesis.start(placed, start, x) for start in starts]
+            for tried in set_out.starts(hypothesis):
                 found += look.started(hypothesis, tried, ROUNDS[0][0], most)
     return found
 
@@ -90,7 +90,7 @@ def narrowed(
 def restarted(
     hypothesis: Hypothesis,
     x: Float[np.ndarray, " parameter"],
-    set_out: Sequence[Float[np.ndarray, " before"]],
+    set_out: SetOut,
     look: Look,
 ) -> Candidate:
     """The last effect of a hypothesis started from everywhere, beside what the search set out from and a fit.
@@ -98,15 +98,12 @@ def restarted(
     Args:
         hypothesis: with the effect.
         x: where a fit of it ended.
-        set_out: parameters of the hypothesis without the effect, from which the search sets out.
+        set_out: where the search sets out.
         look: the coarse look.
     """
-    placed = hypothesis.placed[-1]
-    starts = [
-        hypothesis.start(placed, given, tail)
-        for given in placed.effect.starts(hypothesis.context, placed.where)
-        for tail in (*set_out, x[: len(set_out[0])])
-    ]
+    before = len(hypothesis.without(hypothesis.keys[-1]).space)
+    every = replace(set_out, before=(*set_out.before, x[:before])).starts(hypothesis)
+    starts = [one for some in every for one in some]
     todo = look.started(hypothesis, starts, RESTARTS[0][0], TRIED)
     todo += [Candidate(hypothesis, one, np.inf) for one in _aside(hypothesis, x)]
     for floor, steps, keep in RESTARTS:

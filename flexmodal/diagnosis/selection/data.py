@@ -81,6 +81,14 @@ class Data(ABC, Generic[M]):
         """
         return [before]
 
+    def doubted(self, model: M) -> tuple[str, str] | None:
+        """An effect whose fit a look without a law speaks against, if there is one.
+
+        Args:
+            model: with several effects.
+        """
+        return None
+
     @abstractmethod
     def compare(self, models: Sequence[M]) -> Comparison[M]:
         """Their evidence, the first being the one without anything new."""

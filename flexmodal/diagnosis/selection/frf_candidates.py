@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import cached_property
+from functools import cache, cached_property
 
 import numpy as np
 
 from flexmodal.diagnosis.lawfree.first_look import LooksWithoutLaw
 from flexmodal.diagnosis.lawfree.result import CLASSES_OF, PORT_OF, Findings, holds
 from flexmodal.diagnosis.search.explanations import best_of_each, explanations, from_each_start
+from flexmodal.diagnosis.search.set_out import SetOut
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.selection.frf_thresholds import FLOOR_REACHED
 from flexmodal.diagnosis.setup import Setup
@@ -57,6 +58,18 @@ class FrfCandidates:
         """
         known = model is self.root or frozenset(model.hypothesis.keys) in self._beside
         return known or len(self._beside) < MOST_LOOKS
+
+    def doubted(self, model: FittedFrfs) -> tuple[str, str] | None:
+        """One of several effects at whose place more is missing than anywhere else.
+
+        Args:
+            model: with effects.
+        """
+        keys = model.hypothesis.keys
+        if len(keys) < 2 or not self.can_look(model):
+            return None
+        look = self.look_beside(model)
+        return next((key for key in keys if look.needed and look.found[0].has(*key)), None)
 
     def at_places(
         self, before: FittedFrfs, number: int, look: Findings, is_over: Callable[[FittedFrfs], bool]
@@ -170,7 +183,7 @@ def _anything(effect: str, where: str) -> bool:
     return True
 
 
-def starts(before: FittedFrfs, look: Findings | None = None) -> list[np.ndarray]:
+def starts(before: FittedFrfs, look: Findings | None = None) -> SetOut:
     """Where a search sets out: at the card, with the effects there are, and where other fits ended.
 
     A fit without an effect that is there runs away from the truth; one with its law free does not.
@@ -185,4 +198,5 @@ def starts(before: FittedFrfs, look: Findings | None = None) -> list[np.ndarray]
         found.append(before.x)
     if look is not None and look.needed and look.fitted is not None:
         found.append(look.fitted)
-    return found
+        return SetOut(found, cache(lambda effect, where: look.told(effect, where, before.hypothesis.context)))
+    return SetOut(found)

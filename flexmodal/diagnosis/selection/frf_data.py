@@ -37,8 +37,8 @@ from flexmodal.diagnosis.selection.frf_thresholds import (
     FORCE,
     FORCE_MARGIN,
     NEARLY_ALL,
-    at_the_noise,
     least_share,
+    reached,
     takes_enough,
 )
 from flexmodal.diagnosis.selection.stand_in import stand_in
@@ -129,6 +129,10 @@ class FrfData(Data[FittedFrfs]):
     def most(self) -> int:
         """Two, or as many as there are places that explain everything without a law."""
         return max(2, len(self.look.found)) if self.look.explains else 2
+
+    def doubted(self, model: FittedFrfs) -> tuple[str, str] | None:
+        """See `Data`."""
+        return self._candidates.doubted(model)
 
     def is_named(self, model: FittedFrfs) -> bool:
         """Whether its effects sit where the law-free look points, one each, and take the larger part.
@@ -254,13 +258,8 @@ class FrfData(Data[FittedFrfs]):
             before, after,
             replace(gaps, held_out_before=apart.held_out_before, held_out_after=apart.held_out_after),
             disagreement(every, before.predicted), disagreement(every, after.predicted), sure.deviation, over,
-            self._reached(over, left(setup, first, after), after),
+            reached(over, left(setup, first, after), Answer.NO if after.hypothesis.by_force else self.force),
         )  # fmt: skip
-
-    def _reached(self, over: float, rest: float, after: FittedFrfs) -> Answer:
-        if after.hypothesis.by_force:
-            return at_the_noise(over, rest)
-        return min(at_the_noise(over, rest), Answer(Answer.YES - self.force))  # nothing linear changes so
 
     def place(self, model: FittedFrfs, findings: Findings | None) -> str:
         """Where the law-free look points, else the place of what comes nearest, or the worst point."""

@@ -55,6 +55,17 @@ def at_the_noise(over: float, rest: float) -> Answer:
     return reaches(-distance, FLOOR_MARGIN - 1, FLOOR_MARGIN)
 
 
+def reached(over: float, rest: float, force: Answer) -> Answer:
+    """Whether a model is at the noise; one that knows nothing of force is not, where FRFs change with it.
+
+    Args:
+        over: its distance from the measurement over that of the noise.
+        rest: part of the first model's disagreement above the noise that it leaves.
+        force: whether FRFs change with the force of the blow and the model does not.
+    """
+    return min(at_the_noise(over, rest), Answer(Answer.YES - force))
+
+
 def takes_enough(taken: float, believable: float, number: int) -> Answer:
     """Whether an effect takes enough of the misfit away.
 

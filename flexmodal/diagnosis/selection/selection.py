@@ -95,6 +95,9 @@ class ForwardSelection(Generic[M]):
 
     def _follow_on(self) -> bool:
         """One effect more where the data point, or another one in place of one that is there."""
+        doubted = self.data.doubted(self.current)
+        if doubted is not None and self._in_place_of(doubted):
+            return True
         before, many = self._state, len(self.current.hypothesis.keys)
         models = self.data.pointed(self.current, many) if many < MOST else []
         if len(models) < 2 or self._taken(models, 0) is None:
@@ -107,15 +110,18 @@ class ForwardSelection(Generic[M]):
 
     def _exchanged(self) -> bool:
         """Another effect in place of one but the last, which may have taken up what was due to others."""
+        return any(self._in_place_of(key) for key in self.current.hypothesis.keys[:-1])
+
+    def _in_place_of(self, key: tuple[str, str]) -> bool:
+        """What a look finds beside the others, in place of one effect; it may be the same, fitted afresh."""
         keys = self.current.hypothesis.keys
-        for key in keys[:-1]:
-            less = self.data.without(self.current, key)
-            comparison = self.data.compare(self.data.pointed(less, len(keys) - 1))
-            able = [k for k, one in enumerate(comparison.models) if k and one.key[0] != UNSTRUCTURED]
-            other = max(able, key=lambda k: comparison.scores[k], default=0)
-            if other and self._takes(self.current, comparison.models[other], NEARER):
-                self.current = comparison.models[other]
-                return True
+        less = self.data.without(self.current, key)
+        comparison = self.data.compare(self.data.pointed(less, len(keys) - 1))
+        able = [k for k, one in enumerate(comparison.models) if k and one.key[0] != UNSTRUCTURED]
+        other = max(able, key=lambda k: comparison.scores[k], default=0)
+        if other and self._takes(self.current, comparison.models[other], NEARER):
+            self.current = comparison.models[other]
+            return True
         return False
 
     def _takes(self, first: M, last: M, part: float) -> bool:

@@ -8,7 +8,7 @@ coupling pushes instead of holding it is refused.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import partial
 
 import numpy as np
@@ -16,6 +16,7 @@ import numpy as np
 from flexmodal.diagnosis.disagreement.gaps import over_noise
 from flexmodal.diagnosis.lawfree.result import Findings
 from flexmodal.diagnosis.search.explanations import explanations
+from flexmodal.diagnosis.search.set_out import SetOut
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.selection.frf_thresholds import FLOOR_REACHED
 from flexmodal.diagnosis.setup import Setup
@@ -25,7 +26,7 @@ MOST = 2
 NEARER = 0.9
 """Of the distance of the postures held out that an effect may leave to be taken."""
 
-Starts = Callable[[FittedFrfs], Sequence[np.ndarray]]
+Starts = Callable[[FittedFrfs], SetOut]
 
 
 def stand_in(
@@ -37,7 +38,7 @@ def stand_in(
         setup: what the diagnosis works with.
         look: what was found without a law.
         model: the last model, some of whose effects may be named.
-        starts: coordinates from which a search beside a model sets out.
+        starts: where a search beside a model sets out.
         with_force: whether FRFs change with the force of the blow.
     """
     if not setup.held.any():
