@@ -15,7 +15,7 @@ from flexmodal.diagnosis.selection.decision import Answer
 from flexmodal.diagnosis.selection.frf_candidates import MOST_LOOKS, FrfCandidates, does_more, narrowest
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.selection.frf_data import FrfData
-from flexmodal.diagnosis.selection.selection import MOST, ForwardSelection
+from flexmodal.diagnosis.selection.selection import MOST, ForwardSelection, beside_others
 from flexmodal.diagnosis.setup import Setup
 
 MASS, DELAY, PLAY, LINK, BASE = (
@@ -274,13 +274,106 @@ def test_fits_start_from_elsewhere_only_where_one_place_explains(monkeypatch, pl
     assert seen == [expected, False]
 
 
+def begins(*given):
+    return [x.tolist() for x in frf_candidates.starts(*given).before]
+
+
 def test_a_search_sets_out_from_the_card_and_from_where_a_look_has_come_to():
     root = Mock(spec=FittedFrfs, hypothesis=Mock(base=("mass",), placed=()), x=np.array([0.3]))
     look = Mock(spec=Findings, needed=True, fitted=np.array([0.1]))
-    assert [x.tolist() for x in frf_candidates.starts(root)] == [[0.0]]
-    assert [x.tolist() for x in frf_candidates.starts(root, look)] == [[0.0], [0.1]]
+    assert begins(root) == [[0.0]]
+    assert begins(root, look) == [[0.0], [0.1]]
     look.needed = False
-    assert [x.tolist() for x in frf_candidates.starts(root, look)] == [[0.0]]
+    assert begins(root, look) == [[0.0]]
     beside = Mock(spec=FittedFrfs, hypothesis=Mock(base=("mass",), placed=(None,)), x=np.array([0.3, 2.0]))
     look = Mock(spec=Findings, needed=True, fitted=np.array([0.1, 1.5]))
-    assert [x.tolist() for x in frf_candidates.starts(beside, look)] == [[0.0, 2.0], [0.3, 2.0], [0.1, 1.5]]
+    assert begins(beside, look) == [[0.0, 2.0], [0.3, 2.0], [0.1, 1.5]]
+
+
+def test_a_search_sets_out_from_what_a_look_tells_too_and_asks_once():
+    root = Mock(spec=FittedFrfs, hypothesis=Mock(base=("mass",), placed=()), x=np.array([0.3]))
+    told = Mock(side_effect=lambda *given: [({"mass": 3.0}, np.array([0.1]))])
+    look = Mock(needed=True, fitted=np.array([0.1]), told=told)
+    set_out = frf_candidates.starts(root, look)
+    effect = Mock(starts=lambda context, where: [{"mass": 1.0}, {"mass": 2.0}])
+    hypothesis = Mock(placed=[Mock(effect=effect, where="link_2")])
+    hypothesis.start = lambda placed, values, x: np.append(x, values["mass"])
+    found = [[one.tolist() for one in some] for some in set_out.starts(hypothesis)]
+    assert found == [[[0.0, 1.0], [0.0, 2.0]], [[0.1, 1.0], [0.1, 2.0]], [[0.1, 3.0]]]
+    set_out.starts(hypothesis)
+    told.assert_called_once_with(effect, "link_2", root.hypothesis.context)
+
+
+def test_an_effect_at_whose_place_a_look_finds_what_is_left_is_doubted():
+    candidates = FrfCandidates.__new__(FrfCandidates)
+    candidates.root = fitted()
+    at_mass = Mock(has=lambda effect, where: (effect, where) == MASS)
+    look = Mock(spec=Findings, needed=True, found=(at_mass,), explains=True)
+    candidates._beside = {frozenset(keys): look for keys in ([MASS, DELAY], [DELAY, PLAY], [MASS])}
+    assert candidates.doubted(fitted(DELAY, MASS)) == MASS
+    assert candidates.doubted(fitted(DELAY, PLAY)) is None
+    assert candidates.doubted(fitted(MASS)) is None  # alone, its law may be to blame
+    assert candidates.one_explains(fitted(DELAY, PLAY))
+    look.needed = look.explains = False
+    assert candidates.doubted(fitted(DELAY, MASS)) is None
+    assert not candidates.one_explains(fitted(DELAY, PLAY))
+
+
+class Afresh(Model):
+    """Fitted afresh beside the others."""
+
+
+class Doubting(World):
+    """The mass, fitted while the delay was missing, ended beside the truth."""
+
+    def __init__(self):
+        super().__init__(self.rest)
+        self.fresh = set()
+
+    def rest(self, keys):
+        return 100.0 - 60 * (MASS in keys) - 35 * (DELAY in keys)
+
+    def doubted(self, model):
+        return MASS if {MASS, DELAY} <= set(model.keys) and not isinstance(model, Afresh) else None
+
+    def pointed(self, before, number):
+        found = super().pointed(before, number)
+        return (
+            [before, *(Afresh(one.keys) for one in found[1:])]
+            if MASS not in before.keys and number
+            else found
+        )
+
+    def compare(self, models):
+        scores = -np.array([100.0 * self.of(one) for one in models])
+        return Comparison(models, scores, np.tile(scores[:, None], 3))
+
+    def of(self, model):
+        return NOISE / 2 if isinstance(model, Afresh) and MASS in model.keys else self.rest(set(model.keys))
+
+    def is_enough(self, model):
+        return self.of(model) <= NOISE
+
+    def share(self, first, last):
+        return 1 - self.of(last) / self.of(first)
+
+
+def test_what_is_doubted_is_fitted_afresh_beside_the_others():
+    selection = Selection(Doubting())
+    assert selection.follow()
+    assert selection.current.keys == (DELAY, MASS)
+    assert isinstance(selection.current, Afresh)
+
+
+def step_of(confidence, ties):
+    other = Compared("play", "c", 1.0, None, -1.0, 0.4, 2)
+    return Step("added_mass", "a", {}, {}, {}, confidence, Mock(), (other,), ties)
+
+
+def test_one_of_several_is_as_sure_as_it_is_beside_the_others():
+    found = beside_others(step_of(0.2, (DELAY,)), 0.9, [MASS, DELAY])
+    assert (found.confidence, found.ties) == (0.9, ())
+    assert found.alternatives[0].confidence == pytest.approx(0.4 * 0.1 / 0.8)
+    kept = beside_others(step_of(0.2, (DELAY, PLAY)), 0.9, [MASS, DELAY])
+    assert (kept.confidence, kept.ties) == (0.2, (PLAY,))
+    assert kept.alternatives[0].confidence == 0.4

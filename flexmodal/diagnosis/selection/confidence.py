@@ -45,9 +45,8 @@ class Looked(Protocol):
     def setup(self) -> Setup:
         """What a diagnosis works with."""
 
-    @property
-    def look(self) -> Findings:
-        """What was found without a law."""
+    def look_for(self, before: FittedFrfs) -> Findings:
+        """What was found without a law, beside a model if that was looked at."""
 
 
 def confidences(data: Looked, comparison: Comparison[FittedFrfs], chosen: int) -> Float[np.ndarray, " model"]:
@@ -58,7 +57,7 @@ def confidences(data: Looked, comparison: Comparison[FittedFrfs], chosen: int) -
         comparison: of models.
         chosen: number of the one that is named.
     """
-    observations, look = data.setup.observations, data.look
+    observations, look = data.setup.observations, data.look_for(comparison.models[0])
     models = comparison.models
     key = models[chosen].key
     costs = np.array([float(one.costs.sum()) for one in models])

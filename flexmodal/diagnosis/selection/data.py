@@ -89,6 +89,14 @@ class Data(ABC, Generic[M]):
         """
         return None
 
+    def leads_on(self, model: M) -> bool:
+        """Whether nothing is left beside a model, or one effect more might explain it.
+
+        Args:
+            model: with several effects.
+        """
+        return False
+
     @abstractmethod
     def compare(self, models: Sequence[M]) -> Comparison[M]:
         """Their evidence, the first being the one without anything new."""

@@ -59,6 +59,14 @@ class FrfCandidates:
         known = model is self.root or frozenset(model.hypothesis.keys) in self._beside
         return known or len(self._beside) < MOST_LOOKS
 
+    def one_explains(self, model: FittedFrfs) -> bool:
+        """Whether one place more explains everything without a law.
+
+        Args:
+            model: with effects.
+        """
+        return self.can_look(model) and self.look_beside(model).explains
+
     def doubted(self, model: FittedFrfs) -> tuple[str, str] | None:
         """One of several effects at whose place more is missing than anywhere else.
 
@@ -128,7 +136,7 @@ class FrfCandidates:
         return explanations(
             self.setup,
             before,
-            starts(before, self._looked(before)),
+            starts(before, self.looks.one if before is self.root else self.looked(before)),
             with_force=self.with_force,
             enough=FLOOR_REACHED,
             advance=lambda part: self.setup.advance(doing, part),
@@ -136,10 +144,12 @@ class FrfCandidates:
             one_is_enough=one_is_enough,
         )
 
-    def _looked(self, before: FittedFrfs) -> Findings | None:
-        """The look beside a model, if there was one."""
-        if before is self.root:
-            return self.looks.one
+    def looked(self, before: FittedFrfs) -> Findings | None:
+        """The look beside effects, if there was one.
+
+        Args:
+            before: the model that has them.
+        """
         return self._beside.get(frozenset(before.hypothesis.keys))
 
     def _pointed_to(self, before: FittedFrfs, look: Findings) -> list[tuple[str, str]]:

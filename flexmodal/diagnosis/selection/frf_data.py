@@ -60,8 +60,8 @@ class FrfData(Data[FittedFrfs]):
             modes: that were measured too; they count in every comparison.
         """
         self.setup, self.modes = setup, modes
-        self.campaign, self.context = setup.observations.campaign, setup.context
-        self.effects, self.asked, self.advance = setup.effects, setup.asked, setup.advance
+        self.campaign, self.context, self.advance = setup.observations.campaign, setup.context, setup.advance
+        self.effects, self.asked = setup.effects, setup.asked
         setup.advance("re-tuning the robot", 0.0)
         bare, zero = Hypothesis(setup.context, setup.base), np.zeros(len(setup.base))
         self.believed = predict(bare, zero, setup.observations)
@@ -91,7 +91,7 @@ class FrfData(Data[FittedFrfs]):
     def pointed(self, before: FittedFrfs, number: int) -> list[FittedFrfs]:
         """See `Data`; everywhere where one place explains what is left and no effect does that there.
 
-        Beside a model that is named already only what such a place stands for: its law may be to blame.
+        Beside a model that is named only what such a place stands for: its law may be to blame.
         """
         if not self._candidates.can_look(before):
             return [before]
@@ -125,6 +125,10 @@ class FrfData(Data[FittedFrfs]):
         """See `Data`; of the re-tuned robot, for several places once one turned out not to be enough."""
         return self._look
 
+    def look_for(self, before: FittedFrfs) -> LawFree:
+        """The look beside a model, where it was taken; else that of the re-tuned robot."""
+        return self._candidates.looked(before) or self.look
+
     @property
     def most(self) -> int:
         """Two, or as many as there are places that explain everything without a law."""
@@ -133,6 +137,10 @@ class FrfData(Data[FittedFrfs]):
     def doubted(self, model: FittedFrfs) -> tuple[str, str] | None:
         """See `Data`."""
         return self._candidates.doubted(model)
+
+    def leads_on(self, model: FittedFrfs) -> bool:
+        """See `Data`."""
+        return self.is_enough(model) or self._candidates.one_explains(model)
 
     def is_named(self, model: FittedFrfs) -> bool:
         """Whether its effects sit where the law-free look points, one each, and take the larger part.
@@ -144,31 +152,29 @@ class FrfData(Data[FittedFrfs]):
         if not keys or not self.look.explains or self.lacking(model):
             return False
         met = self.look.met(keys)
-        if len(met) < max(len(keys), len(self.look.found)):
-            return False
-        return self.share(self.root, model) >= least_share(met)
+        every = len(met) == max(len(keys), len(self.look.found))
+        return every and self.share(self.root, model) >= least_share(met)
 
     def vouches(self, model: FittedFrfs) -> bool:
         """See `Data`: with several places that explain everything without a law, one effect at each."""
-        keys, found = model.hypothesis.keys, self.look.found
-        return self.look.explains and len(found) > 1 and len(self.look.met(keys)) == len(keys)
+        keys, look = model.hypothesis.keys, self.look
+        return look.explains and len(look.found) > 1 and len(look.met(keys)) == len(keys)
 
     def settles(self, model: FittedFrfs) -> bool:
         """See `Data`: beside the others each of these has its place to itself, and a curve of its class."""
         keys = model.hypothesis.keys
         if len(keys) < 2 or self.lacking(model) or self.share(self.root, model) < NEARLY_ALL:
             return False
-        sure = []
+        looks, sure = self._candidates, []
         for key in keys:
             less = self.without(model, key)
-            if self._candidates.can_look(less):
-                look = self._candidates.look_beside(less)
-                one = look.met([key]).get(key)
-                if one is not None and one.surely(key[0]) and look.alone > CLEARLY * look.left:
-                    sure.append(key)
-        if not self._candidates.can_look(model):
+            look = looks.look_beside(less) if looks.can_look(less) else None
+            one = look.met([key]).get(key) if look else None
+            if look and one and one.surely(key[0]) and look.alone > CLEARLY * look.left:
+                sure.append(key)
+        if not looks.can_look(model):
             return False
-        self._settled = keys, tuple(sure), (self._candidates.look_beside(model).place,)
+        self._settled = keys, tuple(sure), (looks.look_beside(model).place,)
         return bool(sure)
 
     def standing(self, model: FittedFrfs) -> tuple[tuple[tuple[str, str], ...], tuple[str, ...]]:
@@ -186,10 +192,7 @@ class FrfData(Data[FittedFrfs]):
         return (tuple(met), tuple(dict.fromkeys(open_))) if open_ else ((), ())
 
     def is_contradicted(self, model: FittedFrfs) -> bool:
-        """See `Data`; effects that no port stands for are taken at their word.
-
-        One effect is, though it takes everything that was fitted, where it fails on what was held out.
-        """
+        """See `Data`; by what was held out too. Effects that no port stands for are taken at their word."""
         keys, held = model.hypothesis.keys, self.setup.held
         known = all(name in PORT_OF for name, _ in keys)
         if not keys or not known or not self.look.explains or self.look.met(keys):
@@ -265,16 +268,16 @@ class FrfData(Data[FittedFrfs]):
         """Where the law-free look points, else the place of what comes nearest, or the worst point."""
         if self.look.explains:
             return self.look.place
-        if model.hypothesis.placed:
-            return model.hypothesis.keys[-1][1]
-        return worst_point(self.setup.observations, model.predicted)
+        keys = model.hypothesis.keys
+        return keys[-1][1] if keys else worst_point(self.setup.observations, model.predicted)
 
     def modes_seen(
         self, first: FittedFrfs, last: FittedFrfs, conclusion: Conclusion[FittedFrfs]
     ) -> ModesSeen | None:
         """See `Data`."""
-        every = conclusion.before, conclusion.after
-        return None if self.modes is None else self.modes.shown((first, last), every, self.held_out)
+        if self.modes is None:
+            return None
+        return self.modes.shown((first, last), (conclusion.before, conclusion.after), self.held_out)
 
     def stand_in(self, model: FittedFrfs) -> FittedFrfs | None:
         """See `Data`: at the places that the law-free look points to; where all of them are named, none."""
@@ -292,6 +295,6 @@ class FrfData(Data[FittedFrfs]):
 
     def shown(self, conclusion: Conclusion[FittedFrfs]) -> dict[str, Any]:
         """The FRFs and what the models have for them."""
-        seen, now = self.setup.observations, conclusion
-        told = {"believed": self.believed, "before": now.before.predicted, "after": now.after.predicted}
-        return {"frfs": seen, "predicted": told, "moved": self.setup.moved}
+        before, after = conclusion.before.predicted, conclusion.after.predicted
+        told = {"believed": self.believed, "before": before, "after": after}
+        return {"frfs": self.setup.observations, "predicted": told, "moved": self.setup.moved}

@@ -102,7 +102,8 @@ class ForwardSelection(Generic[M]):
         models = self.data.pointed(self.current, many) if many < MOST else []
         if len(models) < 2 or self._taken(models, 0) is None:
             return self._exchanged()
-        if many > 1 and not self._takes(before[0], self.current, MUCH):
+        much = self._takes(before[0], self.current, MUCH)
+        if many > 1 and not much and not self.data.leads_on(self.current):
             further, self._state = self._state, before
             if not self._exchanged():
                 self._state = further
@@ -195,6 +196,9 @@ class ForwardSelection(Generic[M]):
             if self._chosen(comparison, number).number is None:
                 self.current = less
                 self.steps.remove(step)
+            else:
+                sure = float(self.data.confidences(comparison, 1)[1])
+                self.steps[self.steps.index(step)] = beside_others(step, sure, self.current.hypothesis.keys)
 
     def _chosen(self, comparison: Comparison[M], number: int) -> Choice:
         before = comparison.models[0]
@@ -245,6 +249,22 @@ class ForwardSelection(Generic[M]):
             float(comparison.probability[number]),
             model.parameters - comparison.models[0].parameters,
         )
+
+
+def beside_others(step: Step, sure: float, named: Sequence[tuple[str, str]]) -> Step:
+    """One of several effects: as sure as it is beside the others, where nothing but they was tied with it.
+
+    Args:
+        step: as it was added, before others were known.
+        sure: its confidence beside all others.
+        named: all effects.
+    """
+    ties = tuple(tie for tie in step.ties if tie not in named)
+    if ties:
+        return replace(step, ties=ties)
+    rest = (1 - sure) / max(1 - step.confidence, 1e-12)
+    others = tuple(replace(one, confidence=min(one.confidence * rest, 1 - sure)) for one in step.alternatives)
+    return replace(step, ties=(), confidence=sure, alternatives=others)
 
 
 def effect_parameters(
