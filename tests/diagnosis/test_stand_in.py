@@ -12,6 +12,7 @@ from flexmodal.diagnosis.lawfree.result import Findings, Found
 from flexmodal.diagnosis.outcome import Gaps
 from flexmodal.diagnosis.placed import Placed
 from flexmodal.diagnosis.search.close_fit import fitted_closely
+from flexmodal.diagnosis.search.set_out import SetOut
 from flexmodal.diagnosis.selection.asked import asked_of
 from flexmodal.diagnosis.selection.stand_in import NEARER, is_passive, stand_in
 from flexmodal.diagnosis.setup import prepare
@@ -29,7 +30,7 @@ def looked(where):
 
 
 def starts(before):
-    return [np.zeros(len(before.x)), before.x]
+    return SetOut([np.zeros(len(before.x)), before.x])
 
 
 @pytest.fixture(scope="module")

@@ -7,6 +7,7 @@ from jaxtyping import Float
 
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.search.lines import CLOSE, some_lines
+from flexmodal.diagnosis.search.refine import STEPS as REFINED
 from flexmodal.diagnosis.search.refine import refined
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs, fitted_model
 from flexmodal.diagnosis.setup import Setup
@@ -25,6 +26,7 @@ def fitted_closely(
     start: Float[np.ndarray, " parameter"],
     *,
     near: bool = False,
+    steps: int = STEPS,
     fitted_to: Observations | None = None,
 ) -> FittedFrfs:
     """Fit a hypothesis closely; torques that are not linear are integrated in time.
@@ -34,12 +36,13 @@ def fitted_closely(
         hypothesis: what is fitted.
         start: where the fit sets out.
         near: whether that is near its end.
+        steps: most at each model error.
         fitted_to: by default the observations that are not held out.
     """
     few, every = setup.fitted if fitted_to is None else fitted_to, setup.observations
     if has_law(hypothesis):
-        close = refined(hypothesis, start, few)
+        close = refined(hypothesis, start, few, steps=min(steps, REFINED))
         return fitted_model(hypothesis, close.fitted, every, predict(close.model, close.x, every))
     lines = some_lines(few, CLOSE)
-    fitted = fit(hypothesis, few, start, floors=NEAR if near else FAR, lines=lines, steps=STEPS)
+    fitted = fit(hypothesis, few, start, floors=NEAR if near else FAR, lines=lines, steps=steps)
     return fitted_model(hypothesis, fitted, every)

@@ -22,6 +22,8 @@ FINALISTS = 4
 """Candidates that are fitted closely and compared."""
 INTEGRATED = 3
 """The same for effects that depend on force, whose torques are integrated in time."""
+FAR_BEHIND, A_FEW = 8.0, 6
+"""Times the least cost of a coarse look; beyond it nothing comes to be the best, and so few steps show it."""
 BEYOND_BELIEF = 60.0
 """Sum of the squares of the parameters' deviations, in their own, that nobody believes."""
 AGAIN = 2
@@ -60,9 +62,14 @@ def explanations(
     for some, most in _kinds(setup.effects, with_force=with_force):
         found = candidates(before.hypothesis, set_out, some, seen, allowed)
         finalists += narrowed(found, seen, lambda part: advance(0.6 * part))[:most]
-    looked = []
+    looked, least = [], min((one.cost for one in finalists), default=0.0)
     for number, one in enumerate(finalists, start=1):
-        looked.append(_close(setup, one))
+        behind = one.cost > FAR_BEHIND * least
+        looked.append(
+            fitted_closely(setup, one.hypothesis, one.x, near=True, steps=A_FEW)
+            if behind
+            else _close(setup, one)
+        )
         advance(0.6 + 0.3 * number / len(finalists))
     looked.sort(key=lambda one: one.cost)
     if one_is_enough and looked and over_noise(setup, looked[0]) > enough:
@@ -79,6 +86,8 @@ def from_each_start(
     before: FittedFrfs,
     set_out: SetOut,
     keys: Sequence[tuple[str, str]],
+    is_enough: Callable[[FittedFrfs], bool],
+    followed: int = FOLLOWED,
 ) -> list[FittedFrfs]:
     """Effects in places that are known, fitted closely from each of their best starts.
 
@@ -89,6 +98,8 @@ def from_each_start(
         before: the model that one of them is added to.
         set_out: where the search sets out.
         keys: names and places.
+        is_enough: whether a fit leaves nothing, so that no other start is followed.
+        followed: how many starts of each are fitted closely at most.
     """
     seen = look_at(setup.fitted, worst_lines(setup.fitted, before.predicted[~setup.held]))
     effects, found = {effect.name: effect for effect in setup.effects}, []
@@ -96,8 +107,10 @@ def from_each_start(
         placed = Placed(effects[name], where)
         hypothesis = before.hypothesis.and_also(placed)
         tried = [one for some in set_out.starts(hypothesis) for one in some]
-        for one in seen.started(hypothesis, tried, FIRST_FLOOR, FOLLOWED):
+        for one in seen.started(hypothesis, tried, FIRST_FLOOR, followed):
             found.append(fitted_closely(setup, hypothesis, one.x))
+            if is_enough(found[-1]):
+                break
     return best_of_each(found)
 
 

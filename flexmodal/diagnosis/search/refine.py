@@ -50,7 +50,11 @@ class Refined:
 
 
 def refined(
-    hypothesis: Hypothesis, start: Float[np.ndarray, " parameter"], observations: Observations
+    hypothesis: Hypothesis,
+    start: Float[np.ndarray, " parameter"],
+    observations: Observations,
+    *,
+    steps: int = STEPS,
 ) -> Refined:
     """Fit once more, the torques of effects with a `law` integrated in time.
 
@@ -58,6 +62,7 @@ def refined(
         hypothesis: with at least one such effect.
         start: where the fit sets out.
         observations: what is fitted.
+        steps: most in each round.
 
     Raises:
         InvalidRequest: no effect of the hypothesis has a law.
@@ -66,11 +71,11 @@ def refined(
     rough = replace(model, fineness=ROUGH)
     x = _start(rough, start, observations)
     first = fit(
-        rough, observations, x, floors=FLOORS[:1], steps=STEPS, settled=ROUGHLY, apart=False,
+        rough, observations, x, floors=FLOORS[:1], steps=steps, settled=ROUGHLY, apart=False,
         lines=some_lines(observations, CLOSE),
     )  # fmt: skip
     last = fit(
-        model, observations, first.x, floors=FLOORS[1:], steps=STEPS, settled=SETTLED,
+        model, observations, first.x, floors=FLOORS[1:], steps=steps, settled=SETTLED,
         lines=some_lines(observations, CLOSE),
     )  # fmt: skip
     last = replace(last, steps=first.steps + last.steps)

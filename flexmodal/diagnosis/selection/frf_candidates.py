@@ -9,12 +9,19 @@ import numpy as np
 
 from flexmodal.diagnosis.lawfree.first_look import LooksWithoutLaw
 from flexmodal.diagnosis.lawfree.result import CLASSES_OF, PORT_OF, Findings, holds
-from flexmodal.diagnosis.search.explanations import best_of_each, explanations, from_each_start
+from flexmodal.diagnosis.search.explanations import (
+    FOLLOWED,
+    best_of_each,
+    explanations,
+    from_each_start,
+)
 from flexmodal.diagnosis.search.set_out import SetOut
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.selection.frf_thresholds import FLOOR_REACHED
 from flexmodal.diagnosis.setup import Setup
 
+ONCE_MORE = 2
+"""Starts of an effect that are followed closely where another one that can do more is enough."""
 MOST_LOOKS = 8
 """Looks beside effects that are there; each takes as long as the first, and where many do not help, more
 do not."""
@@ -97,10 +104,13 @@ class FrfCandidates:
         found = self.searched(before, number, look.worth_trying, one_is_enough=alone)
         if look.explains:
             enough = [one for one in found if is_over(one)]
-            keys = self._pointed_to(before, look)
+            keys, followed = self._pointed_to(before, look), FOLLOWED
             if enough:  # a wider one than there may be need of
                 keys = [key for key in keys if any(does_more(one.key, key) for one in enough)]
-            found = best_of_each([*found, *from_each_start(self.setup, before, starts(before, look), keys)])
+                followed = ONCE_MORE
+            set_out = starts(before, look)
+            more = from_each_start(self.setup, before, set_out, keys, is_over, followed)
+            found = best_of_each([*found, *more])
         return found
 
     def everywhere(self, before: FittedFrfs, number: int) -> list[FittedFrfs]:
