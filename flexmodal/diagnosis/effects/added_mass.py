@@ -122,7 +122,6 @@ def _extend(draft: Draft, placement: Placement) -> None:
 EFFECT = Effect(
     name="added_mass",
     says="the link carries a mass that the card lacks",
-    looks_like="lower frequencies, most in postures where the link's end moves most, and a lower mass line",
     places=lambda context: context.links,
     parameters=_parameters,
     starts=lambda context, where: [

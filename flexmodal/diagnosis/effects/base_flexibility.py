@@ -170,7 +170,6 @@ def _extend(draft: Draft, placement: Placement) -> None:
 EFFECT = Effect(
     name="base_flexibility",
     says="the foundation gives way",
-    looks_like="resonances in which the whole arm moves, posture for posture as the mass above shifts",
     places=lambda context: ("base",),
     parameters=_parameters,
     starts=_starts,

@@ -215,7 +215,6 @@ def _extend(draft: Draft, placement: Placement) -> None:
 EFFECT = Effect(
     name="bearing_flexibility",
     says="the joint gives across its axis",
-    looks_like="a resonance out of the joint's own motion that rigid bearings lack, strongest beyond it",
     places=_places,
     parameters=_parameters,
     starts=_starts,

@@ -65,8 +65,6 @@ class Effect:
     name: str
     says: str
     """What it is, for people; completes "the data speak for …"."""
-    looks_like: str
-    """What gives it away in the FRFs."""
     places: Callable[[Context], tuple[str, ...]]
     """Where it can sit."""
     parameters: Callable[[Context, str], tuple[Parameter, ...]]

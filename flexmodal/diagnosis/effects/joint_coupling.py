@@ -117,7 +117,6 @@ def _extend(draft: Draft, placement: Placement) -> None:
 EFFECT = Effect(
     name="joint_coupling",
     says="a mechanism couples two joints",
-    looks_like="frequencies and shapes that no separate joints give; a resonance if an idler swings in it",
     places=lambda context: tuple(f"{a}+{b}" for a, b in combinations(context.joints, 2)),
     parameters=_parameters,
     starts=_starts,

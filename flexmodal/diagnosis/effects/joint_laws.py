@@ -169,7 +169,6 @@ def _friction_starts(context: Context, where: str) -> list[Mapping[str, float]]:
 FRICTION = Effect(
     name="coulomb_friction",
     says="the joint has dry friction",
-    looks_like="resonances that are lower and less damped the harder the blow",
     places=lambda context: context.joints,
     parameters=_friction_parameters,
     starts=_friction_starts,
@@ -229,7 +228,6 @@ def _hardening_physical(context: Context, where: str, values: Mapping[str, float
 NONLINEAR = Effect(
     name="nonlinear_stiffness",
     says="the joint's spring hardens or softens",
-    looks_like="resonances that move with the force of the blow, their damping unchanged",
     places=lambda context: context.joints,
     parameters=_hardening_parameters,
     starts=lambda context, where: [

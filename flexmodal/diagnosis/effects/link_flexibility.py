@@ -209,7 +209,6 @@ def _extend(draft: Draft, placement: Placement) -> None:
 EFFECT = Effect(
     name="link_flexibility",
     says="the link bends",
-    looks_like="a resonance that rigid links do not have, and a bend in the shape along the link",
     places=_places,
     parameters=_parameters,
     starts=_starts,

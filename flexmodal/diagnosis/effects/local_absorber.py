@@ -163,7 +163,6 @@ def _extend(draft: Draft, placement: Placement) -> None:
 EFFECT = Effect(
     name="local_absorber",
     says="something resilient is attached to the link",
-    looks_like="a resonance at nearly the same frequency in every posture, strongest near the place",
     places=lambda context: context.links,
     parameters=_parameters,
     starts=_starts,

@@ -61,7 +61,6 @@ def _sensor_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
 SENSOR_MASS = Effect(
     name="sensor_mass",
     says="the accelerometer weighs on the structure and moves with the measurement from point to point",
-    looks_like="resonances that shift from one response point to the next",
     places=lambda context: ("sensor",),
     parameters=_sensor_parameters,
     starts=lambda context, where: [{"mass": share * context.arm_mass} for share in (0.005, 0.03)],
@@ -127,7 +126,6 @@ def _gain_starts(context: Context, where: str) -> list[Mapping[str, float]]:
 SENSOR_GAIN = Effect(
     name="sensor_gain",
     says="a sensor reads too much or too little, or the wrong way round, or its mount resonates",
-    looks_like="one point's FRFs off by the same factor in every posture",
     places=lambda context: context.sensors,
     parameters=_gain_parameters,
     starts=_gain_starts,
@@ -154,7 +152,6 @@ def _lag(placement: Placement, axis: Axis) -> np.ndarray:
 SENSOR_DELAY = Effect(
     name="time_delay",
     says="a sensor lags",
-    looks_like="a phase that falls in proportion to frequency at one point",
     places=lambda context: context.sensors,
     parameters=lambda context, where: (
         signed("delay", "s", 5e-3, -0.03, 0.03),
@@ -226,7 +223,6 @@ def _tilt_starts(context: Context, where: str) -> list[Mapping[str, float]]:
 SENSOR_MISALIGNMENT = Effect(
     name="sensor_misalignment",
     says="a sensor points elsewhere than recorded",
-    looks_like="one point's FRFs take in motion of another direction, posture for posture differently",
     places=lambda context: context.sensors,
     parameters=_tilt,
     starts=_tilt_starts,

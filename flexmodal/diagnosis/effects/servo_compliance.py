@@ -77,7 +77,6 @@ def _extend(draft: Draft, placement: Placement) -> None:
 EFFECT = Effect(
     name="servo_compliance",
     says="the motor moves against its control loop",
-    looks_like="a softer joint at low frequency and one more, well damped resonance of the rotor",
     places=lambda context: context.joints,
     parameters=_parameters,
     starts=_starts,

@@ -82,7 +82,6 @@ def _extend(draft: Draft, placement: Placement) -> None:
 EFFECT = Effect(
     name="structural_damping",
     says="the joints lose energy by hysteresis",
-    looks_like="damping that does not grow with frequency as viscous damping does",
     places=lambda context: ("joints",),
     parameters=_parameters,
     starts=_starts,

@@ -33,7 +33,7 @@ class Patterns:
     """Share of each function in the compliance of each coordinate, and between two [m/N, rad/(N·m)]."""
 
 
-STILL = Effect("port", "", "", lambda context: (), lambda c, w: (), lambda c, w: ())
+STILL = Effect("port", "", lambda context: (), lambda c, w: (), lambda c, w: ())
 """A port without coordinates of its own."""
 
 
