@@ -32,7 +32,13 @@ def clearance_options(command: Command) -> Command:
 
 
 def clearance_of(arm: Robot, clearance: str | None, no_collisions: bool) -> Clearance | None:
-    """The clearance that the options of `clearance_options` ask for, or that the card does."""
+    """The clearance that the options of `clearance_options` ask for, or that the card does.
+
+    Args:
+        arm: the robot, whose card may have obstacles.
+        clearance: text of --clearance [m]; None where it is not given.
+        no_collisions: whether nothing is to be checked.
+    """
     from flexmodal.optimisation import Clearance
     from flexmodal.optimisation.clearance import DISTANCE
 
@@ -47,7 +53,12 @@ def clearance_of(arm: Robot, clearance: str | None, no_collisions: bool) -> Clea
 
 
 def clearance_json(kept: Clearance | None, nearest: tuple[float, tuple[str, str]] | None) -> dict[str, Any]:
-    """What was checked, and what came nearest [m]."""
+    """What was checked, and what came nearest [m].
+
+    Args:
+        kept: what was kept clear of; None where nothing was checked.
+        nearest: how near anything came [m], and what to what; None where nothing was checked.
+    """
     if kept is None or nearest is None:
         return {"checked": False}
     return {
@@ -61,7 +72,12 @@ def clearance_json(kept: Clearance | None, nearest: tuple[float, tuple[str, str]
 
 
 def say_clearance(kept: Clearance | None, nearest: tuple[float, tuple[str, str]] | None) -> None:
-    """Say what was checked, or that nothing was."""
+    """Say what was checked, or that nothing was.
+
+    Args:
+        kept: what was kept clear of; None where nothing was checked.
+        nearest: how near anything came [m], and what to what; None where nothing was checked.
+    """
     if kept is None or nearest is None:
         say("collisions: none checked; obstacles go into the card, --clearance METRES asks for a distance")
         return

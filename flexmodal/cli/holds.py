@@ -39,7 +39,15 @@ def orientation_options(command: Command) -> Command:
 def hold_of(
     arm: Robot, target: str | None, orientation: str | None, axis: str | None, tool_axis: str
 ) -> Hold | None:
-    """The hold that `--hold` and the options of `orientation_options` describe."""
+    """The hold that `--hold` and the options of `orientation_options` describe.
+
+    Args:
+        arm: the robot.
+        target: text of --hold, coordinates of the place [m]; None where nothing is held.
+        orientation: text of --orientation; None if not given.
+        axis: text of --axis, a direction of the world; None if not given.
+        tool_axis: text of --tool-axis; empty if not given.
+    """
     if target is None:
         given = {"--orientation": orientation, "--axis": axis, "--tool-axis": tool_axis or None}
         alone = [name for name, text in given.items() if text is not None]
@@ -54,7 +62,15 @@ def hold_of(
 def at(
     arm: Robot, place: tuple[float, ...], orientation: str | None, axis: str | None, tool_axis: str
 ) -> Hold:
-    """A hold at a place, turned as the texts of the options say."""
+    """A hold at a place, turned as the texts of the options say.
+
+    Args:
+        arm: the robot.
+        place: X, Z or X, Y, Z of the tool in the world [m].
+        orientation: text of --orientation; None if not given.
+        axis: text of --axis, a direction of the world; None if not given.
+        tool_axis: text of --tool-axis; empty if not given.
+    """
     from flexmodal.optimisation import Hold
 
     return Hold.at(

@@ -92,7 +92,20 @@ def objective_of(
     source: ReceptanceSource | None = None,
     **lines: Any,
 ) -> Objective:
-    """The objective that the options of `judging_options` describe, of receptances from a source."""
+    """The objective that the options of `judging_options` describe, of receptances from a source.
+
+    Args:
+        arm: the robot.
+        objective: its name.
+        directions: texts of --direction; the tool along z if none.
+        toward: texts of --toward.
+        robust: expected or worst over a sample of robots; None for the robot alone.
+        samples: how many robots.
+        uncertainty: relative standard deviations of their stiffness and damping, or one of both.
+        seed: of the sample.
+        source: of receptances; None for the model of the robot.
+        **lines: the options that say at which frequencies, and `over`.
+    """
     from flexmodal.optimisation import RobustObjective, sample_robots
 
     if source is not None:

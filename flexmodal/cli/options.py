@@ -181,7 +181,7 @@ def number(text: str, key: str, what: str = "a number") -> float:
 
 
 def hertz(ctx: click.Context, param: click.Parameter, text: str | None) -> float | None:
-    """Callback of an option that takes a frequency, of which only the sign is still to be judged."""
+    """Callback of an option, a frequency whose sign is still to be judged; see click for the arguments."""
     return None if text is None else number(text, "--frequency", "a frequency in Hz")
 
 

@@ -34,6 +34,13 @@ def pictures_of(
 ) -> dict[str, Path]:
     """The files asked for, by kind; everything that stands in their way is said before the search.
 
+    Args:
+        given: texts of --plot, KIND=FILE.
+        force: whether files may be replaced.
+        hold: whether a place is held.
+        start: whether there is a start to descend from.
+        family: whether the search is along a family.
+
     Raises:
         InvalidRequest: unknown kinds, or kinds that need a hold or a start that is not there.
         OutputExists: a file that exists, or a folder that does not.
@@ -62,7 +69,15 @@ def pictures_of(
 def draw_pictures(
     outcome: Outcome, start: Posture | None, pictures: dict[str, Path], *, force: bool, quiet: bool
 ) -> None:
-    """Draw and write them; one that cannot be drawn is said, and the others are drawn."""
+    """Draw and write them; one that cannot be drawn is said, and the others are drawn.
+
+    Args:
+        outcome: of the search.
+        start: the posture to compare with; None where there is none.
+        pictures: files by kind, see `pictures_of`.
+        force: whether files may be replaced.
+        quiet: whether to show no bar.
+    """
     from flexmodal.report import write_figure
 
     for kind, path in pictures.items():

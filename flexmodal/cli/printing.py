@@ -97,7 +97,13 @@ def progress(total: int, label: str, *, quiet: bool) -> Iterator[Callable[[], No
 def noted_progress(
     total: int, label: str, *, quiet: bool
 ) -> Iterator[tuple[Callable[[], None], Callable[[str], None]]]:
-    """The same, with a second function that puts a note beside the bar."""
+    """The same, with a second function that puts a note beside the bar.
+
+    Args:
+        total: how many steps.
+        label: beside the bar.
+        quiet: whether to show none.
+    """
     with shown_bar(total=total, desc=label, quiet=quiet) as bar:
         yield lambda: bar.update(1) and None, bar.set_postfix_str
 

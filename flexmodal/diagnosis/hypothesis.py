@@ -75,7 +75,13 @@ class Hypothesis:
     def start(
         self, placed: Placed, given: Mapping[str, float], x: Float[np.ndarray, " before"]
     ) -> Float[np.ndarray, " parameter"]:
-        """Coordinates x of the hypothesis without its last effect, and that effect started somewhere."""
+        """Coordinates x of the hypothesis without its last effect, and that effect started somewhere.
+
+        Args:
+            placed: that last effect.
+            given: where it starts, by name without prefix; where none is given, at the middle of its prior.
+            x: without the effect.
+        """
         prefix = f"{placed.label}."
         tail = []
         for parameter in self.space.parameters[len(x) :]:
@@ -87,7 +93,7 @@ class Hypothesis:
     def groups(
         self, x: Float[np.ndarray, " parameter"], observations: Observations, *, slopes: bool
     ) -> Sequence[Group]:
-        """See `identification.FrfModel`."""
+        """See `identification.FrfModel` for the arguments."""
         values = self.space.values(x)
         shifts = cache(lambda: self._shifts(x, values))
         wanted = {variant for one in self.placed for variant in one.effect.variants}

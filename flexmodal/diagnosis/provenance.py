@@ -13,7 +13,13 @@ PACKAGES = ("flexmodal", "pin", "numpy", "scipy")
 
 
 def provenance(campaign: Campaign, robot: Robot, seed: int) -> dict[str, str]:
-    """Versions, SHA-256 of every input file, and the seed."""
+    """Versions, SHA-256 of every input file, and the seed.
+
+    Args:
+        campaign: its files count where it was read from a folder.
+        robot: its URDF counts.
+        seed: of what is drawn.
+    """
     found = {}
     for package in PACKAGES:
         try:

@@ -64,7 +64,16 @@ def prepare(
     seed: int,
     advance: Advance,
 ) -> Setup:
-    """Lay everything out (see `diagnose`).
+    """Lay everything out.
+
+    Args:
+        campaign: with FRFs.
+        robot: as it is believed to be.
+        hold_out: see `diagnose`; None for one posture in four.
+        asked: effects that the caller named; None for the whole catalogue.
+        trust: see `diagnose`; goes before the trust of card and workflow.
+        seed: see `diagnose`.
+        advance: called with what is being done and the part of it that is done.
 
     Raises:
         InvalidRequest: no data, unknown effects or postures, a campaign that does not belong to the robot.
@@ -88,7 +97,12 @@ def prepare(
 
 
 def trust_of(robot: Robot, trust: Mapping[str, float]) -> dict[str, float]:
-    """The workflow's own trust where the card gives none."""
+    """The workflow's own trust where the card gives none.
+
+    Args:
+        robot: with its card.
+        trust: the workflow's, by kind.
+    """
     found = {**trust, **robot.tolerance}
     for name, joint in robot.joints.items():
         if joint.scale is not None:

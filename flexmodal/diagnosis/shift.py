@@ -38,7 +38,13 @@ class Still:
 
 
 def differences(shift: Shift, change: Mapping[str, np.ndarray], shape: tuple[int, ...]) -> Slopes:
-    """Differences over a step as derivatives; of what does not change, none."""
+    """Differences over a step as derivatives; of what does not change, none.
+
+    Args:
+        shift: the step.
+        change: what it adds to the matrices, by kind.
+        shape: of the matrices [system dof dof].
+    """
     number = np.array([shift.number])
     return {
         kind: (number, np.broadcast_to(matrix / shift.step, shape)[None])

@@ -120,7 +120,12 @@ def bodies_of(urdf: Urdf) -> Mapping[str, Body]:
 
 
 def beyond(urdf: Urdf, link: str) -> tuple[str, ...]:
-    """The link and every link it carries."""
+    """The link and every link it carries.
+
+    Args:
+        urdf: with the link.
+        link: name of the one that the others hang on.
+    """
     found = [link]
     for member in found:
         found += [joint.child for joint in urdf.joints if joint.parent == member]
@@ -145,6 +150,10 @@ def far_end(robot: Robot, link: str) -> Float[np.ndarray, "3"]:
 
     Where the farthest joint on it sits; without one its farthest named point or, without that, twice its mass
     centre.
+
+    Args:
+        robot: with the link.
+        link: its name.
     """
     ends = [np.asarray(joint.xyz) for joint in robot.urdf.joints if joint.parent == link]
     if not any(np.linalg.norm(end) > 0 for end in ends):
@@ -157,7 +166,12 @@ def far_end(robot: Robot, link: str) -> Float[np.ndarray, "3"]:
 def carried(
     motion: Float[np.ndarray, "*#many 6 dof"], lever: Float[np.ndarray, "*#many 3"]
 ) -> Float[np.ndarray, "*many 6 dof"]:
-    """Motion of the same body at a point `lever` away [m]: v + ω × lever, and ω."""
+    """Motion of the same body at a point `lever` away [m]: v + ω × lever, and ω.
+
+    Args:
+        motion: of the point that is known, over the coordinates: linear rows first, then turning ones.
+        lever: from that point to the other, in the same axes [m].
+    """
     shape = np.broadcast_shapes(motion.shape[:-2], lever.shape[:-1])
     moved = np.empty((*shape, *motion.shape[-2:]))
     moved[...] = motion
@@ -172,7 +186,12 @@ def carried(
 def crossed(
     a: Float[np.ndarray, "*#many 3"], b: Float[np.ndarray, "*#many 3"]
 ) -> Float[np.ndarray, "*many 3"]:
-    """A × b, written out: `np.cross` takes ten times as long on few vectors."""
+    """A × b, written out: `np.cross` takes ten times as long on few vectors.
+
+    Args:
+        a: the first vectors.
+        b: the second ones, in the same axes.
+    """
     found = np.empty(np.broadcast_shapes(a.shape, b.shape))
     for k, i, j in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
         found[..., k] = a[..., i] * b[..., j] - a[..., j] * b[..., i]

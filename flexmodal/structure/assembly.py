@@ -109,7 +109,12 @@ class Assembly:
         return moved
 
     def move_pivot(self, joint: str, shift: Float[np.ndarray, "*posture 3"]) -> None:
-        """Let a revolute joint turn what it carries about another place, `shift` [m] away in the world."""
+        """Let a revolute joint turn what it carries about another place, `shift` [m] away in the world.
+
+        Args:
+            joint: which; revolute.
+            shift: from its place to the other, world axes [m].
+        """
         self._moved = {}
         column, child = self.coordinates.index(joint), self.robot.urdf.joint_by_name[joint].child
         less = crossed(self.axes(child) @ self.robot.urdf.joint_by_name[joint].axis, shift)
@@ -119,7 +124,7 @@ class Assembly:
             self._maps[link] = moved
 
     def move_root(self, columns: slice, motion: Float[np.ndarray, "6 added"]) -> None:
-        """Let the root link move, and everything with it, by coordinates already added."""
+        """Let the root link move, and everything with it; see `move_link` for the arguments."""
         self.move_link(self.robot.urdf.root, columns, motion)
 
     def move_link(self, link: str, columns: slice, motion: Float[np.ndarray, "*posture 6 added"]) -> None:
@@ -192,23 +197,32 @@ class Assembly:
             self._add("mass", turned, (*tags, inertia) if inertia else tags)
 
     def add_inertia(self, row: np.ndarray, inertia: Size, *names: str) -> None:
-        """An inertia that moves along `row` [kg, kg·m²]."""
+        """An inertia that moves along `row` [kg, kg·m²].
+
+        Args:
+            row: over the coordinates; those added later are 0 in it.
+            inertia: its size, the same in every posture or one for each.
+            *names: parameters that it is proportional to.
+        """
         self._add("mass", _times(inertia, _outer(row, row)), names)
 
     def add_spring(self, row: np.ndarray, stiffness: Size, *names: str) -> None:
-        """A spring along `row` [N/m, N·m/rad]."""
+        """A spring along `row` [N/m, N·m/rad]; see `add_inertia` for the arguments."""
         self._add("stiffness", _times(stiffness, _outer(row, row)), names)
 
     def add_damper(self, row: np.ndarray, damping: Size, *names: str) -> None:
-        """A damper along `row` [N·s/m, N·m·s/rad]."""
+        """A damper along `row` [N·s/m, N·m·s/rad]; see `add_inertia` for the arguments."""
         self._add("damping", _times(damping, _outer(row, row)), names)
 
     def add_loss(self, row: np.ndarray, stiffness: Size, *names: str) -> None:
-        """Make a spring along `row`, put in already, hysteretic [N/m, N·m/rad]; see `loss_factor`."""
+        """Make a spring along `row`, put in already, hysteretic [N/m, N·m/rad]; see `loss_factor`.
+
+        See `add_inertia` for the arguments.
+        """
         self._add("loss", _times(stiffness, _outer(row, row)), names)
 
     def add_coupling(self, one: np.ndarray, other: np.ndarray, stiffness: Size, *names: str) -> None:
-        """An off-diagonal stiffness between two rows [N·m/rad]."""
+        """An off-diagonal stiffness between two rows [N·m/rad]; see `add_inertia` for the arguments."""
         self._add("stiffness", _times(stiffness, _outer(one, other) + _outer(other, one)), names)
 
     def _add(self, kind: str, matrix: np.ndarray, names: tuple[str, ...]) -> None:
@@ -234,7 +248,12 @@ class Assembly:
     def close(
         self, response: Float[np.ndarray, "response dof"], reference: Float[np.ndarray, "reference dof"]
     ) -> Structure:
-        """The structure, once everything is added, with the rows that are measured and struck."""
+        """The structure, once everything is added, with the rows that are measured and struck.
+
+        Args:
+            response: rows that are measured.
+            reference: rows that are struck.
+        """
         n = len(self.coordinates)
         total = {kind: np.zeros((n, n)) for kind in KINDS}
         slopes: dict[str, dict[str, np.ndarray]] = {}

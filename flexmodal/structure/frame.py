@@ -104,7 +104,12 @@ class Frames:
     kept: dict[Hashable, Frame] = field(default_factory=dict)
 
     def get(self, key: Hashable, build: Callable[[], Frame]) -> Frame:
-        """The frame of a key, built unless it is kept."""
+        """The frame of a key, built unless it is kept.
+
+        Args:
+            key: values of what the frame depends on.
+            build: makes it; called only where it is not kept.
+        """
         if key not in self.kept:
             if len(self.kept) >= _KEPT:
                 self.kept.clear()

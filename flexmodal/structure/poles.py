@@ -64,6 +64,10 @@ class Poles:
 def poles(structure: Structure, names: tuple[str, ...] = ()) -> Poles:
     """Poles, shapes and their derivatives along some parameters; hysteretic stiffness is left out.
 
+    Args:
+        structure: with its derivatives.
+        names: parameters to derive along; where nothing changes derivatives are 0.
+
     Raises:
         InvalidSystem: the mass matrix is not positive definite.
     """
@@ -110,7 +114,13 @@ def eigen_slopes(
 def slopes_of(
     structures: Sequence[Structure], names: Sequence[str], kind: str
 ) -> Float[np.ndarray, "posture name dof dof"]:
-    """Derivatives of one kind of matrix of some structures, zero where nothing changes."""
+    """Derivatives of one kind of matrix of some structures, zero where nothing changes.
+
+    Args:
+        structures: of one size, one in each posture.
+        names: parameters to derive along.
+        kind: of the matrices: mass, damping, stiffness or loss.
+    """
     n = structures[0].dof
     table = np.zeros((len(structures), len(names), n, n))
     for p, one in enumerate(structures):

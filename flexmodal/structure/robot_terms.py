@@ -33,7 +33,14 @@ def put_together(assembly: Assembly, values: Mapping[str, float], bodies: Mappin
 
 
 def scaled(body: Body, link: str, values: Mapping[str, float]) -> Body:
-    """A body at the parameters' mass and inertia."""
+    """A body at the parameters' mass and inertia.
+
+    Args:
+        body: as the card has it.
+        link: name of its link.
+        values: of parameters by name; the mass [kg] and the factor on the inertia stay where they are not
+            named.
+    """
     mass = values.get(f"mass.{link}", body.mass)
     grown = mass / body.mass * values.get(f"inertia.{link}", 1.0)
     return Body(mass, body.centre, body.inertia * grown)

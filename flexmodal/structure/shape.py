@@ -35,6 +35,10 @@ def shape_parameters(robot: Robot, kind: str) -> list[Parameter]:
     `mass_centre.LINK` is a factor on the place of the mass centre in the frame of the link, `position.JOINT`
     [m] how much farther out a pseudo-joint sits than the card says, everything else staying in place, and
     `payload.LINK` [kg] a point mass at the tool.
+
+    Args:
+        robot: whose parameters.
+        kind: one of `KINDS`.
     """
     if kind == "mass_centre":
         links = [name for name in moved_bodies(robot) if np.any(robot.urdf.link_by_name[name].com)]
@@ -48,7 +52,12 @@ def shape_parameters(robot: Robot, kind: str) -> list[Parameter]:
 
 
 def outwards(robot: Robot, joint: str) -> Float[np.ndarray, "3"]:
-    """Unit vector along which a pseudo-joint's position counts, in the frame of the link it sits in."""
+    """Unit vector along which a pseudo-joint's position counts, in the frame of the link it sits in.
+
+    Args:
+        robot: with the joint.
+        joint: name of the pseudo-joint.
+    """
     return robot.urdf.joint_by_name[joint].xyz / _before(robot, joint)
 
 
@@ -64,7 +73,12 @@ def _position(robot: Robot, name: str) -> Parameter:
 
 
 def assembled(arm: Arm | Arms, values: Mapping[str, float]) -> Assembly:
-    """The robot in a posture at these parameter values, to be closed."""
+    """The robot in a posture at these parameter values, to be closed.
+
+    Args:
+        arm: the robot in one posture or in several.
+        values: of parameters by name, in their units.
+    """
     assembly = Assembly(arm)
     robot = arm.robot
     for name in robot.joints:

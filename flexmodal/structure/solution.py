@@ -194,7 +194,12 @@ def _pivoted(
 
 
 def line_factors(structures: Structures, axis: Axis) -> Float[np.ndarray, "part 2 line"]:
-    """By real and imaginary part, in the order of `PARTS`."""
+    """By real and imaginary part, in the order of `PARTS`.
+
+    Args:
+        structures: whose loss factor it is.
+        axis: the lines.
+    """
     found = np.zeros((len(PARTS), len(axis)), dtype=complex)
     found[0], found[1], found[2] = 1.0, axis.s, axis.s**2
     if structures.loss_factor or structures.loss_slopes:

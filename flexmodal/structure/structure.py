@@ -90,7 +90,12 @@ class Change:
 
 
 def changed(slots: Mapping[str, np.ndarray], loss_factor: float | None = None) -> Change:
-    """A change from matrices and rows by name."""
+    """A change from matrices and rows by name.
+
+    Args:
+        slots: derivatives of the matrices and rows that change, by their name in `Change`.
+        loss_factor: derivative of η; None where it does not change.
+    """
     return Change(
         slots.get("mass"),
         slots.get("damping"),

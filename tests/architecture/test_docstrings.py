@@ -11,12 +11,20 @@ import pytest
 
 PACKAGE = Path(__file__).parents[2] / "flexmodal"
 ROOMS = (
-    "atlas", "campaign", "cards", "ema", "files", "frf", "identification", "machining", "modal", "model",
-    "optimisation", "prediction", "report", "rig", "soundness", "text", "../viewer/flexmodal_viewer",
+    "atlas", "campaign", "cards", "cli", "diagnosis", "ema", "files", "frf", "identification", "machining",
+    "modal", "model", "optimisation", "prediction", "report", "rig", "soundness", "structure", "text",
+    "../viewer/flexmodal_viewer",
 )  # fmt: skip
 PICTURES = ("plot", "page", "pictures", "canvas", "table", "report")
 LOOPS = ("kernels", "batch", "kernel", "compiled", "descent", "frf_fit")
 """Modules and rooms of pictures, pages and compiled loops, which are not held to it."""
+KNOWN_UNSAID = {
+    "diagnosis": {
+        "draft.py: behind", "draft.py: damp", "hypothesis.py: laws", "hypothesis.py: values_of",
+        "modal_data.py: untestable", "selection.py: compared", "selection.py: describe",
+    },
+}  # fmt: skip
+"""Functions by room that stand in modules as long as a module may be, and are still to say it."""
 KNOWN_UNNAMED = ["identification/frf_fit.py: fit: InvalidRequest"]
 
 
@@ -29,9 +37,17 @@ def public(node: ast.Module | ast.ClassDef) -> Iterator[ast.FunctionDef]:
             yield one
 
 
+def is_command(function: ast.FunctionDef) -> bool:
+    """Whether it is a command: its docstring is its --help, which says of each option what it is."""
+    called = [one.func for one in function.decorator_list if isinstance(one, ast.Call)]
+    return any(isinstance(one, ast.Attribute) and one.attr in ("command", "group") for one in called)
+
+
 def unsaid(path: Path) -> Iterator[str]:
     """Parameters that the docstring of their function does not name."""
     for function in public(ast.parse(path.read_text())):
+        if is_command(function):
+            continue
         given = function.args
         names = [one.arg for one in (*given.posonlyargs, *given.args, *given.kwonlyargs)]
         names = [name for name in names if name not in ("self", "cls")]
@@ -60,7 +76,10 @@ def test_parameters_are_described(room: str) -> None:
     assert paths
     said = {name for path in paths for name in described(path)}
     found = [line for path in sorted(paths) for line in unsaid(path)]
-    assert [line for line in found if line.split(": ")[1].partition("(")[0] not in said] == []
+    left = [line for line in found if line.split(": ")[1].partition("(")[0] not in said]
+    known = KNOWN_UNSAID.get(room, set())
+    assert [line for line in left if line.partition("(")[0] not in known] == []
+    assert known - {line.partition("(")[0] for line in left} == set()
 
 
 def functions(tree: ast.Module) -> dict[str, ast.FunctionDef]:
@@ -122,3 +141,15 @@ def test_an_error_that_is_not_named_is_found() -> None:
     assert list(unnamed(text.format("\n\n    Raises:\n        InvalidInput: it is one.\n    "))) == []
     kept = "def f():\n    try:\n        raise InvalidCard(1)\n    except InvalidInput:\n        pass\n"
     assert list(unnamed(kept)) == []
+
+
+def test_commands_say_it_in_their_help(tmp_path: Path) -> None:
+    text = "{}def f(a, b):\n    '''One.'''\n"
+    for decorator, expected in (
+        ("", 2),
+        ("@cache\n", 2),
+        ("@click.command()\n", 0),
+        ("@a.command('b')\n", 0),
+    ):
+        (tmp_path / "one.py").write_text(text.format(decorator))
+        assert len(list(unsaid(tmp_path / "one.py"))) == expected

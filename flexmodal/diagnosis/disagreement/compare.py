@@ -31,7 +31,12 @@ FEWEST = 5
 def excess(
     observations: Observations, predicted: Complex[np.ndarray, "observation line"]
 ) -> Float[np.ndarray, "observation line"]:
-    """|ln(model / measured)|² above the noise; 0 on lines that are not used or do not stand out."""
+    """|ln(model / measured)|² above the noise; 0 on lines that are not used or do not stand out.
+
+    Args:
+        observations: what was measured, with its noise.
+        predicted: the same by a model.
+    """
     squared = np.where(observations.used, np.abs(residual(predicted, observations.value)) ** 2, 0.0)
     noise = np.where(observations.used, observations.variance, 0.0)
     kernel = np.ones(2 * SMOOTH + 1) / (2 * SMOOTH + 1)

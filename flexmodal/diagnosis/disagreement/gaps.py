@@ -13,12 +13,25 @@ from flexmodal.identification.gap import over_noise as averages_over_noise
 
 
 def gap_of(setup: Setup, one: FittedFrfs, keep: Bool[np.ndarray, " observation"]) -> float:
-    """The gap on some of the observations."""
+    """The gap on some of the observations.
+
+    Args:
+        setup: what the diagnosis works with.
+        one: the model.
+        keep: observations that count.
+    """
     return gap(setup.observations, one.predicted, keep).value
 
 
 def gaps_of(setup: Setup, before: FittedFrfs, after: FittedFrfs, believed: float | None = None) -> Gaps:
-    """The gaps of a pair of models, on everything and on the postures held out."""
+    """The gaps of a pair of models, on everything and on the postures held out.
+
+    Args:
+        setup: what the diagnosis works with.
+        before: the first model of the pair.
+        after: the second.
+        believed: gap of the card as it came; None where nobody asks for it.
+    """
     held = setup.held if setup.held.any() else None
     every = np.ones(len(setup.observations), dtype=bool)
     return Gaps(
@@ -35,6 +48,11 @@ def over_noise(setup: Setup, one: FittedFrfs, keep: Bool[np.ndarray, " observati
     """Distance from the averages over that of their noise, on some of the observations; 1 if perfect.
 
     Other than the gap it does not drown in the noise of single records and of points that hardly move.
+
+    Args:
+        setup: what the diagnosis works with.
+        one: the model.
+        keep: observations that count; all if None.
     """
     if keep is None:
         return averages_over_noise(setup.observations, one.predicted)
@@ -42,6 +60,12 @@ def over_noise(setup: Setup, one: FittedFrfs, keep: Bool[np.ndarray, " observati
 
 
 def left(setup: Setup, first: FittedFrfs, last: FittedFrfs) -> float:
-    """Part of the first model's disagreement above the noise that the last one leaves."""
+    """Part of the first model's disagreement above the noise that the last one leaves.
+
+    Args:
+        setup: what the diagnosis works with.
+        first: the model whose disagreement counts as whole.
+        last: the model with what was found.
+    """
     before, after = over_noise(setup, first), over_noise(setup, last)
     return max(after**2 - 1, 0.0) / max(before**2 - 1, 1e-300)

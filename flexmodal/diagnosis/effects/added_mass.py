@@ -41,7 +41,13 @@ def _parameters(context: Context, where: str) -> tuple[Parameter, ...]:
 
 
 def place_on(context: Context, where: str, values: Mapping[str, float]) -> np.ndarray:
-    """A place part of the way along a link and beside its axis, in its frame [m]."""
+    """A place part of the way along a link and beside its axis, in its frame [m].
+
+    Args:
+        context: of the diagnosis.
+        where: name of the link.
+        values: of the effect: along as part of the length, beside and above [m].
+    """
     length, axis = along(context, where)
     across = sides(context, where, axis)
     place = values["along"] * max(length, 0.05) * axis

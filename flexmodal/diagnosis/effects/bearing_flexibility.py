@@ -61,7 +61,12 @@ def _frame(context: Context, joint: str) -> Float[np.ndarray, "3 3"]:
 
 @lru_cache(maxsize=256)
 def ways(context: Context, joint: str) -> tuple[Way, ...]:
-    """In how many ways a joint can give that the chain can show; slides have none."""
+    """In how many ways a joint can give that the chain can show; slides have none.
+
+    Args:
+        context: of the diagnosis.
+        joint: its name.
+    """
     described = context.robot.urdf.joint_by_name[joint]
     if described.is_prismatic:
         return ()
@@ -80,7 +85,13 @@ def _joints(context: Context, where: str) -> tuple[str, ...]:
 
 
 def given(context: Context, where: str, joint: str) -> tuple[Way, ...]:
-    """The ways in which a joint gives at a place: of all joints alike, tilts alone."""
+    """The ways in which a joint gives at a place: of all joints alike, tilts alone.
+
+    Args:
+        context: of the diagnosis.
+        where: place of the effect: a joint, or `ALL`.
+        joint: name of one there.
+    """
     return tuple(way for way in ways(context, joint) if where != ALL or way.turns)
 
 
@@ -90,7 +101,12 @@ def _places(context: Context) -> tuple[str, ...]:
 
 
 def size(context: Context, joint: str) -> float:
-    """A stiffness of tilts that a joint's own suggests [N·m/rad]."""
+    """A stiffness of tilts that a joint's own suggests [N·m/rad].
+
+    Args:
+        context: of the diagnosis.
+        joint: its name.
+    """
     return TILT * float(context.robot.joints[joint].stiffness)
 
 
@@ -132,7 +148,12 @@ def _coordinate(joint: str, way: Way) -> str:
 
 
 def names_of(context: Context, where: str) -> list[tuple[str, Way, str]]:
-    """Joint, way and coordinate, one after the other."""
+    """Joint, way and coordinate, one after the other.
+
+    Args:
+        context: of the diagnosis.
+        where: place of the effect: a joint, or `ALL`.
+    """
     return [
         (joint, way, _coordinate(joint, way))
         for joint in _joints(context, where)

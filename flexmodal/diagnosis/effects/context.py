@@ -44,7 +44,12 @@ class Context:
 
     @classmethod
     def of(cls, robot: Robot, observations: Observations) -> Context:
-        """Of measured FRFs."""
+        """Of measured FRFs.
+
+        Args:
+            robot: as it is believed to be.
+            observations: of its campaign.
+        """
         frequency = observations.axis.frequency
         return cls(
             robot=robot,

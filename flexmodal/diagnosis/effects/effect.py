@@ -45,7 +45,13 @@ class Placement:
 
     @classmethod
     def still(cls, context: Context, where: str, values: Mapping[str, float]) -> Placement:
-        """In the first posture, whatever the blow."""
+        """In the first posture, whatever the blow.
+
+        Args:
+            context: of the diagnosis.
+            where: place of the effect.
+            values: of its parameters, by name.
+        """
         none, blank = np.zeros(1, dtype=int), np.zeros((1, 2), dtype=int)
         return cls(context, where, values, none, none, blank, blank)
 
@@ -114,14 +120,32 @@ class Effect:
 
 
 def positive(name: str, unit: str, centre: float, deviation: float, lower: float, upper: float) -> Parameter:
-    """A parameter on a logarithmic scale with a wide prior around `centre`."""
+    """A parameter on a logarithmic scale with a wide prior around `centre`.
+
+    Args:
+        name: short, without effect and place.
+        unit: of the value; empty if it has none.
+        centre: middle of the prior, and where the parameter begins.
+        deviation: standard deviation of ln(value / centre).
+        lower: bound of the value, above 0.
+        upper: likewise.
+    """
     return Parameter(name, unit, centre, deviation, lower, upper)
 
 
 def signed(
     name: str, unit: str, deviation: float, lower: float, upper: float, centre: float = 0.0
 ) -> Parameter:
-    """A parameter on a linear scale."""
+    """A parameter on a linear scale.
+
+    Args:
+        name: short, without effect and place.
+        unit: of the value; empty if it has none.
+        deviation: standard deviation of the prior, in that unit.
+        lower: bound of the value.
+        upper: likewise.
+        centre: middle of the prior, and where the parameter begins.
+    """
     return Parameter(name, unit, centre, deviation, lower, upper, log=False)
 
 
@@ -150,7 +174,12 @@ def _sides(context: Context, link: str, along: tuple[float, ...]) -> tuple[np.nd
 
 @lru_cache(maxsize=_KEPT)
 def along(context: Context, link: str) -> tuple[float, np.ndarray]:
-    """Length of a link and the unit vector along it, in its frame; x where it has no length."""
+    """Length of a link and the unit vector along it, in its frame; x where it has no length.
+
+    Args:
+        context: of the diagnosis.
+        link: its name.
+    """
     end = context.reach(link)
     length = float(np.linalg.norm(end))
     return length, (end / length if length > 1e-6 else np.array([1.0, 0.0, 0.0]))

@@ -42,7 +42,12 @@ RIDGE = 1e-12
 
 
 def stiffest(context: Context, link: str) -> float:
-    """Stiffness of the stiffest joint between the base and a link [N·m/rad]."""
+    """Stiffness of the stiffest joint between the base and a link [N·m/rad].
+
+    Args:
+        context: of the diagnosis.
+        link: its name.
+    """
     urdf = context.robot.urdf
     return max(
         float(joint.stiffness)
@@ -89,6 +94,10 @@ def has_modes(context: Context, where: str) -> bool:
     A beam of stiffness k = EI/L, mass m and rotary inertia J, held at both ends, has its first modes at
     22.4 √(k/m)/L (bending) and π √(k/J) (turning) [rad/s]: modes of the link itself, whatever it carries.
     Of modes alone nobody lists those.
+
+    Args:
+        context: of the diagnosis.
+        where: name of the link.
     """
     body, length = bodies_of(context.robot.urdf)[where], along(context, where)[0]
     k, turning = SOFT * stiffest(context, where), float(np.linalg.eigvalsh(body.inertia)[-1])
@@ -98,7 +107,12 @@ def has_modes(context: Context, where: str) -> bool:
 
 @lru_cache(maxsize=128)
 def pieces(context: Context, where: str) -> tuple[float, ...]:
-    """Ends of the pieces of a link, as parts of its length: 0, where it is looked at or struck, 1."""
+    """Ends of the pieces of a link, as parts of its length: 0, where it is looked at or struck, 1.
+
+    Args:
+        context: of the diagnosis.
+        where: name of the link.
+    """
     length, axis = along(context, where)
     inside = [0.0]
     for number in sorted({number for number, _ in (*context.responses, *context.references)}):
@@ -114,7 +128,12 @@ def pieces(context: Context, where: str) -> tuple[float, ...]:
 def fixed(
     context: Context, where: str
 ) -> tuple[Float[np.ndarray, " hinge"], Float[np.ndarray, " hinge"]] | None:
-    """Where the hinges sit, as parts of the length, and their weights; None where two are enough anywhere."""
+    """Where the hinges sit, as parts of the length, and their weights; None where two are enough anywhere.
+
+    Args:
+        context: of the diagnosis.
+        where: name of the link.
+    """
     ends, modes = pieces(context, where), has_modes(context, where)
     if len(ends) == 2 and not modes:
         return None

@@ -66,6 +66,12 @@ def dahl(
     On the way up from −A the part of the way to sliding that is left, r = 1 − F/F_c, falls as
     dr/dq = −(σ/F_c) rⁱ; where it starts is found by bisection, so that loops close. One that hardly swings
     sticks: what it does there stands for all smaller amplitudes.
+
+    Args:
+        amplitude: of the swing [rad].
+        torque: F_c, at which the joint slides [N·m].
+        presliding: σ, stiffness while it sticks [N·m/rad].
+        exponent: i; 1 approaches sliding exponentially.
     """
     amplitude = np.maximum(amplitude, _STICKS * np.asarray(torque) / presliding)
     size = np.minimum(presliding * amplitude / torque, 300.0)

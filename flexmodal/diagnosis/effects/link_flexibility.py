@@ -96,6 +96,11 @@ def add_hinges(assembly: Assembly, placement: Placement, places: Float[np.ndarra
     """Let a link bend at these parts of its length, and in space twist at one of them.
 
     The torque along a link is the same everywhere, and so is where it twists.
+
+    Args:
+        assembly: the robot, its motions not complete yet.
+        placement: of the effect; its place is the link.
+        places: of the hinges, as parts of the length.
     """
     context, where = placement.context, placement.where
     length, axis = along(context, where)
@@ -113,7 +118,15 @@ def add_hinges(assembly: Assembly, placement: Placement, places: Float[np.ndarra
 def cut_body(
     assembly: Assembly, placement: Placement, bodies: Bodies, link: str, places: Float[np.ndarray, " hinge"]
 ) -> bool:
-    """Share the body of the link out between its hinges; says whether it is that link's."""
+    """Share the body of the link out between its hinges; says whether it is that link's.
+
+    Args:
+        assembly: that gets the parts.
+        placement: of the effect; its place is the link that bends.
+        bodies: of all links, by name.
+        link: the one whose body is to be put in.
+        places: of the hinges, as parts of the length.
+    """
     if link != placement.where:
         return False
     body, tags = bodies[link], {"mass": f"mass.{link}"}

@@ -169,7 +169,12 @@ SENSOR_DELAY = Effect(
 def turned(
     vector: Float[np.ndarray, "*#many 3"], way: Float[np.ndarray, "*#many 3"]
 ) -> Float[np.ndarray, "*many 3"]:
-    """Directions turned by rotation vectors [rad], by Rodrigues' formula."""
+    """Directions turned by rotation vectors [rad], by Rodrigues' formula.
+
+    Args:
+        vector: along the axis of each turn, as long as its angle [rad].
+        way: directions that are turned, in the same axes.
+    """
     angle = np.linalg.norm(vector, axis=-1, keepdims=True)
     k = vector / np.maximum(angle, 1e-300)
     along = np.sum(k * way, axis=-1, keepdims=True)

@@ -35,7 +35,14 @@ def _starts(context: Context, where: str) -> list[Mapping[str, float]]:
 
 
 def loop(k: float, gain: float, frequency: float, ratio: float) -> tuple[float, float]:
-    """Rotor inertia [kg·m²] and derivative gain [N·m·s/rad] of a rotor between joint spring and loop."""
+    """Rotor inertia [kg·m²] and derivative gain [N·m·s/rad] of a rotor between joint spring and loop.
+
+    Args:
+        k: stiffness of the joint [N·m/rad].
+        gain: proportional gain of the loop [N·m/rad].
+        frequency: natural frequency of the rotor between both [Hz].
+        ratio: damping ratio of the rotor on the loop alone.
+    """
     inertia = (gain + k) / (2 * np.pi * frequency) ** 2
     return float(inertia), float(2 * ratio * np.sqrt(gain * inertia))
 

@@ -90,7 +90,9 @@ class Draft:
     def set_body(self, link: str, body: Body) -> None:
         """Give a link mass, mass centre and inertia.
 
-        An inertia that no body has, which a fit may end at, is replaced by the nearest that one has.
+        Args:
+            link: its name.
+            body: in its frame; an inertia that no body has, which a fit may end at, gives way to the nearest.
         """
         inertia, differs = nearest_inertia(body.inertia, self._normal(link))
         if differs:
@@ -98,11 +100,16 @@ class Draft:
         self.urdf.set_body(link, float(body.mass), body.centre, inertia)
 
     def flexible(self, joint: str, stiffness: float, damping: float, *, rotor_inertia: float = 0.0) -> None:
-        """Put a spring and a damper on a new pseudo-joint."""
+        """Put a spring and a damper on a new pseudo-joint; see `JointCard` for the arguments."""
         self.joints[joint] = JointCard(float(stiffness), float(damping), True, float(rotor_inertia))
 
     def stiffen(self, joint: str, added: float) -> None:
-        """Add to the stiffness of a joint [N·m/rad]."""
+        """Add to the stiffness of a joint [N·m/rad].
+
+        Args:
+            joint: its name.
+            added: on top of what it has.
+        """
         self.joints[joint] = replace(
             self.joints[joint], stiffness=self.joints[joint].stiffness + float(added)
         )
@@ -113,7 +120,7 @@ class Draft:
         self.joints[joint] = replace(card, damping=card.damping * float(factor))
 
     def loses(self, joint: str, loss_factor: float) -> None:
-        """Give the spring of a joint a loss factor."""
+        """Give the spring of a joint a loss factor; see `JointCard` for the arguments."""
         self.joints[joint] = replace(self.joints[joint], loss_factor=float(loss_factor))
 
     def hinge(self, link: str, place: Vector, way: Vector, axes: Mapping[str, Vector]) -> str:
@@ -143,7 +150,11 @@ class Draft:
     def attach(self, link: str, part: Body, *, name: str, slides: Sequence[Vector] = ()) -> tuple[str, ...]:
         """Hang a body on a link, rigidly or free along directions, one behind the other.
 
-        Its centre is given in the frame of the link.
+        Args:
+            link: its name.
+            part: its centre in the frame of the link [m].
+            name: of the new joint; others get a number behind it.
+            slides: unit vectors in that frame; rigid if none.
 
         Returns:
             The names of the joints.
@@ -210,14 +221,25 @@ class Draft:
         self.urdf.change_joint(joint, parent=parent, xyz=-centre, rpy=np.zeros(3))
 
     def couple(self, one: str, other: str, stiffness: float) -> None:
-        """Add an off-diagonal stiffness between two flexible joints."""
+        """Add an off-diagonal stiffness between two flexible joints.
+
+        Args:
+            one: name of a joint.
+            other: name of the other one.
+            stiffness: of either sign, added to what is there [N·m/rad].
+        """
         name = f"{other}+{one}" if f"{other}+{one}" in self.couplings else f"{one}+{other}"
         self.couplings[name] = self.couplings.get(name, 0.0) + float(stiffness)
 
     # the end
 
     def place_of(self, link: str, place: Vector) -> tuple[str, Vector]:
-        """Link and place of a point of the robot as it was, once links are cut."""
+        """Link and place of a point of the robot as it was, once links are cut.
+
+        Args:
+            link: its name in the robot as it was.
+            place: in its frame there [m].
+        """
         for cut in reversed(self._cuts.get(link, [])):
             if (place - cut.place) @ cut.way > 0:
                 return cut.outer, place - cut.place

@@ -94,7 +94,13 @@ class Port:
 
     @classmethod
     def at(cls, kind: PortKind, where: str, context: Context) -> Port:
-        """With the names of its functions."""
+        """With the names of its functions.
+
+        Args:
+            kind: of the port.
+            where: one of the places of its kind.
+            context: of the diagnosis.
+        """
         return cls(kind, where, kind.functions(context, where))
 
     @property

@@ -250,6 +250,11 @@ class Findings:
 
 
 def holds(wide: tuple[str, str], narrow: tuple[str, str]) -> bool:
-    """Whether a port is the same as another, or can do whatever it can."""
+    """Whether a port is the same as another, or can do whatever it can.
+
+    Args:
+        wide: kind and place of the port that may do more.
+        narrow: the same of the other.
+    """
     same = narrow[1] in wide[1].split("+")
     return wide == narrow or (_WIDER.get(wide[0]) == narrow[0] and same)

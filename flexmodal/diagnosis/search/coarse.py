@@ -64,7 +64,14 @@ class Look:
         floor: float,
         most: int,
     ) -> list[Candidate]:
-        """The best of some starts, not fitted yet."""
+        """The best of some starts, not fitted yet.
+
+        Args:
+            hypothesis: with one effect more.
+            starts: coordinates to look at.
+            floor: model error ε of a residual.
+            most: how many are kept.
+        """
         model, weighing = coarse_model(hypothesis), Weighting(floor, self.lines)
         seen = self.apart if hypothesis.by_force else self.merged
         misfit = FrfMisfit(model, seen, weighing)
@@ -72,7 +79,13 @@ class Look:
         return [Candidate(hypothesis, starts[k], costs[k]) for k in np.argsort(costs, kind="stable")[:most]]
 
     def fitted(self, one: Candidate, floor: float, steps: int) -> Candidate:
-        """A candidate some steps further."""
+        """A candidate some steps further.
+
+        Args:
+            one: the candidate.
+            floor: model error ε of a residual.
+            steps: of the fit, at most.
+        """
         with_force = one.hypothesis.by_force
         seen, share = (self.apart, None) if with_force else (self.merged, self.share)
         made = fit(

@@ -20,7 +20,12 @@ WORST_ERROR = 0.03
 
 
 def some_lines(observations: Observations, count: int) -> Int[np.ndarray, " line"]:
-    """Numbers of about so many lines, half of them evenly spaced, half on a logarithmic scale."""
+    """Numbers of about so many lines, half of them evenly spaced, half on a logarithmic scale.
+
+    Args:
+        observations: whose axis.
+        count: how many lines; all of them where there are no more than that.
+    """
     every = len(observations.axis)
     if count >= every:
         return np.arange(every)
@@ -37,7 +42,12 @@ def some_lines(observations: Observations, count: int) -> Int[np.ndarray, " line
 def worst_lines(
     observations: Observations, predicted: Complex[np.ndarray, "observation line"]
 ) -> Int[np.ndarray, " worst"]:
-    """Lines where a model is far from the measurement, the closer together the further it is."""
+    """Lines where a model is far from the measurement, the closer together the further it is.
+
+    Args:
+        observations: what was measured, with its noise.
+        predicted: the same by the model.
+    """
     weight = Weighting(WORST_ERROR, np.arange(len(observations.axis))).weight(observations)
     far = robust(weight * np.abs(residual(predicted, observations.value)) ** 2).sum(axis=0)
     above = np.cumsum(np.maximum(far - np.median(far), 0.0))

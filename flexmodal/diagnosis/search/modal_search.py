@@ -50,7 +50,14 @@ Start = tuple[Float[np.ndarray, " parameter"], Pairs | None]
 def best_fits(
     explanation: ModalModel, measured: ModeObservations, starts: Sequence[Start], beliefs: Beliefs
 ) -> list[ModalFit]:
-    """Fits from several starts, the highest posterior first; none where no start is a model at all."""
+    """Fits from several starts, the highest posterior first; none where no start is a model at all.
+
+    Args:
+        explanation: the model.
+        measured: modes that it is to have.
+        starts: coordinates, and ways to pair or None where the fit is to pair by itself.
+        beliefs: about scatter and peaks.
+    """
     quick = []
     for x, pairs in starts:
         try:
@@ -64,7 +71,14 @@ def best_fits(
 def followed(
     explanation: ModalModel, measured: ModeObservations, near: Sequence[ModalFit], beliefs: Beliefs
 ) -> list[ModalFit]:
-    """Fits that begin where others ended, the highest posterior first."""
+    """Fits that begin where others ended, the highest posterior first.
+
+    Args:
+        explanation: the model.
+        measured: modes that it is to have.
+        near: fits to begin from.
+        beliefs: about scatter and peaks.
+    """
     found = []
     for one in near:
         try:
@@ -84,7 +98,13 @@ def _distinct(fits: Sequence[ModalFit]) -> list[ModalFit]:
 
 
 def bare_starts(explanation: ModalModel, measured: ModeObservations, x: np.ndarray) -> list[Start]:
-    """Of the robot as it is, from given coordinates."""
+    """Of the robot as it is, from given coordinates.
+
+    Args:
+        explanation: the model.
+        measured: modes that it is to have.
+        x: coordinates.
+    """
     return _nearest([(shift, (x, pairs)) for shift, pairs in ways(explanation, measured, x)])
 
 
@@ -149,7 +169,13 @@ def _spread(
 
 
 def free_starts(explanation: ModalModel, measured: ModeObservations, x: np.ndarray) -> list[Start]:
-    """Of one mode without structure more, at each of the measured modes in turn."""
+    """Of one mode without structure more, at each of the measured modes in turn.
+
+    Args:
+        explanation: the model, whose last free mode is the one more.
+        measured: modes that it is to have.
+        x: coordinates without that mode.
+    """
     name = f"{UNSTRUCTURED}.{explanation.free}.frequency"
     parameter = explanation.space.parameters[explanation.space.index[name]]
     found: list[tuple[float, Start]] = []

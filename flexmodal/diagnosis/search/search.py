@@ -74,6 +74,11 @@ def narrowed(
     """The candidates that do best, one for each effect and place, the best first.
 
     Either all of them have torques to be integrated, or none.
+
+    Args:
+        found: candidates that are not fitted yet.
+        look: the coarse look.
+        advance: called with the part that is done.
     """
     slow = [one for one in found if has_law(one.hypothesis)]
     todo = sorted(slow, key=lambda one: one.cost)[:INTEGRATED_MOST] if slow else list(found)

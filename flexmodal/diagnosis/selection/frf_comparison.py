@@ -109,7 +109,13 @@ def fitted_model(
 def cluster_costs(
     observations: Observations, predicted: Complex[np.ndarray, "observation line"], floor: float
 ) -> Float[np.ndarray, " cluster"]:
-    """Robust sum of squares of each cluster, at a model error."""
+    """Robust sum of squares of each cluster, at a model error.
+
+    Args:
+        observations: what was measured, with its noise.
+        predicted: the same by a model.
+        floor: model error ε of a residual.
+    """
     every = Weighting(floor, np.arange(len(observations.axis)))
     squared = every.weight(observations) * np.abs(residual(predicted, observations.value)) ** 2
     return np.bincount(clusters(observations), weights=robust(squared).sum(axis=1))

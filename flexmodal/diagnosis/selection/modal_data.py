@@ -275,7 +275,12 @@ class ModalData(Data[FittedModes]):
 
 
 def context_of(robot: Robot, measured: ModeObservations) -> Context:
-    """The layout of a test of which modes are known and no line."""
+    """The layout of a test of which modes are known and no line.
+
+    Args:
+        robot: as it is believed to be.
+        measured: every measured mode.
+    """
     points = tuple(measured.campaign.points)
     return Context(robot, measured.postures, points, measured.responses, (), measured.band, every_line=False)
 

@@ -130,7 +130,13 @@ def integrate(struck: Sequence[Struck], steps: Steps, *, compiled: bool | None =
 def torques(
     struck: Sequence[Struck], steps: Steps, loop: Callable[..., None]
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Forces [blow time], torques [blow law time] and last states [blow state], blow after blow."""
+    """Forces [blow time], torques [blow law time] and last states [blow state], blow after blow.
+
+    Args:
+        struck: structures with the same number of coordinates and the same kinds of law.
+        steps: of the record.
+        loop: over the steps, see `loop_of`.
+    """
     laws, h = len(struck[0].laws), steps.step
     phi, early, late = held(
         np.array([state_matrix(one.structure, one.axis) for one in struck]),
@@ -196,6 +202,10 @@ def state_matrix(structure: Structure, axis: Axis) -> Float[np.ndarray, "state s
     Hysteretic springs stand in it, between each two modes, as springs and dampers that are right at the
     geometric mean of their frequencies. Only the torques feel the difference: the linear part of a receptance
     is computed with the springs themselves.
+
+    Args:
+        structure: with hysteretic springs or without.
+        axis: whose first line and middle count for these springs.
     """
     n, k, c = structure.dof, structure.stiffness, structure.damping
     if structure.loss_factor and structure.loss.any():
@@ -222,6 +232,11 @@ def held(
 
     From the exponential of [[A, B, 0], [0, 0, I], [0, 0, 0]] h (Van Loan, IEEE Trans. Automatic Control 23,
     1978).
+
+    Args:
+        a: A of each system.
+        columns: B of each, what the inputs do to ṡ.
+        step: h [s].
     """
     from scipy.linalg import expm
 
@@ -265,7 +280,13 @@ def _batches(struck: Sequence[Struck], most: int) -> Iterator[list[Struck]]:
 
 
 def loop_of(struck: Sequence[Struck], steps: Steps, compiled: bool | None = None) -> Callable[..., None]:
-    """The loop over the steps: compiled if that is asked for, or pays for what is to be integrated."""
+    """The loop over the steps: compiled if that is asked for, or pays for what is to be integrated.
+
+    Args:
+        struck: what is to be integrated.
+        steps: of the record.
+        compiled: whether by the compiled loop; if None, where numba is installed and it pays.
+    """
     if compiled is None:
         blows = sum(len(one.blows) for one in struck)
         seconds = steps.count * (_STEP_SECONDS + _BLOW_SECONDS * blows)

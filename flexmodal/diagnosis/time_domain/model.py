@@ -63,7 +63,7 @@ class TimeDomainModel:
         *,
         slopes: bool,
     ) -> tuple[Complex[np.ndarray, "observation line"], Complex[np.ndarray, "slope observation line"]]:
-        """See `identification.ReceptanceModel`; all that has to be integrated is integrated at once."""
+        """All at once what is integrated; see `identification.ReceptanceModel` for the arguments."""
         _, high = self.space.bounds
         sizes = np.where(x + STEP <= high, STEP, -STEP) if slopes else np.zeros(0)
         tried = [x, *(x + np.where(np.arange(len(x)) == k, size, 0.0) for k, size in enumerate(sizes))]

@@ -21,7 +21,7 @@ def integrate(
     torque: Float[np.ndarray, "group lane law time"],
     last: Float[np.ndarray, "group lane state"],
 ) -> None:
-    """See `kernel.integrate`."""
+    """See `kernel.integrate` for the arguments."""
     owner = np.repeat(system, push.shape[3])
     phi, carried, late, rows, parameters = (a[owner] for a in (phi, carried, late, rows, parameters))
     gain = np.einsum("bli,bmi->blm", rows, late)

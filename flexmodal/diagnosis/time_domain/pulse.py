@@ -46,7 +46,12 @@ def pulses(observations: Observations) -> tuple[Pulse, ...]:
 
 
 def haversine(frequency: Float[np.ndarray, " line"], length: float) -> Complex[np.ndarray, " line"]:
-    """Spectrum of a pulse of unit peak [s]."""
+    """Spectrum of a pulse of unit peak [s].
+
+    Args:
+        frequency: of the lines [Hz].
+        length: of the pulse [s].
+    """
     x = frequency * length
     with np.errstate(divide="ignore", invalid="ignore"):
         size = length / 2 * np.sinc(x) / (1 - x**2)
@@ -54,7 +59,12 @@ def haversine(frequency: Float[np.ndarray, " line"], length: float) -> Complex[n
 
 
 def usual(tip: str, peak: float) -> Pulse:
-    """What a hammer does by its tip and the peak of the blow [N]."""
+    """What a hammer does by its tip and the peak of the blow [N].
+
+    Args:
+        tip: soft, medium or hard; another counts as medium.
+        peak: of the force [N].
+    """
     return Pulse(peak, PULSES.get(tip, PULSES["medium"]) * float((peak / USUAL) ** (-1 / 6)))
 
 
