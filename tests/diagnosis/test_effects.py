@@ -417,7 +417,7 @@ def test_the_mount_of_a_sensor_resonates_and_its_amplifier_passes_what_is_high(b
     np.testing.assert_allclose(other[~here], plain[~here], rtol=1e-12)
 
 
-def test_a_sensor_lags_by_a_delay_a_low_pass_and_an_all_pass(bench):
+def test_a_sensor_lags_by_a_delay_a_low_pass_an_all_pass_and_an_average(bench):
     context, observed, _ = bench
     where = context.sensors[0]
     plain = ours(context, observed, "sensor_gain", where, {"gain": 1.0, **FAR})
@@ -426,13 +426,19 @@ def test_a_sensor_lags_by_a_delay_a_low_pass_and_an_all_pass(bench):
         plain / amplified(observed.axis.frequency, **FAR),
         plain,
     )
-    lags = {"delay": 2e-3, "time_constant": 3e-3, "all_pass_time": 4e-3}
+    lags = {"delay": 2e-3, "time_constant": 3e-3, "all_pass_time": 4e-3, "averaged_over": 1e-6}
     found = ours(context, observed, "time_delay", where, lags)
     omega = 2 * np.pi * observed.axis.frequency
     here = observed.response[:, 0] == next(p.id for p in observed.campaign.points if p.name == where)
     late = np.exp(-2e-3j * omega) / (1 + 3e-3j * omega) * (1 - 2e-3j * omega) / (1 + 2e-3j * omega)
-    np.testing.assert_allclose(found[here] / plain[here], np.broadcast_to(late, found[here].shape), rtol=1e-9)
+    np.testing.assert_allclose(found[here] / plain[here], np.broadcast_to(late, found[here].shape), rtol=4e-4)
     np.testing.assert_allclose(found[~here], plain[~here], rtol=1e-12)
+    mean = ours(context, observed, "time_delay", where, {**lags, "averaged_over": 9e-3})
+    every = np.sinc(9e-3 * observed.axis.frequency) * np.exp(-4.5e-3j * omega)
+    expected = found[here] * every / (np.sinc(1e-6 * observed.axis.frequency) * np.exp(-0.5e-6j * omega))
+    near = np.abs(every) > 1e-3  # beside its zeros
+    assert not near.all() or observed.axis.frequency[-1] < 1 / 9e-3
+    np.testing.assert_allclose(mean[here][:, near], expected[:, near], rtol=1e-6)
 
 
 def test_a_gain_has_either_sign_and_may_change_with_frequency(bench):

@@ -143,10 +143,25 @@ TURNS = (3e-3, 8e-3, 0.02)
 """Times of an all-pass from which fits start [s]: its phase bends where a delay's goes on."""
 
 
+AVERAGED = (1e-3, 3e-3, 5e-3, 7e-3, 0.01, 0.014)
+"""Times over which a sensor averages, from which fits start [s]."""
+LEAST = 1e-6
+"""Size of the average of a whole period, which is nothing."""
+
+
 def _lag(placement: Placement, axis: Axis) -> np.ndarray:
-    """A pure delay behind a low pass and an all-pass of first order."""
+    """A pure delay behind a low pass and an all-pass of first order, and an average over a time.
+
+    The average, or a value held for as long: (1 − e^{−sT})/(sT) (Åström and Wittenmark, Computer-Controlled
+    Systems, Prentice-Hall 1997).
+    """
     low, turn = axis.s * placement["time_constant"], axis.s * placement["all_pass_time"] / 2
-    return np.asarray(-axis.s * placement["delay"] - np.log1p(low) + np.log1p(-turn) - np.log1p(turn))
+    x = axis.s * placement["averaged_over"]
+    small = np.abs(x) < LEAST
+    mean = np.where(small, 1.0, -np.expm1(-x) / np.where(small, 1.0, x))
+    mean = np.where(np.abs(mean) < LEAST, LEAST, mean)
+    lag = -axis.s * placement["delay"] - np.log1p(low) + np.log1p(-turn) - np.log1p(turn)
+    return np.asarray(lag + np.log(mean))
 
 
 SENSOR_DELAY = Effect(
@@ -157,10 +172,12 @@ SENSOR_DELAY = Effect(
         signed("delay", "s", 5e-3, -0.03, 0.03),
         positive("time_constant", "s", 1e-5, 2.5, 1e-6, 0.1),
         positive("all_pass_time", "s", 1e-5, 2.5, 1e-6, 0.1),
+        positive("averaged_over", "s", 1e-5, 2.5, 1e-6, 0.05),
     ),
     starts=lambda context, where: [
         *({"delay": delay, "time_constant": lag} for delay in (0.0, *DELAYS) for lag in LAGS),
         *({"delay": 0.0, "all_pass_time": turn} for turn in TURNS),
+        *({"delay": 0.0, "averaged_over": time} for time in AVERAGED),
     ],
     read=_lag,
 )
