@@ -210,6 +210,14 @@ class Findings:
         limit = NEAR * self.places[0].judged
         return any((one.port, one.where) == (port, where) and one.judged <= limit for one in self.places)
 
+    def is_at(self, keys: Sequence[tuple[str, str]]) -> bool:
+        """Whether it points to the place of one of some effects, as far as it can tell places apart.
+
+        Args:
+            keys: names and places of the effects.
+        """
+        return any(one.has(*key) for one in self.found for key in keys)
+
     def told(self, effect: Effect, where: str, context: Context) -> list[Start]:
         """Where a fit of an effect may set out, by the functions that were found at its place.
 

@@ -9,11 +9,11 @@ independent pieces, and the size of the errors is integrated out with Jeffreys' 
 
 C_k the sum of squares, n_k how many parameters the data know better than the prior, the last term how far
 these are from what was believed. Beside what was compared stands something that was not, as simple as what is
-named. Where a look that assumes no law points elsewhere or nowhere it is as good as noise allows, and weighs
-`ALONE`: what the named one leaves counts against it. Where the look points to the same place what is left is
-due to the law and not to the place: something else is no better than what is named, and weighs `ALONE`, or
-`AGREES` where the curve has its class too. Both weights, and the pieces, were tuned on campaigns of the
-virtual rig that judge nothing (`benchmarks/calibration.py`).
+named. Where a look that assumes no law points elsewhere or nowhere it is as good as what counts as explained,
+and weighs `ALONE`: what the named one leaves beyond that counts against it. Where the look points to the same
+place what is left is due to the law and not to the place: something else is no better than what is named, and
+weighs `ALONE`, or `AGREES` where the curve has its class too. Both weights, and the pieces, were tuned on
+campaigns of the virtual rig that judge nothing (`benchmarks/calibration.py`).
 """
 
 from __future__ import annotations
@@ -27,6 +27,7 @@ from jaxtyping import Float
 from flexmodal.diagnosis.lawfree.result import Findings
 from flexmodal.diagnosis.selection.comparison import Comparison
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
+from flexmodal.diagnosis.selection.frf_thresholds import FLOOR_REACHED
 from flexmodal.diagnosis.setup import Setup
 
 PIECES = 3.0
@@ -66,7 +67,7 @@ def confidences(data: Looked, comparison: Comparison[FittedFrfs], chosen: int) -
     there = look.left > TELLS and any(one.has(*key) for one in look.found)
     agrees = there and key in look.met([key])
     variance, floor = observations.variance[observations.used], models[0].fitted.weighing.floor
-    noise = math.inf if there else float(np.sum(variance / (variance + floor**2)))
+    noise = math.inf if there else FLOOR_REACHED**2 * float(np.sum(variance / (variance + floor**2)))
     odds = AGREES if agrees else ALONE
     found = probabilities(costs, sizes, priors, chosen, PIECES * len(models[0].costs), noise, odds)
     return np.minimum(found, np.where(np.arange(len(found)) == chosen, comparison.probability, 1.0))

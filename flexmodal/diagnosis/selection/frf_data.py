@@ -96,8 +96,8 @@ class FrfData(Data[FittedFrfs]):
         if not self._candidates.can_look(before):
             return [before]
         named, look = self.is_named(before), self._candidates.look_beside(before)
-        nothing = not look.needed and look.alone <= SOUND
-        if self.asked is not None or nothing or (named and not look.explains):
+        law = named and (not look.explains or look.is_at(before.hypothesis.keys))
+        if self.asked is not None or law or not (look.needed or look.alone > SOUND):
             return [before]
         found = self._candidates.at_places(before, number, look, self.is_over)
         if named:

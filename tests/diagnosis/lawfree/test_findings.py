@@ -54,6 +54,12 @@ def both(look):
     return replace(look, found=(BENT, lag))
 
 
+def test_a_look_points_to_places_of_effects_as_far_as_it_can_tell_them_apart(look):
+    assert look.is_at([("added_mass", "link_3"), ("link_flexibility", "link_2")])
+    assert look.is_at([("joint_coupling", "q1+q2")])  # alike
+    assert not look.is_at([("joint_coupling", "q2+q3"), ("link_flexibility", "link_3")])
+
+
 def test_only_effects_of_the_place_and_class_are_allowed():
     assert BENT.could_be("link_flexibility", "link_2")
     assert BENT.could_be("joint_coupling", "q1+q2")  # alike, and its curve was not looked at
