@@ -104,9 +104,10 @@ def test_is_found_again_in_functions_with_lines_gone_astray(seen, values):
     assert min(far(one) for one in told) < 0.02
 
 
-def test_nothing_at_the_port_tells_nothing(seen):
+@pytest.mark.parametrize("value", [0.0, np.nan])
+def test_nothing_at_the_port_tells_nothing(seen, value):
     context, _ = seen
     where = context.links[-1]
     count = len(BODY.functions(context, where))
-    free = FreeFunction(np.linspace(5, 100, 20), np.zeros((count, 20), dtype=complex), {}, np.zeros(3))
+    free = FreeFunction(np.linspace(0, 100, 20), np.full((count, 20), value, dtype=complex), {}, np.zeros(3))
     assert catalogue()["local_absorber"].told(context, where, free) == []

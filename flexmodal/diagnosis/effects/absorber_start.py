@@ -18,6 +18,7 @@ from flexmodal.diagnosis.effects.free_function import FreeFunction
 _SETS_OUT = 12
 """Frequencies, over the band."""
 _FASTER = 1.7
+"""Frequency of another mass, over that of the first."""
 _BESIDE: tuple[tuple[float | None, float | None], ...] = (
     (None, 0.4),
     (None, 2.5),
@@ -136,12 +137,13 @@ def told_by(
     Returns:
         One that is free along one direction, and one that does more; none where the functions are nothing.
     """
-    omega = 2 * np.pi * free.frequency
-    target = -free.tensor / omega[:, None, None] ** 2
+    some = free.frequency > 0
+    omega = 2 * np.pi * free.frequency[some]
+    target = -free.tensor[some] / omega[:, None, None] ** 2
     turned = ("angle",) if target.shape[-1] == 2 else ("angle", "turn", "roll")
     names = ("mass", "frequency", "damping_ratio", *turned, "across_ratio", "other", "other_ratio")
     scale = float(np.median(np.abs(np.einsum("laa->l", target)))) / target.shape[-1]
-    if not np.isfinite(scale) or scale <= 0:
+    if not np.isfinite(target).all() or scale <= 0:
         return []
     low, high = (
         np.array([one[name] if name in turned else np.log(one[name]) for name in names])
