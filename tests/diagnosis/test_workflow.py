@@ -1,7 +1,7 @@
 """The workflow on campaigns of the rig: what is hidden is found, and nothing else."""
 
 from dataclasses import replace
-from types import SimpleNamespace
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -194,7 +194,7 @@ def test_an_effect_that_nobody_misses_goes_whether_found_first_or_last(loaded, l
         placed = Placed(effects[effect], where)
         hypothesis = hypothesis.and_also(placed)
         start = hypothesis.start(placed, placed.effect.starts(setup.context, where)[0], start)
-        selection.steps.append(SimpleNamespace(effect=effect, where=where))
+        selection.steps.append(Step(effect, where, {}, {}, {}, 0.5, Mock(spec=Gaps), ()))
     selection.current = fitted_closely(setup, hypothesis, start)
     selection.drop_needless()
     assert [(step.effect, step.where) for step in selection.steps] == [("added_mass", "link_3")]
