@@ -13,7 +13,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from flexmodal.diagnosis.effects.absorber_start import told_by
+from flexmodal.diagnosis.effects.absorber_start import told_by, ways_of
 from flexmodal.diagnosis.effects.added_mass import place_on
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Effect, Placement, along, positive, sides, signed
@@ -87,16 +87,9 @@ def _ways(context: Context, where: str, values: Mapping[str, float]) -> tuple[np
     """
     _, axis = along(context, where)
     across = sides(context, where, axis)
-    side = across[0]
-    if len(across) == 2:
-        side = np.cos(values["turn"]) * across[0] + np.sin(values["turn"]) * across[1]
-    cosine, sine = np.cos(values["angle"]), np.sin(values["angle"])
-    first, second = cosine * side + sine * axis, cosine * axis - sine * side
-    third = np.cross(first, second)
-    if len(across) == 1:
-        return first, second, third
-    cosine, sine = np.cos(values["roll"]), np.sin(values["roll"])
-    return first, cosine * second + sine * third, cosine * third - sine * second
+    names = ("angle",) if len(across) == 1 else ("angle", "turn", "roll")
+    found = ways_of(np.array([values[name] for name in names])) @ np.array([axis, *across])
+    return (*found, np.cross(*found)) if len(across) == 1 else tuple(found)
 
 
 def _springs(values: Mapping[str, float]) -> tuple[tuple[float, float], ...]:
