@@ -14,8 +14,6 @@ from flexmodal.diagnosis.disagreement.gaps import gap_of, gaps_of, left, over_no
 from flexmodal.diagnosis.findings import Findings, ModesSeen
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.lawfree.look import SOUND
-from flexmodal.diagnosis.lawfree.result import PORT_OF
-from flexmodal.diagnosis.lawfree.result import Findings as LawFree
 from flexmodal.diagnosis.next_measurement.choose import next_among_fits
 from flexmodal.diagnosis.outcome import Gaps, NextMeasurement
 from flexmodal.diagnosis.search.close_fit import fitted_closely
@@ -26,18 +24,15 @@ from flexmodal.diagnosis.selection.beside_frfs import ModesBeside
 from flexmodal.diagnosis.selection.beside_nothing import beside_nothing
 from flexmodal.diagnosis.selection.comparison import Comparison
 from flexmodal.diagnosis.selection.confidence import confidences
-from flexmodal.diagnosis.selection.data import Conclusion, Data
+from flexmodal.diagnosis.selection.data import Conclusion
 from flexmodal.diagnosis.selection.decision import Answer, reaches
+from flexmodal.diagnosis.selection.frf_by_look import FrfsByLook
 from flexmodal.diagnosis.selection.frf_candidates import FrfCandidates, narrowest, starts
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs, compare_models
 from flexmodal.diagnosis.selection.frf_thresholds import (
-    CLEARLY,
-    EXPLAINED,
     FLOOR_REACHED,
     FORCE,
     FORCE_MARGIN,
-    NEARLY_ALL,
-    least_share,
     reached,
     takes_enough,
 )
@@ -47,7 +42,7 @@ from flexmodal.identification import gap, predict, uncertainty
 from flexmodal.identification.baselines import Baselines
 
 
-class FrfData(Data[FittedFrfs]):
+class FrfData(FrfsByLook):
     """Effects are needed as long as the model is far from the averages over repeats."""
 
     confidences = confidences
@@ -70,7 +65,6 @@ class FrfData(Data[FittedFrfs]):
         """Whether FRFs change with the force of the blow."""
         self._candidates = FrfCandidates(setup, self._root, with_force=self.force > Answer.NO)
         self._look = self._candidates.looks.one
-        self._settled: tuple[Any, Any, tuple[str, ...]] = (), (), ()
 
     @property
     def root(self) -> FittedFrfs:
@@ -91,9 +85,10 @@ class FrfData(Data[FittedFrfs]):
     def pointed(self, before: FittedFrfs, number: int) -> list[FittedFrfs]:
         """See `Data`; everywhere where one place explains what is left and no effect does that there.
 
-        Beside a model that is named only what such a place stands for: its law may be to blame.
+        Beside a model that is named only what such a place stands for: its law may be to blame. Nothing where
+        that of its effect took everything.
         """
-        if not self._candidates.can_look(before):
+        if self.is_alone(before) or not self._candidates.can_look(before):
             return [before]
         named, look = self.is_named(before), self._candidates.look_beside(before)
         law = named and (not look.explains or look.is_at(before.hypothesis.keys))
@@ -119,90 +114,6 @@ class FrfData(Data[FittedFrfs]):
             found = self._candidates.everywhere(before, number)
         found = narrowest(found, self.is_enough)
         return [before, *found, unstructured_mode(self.setup, before)]
-
-    @property
-    def look(self) -> LawFree:
-        """See `Data`; of the re-tuned robot, for several places once one turned out not to be enough."""
-        return self._look
-
-    def look_for(self, before: FittedFrfs) -> LawFree:
-        """The look beside a model, where it was taken; else that of the re-tuned robot."""
-        return self._candidates.looked(before) or self.look
-
-    @property
-    def most(self) -> int:
-        """Two, or as many as there are places that explain everything without a law."""
-        return max(2, len(self.look.found)) if self.look.explains else 2
-
-    def doubted(self, model: FittedFrfs) -> tuple[str, str] | None:
-        """See `Data`."""
-        return self._candidates.doubted(model)
-
-    def leads_on(self, model: FittedFrfs) -> bool:
-        """See `Data`."""
-        return self.is_enough(model) or self._candidates.one_explains(model)
-
-    def is_named(self, model: FittedFrfs) -> bool:
-        """Whether its effects sit where the law-free look points, one each, and take the larger part.
-
-        With their functions free those places explain everything, so that what the model leaves is due to the
-        laws of the effects and not to another one.
-        """
-        keys = model.hypothesis.keys
-        if not keys or not self.look.explains or self.lacking(model):
-            return False
-        met = self.look.met(keys)
-        every = len(met) == max(len(keys), len(self.look.found))
-        return every and self.share(self.root, model) >= least_share(met)
-
-    def vouches(self, model: FittedFrfs) -> bool:
-        """See `Data`: with several places that explain everything without a law, one effect at each."""
-        keys, look = model.hypothesis.keys, self.look
-        return look.explains and len(look.found) > 1 and len(look.met(keys)) == len(keys)
-
-    def settles(self, model: FittedFrfs) -> bool:
-        """See `Data`: beside the others each of these has its place to itself, and a curve of its class."""
-        keys = model.hypothesis.keys
-        if len(keys) < 2 or self.lacking(model) or self.share(self.root, model) < NEARLY_ALL:
-            return False
-        looks, sure = self._candidates, []
-        for key in keys:
-            less = self.without(model, key)
-            look = looks.look_beside(less) if looks.can_look(less) else None
-            one = look.met([key]).get(key) if look else None
-            if look and one and one.surely(key[0]) and look.alone > CLEARLY * look.left:
-                sure.append(key)
-        if not looks.can_look(model):
-            return False
-        self._settled = keys, tuple(sure), (looks.look_beside(model).place,)
-        return bool(sure)
-
-    def standing(self, model: FittedFrfs) -> tuple[tuple[tuple[str, str], ...], tuple[str, ...]]:
-        """See `Data`: of the places that the law-free look points to, those whose curve tells the effect."""
-        keys = model.hypothesis.keys
-        if self.is_named(model):
-            return keys, ()
-        settled, sure, places = self._settled
-        if keys and set(keys) <= set(settled):  # those that nobody misses went
-            return tuple(key for key in sure if key in keys), places
-        if not self.look.explains or self.lacking(model):
-            return (), ()
-        met = {key: one for key, one in self.look.met(keys).items() if one.surely(key[0])}
-        open_ = [one.where for one in self.look.found if one not in met.values()]
-        return (tuple(met), tuple(dict.fromkeys(open_))) if open_ else ((), ())
-
-    def is_contradicted(self, model: FittedFrfs) -> bool:
-        """See `Data`; by what was held out too. Effects that no port stands for are taken at their word."""
-        keys, held = model.hypothesis.keys, self.setup.held
-        known = all(name in PORT_OF for name, _ in keys)
-        if not keys or not known or not self.look.explains or self.look.met(keys):
-            return False
-        fails = held.any() and over_noise(self.setup, model, held) > EXPLAINED
-        return len(keys) > len(self.look.found) or bool(fails)
-
-    def share(self, first: FittedFrfs, last: FittedFrfs) -> float:
-        """See `Data`."""
-        return 1.0 - left(self.setup, first, last)
 
     def compare(self, models: Sequence[FittedFrfs]) -> Comparison[FittedFrfs]:
         """On the postures that were fitted and those held out, and on modes."""

@@ -1,0 +1,121 @@
+"""What a look without a law says of the effects of a model: which are sure, which are doubted."""
+
+from __future__ import annotations
+
+from flexmodal.diagnosis.disagreement.gaps import left, over_noise
+from flexmodal.diagnosis.lawfree.result import PORT_OF
+from flexmodal.diagnosis.lawfree.result import Findings as LawFree
+from flexmodal.diagnosis.selection.data import Data
+from flexmodal.diagnosis.selection.frf_candidates import FrfCandidates
+from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
+from flexmodal.diagnosis.selection.frf_thresholds import (
+    CLEARLY,
+    EXPLAINED,
+    NEARLY_ALL,
+    NOTHING_LEFT,
+    least_share,
+)
+from flexmodal.diagnosis.setup import Setup
+
+
+class FrfsByLook(Data[FittedFrfs]):
+    """FRFs, as far as a look decides; what is fitted and compared is said by `FrfData`."""
+
+    setup: Setup
+    _candidates: FrfCandidates
+    _look: LawFree
+    _settled: tuple[tuple[tuple[str, str], ...], tuple[tuple[str, str], ...], tuple[str, ...]] = (), (), ()
+
+    @property
+    def look(self) -> LawFree:
+        """See `Data`; of the re-tuned robot, for several places once one turned out not to be enough."""
+        return self._look
+
+    def look_for(self, before: FittedFrfs) -> LawFree:
+        """The look beside a model, where it was taken; else that of the re-tuned robot."""
+        return self._candidates.looked(before) or self.look
+
+    @property
+    def most(self) -> int:
+        """Two, or as many as there are places that explain everything without a law."""
+        return max(2, len(self.look.found)) if self.look.explains else 2
+
+    def doubted(self, model: FittedFrfs) -> tuple[str, str] | None:
+        """See `Data`."""
+        return self._candidates.doubted(model)
+
+    def leads_on(self, model: FittedFrfs) -> bool:
+        """See `Data`."""
+        return self.is_enough(model) or self._candidates.one_explains(model)
+
+    def is_named(self, model: FittedFrfs) -> bool:
+        """Whether its effects sit where the law-free look points, one each, and take the larger part.
+
+        With their functions free those places explain everything, so that what the model leaves is due to the
+        laws of the effects and not to another one.
+        """
+        keys = model.hypothesis.keys
+        if not keys or not self.look.explains or self.lacking(model):
+            return False
+        met = self.look.met(keys)
+        every = len(met) == max(len(keys), len(self.look.found))
+        return every and self.share(self.root, model) >= least_share(met)
+
+    def is_alone(self, model: FittedFrfs) -> bool:
+        """Whether its effect takes nearly all, where one place without a law leaves nothing for another one.
+
+        Args:
+            model: any.
+        """
+        look = self._candidates.looks.one
+        named = len(model.hypothesis.keys) == 1 and self.is_named(model)
+        return named and look.left <= NOTHING_LEFT and self.share(self.root, model) >= NEARLY_ALL
+
+    def vouches(self, model: FittedFrfs) -> bool:
+        """See `Data`: with several places that explain everything without a law, one effect at each."""
+        keys, look = model.hypothesis.keys, self.look
+        return look.explains and len(look.found) > 1 and len(look.met(keys)) == len(keys)
+
+    def settles(self, model: FittedFrfs) -> bool:
+        """See `Data`: beside the others each of these has its place to itself, and a curve of its class."""
+        keys = model.hypothesis.keys
+        if len(keys) < 2 or self.lacking(model) or self.share(self.root, model) < NEARLY_ALL:
+            return False
+        looks, sure = self._candidates, []
+        for key in keys:
+            less = self.without(model, key)
+            look = looks.look_beside(less) if looks.can_look(less) else None
+            one = look.met([key]).get(key) if look else None
+            if look and one and one.surely(key[0]) and look.alone > CLEARLY * look.left:
+                sure.append(key)
+        if not looks.can_look(model):
+            return False
+        self._settled = keys, tuple(sure), (looks.look_beside(model).place,)
+        return bool(sure)
+
+    def standing(self, model: FittedFrfs) -> tuple[tuple[tuple[str, str], ...], tuple[str, ...]]:
+        """See `Data`: of the places that the law-free look points to, those whose curve tells the effect."""
+        keys = model.hypothesis.keys
+        if self.is_named(model):
+            return keys, ()
+        settled, sure, places = self._settled
+        if keys and set(keys) <= set(settled):  # those that nobody misses went
+            return tuple(key for key in sure if key in keys), places
+        if not self.look.explains or self.lacking(model):
+            return (), ()
+        met = {key: one for key, one in self.look.met(keys).items() if one.surely(key[0])}
+        open_ = [one.where for one in self.look.found if one not in met.values()]
+        return (tuple(met), tuple(dict.fromkeys(open_))) if open_ else ((), ())
+
+    def is_contradicted(self, model: FittedFrfs) -> bool:
+        """See `Data`; by what was held out too. Effects that no port stands for are taken at their word."""
+        keys, held = model.hypothesis.keys, self.setup.held
+        known = all(name in PORT_OF for name, _ in keys)
+        if not keys or not known or not self.look.explains or self.look.met(keys):
+            return False
+        fails = held.any() and over_noise(self.setup, model, held) > EXPLAINED
+        return len(keys) > len(self.look.found) or bool(fails)
+
+    def share(self, first: FittedFrfs, last: FittedFrfs) -> float:
+        """See `Data`."""
+        return 1.0 - left(self.setup, first, last)
