@@ -10,7 +10,8 @@ import numpy as np
 from jaxtyping import Float
 
 from flexmodal.diagnosis.effects.context import Context, Place
-from flexmodal.diagnosis.effects.effect import Placement
+from flexmodal.diagnosis.effects.effect import Effect, Placement
+from flexmodal.diagnosis.moving import built, turned
 from flexmodal.diagnosis.placed import Placed
 from flexmodal.diagnosis.reader import Reader
 from flexmodal.diagnosis.shift import Shift, Still, differences
@@ -21,7 +22,6 @@ from flexmodal.identification.model import Group
 from flexmodal.structure import ParameterSpace
 from flexmodal.structure.assembly import KINDS, Assembly
 from flexmodal.structure.frame import Frame, Frames, proportional
-from flexmodal.structure.robot_terms import put_together
 from flexmodal.structure.stack import Structures, joined
 from flexmodal.structure.structure import Structure
 
@@ -67,7 +67,12 @@ class Hypothesis:
         return Hypothesis(self.context, self.base, tuple(one for one in self.placed if one.key != key))
 
     def values_of(self, placed: Placed, values: Mapping[str, float]) -> dict[str, float]:
-        """An effect's own parameters without prefix, among the robot's."""
+        """An effect's own parameters without prefix, among the robot's.
+
+        Args:
+            placed: the effect.
+            values: of all parameters, by name.
+        """
         prefix = f"{placed.label}."
         own = {k.removeprefix(prefix): v for k, v in values.items() if k.startswith(prefix)}
         return {**{name: values[name] for name in self.base.names}, **own}
@@ -139,7 +144,12 @@ class Hypothesis:
         return [found[k] for k in range(len(found))]
 
     def laws(self, part: Part, values: Mapping[str, float]) -> list[tuple[Law, ...]]:
-        """Torques of the effects that have a law, in each system of a part at these parameter values."""
+        """Torques of the effects that have a law, in each system of a part.
+
+        Args:
+            part: of the layout of some observations.
+            values: of all parameters, by name.
+        """
         assembly = self._frame(part, values).assembly
         found = [
             law
@@ -227,33 +237,18 @@ class Hypothesis:
         names = [f"{one.label}.{name}" for one in self.placed for name in one.effect.geometry]
         geometry = tuple(values[name] for name in names if name in values)
         key = (part.posture.tobytes(), part.where.tobytes(), part.struck.tobytes(), geometry)
-        return self._frames.get(key, lambda: self._build(part, values))
+        return self._frames.get(
+            key, lambda: built(self.context, self.base, part, self._at_card(part, values))
+        )
+
+    def _at_card(self, part: Part, values: Mapping[str, float]) -> list[tuple[Effect, Placement]]:
+        """Effects with values of their own, on the robot of the card."""
+        card = {parameter.name: parameter.card for parameter in self.base}
+        return [(one.effect, self._placement(one, part, {**values, **card})) for one in self.placed]
 
     @cached_property
     def _frames(self) -> Frames:
         return Frames()
-
-    def _build(self, part: Part, values: Mapping[str, float]) -> Frame:
-        """Motions of the effects, and the card's own terms on them."""
-        card = {parameter.name: parameter.card for parameter in self.base}
-        assembly = Assembly(self.context.stacked.take(part.posture))
-        placements = [(one.effect, self._placement(one, part, {**values, **card})) for one in self.placed]
-        for effect, placement in placements:
-            if effect.shape is not None:
-                effect.shape(assembly, placement)
-        bodies = assembly.arm.bodies
-        taken = {
-            link
-            for link in bodies
-            if any(
-                effect.bodies(assembly, placement, bodies, link)
-                for effect, placement in placements
-                if effect.bodies
-            )
-        }
-        put_together(assembly, card, {link: body for link, body in bodies.items() if link not in taken})
-        rows = [assembly.rows(self.context.places(table, assembly)) for table in (part.where, part.struck)]
-        return Frame(assembly, self.base.names, np.array([p.card for p in self.base]), *rows)
 
     def _act(self, frame: Frame, one: Placed, part: Part, values: Mapping[str, float]) -> Assembly:
         """What an effect puts on the motions, by itself."""
@@ -271,19 +266,7 @@ class Hypothesis:
     ) -> tuple[Float[np.ndarray, "system response dof"], Float[np.ndarray, "system reference dof"]]:
         """Rows of responses and references."""
         turning = [one for one in self.placed if one.effect.turn is not None]
-        if not turning:
-            return frame.response, frame.reference
-        names = [self.context.point(number).name for number in part.where[:, 0].tolist()]
-        measured = self.context.places(part.where, frame.assembly)
-        for one in turning:
-            assert one.effect.turn is not None
-            placement = self._placement(one, part, values)
-            aside = one.effect.aside or (lambda placement, name: np.zeros(3))
-            measured = [
-                (link, place + aside(placement, name), one.effect.turn(frame.assembly, placement, name, way))
-                for (link, place, way), name in zip(measured, names, strict=True)
-            ]
-        return frame.assembly.rows(measured), frame.reference
+        return turned(frame, part, [(one.effect, self._placement(one, part, values)) for one in turning])
 
     def _reader(
         self, part: Part, values: Mapping[str, float], shifts: Sequence[Shift] | None

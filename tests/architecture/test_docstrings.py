@@ -18,13 +18,6 @@ ROOMS = (
 PICTURES = ("plot", "page", "pictures", "canvas", "table", "report")
 LOOPS = ("kernels", "batch", "kernel", "compiled", "descent", "frf_fit")
 """Modules and rooms of pictures, pages and compiled loops, which are not held to it."""
-KNOWN_UNSAID = {
-    "diagnosis": {
-        "draft.py: behind", "draft.py: damp", "hypothesis.py: laws", "hypothesis.py: values_of",
-        "modal_data.py: untestable", "selection.py: compared", "selection.py: describe",
-    },
-}  # fmt: skip
-"""Functions by room that stand in modules as long as a module may be, and are still to say it."""
 KNOWN_UNNAMED = ["identification/frf_fit.py: fit: InvalidRequest"]
 
 
@@ -77,9 +70,7 @@ def test_parameters_are_described(room: str) -> None:
     said = {name for path in paths for name in described(path)}
     found = [line for path in sorted(paths) for line in unsaid(path)]
     left = [line for line in found if line.split(": ")[1].partition("(")[0] not in said]
-    known = KNOWN_UNSAID.get(room, set())
-    assert [line for line in left if line.partition("(")[0] not in known] == []
-    assert known - {line.partition("(")[0] for line in left} == set()
+    assert left == []
 
 
 def functions(tree: ast.Module) -> dict[str, ast.FunctionDef]:

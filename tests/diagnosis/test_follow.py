@@ -14,10 +14,11 @@ from flexmodal.diagnosis.selection import frf_candidates
 from flexmodal.diagnosis.selection.comparison import Comparison
 from flexmodal.diagnosis.selection.data import Data
 from flexmodal.diagnosis.selection.decision import Answer
+from flexmodal.diagnosis.selection.described import beside_others
 from flexmodal.diagnosis.selection.frf_candidates import MOST_LOOKS, FrfCandidates, does_more, narrowest
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.selection.frf_data import FrfData
-from flexmodal.diagnosis.selection.selection import MOST, ForwardSelection, beside_others
+from flexmodal.diagnosis.selection.selection import MOST, ForwardSelection
 from flexmodal.diagnosis.setup import Setup
 
 MASS, DELAY, PLAY, LINK, BASE = (

@@ -12,9 +12,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float
 
-from flexmodal.cards import JointCard, UrdfJoint
+from flexmodal.cards import JointCard
 from flexmodal.cards.write import UrdfDraft
 from flexmodal.diagnosis.improved.inertia import nearest_inertia
+from flexmodal.diagnosis.improved.joints import new_joint
 from flexmodal.model import Robot
 from flexmodal.model.placements import link_placements
 from flexmodal.structure.arm import Body, beyond, bodies_of, moved_bodies
@@ -24,11 +25,6 @@ DUST = 1e-12
 """Mass of a link that only stands between two joints, over that of the arm: readers of URDFs want some."""
 FOOT = 1e-8
 """Mass of a base that moves and has none in the URDF, likewise; and its inertia over that at 1 m."""
-TURN, SLIDE = 1.0, 0.5
-"""Limits of new joints to either side [rad, m]: far beyond what an elastic joint does."""
-_SPEED = 1e3
-"""Their limit of speed [rad/s, m/s]: none that matters."""
-
 Vector = Float[np.ndarray, "3"]
 
 
@@ -115,7 +111,12 @@ class Draft:
         )
 
     def damp(self, joint: str, factor: float) -> None:
-        """Multiply the viscous damping of a joint."""
+        """Multiply the viscous damping of a joint.
+
+        Args:
+            joint: which.
+            factor: above 0.
+        """
         card = self.joints[joint]
         self.joints[joint] = replace(card, damping=card.damping * float(factor))
 
@@ -140,7 +141,7 @@ class Draft:
             child = outer if last else self._dust(f"{name}_part")
             if last:
                 self.urdf.add_link(outer)
-            self.urdf.add_joint(_joint(name, "revolute", parent, child, axis, xyz))
+            self.urdf.add_joint(new_joint(name, "revolute", parent, child, axis, xyz))
             parent, xyz = child, np.zeros(3)
         self._cuts.setdefault(link, []).append(Cut(place, way, outer))
         self.urdf.shift_joints(near, -(place - offset), onto=outer, keep=frozenset(axes))
@@ -180,10 +181,10 @@ class Draft:
         for name, axis, turns in motions:
             child = self._dust(f"{name}_part")
             kind = "revolute" if turns else "prismatic"
-            self.urdf.add_joint(_joint(name, kind, parent, child, axis, xyz))
+            self.urdf.add_joint(new_joint(name, kind, parent, child, axis, xyz))
             parent, xyz = child, np.zeros(3)
         above = self.fresh(f"{root}_on_its_foundation")
-        self.urdf.add_joint(_joint(above, "fixed", parent, root, np.array([1.0, 0.0, 0.0]), -centre))
+        self.urdf.add_joint(new_joint(above, "fixed", parent, root, np.array([1.0, 0.0, 0.0]), -centre))
         fixed = _rigid(self.robot, root)
         if not any(self.robot.urdf.link_by_name[link].mass for link in fixed):
             size = FOOT * self.arm_mass
@@ -191,11 +192,16 @@ class Draft:
             self.notes.append(f"the URDF gives the base no mass, though it moves: {size:.3g} kg stand for it")
 
     def behind(self, joint: str, name: str) -> None:
-        """Put a new joint, of the same axis and kind, between a joint and the link that carries it."""
+        """Put a new joint, of the same axis and kind, between a joint and the link that carries it.
+
+        Args:
+            joint: which.
+            name: of the new one.
+        """
         described = self.urdf.joints[joint]
         rotor = self._dust(f"{name}_rotor")
         kind = "prismatic" if described.is_prismatic else "revolute"
-        new = _joint(name, kind, described.parent, rotor, described.axis, described.xyz)
+        new = new_joint(name, kind, described.parent, rotor, described.axis, described.xyz)
         self.urdf.add_joint(replace(new, rpy=described.rpy), before=joint)
         self.urdf.change_joint(joint, parent=rotor, xyz=np.zeros(3), rpy=np.zeros(3))
 
@@ -210,13 +216,15 @@ class Draft:
         described = self.urdf.joints[joint]
         parent, xyz, rpy = described.parent, described.xyz, described.rpy
         first = self._dust(f"{joint}_bearing")
-        fixed = _joint(self.fresh(f"{joint}_mount"), "fixed", parent, first, np.array([1.0, 0.0, 0.0]), xyz)
+        fixed = new_joint(
+            self.fresh(f"{joint}_mount"), "fixed", parent, first, np.array([1.0, 0.0, 0.0]), xyz
+        )
         self.urdf.add_joint(replace(fixed, rpy=rpy), before=joint)
         parent, xyz = first, centre
         for name, axis, turns in motions:
             child = self._dust(f"{name}_part")
             kind = "revolute" if turns else "prismatic"
-            self.urdf.add_joint(_joint(name, kind, parent, child, axis, xyz), before=joint)
+            self.urdf.add_joint(new_joint(name, kind, parent, child, axis, xyz), before=joint)
             parent, xyz = child, np.zeros(3)
         self.urdf.change_joint(joint, parent=parent, xyz=-centre, rpy=np.zeros(3))
 
@@ -255,7 +263,7 @@ class Draft:
             for name, way in zip(one.joints, one.slides or (None,), strict=True):
                 carried = child if name == one.joints[-1] else self._dust(f"{name}_part")
                 kind, axis = ("fixed", np.array([1.0, 0.0, 0.0])) if way is None else ("prismatic", way)
-                self.urdf.add_joint(_joint(name, kind, link, carried, axis, place))
+                self.urdf.add_joint(new_joint(name, kind, link, carried, axis, place))
                 link, place = carried, np.zeros(3)
         self._hung = []
         return self.urdf
@@ -274,12 +282,6 @@ class Draft:
         self.urdf.add_link(free)
         self.urdf.set_body(free, mass, np.zeros(3), 0.01 * mass * np.eye(3))
         return free
-
-
-def _joint(name: str, kind: str, parent: str, child: str, axis: Vector, xyz: Vector) -> UrdfJoint:
-    """A new joint, turned as the link that carries it; with small limits around 0 if it moves."""
-    made = UrdfJoint(name, kind, parent, child, axis, xyz, np.zeros(3), -TURN, TURN, _SPEED)
-    return replace(made, lower=-SLIDE, upper=SLIDE) if made.is_prismatic else made
 
 
 def _joint_card(robot: Robot, name: str, values: Mapping[str, float]) -> JointCard:

@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Float
 
 from flexmodal.diagnosis.disagreement.modal_regions import regions
-from flexmodal.diagnosis.effects import Context, Effect
+from flexmodal.diagnosis.effects import Context
 from flexmodal.diagnosis.findings import Findings, ModesSeen
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.modal_model import ModalModel
@@ -28,6 +28,7 @@ from flexmodal.diagnosis.selection.asked import effects_of
 from flexmodal.diagnosis.selection.comparison import Comparison
 from flexmodal.diagnosis.selection.data import Conclusion, Data
 from flexmodal.diagnosis.selection.decision import Answer, Asked, Round, any_gains
+from flexmodal.diagnosis.selection.untestable import of_modes
 from flexmodal.diagnosis.selection.variants import FittedModes, under_variants
 from flexmodal.diagnosis.setup import Advance
 from flexmodal.errors import Fault, InvalidRequest
@@ -98,7 +99,7 @@ class ModalData(Data[FittedModes]):
     @property
     def untestable(self) -> Mapping[str, str]:
         """See `Data`."""
-        return {one.name: why for one in self.effects if (why := untestable(one, self.context))}
+        return {one.name: why for one in self.effects if (why := of_modes(one, self.context))}
 
     @property
     def held_out(self) -> tuple[int, ...]:
@@ -283,16 +284,3 @@ def context_of(robot: Robot, measured: ModeObservations) -> Context:
     """
     points = tuple(measured.campaign.points)
     return Context(robot, measured.postures, points, measured.responses, (), measured.band, every_line=False)
-
-
-def untestable(effect: Effect, context: Context) -> str | None:
-    """Why modes alone cannot tell of an effect."""
-    if effect.read is not None or effect.turn is not None:
-        return "modes have no calibrated FRF of a single sensor"
-    if effect.by_force:
-        return "modes were measured at one force, or do not say at which"
-    if "response" in effect.variants:
-        return "one set of modes for all places of the sensor"
-    if effect.name == "structural_damping":
-        return "a mode has one damping ratio; how loss depends on frequency is in the FRFs"
-    return effect.untestable(context)

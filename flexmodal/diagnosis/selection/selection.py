@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
 from typing import Any, Generic
 
-import numpy as np
-from jaxtyping import Float
-
-from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.names import NONE, UNSTRUCTURED
 from flexmodal.diagnosis.outcome import Compared, Step
 from flexmodal.diagnosis.selection.comparison import Comparison, M
@@ -24,9 +20,8 @@ from flexmodal.diagnosis.selection.decision import (
     choice,
     rivals,
 )
+from flexmodal.diagnosis.selection.described import beside_others, effect_parameters
 
-STEP = 1e-5
-"""Of the differences along parameters."""
 MOST = 5
 """Effects at once."""
 NEARER = 0.1
@@ -207,7 +202,12 @@ class ForwardSelection(Generic[M]):
         return choice(comparison, self.data.asked, worth, vouched)
 
     def describe(self, comparison: Comparison[M], chosen: int) -> Step:
-        """What a step added, how large it is and how surely, and what it was compared with."""
+        """What a step added, how large it is and how surely, and what it was compared with.
+
+        Args:
+            comparison: of what was there before, first, and of what might be added.
+            chosen: number of what was added.
+        """
         model = comparison.models[chosen]
         parameters, units, errors = effect_parameters(
             model.hypothesis, model.key, model.x, self.data.covariance(model)
@@ -238,7 +238,12 @@ class ForwardSelection(Generic[M]):
         return None if shares[0] is None or shares[1] is None else shares[1] - shares[0]
 
     def compared(self, comparison: Comparison[M], number: int) -> Compared:
-        """A model of a comparison, in figures."""
+        """A model of a comparison, in figures.
+
+        Args:
+            comparison: of several models.
+            number: which of them.
+        """
         model = comparison.models[number]
         effect, where = model.key if number else (NONE, "")
         return Compared(
@@ -249,52 +254,3 @@ class ForwardSelection(Generic[M]):
             float(comparison.probability[number]),
             model.parameters - comparison.models[0].parameters,
         )
-
-
-def beside_others(step: Step, sure: float, named: Sequence[tuple[str, str]]) -> Step:
-    """One of several effects: as sure as it is beside the others, where nothing but they was tied with it.
-
-    Args:
-        step: as it was added, before others were known.
-        sure: its confidence beside all others.
-        named: all effects.
-    """
-    ties = tuple(tie for tie in step.ties if tie not in named)
-    if ties:
-        return replace(step, ties=ties)
-    rest = (1 - sure) / max(1 - step.confidence, 1e-12)
-    others = tuple(replace(one, confidence=min(one.confidence * rest, 1 - sure)) for one in step.alternatives)
-    return replace(step, ties=(), confidence=sure, alternatives=others)
-
-
-def effect_parameters(
-    hypothesis: Hypothesis,
-    key: tuple[str, str],
-    x: Float[np.ndarray, " parameter"],
-    covariance: Float[np.ndarray, "parameter parameter"],
-) -> tuple[dict[str, float], dict[str, str], dict[str, float]]:
-    """Physical parameters of an effect, their units and standard errors, by finite differences.
-
-    Args:
-        hypothesis: with the effect.
-        key: name and place of the effect.
-        x: coordinates.
-        covariance: of these.
-    """
-    space, context = hypothesis.space, hypothesis.context
-    placed = next(one for one in hypothesis.placed if one.key == key)
-    own = {p.name: p.unit for p in placed.effect.parameters(context, placed.where)}
-
-    def physical(at: np.ndarray) -> Mapping[str, float]:
-        values = hypothesis.values_of(placed, space.values(at))
-        found = placed.effect.physical(context, placed.where, values)
-        return {k: v for k, v in found.items() if k in own or "." not in k}
-
-    here = physical(x)
-    middle = np.array(list(here.values()))
-    slopes = np.array(
-        [(np.array(list(physical(x + STEP * unit).values())) - middle) / STEP for unit in np.eye(len(x))]
-    ).T
-    errors = np.sqrt(np.maximum(np.einsum("pi,ij,pj->p", slopes, covariance, slopes), 0.0))
-    units = {name: placed.effect.units.get(name, own.get(name, "")) for name in here}
-    return dict(here), units, dict(zip(here, errors.tolist(), strict=True))

@@ -11,7 +11,7 @@ from flexmodal.diagnosis import diagnose
 from flexmodal.diagnosis.as_json import as_json
 from flexmodal.diagnosis.effects import catalogue
 from flexmodal.diagnosis.selection import asked, variants
-from flexmodal.diagnosis.selection.modal_data import untestable
+from flexmodal.diagnosis.selection.untestable import of_modes
 from flexmodal.diagnosis.write import write_diagnosis
 from flexmodal.errors import InvalidRequest
 from flexmodal.identification.evidence.likelihood.errors import errors, figures, mean_of_others
@@ -118,8 +118,8 @@ def test_the_improved_robot_loads_and_has_the_modes_of_the_model(told, tmp_path)
 @pytest.mark.slow
 def test_what_modes_cannot_tell_of_is_said_to_be_untestable(nothing):
     for name in ("coulomb_friction", "sensor_gain", "structural_damping", "sensor_mass", "time_delay"):
-        assert untestable(catalogue([name])[name], nothing.model.context)
-    assert untestable(catalogue(["base_flexibility"])["base_flexibility"], nothing.model.context) is None
+        assert of_modes(catalogue([name])[name], nothing.model.context)
+    assert of_modes(catalogue(["base_flexibility"])["base_flexibility"], nothing.model.context) is None
 
 
 @pytest.mark.slow

@@ -1,0 +1,64 @@
+"""A step of the selection described: an effect's parameters with their errors, and how sure it is."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+from jaxtyping import Float
+
+from flexmodal.diagnosis.hypothesis import Hypothesis
+from flexmodal.diagnosis.outcome import Step
+
+STEP = 1e-5
+"""Of the differences along parameters."""
+
+
+def beside_others(step: Step, sure: float, named: Sequence[tuple[str, str]]) -> Step:
+    """One of several effects: as sure as it is beside the others, where nothing but they was tied with it.
+
+    Args:
+        step: as it was added, before others were known.
+        sure: its confidence beside all others.
+        named: all effects.
+    """
+    ties = tuple(tie for tie in step.ties if tie not in named)
+    if ties:
+        return replace(step, ties=ties)
+    rest = (1 - sure) / max(1 - step.confidence, 1e-12)
+    others = tuple(replace(one, confidence=min(one.confidence * rest, 1 - sure)) for one in step.alternatives)
+    return replace(step, ties=(), confidence=sure, alternatives=others)
+
+
+def effect_parameters(
+    hypothesis: Hypothesis,
+    key: tuple[str, str],
+    x: Float[np.ndarray, " parameter"],
+    covariance: Float[np.ndarray, "parameter parameter"],
+) -> tuple[dict[str, float], dict[str, str], dict[str, float]]:
+    """Physical parameters of an effect, their units and standard errors, by finite differences.
+
+    Args:
+        hypothesis: with the effect.
+        key: name and place of the effect.
+        x: coordinates.
+        covariance: of these.
+    """
+    space, context = hypothesis.space, hypothesis.context
+    placed = next(one for one in hypothesis.placed if one.key == key)
+    own = {p.name: p.unit for p in placed.effect.parameters(context, placed.where)}
+
+    def physical(at: np.ndarray) -> Mapping[str, float]:
+        values = hypothesis.values_of(placed, space.values(at))
+        found = placed.effect.physical(context, placed.where, values)
+        return {k: v for k, v in found.items() if k in own or "." not in k}
+
+    here = physical(x)
+    middle = np.array(list(here.values()))
+    slopes = np.array(
+        [(np.array(list(physical(x + STEP * unit).values())) - middle) / STEP for unit in np.eye(len(x))]
+    ).T
+    errors = np.sqrt(np.maximum(np.einsum("pi,ij,pj->p", slopes, covariance, slopes), 0.0))
+    units = {name: placed.effect.units.get(name, own.get(name, "")) for name in here}
+    return dict(here), units, dict(zip(here, errors.tolist(), strict=True))
