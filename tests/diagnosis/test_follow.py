@@ -245,6 +245,37 @@ def test_one_effect_alone_settles_nothing():
     assert not Settling([MASS]).settles(fitted(MASS))
 
 
+class Alone(FrfData):
+    """One effect, and a look for one place that leaves so much."""
+
+    def __init__(self, *, named=True, share=0.99, left=0.7):
+        self._root, self.named, self.taken = fitted(), named, share
+        self._candidates = Mock(spec=FrfCandidates, looks=Mock(one=Mock(left=left)))
+        self._candidates.can_look.side_effect = AssertionError("no further look is needed")
+
+    def is_named(self, model):
+        return self.named
+
+    def share(self, first, last):
+        return self.taken
+
+
+def test_no_second_effect_is_looked_for_where_one_place_leaves_nothing():
+    model = fitted(BASE)
+    assert Alone().pointed(model, 1) == [model]
+
+
+@pytest.mark.parametrize("given", [{"named": False}, {"share": 0.8}, {"left": 0.9}])
+def test_a_second_effect_is_looked_for_where_it_may_be_missing(given):
+    with pytest.raises(AssertionError, match="further look"):
+        Alone(**given).pointed(fitted(BASE), 1)
+
+
+def test_a_third_effect_is_looked_for_whatever_one_place_leaves():
+    with pytest.raises(AssertionError, match="further look"):
+        Alone().pointed(fitted(BASE, MASS), 2)
+
+
 def test_so_many_looks_and_no_more():
     candidates = FrfCandidates.__new__(FrfCandidates)
     candidates.root = fitted()
