@@ -5,7 +5,7 @@
 
 Goes on where it was stopped; on this machine's cores, or on the workers of a Dask scheduler that see the same
 folders. The candidate is a process of its own that is given the campaign's folder; what
-is hidden lies in another. Tuned on other seeds; the published exam is that of `PUBLISHED`. Forms that are
+is hidden lies in another. Tuned on other seeds; the published exams are those of `PUBLISHED`. Forms that are
 `sealed` are for this exam alone.
 """
 
@@ -24,7 +24,8 @@ from exam_plan import ENGINES, WHICH, Question, plan
 from exam_report import report
 from spreading import add_options, pieces
 
-PUBLISHED = 20261128
+PUBLISHED = {"rig": 20261128, "mujoco": 20270102, "looked": 20261128, "sealed": 20261128}
+"""Seeds of the tables in docs/tables."""
 
 
 def ask(question: Question, folder: Path, engine: str, forms: str) -> dict[str, object]:
@@ -59,7 +60,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--engine", choices=ENGINES, default="rig", help="who integrates the motion")
     parser.add_argument("--forms", choices=WHICH, default="own", help="physical forms of what is hidden")
-    parser.add_argument("--seed", type=int, default=PUBLISHED)
+    parser.add_argument("--seed", type=int, default=None, help="by default that of the table")
     parser.add_argument("--folder", type=Path, default=Path("exam"))
     parser.add_argument("--most", type=int, default=None, help="only so many questions")
     add_options(parser)
@@ -67,25 +68,26 @@ def main() -> None:
     if given.engine != "rig" and given.forms != "own":
         parser.error("--forms: MuJoCo has its own means; only the rig has other forms")
     kind = given.engine if given.forms == "own" else f"{given.engine}-{given.forms}"
-    folder = given.folder / f"{kind}-{given.seed}"
+    name = given.engine if given.forms == "own" else given.forms
+    seed = PUBLISHED[name] if given.seed is None else given.seed
+    folder = given.folder / f"{kind}-{seed}"
     for name in ("campaigns", "truth", "answers"):
         (folder / name).mkdir(parents=True, exist_ok=True)
-    every = plan(given.seed, given.engine, given.forms)
+    every = plan(seed, given.engine, given.forms)
     questions = {question.name: question for question in every[: given.most]}
     if given.one:
         ask(questions[given.one], folder, given.engine, given.forms)
         return
-    options = ["--engine", given.engine, "--forms", given.forms, "--seed", str(given.seed)]
+    options = ["--engine", given.engine, "--forms", given.forms, "--seed", str(seed)]
     options += ["--folder", os.path.abspath(given.folder)]
     found = {}
     asked = pieces("exam.py", questions, options, scheduler=given.scheduler, workers=given.workers)
-    for number, (name, told) in enumerate(asked, start=1):
+    for number, (one, told) in enumerate(asked, start=1):
         if told is not None:  # the answer lies in the folder
-            found[name] = ask(questions[name], folder, given.engine, given.forms)
-            print(f"{number}/{len(questions)}", line(found[name]), flush=True)
-    done = [found[name] for name in questions if name in found]
-    name = given.engine if given.forms == "own" else given.forms
-    report(done, len(every), given.seed, name, published=given.seed == PUBLISHED)
+            found[one] = ask(questions[one], folder, given.engine, given.forms)
+            print(f"{number}/{len(questions)}", line(found[one]), flush=True)
+    done = [found[one] for one in questions if one in found]
+    report(done, len(every), seed, name, published=seed == PUBLISHED[name])
 
 
 def line(result: dict[str, object]) -> str:
