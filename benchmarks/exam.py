@@ -71,8 +71,8 @@ def main() -> None:
     name = given.engine if given.forms == "own" else given.forms
     seed = PUBLISHED[name] if given.seed is None else given.seed
     folder = given.folder / f"{kind}-{seed}"
-    for name in ("campaigns", "truth", "answers"):
-        (folder / name).mkdir(parents=True, exist_ok=True)
+    for part in ("campaigns", "truth", "answers"):
+        (folder / part).mkdir(parents=True, exist_ok=True)
     every = plan(seed, given.engine, given.forms)
     questions = {question.name: question for question in every[: given.most]}
     if given.one:
