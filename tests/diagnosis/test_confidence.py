@@ -1,9 +1,17 @@
 """How sure an explanation is: by hand where the formula is simple, and what has to lower it."""
 
+from unittest.mock import Mock
+
 import numpy as np
 import pytest
 
+from flexmodal.diagnosis.lawfree.result import Findings
+from flexmodal.diagnosis.selection import confidence
+from flexmodal.diagnosis.selection.comparison import Comparison
 from flexmodal.diagnosis.selection.confidence import probabilities
+from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
+from flexmodal.diagnosis.selection.frf_data import FrfData
+from flexmodal.diagnosis.setup import Setup
 
 NOTHING = np.zeros(2)
 
@@ -42,3 +50,26 @@ def test_parameters_and_odd_values_of_them_cost():
     assert of([2.0, 1.0], sizes=np.array([0.0, 3.0]))[0] > of([2.0, 1.0])[0]
     assert of([2.0, 1.0], priors=np.array([0.0, 4.0]))[1] < plain
     assert of([2.0, 1.0], priors=np.array([4.0, 4.0]))[1] == pytest.approx(plain, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("over", "rest", "expected"),
+    [(1.2, 0.5, True), (1.78, 0.02, True), (1.78, 0.2, False), (3.0, 0.001, False)],
+)
+def test_what_counts_as_explained_is_not_doubted_for_what_it_leaves(monkeypatch, over, rest, expected):
+    """Half the disagreement may be left at the noise; up to twice the noise next to none of it."""
+    monkeypatch.setattr(confidence, "over_noise", lambda setup, model: over)
+    monkeypatch.setattr(confidence, "left", lambda setup, first, last: rest)
+    variance, many = np.full((20, 1, 50), 1e-4), np.full(20, 100.0)
+    seen = Mock(variance=variance, used=np.ones_like(variance, dtype=bool))
+    look = Mock(spec=Findings, left=5.0, found=(), met=lambda keys: {})
+    setup = Mock(spec=Setup, observations=seen)
+    data = Mock(spec=FrfData, setup=setup, root=None, look_for=lambda model: look)
+    key, weighing = ("sensor_gain", "point_2"), Mock(floor=0.0)
+    models = [
+        Mock(spec=FittedFrfs, key=key, costs=costs, strong=1.0, prior=0.0, fitted=Mock(weighing=weighing))
+        for costs in (50 * many, 3 * many)
+    ]
+    compared = Mock(spec=Comparison, models=models, probability=np.array([0.0, 1.0]))
+    sure = confidence.confidences(data, compared, 1)[1]
+    assert (sure == pytest.approx(1 / 1.2)) if expected else (sure < 0.01)

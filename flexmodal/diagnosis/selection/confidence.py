@@ -10,9 +10,10 @@ independent pieces, and the size of the errors is integrated out with Jeffreys' 
 C_k the sum of squares, n_k how many parameters the data know better than the prior, the last term how far
 these are from what was believed. Beside what was compared stands something that was not, as simple as what is
 named. Where a look that assumes no law points elsewhere or nowhere it is as good as what counts as explained,
-and weighs `ALONE`: what the named one leaves beyond that counts against it. Where the look points to the same
-place what is left is due to the law and not to the place: something else is no better than what is named, and
-weighs `ALONE`, or `AGREES` where the curve has its class too. Both weights, and the pieces, were tuned on
+and weighs `ALONE`: what the named one leaves beyond that counts against it. Where the named one counts as
+explained itself, or the look points to the same place so that what is left is due to the law and not to the
+place, something else is no better than what is named, and weighs `ALONE`, or `AGREES` where the curve has its
+class too. Both weights, and the pieces, were tuned on
 campaigns of the virtual rig that judge nothing (`benchmarks/calibration.py`).
 """
 
@@ -24,10 +25,12 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 from jaxtyping import Float
 
+from flexmodal.diagnosis.disagreement.gaps import left, over_noise
 from flexmodal.diagnosis.lawfree.result import Findings
 from flexmodal.diagnosis.selection.comparison import Comparison
+from flexmodal.diagnosis.selection.decision import Answer
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
-from flexmodal.diagnosis.selection.frf_thresholds import FLOOR_REACHED
+from flexmodal.diagnosis.selection.frf_thresholds import FLOOR_REACHED, at_the_noise
 from flexmodal.diagnosis.setup import Setup
 
 PIECES = 3.0
@@ -45,6 +48,10 @@ class Looked(Protocol):
     @property
     def setup(self) -> Setup:
         """What a diagnosis works with."""
+
+    @property
+    def root(self) -> FittedFrfs:
+        """The robot re-tuned, nothing added."""
 
     def look_for(self, before: FittedFrfs) -> Findings:
         """What was found without a law, beside a model if that was looked at."""
@@ -67,10 +74,22 @@ def confidences(data: Looked, comparison: Comparison[FittedFrfs], chosen: int) -
     there = look.left > TELLS and any(one.has(*key) for one in look.found)
     agrees = there and key in look.met([key])
     variance, floor = observations.variance[observations.used], models[0].fitted.weighing.floor
-    noise = math.inf if there else FLOOR_REACHED**2 * float(np.sum(variance / (variance + floor**2)))
+    enough = there or explains(data, models[chosen])
+    noise = math.inf if enough else FLOOR_REACHED**2 * float(np.sum(variance / (variance + floor**2)))
     odds = AGREES if agrees else ALONE
     found = probabilities(costs, sizes, priors, chosen, PIECES * len(models[0].costs), noise, odds)
     return np.minimum(found, np.where(np.arange(len(found)) == chosen, comparison.probability, 1.0))
+
+
+def explains(data: Looked, model: FittedFrfs) -> bool:
+    """Whether a model reaches the noise, or comes as near as a strong effect has to.
+
+    Args:
+        data: on which it is judged.
+        model: with effects.
+    """
+    distance = over_noise(data.setup, model), left(data.setup, data.root, model)
+    return at_the_noise(*distance) > Answer.NO
 
 
 def probabilities(
