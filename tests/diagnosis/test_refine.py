@@ -11,10 +11,12 @@ from flexmodal.diagnosis.effects.joint_laws import FRICTION
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.placed import Placed
 from flexmodal.diagnosis.search.refine import refined
+from flexmodal.diagnosis.time_domain.integration import integrate
 from flexmodal.diagnosis.time_domain.model import TimeDomainModel, has_law
 from flexmodal.diagnosis.time_domain.pulse import PULSES, pulses
-from flexmodal.errors import InvalidRequest
+from flexmodal.errors import InvalidRequest, SingularResponse
 from flexmodal.identification import fit, gap, observe, predict
+from flexmodal.identification.frf_fit import FrfMisfit, Weighting
 from flexmodal.identification.model import evaluated
 from flexmodal.rig import simulate
 from flexmodal.structure import robot_space
@@ -218,6 +220,20 @@ def test_derivatives_are_those_of_central_differences(plain):
         # friction that crosses into another step of time makes a kink, which some may see
         assert np.quantile(off, 0.8) < 0.02, name
         assert np.median(off) < 2e-3, name
+
+
+def test_what_outgrows_every_number_is_no_model(plain, monkeypatch):
+    hypothesis = hypothesis_of(plain, "coulomb_friction@q2")
+    model, lines = TimeDomainModel(hypothesis), np.arange(0, 190, 30)
+
+    def grown(struck, steps, **more):
+        return [replace(one, torque=one.torque * np.inf) for one in integrate(struck, steps, **more)]
+
+    monkeypatch.setattr("flexmodal.diagnosis.time_domain.model.integrate", grown)
+    x = np.zeros(len(model.space))
+    with pytest.raises(SingularResponse, match="not stable"):
+        model.receptances(x, SEEN[hypothesis.context], lines, slopes=False)
+    assert FrfMisfit(model, SEEN[hypothesis.context], Weighting(0.1, lines)).cost(x) == np.inf
 
 
 def test_effects_of_others_can_have_a_law(plain):

@@ -82,7 +82,8 @@ def test_directions_of_the_links_are_those_of_the_robot_turned_with_it(tmp_path)
 
 
 def test_the_same_seed_gives_the_same_campaign(fanuc):
-    one, two, three = (simulate(fanuc, **SMALL, hide=["coulomb_friction"], seed=seed) for seed in (5, 5, 6))
+    small = {**SMALL, "postures": 1}
+    one, two, three = (simulate(fanuc, **small, hide=["coulomb_friction"], seed=seed) for seed in (5, 5, 6))
     for first, second in zip(one.campaign.blows, two.campaign.blows, strict=True):
         np.testing.assert_array_equal(first.force, second.force)
         np.testing.assert_array_equal(first.response, second.response)

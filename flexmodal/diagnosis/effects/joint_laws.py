@@ -163,8 +163,10 @@ def _friction_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
 
 
 def _friction_starts(context: Context, where: str) -> list[Mapping[str, float]]:
-    size = 0.1 * float(context.robot.joints[where].stiffness) * _typical(context, where)[0]
+    stiffness = float(context.robot.joints[where].stiffness)
+    size = 0.1 * stiffness * _typical(context, where)[0]
     found = [{"torque": share * size} for share in (0.2, 1.0, 4.0)]
+    found += [{"torque": share * size, "presliding_stiffness": 50 * stiffness} for share in (4.0, 16.0)]
     return [
         *found,
         {"torque": size, "stiction": 0.5},

@@ -12,13 +12,15 @@ from flexmodal.diagnosis.disagreement.compare import but_for_the_blow
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.search.lines import COARSE, some_lines
 from flexmodal.diagnosis.time_domain.model import TimeDomainModel, has_law
+from flexmodal.diagnosis.time_domain.secant import fitted_by_secants
 from flexmodal.identification import Observations, unlimited
 from flexmodal.identification.descent import robust
 from flexmodal.identification.frf_fit import FrfMisfit, Weighting, fit, residual
-from flexmodal.identification.model import Model
 
 ROUGH = 5.0
 """Steps of time in a period of the highest line, of the coarse looks."""
+ROUGHLY = 1e-2
+"""A step that changes the cost of integrated torques relatively by less is the last."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,7 +66,7 @@ class Look:
         floor: float,
         most: int,
     ) -> list[Candidate]:
-        """The best of some starts, not fitted yet.
+        """The best of some starts, not fitted yet; none at which there is no model.
 
         Args:
             hypothesis: with one effect more.
@@ -72,11 +74,12 @@ class Look:
             floor: model error ε of a residual.
             most: how many are kept.
         """
-        model, weighing = coarse_model(hypothesis), Weighting(floor, self.lines)
+        model = TimeDomainModel(hypothesis, ROUGH) if has_law(hypothesis) else hypothesis
         seen = self.apart if hypothesis.by_force else self.merged
-        misfit = FrfMisfit(model, seen, weighing)
+        misfit = FrfMisfit(model, seen, Weighting(floor, self.lines))
         costs = [misfit.cost(one) for one in starts]
-        return [Candidate(hypothesis, starts[k], costs[k]) for k in np.argsort(costs, kind="stable")[:most]]
+        best = [k for k in np.argsort(costs, kind="stable")[:most] if np.isfinite(costs[k])]
+        return [Candidate(hypothesis, starts[k], costs[k]) for k in best]
 
     def fitted(self, one: Candidate, floor: float, steps: int) -> Candidate:
         """A candidate some steps further.
@@ -86,19 +89,18 @@ class Look:
             floor: model error ε of a residual.
             steps: of the fit, at most.
         """
+        if has_law(one.hypothesis):
+            model, weighing = TimeDomainModel(one.hypothesis, ROUGH), Weighting(floor, self.lines)
+            near = fitted_by_secants(model, self.apart, one.x, weighing, steps=steps, settled=ROUGHLY)
+            return Candidate(one.hypothesis, near.x, near.cost)
         with_force = one.hypothesis.by_force
         seen, share = (self.apart, None) if with_force else (self.merged, self.share)
         made = fit(
-            coarse_model(one.hypothesis), seen, one.x, floors=(floor,), steps=steps, lines=self.lines,
-            share=share, apart=False,
+            one.hypothesis, seen, one.x, floors=(floor,), steps=steps, lines=self.lines, share=share,
+            apart=False,
         )  # fmt: skip
         more = 0.0 if with_force else self.constant(floor)
         return Candidate(one.hypothesis, made.x, made.cost + more)
-
-
-def coarse_model(hypothesis: Hypothesis) -> Model:
-    """A hypothesis as the coarse looks take it: its torques, where it has such, integrated in long steps."""
-    return replace(TimeDomainModel(hypothesis), fineness=ROUGH) if has_law(hypothesis) else hypothesis
 
 
 def look_at(observations: Observations, more: Sequence[int] | Int[np.ndarray, " more"] = ()) -> Look:

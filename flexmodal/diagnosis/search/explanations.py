@@ -12,7 +12,7 @@ from flexmodal.diagnosis.placed import Placed
 from flexmodal.diagnosis.search.close_fit import fitted_closely
 from flexmodal.diagnosis.search.coarse import Candidate, Look, look_at
 from flexmodal.diagnosis.search.lines import worst_lines
-from flexmodal.diagnosis.search.search import candidates, narrowed, restarted, simpler
+from flexmodal.diagnosis.search.search import candidates, come_nearer, narrowed, restarted, simpler
 from flexmodal.diagnosis.search.set_out import SetOut
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.setup import Setup
@@ -107,7 +107,8 @@ def from_each_start(
         placed = Placed(effects[name], where)
         hypothesis = before.hypothesis.and_also(placed)
         tried = [one for some in set_out.starts(hypothesis) for one in some]
-        for one in seen.started(hypothesis, tried, FIRST_FLOOR, followed):
+        some = seen.started(hypothesis, tried, FIRST_FLOOR, followed)
+        for one in come_nearer(some, seen) if has_law(hypothesis) else some:
             found.append(fitted_closely(setup, hypothesis, one.x))
             if is_enough(found[-1]):
                 break

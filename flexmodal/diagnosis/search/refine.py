@@ -13,20 +13,21 @@ import numpy as np
 from jaxtyping import Complex, Float
 
 from flexmodal.diagnosis.hypothesis import Hypothesis
-from flexmodal.diagnosis.search.coarse import ROUGH
+from flexmodal.diagnosis.search.coarse import ROUGH, ROUGHLY
 from flexmodal.diagnosis.search.lines import CLOSE, COARSE, some_lines
 from flexmodal.diagnosis.time_domain.model import TimeDomainModel
-from flexmodal.identification import FrfFit, Observations, fit, predict
+from flexmodal.diagnosis.time_domain.secant import fitted_by_secants
+from flexmodal.identification import FrfFit, Observations, predict
 from flexmodal.identification.frf_fit import FrfMisfit, Weighting
 
 SEARCH = 0.1
 """Model error at which starts are compared."""
 FLOORS = (0.05, 0.01)
 """Model errors of the two rounds."""
-STEPS = 14
+STEPS = 30
 """Most in each round."""
-ROUGHLY, SETTLED = 1e-2, 1e-3
-"""A step that changes the cost relatively by less is the last of the round."""
+SETTLED = 1e-3
+"""A step that changes the cost relatively by less is the last."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,18 +69,14 @@ def refined(
         InvalidRequest: no effect of the hypothesis has a law.
     """
     model = TimeDomainModel(hypothesis)
-    rough = replace(model, fineness=ROUGH)
+    rough = TimeDomainModel(hypothesis, ROUGH)
     x = _start(rough, start, observations)
-    first = fit(
-        rough, observations, x, floors=FLOORS[:1], steps=steps, settled=ROUGHLY, apart=False,
-        lines=some_lines(observations, CLOSE),
-    )  # fmt: skip
-    last = fit(
-        model, observations, first.x, floors=FLOORS[1:], steps=steps, settled=SETTLED,
-        lines=some_lines(observations, CLOSE),
-    )  # fmt: skip
-    last = replace(last, steps=first.steps + last.steps)
-    return Refined(model, last, predict(model, last.x, observations))
+    lines = some_lines(observations, CLOSE)
+    first, last = (Weighting(floor, lines) for floor in FLOORS)
+    near = fitted_by_secants(rough, observations, x, first, steps=steps, settled=ROUGHLY)
+    made = fitted_by_secants(model, observations, near.x, last, steps=steps, settled=SETTLED)
+    made = replace(made, steps=near.steps + made.steps)
+    return Refined(model, made, predict(model, made.x, observations))
 
 
 def _start(

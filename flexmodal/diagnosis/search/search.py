@@ -27,7 +27,7 @@ ROUNDS = ((0.2, 3, 20), (0.1, 5, 10), (0.03, 8, 5))
 """Model error, steps, and how many candidates go on."""
 INTEGRATED_MOST = 12
 """Candidates whose torques are integrated that are fitted at all: each of their steps takes long."""
-INTEGRATED_ROUNDS = ((0.1, 4, 5),)
+INTEGRATED_ROUNDS = ((0.2, 8, 5), (0.1, 8, 3))
 """The rounds of these."""
 RESTARTS = ((0.2, 3, 6), (0.1, 10, 1))
 """The rounds of a search from many starts of one effect."""
@@ -62,9 +62,8 @@ def candidates(
                 continue
             placed = Placed(effect, where)
             hypothesis = root.and_also(placed)
-            most = 1 if has_law(hypothesis) else STARTS
             for tried in set_out.starts(hypothesis):
-                found += look.started(hypothesis, tried, ROUNDS[0][0], most)
+                found += look.started(hypothesis, tried, ROUNDS[0][0], STARTS)
     return found
 
 
@@ -90,6 +89,18 @@ def narrowed(
             advance((round_number + (number + 1) / len(todo)) / len(rounds))
         todo = distinct(done)[:keep]
     return todo
+
+
+def come_nearer(found: Sequence[Candidate], look: Look) -> list[Candidate]:
+    """Starts of one effect whose torques are integrated, each fitted coarsely, the best first.
+
+    Args:
+        found: candidates that are not fitted yet.
+        look: the coarse look.
+    """
+    for floor, steps, keep in INTEGRATED_ROUNDS:
+        found = sorted((look.fitted(one, floor, steps) for one in found), key=lambda one: one.cost)[:keep]
+    return list(found)
 
 
 def restarted(

@@ -163,11 +163,12 @@ class FrfCandidates:
         return self._beside.get(frozenset(before.hypothesis.keys))
 
     def _pointed_to(self, before: FittedFrfs, look: Findings) -> list[tuple[str, str]]:
-        """Further effects whose place and class a look has found; those that it has a class for."""
+        """Further effects whose place and class a look has found: those that it has a class for, and laws."""
         return [
             (effect.name, where)
             for effect in self.setup.effects
-            if effect.name in CLASSES_OF and not effect.untestable(self.setup.context)
+            if (effect.name in CLASSES_OF or effect.law is not None)
+            and not effect.untestable(self.setup.context)
             for where in effect.places(self.setup.context)
             if (effect.name, where) not in before.hypothesis.keys
             and any(one.where == where and one.could_be(effect.name, where) for one in look.found)

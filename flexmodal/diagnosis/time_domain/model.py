@@ -17,7 +17,7 @@ from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.placed import Placed
 from flexmodal.diagnosis.time_domain.integration import FINENESS, Steps, Struck, TimeResponse, integrate
 from flexmodal.diagnosis.time_domain.record import record_receptance, struck_by
-from flexmodal.errors import Fault, InvalidRequest
+from flexmodal.errors import Fault, InvalidRequest, SingularResponse
 from flexmodal.identification import Observations
 from flexmodal.structure import ParameterSpace
 
@@ -63,20 +63,27 @@ class TimeDomainModel:
         *,
         slopes: bool,
     ) -> tuple[Complex[np.ndarray, "observation line"], Complex[np.ndarray, "slope observation line"]]:
-        """All at once what is integrated; see `identification.ReceptanceModel` for the arguments."""
+        """All at once what is integrated; see `identification.ReceptanceModel` for the arguments.
+
+        Raises:
+            SingularResponse: what is struck is not stable, and outgrows every number.
+        """
         _, high = self.space.bounds
         sizes = np.where(x + STEP <= high, STEP, -STEP) if slopes else np.zeros(0)
         tried = [x, *(x + np.where(np.arange(len(x)) == k, size, 0.0) for k, size in enumerate(sizes))]
         looks = [self._look(one, observations, lines) for one in tried]
         steps = self._steps(observations)
-        integrated = integrate([one.struck for look in looks for one in look], steps, compiled=self.compiled)
         found = np.zeros((len(tried), len(observations), len(observations.axis.take(lines))), dtype=complex)
-        number = 0
-        for value, look in zip(found, looks, strict=True):
-            for one in look:
-                value[one.observations] = one.read(integrated[number], steps)
-                number += 1
-        return found[0], (found[1:] - found[0]) / sizes[:, None, None]
+        every, number = [one.struck for look in looks for one in look], 0
+        with np.errstate(over="ignore", invalid="ignore"):
+            integrated = integrate(every, steps, compiled=self.compiled)
+            for value, look in zip(found, looks, strict=True):
+                for one in look:
+                    value[one.observations] = one.read(integrated[number], steps)
+                    number += 1
+        if not np.isfinite(found[0]).all():
+            raise SingularResponse("the robot with its effects is not stable: the integration has no end")
+        return found[0], np.nan_to_num((found[1:] - found[0]) / sizes[:, None, None])
 
     def _steps(self, observations: Observations) -> Steps:
         length = max(observations.lengths)
