@@ -14,6 +14,8 @@ HUBER = 3.0
 """Residuals beyond this many standard deviations count linearly (Huber, Ann. Math. Statist. 35, 1964)."""
 LONGEST = 1.0
 """Longest step along a coordinate: a factor e, or one unit."""
+HALVINGS, LEAST = 12, 1e-12
+"""Of the search for what shortens a step: how often its range is halved, and its lower end over the upper."""
 FIRST, LAST = 1e-3, 1e8
 """Damping of the first step, and where a search gives up."""
 
@@ -83,8 +85,7 @@ def descend(
         while found is None and damping < LAST:
             step = np.zeros(len(x))
             damped = hessian + np.diag(damping * np.diag(hessian) + 1e-300)
-            step[free] = -np.linalg.solve(damped[np.ix_(free, free)], normal.gradient[free])
-            step *= min(1.0, LONGEST / max(float(np.max(np.abs(step))), 1e-300))
+            step[free] = short_step(damped[np.ix_(free, free)], normal.gradient[free])
             trial = np.clip(x + step, low, high)
             value = cost(trial)
             if np.isfinite(value) and value < normal.cost:
@@ -100,6 +101,32 @@ def descend(
             return Descent(x, value, taken, gained < settled)
         normal = equations(x)
     return Descent(x, normal.cost, most, False)
+
+
+def short_step(
+    curvature: Float[np.ndarray, "parameter parameter"], gradient: Float[np.ndarray, " parameter"]
+) -> Float[np.ndarray, " parameter"]:
+    """A Newton step with no component above `LONGEST`; what hardly matters is held back first.
+
+    Where it is longer, a multiple of the unit matrix is added to the curvature (Levenberg, Quart. Appl. Math.
+    2, 1944). A step that were shortened as a whole would go nowhere once one parameter does not matter.
+
+    Args:
+        curvature: positive definite.
+        gradient: of half the cost.
+    """
+    step = -np.linalg.solve(curvature, gradient)
+    if np.max(np.abs(step)) <= LONGEST:
+        return np.asarray(step)
+    values, vectors = np.linalg.eigh(curvature)
+    along = vectors.T @ gradient
+    high = float(np.linalg.norm(gradient)) / LONGEST  # that is always enough
+    low = high * LEAST
+    for _ in range(HALVINGS):
+        middle = float(np.sqrt(low * high))
+        step = -vectors @ (along / (values + middle))
+        low, high = (low, middle) if np.max(np.abs(step)) <= LONGEST else (middle, high)
+    return np.asarray(-vectors @ (along / (values + high)))
 
 
 def robust(scaled: Float[np.ndarray, "*shape"]) -> Float[np.ndarray, "*shape"]:

@@ -22,7 +22,7 @@ from flexmodal.diagnosis.lawfree.beginning import origin
 from flexmodal.diagnosis.lawfree.model import PortedModel, Unknown
 from flexmodal.diagnosis.lawfree.offers import offers
 from flexmodal.errors import SingularResponse
-from flexmodal.identification.descent import robust, robust_weight
+from flexmodal.identification.descent import robust, robust_weight, short_step
 from flexmodal.identification.frf_fit import Weighting
 
 RIDGE = 1e-3
@@ -280,8 +280,7 @@ class Profile:
         right = pull - np.einsum("clfp,clf->p", equations.zp.conj(), solved[..., -1]).real
         schur = schur + np.diag(damping * np.diag(schur) + 1e-12)
         if free.any():
-            step[free] = -np.linalg.solve(schur[np.ix_(free, free)], right[free])
-        step *= min(1.0, 1.0 / max(float(np.max(np.abs(step), initial=0.0)), 1e-300))
+            step[free] = short_step(schur[np.ix_(free, free)], right[free])
         along[:, self.still :] = -np.swapaxes(solved[..., -1] + solved[..., :-1] @ step, 1, 2)
         return step, along
 

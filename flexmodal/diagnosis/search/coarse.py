@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -19,6 +20,8 @@ from flexmodal.identification.frf_fit import FrfMisfit, Weighting, fit, residual
 
 ROUGH = 5.0
 """Steps of time in a period of the highest line, of the coarse looks."""
+FEW = 3
+"""Postures of these."""
 ROUGHLY = 1e-2
 """A step that changes the cost of integrated torques relatively by less is the last."""
 
@@ -53,6 +56,24 @@ class Look:
     """The merged observation of each."""
     lines: Int[np.ndarray, " line"]
 
+    @cached_property
+    def some(self) -> Observations:
+        """Those of a few postures, for torques that are integrated."""
+        number = np.unique(self.apart.posture)
+        few = number[np.linspace(0, len(number) - 1, min(FEW, len(number))).round().astype(int)]
+        return self.apart.keeping(np.isin(self.apart.posture, few))
+
+    def integrated(self, hypothesis: Hypothesis, floor: float) -> FrfMisfit:
+        """Misfit of a hypothesis with torques that are integrated, in long steps and some postures.
+
+        Args:
+            hypothesis: with such torques.
+            floor: model error ε of a residual.
+        """
+        share = np.full(len(self.some), len(self.apart) / len(self.some))
+        model = TimeDomainModel(hypothesis, ROUGH)
+        return FrfMisfit(model, self.some, Weighting(floor, self.lines, share))
+
     def constant(self, floor: float) -> float:
         """What the mean hides of the sum of squares."""
         weight = Weighting(floor, self.lines).weight(self.apart)
@@ -74,9 +95,10 @@ class Look:
             floor: model error ε of a residual.
             most: how many are kept.
         """
-        model = TimeDomainModel(hypothesis, ROUGH) if has_law(hypothesis) else hypothesis
         seen = self.apart if hypothesis.by_force else self.merged
-        misfit = FrfMisfit(model, seen, Weighting(floor, self.lines))
+        misfit = FrfMisfit(hypothesis, seen, Weighting(floor, self.lines))
+        if has_law(hypothesis):
+            misfit = self.integrated(hypothesis, floor)
         costs = [misfit.cost(one) for one in starts]
         best = [k for k in np.argsort(costs, kind="stable")[:most] if np.isfinite(costs[k])]
         return [Candidate(hypothesis, starts[k], costs[k]) for k in best]
@@ -90,8 +112,9 @@ class Look:
             steps: of the fit, at most.
         """
         if has_law(one.hypothesis):
-            model, weighing = TimeDomainModel(one.hypothesis, ROUGH), Weighting(floor, self.lines)
-            near = fitted_by_secants(model, self.apart, one.x, weighing, steps=steps, settled=ROUGHLY)
+            near = fitted_by_secants(
+                self.integrated(one.hypothesis, floor), one.x, steps=steps, settled=ROUGHLY
+            )
             return Candidate(one.hypothesis, near.x, near.cost)
         with_force = one.hypothesis.by_force
         seen, share = (self.apart, None) if with_force else (self.merged, self.share)

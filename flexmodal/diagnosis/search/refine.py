@@ -68,13 +68,12 @@ def refined(
     Raises:
         InvalidRequest: no effect of the hypothesis has a law.
     """
-    model = TimeDomainModel(hypothesis)
-    rough = TimeDomainModel(hypothesis, ROUGH)
-    x = _start(rough, start, observations)
     lines = some_lines(observations, CLOSE)
-    first, last = (Weighting(floor, lines) for floor in FLOORS)
-    near = fitted_by_secants(rough, observations, x, first, steps=steps, settled=ROUGHLY)
-    made = fitted_by_secants(model, observations, near.x, last, steps=steps, settled=SETTLED)
+    rough, model = TimeDomainModel(hypothesis, ROUGH), TimeDomainModel(hypothesis)
+    first = FrfMisfit(rough, observations, Weighting(FLOORS[0], lines))
+    last = FrfMisfit(model, observations, Weighting(FLOORS[1], lines))
+    near = fitted_by_secants(first, _start(rough, start, observations), steps=steps, settled=ROUGHLY)
+    made = fitted_by_secants(last, near.x, steps=steps, settled=SETTLED)
     made = replace(made, steps=near.steps + made.steps)
     return Refined(model, made, predict(model, made.x, observations))
 

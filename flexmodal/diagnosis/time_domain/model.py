@@ -21,8 +21,8 @@ from flexmodal.errors import Fault, InvalidRequest, SingularResponse
 from flexmodal.identification import Observations
 from flexmodal.structure import ParameterSpace
 
-STEP = 1e-5
-"""Of the differences."""
+STEP = 1e-4
+"""Of the differences: across the kinks that a reversal of friction makes where it crosses a step of time."""
 
 
 @dataclass(frozen=True, eq=False)

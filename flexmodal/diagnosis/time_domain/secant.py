@@ -14,7 +14,7 @@ import numpy as np
 from jaxtyping import Complex, Float, Int
 
 from flexmodal.identification import FrfFit, Observations, ReceptanceModel, fit
-from flexmodal.identification.frf_fit import FrfMisfit, Weighting, residual
+from flexmodal.identification.frf_fit import FrfMisfit, residual
 from flexmodal.structure import ParameterSpace
 
 CORRECTED = 5
@@ -85,10 +85,8 @@ class _Seen:
 
 
 def fitted_by_secants(
-    model: ReceptanceModel,
-    observations: Observations,
+    misfit: FrfMisfit,
     start: Float[np.ndarray, " parameter"],
-    weighing: Weighting,
     *,
     steps: int,
     settled: float,
@@ -96,21 +94,20 @@ def fitted_by_secants(
     """Fit a model whose derivatives are dear; where corrected ones lead no further, they are found anew.
 
     Args:
-        model: the model.
-        observations: what is fitted.
+        misfit: of the model.
         start: coordinates.
-        weighing: how residuals count, on which lines.
         steps: most.
         settled: derivatives found anew that bring the cost down relatively by less are the last.
     """
-    x, taken, before = start, 0, np.inf
+    assert isinstance(misfit.model, ReceptanceModel)
+    x, taken, before, weighing = start, 0, np.inf, misfit.weighing
     while True:
         made = fit(
-            Secants(model), observations, x, floors=(weighing.floor,), lines=weighing.lines,
+            Secants(misfit.model), misfit.observations, x, floors=(weighing.floor,), lines=weighing.lines,
             share=weighing.share, steps=steps - taken, settled=settled, apart=False,
         )  # fmt: skip
         x, taken = made.x, taken + made.steps
         done = before - made.cost <= settled * before
         if done or taken >= steps:
-            return FrfFit(x, made.cost, FrfMisfit(model, observations, weighing), done, taken)
+            return FrfFit(x, made.cost, misfit, done, taken)
         before = made.cost
