@@ -23,6 +23,8 @@
 
 PYTHON ?= python3.11
 BIN := .venv/bin
+# one more than there are processors: tests that start commands and browsers wait for them
+WORKERS := $(shell echo $$(($$(getconf _NPROCESSORS_ONLN) + 1)))
 .DEFAULT_GOAL := help
 .PHONY: help demo test docs tour distribution slow check tables pictures live-pictures studies exam arithmetic appendix recovery bench fuzz chaos accuracy atlas-bench collisions browser clean
 
@@ -53,7 +55,7 @@ browser:
 
 # A module's tests stay together, so that what they share is made once.
 test: .venv/tested browser
-	OPENBLAS_NUM_THREADS=1 $(BIN)/pytest -n auto --dist loadscope -q
+	OPENBLAS_NUM_THREADS=1 $(BIN)/pytest -n $(WORKERS) --dist loadscope -q
 
 slow: .venv/tested browser
 	OPENBLAS_NUM_THREADS=1 $(BIN)/pytest -n auto --dist loadscope -q -m slow
