@@ -10,6 +10,7 @@ from flexmodal.diagnosis.lawfree.at_parameters import AtParameters
 from flexmodal.diagnosis.lawfree.beginning import beginnings, origin
 from flexmodal.diagnosis.lawfree.model import PortedModel
 from flexmodal.diagnosis.lawfree.profile import SETTLED, Profile, State
+from flexmodal.diagnosis.lawfree.repair import repaired
 
 FLOORS = (0.2, 0.05, 0.01)
 """Relative model error, in the order in which it is lowered."""
@@ -51,7 +52,7 @@ def begun(
     """
     profile = Profile(model, floor)
     state = profile.judged(_constant(model, before, floor, steps))
-    return profile, profile.repaired(profile.descended(state, steps)).light
+    return profile, repaired(profile, profile.descended(state, steps)).light
 
 
 def finished(
@@ -67,7 +68,7 @@ def finished(
     """
     for floor in floors:
         profile = replace(profile, floor=floor)
-        state = profile.repaired(profile.descended(profile.judged(state), steps))
+        state = repaired(profile, profile.descended(profile.judged(state), steps))
     return profile, profile.descended(state, steps).light
 
 

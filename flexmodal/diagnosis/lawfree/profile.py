@@ -20,7 +20,6 @@ from jaxtyping import Complex, Float
 from flexmodal.diagnosis.lawfree.at_parameters import AtParameters
 from flexmodal.diagnosis.lawfree.beginning import origin
 from flexmodal.diagnosis.lawfree.model import PortedModel, Unknown
-from flexmodal.diagnosis.lawfree.offers import offers
 from flexmodal.errors import SingularResponse
 from flexmodal.identification.descent import robust, robust_weight, short_step
 from flexmodal.identification.frf_fit import Weighting
@@ -33,6 +32,7 @@ FIRST, LAST = 1e-3, 1e4
 """Damping of the first step, and where a descent gives up."""
 SETTLED = 5e-4
 """Relative change of the cost by a step that ends a descent."""
+Costs = Float[np.ndarray, "cell line"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,19 +152,6 @@ class Profile:
                 break
         return state
 
-    def repaired(self, state: State) -> State:
-        """Each line offered what its neighbours have, and the median around it; it takes what serves best."""
-        z, best = state.z, self._by_line(state.residual, state.z)
-        for offered in offers(state.z):
-            other = self.with_functions(state.at, offered)
-            if not np.isfinite(other.cost):
-                continue
-            cost = self._by_line(other.residual, offered)
-            better = cost < best
-            z, best = np.where(better[:, None], offered, z), np.where(better, cost, best)
-        found = self.with_functions(state.at, z)
-        return found if found.cost < state.cost else state
-
     # sums
 
     def temper(self, residual: Complex[np.ndarray, "observation line"]) -> float:
@@ -184,6 +171,17 @@ class Profile:
         return float(
             2 * robust(self.weight * np.abs(residual) ** 2).sum() / max(2 * np.count_nonzero(self.weight), 1)
         )
+
+    def by_line(self, residual: Complex[np.ndarray, "observation line"], z: Unknown) -> Costs:
+        """Robust sum of squares of each line, with the prior of its functions.
+
+        Args:
+            residual: there.
+            z: the functions in their sizes.
+        """
+        each = robust(self.weight * np.abs(residual) ** 2)
+        sums = np.array([each[self.model.cell == cell].sum(axis=0) for cell in range(self.model.cells)])
+        return np.asarray(sums + RIDGE * np.sum(np.abs(z) ** 2, axis=1))
 
     def equations(self, state: State, *, held: bool = False) -> Equations:
         """Normal equations.
@@ -246,7 +244,7 @@ class Profile:
         kept = self.with_functions(at, state.z)
         if not np.isfinite(kept.cost):
             return trial
-        better = self._by_line(trial.residual, z) <= self._by_line(kept.residual, state.z)
+        better = self.by_line(trial.residual, z) <= self.by_line(kept.residual, state.z)
         if better.all():
             return trial
         return self.with_functions(at, np.where(better[:, None], z, state.z))
@@ -286,8 +284,3 @@ class Profile:
 
     def _prior(self, x: np.ndarray, r: np.ndarray) -> float:
         return self.temper(r) * float(np.sum(self.model.space.precision * (x - self.origin) ** 2))
-
-    def _by_line(self, r: np.ndarray, z: Unknown) -> Float[np.ndarray, "cell line"]:
-        each = robust(self.weight * np.abs(r) ** 2)
-        sums = np.array([each[self.model.cell == cell].sum(axis=0) for cell in range(self.model.cells)])
-        return np.asarray(sums + RIDGE * np.sum(np.abs(z) ** 2, axis=1))
