@@ -1,4 +1,4 @@
-"""Lines of a free function that ended elsewhere: they take what their neighbours lead to, and go on from there."""
+"""Lines of a free function that ended elsewhere go on from what their neighbours lead to."""
 
 from dataclasses import replace
 
@@ -18,7 +18,7 @@ JOINT_NAME = "q2"
 
 
 def rotor(frequency):
-    """What a rotor on a soft loop adds to the stiffness of its joint, in units of that: its resonance at 40 Hz."""
+    """What a rotor on a soft loop adds to the stiffness of its joint, in units of that; it rings at 40 Hz."""
     motor = 0.1 - (frequency / 40) ** 2 * 1.1 + 0.04j * frequency / 40
     return motor / (1 + motor) - 1
 
