@@ -3,8 +3,9 @@
 Five coordinates between a joint that turns and the link that carries it: two tilts, two shifts across the
 axis and one along it; of a planar chain the two shifts alone. The springs meet somewhere on the axis, which
 couples tilt and shift as the full stiffness matrix of a rolling bearing does (Lim and Singh, Journal of Sound
-and Vibration 139, 1990); a housing may be stiffer one way than the other. In all joints alike, each tilts on
-a multiple of its own stiffness.
+and Vibration 139, 1990); a housing may be stiffer one way than the other. A part of all springs may relax,
+as a seat of plastic or a film of grease does. In all joints alike, each tilts on a multiple of its own
+stiffness, and nothing relaxes.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from jaxtyping import Float
 
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Effect, Placement, positive, signed
+from flexmodal.diagnosis.effects.relaxation import HELD, add_relaxing, relaxation
 from flexmodal.diagnosis.improved.draft import Draft
 from flexmodal.model.placements import link_placements
 from flexmodal.structure import Parameter
@@ -27,6 +29,8 @@ ALL = "joints"
 """Where all joints are meant."""
 RADIUS = 0.15
 """Of a bearing, about [m]: what a tilt's stiffness makes of one across or along the axis."""
+RELAXING = 0.4
+"""Part that relaxes over what stays, from which some fits start; from none it is not found."""
 TILT = 5.0
 """Stiffness of a tilt over that of the joint, about."""
 
@@ -127,7 +131,7 @@ def _parameters(context: Context, where: str) -> tuple[Parameter, ...]:
     if "tilt" in kinds:
         found.append(signed("offset", "m", 0.05, -0.5, 0.5))
     found += [positive("ratio", "", 1.0, 0.4, 0.05, 20.0), signed("angle", "rad", 0.8, -1.6, 1.6)]
-    return tuple(found)
+    return (*found, *relaxation(context))
 
 
 def _starts(context: Context, where: str) -> list[Mapping[str, float]]:
@@ -140,11 +144,16 @@ def _starts(context: Context, where: str) -> list[Mapping[str, float]]:
         for shift in (0.1, 1.0, 30.0) if "tilt" in kinds else (1.0,):
             other = {f"{kind}_stiffness": factor * shift * tilt / RADIUS**2 for kind in kinds - {"tilt"}}
             found.append({**({"tilt_stiffness": factor * tilt} if "tilt" in kinds else {}), **other})
-    return found
+    return found + [{**start, "relaxing": RELAXING} for start in found[1::3]]
 
 
 def _coordinate(joint: str, way: Way) -> str:
     return f"{joint} {way.name}"
+
+
+def _end(joint: str, number: int) -> str:
+    """Of the relaxing part of a spring."""
+    return f"{joint} relaxing {number + 1}"
 
 
 def names_of(context: Context, where: str) -> list[tuple[str, Way, str]]:
@@ -161,7 +170,13 @@ def names_of(context: Context, where: str) -> list[tuple[str, Way, str]]:
     ]
 
 
-def _shape(assembly: Assembly, placement: Placement) -> None:
+def add_ways(assembly: Assembly, placement: Placement) -> None:
+    """A coordinate for each way in which joints give.
+
+    Args:
+        assembly: the robot, its motions not complete yet.
+        placement: of the effect; its place is the joint, or `ALL`.
+    """
     context, where = placement.context, placement.where
     for joint in _joints(context, where):
         some = given(context, where, joint)
@@ -174,6 +189,13 @@ def _shape(assembly: Assembly, placement: Placement) -> None:
         for k, way in enumerate(some):
             motion[..., 3 * way.turns : 3 * way.turns + 3, k] = axes @ way.vector
         assembly.move_link(described.child, columns, motion)
+
+
+def _shape(assembly: Assembly, placement: Placement) -> None:
+    add_ways(assembly, placement)
+    if placement.where != ALL:
+        count = len(given(placement.context, placement.where, placement.where))
+        assembly.add_coordinates([_end(placement.where, number) for number in range(count)])
 
 
 def _springs(placement: Placement, joint: str) -> list[tuple[list[tuple[Way, float]], float]]:
@@ -203,7 +225,7 @@ def _act(assembly: Assembly, placement: Placement) -> None:
         some = given(context, where, joint)
         axis = np.asarray(context.robot.urdf.joint_by_name[joint].axis)
         turns = [(way, assembly.row(_coordinate(joint, way))) for way in some if way.turns]
-        for pulled, stiffness in _springs(placement, joint):
+        for number, (pulled, stiffness) in enumerate(_springs(placement, joint)):
             row = np.zeros(len(assembly.coordinates))
             for way, share in pulled:
                 row = row + share * assembly.row(_coordinate(joint, way))
@@ -212,6 +234,10 @@ def _act(assembly: Assembly, placement: Placement) -> None:
                         row = row + share * offset * float(np.cross(other.vector, axis) @ way.vector) * tilt
             assembly.add_spring(row, stiffness)
             assembly.add_damper(row, stiffness * placement["damping_time"])
+            if where != ALL:
+                part, time = placement["relaxing"] * stiffness, placement["relaxation_time"]
+                end = assembly.row(_end(joint, number))
+                add_relaxing(assembly, row, end, part, time, context.band[1])
 
 
 def _extend(draft: Draft, placement: Placement) -> None:
@@ -231,6 +257,11 @@ def _extend(draft: Draft, placement: Placement) -> None:
             draft.under_joint(joint, motions, offset * axis)
         for name, stiffness in springs:
             draft.flexible(name, stiffness, stiffness * time)
+    if placement.values.get("relaxing", 0.0) > HELD:
+        draft.notes.append(
+            f"the files have the bearing of {where} and lack what relaxes: {placement['relaxing']:.3g} of "
+            f"its stiffness within {placement['relaxation_time']:.3g} s"
+        )
 
 
 EFFECT = Effect(

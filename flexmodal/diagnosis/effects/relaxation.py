@@ -7,12 +7,24 @@ from __future__ import annotations
 
 import numpy as np
 
+from flexmodal.diagnosis.effects.context import Context
+from flexmodal.diagnosis.effects.effect import positive
+from flexmodal.structure import Parameter
 from flexmodal.structure.assembly import Assembly
 
 LIGHT = 1e-4
 """Inertia of a relaxing element's end, over that at which it would matter at the end of the band."""
 HELD = 0.02
 """Part of the stiffness that relaxes from which it is told that no file holds it."""
+
+
+def relaxation(context: Context) -> tuple[Parameter, Parameter]:
+    """The part of a stiffness that relaxes, next to none unless the data ask for it, and its time."""
+    low, high = (2 * np.pi * edge for edge in context.band)
+    return (
+        positive("relaxing", "", 2e-3, 2.5, 1e-8, 3.0),
+        positive("relaxation_time", "s", float(1 / np.sqrt(low * high)), 1.2, 0.1 / high, 10 / low),
+    )
 
 
 def add_relaxing(

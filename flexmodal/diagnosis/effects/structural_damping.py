@@ -16,7 +16,7 @@ import numpy as np
 
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Effect, Placement, positive
-from flexmodal.diagnosis.effects.relaxation import HELD, add_relaxing
+from flexmodal.diagnosis.effects.relaxation import HELD, add_relaxing, relaxation
 from flexmodal.diagnosis.improved.draft import Draft
 from flexmodal.structure import Parameter
 from flexmodal.structure.assembly import Assembly
@@ -53,12 +53,10 @@ def _starts(context: Context, where: str) -> list[Mapping[str, float]]:
 
 
 def _parameters(context: Context, where: str) -> tuple[Parameter, ...]:
-    low, high = (2 * np.pi * edge for edge in context.band)
     return (
         positive("loss_factor", "", 0.05, 1.0, 1e-5, 2.0),
         positive("viscous", "", 1.0, 0.7, 1e-3, 10.0),
-        positive("relaxing", "", 2e-3, 2.5, 1e-8, 3.0),
-        positive("relaxation_time", "s", float(1 / np.sqrt(low * high)), 1.2, 0.1 / high, 10 / low),
+        *relaxation(context),
         *(
             positive(_ratio(joint), "of the loss factor", 1.0, 0.5, 0.05, 20.0)
             for joint in context.robot.joints

@@ -236,6 +236,13 @@ BEARING = PortKind(
     sizes=_bearing_sizes,
     starts=_bearing_starts,
     unit="1/stiffness",
-    shape=replace(bearing_flexibility.EFFECT, name="port", parameters=lambda c, w: (), act=None, extend=None),
+    shape=replace(
+        bearing_flexibility.EFFECT,
+        name="port",
+        parameters=lambda context, where: (),
+        shape=bearing_flexibility.add_ways,
+        act=None,
+        extend=None,
+    ),
     patterns=_bearing_patterns,
 )
