@@ -84,6 +84,8 @@ LIGHT = 1e-5
 """Of the arm's mass: as light as a foundation may be."""
 STILL = 1e-9
 """An idler too light to tell [kg·m²]."""
+STAYS = {"relaxing": 1e-8}
+"""Nothing of a spring relaxes."""
 CASES = {
     "servo_compliance": (
         "q2",
@@ -91,7 +93,7 @@ CASES = {
         None,
     ),
     "joint_coupling": (
-        "q1+q3", {"coupling": -0.3, "inertia": STILL, "damping_time": 2e-12}, {"coupling": -0.3},
+        "q1+q3", {"coupling": -0.3, "inertia": STILL, "damping_time": 2e-12, **STAYS}, {"coupling": -0.3},
     ),
     "base_flexibility": (
         "base",
@@ -123,7 +125,7 @@ def test_effect_is_that_of_the_rig(bench, effect):
 
 
 @pytest.mark.parametrize("ratio", [0.7, -1.3])
-@pytest.mark.parametrize("form", ["ratio", "damped", "idler"])
+@pytest.mark.parametrize("form", ["ratio", "damped", "idler", "belt"])
 def test_couplings_of_other_kinds_are_those_of_the_rig(bench, form, ratio):
     context, observed, stand = bench
     k, loss, inertia = 2e5, 3e-4, 4.0
@@ -133,17 +135,19 @@ def test_couplings_of_other_kinds_are_those_of_the_rig(bench, form, ratio):
         "ratio": spring,
         "damped": {**spring, "damping": loss * k},
         "idler": {"stiffness": 2 * k, "ratio": ratio, "inertia": inertia, "damping": 2 * loss * k},
+        "belt": {**spring, "relaxing": 0.9, "time": 4e-3},
     }
     omega = np.sqrt(4 * k / inertia)
     values = {
         "coupling": -k * ratio / np.sqrt(one * other), "first": k / one, "second": ratio**2 * k / other,
-        "damping_time": 2e-12 if form == "ratio" else loss, "ratio": abs(ratio),
+        "damping_time": 2e-12 if form in ("ratio", "belt") else loss, "ratio": abs(ratio),
         "inertia": inertia if form == "idler" else STILL,
         "frequency": omega / (2 * np.pi), "damping_ratio": loss * omega / 2,
+        **({"relaxing": 0.9, "relaxation_time": 4e-3} if form == "belt" else STAYS),
     }  # fmt: skip
     found = ours(context, observed, "joint_coupling", "q1+q3", values)
     there = theirs(observed, stand, "joint_coupling", "q1+q3", theirs_of[form], form)
-    np.testing.assert_allclose(found, there, rtol=1e-4 if form == "ratio" else 1e-6)
+    np.testing.assert_allclose(found, there, rtol=3e-4 if form in ("ratio", "belt") else 1e-6)
 
 
 def test_hysteresis_is_near_the_rigs_row_of_maxwell_elements(bench):
@@ -716,8 +720,6 @@ def spatial():
 
 
 BEARING = {"tilt_stiffness": 4e5, "radial_stiffness": 6e7, "axial_stiffness": 9e7, "damping_time": 4e-4}
-STAYS = {"relaxing": 1e-8}
-"""Nothing of a spring relaxes."""
 
 
 @pytest.mark.parametrize("joint", ["q1", "q3", "q5"])

@@ -19,7 +19,7 @@ from jaxtyping import Float
 
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Effect, Placement, positive, signed
-from flexmodal.diagnosis.effects.relaxation import HELD, add_relaxing, relaxation
+from flexmodal.diagnosis.effects.relaxation import HELD, RELAXING, add_relaxing, relaxation
 from flexmodal.diagnosis.improved.draft import Draft
 from flexmodal.model.placements import link_placements
 from flexmodal.structure import Parameter
@@ -29,8 +29,6 @@ ALL = "joints"
 """Where all joints are meant."""
 RADIUS = 0.15
 """Of a bearing, about [m]: what a tilt's stiffness makes of one across or along the axis."""
-RELAXING = 0.4
-"""Part that relaxes over what stays, from which some fits start; from none it is not found."""
 TILT = 5.0
 """Stiffness of a tilt over that of the joint, about."""
 

@@ -5,7 +5,8 @@ lies on the diagonal may be more than the trust in the joints' own stiffness all
 multiple of it.
 
 Halfway along the spring an idler may turn: as the mean of q₁ and r q₂ where it is slow, and by a coordinate
-of its own against both halves of the spring, with a frequency of its own.
+of its own against both halves of the spring, with a frequency of its own. A part of the spring may relax, as
+a belt does.
 """
 
 from __future__ import annotations
@@ -17,10 +18,16 @@ import numpy as np
 
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Effect, Placement, positive, signed
+from flexmodal.diagnosis.effects.relaxation import HELD as RELAXATION_HELD
+from flexmodal.diagnosis.effects.relaxation import RELAXING, add_relaxing, relaxation
 from flexmodal.diagnosis.improved.draft import Draft
 from flexmodal.structure import Parameter
 from flexmodal.structure.assembly import Assembly
 
+MOST = 30.0
+"""Stiffness of a mechanism at most, over the joints'."""
+LEAST = 1e-6
+"""The same of what relaxes, whose end may not be without a stiffness."""
 HELD = 0.05
 """Stiffness of an idler's swing or of the damper at the end of the band, over that of the coupling, from
 which it is told that no file holds it."""
@@ -48,14 +55,15 @@ def _parameters(context: Context, where: str) -> tuple[Parameter, ...]:
     inertia = one / _top(context) ** 2
     high, ratio = context.band[1], float(np.sqrt(other / one))
     return (
-        signed("coupling", "", 0.3, -3.0, 3.0),
-        signed("first", "", 0.15, -0.03, 3.0),
-        signed("second", "", 0.15, -0.03, 3.0),
+        signed("coupling", "", 0.3, -MOST, MOST),
+        signed("first", "", 0.15, -0.03, MOST),
+        signed("second", "", 0.15, -0.03, MOST),
         positive("damping_time", "s", 1e-5, 2.0, 1e-12, 0.03),
         positive("inertia", "kg·m²", 1e-3 * inertia, 3.0, 1e-9 * inertia, 30 * inertia),
         positive("frequency", "Hz", 0.6 * high, 0.5, 0.05 * high, 5 * high),
         positive("damping_ratio", "", 0.03, 1.0, 1e-4, 1.0),
         positive("ratio", "", ratio, 0.4, ratio / 20, ratio * 20),
+        *relaxation(context),
     )
 
 
@@ -63,11 +71,12 @@ def _starts(context: Context, where: str) -> list[Mapping[str, float]]:
     one, _ = _joints(context, where)
     found: list[Mapping[str, float]] = [{"coupling": 0.15}, {"coupling": -0.15}]
     idler = {"first": 0.15, "second": 0.15, "inertia": 4 * 0.15 * one / (0.6 * _top(context)) ** 2}
-    return found + [{**start, **idler} for start in found]
+    belt = {"first": 0.15, "second": 0.15, "relaxing": RELAXING}
+    return found + [{**start, **more} for more in (idler, belt) for start in found]
 
 
 def _shape(assembly: Assembly, placement: Placement) -> None:
-    assembly.add_coordinates([f"{placement.where} idler"])
+    assembly.add_coordinates([f"{placement.where} idler", f"{placement.where} relaxing"])
 
 
 def _act(assembly: Assembly, placement: Placement) -> None:
@@ -86,6 +95,10 @@ def _act(assembly: Assembly, placement: Placement) -> None:
     assembly.add_inertia(own + (rows[0] + ratio * rows[1]) / 2, placement["inertia"])
     assembly.add_spring(own, placement["inertia"] * omega**2)
     assembly.add_damper(own, 2 * placement["damping_ratio"] * placement["inertia"] * omega)
+    spring = max(abs(between), LEAST * _size(placement.context, placement.where)) / placement["ratio"]
+    part, relaxes = placement["relaxing"] * spring, placement["relaxation_time"]
+    end = assembly.row(f"{placement.where} relaxing")
+    add_relaxing(assembly, rows[0] - ratio * rows[1], end, part, relaxes, placement.context.band[1])
 
 
 def _diagonal(placement: Placement) -> tuple[float, float]:
@@ -109,6 +122,10 @@ def _extend(draft: Draft, placement: Placement) -> None:
         lacking.append(f"its damper, {placement['damping_time']:.3g} s times the spring")
     if placement["inertia"] * (2 * np.pi * placement["frequency"]) ** 2 > HELD * between:
         lacking.append(f"its idler, which swings at {placement['frequency']:.3g} Hz")
+    if placement["relaxing"] > RELAXATION_HELD:
+        lacking.append(
+            f"what relaxes, {placement['relaxing']:.3g} of it within {placement['relaxation_time']:.3g} s"
+        )
     if lacking:
         found = " and ".join(lacking)
         draft.notes.append(f"the files have the spring between {one} and {other} and lack {found}")

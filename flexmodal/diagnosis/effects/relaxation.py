@@ -14,6 +14,8 @@ from flexmodal.structure.assembly import Assembly
 
 LIGHT = 1e-4
 """Inertia of a relaxing element's end, over that at which it would matter at the end of the band."""
+RELAXING = 0.4
+"""Part that relaxes over what stays, from which some fits start; from none it is not found."""
 HELD = 0.02
 """Part of the stiffness that relaxes from which it is told that no file holds it."""
 

@@ -91,8 +91,10 @@ def fitted_model(
     root = np.sqrt(precision)
     share = len(observations.axis) / max(len(fitted.weighing.lines), 1)
     curvature = fitted.normal.curvature * share / np.outer(root, root)
-    sign, log = np.linalg.slogdet(np.eye(len(root)) + curvature)
-    occam = 0.5 * float(log) if sign > 0 else np.inf
+    occam = np.inf  # of a model that does not exist there
+    if np.isfinite(curvature).all():
+        sign, log = np.linalg.slogdet(np.eye(len(root)) + curvature)
+        occam = 0.5 * float(log) if sign > 0 else np.inf
     return FittedFrfs(
         key=hypothesis.keys[-1] if hypothesis.placed else (NONE, ""),
         hypothesis=hypothesis,
