@@ -253,6 +253,30 @@ def test_in_space_a_foundation_gives_six_ways(standing):
     np.testing.assert_allclose(found, other, rtol=1e-3)
 
 
+def test_a_foundation_on_feet_tilts_about_axes_that_are_turned(standing):
+    """Four feet at the corners of a square, the first softer: it tilts about diagonals."""
+    context, observed, stand = standing
+    upright, level, loss, width = 2e8, 0.8, 0.04, 0.25
+    feet = {"foot_stiffness": upright, "half_width": width, "below": 0.06, "horizontal": level,
+            "worst": 0.3, "damping_ratio": loss}  # fmt: skip
+    spring = upright * np.array([0.3, 1.0, 1.0, 1.0])
+    place = width * np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]])
+    total, centre = spring.sum(), spring @ place / spring.sum()
+    off = place - centre
+    along, across = (spring @ (off @ way) ** 2 / 2 for way in np.array([[1, -1], [1, 1]]))
+    time = 2 * loss * np.sqrt(sum(body.mass for body in stand.true.bodies.values()) / (4 * upright))
+    found = ours(context, observed, "base_flexibility", "base", {
+        "horizontal_stiffness": level * total, "vertical_stiffness": total, "tilt_stiffness": along,
+        "tilt_ratio": across / along, "angle": np.pi / 4, "translation_damping": time * level * total,
+        "vertical_damping_ratio": 1 / level, "tilt_damping": time * along,
+        "tilt_damping_ratio": across / along, "twist_stiffness": level * (along + across),
+        "twist_damping_ratio": level * (along + across) / along, "aside": centre[0], "ahead": centre[1],
+        "below": 0.06, "mass": LIGHT * sum(body.mass for body in stand.true.bodies.values()),
+    })  # fmt: skip
+    other = theirs(observed, stand, "base_flexibility", "base", feet, "feet")
+    np.testing.assert_allclose(found, other, rtol=1e-3)
+
+
 def test_a_foundation_on_a_block_is_that_of_the_rig(bench):
     """The mass is at the block's centre, the springs at its bottom; the base's own mass is taken along."""
     context, observed, stand = bench

@@ -1,8 +1,8 @@
 """The foundation gives: the root link tilts and shifts on springs, all of it at once.
 
 Three coordinates under a planar chain, six under a spatial one. The springs meet somewhere below the root or
-beside it, are not equally stiff every way, and carry a foundation with a mass of its own. The inertia of the
-root link counts.
+beside it, are not equally stiff every way, in space along and about two level axes that may be turned from
+those of the root, and carry a foundation with a mass of its own. The inertia of the root link counts.
 """
 
 from __future__ import annotations
@@ -69,6 +69,7 @@ def _parameters(context: Context, where: str) -> tuple[Parameter, ...]:
             positive("tilt_damping_ratio", "", 1.0, 0.5, 0.05, 20.0),
             positive("twist_damping_ratio", "", 1.0, 0.5, 0.05, 20.0),
             signed("ahead", "m", 0.1 * length, -length, length),
+            signed("angle", "rad", 0.8, -1.6, 1.6),
         ]
     return tuple(found)
 
@@ -96,7 +97,8 @@ def _starts(context: Context, where: str) -> list[Mapping[str, float]]:
             "tilt_damping": 3e-4 * turn,
         }
         found.append({**start, "mass": heavy * context.arm_mass} if heavy else start)
-    return found
+    turned = found[::4] if context.normal is None else []
+    return found + [{**start, "tilt_ratio": 2.0, "angle": 0.8} for start in turned]
 
 
 def _shape(assembly: Assembly, placement: Placement) -> None:
@@ -117,9 +119,20 @@ def aside_of(placement: Placement) -> np.ndarray:
     return np.array([placement["aside"], placement["ahead"], 0.0])
 
 
+def _turn(angle: float) -> np.ndarray:
+    """Level axes of six motions turned about the upright one."""
+    cosine, sine = np.cos(angle), np.sin(angle)
+    turned = np.eye(6)
+    for first in (0, 3):
+        turned[first : first + 2, first : first + 2] = [[cosine, -sine], [sine, cosine]]
+    return turned
+
+
 def _springs(placement: Placement) -> list[tuple[str, np.ndarray, float, float]]:
     """Name and motion of each coordinate, its stiffness and damping."""
     names, motion = motions(placement.context.normal)
+    if placement.context.normal is None:
+        motion = motion @ _turn(placement["angle"])
     found = []
     for name, way in zip(names, motion.T, strict=True):
         kind = "tilt" if way[3:].any() else "vertical" if abs(way[2]) > 0.5 else "horizontal"
@@ -140,8 +153,9 @@ def _springs(placement: Placement) -> list[tuple[str, np.ndarray, float, float]]
 def _act(assembly: Assembly, placement: Placement) -> None:
     names, motion = motions(placement.context.normal)
     own = np.array([assembly.row(name) for name in names])
-    rows = motion.T @ carried(motion, centre_of(placement)) @ own
-    for row, (_, _, stiffness, damping) in zip(rows, _springs(placement), strict=True):
+    there = carried(motion, centre_of(placement)) @ own
+    for _, way, stiffness, damping in _springs(placement):
+        row = way @ there
         assembly.add_spring(row, stiffness)
         assembly.add_damper(row, damping)
     middle = _mass_centre(placement)
