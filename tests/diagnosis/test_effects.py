@@ -52,9 +52,18 @@ def standing():
     return Context.of(robot, observed), observed, stand
 
 
+NEXT = ", next level"
+
+
+def effect_of(name):
+    """An effect, at its first level or its next."""
+    effect = catalogue()[name.removesuffix(NEXT)]
+    return effect.next_level.effect if name.endswith(NEXT) else effect
+
+
 def ours(context, observed, effect, where, values):
     """Receptances of the robot with one effect, for every observation."""
-    placed = Placed(catalogue()[effect], where)
+    placed = Placed(effect_of(effect), where)
     hypothesis = Hypothesis(context, robot_space(context.robot)).and_also(placed)
     x = hypothesis.start(placed, values, np.zeros(len(hypothesis.base)))
     own = {p.name.rpartition(".")[2]: p.value(v) for p, v in zip(hypothesis.space, x, strict=True)}
@@ -294,6 +303,25 @@ def test_a_foundation_on_a_block_is_that_of_the_rig(bench):
     })  # fmt: skip
     other = theirs(observed, stand, "base_flexibility", "base", values, "block")
     np.testing.assert_allclose(found, other, rtol=1e-7)
+
+
+def test_a_foundation_that_moves_under_bolts_is_that_of_the_rig(bench):
+    """The block stands on its springs by itself, bolts between it and the root."""
+    context, observed, stand = bench
+    root, values = context.robot.urdf.root, {**SOIL, "aside": 0.05, "block_mass": 20.0, "bolts": 1.7}
+    light = {name: body for name, body in stand.true.bodies.items() if name != root}
+    floats = replace(stand, true=replace(stand.true, bodies=light))
+    arm = sum(body.mass for body in light.values())
+    time, own = np.sqrt((arm + 20.0) / 4e7), np.sqrt(arm / (1.7 * 4e7))
+    found = ours(context, observed, "base_flexibility" + NEXT, "base", {
+        "horizontal_stiffness": 4e7, "vertical_stiffness": 1.6 * 4e7, "tilt_stiffness": 2e7,
+        "translation_damping": 0.06 * time * 4e7, "vertical_damping_ratio": 1.6,
+        "tilt_damping": 0.06 * time * 2e7, "aside": 0.05, "below": 0.6, "mass": 20.0, "mass_below": 0.3,
+        "gyration": 0.6 / np.sqrt(6), "bolts_horizontal_ratio": 1.7, "bolts_vertical_ratio": 1.7,
+        "bolts_tilt_ratio": 1.7, "bolts_damping_ratio": own / (2 * time),
+    })  # fmt: skip
+    other = theirs(observed, floats, "base_flexibility", "base", values, "bolted")
+    np.testing.assert_allclose(found, other, rtol=1e-6)
 
 
 def test_joints_relax(bench):
@@ -627,10 +655,13 @@ def test_bending_is_that_of_a_beam_where_it_is_slow(bench):
     assert np.max(np.abs(np.log(np.abs(stiff[:, low] / other[:, low])))) > 0.2, "the beam is not seen at all"
 
 
-@pytest.mark.parametrize("effect", sorted(set(catalogue()) - {"coulomb_friction", "nonlinear_stiffness"}))
+@pytest.mark.parametrize(
+    "effect",
+    [*sorted(set(catalogue()) - {"coulomb_friction", "nonlinear_stiffness"}), "base_flexibility" + NEXT],
+)
 def test_derivatives_are_those_of_central_differences(bench, effect):
     context, observed, _ = bench
-    known = catalogue()[effect]
+    known = effect_of(effect)
     where = known.places(context)[-1]
     placed = Placed(known, where)
     root = Hypothesis(context, robot_space(context.robot))

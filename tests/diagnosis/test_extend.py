@@ -26,7 +26,7 @@ from flexmodal.structure.structure import Axis
 STRUCTURAL = (
     "link_flexibility", "base_flexibility", "servo_compliance", "structural_damping", "joint_coupling",
     "bearing_flexibility",
-    "added_mass", "local_absorber",
+    "added_mass", "local_absorber", "base_flexibility, next level",
 )  # fmt: skip
 ROBOTS = ("fanuc_s360", "six_link", "six_axis")
 ROOT = Path(__file__).parents[2]
@@ -59,11 +59,17 @@ def context_of():
     return context
 
 
+def effect_of(name):
+    """An effect, at its first level or its next."""
+    effect = catalogue()[name.removesuffix(", next level")]
+    return effect.next_level.effect if name.endswith("level") else effect
+
+
 def drawn(context, placed, seed):
     """A hypothesis with effects, and coordinates off the card and off the centres of the priors."""
     hypothesis = Hypothesis(context, robot_space(context.robot))
     for effect, where in placed:
-        hypothesis = hypothesis.and_also(Placed(catalogue()[effect], where))
+        hypothesis = hypothesis.and_also(Placed(effect_of(effect), where))
     random = np.random.default_rng(seed)
     low, high = hypothesis.space.bounds
     size = [min(0.3 * p.deviation, 0.2) for p in hypothesis.space]
@@ -162,7 +168,7 @@ def test_what_no_file_holds_of_a_coupling_is_told(context_of, diagnosed, tmp_pat
 @pytest.mark.parametrize("name", STRUCTURAL)
 def test_each_effect(name, robot, context_of, diagnosed, tmp_path):
     context = context_of(robot)
-    where = catalogue()[name].places(context)
+    where = effect_of(name).places(context)
     for number, place in enumerate(where[:: max(1, len(where) // 2)]):
         hypothesis, x = drawn(context, [(name, place)], seed=number)
         folder = tmp_path / str(number)

@@ -3,40 +3,30 @@
 Three coordinates under a planar chain, six under a spatial one. The springs meet somewhere below the root or
 beside it, are not equally stiff every way, in space along and about two level axes that may be turned from
 those of the root, and carry a foundation with a mass of its own. The inertia of the root link counts.
+
+At the next level the foundation moves by itself: bolts between it and the root give too, at the root's origin
+and about the same axes. Machines on blocks: Richart, Hall and Woods, Vibrations of Soils and Foundations,
+Prentice-Hall 1970, chapter 10.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from flexmodal.diagnosis.effects.context import Context
-from flexmodal.diagnosis.effects.effect import Effect, Placement, positive, signed
+from flexmodal.diagnosis.effects.effect import Effect, Level, Placement, positive, signed
+from flexmodal.diagnosis.effects.foundation import centre_of, length_of, mass_centre, motions, sizes, springs
 from flexmodal.diagnosis.improved.draft import Draft
 from flexmodal.structure import Parameter
 from flexmodal.structure.arm import Body, carried
 from flexmodal.structure.assembly import Assembly
 
-SIDEWAYS = {"base y": "sideways", "base ry": "tilt"}
-"""Coordinates in space that have ratios to those along and about x."""
-
-
-def motions(normal: np.ndarray | None) -> tuple[list[str], np.ndarray]:
-    """Names and motions [6, coordinate]: along, up, tilt; or x, y, z, rx, ry, rz."""
-    if normal is None:
-        return ["base x", "base y", "base z", "base rx", "base ry", "base rz"], np.eye(6)
-    level = np.cross(normal, np.array([0.0, 0.0, 1.0]))
-    level = level / np.linalg.norm(level) if np.linalg.norm(level) > 1e-9 else np.array([1.0, 0.0, 0.0])
-    motion = np.zeros((6, 3))
-    motion[:3, 0], motion[:3, 1], motion[3:, 2] = level, np.cross(level, normal), normal
-    return ["base x", "base z", "base tilt"], motion
-
-
-def sizes(context: Context) -> tuple[float, float]:
-    """A tilt and a translational stiffness that the stiffest joint and the length of the arm suggest."""
-    tilt = 10 * max(float(joint.stiffness) for joint in context.robot.joints.values())
-    return tilt, 3 * tilt / _length(context) ** 2
+BOLTS = {"horizontal": (0, 1), "vertical": (2,), "tilt": (3, 4), "twist": (5,)}
+"""Directions in space whose bolts are stiffer than the foundation's springs by the same ratio."""
+Motions = list[tuple[str, np.ndarray, bool]]
 
 
 def _parameters(context: Context, where: str) -> tuple[Parameter, ...]:
@@ -46,7 +36,7 @@ def _parameters(context: Context, where: str) -> tuple[Parameter, ...]:
     mass.
     """
     tilt, shift = sizes(context)
-    mass, length = context.arm_mass, _length(context)
+    mass, length = context.arm_mass, length_of(context)
     found = [
         positive("horizontal_stiffness", "N/m", shift, 2.0, shift / 1e3, shift * 1e4),
         positive("vertical_stiffness", "N/m", shift * 1.5, 2.0, shift / 1e3, shift * 1e4),
@@ -72,10 +62,6 @@ def _parameters(context: Context, where: str) -> tuple[Parameter, ...]:
             signed("angle", "rad", 0.8, -1.6, 1.6),
         ]
     return tuple(found)
-
-
-def _length(context: Context) -> float:
-    return max(sum(float(np.linalg.norm(context.reach(link))) for link in context.links), 1e-3)
 
 
 def _starts(context: Context, where: str) -> list[Mapping[str, float]]:
@@ -106,88 +92,113 @@ def _shape(assembly: Assembly, placement: Placement) -> None:
     assembly.move_root(assembly.add_coordinates(names), motion)
 
 
-def centre_of(placement: Placement) -> np.ndarray:
-    """Where the springs meet, in the world [m]; the root's origin is at 0."""
-    return aside_of(placement) - placement["below"] * np.array([0.0, 0.0, 1.0])
-
-
-def aside_of(placement: Placement) -> np.ndarray:
-    """The upright axis that the springs are about, in the world [m]; the root's origin is at 0."""
-    _, motion = motions(placement.context.normal)
-    if placement.context.normal is not None:
-        return placement["aside"] * motion[:3, 0]
-    return np.array([placement["aside"], placement["ahead"], 0.0])
-
-
-def _turn(angle: float) -> np.ndarray:
-    """Level axes of six motions turned about the upright one."""
-    cosine, sine = np.cos(angle), np.sin(angle)
-    turned = np.eye(6)
-    for first in (0, 3):
-        turned[first : first + 2, first : first + 2] = [[cosine, -sine], [sine, cosine]]
-    return turned
-
-
-def _springs(placement: Placement) -> list[tuple[str, np.ndarray, float, float]]:
-    """Name and motion of each coordinate, its stiffness and damping."""
-    names, motion = motions(placement.context.normal)
-    if placement.context.normal is None:
-        motion = motion @ _turn(placement["angle"])
-    found = []
-    for name, way in zip(names, motion.T, strict=True):
-        kind = "tilt" if way[3:].any() else "vertical" if abs(way[2]) > 0.5 else "horizontal"
-        upright = placement.context.normal is None and abs(way[5]) > 0.5
-        stiffness = placement["twist_stiffness" if upright else f"{kind}_stiffness"]
-        damping = placement["tilt_damping" if kind == "tilt" else "translation_damping"]
-        if kind == "vertical":
-            damping *= placement["vertical_damping_ratio"]
-        elif upright:
-            damping *= placement["twist_damping_ratio"]
-        elif name in SIDEWAYS:
-            stiffness *= placement[f"{SIDEWAYS[name]}_ratio"]
-            damping *= placement[f"{SIDEWAYS[name]}_damping_ratio"]
-        found.append((name, way, stiffness, damping))
-    return found
-
-
 def _act(assembly: Assembly, placement: Placement) -> None:
     names, motion = motions(placement.context.normal)
     own = np.array([assembly.row(name) for name in names])
     there = carried(motion, centre_of(placement)) @ own
-    for _, way, stiffness, damping in _springs(placement):
+    for _, way, stiffness, damping in springs(placement):
         row = way @ there
         assembly.add_spring(row, stiffness)
         assembly.add_damper(row, damping)
-    middle = _mass_centre(placement)
+    middle = mass_centre(placement)
     inertia = placement["mass"] * placement["gyration"] ** 2
     for row, way in zip(motion.T @ carried(motion, middle) @ own, motion.T, strict=True):
         assembly.add_inertia(row, inertia if way[3:].any() else placement["mass"])
 
 
-def _mass_centre(placement: Placement) -> np.ndarray:
-    return aside_of(placement) - placement["mass_below"] * np.array([0.0, 0.0, 1.0])
-
-
 def _extend(draft: Draft, placement: Placement) -> None:
-    motions = []
-    for name, way, stiffness, damping in _springs(placement):
-        joint, turns = draft.fresh(name.replace(" ", "_")), bool(way[3:].any())
-        motions.append((joint, way[3:] if turns else way[:3], turns))
-        draft.flexible(joint, stiffness, damping)
-    draft.under_root(motions, centre_of(placement))
     root = draft.robot.urdf.root
-    inertia = placement["mass"] * placement["gyration"] ** 2 * np.eye(3)
-    body = Body(placement["mass"], _mass_centre(placement), inertia)
-    draft.attach(root, body, name="foundation_mass")
+    draft.under_root(_new_joints(draft, springs(placement)), centre_of(placement))
+    draft.attach(root, _own_body(placement, mass_centre(placement)), name="foundation_mass")
 
 
-EFFECT = Effect(
+def _new_joints(draft: Draft, some: Sequence[tuple[str, np.ndarray, float, float]]) -> Motions:
+    found = []
+    for name, way, stiffness, damping in some:
+        joint, turns = draft.fresh(name.replace(" ", "_")), bool(way[3:].any())
+        found.append((joint, way[3:] if turns else way[:3], turns))
+        draft.flexible(joint, stiffness, damping)
+    return found
+
+
+def _own_body(placement: Placement, centre: np.ndarray) -> Body:
+    """The foundation's mass, its centre somewhere [m]."""
+    return Body(placement["mass"], centre, placement["mass"] * placement["gyration"] ** 2 * np.eye(3))
+
+
+def _bolted_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
+    """Those of a foundation, and by how much the bolts are stiffer than its springs, by direction."""
+    ways = [name for name in BOLTS if context.normal is None or name != "twist"]
+    ratios = [positive(f"bolts_{name}_ratio", "", 3.0, 1.5, 1e-2, 1e4) for name in ways]
+    return (*_parameters(context, where), *ratios, positive("bolts_damping_ratio", "", 1.0, 1.0, 1e-3, 1e3))
+
+
+def _bolted_starts(context: Context, values: Mapping[str, float]) -> list[Mapping[str, float]]:
+    """Springs and bolts as stiff together as the springs alone were; under a block of several masses."""
+    ways = [name for name in BOLTS if context.normal is None or name != "twist"]
+    stiff = [name for name in values if name.endswith("_stiffness")]
+    found: list[Mapping[str, float]] = []
+    for ratio in (20.0, 5.0, 2.0, 0.7, 0.2):
+        bolts = {f"bolts_{name}_ratio": ratio for name in ways}
+        softer = {name: values[name] * (1 + 1 / ratio) for name in stiff}
+        found += [
+            {**values, **softer, **bolts, "mass": mass}
+            for mass in (values["mass"], context.arm_mass, 3 * context.arm_mass)
+        ]
+    return found
+
+
+def _bolts(placement: Placement) -> list[tuple[str, np.ndarray, float, float]]:
+    """Name and motion of each coordinate between foundation and root, its stiffness and damping."""
+    found = []
+    for name, way, stiffness, damping in springs(placement):
+        number = int(np.argmax(np.abs(way)))
+        upright = placement.context.normal is None or number < 3
+        kind = next(kind for kind, ways in BOLTS.items() if number in ways) if upright else "tilt"
+        ratio = placement[f"bolts_{kind}_ratio"]
+        more = damping * ratio * placement["bolts_damping_ratio"]
+        found.append((name.replace("base", "bolts"), way, stiffness * ratio, more))
+    return found
+
+
+def _bolted_shape(assembly: Assembly, placement: Placement) -> None:
+    names, motion = motions(placement.context.normal)
+    for some in (names, [name.replace("base", "bolts") for name in names]):
+        assembly.move_root(assembly.add_coordinates(some), motion)
+
+
+def _bolted_act(assembly: Assembly, placement: Placement) -> None:
+    """What is fixed to the foundation moves by its coordinates, the root by those of the bolts too."""
+    _act(assembly, placement)
+    names, motion = motions(placement.context.normal)
+    own = np.array([assembly.row(name.replace("base", "bolts")) for name in names])
+    for _, way, stiffness, damping in _bolts(placement):
+        row = way @ motion @ own
+        assembly.add_spring(row, stiffness)
+        assembly.add_damper(row, damping)
+
+
+def _bolted_extend(draft: Draft, placement: Placement) -> None:
+    block = draft.under_root(_new_joints(draft, _bolts(placement)), np.zeros(3))
+    draft.under_root(_new_joints(draft, springs(placement)), centre_of(placement))
+    draft.attach(block, _own_body(placement, mass_centre(placement)), name="foundation_mass")
+
+
+BOLTED = Effect(
     name="base_flexibility",
     says="the foundation gives way",
     places=lambda context: ("base",),
-    parameters=_parameters,
+    parameters=_bolted_parameters,
     starts=_starts,
+    shape=_bolted_shape,
+    act=_bolted_act,
+    extend=_bolted_extend,
+)
+EFFECT = replace(
+    BOLTED,
+    parameters=_parameters,
     shape=_shape,
     act=_act,
     extend=_extend,
+    next_level=Level(BOLTED, _bolted_starts),
 )

@@ -65,6 +65,15 @@ Reading = tuple[np.ndarray, Mapping[str, np.ndarray]]
 
 
 @dataclass(frozen=True, eq=False)
+class Level:
+    """An effect with a law that holds another one's as a limit, for where that one is not enough."""
+
+    effect: Effect
+    starts: Callable[[Context, Mapping[str, float]], Sequence[Mapping[str, float]]]
+    """Values to start a fit from, from those that the narrower law was fitted with."""
+
+
+@dataclass(frozen=True, eq=False)
 class Effect:
     """One way in which a robot or its measurement differs from the card. Hooks that do not apply are None."""
 
@@ -100,6 +109,8 @@ class Effect:
     """Effects that it comes down to in a limit, in the same place, and the parameters that they share."""
     limit: str = ""
     """The parameter at whose upper bound it comes down to these, if there is one."""
+    next_level: Level | None = None
+    """A wider law under the same name, fitted where this one leaves something at its place."""
     variants: Sequence[str] = ()
     """What the structure depends on besides the posture: "blow" (level and hammer point) or "response"."""
     untestable: Callable[[Context], str | None] = lambda context: None

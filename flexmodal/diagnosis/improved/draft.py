@@ -15,7 +15,7 @@ from jaxtyping import Float
 from flexmodal.cards import JointCard
 from flexmodal.cards.write import UrdfDraft
 from flexmodal.diagnosis.improved.inertia import nearest_inertia
-from flexmodal.diagnosis.improved.joints import new_joint
+from flexmodal.diagnosis.improved.joints import joint_card, new_joint
 from flexmodal.model import Robot
 from flexmodal.model.placements import link_placements
 from flexmodal.structure.arm import Body, beyond, bodies_of, moved_bodies
@@ -59,13 +59,14 @@ class Draft:
     def __init__(self, robot: Robot, values: Mapping[str, float]) -> None:
         self.robot = robot
         self.urdf = UrdfDraft(robot.urdf)
-        self.joints: dict[str, JointCard] = {n: _joint_card(robot, n, values) for n in robot.joints}
+        self.joints: dict[str, JointCard] = {n: joint_card(robot, n, values) for n in robot.joints}
         self.couplings = {name: float(one.stiffness) for name, one in robot.couplings.items()}
         self.loss_frequency = robot.loss_frequency
         self.notes: list[str] = []
         """Sentences about what the files cannot hold, or hold differently."""
         self.arm_mass = float(sum(robot.urdf.link_by_name[n].mass or 0.0 for n in moved_bodies(robot)))
         self._still = link_placements(robot, {})
+        self._lowest = robot.urdf.root
         self._cuts: dict[str, list[Cut]] = {}
         self._hung: list[Hung] = []
         self._names = self.urdf.names | {*robot.points, "universe"}
@@ -167,15 +168,18 @@ class Draft:
         self._hung.append(Hung(link, part.centre, body, joints, tuple(slides)))
         return joints
 
-    def under_root(self, motions: Sequence[tuple[str, Vector, bool]], centre: Vector) -> None:
-        """Let the root link move by new joints.
+    def under_root(self, motions: Sequence[tuple[str, Vector, bool]], centre: Vector) -> str:
+        """Let the root link, and what was put under it before, move by new joints.
 
         Args:
             motions: names, axes, and whether each turns or slides.
             centre: where their axes meet, in the frame of the root link [m].
+
+        Returns:
+            The link that these joints stand on, now the lowest; its frame is that of the root link.
         """
-        root = self.robot.urdf.root
-        ground = self.fresh(f"world_{root}")
+        root, above = self.robot.urdf.root, self._lowest
+        ground = self._lowest = self.fresh(f"world_{root}")
         self.urdf.add_link(ground, first=True)
         parent, xyz = ground, centre
         for name, axis, turns in motions:
@@ -183,16 +187,17 @@ class Draft:
             kind = "revolute" if turns else "prismatic"
             self.urdf.add_joint(new_joint(name, kind, parent, child, axis, xyz))
             parent, xyz = child, np.zeros(3)
-        above = self.fresh(f"{root}_on_its_foundation")
-        self.urdf.add_joint(new_joint(above, "fixed", parent, root, np.array([1.0, 0.0, 0.0]), -centre))
+        stands = self.fresh(f"{root}_on_its_foundation")
+        self.urdf.add_joint(new_joint(stands, "fixed", parent, above, np.array([1.0, 0.0, 0.0]), -centre))
         fixed = _rigid(self.robot, root)
         if not any(self.robot.urdf.link_by_name[link].mass for link in fixed):
             size = FOOT * self.arm_mass
             self.urdf.set_body(root, size, np.zeros(3), size * np.eye(3))
             self.notes.append(f"the URDF gives the base no mass, though it moves: {size:.3g} kg stand for it")
+        return ground
 
     def behind(self, joint: str, name: str) -> None:
-        """Put a new joint, of the same axis and kind, between a joint and the link that carries it.
+        """Put a new joint, alike, between a joint and the link that carries it.
 
         Args:
             joint: which.
@@ -282,14 +287,6 @@ class Draft:
         self.urdf.add_link(free)
         self.urdf.set_body(free, mass, np.zeros(3), 0.01 * mass * np.eye(3))
         return free
-
-
-def _joint_card(robot: Robot, name: str, values: Mapping[str, float]) -> JointCard:
-    """A joint with its new values; bounds and trust are factors of whatever the card says, and stay."""
-    joint = robot.joints[name]
-    stiffness = float(values.get(f"stiffness.{name}", joint.stiffness))
-    damping = float(values.get(f"damping.{name}", joint.damping))
-    return replace(joint, stiffness=stiffness, damping=damping)
 
 
 def _rigid(robot: Robot, link: str) -> list[str]:

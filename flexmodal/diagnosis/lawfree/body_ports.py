@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from flexmodal.diagnosis.effects import base_flexibility
+from flexmodal.diagnosis.effects import foundation
 from flexmodal.diagnosis.effects.added_mass import EFFECT as ADDED_MASS
 from flexmodal.diagnosis.effects.added_mass import place_on
 from flexmodal.diagnosis.effects.context import Context
@@ -73,7 +73,7 @@ BODY = PortKind(
 def _ground_patterns(assembly: Assembly, placement: Placement) -> Patterns:
     """The same along the axes of the world."""
     normal = placement.context.normal
-    ways = np.eye(3) if normal is None else base_flexibility.motions(normal)[1][:3, :2].T
+    ways = np.eye(3) if normal is None else foundation.motions(normal)[1][:3, :2].T
     return _tensor(placement, assembly, list(ways))
 
 

@@ -9,7 +9,13 @@ from itertools import combinations_with_replacement, product
 
 import numpy as np
 
-from flexmodal.diagnosis.effects import base_flexibility, bearing_flexibility, hinges, link_flexibility
+from flexmodal.diagnosis.effects import (
+    base_flexibility,
+    bearing_flexibility,
+    foundation,
+    hinges,
+    link_flexibility,
+)
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Bodies, Effect, Placement
 from flexmodal.diagnosis.lawfree.port import Patterns, PortKind, Wider, constant, outer
@@ -30,36 +36,36 @@ def _base_terms(context: Context) -> list[tuple[int, int]]:
     Where springs do not meet at the root's origin a force there also tilts it: in a plane along and up with
     the tilt, in space along x with ry and along y with rx.
     """
-    count = len(base_flexibility.motions(context.normal)[0])
+    count = len(foundation.motions(context.normal)[0])
     return [(k, k) for k in range(count)] + ([(0, 2), (1, 2)] if count == 3 else [(0, 4), (1, 3)])
 
 
 def _every_term(context: Context) -> list[tuple[int, int]]:
     """Any two of the coordinates: several springs and masses, each about an axis of its own."""
-    count = len(base_flexibility.motions(context.normal)[0])
+    count = len(foundation.motions(context.normal)[0])
     return list(combinations_with_replacement(range(count), 2))
 
 
 def _base_patterns(terms: Terms, assembly: Assembly, placement: Placement) -> Patterns:
     context = placement.context
-    rows = [assembly.row(name) for name in base_flexibility.motions(context.normal)[0]]
+    rows = [assembly.row(name) for name in foundation.motions(context.normal)[0]]
     return Patterns(compliance=np.stack([outer(rows[i], rows[j], 1)[0] for i, j in terms(context)]))
 
 
 def _base_functions(terms: Terms, context: Context, where: str) -> tuple[str, ...]:
-    names = base_flexibility.motions(context.normal)[0]
+    names = foundation.motions(context.normal)[0]
     return tuple(names[i] if i == j else f"{names[i]} × {names[j]}" for i, j in terms(context))
 
 
 def _base_sizes(terms: Terms, context: Context, where: str, frequency: np.ndarray) -> np.ndarray:
-    tilt, shift = base_flexibility.sizes(context)
-    _, motion = base_flexibility.motions(context.normal)
+    tilt, shift = foundation.sizes(context)
+    _, motion = foundation.motions(context.normal)
     each = [1 / (tilt if way[3:].any() else shift) for way in motion.T]
     return constant([float(np.sqrt(each[i] * each[j])) for i, j in terms(context)], frequency)
 
 
 def _base_starts(every: Terms, context: Context, where: str) -> tuple[tuple[float, ...], ...]:
-    _, motion = base_flexibility.motions(context.normal)
+    _, motion = foundation.motions(context.normal)
     turns, terms = [bool(way[3:].any()) for way in motion.T], every(context)
     grid = product((0.03, 0.2, 1.0, 5.0, 30.0), (0.01, 0.2, 1.0, 5.0, 30.0))
     return tuple(
@@ -75,15 +81,15 @@ def _base_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
 
 
 def _base_shape(assembly: Assembly, placement: Placement) -> None:
-    names, motion = base_flexibility.motions(placement.context.normal)
+    names, motion = foundation.motions(placement.context.normal)
     if placement.context.normal is None:
-        motion = carried(motion, -base_flexibility.aside_of(placement))
+        motion = carried(motion, -foundation.aside_of(placement))
     assembly.move_root(assembly.add_coordinates(names), motion)
 
 
 def _spread(context: Context, values: Mapping[str, float], functions: np.ndarray) -> np.ndarray:
     """Compliances about an upright axis as those of the root's origin, between any two coordinates."""
-    _, motion = base_flexibility.motions(context.normal)
+    _, motion = foundation.motions(context.normal)
     count = motion.shape[1]
     about = np.zeros((functions.shape[1], count, count), dtype=complex)
     for (i, j), value in zip(_base_terms(context), functions, strict=True):

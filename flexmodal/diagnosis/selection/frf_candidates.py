@@ -15,6 +15,7 @@ from flexmodal.diagnosis.search.explanations import (
     explanations,
     from_each_start,
 )
+from flexmodal.diagnosis.search.next_level import at_next_level
 from flexmodal.diagnosis.search.set_out import SetOut
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.selection.frf_thresholds import FLOOR_REACHED
@@ -111,7 +112,24 @@ class FrfCandidates:
             set_out = starts(before, look)
             more = from_each_start(self.setup, before, set_out, keys, is_over, followed)
             found = best_of_each([*found, *more])
+        if alone:
+            found = self._at_next_levels(before, found, look, is_over)
         return found
+
+    def _at_next_levels(
+        self,
+        before: FittedFrfs,
+        found: list[FittedFrfs],
+        look: Findings,
+        is_over: Callable[[FittedFrfs], bool],
+    ) -> list[FittedFrfs]:
+        """Wider laws too, where the look points to an effect whose own leaves something, as all others do."""
+        if any(is_over(one) for one in found):
+            return found
+        places = [one for one in found if look.met([one.key])]
+        set_out = starts(before, look)
+        wider = [more for one in places for more in at_next_level(self.setup, one, set_out, is_over)]
+        return best_of_each([*found, *wider])
 
     def everywhere(self, before: FittedFrfs, number: int) -> list[FittedFrfs]:
         """The finalists of a search for every effect in every place.

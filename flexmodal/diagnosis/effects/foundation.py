@@ -1,0 +1,82 @@
+"""A foundation: the motions it gives the root link, where its springs meet, how stiff each of them is."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from flexmodal.diagnosis.effects.context import Context
+from flexmodal.diagnosis.effects.effect import Placement
+
+SIDEWAYS = {"base y": "sideways", "base ry": "tilt"}
+"""Coordinates in space that have ratios to those along and about x."""
+
+
+def motions(normal: np.ndarray | None) -> tuple[list[str], np.ndarray]:
+    """Names and motions [6, coordinate]: along, up, tilt; or x, y, z, rx, ry, rz."""
+    if normal is None:
+        return ["base x", "base y", "base z", "base rx", "base ry", "base rz"], np.eye(6)
+    level = np.cross(normal, np.array([0.0, 0.0, 1.0]))
+    level = level / np.linalg.norm(level) if np.linalg.norm(level) > 1e-9 else np.array([1.0, 0.0, 0.0])
+    motion = np.zeros((6, 3))
+    motion[:3, 0], motion[:3, 1], motion[3:, 2] = level, np.cross(level, normal), normal
+    return ["base x", "base z", "base tilt"], motion
+
+
+def sizes(context: Context) -> tuple[float, float]:
+    """A tilt and a translational stiffness that the stiffest joint and the length of the arm suggest."""
+    tilt = 10 * max(float(joint.stiffness) for joint in context.robot.joints.values())
+    return tilt, 3 * tilt / length_of(context) ** 2
+
+
+def length_of(context: Context) -> float:
+    """Of all links together [m]."""
+    return max(sum(float(np.linalg.norm(context.reach(link))) for link in context.links), 1e-3)
+
+
+def centre_of(placement: Placement) -> np.ndarray:
+    """Where the springs meet, in the world [m]; the root's origin is at 0."""
+    return aside_of(placement) - placement["below"] * np.array([0.0, 0.0, 1.0])
+
+
+def aside_of(placement: Placement) -> np.ndarray:
+    """The upright axis that the springs are about, in the world [m]; the root's origin is at 0."""
+    _, motion = motions(placement.context.normal)
+    if placement.context.normal is not None:
+        return placement["aside"] * motion[:3, 0]
+    return np.array([placement["aside"], placement["ahead"], 0.0])
+
+
+def _turn(angle: float) -> np.ndarray:
+    """Level axes of six motions turned about the upright one."""
+    cosine, sine = np.cos(angle), np.sin(angle)
+    turned = np.eye(6)
+    for first in (0, 3):
+        turned[first : first + 2, first : first + 2] = [[cosine, -sine], [sine, cosine]]
+    return turned
+
+
+def springs(placement: Placement) -> list[tuple[str, np.ndarray, float, float]]:
+    """Name and motion of each coordinate, its stiffness and damping."""
+    names, motion = motions(placement.context.normal)
+    if placement.context.normal is None:
+        motion = motion @ _turn(placement["angle"])
+    found = []
+    for name, way in zip(names, motion.T, strict=True):
+        kind = "tilt" if way[3:].any() else "vertical" if abs(way[2]) > 0.5 else "horizontal"
+        upright = placement.context.normal is None and abs(way[5]) > 0.5
+        stiffness = placement["twist_stiffness" if upright else f"{kind}_stiffness"]
+        damping = placement["tilt_damping" if kind == "tilt" else "translation_damping"]
+        if kind == "vertical":
+            damping *= placement["vertical_damping_ratio"]
+        elif upright:
+            damping *= placement["twist_damping_ratio"]
+        elif name in SIDEWAYS:
+            stiffness *= placement[f"{SIDEWAYS[name]}_ratio"]
+            damping *= placement[f"{SIDEWAYS[name]}_damping_ratio"]
+        found.append((name, way, stiffness, damping))
+    return found
+
+
+def mass_centre(placement: Placement) -> np.ndarray:
+    """Of the foundation, in the world [m]; the root's origin is at 0."""
+    return aside_of(placement) - placement["mass_below"] * np.array([0.0, 0.0, 1.0])

@@ -1,0 +1,49 @@
+"""A wider law for an effect in its place, from where a fit of the narrower one ended."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from flexmodal.diagnosis.placed import Placed
+from flexmodal.diagnosis.search.close_fit import fitted_closely
+from flexmodal.diagnosis.search.coarse import look_at
+from flexmodal.diagnosis.search.lines import worst_lines
+from flexmodal.diagnosis.search.set_out import SetOut
+from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
+from flexmodal.diagnosis.setup import Setup
+
+FLOOR, FOLLOWED = 0.1, 3
+"""Model error at which starts are compared, and how many are fitted closely at most."""
+
+
+def at_next_level(
+    setup: Setup, model: FittedFrfs, set_out: SetOut, is_enough: Callable[[FittedFrfs], bool]
+) -> list[FittedFrfs]:
+    """The model with the next level of its last effect, if there is one, fitted closely.
+
+    Args:
+        setup: what the diagnosis works with.
+        model: fitted, with an effect that is added last.
+        set_out: where else the fit may set out, for what was there before that effect.
+        is_enough: whether a fit leaves nothing, so that no other start is followed.
+    """
+    narrow = model.hypothesis.placed[-1]
+    level = narrow.effect.next_level
+    if level is None:
+        return []
+    hypothesis = model.hypothesis.without(narrow.key).and_also(Placed(level.effect, narrow.where))
+    values = model.hypothesis.values_of(narrow, model.hypothesis.space.values(model.x))
+    own = {
+        parameter.name: values[parameter.name]
+        for parameter in narrow.effect.parameters(setup.context, narrow.where)
+    }
+    before = [model.x[: -len(own)], *set_out.before]
+    given = level.starts(setup.context, own)
+    tried = [hypothesis.start(hypothesis.placed[-1], one, x) for x in before for one in given]
+    seen = look_at(setup.fitted, worst_lines(setup.fitted, model.predicted[~setup.held]))
+    found: list[FittedFrfs] = []
+    for one in seen.started(hypothesis, tried, FLOOR, FOLLOWED):
+        found.append(fitted_closely(setup, hypothesis, one.x))
+        if is_enough(found[-1]):
+            break
+    return found
