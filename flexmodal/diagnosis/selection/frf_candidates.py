@@ -7,6 +7,7 @@ from functools import cache, cached_property
 
 import numpy as np
 
+from flexmodal.diagnosis.disagreement.gaps import over_noise
 from flexmodal.diagnosis.lawfree.first_look import LooksWithoutLaw
 from flexmodal.diagnosis.lawfree.result import CLASSES_OF, PORT_OF, Findings, holds
 from flexmodal.diagnosis.search.explanations import (
@@ -113,23 +114,22 @@ class FrfCandidates:
             more = from_each_start(self.setup, before, set_out, keys, is_over, followed)
             found = best_of_each([*found, *more])
         if alone:
-            found = self._at_next_levels(before, found, look, is_over)
+            found = self._at_next_levels(before, found, look)
         return found
 
     def _at_next_levels(
-        self,
-        before: FittedFrfs,
-        found: list[FittedFrfs],
-        look: Findings,
-        is_over: Callable[[FittedFrfs], bool],
+        self, before: FittedFrfs, found: list[FittedFrfs], look: Findings
     ) -> list[FittedFrfs]:
-        """Wider laws too, where the look points to an effect whose own leaves something, as all others do."""
-        if any(is_over(one) for one in found):
+        """Wider laws too, where the look points to an effect whose own leaves more than noise, as all do."""
+        if any(self._is_enough(one) for one in found):
             return found
         places = [one for one in found if look.met([one.key])]
         set_out = starts(before, look)
-        wider = [more for one in places for more in at_next_level(self.setup, one, set_out, is_over)]
+        wider = [more for one in places for more in at_next_level(self.setup, one, set_out, self._is_enough)]
         return best_of_each([*found, *wider])
+
+    def _is_enough(self, model: FittedFrfs) -> bool:
+        return over_noise(self.setup, model) <= FLOOR_REACHED
 
     def everywhere(self, before: FittedFrfs, number: int) -> list[FittedFrfs]:
         """The finalists of a search for every effect in every place.
