@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 
@@ -26,6 +27,7 @@ from flexmodal.structure.assembly import Assembly
 
 BOLTS = {"horizontal": (0, 1), "vertical": (2,), "tilt": (3, 4), "twist": (5,)}
 """Directions in space whose bolts are stiffer than the foundation's springs by the same ratio."""
+_SPRINGS = ("horizontal_stiffness", "vertical_stiffness", "tilt_stiffness", "twist_stiffness")
 Motions = list[tuple[str, np.ndarray, bool]]
 
 
@@ -134,17 +136,21 @@ def _bolted_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
 
 
 def _bolted_starts(context: Context, values: Mapping[str, float]) -> list[Mapping[str, float]]:
-    """Springs and bolts as stiff together as the springs alone were; under a block of several masses."""
+    """Springs and bolts as stiff together as the springs alone, where a fit of these ended and elsewhere.
+
+    Where bolts give, what was fitted without them may sit and weigh anything.
+    """
     ways = [name for name in BOLTS if context.normal is None or name != "twist"]
-    stiff = [name for name in values if name.endswith("_stiffness")]
+    simple = [one for one in _starts(context, "base") if "mass" not in one and "angle" not in one]
+    known = {name: value for name, value in values.items() if name.endswith(("_stiffness", "_damping"))}
     found: list[Mapping[str, float]] = []
-    for ratio in (20.0, 5.0, 2.0, 0.7, 0.2):
+    for narrow, ratio in product((values, known, *simple), (20.0, 5.0, 2.0, 0.7, 0.2)):
         bolts = {f"bolts_{name}_ratio": ratio for name in ways}
-        softer = {name: values[name] * (1 + 1 / ratio) for name in stiff}
-        found += [
-            {**values, **softer, **bolts, "mass": mass}
-            for mass in (values["mass"], context.arm_mass, 3 * context.arm_mass)
-        ]
+        softer = {name: value * (1 + 1 / ratio) for name, value in narrow.items() if name in _SPRINGS}
+        given = {**narrow, **softer, **bolts}
+        found += [{**given, "mass": heavy * context.arm_mass} for heavy in (1.0, 3.0)]
+        if "mass" in narrow:
+            found.append(given)
     return found
 
 

@@ -12,8 +12,8 @@ from flexmodal.diagnosis.search.set_out import SetOut
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.setup import Setup
 
-FLOOR, FOLLOWED = 0.1, 3
-"""Model error at which starts are compared, and how many are fitted closely at most."""
+ROUNDS = ((0.2, 0, 60), (0.2, 3, 24), (0.1, 8, 6), (0.03, 8, 3))
+"""Model error, steps, and how many starts go on; the last are fitted closely."""
 
 
 def at_next_level(
@@ -41,8 +41,11 @@ def at_next_level(
     given = level.starts(setup.context, own)
     tried = [hypothesis.start(hypothesis.placed[-1], one, x) for x in before for one in given]
     seen = look_at(setup.fitted, worst_lines(setup.fitted, model.predicted[~setup.held]))
+    todo = seen.started(hypothesis, tried, *ROUNDS[0][::2])
+    for floor, steps, keep in ROUNDS[1:]:
+        todo = sorted((seen.fitted(one, floor, steps) for one in todo), key=lambda one: one.cost)[:keep]
     found: list[FittedFrfs] = []
-    for one in seen.started(hypothesis, tried, FLOOR, FOLLOWED):
+    for one in todo:
         found.append(fitted_closely(setup, hypothesis, one.x))
         if is_enough(found[-1]):
             break

@@ -24,6 +24,8 @@ from flexmodal.diagnosis.setup import Setup
 
 ONCE_MORE = 2
 """Starts of an effect that are followed closely where another one that can do more is enough."""
+LAW_LEAVES = 2.0
+"""Times what a place with free functions leaves from which an effect in it has too narrow a law."""
 MOST_LOOKS = 8
 """Looks beside effects that are there; each takes as long as the first, and where many do not help, more
 do not."""
@@ -113,17 +115,21 @@ class FrfCandidates:
             set_out = starts(before, look)
             more = from_each_start(self.setup, before, set_out, keys, is_over, followed)
             found = best_of_each([*found, *more])
-        if alone:
+        if len(look.found) == 1:
             found = self._at_next_levels(before, found, look)
         return found
 
     def _at_next_levels(
         self, before: FittedFrfs, found: list[FittedFrfs], look: Findings
     ) -> list[FittedFrfs]:
-        """Wider laws too, where the look points to an effect whose own leaves more than noise, as all do."""
+        """Wider laws too, where an effect in the place that the look points to leaves more by its law.
+
+        More than noise, and more than the functions of that place leave when they are free.
+        """
         if any(self._is_enough(one) for one in found):
             return found
-        places = [one for one in found if look.met([one.key])]
+        least = LAW_LEAVES * look.left
+        places = [one for one in found if look.met([one.key]) and over_noise(self.setup, one) > least]
         set_out = starts(before, look)
         wider = [more for one in places for more in at_next_level(self.setup, one, set_out, self._is_enough)]
         return best_of_each([*found, *wider])
