@@ -301,7 +301,7 @@ def test_fits_start_from_elsewhere_only_where_one_place_explains(monkeypatch, pl
     monkeypatch.setattr(frf_candidates, "from_each_start", lambda *given: [])
     root = Mock(spec=FittedFrfs, hypothesis=Mock(base=(), placed=(), keys=()), x=np.zeros(0))
     candidates = FrfCandidates(Mock(spec=Setup, effects=(), advance=Mock()), root, with_force=False)
-    look = Mock(spec=Findings, explains=explains, found=(None,) * places, needed=True, fitted=None)
+    look = Mock(spec=Findings, explains=explains, found=(None,) * places, needed=True, fitted=None, left=1.0)
     candidates.looks = Mock(one=look)
     candidates.at_places(root, 0, look, lambda model: False)
     candidates.everywhere(root, 1)

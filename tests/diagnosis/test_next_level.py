@@ -1,0 +1,82 @@
+"""Wider laws under the same name: when they are tried, and that they are found from a narrower fit."""
+
+from dataclasses import replace
+from unittest.mock import Mock
+
+import numpy as np
+import pytest
+
+from flexmodal.diagnosis.disagreement.gaps import over_noise
+from flexmodal.diagnosis.effects import catalogue
+from flexmodal.diagnosis.hypothesis import Hypothesis
+from flexmodal.diagnosis.lawfree.result import Findings
+from flexmodal.diagnosis.placed import Placed
+from flexmodal.diagnosis.search.close_fit import fitted_closely
+from flexmodal.diagnosis.search.next_level import at_next_level
+from flexmodal.diagnosis.search.set_out import SetOut
+from flexmodal.diagnosis.selection import frf_candidates
+from flexmodal.diagnosis.selection.frf_candidates import LAW_LEAVES, FrfCandidates
+from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
+from flexmodal.diagnosis.selection.frf_thresholds import FLOOR_REACHED
+from flexmodal.diagnosis.setup import Setup
+from flexmodal.identification import predict
+from flexmodal.structure import robot_space
+
+FOUNDATION = catalogue()["base_flexibility"]
+BLOCK = {
+    "horizontal_stiffness": 8e6, "vertical_stiffness": 1.4e7, "tilt_stiffness": 4e6,
+    "translation_damping": 6e3, "tilt_damping": 3e3, "aside": 0.1, "below": 0.5, "mass": 150.0, "mass_below": 0.3, "gyration": 0.3,
+    "bolts_horizontal_ratio": 2.0, "bolts_vertical_ratio": 1.5, "bolts_tilt_ratio": 2.0,
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def fits(context, observed):
+    """A campaign with bolts that give, and the fit of a foundation without any."""
+    root = Hypothesis(context, robot_space(context.robot))
+    wide = root.and_also(Placed(FOUNDATION.next_level.effect, "base"))
+    zero = np.zeros(len(root.space))
+    value = predict(wide, wide.start(wide.placed[-1], BLOCK, zero), observed)
+    seen = replace(observed, value=value)
+    setup = Mock(
+        spec=Setup, fitted=seen, observations=seen, held=np.zeros(len(seen), dtype=bool), context=context,
+        effects=(), advance=Mock(),
+    )  # fmt: skip
+    narrow = root.and_also(Placed(FOUNDATION, "base"))
+    begin = narrow.start(narrow.placed[-1], {k: v for k, v in BLOCK.items() if "bolts" not in k}, zero)
+    return setup, zero, fitted_closely(setup, narrow, begin)
+
+
+def test_bolts_are_found_from_where_springs_alone_ended(fits):
+    """An effect at its last level has no other."""
+    setup, zero, narrow = fits
+    assert over_noise(setup, narrow) > 2 * FLOOR_REACHED
+    found = at_next_level(setup, narrow, SetOut([zero]), lambda one: over_noise(setup, one) < 1.0)
+    best = min(found, key=lambda one: one.cost)
+    assert at_next_level(setup, best, SetOut([zero]), lambda one: True) == []
+    assert best.key == narrow.key
+    assert over_noise(setup, best) < 0.1  # what was measured holds no noise
+    values = best.hypothesis.space.values(best.x)
+    for name in ("mass", "bolts_horizontal_ratio", "bolts_tilt_ratio"):
+        assert values[f"base_flexibility@base.{name}"] == pytest.approx(BLOCK[name], rel=0.05)
+
+
+@pytest.mark.parametrize(
+    ("part", "met", "tried"),
+    [(0.9, True, True), (1.1, True, False), (0.9, False, False)],
+)
+def test_wider_laws_are_tried_where_the_law_is_to_blame(fits, monkeypatch, part, met, tried):
+    """At the place that a look points to, if free functions leave much less there."""
+    setup, _, narrow = fits
+    wider = Mock(spec=FittedFrfs, key=narrow.key, cost=narrow.cost / 2)
+    monkeypatch.setattr(frf_candidates, "explanations", lambda *given, **more: [narrow])
+    monkeypatch.setattr(frf_candidates, "at_next_level", lambda *given: [wider])
+    root = Mock(spec=FittedFrfs, hypothesis=Mock(base=(), placed=(), keys=()), x=np.zeros(0))
+    candidates = FrfCandidates(setup, root, with_force=False)
+    look = Mock(
+        spec=Findings, explains=False, found=(None,), needed=False, fitted=None,
+        left=part * over_noise(setup, narrow) / LAW_LEAVES,
+        met=lambda keys: {keys[0]: None} if met else {},
+    )  # fmt: skip
+    candidates.looks = Mock(one=look)
+    assert candidates.at_places(root, 0, look, lambda one: False) == [wider if tried else narrow]
