@@ -25,7 +25,8 @@ from flexmodal.structure import robot_space
 FOUNDATION = catalogue()["base_flexibility"]
 BLOCK = {
     "horizontal_stiffness": 8e6, "vertical_stiffness": 1.4e7, "tilt_stiffness": 4e6,
-    "translation_damping": 6e3, "tilt_damping": 3e3, "aside": 0.1, "below": 0.5, "mass": 150.0, "mass_below": 0.3, "gyration": 0.3,
+    "translation_damping": 6e3, "tilt_damping": 3e3, "aside": 0.1, "below": 0.5, "mass": 150.0,
+    "mass_below": 0.3, "gyration": 0.3,
     "bolts_horizontal_ratio": 2.0, "bolts_vertical_ratio": 1.5, "bolts_tilt_ratio": 2.0,
 }  # fmt: skip
 
