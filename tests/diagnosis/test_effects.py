@@ -2,13 +2,15 @@
 
 from dataclasses import replace
 from itertools import product
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 import flexmodal
 from flexmodal.diagnosis.effects import Context, catalogue, hinges, link_flexibility
-from flexmodal.diagnosis.effects.effect import along, sides
+from flexmodal.diagnosis.effects.effect import Placement, along, sides
 from flexmodal.diagnosis.effects.hinges import gauss, quadrature, shares
 from flexmodal.diagnosis.effects.sensors import mounted
 from flexmodal.diagnosis.effects.servo_compliance import loop
@@ -23,6 +25,7 @@ from flexmodal.rig.effects.effect import Site
 from flexmodal.rig.plant.build import build
 from flexmodal.rig.simulate import make_stand
 from flexmodal.structure import robot_space
+from flexmodal.structure.assembly import Assembly
 from flexmodal.structure.ports import StiffnessPort, with_ports
 
 
@@ -736,6 +739,30 @@ def test_effects_along_the_axes_of_a_link(fixed, effect, values):
     size = np.abs(expected).max(axis=1, keepdims=True)
     # an entry may be a small difference of large ones
     np.testing.assert_allclose(found / size, expected / size, atol=1e-10)
+
+
+def test_a_sensor_set_up_anew_leans_alike_in_the_world(standing):
+    """The turn with the link first, then one of the world that is the same in every posture."""
+    context, _, _ = standing
+    effect, where = effect_of("sensor_misalignment" + NEXT), context.sensors[-1]
+    values = {"sensitivity": 1.1, "angle_x": 0.2, "angle_y": -0.1, "angle_z": 0.3,
+              "lean_x": -0.6, "lean_y": 0.5, "lean_z": 0.2}  # fmt: skip
+    link, world = ([values[f"{name}_{axis}"] for axis in "xyz"] for name in ("angle", "lean"))
+    axes = Rotation.random(4, random_state=1)
+    way = np.array([0.6, 0.0, 0.8])
+    assembly = Mock(spec=Assembly, axes=lambda link: axes.as_matrix())
+    placement = Placement.still(context, where, values)
+    expected = Rotation.from_rotvec(world) * axes * Rotation.from_rotvec(link) * axes.inv()
+    found = effect.turn(assembly, placement, where, way)
+    np.testing.assert_allclose(found, 1.1 * expected.apply(way), atol=1e-12)
+    np.testing.assert_array_equal(effect.turn(assembly, placement, "another", way), way)
+    assert not effect_of("sensor_misalignment").next_level.starts(
+        Mock(spec=Context, normal=np.eye(3)[1]), values
+    )
+
+
+def test_derivatives_of_a_sensor_that_leans(standing):
+    test_derivatives_are_those_of_central_differences(standing, "sensor_misalignment" + NEXT)
 
 
 @pytest.mark.parametrize("effect", ["sensor_misalignment", "base_flexibility"])

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
 from jaxtyping import Float
 
 from flexmodal.diagnosis.effects.context import Context
-from flexmodal.diagnosis.effects.effect import Effect, Placement, along, positive, sides, signed
+from flexmodal.diagnosis.effects.effect import Effect, Level, Placement, along, positive, sides, signed
 from flexmodal.structure import Parameter
 from flexmodal.structure.assembly import Assembly
 from flexmodal.structure.structure import Axis
@@ -250,12 +251,38 @@ def _tilt_starts(context: Context, where: str) -> list[Mapping[str, float]]:
     return [dict(zip(("angle_x", "angle_y", "angle_z"), turn.tolist(), strict=True)) for turn in turns]
 
 
-SENSOR_MISALIGNMENT = Effect(
+def _leaning_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
+    """Besides a turn with the link one of the world, the same in every posture."""
+    lean = [signed(f"lean_{axis}", "rad", 0.2, -1.4, 1.4) for axis in "xyz" if context.normal is None]
+    return (*_tilt(context, where), *lean)
+
+
+def _leaning_starts(context: Context, values: Mapping[str, float]) -> list[Mapping[str, float]]:
+    """A turn of the world in place of one with the link; in a plane they are one and the same."""
+    if context.normal is not None:
+        return []
+    upright = {f"angle_{axis}": 0.0 for axis in "xyz"}
+    leans = [{k.replace("angle", "lean"): v for k, v in one.items()} for one in _tilt_starts(context, "")]
+    return [{**beside, **lean} for beside in (values, upright) for lean in leans]
+
+
+def _lean(assembly: Assembly, placement: Placement, point: str, way: np.ndarray) -> np.ndarray:
+    """Set up anew in each posture, leaning alike in the world, and turned on its link besides."""
+    found = _turn(assembly, placement, point, way)
+    if point != placement.where or placement.context.normal is not None:
+        return found
+    return turned(np.array([placement[f"lean_{axis}"] for axis in "xyz"]), found)
+
+
+SENSOR_LEANING = Effect(
     name="sensor_misalignment",
     says="a sensor points elsewhere than recorded",
     places=lambda context: context.sensors,
-    parameters=_tilt,
+    parameters=_leaning_parameters,
     starts=_tilt_starts,
-    turn=_turn,
+    turn=_lean,
     aside=_aside,
+)
+SENSOR_MISALIGNMENT = replace(
+    SENSOR_LEANING, parameters=_tilt, turn=_turn, next_level=Level(SENSOR_LEANING, _leaning_starts)
 )
