@@ -81,3 +81,35 @@ def test_wider_laws_are_tried_where_the_law_is_to_blame(fits, monkeypatch, part,
     )  # fmt: skip
     candidates.looks = Mock(one=look)
     assert candidates.at_places(root, 0, look, lambda one: False) == [wider if tried else narrow]
+
+
+@pytest.mark.parametrize(
+    ("explains", "judged", "tried"),
+    [(True, 0.9, True), (True, 1.1, False), (False, 0.9, False)],
+)
+def test_places_that_leave_less_than_the_law_are_tried(fits, monkeypatch, explains, judged, tried):
+    """With free functions narrower than a law, a place may leave more than another and yet be right."""
+    setup, _, narrow = fits
+    other = Mock(spec=FittedFrfs, key=("bearing_flexibility", "q1"), cost=narrow.cost / 2)
+    searched = []
+
+    def looked_for(*given, allowed, **more):
+        searched.append(allowed)
+        return [other if allowed("bearing_flexibility", "q1") else narrow]
+
+    monkeypatch.setattr(frf_candidates, "explanations", looked_for)
+    monkeypatch.setattr(frf_candidates, "from_each_start", lambda *given: [])
+    root = Mock(spec=FittedFrfs, hypothesis=Mock(base=(), placed=(), keys=()), x=np.zeros(0))
+    candidates = FrfCandidates(setup, root, with_force=False)
+    over = over_noise(setup, narrow)
+    look = Mock(
+        spec=Findings, explains=explains, found=(None,), needed=False, fitted=None, left=0.5,
+        places=(Mock(port="bearing", where="q1", judged=judged * over),), met=lambda keys: {},
+        worth_trying=lambda effect, where: effect == "base_flexibility",
+    )  # fmt: skip
+    candidates.looks = Mock(one=look)
+    found = candidates.at_places(root, 0, look, lambda one: False)
+    assert found == ([other, narrow] if tried else [narrow])
+    assert len(searched) == 1 + tried
+    assert not tried or not searched[1]("bearing_flexibility", "q2")
+    assert not tried or not searched[1](*narrow.key)

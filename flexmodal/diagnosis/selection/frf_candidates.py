@@ -19,7 +19,7 @@ from flexmodal.diagnosis.search.explanations import (
 from flexmodal.diagnosis.search.next_level import at_next_level
 from flexmodal.diagnosis.search.set_out import SetOut
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
-from flexmodal.diagnosis.selection.frf_thresholds import FLOOR_REACHED
+from flexmodal.diagnosis.selection.frf_thresholds import EXPLAINED, FLOOR_REACHED
 from flexmodal.diagnosis.setup import Setup
 
 ONCE_MORE = 2
@@ -117,7 +117,25 @@ class FrfCandidates:
             found = best_of_each([*found, *more])
         if len(look.found) == 1:
             found = self._at_next_levels(before, found, look)
-        return found
+        return self._elsewhere(before, number, found, look) if alone else found
+
+    def _elsewhere(
+        self, before: FittedFrfs, number: int, found: list[FittedFrfs], look: Findings
+    ) -> list[FittedFrfs]:
+        """Effects in places that leave less with free functions than any law does where the look points.
+
+        A port may be narrower than the law: a bearing's gives alike across the axis.
+        """
+        least = min((over_noise(self.setup, one) for one in found), default=0.0)
+        if least <= max(EXPLAINED, LAW_LEAVES * look.left):
+            return found
+        known = {one.key for one in found}
+        others = {(one.port, one.where) for one in look.places if one.judged < least}
+
+        def allowed(effect: str, where: str) -> bool:
+            return (effect, where) not in known and (PORT_OF.get(effect), where) in others
+
+        return best_of_each([*found, *self.searched(before, number, allowed)]) if others else found
 
     def _at_next_levels(
         self, before: FittedFrfs, found: list[FittedFrfs], look: Findings
