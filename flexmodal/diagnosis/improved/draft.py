@@ -190,14 +190,14 @@ class Draft:
         stands = self.fresh(f"{root}_on_its_foundation")
         self.urdf.add_joint(new_joint(stands, "fixed", parent, above, np.array([1.0, 0.0, 0.0]), -centre))
         fixed = _rigid(self.robot, root)
-        if not any(self.robot.urdf.link_by_name[link].mass for link in fixed):
+        if above == root and not any(self.robot.urdf.link_by_name[link].mass for link in fixed):
             size = FOOT * self.arm_mass
             self.urdf.set_body(root, size, np.zeros(3), size * np.eye(3))
             self.notes.append(f"the URDF gives the base no mass, though it moves: {size:.3g} kg stand for it")
         return ground
 
     def behind(self, joint: str, name: str) -> None:
-        """Put a new joint, alike, between a joint and the link that carries it.
+        """Put a new joint, of the same axis and kind, between a joint and the link that carries it.
 
         Args:
             joint: which.
