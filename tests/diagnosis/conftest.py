@@ -15,6 +15,13 @@ from flexmodal.rig import Hide, simulate
 from flexmodal.structure import robot_space
 
 KEY = ("link_flexibility", "link_2")
+NEXT = ", next level"
+
+
+def effect_of(name):
+    """An effect, at its first level or its next."""
+    effect = catalogue()[name.removesuffix(NEXT)]
+    return effect.next_level.effect if name.endswith(NEXT) else effect
 
 
 @pytest.fixture(scope="session")

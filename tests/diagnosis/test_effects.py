@@ -28,6 +28,8 @@ from flexmodal.structure import robot_space
 from flexmodal.structure.assembly import Assembly
 from flexmodal.structure.ports import StiffnessPort, with_ports
 
+from .conftest import NEXT, effect_of
+
 
 @pytest.fixture(scope="module")
 def bench():
@@ -53,15 +55,6 @@ def standing():
     stand = make_stand(result.robot, result.plan, known_robot(result.robot, {}))
     observed = unlimited(observe(result.campaign))
     return Context.of(robot, observed), observed, stand
-
-
-NEXT = ", next level"
-
-
-def effect_of(name):
-    """An effect, at its first level or its next."""
-    effect = catalogue()[name.removesuffix(NEXT)]
-    return effect.next_level.effect if name.endswith(NEXT) else effect
 
 
 def ours(context, observed, effect, where, values):
@@ -765,7 +758,7 @@ def test_derivatives_of_a_sensor_that_leans(standing):
     test_derivatives_are_those_of_central_differences(standing, "sensor_misalignment" + NEXT)
 
 
-@pytest.mark.parametrize("effect", ["sensor_misalignment", "base_flexibility"])
+@pytest.mark.parametrize("effect", ["sensor_misalignment", "base_flexibility", "base_flexibility" + NEXT])
 def test_derivatives_along_the_axes_of_a_link(fixed, effect):
     test_derivatives_are_those_of_central_differences(fixed, effect)
 

@@ -23,10 +23,12 @@ from flexmodal.structure import robot_space
 from flexmodal.structure.solution import solved
 from flexmodal.structure.structure import Axis
 
+from .conftest import NEXT, effect_of
+
 STRUCTURAL = (
     "link_flexibility", "base_flexibility", "servo_compliance", "structural_damping", "joint_coupling",
     "bearing_flexibility",
-    "added_mass", "local_absorber", "base_flexibility, next level",
+    "added_mass", "local_absorber", "base_flexibility" + NEXT,
 )  # fmt: skip
 ROBOTS = ("fanuc_s360", "six_link", "six_axis")
 ROOT = Path(__file__).parents[2]
@@ -57,12 +59,6 @@ def context_of():
         return made[name]
 
     return context
-
-
-def effect_of(name):
-    """An effect, at its first level or its next."""
-    effect = catalogue()[name.removesuffix(", next level")]
-    return effect.next_level.effect if name.endswith("level") else effect
 
 
 def drawn(context, placed, seed):

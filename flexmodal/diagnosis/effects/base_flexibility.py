@@ -25,8 +25,6 @@ from flexmodal.structure import Parameter
 from flexmodal.structure.arm import Body, carried
 from flexmodal.structure.assembly import Assembly
 
-BOLTS = {"horizontal": (0, 1), "vertical": (2,), "tilt": (3, 4), "twist": (5,)}
-"""Directions in space whose bolts are stiffer than the foundation's springs by the same ratio."""
 _SPRINGS = ("horizontal_stiffness", "vertical_stiffness", "tilt_stiffness", "twist_stiffness")
 Motions = list[tuple[str, np.ndarray, bool]]
 
@@ -128,10 +126,15 @@ def _own_body(placement: Placement, centre: np.ndarray) -> Body:
     return Body(placement["mass"], centre, placement["mass"] * placement["gyration"] ** 2 * np.eye(3))
 
 
+def _kinds(context: Context) -> Mapping[str, tuple[int, ...]]:
+    """Of motions, of six: those whose bolts are stiffer than the foundation's springs by the same ratio."""
+    turns = {"tilt": (3, 4), "twist": (5,)} if context.normal is None else {"tilt": (3, 4, 5)}
+    return {"horizontal": (0, 1), "vertical": (2,), **turns}
+
+
 def _bolted_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
     """Those of a foundation, and by how much the bolts are stiffer than its springs, by direction."""
-    ways = [name for name in BOLTS if context.normal is None or name != "twist"]
-    ratios = [positive(f"bolts_{name}_ratio", "", 3.0, 1.5, 1e-2, 1e4) for name in ways]
+    ratios = [positive(f"bolts_{kind}_ratio", "", 3.0, 1.5, 1e-2, 1e4) for kind in _kinds(context)]
     return (*_parameters(context, where), *ratios, positive("bolts_damping_ratio", "", 1.0, 1.0, 1e-3, 1e3))
 
 
@@ -140,12 +143,11 @@ def _bolted_starts(context: Context, values: Mapping[str, float]) -> list[Mappin
 
     Where bolts give, what was fitted without them may sit and weigh anything.
     """
-    ways = [name for name in BOLTS if context.normal is None or name != "twist"]
     simple = [one for one in _starts(context, "base") if "mass" not in one and "angle" not in one]
     known = {name: value for name, value in values.items() if name.endswith(("_stiffness", "_damping"))}
     found: list[Mapping[str, float]] = []
     for narrow, ratio in product((values, known, *simple), (20.0, 5.0, 2.0, 0.7, 0.2)):
-        bolts = {f"bolts_{name}_ratio": ratio for name in ways}
+        bolts = {f"bolts_{kind}_ratio": ratio for kind in _kinds(context)}
         softer = {name: value * (1 + 1 / ratio) for name, value in narrow.items() if name in _SPRINGS}
         given = {**narrow, **softer, **bolts}
         found += [{**given, "mass": heavy * context.arm_mass} for heavy in (1.0, 3.0)]
@@ -159,8 +161,7 @@ def _bolts(placement: Placement) -> list[tuple[str, np.ndarray, float, float]]:
     found = []
     for name, way, stiffness, damping in springs(placement):
         number = int(np.argmax(np.abs(way)))
-        upright = placement.context.normal is None or number < 3
-        kind = next(kind for kind, ways in BOLTS.items() if number in ways) if upright else "tilt"
+        kind = next(kind for kind, ways in _kinds(placement.context).items() if number in ways)
         ratio = placement[f"bolts_{kind}_ratio"]
         more = damping * ratio * placement["bolts_damping_ratio"]
         found.append((name.replace("base", "bolts"), way, stiffness * ratio, more))
