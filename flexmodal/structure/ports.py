@@ -97,7 +97,7 @@ class PortedStructures:
                 c[..., i, j] += value
                 if i != j:
                     c[..., j, i] += value
-            else:
+            elif value.any():
                 a += value[..., None, None] * self.small[number][:, None]
         a[..., :stiff, :stiff] -= c[..., :stiff, :stiff] * self.held[:, None, None, :stiff]
         a[..., range(stiff), range(stiff)] += 1.0

@@ -9,8 +9,9 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import flexmodal
-from flexmodal.diagnosis.effects import Context, catalogue, hinges, link_flexibility
+from flexmodal.diagnosis.effects import Context, catalogue, hinges, link_flexibility, rod
 from flexmodal.diagnosis.effects.effect import Placement, along, sides
+from flexmodal.diagnosis.effects.free_function import FreeFunction
 from flexmodal.diagnosis.effects.hinges import gauss, quadrature, shares
 from flexmodal.diagnosis.effects.sensors import mounted
 from flexmodal.diagnosis.effects.servo_compliance import loop
@@ -23,6 +24,7 @@ from flexmodal.rig import FORMS, simulate
 from flexmodal.rig.believed import known_robot
 from flexmodal.rig.effects.effect import Site
 from flexmodal.rig.plant.build import build
+from flexmodal.rig.plant.geometry import across
 from flexmodal.rig.simulate import make_stand
 from flexmodal.structure import robot_space
 from flexmodal.structure.assembly import Assembly
@@ -153,6 +155,33 @@ def test_couplings_of_other_kinds_are_those_of_the_rig(bench, form, ratio):
     found = ours(context, observed, "joint_coupling", "q1+q3", values)
     there = theirs(observed, stand, "joint_coupling", "q1+q3", theirs_of[form], form)
     np.testing.assert_allclose(found, there, rtol=3e-4 if form in ("ratio", "belt") else 1e-6)
+
+
+@pytest.mark.parametrize(("arm", "where"), [("bench", "q1+q2"), ("standing", "q2+q3")])
+def test_a_rod_between_two_links_is_that_of_the_rig(request, arm, where):
+    context, observed, stand = request.getfixturevalue(arm)
+    crank, angles = 0.12, (0.7, 1.1)
+    values = {"rod_stiffness": 3e7, "rod_damping_time": 2e-12}
+    for side, (link, _, axis), angle in zip(rod.SIDES, rod.links(context, where), angles, strict=True):
+        one, other = across(axis / np.linalg.norm(axis), None)
+        place = crank * (np.cos(angle) * one + np.sin(angle) * other)
+        along = rod.ways(context, link)
+        values |= {f"{side}_{name}": place @ way for name, way in zip("xyz", along, strict=False)}
+    found = ours(context, observed, "joint_coupling" + NEXT, where, values)
+    of_rig = {"stiffness": 3e7, "crank": crank, "angle": angles[0], "turn": angles[1] - angles[0]}
+    other = theirs(observed, stand, "joint_coupling", where, of_rig, "rod")
+    np.testing.assert_allclose(found, other, rtol=1e-6, atol=1e-9 * np.abs(other).max())
+
+
+def test_a_rod_sets_out_from_the_cranks_and_the_stiffness_of_a_free_law(bench):
+    context, observed, _ = bench
+    effect, where = effect_of("joint_coupling" + NEXT), "q1+q2"
+    geometry = rod.cranks_tried(context, where)[5]
+    frequency = observed.axis.frequency[:3]
+    free = FreeFunction(frequency, np.array([[2e7, 3e7 + 1e6j, 9e7]]), geometry, np.zeros(0))
+    assert effect.told(context, where, free) == ({**geometry, "rod_stiffness": 3e7},)
+    other = replace(free, geometry={})  # of a port without cranks
+    assert effect.told(context, where, other) == ()
 
 
 def test_hysteresis_is_near_the_rigs_row_of_maxwell_elements(bench):
@@ -653,7 +682,11 @@ def test_bending_is_that_of_a_beam_where_it_is_slow(bench):
 
 @pytest.mark.parametrize(
     "effect",
-    [*sorted(set(catalogue()) - {"coulomb_friction", "nonlinear_stiffness"}), "base_flexibility" + NEXT],
+    [
+        *sorted(set(catalogue()) - {"coulomb_friction", "nonlinear_stiffness"}),
+        "base_flexibility" + NEXT,
+        "joint_coupling" + NEXT,
+    ],
 )
 def test_derivatives_are_those_of_central_differences(bench, effect):
     context, observed, _ = bench
@@ -750,7 +783,7 @@ def test_a_sensor_set_up_anew_leans_alike_in_the_world(standing):
     np.testing.assert_allclose(found, 1.1 * expected.apply(way), atol=1e-12)
     np.testing.assert_array_equal(effect.turn(assembly, placement, "another", way), way)
     assert not effect_of("sensor_misalignment").next_level.starts(
-        Mock(spec=Context, normal=np.eye(3)[1]), values
+        Mock(spec=Context, normal=np.eye(3)[1]), where, values
     )
 
 

@@ -10,6 +10,8 @@ import pytest
 import flexmodal
 from flexmodal.cards import read_urdf
 from flexmodal.diagnosis.effects import Context, catalogue
+from flexmodal.diagnosis.effects.effect import Placement
+from flexmodal.diagnosis.effects.rod import stretch
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.improved.draft import Draft
 from flexmodal.diagnosis.improved.extend import extend
@@ -20,6 +22,7 @@ from flexmodal.model import check
 from flexmodal.model.collision import scene_of
 from flexmodal.rig import simulate
 from flexmodal.structure import robot_space
+from flexmodal.structure.assembly import Assembly
 from flexmodal.structure.solution import solved
 from flexmodal.structure.structure import Axis
 
@@ -158,6 +161,24 @@ def test_what_no_file_holds_of_a_coupling_is_told(context_of, diagnosed, tmp_pat
     told = [note for note in extension.notes if "the spring between q1 and q3" in note]
     assert len(told) == (says is not None)
     assert all(says in note for note in told)
+
+
+@pytest.mark.parametrize(("robot", "where"), [("fanuc_s360", "q1+q3"), ("six_axis", "q2+q3")])
+def test_a_rod_is_in_the_files_as_in_the_mean_posture(robot, where, context_of, diagnosed, tmp_path):
+    context = context_of(robot)
+    hypothesis, x = drawn(context, [("joint_coupling" + NEXT, where)], seed=2)
+    extension, loaded = written(diagnosed, hypothesis, x, tmp_path)
+    assert f"the rod between {where.replace('+', ' and ')}" in "".join(extension.notes)
+    values = hypothesis.space.values(x)
+    placement = Placement.still(context, where, hypothesis.values_of(hypothesis.placed[0], values))
+    joints = list(context.robot.joints)
+    expected = np.diag([values[f"stiffness.{name}"] for name in joints])
+    for arm in context.arms:
+        row = stretch(Assembly(arm), placement)
+        expected = expected + placement["rod_stiffness"] * np.outer(row, row) / len(context.arms)
+    assert list(loaded.joints) == joints
+    np.testing.assert_allclose(loaded.stiffness, expected, rtol=1e-6)
+    assert np.count_nonzero(expected) > len(joints)
 
 
 @pytest.mark.parametrize("robot", ROBOTS)

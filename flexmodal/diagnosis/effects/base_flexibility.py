@@ -138,12 +138,12 @@ def _bolted_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
     return (*_parameters(context, where), *ratios, positive("bolts_damping_ratio", "", 1.0, 1.0, 1e-3, 1e3))
 
 
-def _bolted_starts(context: Context, values: Mapping[str, float]) -> list[Mapping[str, float]]:
+def _bolted_starts(context: Context, where: str, values: Mapping[str, float]) -> list[Mapping[str, float]]:
     """Springs and bolts as stiff together as the springs alone, where a fit of these ended and elsewhere.
 
     Where bolts give, what was fitted without them may sit and weigh anything.
     """
-    simple = [one for one in _starts(context, "base") if "mass" not in one and "angle" not in one]
+    simple = [one for one in _starts(context, where) if "mass" not in one and "angle" not in one]
     known = {name: value for name, value in values.items() if name.endswith(("_stiffness", "_damping"))}
     found: list[Mapping[str, float]] = []
     for narrow, ratio in product((values, known, *simple), (20.0, 5.0, 2.0, 0.7, 0.2)):

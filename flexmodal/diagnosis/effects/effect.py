@@ -69,8 +69,8 @@ class Level:
     """An effect with a law that holds another one's as a limit, for where that one is not enough."""
 
     effect: Effect
-    starts: Callable[[Context, Mapping[str, float]], Sequence[Mapping[str, float]]]
-    """Values to start a fit from, from those that the narrower law was fitted with."""
+    starts: Callable[[Context, str, Mapping[str, float]], Sequence[Mapping[str, float]]]
+    """Values to start a fit from at a place, from those that the narrower law was fitted with there."""
 
 
 @dataclass(frozen=True, eq=False)

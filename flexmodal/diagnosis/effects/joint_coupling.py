@@ -6,13 +6,12 @@ multiple of it.
 
 Halfway along the spring an idler may turn: as the mean of q₁ and r q₂ where it is slow, and by a coordinate
 of its own against both halves of the spring, with a frequency of its own. A part of the spring may relax, as
-a belt does.
+a belt does. At its next level it is a rod between two cranks, which ties the joints differently by posture.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from itertools import combinations
 
 import numpy as np
 
@@ -20,6 +19,7 @@ from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Effect, Placement, positive, signed
 from flexmodal.diagnosis.effects.relaxation import HELD as RELAXATION_HELD
 from flexmodal.diagnosis.effects.relaxation import RELAXING, add_relaxing, relaxation
+from flexmodal.diagnosis.effects.rod import LEVEL, pairs
 from flexmodal.diagnosis.improved.draft import Draft
 from flexmodal.structure import Parameter
 from flexmodal.structure.assembly import Assembly
@@ -134,7 +134,7 @@ def _extend(draft: Draft, placement: Placement) -> None:
 EFFECT = Effect(
     name="joint_coupling",
     says="a mechanism couples two joints",
-    places=lambda context: tuple(f"{a}+{b}" for a, b in combinations(context.joints, 2)),
+    places=pairs,
     parameters=_parameters,
     starts=_starts,
     shape=_shape,
@@ -142,4 +142,5 @@ EFFECT = Effect(
     physical=_physical,
     extend=_extend,
     units={"stiffness": "N·m/rad"},
+    next_level=LEVEL,
 )

@@ -257,12 +257,12 @@ def _leaning_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
     return (*_tilt(context, where), *lean)
 
 
-def _leaning_starts(context: Context, values: Mapping[str, float]) -> list[Mapping[str, float]]:
+def _leaning_starts(context: Context, where: str, values: Mapping[str, float]) -> list[Mapping[str, float]]:
     """A turn of the world in place of one with the link; in a plane they are one and the same."""
     if context.normal is not None:
         return []
     upright = {f"angle_{axis}": 0.0 for axis in "xyz"}
-    leans = [{k.replace("angle", "lean"): v for k, v in one.items()} for one in _tilt_starts(context, "")]
+    leans = [{k.replace("angle", "lean"): v for k, v in one.items()} for one in _tilt_starts(context, where)]
     return [{**beside, **lean} for beside in (values, upright) for lean in leans]
 
 

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from itertools import combinations
 
 import numpy as np
 
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Placement
+from flexmodal.diagnosis.effects.rod import cranks, cranks_tried, pairs, stiffness_of, stretch
 from flexmodal.diagnosis.lawfree.port import STILL, Patterns, PortKind, constant, outer, tensor
 from flexmodal.structure.assembly import Assembly
 
@@ -52,10 +52,29 @@ def _coupling_sizes(context: Context, where: str, frequency: np.ndarray) -> np.n
 COUPLING = PortKind(
     name="coupling",
     says="a mechanism between two joints",
-    places=lambda context: tuple(f"{a}+{b}" for a, b in combinations(context.joints, 2)),
+    places=pairs,
     functions=lambda context, where: ("first", "between", "second"),
     sizes=_coupling_sizes,
     patterns=_coupling_patterns,
+)
+
+
+def _rod_patterns(assembly: Assembly, placement: Placement) -> Patterns:
+    row = stretch(assembly, placement)
+    return Patterns(outer(row, row, len(placement.posture))[None])
+
+
+ROD = PortKind(
+    name="rod",
+    says="a rod between two links",
+    places=pairs,
+    functions=lambda context, where: ("stiffness",),
+    sizes=lambda context, where, frequency: constant([stiffness_of(context, where)], frequency),
+    starts=lambda context, where: ((0.3,), (3.0,)),
+    unit="N/m",
+    shape=replace(STILL, parameters=cranks),
+    geometries=cranks_tried,
+    patterns=_rod_patterns,
 )
 
 

@@ -11,7 +11,7 @@ from jaxtyping import Float, Int
 
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.lawfree import screening
-from flexmodal.diagnosis.lawfree.kinds import KINDS, NOTHING, TORQUE
+from flexmodal.diagnosis.lawfree.kinds import KINDS, NOTHING, RARE, TORQUE
 from flexmodal.diagnosis.lawfree.model import PortedModel, Unknown
 from flexmodal.diagnosis.lawfree.port import Port, PortKind, Wider
 from flexmodal.diagnosis.lawfree.ported_fit import FLOORS, begun, finished, profiled
@@ -93,6 +93,8 @@ class Field:
     seen: Look
     away: Look | None
     ports: tuple[Port, ...]
+    rare: tuple[Port, ...]
+    """Those that are tried where none of these explains what is missing."""
     torques: tuple[Port, ...]
     """Those that depend on the blow."""
 
@@ -123,6 +125,7 @@ class Field:
             look_at(endless(fitted, root, x)),
             None if held is None or not len(held) else look_at(endless(held, root, x)),
             _every(kinds, root),
+            _every(RARE if kinds is KINDS else (), root),
             _every([TORQUE], root) if by_force else (),
         )
 
@@ -147,13 +150,17 @@ class Field:
         taken = {port.key for port in before.ports} if before else set()
         kept: list[tuple[Port, Start | None]] = []
         if ports is None:
-            kept += self._screened(before, taken, lambda part: advance(0.6 * part))
+            kept += self._screened(self.ports, before, taken, lambda part: advance(0.6 * part))
         kept += [(port, None) for port in (self.torques if ports is None else ports) if port.key not in taken]
         found = []
         for number, (port, start) in enumerate(kept):
             found.append(self.sighted((port,), before, start))
             advance(0.6 + 0.4 * (number + 1) / len(kept))
         found.sort(key=lambda one: one.judged)
+        if ports is None and self.rare and (not found or found[0].judged > SOUND):
+            more = self._screened(self.rare, before, taken, lambda part: None)
+            found += [self.sighted((port,), before, start) for port, start in more]
+            found.sort(key=lambda one: one.judged)
         if found and found[0].judged > NEARLY and ports is None:
             found = [self._afresh(one, before) for one in found[:AFRESH]] + found[AFRESH:]
         return Round(tuple(sorted(found, key=lambda one: one.judged)))
@@ -181,19 +188,23 @@ class Field:
         return self.sighted((port,), before, (x, z), patient=True)
 
     def _screened(
-        self, before: Sighting | None, taken: set[tuple[str, str]], advance: Callable[[float], None]
+        self,
+        ports: Sequence[Port],
+        before: Sighting | None,
+        taken: set[tuple[str, str]],
+        advance: Callable[[float], None],
     ) -> list[tuple[Port, Start]]:
-        """Those of all ports that go on, after a look at a part of the lines, and where that ended."""
+        """Those of some ports that go on, after a look at a part of the lines, and where that ended."""
         begins: list[tuple[float, Port, screening.Fit]] = []
-        for number, port in enumerate(self.ports):
+        for number, port in enumerate(ports):
             if port.key not in taken:
-                ports = (*(before.ports if before else ()), port)
-                seen = self._seen(ports, self._few)
-                model = self._model(ports, seen, self.seen.lines[:: screening.LINES])
+                every = (*(before.ports if before else ()), port)
+                seen = self._seen(every, self._few)
+                model = self._model(every, seen, self.seen.lines[:: screening.LINES])
                 state = None if before is None else carried_over(before, model, screening.LINES)
                 fit = begun(model, state, floor=screening.FLOORS[0], steps=screening.STEPS)
                 begins.append((screening.misfit_of(fit), port, fit))
-            advance(0.7 * (number + 1) / len(self.ports))
+            advance(0.7 * (number + 1) / len(ports))
         first, ends, going = [], {}, screening.near(begins)
         for number, (port, fit) in enumerate(going):
             found = finished(*fit, floors=screening.FLOORS[1:], steps=screening.STEPS)

@@ -51,6 +51,8 @@ class PortKind:
     """Scale of each at frequencies [Hz], about as large as it might be."""
     starts: Callable[[Context, str], tuple[tuple[float, ...], ...]] = lambda context, where: ()
     """Constants, in sizes, that a search tries to begin with beside none at all; one for each function."""
+    geometries: Callable[[Context, str], Sequence[Mapping[str, float]]] = lambda context, where: ()
+    """Where the geometry of a port of one stiffness may set out, beside the middle of its prior."""
     unit: str = "N·m/rad"
     shape: Effect = STILL
     """Motions that the port needs, and parameters of its geometry."""

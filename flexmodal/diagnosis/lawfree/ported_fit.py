@@ -8,6 +8,7 @@ import numpy as np
 
 from flexmodal.diagnosis.lawfree.at_parameters import AtParameters
 from flexmodal.diagnosis.lawfree.beginning import beginnings, origin
+from flexmodal.diagnosis.lawfree.geometries import placed_best
 from flexmodal.diagnosis.lawfree.model import PortedModel
 from flexmodal.diagnosis.lawfree.profile import SETTLED, Profile, State
 from flexmodal.diagnosis.lawfree.repair import repaired
@@ -16,6 +17,8 @@ FLOORS = (0.2, 0.05, 0.01)
 """Relative model error, in the order in which it is lowered."""
 FOLLOWED = 2
 """Starts that are followed, beside that from nothing."""
+FOLLOWED_PLACES = 4
+"""The same where a port has a geometry that matters."""
 
 
 def profiled(
@@ -85,6 +88,9 @@ def _constant(model: PortedModel, before: State | None, floor: float, steps: int
     pooled = Profile(model, floor, pooled=True, still=still)
     places = [AtParameters(model, x) for x in starts]
     plain = min((pooled.with_functions(at, none) for at in places), key=lambda one: one.cost)
+    if port.kind.geometries(model.root.context, port.where):
+        found = [one for at in places for one in placed_best(pooled, at, none, FOLLOWED_PLACES)]
+        return min((pooled.descended(one, steps) for one in (plain, *found)), key=lambda one: one.cost)
     started = []
     for start in port.kind.starts(model.root.context, port.where):
         z = none.copy()

@@ -33,7 +33,7 @@ PORT_OF: Mapping[str, str] = {
     "nonlinear_stiffness": "torque",
 }
 """The kind of port that each effect of the catalogue sits at."""
-_WIDER = {"channel": "sensor", "blows": "hammer", "coupling": "joint"}
+_WIDER = {"channel": "sensor", "blows": "hammer", "coupling": "joint", "rod": "coupling"}
 """Kinds of port that can do whatever one of another kind in the same place can."""
 _ELASTIC = ("spring", "spring and damper", "spring with constant loss", "spring, damper and mass")
 CLASSES_OF: Mapping[str, tuple[str, ...]] = {
@@ -231,8 +231,8 @@ class Findings:
         """
         if effect.told is None or not any(one.has(effect.name, where) for one in self.found):
             return []
-        key = PORT_OF.get(effect.name), where
-        here = [one.free for one in self.places if (one.port, one.where) == key]
+        key = PORT_OF[effect.name], where
+        here = [one.free for one in self.places if holds((one.port, one.where), key)]
         return [
             (values, free.fitted)
             for free in here
@@ -264,5 +264,5 @@ def holds(wide: tuple[str, str], narrow: tuple[str, str]) -> bool:
         wide: kind and place of the port that may do more.
         narrow: the same of the other.
     """
-    same = narrow[1] in wide[1].split("+")
+    same = narrow[1] in (wide[1], *wide[1].split("+"))
     return wide == narrow or (_WIDER.get(wide[0]) == narrow[0] and same)

@@ -38,8 +38,11 @@ def at_next_level(
         for parameter in narrow.effect.parameters(setup.context, narrow.where)
     }
     before = [model.x[: -len(own)], *set_out.before]
-    given = level.starts(setup.context, own)
-    tried = [hypothesis.start(hypothesis.placed[-1], one, x) for x in before for one in given]
+    placed = hypothesis.placed[-1]
+    tried = [hypothesis.start(placed, *one) for one in set_out.told(level.effect, narrow.where)]
+    if not tried:
+        given = level.starts(setup.context, narrow.where, own)
+        tried = [hypothesis.start(placed, one, x) for x in before for one in given]
     seen = look_at(setup.fitted, worst_lines(setup.fitted, model.predicted[~setup.held]))
     todo = seen.started(hypothesis, tried, *ROUNDS[0][::2])
     for floor, steps, keep in ROUNDS[1:]:

@@ -12,7 +12,7 @@ from flexmodal.diagnosis.lawfree.at_parameters import AtParameters
 from flexmodal.diagnosis.lawfree.body_ports import BODY, CARRIED, GROUND
 from flexmodal.diagnosis.lawfree.curve import classes_of, curve_of
 from flexmodal.diagnosis.lawfree.elastic_ports import BASE, LINK
-from flexmodal.diagnosis.lawfree.joint_ports import COUPLING, DAMPING, JOINT, TORQUE
+from flexmodal.diagnosis.lawfree.joint_ports import COUPLING, DAMPING, JOINT, ROD, TORQUE
 from flexmodal.diagnosis.lawfree.kinds import KINDS
 from flexmodal.diagnosis.lawfree.look import Field, carried_over, noise_of
 from flexmodal.diagnosis.lawfree.model import PortedModel
@@ -32,6 +32,7 @@ PLACES = [
     (TORQUE, "q2"),
     (DAMPING, "joints"),
     (COUPLING, "q1+q2"),
+    (ROD, "q1+q3"),
     (BASE, "base"),
     (LINK, "link_2"),
     (BODY, "link_3"),

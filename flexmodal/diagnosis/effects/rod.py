@@ -1,0 +1,189 @@
+"""An elastic rod between two links: from a crank before one joint to one after another.
+
+Its ends move against each other along the line between them, so that how it ties the joints, those in between
+too, changes with the posture. It has no mass, and nothing pulls at it at rest.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from itertools import combinations, product
+
+import numpy as np
+from jaxtyping import Float
+
+from flexmodal.diagnosis.effects.context import Context
+from flexmodal.diagnosis.effects.effect import Effect, Level, Placement, positive, signed
+from flexmodal.diagnosis.effects.foundation import length_of
+from flexmodal.diagnosis.effects.free_function import FreeFunction
+from flexmodal.diagnosis.improved.draft import Draft
+from flexmodal.structure import Parameter
+from flexmodal.structure.assembly import Assembly
+
+SIDES = ("near", "far")
+"""Its ends: before the first joint and after the second."""
+TURNS, REACHES = 8, (0.2, 0.5)
+"""Directions about a joint that a crank's end is looked for in, and how far off, over the size of a link."""
+SHORTEST = 1e-6
+"""Of the rod [m], at which its direction still is one."""
+
+
+def pairs(context: Context) -> tuple[str, ...]:
+    """Any two joints, such as q1+q2."""
+    return tuple(f"{a}+{b}" for a, b in combinations(context.joints, 2))
+
+
+def size_of(context: Context) -> float:
+    """About as long as a link between two joints [m]."""
+    return length_of(context) / max(len(context.joints), 1)
+
+
+def stiffness_of(context: Context, where: str) -> float:
+    """Of a rod that is as stiff as the joints by the card, on cranks as long as a third of a link [N/m].
+
+    Args:
+        context: of the diagnosis.
+        where: the two joints.
+    """
+    one, other = (float(context.robot.joints[name].stiffness) for name in where.split("+"))
+    return float(np.sqrt(one * other)) / (size_of(context) / 3) ** 2
+
+
+def links(context: Context, where: str) -> list[tuple[str, np.ndarray, np.ndarray]]:
+    """Of either end the link that has it, and in that link's frame where the joint is [m], and its axis.
+
+    Args:
+        context: of the diagnosis.
+        where: the two joints.
+    """
+    urdf = context.robot.urdf
+    one, other = (urdf.joint_by_name[name] for name in where.split("+"))
+    turned = context.axes(one.parent).T @ context.axes(one.child)
+    return [(one.parent, one.xyz, turned @ one.axis), (other.child, np.zeros(3), other.axis)]
+
+
+def _across(axis: np.ndarray) -> list[np.ndarray]:
+    """Two unit vectors across an axis."""
+    first = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))])
+    first /= np.linalg.norm(first)
+    return [first, np.cross(axis / np.linalg.norm(axis), first)]
+
+
+def ways(context: Context, link: str) -> list[np.ndarray]:
+    """Directions of a crank's parameters, in the frame of its link: two in the plane of a planar chain.
+
+    Args:
+        context: of the diagnosis.
+        link: its name.
+    """
+    return list(np.eye(3)) if context.normal is None else _across(context.axes(link).T @ context.normal)
+
+
+def cranks(context: Context, where: str) -> tuple[Parameter, ...]:
+    """Where the ends are, from the joints.
+
+    Args:
+        context: of the diagnosis.
+        where: the two joints.
+    """
+    size, count = size_of(context), 2 if context.normal is not None else 3
+    return tuple(
+        signed(f"{side}_{axis}", "m", size / 2, -2 * size, 2 * size)
+        for side in SIDES
+        for axis in "xyz"[:count]
+    )
+
+
+def cranks_tried(context: Context, where: str) -> list[dict[str, float]]:
+    """Where to look for the ends: about the joints' axes, at some distances.
+
+    Args:
+        context: of the diagnosis.
+        where: the two joints.
+    """
+    ends = []
+    for side, (link, _, axis) in zip(SIDES, links(context, where), strict=True):
+        along, here = ways(context, link), []
+        first, second = _across(axis) if context.normal is None else along
+        for angle, reach in product(np.arange(TURNS) * 2 * np.pi / TURNS, REACHES):
+            place = reach * size_of(context) * (np.cos(angle) * first + np.sin(angle) * second)
+            here.append(
+                {f"{side}_{name}": float(place @ way) for name, way in zip("xyz", along, strict=False)}
+            )
+        ends.append(here)
+    return [{**one, **other} for one, other in product(*ends)]
+
+
+def stretch(assembly: Assembly, placement: Placement) -> Float[np.ndarray, "*posture dof"]:
+    """The row of what stretches the rod [m]: its far end's motion less that of the near one, along it.
+
+    Args:
+        assembly: with all coordinates.
+        placement: with the values of `cranks`.
+    """
+    context, places, motions = placement.context, [], []
+    for side, (link, joint, _) in zip(SIDES, links(context, placement.where), strict=True):
+        place = joint
+        for name, way in zip("xyz", ways(context, link), strict=False):
+            place = place + placement[f"{side}_{name}"] * way
+        places.append(assembly.origin(link) + assembly.axes(link) @ place)
+        motions.append(assembly.motion(link, place)[..., :3, :])
+    line = places[1] - places[0]
+    line = line / np.maximum(np.linalg.norm(line, axis=-1, keepdims=True), SHORTEST)
+    return np.asarray((line[..., None, :] @ (motions[1] - motions[0]))[..., 0, :])
+
+
+def _parameters(context: Context, where: str) -> tuple[Parameter, ...]:
+    stiffness = stiffness_of(context, where)
+    return (
+        positive("rod_stiffness", "N/m", stiffness, 2.0, stiffness / 1e4, stiffness * 1e4),
+        positive("rod_damping_time", "s", 1e-5, 2.0, 1e-12, 0.03),
+        *cranks(context, where),
+    )
+
+
+def _starts(context: Context, where: str) -> list[Mapping[str, float]]:
+    sizes = [factor * stiffness_of(context, where) for factor in (0.3, 3.0)]
+    return [{**one, "rod_stiffness": size} for one in cranks_tried(context, where) for size in sizes]
+
+
+def _told(context: Context, where: str, free: FreeFunction) -> Sequence[Mapping[str, float]]:
+    """The mean stiffness of a rod whose law is free."""
+    if not any(name.startswith(SIDES) for name in free.geometry):
+        return ()
+    stiffness = max(float(np.median(free.value[0].real)), 1e-3 * stiffness_of(context, where))
+    return ({**free.geometry, "rod_stiffness": stiffness},)
+
+
+def _act(assembly: Assembly, placement: Placement) -> None:
+    row, stiffness = stretch(assembly, placement), placement["rod_stiffness"]
+    assembly.add_spring(row, stiffness)
+    assembly.add_damper(row, placement["rod_damping_time"] * stiffness)
+
+
+def _extend(draft: Draft, placement: Placement) -> None:
+    """What it adds to the joints in the mean of the postures: couplings of a card are the same in all."""
+    assembly = Assembly(placement.context.stacked)
+    rows, names = stretch(assembly, placement), assembly.coordinates
+    added = placement["rod_stiffness"] * np.mean(rows[:, :, None] * rows[:, None, :], axis=0)
+    for k in np.flatnonzero(np.diag(added)):
+        draft.stiffen(names[k], added[k, k])
+    for i, j in combinations(np.flatnonzero(np.diag(added)), 2):
+        draft.couple(names[i], names[j], added[i, j])
+    one, other = placement.where.split("+")
+    draft.notes.append(
+        f"the files have the rod between {one} and {other} as in the mean of the postures, without damping"
+    )
+
+
+ROD = Effect(
+    name="joint_coupling",
+    says="a mechanism couples two joints",
+    places=pairs,
+    parameters=_parameters,
+    starts=_starts,
+    told=_told,
+    act=_act,
+    extend=_extend,
+)
+LEVEL = Level(ROD, lambda context, where, values: _starts(context, where))
