@@ -29,12 +29,9 @@ import numpy as np
 from jaxtyping import Complex, Float, Int
 
 from flexmodal.errors import SingularResponse
-from flexmodal.structure.solution import Entries, Solved, is_worth_compiling, solutions
+from flexmodal.structure.solution import Solved
 from flexmodal.structure.stack import Structures
-from flexmodal.structure.structure import ROUNDING, Axis
-
-RANK = 1e-10
-"""Part of a pattern below which a motion is none."""
+from flexmodal.structure.structure import ROUNDING
 
 
 @dataclass(frozen=True, eq=False)
@@ -182,6 +179,20 @@ class Ported:
             return found if i == j else found + base.between(g, f)
         return -base.between(self._left, base.small[port][:, None] @ self._left)
 
+    def with_more(self, port: int, z: Float[np.ndarray, " line"]) -> Complex[np.ndarray, "entry line"]:
+        """α with a stiffness more at a port whose pattern has rank one, P = b bᵀ [m/N].
+
+        By the formula of Sherman and Morrison, α″ = α′ − z (y_u′ᵀ b)(bᵀ y_v′) / (1 + z bᵀ Z′⁻¹ b).
+
+        Args:
+            port: its number, of a stiffness.
+            z: what is added to its value.
+        """
+        base = self.base
+        own = np.einsum("sij,slji->sl", base.small[port], self._own)
+        system = base.solved.entries.table[:, 0]
+        return np.asarray(self.value + z * self.along(port) / (1 + z * own)[system])
+
     def slopes(
         self,
         scale: Complex[np.ndarray, "entry line"],
@@ -241,6 +252,12 @@ class Ported:
         return self.base.seen - self.base.own @ self._every
 
     @cached_property
+    def _own(self) -> Complex[np.ndarray, "system line port port"]:
+        """Bᵀ Z′⁻¹ B."""
+        own = self.base.own
+        return np.asarray(own - own @ np.linalg.solve(self.matrix, self.factor @ own))
+
+    @cached_property
     def _force(self) -> Complex[np.ndarray, "system line port row"]:
         return self._every + self.base.held[:, None, :, None] * self._left
 
@@ -249,50 +266,3 @@ class Ported:
         """y′ of every row."""
         motion, rows = self.base.motion, self.base.rows
         return motion[:, :, :rows] - np.swapaxes(self._every, 2, 3) @ motion[:, :, rows:]
-
-
-def with_ports(
-    structures: Structures, axis: Axis, entries: Entries, ports: Sequence[Port]
-) -> PortedStructures:
-    """Solve structures for their rows and the motions of ports.
-
-    Args:
-        structures: the believed ones.
-        axis: where.
-        entries: receptances that are wanted.
-        ports: whose values follow.
-
-    Raises:
-        SingularResponse: an undamped mode is driven at its natural frequency.
-    """
-    systems, dofs = structures.mass.shape[:2]
-    coordinates = tuple(sorted({k for one in ports if isinstance(one, CompliancePort) for k in one.both}))
-    unit = np.broadcast_to(np.eye(dofs)[:, list(coordinates)], (systems, dofs, len(coordinates)))
-    patterns = [one.pattern for one in ports if isinstance(one, StiffnessPort)]
-    basis = np.concatenate([unit, _spanning(patterns, unit)], axis=2)
-    held = np.zeros((systems, basis.shape[2]))
-    stiffness = structures.stiffness
-    if coordinates:
-        diagonal = np.einsum("sdd->sd", structures.mass)[:, list(coordinates)]
-        held[:, : len(coordinates)] = diagonal * float(np.max(np.abs(axis.s)) ** 2)
-        stiffness = stiffness + unit @ (held[:, : len(coordinates), None] * np.swapaxes(unit, 1, 2))
-    rows = np.concatenate([structures.response, structures.reference, np.swapaxes(basis, 1, 2)], axis=1)
-    wanted = np.zeros(rows.shape[:2], dtype=bool)
-    wanted[:, sum(entries.rows) :] = True
-    wanted[: len(entries.wanted), : sum(entries.rows)] = entries.wanted
-    compiled = is_worth_compiling(systems * len(axis))
-    y = solutions(replace(structures, stiffness=stiffness), axis, rows, wanted, compiled=compiled)
-    return PortedStructures(
-        tuple(ports), Solved(structures, axis, entries, y, compiled), basis, held, coordinates
-    )
-
-
-def _spanning(
-    patterns: Sequence[Float[np.ndarray, "system dof dof"]], unit: Float[np.ndarray, "system dof own"]
-) -> Float[np.ndarray, "system dof port"]:
-    """Motions that span patterns, as many in every system."""
-    if not patterns:
-        return np.zeros((*unit.shape[:2], 0))
-    each = [pattern / (np.max(np.abs(pattern)) or 1.0) for pattern in patterns]
-    left, size, _ = np.linalg.svd(np.concatenate(each, axis=2))
-    return left[:, :, : max(1, int(np.max(np.sum(size > RANK * size[:, :1], axis=1))))]

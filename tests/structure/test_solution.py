@@ -7,11 +7,12 @@ import pytest
 
 from flexmodal.frf.kernels.route import has_numba
 from flexmodal.structure.assembly import KINDS
-from flexmodal.structure.ports import CompliancePort, StiffnessPort, with_ports
+from flexmodal.structure.ports import CompliancePort, StiffnessPort
 from flexmodal.structure.solution import Entries, solved
 from flexmodal.structure.stack import Structures, joined
 from flexmodal.structure.structure import Axis, receptance
 from flexmodal.structure.truncation import missing_of, missing_with_slopes
+from flexmodal.structure.with_ports import with_ports
 
 SYSTEMS, DOF, ROWS, STRUCK, NAMES = 3, 5, 4, 2, tuple(f"p{k}" for k in range(8))
 AXIS = Axis(np.linspace(3.0, 120.0, 41), 20.0, decay=0.4)

@@ -5,7 +5,7 @@ The structures are solved once there; functions of any value follow from that, s
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -23,9 +23,9 @@ from flexmodal.structure.ports import (
     Ported,
     PortedStructures,
     StiffnessPort,
-    with_ports,
 )
 from flexmodal.structure.ports import Port as StructurePort
+from flexmodal.structure.with_ports import with_ports
 
 _STEP = 1e-4
 """Of the central differences along the geometry of a port."""
@@ -84,13 +84,40 @@ class AtParameters:
         Raises:
             SingularResponse: there is no receptance on some line.
         """
+        return self._residual(z, [self._ported(one, z).value for one in self.groups])
+
+    def residuals_with(
+        self, z: Unknown, functions: Sequence[int], constants: Sequence[float]
+    ) -> Iterator[tuple[int, float, Complex[np.ndarray, "observation line"]]]:
+        """The residuals with one more constant in one function of the last port, each in turn.
+
+        Args:
+            z: the functions in their sizes.
+            functions: numbers, within the port, of stiffnesses on patterns of rank one.
+            constants: in the sizes of these.
+
+        Yields:
+            The function, the constant, and the residuals with it.
+        """
+        model, before = self.model, 0
+        ported = [self._ported(one, z) for one in self.groups]
+        for patterns in self.groups[0].patterns[:-1]:
+            before += 0 if patterns is None else len(_structure_ports(patterns))
+        for number in functions:
+            size = model.size[model.spans[-1].start + number]
+            for constant in constants:
+                values = [one.with_more(before + number, constant * size) for one in ported]
+                yield number, constant, self._residual(z, values)
+
+    def _residual(
+        self, z: Unknown, values: Sequence[Complex[np.ndarray, "entry line"]]
+    ) -> Complex[np.ndarray, "observation line"]:
         model = self.model
         found = np.zeros((len(model.observations), len(model.lines)), dtype=complex)
-        for one in self.groups:
-            value = self._ported(one, z).value * np.exp(one.reading)
+        for one, value in zip(self.groups, values, strict=True):
             part = one.group.part
             measured = model.observations.value[part.observations][:, model.lines]
-            found[part.observations] = residual(value[part.entry], measured)
+            found[part.observations] = residual((value * np.exp(one.reading))[part.entry], measured)
         for seen, number in model.readings:
             found[seen] += z[model.cell[seen], number] * model.size[number]
             found.imag[seen] = (found.imag[seen] + np.pi) % (2 * np.pi) - np.pi

@@ -28,12 +28,10 @@ def placed_best(profile: Profile, at: AtParameters, none: Unknown, most: int) ->
     places = port.kind.geometries(context, port.where)
     everywhere = replace(profile, model=replace(model, ports=(*model.ports[:-1], _at_all(port, model))))
     there = AtParameters(everywhere.model, at.x)
-    costs = []
-    for number in range(len(places)):
-        for (constant,) in port.kind.starts(context, port.where):
-            z = np.concatenate([none[:, :last], np.zeros((len(none), len(places), none.shape[2]))], axis=1)
-            z[:, last + number] = constant
-            costs.append((everywhere.with_functions(there, z).cost, number, constant))
+    z = np.concatenate([none[:, :last], np.zeros((len(none), len(places), none.shape[2]))], axis=1)
+    constants = [one for (one,) in port.kind.starts(context, port.where)]
+    tried = there.residuals_with(z, range(len(places)), constants)
+    costs = [(everywhere.misfit(residual), number, constant) for number, constant, residual in tried]
     found = []
     for _, number, constant in sorted(costs)[:most]:
         z, x = none.copy(), at.x.copy()

@@ -195,7 +195,7 @@ class Field:
         advance: Callable[[float], None],
     ) -> list[tuple[Port, Start]]:
         """Those of some ports that go on, after a look at a part of the lines, and where that ended."""
-        begins: list[tuple[float, Port, screening.Fit]] = []
+        begins: list[tuple[Port, screening.Fit]] = []
         for number, port in enumerate(ports):
             if port.key not in taken:
                 every = (*(before.ports if before else ()), port)
@@ -203,7 +203,7 @@ class Field:
                 model = self._model(every, seen, self.seen.lines[:: screening.LINES])
                 state = None if before is None else carried_over(before, model, screening.LINES)
                 fit = begun(model, state, floor=screening.FLOORS[0], steps=screening.STEPS)
-                begins.append((screening.misfit_of(fit), port, fit))
+                begins.append((port, fit))
             advance(0.7 * (number + 1) / len(ports))
         first, ends, going = [], {}, screening.near(begins)
         for number, (port, fit) in enumerate(going):

@@ -38,14 +38,14 @@ def profiled(
         steps: most at each of them.
         settled: relative change of the cost by a step that ends a descent once functions are free.
     """
-    profile, state = begun(model, before, floor=floors[0], steps=steps)
+    profile, state = mended(*begun(model, before, floor=floors[0], steps=steps))
     return finished(replace(profile, settled=settled), state, floors=floors[1:], steps=steps)
 
 
 def begun(
     model: PortedModel, before: State | None = None, *, floor: float, steps: int
 ) -> tuple[Profile, State]:
-    """The fit at its first model error.
+    """The fit at its first model error, no line repaired yet.
 
     Args:
         model: to be fitted.
@@ -55,7 +55,17 @@ def begun(
     """
     profile = Profile(model, floor)
     state = profile.judged(_constant(model, before, floor, steps))
-    return profile, repaired(profile, profile.descended(state, steps)).light
+    return profile, profile.descended(state, steps).light
+
+
+def mended(profile: Profile, state: State) -> tuple[Profile, State]:
+    """The fit with lines repaired that ended in other minima.
+
+    Args:
+        profile: of the fit.
+        state: where it has come to.
+    """
+    return profile, repaired(profile, state).light
 
 
 def finished(

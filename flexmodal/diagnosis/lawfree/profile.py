@@ -22,7 +22,7 @@ from flexmodal.diagnosis.lawfree.beginning import origin
 from flexmodal.diagnosis.lawfree.model import PortedModel, Unknown
 from flexmodal.errors import SingularResponse
 from flexmodal.identification.descent import robust, robust_weight, short_step
-from flexmodal.identification.frf_fit import Weighting
+from flexmodal.identification.frf_fit import Weighting, square
 
 RIDGE = 1e-3
 """Precision of a weak prior on the functions in units of their sizes: lines that say nothing stay small."""
@@ -119,11 +119,9 @@ class Profile:
             state: of the same model.
         """
         ridge = RIDGE * float(np.sum(np.abs(state.z) ** 2))
-        cost = (
-            float(robust(self.weight * np.abs(state.residual) ** 2).sum())
-            + self._prior(state.x, state.residual)
-            + ridge
-        )
+        misfit = self.misfit(state.residual)
+        believed = float(np.sum(self.model.space.precision * (state.x - self.origin) ** 2))
+        cost = misfit + max(1.0, 2 * misfit / self._spare) * believed + ridge
         return replace(state, cost=cost if np.isfinite(cost) else np.inf)
 
     def descended(self, state: State, most: int, *, held: bool = False) -> State:
@@ -154,23 +152,33 @@ class Profile:
 
     # sums
 
+    def misfit(self, residual: Complex[np.ndarray, "observation line"]) -> float:
+        """Robust χ²."""
+        return float(self._each(residual).sum())
+
+    def _each(
+        self, residual: Complex[np.ndarray, "observation line"]
+    ) -> Float[np.ndarray, "observation line"]:
+        return robust(self.weight * square(residual))
+
+    @cached_property
+    def _spare(self) -> float:
+        """The number of real values less that of the unknown ones."""
+        values = 2 * np.count_nonzero(self.weight)
+        functions = np.prod(self.model.zero().shape[:2]) * (1 if self.pooled else len(self.model.lines))
+        return float(max(values - 2 * int(functions) - len(self.model.space), 0.05 * values, 1.0))
+
     def temper(self, residual: Complex[np.ndarray, "observation line"]) -> float:
         """Reduced χ², at least 1."""
         return max(1.0, self.reduced(residual))
 
     def reduced(self, residual: Complex[np.ndarray, "observation line"]) -> float:
         """Robust χ² over the number of real values less that of the unknown ones."""
-        weight = self.weight
-        values = 2 * np.count_nonzero(weight)
-        functions = np.prod(self.model.zero().shape[:2]) * (1 if self.pooled else len(self.model.lines))
-        spare = max(values - 2 * int(functions) - len(self.model.space), 0.05 * values, 1.0)
-        return float(2 * robust(self.weight * np.abs(residual) ** 2).sum() / spare)
+        return 2 * self.misfit(residual) / self._spare
 
     def mean(self, residual: Complex[np.ndarray, "observation line"]) -> float:
         """Robust χ² over the number of real values, where nothing was fitted."""
-        return float(
-            2 * robust(self.weight * np.abs(residual) ** 2).sum() / max(2 * np.count_nonzero(self.weight), 1)
-        )
+        return 2 * self.misfit(residual) / max(2 * np.count_nonzero(self.weight), 1)
 
     def by_line(self, residual: Complex[np.ndarray, "observation line"], z: Unknown) -> Costs:
         """Robust sum of squares of each line, with the prior of its functions.
@@ -179,7 +187,7 @@ class Profile:
             residual: there.
             z: the functions in their sizes.
         """
-        each = robust(self.weight * np.abs(residual) ** 2)
+        each = self._each(residual)
         sums = np.array([each[self.model.cell == cell].sum(axis=0) for cell in range(self.model.cells)])
         return np.asarray(sums + RIDGE * np.sum(np.abs(z) ** 2, axis=1))
 
@@ -191,7 +199,7 @@ class Profile:
             held: whether the parameters stay as they are and have none.
         """
         slopes = state.at.slopes(state.z, held=held)
-        root = np.sqrt(self.weight * robust_weight(self.weight * np.abs(state.residual) ** 2))
+        root = np.sqrt(self.weight * robust_weight(self.weight * square(state.residual)))
         along, r = slopes.along[..., self.still :] * root[..., None], state.residual * root
         parameters = slopes.parameters * root[:, None]
         flat, pull = (
@@ -281,6 +289,3 @@ class Profile:
             step[free] = short_step(schur[np.ix_(free, free)], right[free])
         along[:, self.still :] = -np.swapaxes(solved[..., -1] + solved[..., :-1] @ step, 1, 2)
         return step, along
-
-    def _prior(self, x: np.ndarray, r: np.ndarray) -> float:
-        return self.temper(r) * float(np.sum(self.model.space.precision * (x - self.origin) ** 2))

@@ -9,6 +9,7 @@ from jaxtyping import Complex
 
 from flexmodal.diagnosis.lawfree.model import Unknown
 from flexmodal.diagnosis.lawfree.port import Port
+from flexmodal.diagnosis.lawfree.ported_fit import mended
 from flexmodal.diagnosis.lawfree.profile import Profile, State
 from flexmodal.identification import Observations
 
@@ -23,6 +24,8 @@ FRFS = 48
 HOPELESS = 16.0
 """Times the best reduced χ² at the first model error; ports beyond it are not followed to the next, but the
 best of each kind. On 26 campaigns looked at, no port that came to stand among the best was beyond 10."""
+UNMENDED = 2.0
+"""So many times as far behind before lines that ended in other minima are repaired."""
 FEWEST, KEPT = 2, 6
 """Ports that go on at least, and while they are not far behind."""
 FAR = 10.0
@@ -79,13 +82,24 @@ def misfit_of(fit: Fit) -> float:
     return profile.reduced(state.residual)
 
 
-def near(begins: Sequence[tuple[float, Port, Fit]]) -> list[tuple[Port, Fit]]:
-    """Of all ports at the first model error those that are not hopeless, and of each kind the best."""
-    order = sorted(begins, key=lambda one: one[0])
+def near(begins: Sequence[tuple[Port, Fit]]) -> list[tuple[Port, Fit]]:
+    """Of all ports at the first model error those that are not hopeless, and of each kind the best.
+
+    Args:
+        begins: ports and their fits, whose lines are not repaired yet.
+    """
+    going = _within(UNMENDED * HOPELESS, begins)
+    return _within(HOPELESS, [(port, mended(*fit)) for port, fit in going])
+
+
+def _within(times: float, begins: Sequence[tuple[Port, Fit]]) -> list[tuple[Port, Fit]]:
+    """Those up to so many times the best misfit, and of each kind the best, in order."""
+    judged = [(misfit_of(fit), port, fit) for port, fit in begins]
+    order = sorted(judged, key=lambda one: one[0])
     best: dict[str, Port] = {}
     for _, port, _ in order:
         best.setdefault(port.kind.name, port)
-    limit = HOPELESS * order[0][0] if order else 0.0
+    limit = times * order[0][0] if order else 0.0
     return [(port, fit) for misfit, port, fit in order if misfit <= limit or best[port.kind.name] is port]
 
 

@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 
 import flexmodal
-from flexmodal.diagnosis.effects import Context, catalogue
+from flexmodal.diagnosis.effects import Context, catalogue, rod
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.lawfree.at_parameters import AtParameters
 from flexmodal.diagnosis.lawfree.body_ports import BODY, CARRIED, GROUND
 from flexmodal.diagnosis.lawfree.curve import classes_of, curve_of
 from flexmodal.diagnosis.lawfree.elastic_ports import BASE, LINK
+from flexmodal.diagnosis.lawfree.geometries import placed_best
 from flexmodal.diagnosis.lawfree.joint_ports import COUPLING, DAMPING, JOINT, ROD, TORQUE
 from flexmodal.diagnosis.lawfree.kinds import KINDS
 from flexmodal.diagnosis.lawfree.look import Field, carried_over, noise_of
@@ -152,6 +153,43 @@ def test_functions_that_were_put_in_come_out_again(root, observed, kind):
     _, state = profiled(clean, floors=(0.2, 0.05, 0.01, 1e-4), steps=30)
     assert np.abs(state.residual).max() < 1e-4
     assert np.median(np.abs(state.z - z)) < 0.02 * np.abs(smooth).max()
+
+
+@pytest.mark.parametrize("beside", [[], [(BASE, "base"), (SENSOR, None)]], ids=["alone", "beside others"])
+def test_one_constant_more_is_put_in_without_solving_again(root, observed, beside):
+    """On patterns of rank one, by the formula of Sherman and Morrison."""
+    ports = [port_of(root, kind, where) for kind, where in [*beside, (COUPLING, "q1+q3")]]
+    model = PortedModel.of(ports, root, observed, np.arange(20, len(observed.axis), 41))
+    x, z = somewhere(model)
+    here, last = AtParameters(model, x), model.spans[-1].start
+    found = list(here.residuals_with(z, [0, 2], [0.3, 3.0]))
+    assert [one[:2] for one in found] == [(0, 0.3), (0, 3.0), (2, 0.3), (2, 3.0)]
+    for number, constant, residual in found:
+        other = z.copy()
+        other[:, last + number] += constant
+        np.testing.assert_allclose(residual, here.residual(other), rtol=1e-8, atol=1e-10)
+
+
+@pytest.mark.parametrize(("robot", "where"), [("fanuc_s360_rigid_link", "q1+q3"), ("six_axis", "q2+q3")])
+def test_the_best_places_of_a_rod_are_those_of_least_misfit(robot, where, request, root, observed):
+    if robot == "six_axis":
+        founded = request.getfixturevalue("founded")
+        root, observed = founded.root, founded.observations
+    model = model_of(root, observed, ROD, where)
+    profile = Profile(model, 0.2, pooled=True)
+    at, none = AtParameters(model, np.zeros(len(model.space))), model.zero()
+    found = placed_best(profile, at, none, 3)
+    places = rod.cranks_tried(root.context, where)
+    every = []
+    for place in places[:: len(places) // 12]:
+        x = at.x.copy()
+        for k in model.geometry[-1].tolist():
+            parameter = model.space.parameters[k]
+            x[k] = parameter.coordinate(place[parameter.name.rpartition(".")[2]])
+        every += [profile.state(x, none + constant) for constant in (0.3, 3.0)]
+    misfits = [profile.misfit(one.residual) for one in found]
+    assert misfits == sorted(misfits)
+    assert misfits[-1] <= min(profile.misfit(one.residual) for one in every) * (1 + 1e-9)
 
 
 def test_what_is_eliminated_line_by_line_is_the_step_of_the_whole_system(root, observed):

@@ -1,11 +1,13 @@
 """Which ports go on after the first round, and what that round sees of the data."""
 
-from unittest.mock import MagicMock
+from unittest.mock import MagicMock, Mock
 
 import numpy as np
 
+from flexmodal.diagnosis.lawfree import screening
 from flexmodal.diagnosis.lawfree.kinds import KINDS
 from flexmodal.diagnosis.lawfree.port import Port
+from flexmodal.diagnosis.lawfree.profile import Profile, State
 from flexmodal.diagnosis.lawfree.screening import FRFS, LINES, kept, on_all, thinned
 from flexmodal.identification import Observations
 
@@ -28,6 +30,26 @@ def test_the_best_of_a_kind_goes_on_from_farther_behind():
     assert kept([*ports(1.0, 1.1, 1.2, 1.3, 1.4, 1.5), link])[-1] is link[1]
     far = (100.0, link[1])
     assert link[1] not in kept([*ports(1.0, 1.1, 1.2, 1.3, 1.4, 1.5), far])
+
+
+def test_lines_are_repaired_before_a_port_is_given_up(monkeypatch):
+    """But for ports that are so far behind that no repair brings them back."""
+    far, to = 1.5 * screening.HOPELESS, 0.5
+
+    def fit(misfit):
+        return Mock(spec=Profile), Mock(spec=State, cost=misfit)
+
+    monkeypatch.setattr(screening, "misfit_of", lambda one: one[1].cost)
+    monkeypatch.setattr(screening, "mended", lambda profile, state: fit(state.cost * (to if state.cost == far else 1)))
+    first, stuck, lost = (port for _, port in ports(1.0, far, 2 * far))
+    link = Port(BY_NAME["link"], "link_2")
+    begins = [(lost, fit(2 * far)), (stuck, fit(far)), (first, fit(1.0)), (link, fit(3 * far))]
+    found = screening.near(begins)
+    assert [port for port, _ in found] == [first, stuck, link]  # the last as the best of its kind
+    assert [state.cost for _, (_, state) in found] == [1.0, far / 2, 3 * far]
+    to = 0.9
+    assert [port for port, _ in screening.near(begins)] == [first, link]
+    assert screening.near([]) == []
 
 
 def test_functions_on_some_lines_are_straight_between_them():
