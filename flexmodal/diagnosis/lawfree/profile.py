@@ -164,9 +164,14 @@ class Profile:
     @cached_property
     def _spare(self) -> float:
         """The number of real values less that of the unknown ones."""
-        values = 2 * np.count_nonzero(self.weight)
-        functions = np.prod(self.model.zero().shape[:2]) * (1 if self.pooled else len(self.model.lines))
-        return float(max(values - 2 * int(functions) - len(self.model.space), 0.05 * values, 1.0))
+        lines = 1 if self.pooled else len(self.model.lines)
+        unknown = 2 * self.model.cells * len(self.model.names) * lines + len(self.model.space)
+        return max(self._values - unknown, 0.05 * self._values, 1.0)
+
+    @cached_property
+    def _values(self) -> int:
+        """Real values that count."""
+        return 2 * int(np.count_nonzero(self.weight))
 
     def temper(self, residual: Complex[np.ndarray, "observation line"]) -> float:
         """Reduced χ², at least 1."""
@@ -178,7 +183,7 @@ class Profile:
 
     def mean(self, residual: Complex[np.ndarray, "observation line"]) -> float:
         """Robust χ² over the number of real values, where nothing was fitted."""
-        return 2 * self.misfit(residual) / max(2 * np.count_nonzero(self.weight), 1)
+        return 2 * self.misfit(residual) / max(self._values, 1)
 
     def by_line(self, residual: Complex[np.ndarray, "observation line"], z: Unknown) -> Costs:
         """Robust sum of squares of each line, with the prior of its functions.

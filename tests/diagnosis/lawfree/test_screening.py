@@ -40,7 +40,11 @@ def test_lines_are_repaired_before_a_port_is_given_up(monkeypatch):
         return Mock(spec=Profile), Mock(spec=State, cost=misfit)
 
     monkeypatch.setattr(screening, "misfit_of", lambda one: one[1].cost)
-    monkeypatch.setattr(screening, "mended", lambda profile, state: fit(state.cost * (to if state.cost == far else 1)))
+
+    def repaired(profile, state):
+        return fit(state.cost * (to if state.cost == far else 1))
+
+    monkeypatch.setattr(screening, "mended", repaired)
     first, stuck, lost = (port for _, port in ports(1.0, far, 2 * far))
     link = Port(BY_NAME["link"], "link_2")
     begins = [(lost, fit(2 * far)), (stuck, fit(far)), (first, fit(1.0)), (link, fit(3 * far))]
