@@ -20,7 +20,7 @@ from scipy.linalg import expm
 
 from flexmodal.errors import InvalidSystem
 from flexmodal.structure.poles import poles
-from flexmodal.structure.solution import Solved
+from flexmodal.structure.solution import Solved, solved
 from flexmodal.structure.stack import Structures
 from flexmodal.structure.structure import Axis, Structure
 
@@ -80,7 +80,9 @@ def missing_of(found: Solved) -> Complex[np.ndarray, "entry line"] | None:
     """
     many, axis, entries = found.structures, found.axis, found.entries
     if many.loss_factor:
-        return _one_by_one(found)
+        if not _outlasting(many, axis).any():
+            return None
+        return missing_of(solved(_viscous(many, axis), axis, entries, compiled=found.compiled))
     try:
         np.linalg.cholesky(many.mass)
     except np.linalg.LinAlgError:
@@ -109,6 +111,14 @@ def missing_of(found: Solved) -> Complex[np.ndarray, "entry line"] | None:
     if axis.power == 2:
         value += np.einsum("en,en->e", rows, v[system, :, k])[:, None] / s**2
     return np.asarray(value * np.exp(-s * length))
+
+
+def _viscous(many: Structures, axis: Axis) -> Structures:
+    """Hysteretic springs with the viscous damping that is equal in the middle of the band."""
+    lost = many.loss_factor * many.loss / (2 * np.pi * axis.middle)
+    return replace(
+        many, damping=many.damping + lost, loss_factor=0.0, loss_slopes={}, names=(), slopes={}, turned={}
+    )
 
 
 def _one_by_one(found: Solved) -> Complex[np.ndarray, "entry line"] | None:
@@ -140,13 +150,11 @@ def missing_with_slopes(
 def _outlasting(many: Structures, axis: Axis) -> Bool[np.ndarray, " system"]:
     """Whether a system may still move at the end of a record; without shapes: nearly all records are long."""
     n = many.mass.shape[1]
-    lost = many.loss_factor * many.loss / (2 * np.pi * axis.middle)
+    damping = _viscous(many, axis).damping
     state = np.zeros((len(many), 2 * n, 2 * n))
     state[:, :n, n:] = np.eye(n)
     try:
-        state[:, n:] = -np.linalg.solve(
-            many.mass, np.concatenate([many.stiffness, many.damping + lost], axis=2)
-        )
+        state[:, n:] = -np.linalg.solve(many.mass, np.concatenate([many.stiffness, damping], axis=2))
         slowest = np.linalg.eigvals(state).real.max(axis=1)
     except np.linalg.LinAlgError:  # each for itself
         return np.ones(len(many), dtype=bool)

@@ -209,9 +209,10 @@ def test_derivatives_along_a_compliance(structures, size):
     np.testing.assert_allclose(found, numeric, rtol=1e-4, atol=1e-5 * np.abs(found).max())
 
 
+@pytest.mark.parametrize("loss", [0.0, 0.1])
 @pytest.mark.parametrize("power", [0, 1, 2])
-def test_what_a_record_cuts_off_is_the_same_by_modes_and_by_the_state_at_its_end(structures, power):
-    bare = replace(structures, slopes={}, turned={}, names=(), loss_factor=0.0, loss_slopes={})
+def test_what_a_record_cuts_off_is_the_same_by_modes_and_by_the_state_at_its_end(structures, power, loss):
+    bare = replace(structures, slopes={}, turned={}, names=(), loss_factor=loss, loss_slopes={})
     axis = replace(AXIS, length=0.05, power=power, cut_slopes=False)
     found = solved(bare, axis, ENTRIES, compiled=False)
     by_modes, _ = missing_with_slopes(found, ())
