@@ -1,13 +1,14 @@
 """A headless browser that takes pictures of pages."""
 
 import importlib.util
+import io
 import os
 import re
 import shutil
-import subprocess
-import time
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,7 +17,6 @@ from PIL import Image
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 
 FLAGS = (
-    "--headless=new",
     "--no-sandbox",
     "--use-angle=swiftshader",
     "--enable-unsafe-swiftshader",
@@ -29,59 +29,51 @@ FLAGS = (
     "--proxy-server=http://127.0.0.1:9",  # whatever asks the network fails
 )
 
+DRAWN = "new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))"
+
 
 @dataclass(frozen=True)
 class Browser:
-    program: str
-    folder: Path
+    launched: Any
 
-    def _run(self, *arguments):
-        profile = self.folder / f"profile_{time.monotonic_ns()}"
-        command = [self.program, *FLAGS, f"--user-data-dir={profile}", *arguments]
-        done = subprocess.run(command, capture_output=True, timeout=120, check=False)
-        shutil.rmtree(profile, ignore_errors=True)
-        return done
+    @contextmanager
+    def _opened(self, page, fragment="", *, width=1200, height=760):
+        """A window of its own on a page that has been loaded and drawn, and what it said on its console."""
+        said = []
+        tab = self.launched.new_page(viewport={"width": width, "height": height})
+        tab.on("console", lambda message: said.append(f"CONSOLE {message.type}: {message.text}"))
+        tab.on("pageerror", lambda error: said.append(f"CONSOLE error: {error}"))
+        tab.on("requestfailed", lambda request: said.append(f"CONSOLE error: no answer from {request.url}"))
+        tab.goto(Path(page).as_uri() + fragment)
+        tab.evaluate(DRAWN)
+        yield tab, said
+        tab.close()
 
     def picture(self, page, fragment="", *, width=1200, height=760):
         """Pixels of a page as red, green, blue from 0 to 255."""
-        out = self.folder / f"picture_{time.monotonic_ns()}.png"
-        done = self._run(
-            f"--window-size={width},{height}",
-            "--virtual-time-budget=8000",
-            f"--screenshot={out}",
-            Path(page).as_uri() + fragment,
-        )
-        assert out.is_file(), f"{self.program} took no picture:\n{done.stderr.decode()[-2000:]}"
+        with self._opened(page, fragment, width=width, height=height) as (tab, _):
+            content = tab.screenshot()
         keep = os.environ.get("FLEXMODAL_KEEP_PICTURES")
         if keep:
             name = f"{Path(page).stem}{fragment.replace('#', '_').replace('&', '_')}_{width}.png"
-            shutil.copy(out, Path(keep) / name)
-        return np.asarray(Image.open(out).convert("RGB")).astype(int)
+            (Path(keep) / name).write_bytes(content)
+        return np.asarray(Image.open(io.BytesIO(content)).convert("RGB")).astype(int)
 
     def measured(self, page, width, *, height=2400):
         """The page's elements after its scripts have run, in a window of that width."""
-        done = self._run(
-            f"--window-size={width},{height}", "--virtual-time-budget=8000", "--dump-dom", Path(page).as_uri()
-        )
-        return done.stdout.decode()
+        with self._opened(page, width=width, height=height) as (tab, _):
+            return tab.content()
 
     def printed(self, page):
         """Number of pages of the page as a PDF, and its size in bytes."""
-        out = self.folder / f"print_{time.monotonic_ns()}.pdf"
-        self._run("--no-pdf-header-footer", f"--print-to-pdf={out}", Path(page).as_uri())
-        content = out.read_bytes()
+        with self._opened(page) as (tab, _):
+            content = tab.pdf(print_background=True)
         return len(re.findall(rb"/Type\s*/Page\b(?!s)", content)), len(content)
 
     def document(self, page):
-        """The page's elements after its scripts have run, and what the browser said."""
-        done = self._run(
-            "--virtual-time-budget=8000",
-            "--enable-logging=stderr",
-            "--v=0",
-            "--dump-dom",
-            Path(page).as_uri(),
-        )
-        return done.stdout.decode(), done.stderr.decode()
+        """The page's elements after its scripts have run, and what it said on its console."""
+        with self._opened(page) as (tab, said):
+            return tab.content(), "\n".join(said)
 
 
 _SPEC = importlib.util.spec_from_file_location(
@@ -93,8 +85,8 @@ campaign, observed, context = _made.campaign, _made.observed, _made.context
 hinged, diagnosed = _made.hinged, _made.diagnosed
 
 
-@pytest.fixture(scope="session")
-def browser(tmp_path_factory):
+@pytest.fixture(scope="module")
+def browser():
     if os.environ.get("FLEXMODAL_NO_BROWSER") == "1":
         pytest.skip("FLEXMODAL_NO_BROWSER=1")
     program = next(filter(None, map(shutil.which, NAMES)), None)
@@ -103,4 +95,9 @@ def browser(tmp_path_factory):
             f"these tests look at pages in Chromium, and none of {', '.join(NAMES)} is installed; "
             "install one, or set FLEXMODAL_NO_BROWSER=1 to leave them out"
         )
-    return Browser(program, tmp_path_factory.mktemp("browser"))
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as playwright:
+        launched = playwright.chromium.launch(executable_path=program, args=list(FLAGS))
+        yield Browser(launched)
+        launched.close()

@@ -31,7 +31,7 @@ def folder(tmp_path_factory):
         trials=2,
         peaks=(100.0,),
         seed=2,
-        record_length=3.0,
+        record_length=2.0,
     )
     place = tmp_path_factory.mktemp("identify") / "campaign"
     made.write(place)

@@ -13,7 +13,7 @@ ROOT = Path(__file__).parents[2]
 CUT = ROOT / "robots" / "fanuc_s360" / "cuts" / "aluminium.toml"
 THESIS = ROOT / "robots" / "fanuc_s360" / "campaigns" / "thesis"
 HAMMER = ROOT / "tests" / "data" / "real" / "free_free_beam" / "frf.uff"
-LINE = ("--line=-2,2:-2,1.9", "--points", "2", "--feed", "0.1", "--nodes", "5")
+LINE = ("--line=-2,2:-2,1.9", "--points", "2", "--feed", "0.1", "--nodes", "3")
 
 RUNS = [
     ("robots",),

@@ -10,17 +10,24 @@ import os
 import re
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
+from . import in_process
+
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
 
-from tour_followed import PAGES, acting, follow
+import tour_followed
+from tour_followed import LONG, PAGES, acting, follow
 from tour_pages import steps
 
 
 @pytest.mark.parametrize("page", acting())
-def test_the_page_does_what_it_says(page, place):
+def test_the_page_does_what_it_says(page, place, monkeypatch):
+    """Short pages have many commands, each of which would spend its time on imports."""
+    if page.name not in LONG:
+        monkeypatch.setattr(tour_followed, "subprocess", SimpleNamespace(run=in_process.run))
     follow(page, place)
 
 

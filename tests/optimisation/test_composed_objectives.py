@@ -69,7 +69,7 @@ OBJECTIVES = {
         StiffnessObjective(*along(r, "z")), sample_robots(r, 3, stiffness=0.2, seed=2), "worst"
     ),
     "tuned, robust": lambda r: RobustObjective(
-        TunedObjective(*along(r, "z"), (1.0, 40.0)), sample_robots(r, 3, seed=3)
+        TunedObjective(*along(r, "z"), (1.0, 40.0)), sample_robots(r, 2, seed=3)
     ),
     "robust product": lambda r: CombinedObjective(
         (RobustObjective(receptance(r, 5), sample_robots(r, 3, seed=1)), SeparationObjective(5.0))

@@ -197,12 +197,12 @@ def test_limits_in_the_way_are_named(tmp_path):
     )
     robot = flexmodal.load(path, stiffness=1e3, damping=2.0)
     with pytest.raises(Unreachable, match=r"could be reached if q2 went beyond the limits"):
-        optimise(problem(robot, Hold.at(robot, (1.0, 0.5))), starts=3)
+        optimise(problem(robot, Hold.at(robot, (1.0, 0.5))), starts=1)
     with pytest.raises(Unreachable) as caught:
-        optimise(problem(robot, Hold.at(robot, (3.0, 0.0))), starts=3)
+        optimise(problem(robot, Hold.at(robot, (3.0, 0.0))), starts=1)
     assert "beyond the limits" not in str(caught.value)
     with pytest.raises(Unreachable, match=r"turned as asked.* m away and .*° off"):
-        optimise(problem(robot, Hold.at(robot, (1.9, 0.0), orientation=(2.0,))), starts=3)
+        optimise(problem(robot, Hold.at(robot, (1.9, 0.0), orientation=(2.0,))), starts=1)
 
 
 def undamped(tmp_path):

@@ -124,8 +124,8 @@ def test_as_good_as_a_dense_scan_of_the_self_motion(three, way):
 
 def test_hold_limits_and_speeds_are_kept(three):
     """Speeds so low that they are in the way all along; the greedy sequence pays for its start."""
-    tight = straight(three, 8, way="worst", speed=np.array([0.025, 0.04, 0.1]))
-    outcome = plan_path(tight, nodes=40, seed=2)
+    tight = straight(three, 6, way="worst", speed=np.array([0.025, 0.04, 0.1]))
+    outcome = plan_path(tight, nodes=30, seed=2)
     shares = tight.shares(outcome.postures)
     assert shares.max() <= 1.0
     assert shares.max() > 0.5
@@ -134,7 +134,7 @@ def test_hold_limits_and_speeds_are_kept(three):
         assert np.linalg.norm(at.held(values)[0]) <= 1e-9
         assert np.all((at.lower <= values) & (values <= at.upper))
     with pytest.raises(Unreachable, match="times as long"):
-        plan_path(straight(three, 8, speed=np.full(3, 1e-3)), nodes=20, seed=2)
+        plan_path(straight(three, 3, speed=np.full(3, 1e-3)), nodes=8, seed=2)
 
 
 @pytest.mark.slow

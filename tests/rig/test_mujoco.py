@@ -70,7 +70,9 @@ def test_a_campaign_by_mujoco_is_a_campaign(tmp_path):
     robot = flexmodal.load("fanuc_s360")
     hide = ["added_mass@link_3,mass=0.5"]
     one, two = (
-        campaigns.simulate_mujoco(robot, **{**SHORT, "averages": 2, "trials": 2}, hide=hide, seed=4)
+        campaigns.simulate_mujoco(
+            robot, **{**SHORT, "averages": 2, "trials": 2, "record_length": 2.0}, hide=hide, seed=4
+        )
         for _ in "12"
     )
     truth = one.write(tmp_path / "test")

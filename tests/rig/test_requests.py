@@ -11,6 +11,8 @@ from flexmodal.errors import InvalidInput, InvalidPosture, InvalidRequest
 from flexmodal.rig import EFFECTS, Hide, draw_scenario, hide_places, simulate
 
 SMALL = {"postures": 3, "points": 2, "references": 1, "trials": 2, "averages": 2, "record_length": 1.0}
+LEAST = SMALL | {"postures": 1}
+"""For what was hidden, where nothing is asked of what was measured."""
 
 
 @pytest.fixture(scope="module")
@@ -137,7 +139,7 @@ def test_a_height_in_a_range_is_drawn_from_the_seed(fanuc):
     hide = [Hide("time_delay", height=(3.0, 30.0))]
     found = []
     for seed in (*range(6), 5):
-        result = simulate(fanuc, **SMALL, hide=hide, seed=seed, time=False)
+        result = simulate(fanuc, **LEAST, hide=hide, seed=seed, time=False)
         found.append(result.truth.effects[0].height)
     assert all(3 <= height <= 30 for height in found)
     assert max(found) > 2 * min(found)
@@ -148,7 +150,7 @@ def test_a_height_out_of_reach_gives_way_within_the_range(fanuc):
     """A gain error makes |ln| 1.1 at most on one point of two; 1000 times a floor of 0.05 asks for more."""
     hide = [Hide("sensor_gain", "location_1", {"error": 0.2}, height=(3.0, 1000.0))]
     reached = [
-        simulate(fanuc, **SMALL, noise=0.03, hide=hide, seed=seed, time=False).truth.effects[0]
+        simulate(fanuc, **LEAST, noise=0.03, hide=hide, seed=seed, time=False).truth.effects[0]
         for seed in range(5)
     ]
     assert all(effect.height > 2.7 for effect in reached)
@@ -206,17 +208,17 @@ def test_effects_that_ring_up_together_are_refused_by_name(fanuc):
     """A bare off-diagonal spring holds beside the joints' springs, and not where one hangs on a soft loop."""
     tied = Hide("joint_coupling", "q2+q3", {"coupling": 0.9})
     for alone in (SOFT_LOOP, tied):
-        simulate(fanuc, **SMALL, hide=[alone], seed=1, time=False)
+        simulate(fanuc, **LEAST, hide=[alone], seed=1, time=False)
     for both in ([SOFT_LOOP, tied], [tied, SOFT_LOOP]):
         with pytest.raises(InvalidRequest, match=r"an arm that rings up with .*; allowed: weaker effects"):
-            simulate(fanuc, **SMALL, hide=both, seed=1)
+            simulate(fanuc, **LEAST, hide=both, seed=1)
 
 
 def test_effects_that_ring_up_together_are_drawn_again_where_places_are_open(fanuc):
     open_ = Hide("joint_coupling", parameters={"coupling": 0.9})
     alone, beside = (
         [
-            simulate(fanuc, **SMALL, hide=hide, seed=seed, time=False).truth.effects[-1].where
+            simulate(fanuc, **LEAST, hide=hide, seed=seed, time=False).truth.effects[-1].where
             for seed in range(6)
         ]
         for hide in ([open_], [SOFT_LOOP, open_])
