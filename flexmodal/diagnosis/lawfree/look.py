@@ -163,6 +163,7 @@ class Field:
             found.sort(key=lambda one: one.judged)
         if found and found[0].judged > NEARLY and ports is None:
             found = [self._afresh(one, before) for one in found[:AFRESH]] + found[AFRESH:]
+        found = [one for one in found if np.isfinite(one.judged)] or found
         return Round(tuple(sorted(found, key=lambda one: one.judged)))
 
     def _afresh(self, one: Sighting, before: Sighting | None) -> Sighting:
@@ -261,7 +262,7 @@ class Field:
         if self.away is not None and model.cells == 1:
             other = Profile(self._model(every, self.away.merged, lines), noise)
             residual = other.state(state.x, state.z).residual
-            apart = float(np.sqrt(other.mean(residual))) if residual.size else np.inf
+            apart = float(np.sqrt(other.mean(residual)))
         dropped = len(observations) - len(model.observations)
         unknowns = max(len(model.names), dropped) + len(model.space) - len(self.root.space)
         return Sighting(

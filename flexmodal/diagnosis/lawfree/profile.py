@@ -44,6 +44,7 @@ class State:
     cost: float
     """Robust sum of squares with all priors."""
     residual: Complex[np.ndarray, "observation line"]
+    """Not a number where the model does not exist."""
 
     @property
     def x(self) -> Float[np.ndarray, " parameter"]:
@@ -109,15 +110,11 @@ class Profile:
         try:
             r = at.residual(z)
         except (np.linalg.LinAlgError, SingularResponse):
-            return State(at, z, np.inf, np.zeros((0, 0), dtype=complex))
+            r = np.full((len(self.model.observations), len(self.model.lines)), complex(np.nan))
         return self.judged(State(at, z, np.inf, r))
 
     def judged(self, state: State) -> State:
-        """A state at this model error.
-
-        Args:
-            state: of the same model.
-        """
+        """A state of the same model at this model error."""
         ridge = RIDGE * float(np.sum(np.abs(state.z) ** 2))
         misfit = self.misfit(state.residual)
         believed = float(np.sum(self.model.space.precision * (state.x - self.origin) ** 2))
@@ -133,6 +130,8 @@ class Profile:
             held: whether the parameters stay as they are.
         """
         damping = FIRST
+        if not np.isfinite(state.cost):
+            return state
         for _ in range(most):
             equations, temper = self.equations(state, held=held), self.temper(state.residual)
             found = None
@@ -153,8 +152,9 @@ class Profile:
     # sums
 
     def misfit(self, residual: Complex[np.ndarray, "observation line"]) -> float:
-        """Robust χ²."""
-        return float(self._each(residual).sum())
+        """Robust χ²; infinite where there is no model."""
+        found = float(self._each(residual).sum())
+        return found if np.isfinite(found) else np.inf
 
     def _each(
         self, residual: Complex[np.ndarray, "observation line"]

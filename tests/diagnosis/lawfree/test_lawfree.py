@@ -8,10 +8,12 @@ import pytest
 import flexmodal
 from flexmodal.diagnosis.effects import Context, catalogue, rod
 from flexmodal.diagnosis.hypothesis import Hypothesis
+from flexmodal.diagnosis.lawfree import at_parameters
 from flexmodal.diagnosis.lawfree.at_parameters import AtParameters
 from flexmodal.diagnosis.lawfree.body_ports import BODY, CARRIED, GROUND
 from flexmodal.diagnosis.lawfree.curve import classes_of, curve_of
 from flexmodal.diagnosis.lawfree.elastic_ports import BASE, LINK
+from flexmodal.diagnosis.lawfree.findings import summed_up
 from flexmodal.diagnosis.lawfree.geometries import placed_best
 from flexmodal.diagnosis.lawfree.joint_ports import COUPLING, DAMPING, JOINT, ROD, TORQUE
 from flexmodal.diagnosis.lawfree.kinds import KINDS
@@ -24,9 +26,12 @@ from flexmodal.diagnosis.lawfree.pursuit import MOST, alone, pursued
 from flexmodal.diagnosis.lawfree.reading_ports import BLOWS, CHANNEL, SENSOR
 from flexmodal.diagnosis.lawfree.screening import ALIKE
 from flexmodal.diagnosis.placed import Placed
+from flexmodal.errors import SingularResponse
 from flexmodal.identification import observe, predict, unlimited
 from flexmodal.rig import simulate
 from flexmodal.structure import robot_space
+from flexmodal.structure.ports import CompliancePort
+from flexmodal.structure.with_ports import with_ports
 
 PLACES = [
     (JOINT, "q2"),
@@ -338,6 +343,25 @@ def test_the_curve_of_one_of_several_is_its_own(several):
     spring = next(one for one in classes_of(whole, curve, metric, 0) if one.name == "spring")
     assert spring.share > 0.98
     assert spring.misfit < 1.6
+
+
+@pytest.mark.parametrize("kinds", [[JOINT, LINK], [LINK]], ids=["one of two", "all"])
+def test_ports_without_a_model_are_left_out(root, observed, monkeypatch, kinds):
+    """Where the receptance is infinite with them; where that is so of all, nothing stands out."""
+
+    def solved(structures, axis, entries, ports):
+        if any(isinstance(port, CompliancePort) for port in ports):
+            raise SingularResponse("the receptance is infinite here")
+        return with_ports(structures, axis, entries, ports)
+
+    monkeypatch.setattr(at_parameters, "with_ports", solved)
+    found = alone(Field.of(root, np.zeros(len(root.space)), observed, observed, kinds=kinds))
+    assert {one.port.kind.name for one in found.first.sightings} == {kinds[0].name}
+    assert np.isfinite(found.whole.judged) == (JOINT in kinds)
+    assert np.isfinite(found.believed)
+    if JOINT not in kinds:
+        assert not found.needed
+        assert "nothing stands out" in summed_up(found).says
 
 
 def test_every_kind_has_places_on_a_planar_arm(root):
