@@ -5,6 +5,7 @@ from flexmodal.modal.mac import auto_mac as auto_mac
 from flexmodal.modal.mac import comac as comac
 from flexmodal.modal.mac import mac as mac
 from flexmodal.modal.mac import phase_collinearity as phase_collinearity
+from flexmodal.modal.modes import NO_MODES as NO_MODES
 from flexmodal.modal.modes import Modes as Modes
 from flexmodal.modal.modes import solve_modes as solve_modes
 from flexmodal.modal.state_space import LinearModel as LinearModel

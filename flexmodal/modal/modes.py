@@ -14,12 +14,15 @@ from typing import Any
 import numpy as np
 from jaxtyping import Bool, Complex, Float
 
+from flexmodal.errors import InaccurateModes, InvalidSystem
 from flexmodal.modal.graded import RANGE, check_digits, graded_squares, mended
 from flexmodal.modal.hysteretic import with_hysteresis
 from flexmodal.modal.system import SecondOrderSystem
 from flexmodal.text.extras import extra
 from flexmodal.text.shown import Shown, several
 
+NO_MODES = (InvalidSystem, InaccurateModes, np.linalg.LinAlgError)
+"""What is raised where a system has no modes, or none with digits left."""
 DEFECTIVE = 1e4
 """Pole condition above which a modal sum has lost half its digits: it loses twice as many as the pole."""
 

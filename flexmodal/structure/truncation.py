@@ -18,7 +18,7 @@ import numpy as np
 from jaxtyping import Bool, Complex
 from scipy.linalg import expm
 
-from flexmodal.errors import InvalidSystem
+from flexmodal.modal import NO_MODES
 from flexmodal.structure.poles import poles
 from flexmodal.structure.solution import Solved, solved
 from flexmodal.structure.stack import Structures
@@ -46,7 +46,7 @@ def missing(
         if (_slowest(structure) - axis.decay) * axis.length < np.log(NOTHING):
             return None
         found = poles(structure, names)
-    except (InvalidSystem, np.linalg.LinAlgError):  # no modes without a mass matrix: nothing can be said
+    except NO_MODES:  # nothing can be said
         return None
     pole, s, length = found.pole, axis.s, axis.length
     near = s - pole[:, None]  # [pole, line]

@@ -5,7 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from flexmodal.errors import Fault, InaccurateModes, InvalidSystem
 from flexmodal.frf.kernels.route import has_numba
+from flexmodal.structure import truncation
 from flexmodal.structure.assembly import KINDS
 from flexmodal.structure.ports import CompliancePort, StiffnessPort
 from flexmodal.structure.solution import Entries, solved
@@ -219,3 +221,18 @@ def test_what_a_record_cuts_off_is_the_same_by_modes_and_by_the_state_at_its_end
     by_state = missing_of(found)
     assert np.abs(by_modes).max() > 1e-3 * np.abs(found.value).max()
     np.testing.assert_allclose(by_state, by_modes, rtol=1e-7, atol=1e-9 * np.abs(by_modes).max())
+
+
+@pytest.mark.parametrize("error", [InvalidSystem, InaccurateModes, np.linalg.LinAlgError])
+def test_where_there_are_no_modes_nothing_is_said_to_be_cut_off(structures, monkeypatch, error):
+    """Of stiffness over too many decades, say, whose receptance stays right."""
+
+    def poles(structure, names):
+        raise error([Fault("", "", "none", "some")]) if issubclass(error, InvalidSystem) else error("none")
+
+    monkeypatch.setattr(truncation, "poles", poles)
+    axis = replace(AXIS, length=0.05, power=2, cut_slopes=False)
+    pairs = np.array([[0, 0]])
+    assert truncation.missing(structures[0], axis, pairs) is None
+    found = solved(structures, axis, ENTRIES, compiled=False)
+    assert missing_with_slopes(found, ()) is None

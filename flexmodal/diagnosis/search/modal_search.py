@@ -17,7 +17,6 @@ from flexmodal.diagnosis.effects import Context
 from flexmodal.diagnosis.modal_model import ModalModel
 from flexmodal.diagnosis.names import UNSTRUCTURED
 from flexmodal.diagnosis.placed import Placed
-from flexmodal.errors import InvalidSystem
 from flexmodal.identification.evidence.likelihood.fit import fit_modes
 from flexmodal.identification.evidence.likelihood.forecast import Forecast
 from flexmodal.identification.evidence.likelihood.laplace import ModalFit
@@ -25,6 +24,7 @@ from flexmodal.identification.evidence.likelihood.likelihood import Pairs
 from flexmodal.identification.evidence.likelihood.predictive import granted
 from flexmodal.identification.evidence.likelihood.scatter import Beliefs
 from flexmodal.identification.evidence.measured_modes import ModeObservations
+from flexmodal.modal import NO_MODES
 
 WAYS = 5
 """Ways to pair that are tried from each start."""
@@ -62,7 +62,7 @@ def best_fits(
     for x, pairs in starts:
         try:
             quick.append(fit_modes(explanation, measured, x, beliefs, pairs=pairs, quick=True))
-        except (InvalidSystem, np.linalg.LinAlgError):
+        except NO_MODES:
             continue
     quick.sort(key=lambda one: -one.log_posterior)
     return followed(explanation, measured, _distinct(quick)[:CLOSE], beliefs)
@@ -83,7 +83,7 @@ def followed(
     for one in near:
         try:
             found.append(fit_modes(explanation, measured, one.x, beliefs, scales=one.scales))
-        except (InvalidSystem, np.linalg.LinAlgError):
+        except NO_MODES:
             continue
     return sorted(found, key=lambda one: -one.log_posterior)
 
@@ -146,7 +146,7 @@ def _likely(explanation: ModalModel, measured: ModeObservations, x: np.ndarray) 
     """Ln likelihood at a start that is granted to be far off; None where there is no model."""
     try:
         return granted(explanation, measured, x)
-    except (InvalidSystem, np.linalg.LinAlgError):
+    except NO_MODES:
         return None
 
 
@@ -237,7 +237,7 @@ def ways(
     """
     try:
         seen = explanation.forecasts(x, measured.responses, slopes=False)
-    except (InvalidSystem, np.linalg.LinAlgError):
+    except NO_MODES:
         return []
     numbers = [n for n in _ordered(measured) if n != taken]
     first = seen[0]

@@ -21,7 +21,6 @@ from flexmodal.diagnosis.modal_model import ModalModel
 from flexmodal.diagnosis.names import UNSTRUCTURED
 from flexmodal.diagnosis.selection.comparison import Comparison
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
-from flexmodal.errors import InvalidSystem
 from flexmodal.identification import uncertainty
 from flexmodal.identification.evidence.likelihood.errors import mean_of_others
 from flexmodal.identification.evidence.likelihood.held_out import HeldOut, together
@@ -33,6 +32,7 @@ from flexmodal.identification.evidence.likelihood.residuals import residuals
 from flexmodal.identification.evidence.likelihood.scales import rescaled
 from flexmodal.identification.evidence.likelihood.scatter import Beliefs
 from flexmodal.identification.evidence.measured_modes import ModeObservations
+from flexmodal.modal import NO_MODES
 
 SETTINGS = (Beliefs(), Beliefs(shapes=False), Beliefs(spurious=1.5))
 """Beliefs under which modes are looked at."""
@@ -103,7 +103,7 @@ def _seen(
     scales = likelihood.usual()
     try:
         forecasts = likelihood.see(x, slopes=True)
-    except (InvalidSystem, np.linalg.LinAlgError):
+    except NO_MODES:
         none = (-1,) * len(measured.modes)
         return ModalFit(explanation, measured, beliefs, x, scales, none, -np.inf, -np.inf, covariance, ())
     pairs = paired(likelihood, forecasts, scales, 0.0)

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Bool, Float, Int, Shaped
 
-from flexmodal.errors import Fault, InvalidSystem
+from flexmodal.errors import Fault
 from flexmodal.identification.descent import Normal, prior_cost, robust, robust_weight
 from flexmodal.identification.evidence.evidence import Evidence, Fitted, Key, Misfit, few
 from flexmodal.identification.evidence.likelihood.fit import COARSE
@@ -28,6 +28,7 @@ from flexmodal.identification.evidence.modal_gap import errors_of, gap_of_errors
 from flexmodal.identification.evidence.posed import ANTIRESONANCE, PosedModel, PosedModes
 from flexmodal.identification.gap import Gap
 from flexmodal.identification.uncertainty import Uncertainty, laplace
+from flexmodal.modal import NO_MODES
 from flexmodal.structure.parameter import ParameterSpace
 from flexmodal.text.words import enumeration
 
@@ -66,7 +67,7 @@ class ModalMisfit:
         """See `Misfit`."""
         try:
             found = self.residuals(x, slopes=False)
-        except (InvalidSystem, np.linalg.LinAlgError):
+        except NO_MODES:
             return float("inf")
         scaled = found.granting(self.floor) * found.away**2
         return float(np.sum(robust(scaled))) + prior_cost(self.likelihood.space, x)

@@ -11,7 +11,6 @@ from collections.abc import Mapping
 import numpy as np
 from jaxtyping import Float
 
-from flexmodal.errors import InvalidSystem
 from flexmodal.identification.descent import Normal, descend, prior_cost
 from flexmodal.identification.evidence.likelihood.forecast import ModeModel
 from flexmodal.identification.evidence.likelihood.laplace import ModalFit, integrated
@@ -21,6 +20,7 @@ from flexmodal.identification.evidence.likelihood.residuals import residuals
 from flexmodal.identification.evidence.likelihood.scales import rescaled
 from flexmodal.identification.evidence.likelihood.scatter import Beliefs
 from flexmodal.identification.evidence.measured_modes import ModeObservations
+from flexmodal.modal import NO_MODES
 
 COARSE = (0.12, 0.03)
 """Relative errors of frequencies that the first rounds grant a model, so that pairs can find each other."""
@@ -90,7 +90,7 @@ def _improved(
     def cost(at: np.ndarray) -> float:
         try:
             found = residuals(likelihood, likelihood.see(at, slopes=False), pairs)
-        except (InvalidSystem, np.linalg.LinAlgError):
+        except NO_MODES:
             return float("inf")
         return float(found.weights(scales, grant) @ found.away**2) + prior_cost(space, at)
 

@@ -8,12 +8,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Bool
 
-from flexmodal.errors import InvalidSystem
 from flexmodal.identification.evidence.likelihood.errors import Errors, errors
 from flexmodal.identification.evidence.likelihood.fit import fit_modes
 from flexmodal.identification.evidence.likelihood.laplace import ModalFit
 from flexmodal.identification.evidence.likelihood.predictive import predictive, restricted
 from flexmodal.identification.evidence.measured_modes import ModeObservations
+from flexmodal.modal import NO_MODES
 
 FEWEST = 3
 """Postures from which on each is held out in turn."""
@@ -46,7 +46,7 @@ def in_turn(fit: ModalFit) -> HeldOut | None:
         }
         try:
             fits.append(fit_modes(fit.model, seen, fit.x, fit.beliefs, scales=scales))
-        except (InvalidSystem, np.linalg.LinAlgError):
+        except NO_MODES:
             return None
     return together(fits, fit.measured, folds, fit)
 
