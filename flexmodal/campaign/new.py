@@ -5,6 +5,28 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping, Sequence
 
+from flexmodal.campaign.description.tested import USUAL
+
+_TRIALS = (
+    "# A trial is a kind of blow and has the version number of its records. Two trials of one kind tell",
+    "# the noise; averages are the blows in each FRF; record_length tells where the record ends.",
+    "[[trial]]",
+    "id = 1",
+    "force_peak = 100.0    # N",
+    "averages = 3",
+    'tip = "soft"',
+    "record_length = 4.0   # s",
+    'window = "none"       # or { kind = "exponential", decay = 3.0 }, 1/s',
+    "",
+    "[[trial]]",
+    "id = 2",
+    "force_peak = 100.0",
+    "averages = 3",
+    'tip = "soft"',
+    "record_length = 4.0",
+    "repeat_of = 1",
+)
+
 
 def new_campaign_toml(
     title: str,
@@ -28,6 +50,13 @@ def new_campaign_toml(
         "band = [2.0, 200.0]   # Hz: lines to compare, from what the sensor hears to what the tip excites",
         "# separate_modes = true   # where modes.csv was measured apart, not estimated from these FRFs",
         "",
+        "# How well the test was set up: one standard deviation each. 0: exact; without the table all is.",
+        "[tolerance]",
+        f"posture = {USUAL.posture}      # rad, of each joint (m of a slide)",
+        f"position = {USUAL.position}    # m, of hammer and sensor",
+        f"direction = {USUAL.direction}    # rad, likewise",
+        f"gain = {USUAL.gain}         # relative, of each sensor and the hammer",
+        "",
         "# A posture has the load case number of its records. Angles in rad, not degrees; all joints.",
     ]
     for number, (name, q) in enumerate(postures.items(), start=1):
@@ -44,25 +73,7 @@ def new_campaign_toml(
         place = [float(value) for value in xyz]
         lines += ["[[point]]", f"id = {number}", f"name = {_text(name)}", f"link = {_text(link)}"]
         lines += [f"xyz = {place}", ""]
-    lines += [
-        "# A trial is a kind of blow and has the version number of its records. Two trials of one kind tell",
-        "# the noise; averages are the blows in each FRF; record_length tells where the record ends.",
-        "[[trial]]",
-        "id = 1",
-        "force_peak = 100.0    # N",
-        "averages = 3",
-        'tip = "soft"',
-        "record_length = 4.0   # s",
-        'window = "none"       # or { kind = "exponential", decay = 3.0 }, 1/s',
-        "",
-        "[[trial]]",
-        "id = 2",
-        "force_peak = 100.0",
-        "averages = 3",
-        'tip = "soft"',
-        "record_length = 4.0",
-        "repeat_of = 1",
-    ]
+    lines += _TRIALS
     return "\n".join(lines) + "\n"
 
 

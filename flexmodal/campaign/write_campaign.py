@@ -67,7 +67,7 @@ def campaign_toml(campaign: Campaign) -> str:
         lines.append(f"trace_lines = {[list(map(int, one)) for one in campaign.trace_lines]}")
     if not campaign.tolerance.is_exact:
         lines += ["", "[tolerance]"]
-        lines += [f"{name} = {float(value)!r}" for name, value in asdict(campaign.tolerance).items() if value]
+        lines += [f"{name} = {float(value)!r}" for name, value in asdict(campaign.tolerance).items()]
     for posture in campaign.postures:
         angles = ", ".join(f"{_key(joint)} = {float(angle)!r}" for joint, angle in posture.q.items())
         q = f"{{ {angles} }}" if angles else "{}"

@@ -1,5 +1,6 @@
 """What was not set up exactly counts as variance, by the derivatives of the robot's own FRFs."""
 
+import tomllib
 from dataclasses import replace
 
 import numpy as np
@@ -7,6 +8,8 @@ import pytest
 
 import flexmodal
 from flexmodal.campaign import Tolerance, read_campaign, write_campaign
+from flexmodal.campaign.description.tested import EXACT, USUAL
+from flexmodal.campaign.new import new_campaign_toml
 from flexmodal.errors import InvalidCampaign
 from flexmodal.identification import build_identification, observe
 from flexmodal.identification.tolerance import MOST, with_tolerance
@@ -90,6 +93,18 @@ def test_a_place_counts_more_where_the_link_turns(made):
     np.testing.assert_allclose(np.median(twice / more), 4.0, rtol=0.02)
     same = np.flatnonzero(np.all(plain.response == plain.reference, axis=1))
     assert same.size
+
+
+def test_what_the_table_leaves_out_is_as_usual(made, tmp_path):
+    """Without a table everything is exact, and a new campaign says what is usual."""
+    write_campaign(made[0], tmp_path / "test")
+    assert read_campaign(tmp_path / "test").tolerance == EXACT
+    file = tmp_path / "test" / "campaign.toml"
+    file.write_text(file.read_text() + "\n[tolerance]\ngain = 0\nposition = 0.002\n")
+    found = read_campaign(tmp_path / "test").tolerance
+    assert found == replace(USUAL, gain=0.0, position=0.002)
+    drawn_up = new_campaign_toml("a test", "fanuc_s360", {"one": {"q1": 0.1}}, {"tip": ("link_3", (0, 0, 0))})
+    assert Tolerance(**tomllib.loads(drawn_up)["tolerance"]) == USUAL
 
 
 def test_it_is_written_and_read(made, tmp_path):

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from flexmodal.campaign.consistency import add_contradictions
-from flexmodal.campaign.description.tested import CampaignPoint, CampaignPosture, Tested, Tolerance
+from flexmodal.campaign.description.tested import EXACT, CampaignPoint, CampaignPosture, Tested, Tolerance
 from flexmodal.campaign.trial import Trial, Window
 from flexmodal.errors import Fault, InvalidCampaign
 from flexmodal.text.frozen import FrozenDict
@@ -52,7 +52,7 @@ def _tested(table: CampaignTable) -> Tested:
         points=tuple(map(_point, table.point)),
         trials=tuple(_trial(trial) for trial in table.trial),
         separate_modes=table.separate_modes,
-        tolerance=Tolerance(**table.tolerance.model_dump()),
+        tolerance=EXACT if table.tolerance is None else Tolerance(**table.tolerance.model_dump()),
         trace_lines=tuple(map(tuple, table.trace_lines)),
     )
 

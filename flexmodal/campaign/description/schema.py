@@ -10,7 +10,7 @@ from typing import Annotated, Literal
 from pydantic import Field, field_validator, model_validator
 
 from flexmodal.campaign.description.axes import AXES, FRAME, FRAME_OF_ROWS, axes_fault
-from flexmodal.campaign.description.tested import BAND
+from flexmodal.campaign.description.tested import BAND, USUAL
 from flexmodal.campaign.trial import MOST_DIGITS, MOST_TRIAL
 from flexmodal.text.schema import TEXT, Metres, NotNegative, Positive, Table, Text, Triple
 from flexmodal.text.validation import Contradiction
@@ -100,12 +100,12 @@ class TrialTable(Table):
 
 
 class ToleranceTable(Table):
-    """`[tolerance]`."""
+    """`[tolerance]`: what is left out is as usual."""
 
-    posture: Small = Field(default=0.0, description=f"{SMALL} in rad")
-    position: Small = Field(default=0.0, description=f"{SMALL} in m")
-    direction: Small = Field(default=0.0, description=f"{SMALL} in rad")
-    gain: Small = Field(default=0.0, description=SMALL)
+    posture: Small = Field(default=USUAL.posture, description=f"{SMALL} in rad")
+    position: Small = Field(default=USUAL.position, description=f"{SMALL} in m")
+    direction: Small = Field(default=USUAL.direction, description=f"{SMALL} in rad")
+    gain: Small = Field(default=USUAL.gain, description=SMALL)
 
 
 class CampaignTable(Table):
@@ -118,7 +118,7 @@ class CampaignTable(Table):
         default=None, description=BAND
     )
     separate_modes: bool = Field(default=False, strict=True, description="true or false")
-    tolerance: ToleranceTable = Field(default=ToleranceTable(), description="a table [tolerance]")
+    tolerance: ToleranceTable | None = Field(default=None, description="a table [tolerance]")
     trace_lines: list[Annotated[list[Id], Field(min_length=2)]] = Field(default=[], description=TRACES)
     posture: list[PostureTable] = Field(min_length=1, description="at least one table [[posture]]")
     point: list[PointTable] = Field(min_length=1, description="at least one table [[point]]")

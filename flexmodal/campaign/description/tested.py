@@ -115,6 +115,8 @@ class Tolerance:
 
 
 EXACT = Tolerance()
+USUAL = Tolerance(posture=0.01, position=0.005, direction=0.03, gain=0.03)
+"""Of a careful test by hand: half a degree, some millimetres, two degrees, some per cent."""
 
 
 @runtime_checkable
