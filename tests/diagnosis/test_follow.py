@@ -10,7 +10,7 @@ from flexmodal.diagnosis.effects.effect import Effect
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.lawfree.result import Findings
 from flexmodal.diagnosis.outcome import Compared, Gaps, Step
-from flexmodal.diagnosis.selection import frf_candidates
+from flexmodal.diagnosis.selection import frf_candidates, frf_data
 from flexmodal.diagnosis.selection.comparison import Comparison
 from flexmodal.diagnosis.selection.data import Data
 from flexmodal.diagnosis.selection.decision import Answer
@@ -128,6 +128,27 @@ def test_each_of_several_takes_less_than_a_further_one_would_have_to(hidden):
     assert set(selection.current.keys) == hidden
 
 
+class Border(World):
+    """A tenth of the noise is clear; besides, the data point to what they are told."""
+
+    def besides(self, before, number):
+        clear = self.left(frozenset(before.keys)) <= 0.1 * NOISE
+        return [] if clear else self.pointed(before, number)
+
+
+@pytest.mark.parametrize(
+    ("least", "found"),
+    [(0.05, {MASS, DELAY}), (0.75, {MASS})],
+    ids=["it takes a good part", "it takes little"],
+)
+def test_what_hides_in_what_counts_as_noise_is_looked_for(least, found):
+    """One more, as long as it takes as much of what is left as a further effect has to."""
+    left = {frozenset(): 50.0, frozenset({MASS}): NOISE, frozenset({MASS, DELAY}): least}
+    selection = Selection(Border(lambda keys: left.get(keys, 40.0)))
+    assert selection.follow()
+    assert set(steps(selection)) == found
+
+
 def test_no_more_than_so_many():
     selection, ended = followed(lambda keys: 200.0 - 20 * len(keys))
     assert not ended
@@ -195,7 +216,7 @@ def test_what_can_do_more_than_is_needed_is_left_out():
 
 def fitted(*keys):
     """A model of FRFs with some effects."""
-    return Mock(spec=FittedFrfs, hypothesis=Mock(keys=keys))
+    return Mock(spec=FittedFrfs, hypothesis=Mock(keys=keys), key=keys[-1] if keys else ("none", ""))
 
 
 class Settling(FrfData):
@@ -274,6 +295,35 @@ def test_a_second_effect_is_looked_for_where_it_may_be_missing(given):
 def test_a_third_effect_is_looked_for_whatever_one_place_leaves():
     with pytest.raises(AssertionError, match="further look"):
         Alone().pointed(fitted(BASE, MASS), 2)
+
+
+@pytest.mark.parametrize(
+    ("over", "explains", "at", "tried"),
+    [
+        (1.3, True, False, True),
+        (1.1, True, False, False),
+        (1.3, False, False, False),
+        (1.3, True, True, False),
+    ],
+    ids=["elsewhere", "near enough", "nowhere", "at the same place"],
+)
+def test_what_may_hide_in_the_noise_is_tried_at_the_place_a_look_finds(
+    monkeypatch, over, explains, at, tried
+):
+    look = Mock(
+        spec=Findings, explains=explains, is_at=lambda keys: at,
+        met=lambda keys: {key: None for key in keys if key == DELAY},
+    )  # fmt: skip
+    met, other = fitted(MASS, DELAY), fitted(MASS, BASE)
+    data = FrfData.__new__(FrfData)
+    data.setup, data.asked = Mock(spec=Setup), None
+    data._candidates = Mock(
+        spec=FrfCandidates, can_look=lambda model: True, look_beside=lambda model: look,
+        at_places=lambda *given: [other, met],
+    )  # fmt: skip
+    monkeypatch.setattr(frf_data, "over_noise", lambda setup, model: over)
+    before = fitted(MASS)
+    assert data.besides(before, 1) == ([before, met] if tried else [])
 
 
 def test_so_many_looks_and_no_more():

@@ -81,6 +81,15 @@ class Data(ABC, Generic[M]):
         """
         return [before]
 
+    def besides(self, before: M, number: int) -> list[M]:
+        """A model that leaves what counts as noise, and what may yet be in that; nothing where that is clear.
+
+        Args:
+            before: the model.
+            number: how many effects it has.
+        """
+        return []
+
     def doubted(self, model: M) -> tuple[str, str] | None:
         """An effect whose fit a look without a law speaks against, if there is one.
 

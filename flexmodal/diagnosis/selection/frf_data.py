@@ -30,6 +30,7 @@ from flexmodal.diagnosis.selection.frf_by_look import FrfsByLook
 from flexmodal.diagnosis.selection.frf_candidates import FrfCandidates, narrowest, starts
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs, compare_models
 from flexmodal.diagnosis.selection.frf_thresholds import (
+    CLOSE,
     FLOOR_REACHED,
     FORCE,
     FORCE_MARGIN,
@@ -101,6 +102,19 @@ class FrfData(FrfsByLook):
             found = best_of_each([*found, *self._candidates.everywhere(before, number)])
         found = narrowest(found, self.is_enough)
         return [before, *found, *([] if number else [unstructured_mode(self.setup, before)])]
+
+    def besides(self, before: FittedFrfs, number: int) -> list[FittedFrfs]:
+        """See `Data`: at one other place that leaves nothing without a law."""
+        if self._is_close(before) or self.asked is not None or not self._candidates.can_look(before):
+            return []
+        look = self._candidates.look_beside(before)
+        if not look.explains or look.is_at(before.hypothesis.keys):
+            return []
+        found = self._candidates.at_places(before, number, look, self._is_close)
+        return [before, *(one for one in found if look.met([one.key]))]
+
+    def _is_close(self, model: FittedFrfs) -> bool:
+        return over_noise(self.setup, model) <= CLOSE
 
     def candidates(self, before: FittedFrfs, number: int) -> list[FittedFrfs]:
         """The finalists of a search, and a mode with no structure last.

@@ -67,6 +67,8 @@ class ForwardSelection(Generic[M]):
             ended = self.data.is_enough(self.current)
             if named is None and self.data.is_named(self.current):
                 named = self._state
+        while ended and self._besides():
+            pass
         stay = ended or named is not None or self.data.settles(self.current)
         if not ended and (named or not stay):
             self._state = named or kept
@@ -103,6 +105,12 @@ class ForwardSelection(Generic[M]):
             if not self._exchanged():
                 self._state = further
         return True
+
+    def _besides(self) -> bool:
+        """One effect more, where what is left counts as noise and one place explains a good part of it."""
+        number = len(self.current.hypothesis.keys)
+        models = self.data.besides(self.current, number) if number < MOST else []
+        return len(models) > 1 and self._taken(models, number) is not None
 
     def _exchanged(self) -> bool:
         """Another effect in place of one but the last, which may have taken up what was due to others."""
