@@ -23,7 +23,8 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
-from exam_plan import Question, plan, pose
+from exam_plan import plan
+from exam_question import Question, pose
 
 from flexmodal.campaign import Campaign, read_campaign, write_campaign
 

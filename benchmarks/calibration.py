@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from exam_plan import NAMED
+from exam_question import NAMED
 from scipy.stats import beta
 from tables import TABLES, answered, write
 

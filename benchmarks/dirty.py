@@ -25,7 +25,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from exam_plan import NAMED, POSTURES
+from exam_question import NAMED, POSTURES
 from tables import kept, write
 
 import flexmodal

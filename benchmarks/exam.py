@@ -20,7 +20,8 @@ import sys
 import tomllib
 from pathlib import Path
 
-from exam_plan import ENGINES, WHICH, Question, plan
+from exam_plan import plan
+from exam_question import ENGINES, WHICH, Question
 from exam_report import report
 from spreading import add_options, pieces
 

@@ -10,7 +10,7 @@ from collections import Counter, defaultdict
 from dataclasses import replace
 
 import numpy as np
-from exam_plan import ARM, NAMED, OUTSIDE, ROBOTS, WHICH, Question
+from exam_question import ARM, NAMED, OUTSIDE, ROBOTS, WHICH, Question
 
 from flexmodal.rig import LOOKED_AT, SEALED
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 
-from exam_plan import NAMED
+from exam_question import NAMED
 
 from flexmodal.diagnosis.lawfree.result import CLASSES_OF, PORT_OF, holds
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from exam_forms import at_once, by_form
 from exam_lawfree import law_free
-from exam_plan import NAMED, OUTSIDE, ROBOTS
+from exam_question import NAMED, OUTSIDE, ROBOTS
 
 from flexmodal.files import whole_file
 

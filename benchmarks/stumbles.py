@@ -18,7 +18,7 @@ import textwrap
 from dataclasses import dataclass
 from pathlib import Path
 
-from tour import COLUMNS, CUT, in_terminal
+from terminal import COLUMNS, CUT, in_terminal
 
 ROOT = Path(__file__).resolve().parents[1]
 OUT = ROOT / "docs" / "tables" / "stumbles.md"

@@ -9,7 +9,7 @@ import pytest
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
 
 from stumbles import OUT, STUMBLES, prepare
-from tour import in_terminal
+from terminal import in_terminal
 
 
 @pytest.fixture(scope="module")

@@ -25,7 +25,7 @@ def load(name: str):
     return sys.modules[name]
 
 
-exam_plan, exam_forms = load("exam_plan"), load("exam_forms")
+exam_question, exam_forms, exam_plan = load("exam_question"), load("exam_forms"), load("exam_plan")
 
 
 def test_the_exam_of_own_forms_is_the_one_that_was_published():
@@ -58,18 +58,18 @@ def test_an_exam_of_forms_asks_each_of_its_own_alike(which, table, others):
 
 def test_an_arm_has_places_for_what_is_hidden_in_it(tmp_path):
     """A twist needs an arm that is not planar, whichever arm the seed would give."""
-    question = exam_plan.Question("1", "arm", "single", ("link_flexibility",), 1, ("twisting",), 0)
+    question = exam_question.Question("1", "arm", "single", ("link_flexibility",), 1, ("twisting",), 0)
     for arm in range(8):
-        robot = exam_plan.find_robot(replace(question, arm=arm), tmp_path / str(arm))
+        robot = exam_question.find_robot(replace(question, arm=arm), tmp_path / str(arm))
         assert plane_normal(robot) is None
 
 
 @pytest.mark.slow
 def test_a_question_is_posed_without_telling_what_is_hidden(tmp_path):
-    question = exam_plan.Question(
+    question = exam_question.Question(
         "1", "arm", "pair", ("time_delay", "joint_coupling"), 3, ("all_pass", "idler"), 17
     )
-    exam_plan.pose(question, tmp_path / "campaign", tmp_path / "truth" / "1.toml")
+    exam_question.pose(question, tmp_path / "campaign", tmp_path / "truth" / "1.toml")
     told = (tmp_path / "truth" / "1.toml").read_text()
     assert 'form = "all_pass"' in told
     assert 'form = "idler"' in told
@@ -77,7 +77,7 @@ def test_a_question_is_posed_without_telling_what_is_hidden(tmp_path):
         for secret in (b"idler", b"all_pass", b"time_delay", b"coupling", b"seed = "):
             assert secret not in file.read_bytes()
     robot = flexmodal.load(tmp_path / "campaign" / "robot" / "robot.toml")
-    assert len(read_campaign(tmp_path / "campaign").postures) == exam_plan.POSTURES
+    assert len(read_campaign(tmp_path / "campaign").postures) == exam_question.POSTURES
     assert set(robot.joints) == {f"q{n}" for n in range(1, len(robot.joints) + 1)}
 
 
