@@ -10,6 +10,7 @@ from flexmodal.rig.integration.exponential import exponential, polynomial
 from flexmodal.rig.plant.beam import ELEMENTS, Beam, sections
 from flexmodal.rig.plant.build import build
 from flexmodal.rig.plant.chain import reach
+from flexmodal.rig.plant.geometry import across
 
 FIRST, SECOND = 1.875104068711961, 4.694091132974174  # roots of cos x cosh x = -1
 
@@ -140,3 +141,10 @@ def test_polynomial_of_a_matrix():
     a, weights = random.standard_normal((4, 4)) / 4, random.standard_normal(23)
     direct = sum(w * np.linalg.matrix_power(a, k) for k, w in enumerate(weights))
     np.testing.assert_allclose(polynomial(weights, a), direct, rtol=1e-12, atol=1e-12)
+
+
+@pytest.mark.parametrize("noise", [(0.0, 0.0), (4e-17, -3e-18), (-3e-18, 4e-17)])
+def test_directions_across_an_axis_do_not_hang_on_its_last_digits(noise):
+    """An axis that is turned by a posture and back again: what sits across it is fixed to its link."""
+    first, second = across(np.array([1.0, *noise]), None)
+    np.testing.assert_allclose([first, second], [(0, 0, 1), (0, -1, 0)], atol=1e-15)

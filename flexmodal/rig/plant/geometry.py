@@ -41,6 +41,7 @@ def across(
         if np.linalg.norm(side) < _SMALL:
             return ()
         return (side / np.linalg.norm(side),)
-    first = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))])
+    # rounded, or an axis that was turned there and back would choose by its last digits, in each posture anew
+    first = np.cross(axis, np.eye(3)[int(np.argmin(np.round(np.abs(axis), 9)))])
     first /= np.linalg.norm(first)
     return first, np.cross(axis, first)
