@@ -11,11 +11,12 @@ from flexmodal.diagnosis.lawfree.at_parameters import AtParameters
 from flexmodal.diagnosis.lawfree.model import PortedModel, Unknown
 from flexmodal.diagnosis.lawfree.port import Patterns, Port
 from flexmodal.diagnosis.lawfree.profile import Profile, State
+from flexmodal.errors import SingularResponse
 from flexmodal.structure.assembly import Assembly
 
 
 def placed_best(profile: Profile, at: AtParameters, none: Unknown, most: int) -> list[State]:
-    """The last port, of one stiffness, where a constant does most; the best first.
+    """The last port, of one stiffness, where a constant does most; the best first, none without a model.
 
     Args:
         profile: of the model.
@@ -31,7 +32,10 @@ def placed_best(profile: Profile, at: AtParameters, none: Unknown, most: int) ->
     z = np.concatenate([none[:, :last], np.zeros((len(none), len(places), none.shape[2]))], axis=1)
     constants = [one for (one,) in port.kind.starts(context, port.where)]
     tried = there.residuals_with(z, range(len(places)), constants)
-    costs = [(everywhere.misfit(residual), number, constant) for number, constant, residual in tried]
+    try:
+        costs = [(everywhere.misfit(residual), number, constant) for number, constant, residual in tried]
+    except (np.linalg.LinAlgError, SingularResponse):  # no receptance even without it
+        return []
     found = []
     for _, number, constant in sorted(costs)[:most]:
         z, x = none.copy(), at.x.copy()

@@ -364,6 +364,17 @@ def test_ports_without_a_model_are_left_out(root, observed, monkeypatch, kinds):
         assert "nothing stands out" in summed_up(found).says
 
 
+def test_no_place_of_a_rod_is_best_where_there_is_no_model(root, observed, monkeypatch):
+    def solved(*given):
+        raise SingularResponse("the receptance is infinite here")
+
+    monkeypatch.setattr(at_parameters, "with_ports", solved)
+    model = model_of(root, observed, ROD, "q1+q3")
+    at = AtParameters(model, np.zeros(len(model.space)))
+    assert placed_best(Profile(model, 0.2, pooled=True), at, model.zero(), 3) == []
+    assert not np.isfinite(profiled(model, steps=2)[1].cost)
+
+
 def test_every_kind_has_places_on_a_planar_arm(root):
     for kind in KINDS:
         for where in kind.places(root.context):
