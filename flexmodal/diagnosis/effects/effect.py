@@ -11,7 +11,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
-from jaxtyping import Int
+from jaxtyping import Float, Int
 
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.free_function import FreeFunction
@@ -178,6 +178,11 @@ def _sides(context: Context, link: str, along: tuple[float, ...]) -> tuple[np.nd
         side = np.cross(context.axes(link).T @ context.normal, axis)
         size = float(np.linalg.norm(side))
         return (side / size,) if size > 1e-9 else ()
+    return across(axis)
+
+
+def across(axis: Float[np.ndarray, "3"]) -> tuple[Float[np.ndarray, "3"], Float[np.ndarray, "3"]]:
+    """Two unit vectors across a unit vector."""
     first = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))])
     first /= np.linalg.norm(first)
     return first, np.cross(axis, first)

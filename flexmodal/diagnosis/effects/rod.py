@@ -13,7 +13,7 @@ import numpy as np
 from jaxtyping import Float
 
 from flexmodal.diagnosis.effects.context import Context
-from flexmodal.diagnosis.effects.effect import Effect, Level, Placement, positive, signed
+from flexmodal.diagnosis.effects.effect import Effect, Level, Placement, across, positive, signed
 from flexmodal.diagnosis.effects.foundation import length_of
 from flexmodal.diagnosis.effects.free_function import FreeFunction
 from flexmodal.diagnosis.improved.draft import Draft
@@ -62,13 +62,6 @@ def links(context: Context, where: str) -> list[tuple[str, np.ndarray, np.ndarra
     return [(one.parent, one.xyz, turned @ one.axis), (other.child, np.zeros(3), other.axis)]
 
 
-def _across(axis: np.ndarray) -> list[np.ndarray]:
-    """Two unit vectors across an axis."""
-    first = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))])
-    first /= np.linalg.norm(first)
-    return [first, np.cross(axis / np.linalg.norm(axis), first)]
-
-
 def ways(context: Context, link: str) -> list[np.ndarray]:
     """Directions of a crank's parameters, in the frame of its link: two in the plane of a planar chain.
 
@@ -76,7 +69,7 @@ def ways(context: Context, link: str) -> list[np.ndarray]:
         context: of the diagnosis.
         link: its name.
     """
-    return list(np.eye(3)) if context.normal is None else _across(context.axes(link).T @ context.normal)
+    return list(np.eye(3)) if context.normal is None else list(across(context.axes(link).T @ context.normal))
 
 
 def cranks(context: Context, where: str) -> tuple[Parameter, ...]:
@@ -104,7 +97,7 @@ def cranks_tried(context: Context, where: str) -> list[dict[str, float]]:
     ends = []
     for side, (link, _, axis) in zip(SIDES, links(context, where), strict=True):
         along, here = ways(context, link), []
-        first, second = _across(axis) if context.normal is None else along
+        first, second = across(axis / np.linalg.norm(axis)) if context.normal is None else along
         for angle, reach in product(np.arange(TURNS) * 2 * np.pi / TURNS, REACHES):
             place = reach * size_of(context) * (np.cos(angle) * first + np.sin(angle) * second)
             here.append(
