@@ -19,6 +19,7 @@ from flexmodal.diagnosis.selection.data import Conclusion
 from flexmodal.diagnosis.selection.decision import Answer, any_gains
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.selection.selection import ForwardSelection
+from flexmodal.diagnosis.verdict.beyond import beyond_words
 from flexmodal.diagnosis.verdict.facts import Facts
 from flexmodal.diagnosis.verdict.frf_words import stand_in_words
 from flexmodal.diagnosis.verdict.undecided import refused_words, undecided_words
@@ -73,9 +74,15 @@ def diagnosis_of(
         modes=data.modes_seen(selection.root, last, found) if modal is None else modal.modes,
         modal=modal,
         look=data.look,
-        warnings=(*warnings, *far_words(shown.get("moved", ()))),
+        warnings=(*warnings, *far_words(shown.get("moved", ())), *_beyond(found)),
         **_with_steps(selection, shown),
     )
+
+
+def _beyond(found: Conclusion[M]) -> tuple[str, ...]:
+    """Sentences on parameters that the last model takes further off than the card is trusted to be."""
+    hypothesis = found.after.hypothesis
+    return beyond_words(hypothesis.space, found.after.x, len(hypothesis.base))
 
 
 def _with_steps(selection: ForwardSelection[M], shown: dict[str, Any]) -> dict[str, Any]:

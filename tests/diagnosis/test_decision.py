@@ -193,15 +193,21 @@ def test_beyond_the_border_nothing_is_explained():
 @pytest.mark.parametrize("rounding", LAST_DIGIT)
 @pytest.mark.parametrize(("number", "share"), [(0, WORTH), (1, ANOTHER)])
 def test_what_an_effect_takes_away_has_a_margin_too(number, share, rounding):
-    assert takes_enough(share + rounding, 0.0, number) is Answer.UNDECIDED
+    assert takes_enough(share + rounding, 0.0, 0.0, number) is Answer.UNDECIDED
     margin = 1.1 * (ANOTHER_MARGIN if number else WORTH_MARGIN)
-    assert takes_enough(share + margin, 0.0, number) is Answer.YES
-    assert takes_enough(share - margin, 0.0, number) is Answer.NO
+    assert takes_enough(share + margin, 0.0, 0.0, number) is Answer.YES
+    assert takes_enough(share - margin, 0.0, 0.0, number) is Answer.NO
 
 
 def test_a_first_effect_may_bring_parameters_back_instead():
-    assert takes_enough(0.0, SIGNIFICANT + 1.1 * MARGIN, 0) is Answer.YES
-    assert takes_enough(0.0, SIGNIFICANT + 1.1 * MARGIN, 1) is Answer.NO
+    gained = SIGNIFICANT + 1.1 * MARGIN
+    assert takes_enough(0.0, gained, 0.0, 0) is Answer.YES
+    assert takes_enough(0.0, gained, 0.0, 1) is Answer.NO
+
+
+def test_an_effect_beside_which_parameters_stay_beyond_belief_brings_nothing_back():
+    assert takes_enough(0.0, 200.0, 20.0, 0) is Answer.YES
+    assert takes_enough(0.0, 200.0, 160.0, 0) is Answer.NO
 
 
 def test_no_number_reaches_nothing():

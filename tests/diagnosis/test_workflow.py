@@ -11,6 +11,7 @@ from flexmodal.campaign import Tolerance
 from flexmodal.diagnosis import diagnose
 from flexmodal.diagnosis.disagreement.compare import disagreement, force_dependence
 from flexmodal.diagnosis.disagreement.gaps import over_noise
+from flexmodal.diagnosis.effects import catalogue
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.outcome import Gaps, Step
 from flexmodal.diagnosis.placed import Placed
@@ -25,6 +26,7 @@ from flexmodal.diagnosis.selection.frf_data import FrfData
 from flexmodal.diagnosis.selection.frf_thresholds import FLOOR_REACHED
 from flexmodal.diagnosis.selection.selection import ForwardSelection
 from flexmodal.diagnosis.setup import prepare
+from flexmodal.diagnosis.verdict.beyond import beyond_words
 from flexmodal.diagnosis.verdict.facts import Facts
 from flexmodal.diagnosis.verdict.verdict import verdict
 from flexmodal.errors import InvalidRequest
@@ -92,6 +94,27 @@ def test_one_level_of_force_leaves_friction_untestable(clean):
     assert "one level" in found.untestable["coulomb_friction"]
     assert "Of coulomb_friction these data cannot tell." in found.verdict.says
     assert found.verdict.effects == ()
+
+
+@pytest.mark.parametrize(("hidden", "answer"), [((), Answer.NO), (("joint_coupling@q1+q2",), Answer.YES)])
+def test_a_coupling_of_nothing_is_no_coupling(hidden, answer):
+    """Its block could bring the card's damping back to what is believed, with nothing off its diagonal."""
+    measured, robot = campaign(*hidden, points=3, trials=2)
+    data = FrfData(laid_out(measured, robot, ["joint_coupling"]))
+    hypothesis = data.root.hypothesis.and_also(Placed(catalogue()["joint_coupling"], "q1+q2"))
+    begin = hypothesis.start(hypothesis.placed[-1], {"coupling": 0.15}, data.root.x)
+    coupled = fitted_closely(data.setup, hypothesis, begin)
+    assert data.worth(replace(data.root, prior=400.0), replace(coupled, prior=5.0), 0) is answer
+
+
+def test_what_is_beyond_belief_is_told():
+    space = robot_space(flexmodal.load("fanuc_s360"), trust={"damping": 0.1})
+    x = np.zeros(len(space))
+    assert beyond_words(space, x, len(x)) == ()
+    x[space.index["damping.q2"]] = np.log(5.0)
+    (said,) = beyond_words(space, x, len(x))
+    assert "damping.q2 to 5 times the card's value, 16 standard deviations" in said
+    assert beyond_words(space, x, space.index["damping.q2"]) == ()
 
 
 def test_ties_are_said_in_words():

@@ -1,6 +1,7 @@
 """Forms of effects: listed once, passive, repeatable, and not to be told from the campaign's folder."""
 
 import tomllib
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +13,8 @@ from flexmodal.errors import InvalidRequest
 from flexmodal.rig import EFFECTS, FORMS, LOOKED_AT, SEALED, Hide, hide_places, simulate
 from flexmodal.rig.effects.effect import OWN
 from flexmodal.rig.forms import find
-from flexmodal.rig.hidden.severity import limit
+from flexmodal.rig.hammer_test import Conduct
+from flexmodal.rig.hidden.severity import height, limit, noise_floor
 from flexmodal.rig.integration.laws import LAWS
 from flexmodal.rig.plant.build import build
 
@@ -128,6 +130,23 @@ def test_the_highest_severity_of_a_form_is_allowed(key, arm, arms):
         assert effect.check(site.parameters) is None, site.parameters
         most = effect.scaled(site.parameters, limit(effect, site.parameters))
         assert effect.check(most) is None, most
+
+
+@pytest.fixture(scope="module")
+def small_floor(arms):
+    """Lines and postures of the planar arm to judge a height on."""
+    return noise_floor(arms["fanuc_s360"], Conduct(noise=0.02))
+
+
+@pytest.mark.parametrize("key", [key for key in OTHERS if key != "sensor_gain:inverted"])
+def test_a_form_of_no_severity_is_as_good_as_nothing(key, arms, small_floor):
+    stand = arms["fanuc_s360"]
+    found = drawn(stand, key)
+    if found is None:
+        return
+    effect, site = found
+    scaled = effect.scaled(site.parameters, 1e-7)
+    assert height(stand, [(effect, replace(site, parameters=scaled))], small_floor) < 0.05
 
 
 @pytest.mark.parametrize("key", [key for key in OTHERS if find(*key.split(":")).sense is None])

@@ -109,6 +109,8 @@ class Effect:
     """Effects that it comes down to in a limit, in the same place, and the parameters that they share."""
     limit: str = ""
     """The parameter at whose upper bound it comes down to these, if there is one."""
+    made_by: Sequence[str] = ()
+    """What is reported of it, one of which has to differ from nothing, for it to be this effect at all."""
     next_level: Level | None = None
     """A wider law under the same name, fitted where this one leaves something at its place."""
     variants: Sequence[str] = ()

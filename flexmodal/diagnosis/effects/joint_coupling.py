@@ -142,5 +142,6 @@ EFFECT = Effect(
     physical=_physical,
     extend=_extend,
     units={"stiffness": "N·m/rad"},
+    made_by=("coupling", "inertia"),
     next_level=LEVEL,
 )

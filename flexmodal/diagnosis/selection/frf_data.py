@@ -26,6 +26,7 @@ from flexmodal.diagnosis.selection.comparison import Comparison
 from flexmodal.diagnosis.selection.confidence import confidences
 from flexmodal.diagnosis.selection.data import Conclusion
 from flexmodal.diagnosis.selection.decision import Answer, reaches
+from flexmodal.diagnosis.selection.described import effect_parameters
 from flexmodal.diagnosis.selection.frf_by_look import FrfsByLook
 from flexmodal.diagnosis.selection.frf_candidates import FrfCandidates, narrowest, starts
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs, compare_models
@@ -41,6 +42,9 @@ from flexmodal.diagnosis.selection.stand_in import stand_in
 from flexmodal.diagnosis.setup import Setup
 from flexmodal.identification import gap, predict, uncertainty
 from flexmodal.identification.baselines import Baselines
+
+THERE = 3.0
+"""Standard errors from nothing, from which what makes an effect is there."""
 
 
 class FrfData(FrfsByLook):
@@ -147,8 +151,20 @@ class FrfData(FrfsByLook):
         """
         if not self.campaign.tolerance.is_exact and self.is_enough(before):
             return Answer.NO
+        if after is not before and not self._is_there(after):
+            return Answer.NO
         taken = float(1 - after.costs.sum() / max(before.costs.sum(), 1e-300))
-        return takes_enough(taken, (before.prior - after.prior) / 2, number)
+        return takes_enough(taken, before.prior / 2, after.prior / 2, number)
+
+    def _is_there(self, model: FittedFrfs) -> bool:
+        """Whether what makes the last effect differs from nothing: a coupling of 0 re-tunes either joint."""
+        hypothesis = model.hypothesis
+        made_by = hypothesis.placed[-1].effect.made_by if hypothesis.placed else ()
+        if not made_by:
+            return True
+        key, covariance = hypothesis.keys[-1], self.covariance(model)
+        values, _, errors = effect_parameters(hypothesis, key, model.x, covariance)
+        return any(abs(values[name]) > THERE * errors[name] for name in made_by)
 
     def is_enough(self, model: FittedFrfs) -> bool:
         """Whether it reaches the noise, and every mode has a partner."""

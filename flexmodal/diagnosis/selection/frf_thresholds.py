@@ -36,6 +36,8 @@ EXPLAINED = 2.0
 """The same that a strong effect may leave."""
 LEFT = 0.03
 """Part of the disagreement above the noise that may be left then."""
+FROM_BEYOND = 0.5
+"""Part of how far parameters are from belief that the first effect takes away, where it does no more."""
 FLOOR_MARGIN = 0.035
 """The last 7 % up to these three are the border, which is told: a threshold with this relative margin."""
 
@@ -73,14 +75,16 @@ def reached(over: float, rest: float, force: Answer) -> Answer:
     return min(at_the_noise(over, rest), Answer(Answer.YES - force))
 
 
-def takes_enough(taken: float, believable: float, number: int) -> Answer:
+def takes_enough(taken: float, before: float, after: float, number: int) -> Answer:
     """Whether an effect takes enough of the misfit away.
 
     Args:
         taken: part of the sum of squares.
-        believable: what the parameters' prior gains, the first effect's if it need not take much [nat].
+        before: −ln of the parameters' prior without it, up to a constant: how far they are from belief [nat].
+        after: the same with it; the first effect need not take much if that gains enough.
         number: how many effects were added before.
     """
     if number:
         return reaches(taken, ANOTHER, ANOTHER_MARGIN)
-    return max(reaches(taken, WORTH, WORTH_MARGIN), reaches(believable, SIGNIFICANT, MARGIN))
+    back = reaches(before - after, SIGNIFICANT, MARGIN) if after < FROM_BEYOND * before else Answer.NO
+    return max(reaches(taken, WORTH, WORTH_MARGIN), back)

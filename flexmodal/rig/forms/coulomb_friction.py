@@ -136,7 +136,7 @@ LUGRE_MODEL: Effect = replace(
         **_TORQUE, "bristle_stiffness": "N·m/rad", "bristle_damping": "N·m·s/rad", **_BREAKAWAY,
     },
     draw=_draw_lugre,
-    scaled=multiplied("torque"),
+    scaled=multiplied("torque", "bristle_damping"),
     check=_check_breakaway("torque", "bristle_stiffness", "bristle_damping", "stribeck_speed"),
     act=_act_lugre,
 )  # fmt: skip
