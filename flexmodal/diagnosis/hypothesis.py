@@ -21,7 +21,7 @@ from flexmodal.identification.layout import Part, unmeasured
 from flexmodal.identification.model import Group
 from flexmodal.structure import ParameterSpace
 from flexmodal.structure.assembly import KINDS, Assembly
-from flexmodal.structure.frame import Frame, Frames, proportional
+from flexmodal.structure.frame import Frame, proportional
 from flexmodal.structure.stack import Structures, joined
 from flexmodal.structure.structure import Structure
 
@@ -236,8 +236,9 @@ class Hypothesis:
     def _frame(self, part: Part, values: Mapping[str, float]) -> Frame:
         names = [f"{one.label}.{name}" for one in self.placed for name in one.effect.geometry]
         geometry = tuple(values[name] for name in names if name in values)
-        key = (part.posture.tobytes(), part.where.tobytes(), part.struck.tobytes(), geometry)
-        return self._frames.get(
+        effects = tuple((one.effect, one.where) for one in self.placed)
+        key = (self.base, effects, part.key, geometry)
+        return self.context.frames.get(
             key, lambda: built(self.context, self.base, part, self._at_card(part, values))
         )
 
@@ -245,10 +246,6 @@ class Hypothesis:
         """Effects with values of their own, on the robot of the card."""
         card = {parameter.name: parameter.card for parameter in self.base}
         return [(one.effect, self._placement(one, part, {**values, **card})) for one in self.placed]
-
-    @cached_property
-    def _frames(self) -> Frames:
-        return Frames()
 
     def _act(self, frame: Frame, one: Placed, part: Part, values: Mapping[str, float]) -> Assembly:
         """What an effect puts on the motions, by itself."""

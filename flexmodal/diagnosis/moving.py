@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Effect, Placement
@@ -28,23 +28,40 @@ def built(context: Context, base: ParameterSpace, part: Part, placements: Placem
         placements: every effect, with its own values on the robot of the card.
     """
     card = {parameter.name: parameter.card for parameter in base}
-    assembly = Assembly(context.stacked.take(part.posture))
-    for effect, placement in placements:
-        if effect.shape is not None:
-            effect.shape(assembly, placement)
-    bodies = assembly.arm.bodies
+    _, first, posture = np.unique(part.posture, return_index=True, return_inverse=True)
+    assembly = _moving(context, part.posture, placements)
+    apart = assembly
+    if len(first) < len(part.posture):
+        placements = [(effect, placement.of_systems(first)) for effect, placement in placements]
+        apart = _moving(context, part.posture[first], placements)
+    bodies = apart.arm.bodies
     taken = {
         link
         for link in bodies
         if any(
-            effect.bodies(assembly, placement, bodies, link)
-            for effect, placement in placements
-            if effect.bodies
+            effect.bodies(apart, placement, bodies, link) for effect, placement in placements if effect.bodies
         )
     }
-    put_together(assembly, card, {link: body for link, body in bodies.items() if link not in taken})
-    rows = [assembly.rows(context.places(table, assembly)) for table in (part.where, part.struck)]
-    return Frame(assembly, base.names, np.array([p.card for p in base]), *rows)
+    put_together(apart, card, {link: body for link, body in bodies.items() if link not in taken})
+    seen, hit = (assembly.rows(context.places(table, assembly)) for table in (part.where, part.struck))
+    return Frame(
+        assembly=assembly,
+        apart=apart,
+        posture=np.arange(len(posture)) if apart is assembly else posture.ravel(),
+        names=base.names,
+        card=np.array([parameter.card for parameter in base]),
+        response=part.seen(seen),
+        reference=part.hit(hit),
+    )
+
+
+def _moving(context: Context, posture: Int[np.ndarray, " system"], placements: Placements) -> Assembly:
+    """The robot in some postures, with the motions of the effects."""
+    assembly = Assembly(context.stacked.take(posture))
+    for effect, placement in placements:
+        if effect.shape is not None:
+            effect.shape(assembly, placement)
+    return assembly
 
 
 def turned(
@@ -69,4 +86,4 @@ def turned(
             (link, place + aside(placement, name), effect.turn(frame.assembly, placement, name, way))
             for (link, place, way), name in zip(measured, names, strict=True)
         ]
-    return frame.assembly.rows(measured), frame.reference
+    return part.seen(frame.assembly.rows(measured)), frame.reference

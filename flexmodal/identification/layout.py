@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Hashable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from jaxtyping import Int, Shaped
+from jaxtyping import Float, Int, Shaped
 
 from flexmodal.structure.solution import Entries
 
@@ -27,8 +27,13 @@ class Part:
     response: Int[np.ndarray, "system 2"]
     """Response point and direction, for structures that depend on it."""
     where: Int[np.ndarray, "row 2"]
-    """Point id and direction of the response rows, the same in every system."""
+    """Point id and direction of the response rows."""
     struck: Int[np.ndarray, "struck 2"]
+    """The same of the blows."""
+    responses: Int[np.ndarray, "system own"] | None
+    """Which rows of `where` each system has, some perhaps twice; all of them if None."""
+    references: Int[np.ndarray, "system own"] | None
+    """The same of `struck`."""
     entries: Entries
     """Receptances; those of several kinds of blow are one where the structure is."""
     observations: Int[np.ndarray, " observation"]
@@ -39,7 +44,22 @@ class Part:
     @cached_property
     def read(self) -> Int[np.ndarray, " entry"]:
         """Id of the response point of each entry."""
-        return self.where[self.entries.table[:, 1], 0]
+        system, u, _ = self.entries.table.T
+        return self.where[u if self.responses is None else self.responses[system, u], 0]
+
+    @property
+    def key(self) -> tuple[Hashable, ...]:
+        """What structures in these postures, seen and struck there, are known by."""
+        tables = (self.posture, self.where, self.struck, self.responses, self.references)
+        return tuple(None if table is None else table.tobytes() for table in tables)
+
+    def seen(self, rows: Float[np.ndarray, "system row dof"]) -> Float[np.ndarray, "system own dof"]:
+        """Of every row of `where` in every system, those that it has."""
+        return rows if self.responses is None else np.take_along_axis(rows, self.responses[:, :, None], 1)
+
+    def hit(self, rows: Float[np.ndarray, "system struck dof"]) -> Float[np.ndarray, "system own dof"]:
+        """Of every row of `struck` in every system, those that it has."""
+        return rows if self.references is None else np.take_along_axis(rows, self.references[:, :, None], 1)
 
     @cached_property
     def members(self) -> tuple[Int[np.ndarray, " some"], ...]:
@@ -62,7 +82,9 @@ def unmeasured(
     blank = np.zeros((count, 2), dtype=int)
     entries = Entries(np.zeros((0, 3), dtype=int), (len(responses), len(references)))
     still = np.zeros(count, dtype=int)
-    return Part(0, np.arange(count), still, blank, blank, responses, references, entries, none, none)
+    return Part(
+        0, np.arange(count), still, blank, blank, responses, references, None, None, entries, none, none
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,7 +127,10 @@ class Layout:
         _, first, system = np.unique(np.hstack(key), axis=0, return_index=True, return_inverse=True)
         where, u = np.unique(response, axis=0, return_inverse=True)
         struck, v = np.unique(reference, axis=0, return_inverse=True)
-        every = np.column_stack([system.ravel(), u.ravel(), v.ravel()])
+        system, u, v = system.ravel(), u.ravel(), v.ravel()
+        responses, u = _own(system, u) if "response" in variants else (None, u)
+        references, v = _own(system, v) if "blow" in variants else (None, v)
+        every = np.column_stack([system, u, v])
         table, entry = np.unique(every, axis=0, return_inverse=True)
         return Part(
             level=int(level[0]),
@@ -115,10 +140,29 @@ class Layout:
             response=response[first],
             where=where,
             struck=struck,
-            entries=Entries(table, (len(where), len(struck))),
+            responses=responses,
+            references=references,
+            entries=Entries(table, (_width(responses, where), _width(references, struck))),
             observations=rows,
             entry=entry.ravel(),
         )
+
+
+def _own(
+    system: Int[np.ndarray, " observation"], row: Int[np.ndarray, " observation"]
+) -> tuple[Int[np.ndarray, "system own"], Int[np.ndarray, " observation"]]:
+    """The rows of each system, the first again where others have more, and each observation's among them."""
+    pairs, number = np.unique(np.column_stack([system, row]), axis=0, return_inverse=True)
+    first = np.searchsorted(pairs[:, 0], np.arange(pairs[:, 0].max() + 1))
+    place = np.arange(len(pairs)) - first[pairs[:, 0]]
+    own = np.repeat(pairs[first, 1][:, None], place.max() + 1, axis=1)
+    own[pairs[:, 0], place] = pairs[:, 1]
+    return own, place[number.ravel()]
+
+
+def _width(own: Int[np.ndarray, "system own"] | None, every: Int[np.ndarray, "row 2"]) -> int:
+    """How many rows a system has."""
+    return len(every) if own is None else own.shape[1]
 
 
 def summed(

@@ -173,7 +173,8 @@ class RobotModel:
                     assembly.rows(in_world(responses, assembly)),
                     assembly.rows(in_world(references, assembly)),
                 )
-                return Frame(assembly, tuple(names), np.array(list(card.values())), *rows)
+                every = np.arange(len(arms))
+                return Frame(assembly, assembly, every, tuple(names), np.array(list(card.values())), *rows)
 
             return self._frames.get((*key, tuple(shape.values())), build)
 

@@ -6,18 +6,19 @@ postures and a geometry (where a hinge sits), and afterwards only scaled.
 
 from __future__ import annotations
 
+from collections import OrderedDict
 from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
 from flexmodal.structure.assembly import KINDS, Assembly
 from flexmodal.structure.stack import Slopes, joined
 
-_KEPT = 64
-"""Frames kept at most."""
+MOST_KEPT = 256e6
+"""Bytes of frames kept at most."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +38,11 @@ class Frame:
     """A robot in some postures, one system each, with the motions of some effects."""
 
     assembly: Assembly
-    """With every motion and the card's own terms."""
+    """With every motion, of every system."""
+    apart: Assembly
+    """The same in each posture once, with the card's own terms: systems may differ by more than postures."""
+    posture: Int[np.ndarray, " system"]
+    """Which of these a system stands in."""
     names: tuple[str, ...]
     """Parameters of the robot."""
     card: Float[np.ndarray, " parameter"]
@@ -46,17 +51,24 @@ class Frame:
     reference: Float[np.ndarray, "system reference dof"]
 
     @cached_property
+    def size(self) -> int:
+        """Bytes that its matrices take, about: each term's in full, before and after they are added up."""
+        matrices = (self.posture.max() + 1) * len(self.apart.terms)
+        rows = self.response.nbytes + self.reference.nbytes
+        return int(16 * matrices * len(self.apart.coordinates) ** 2 + rows)
+
+    @cached_property
     def terms(self) -> Mapping[str, Terms]:
         """By kind."""
         index = {name: k for k, name in enumerate(self.names)}
-        count, n = len(self.response), len(self.assembly.coordinates)
+        count, n = int(self.posture.max()) + 1, len(self.apart.coordinates)
         found = {}
         for kind in KINDS:
             merged: dict[tuple[str, ...], np.ndarray] = {}
-            for what, matrix, names in self.assembly.terms:
+            for what, matrix, names in self.apart.terms:
                 if what == kind:
                     own = tuple(name for name in names if name in index)
-                    merged[own] = merged.get(own, np.zeros((count, n, n))) + self.assembly.full(matrix)
+                    merged[own] = merged.get(own, np.zeros((count, n, n))) + self.apart.full(matrix)
             share = np.zeros((len(index), len(merged)))
             for column, own in enumerate(merged):
                 share[[index[name] for name in own], column] = 1.0
@@ -72,10 +84,10 @@ class Frame:
         for kind, terms in self.terms.items():
             grown, shape = np.exp(log @ terms.share), terms.matrices.shape[1:]
             flat = terms.matrices.reshape(len(grown), int(np.prod(shape)))
-            total[kind] = (grown @ flat).reshape(shape)
+            total[kind] = (grown @ flat).reshape(shape)[self.posture]
             if terms.moved.size:
                 along = (terms.share[terms.moved] * grown) @ flat
-                slopes[kind] = (terms.moved, along.reshape(-1, *shape))
+                slopes[kind] = (terms.moved, along.reshape(-1, *shape)[:, self.posture])
         return total, slopes
 
 
@@ -99,9 +111,12 @@ def proportional(assembly: Assembly, index: Mapping[str, int], shape: tuple[int,
 
 @dataclass(frozen=True, eq=False)
 class Frames:
-    """Keeps the frames that were built last, by values of what they depend on."""
+    """Keeps the frames that were used last, by values of what they depend on, up to a size."""
 
-    kept: dict[Hashable, Frame] = field(default_factory=dict)
+    most: float = MOST_KEPT
+    """Bytes; the last one is kept in any case."""
+    kept: OrderedDict[Hashable, Frame] = field(default_factory=OrderedDict)
+    """Those used last at the end."""
 
     def get(self, key: Hashable, build: Callable[[], Frame]) -> Frame:
         """The frame of a key, built unless it is kept.
@@ -110,8 +125,12 @@ class Frames:
             key: values of what the frame depends on.
             build: makes it; called only where it is not kept.
         """
-        if key not in self.kept:
-            if len(self.kept) >= _KEPT:
-                self.kept.clear()
-            self.kept[key] = build()
-        return self.kept[key]
+        if key in self.kept:
+            self.kept.move_to_end(key)
+            return self.kept[key]
+        found = build()
+        room = self.most - found.size - sum(frame.size for frame in self.kept.values())
+        while self.kept and room < 0:
+            room += self.kept.popitem(last=False)[1].size
+        self.kept[key] = found
+        return found

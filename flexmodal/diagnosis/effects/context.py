@@ -17,6 +17,7 @@ from flexmodal.model import Robot
 from flexmodal.structure.arm import Arm, Arms, far_end, moved_bodies, plane_normal
 from flexmodal.structure.assembly import Assembly
 from flexmodal.structure.fixtures import arm_in
+from flexmodal.structure.frame import Frames
 
 Place = tuple[int, int]
 """Point id, and direction 1, 2, 3."""
@@ -66,6 +67,11 @@ class Context:
     def middle(self) -> float:
         """Middle of the band on a logarithmic scale [Hz]."""
         return float(np.sqrt(self.band[0] * self.band[1]))
+
+    @cached_property
+    def frames(self) -> Frames:
+        """Those used last, of whatever hypothesis, so that together they take no more room than one may."""
+        return Frames()
 
     @cached_property
     def normal(self) -> np.ndarray | None:

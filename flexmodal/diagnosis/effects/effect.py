@@ -55,6 +55,11 @@ class Placement:
         none, blank = np.zeros(1, dtype=int), np.zeros((1, 2), dtype=int)
         return cls(context, where, values, none, none, blank, blank)
 
+    def of_systems(self, some: Int[np.ndarray, " some"]) -> Placement:
+        """In some of the systems only."""
+        tables = self.posture[some], self.level[some], self.reference[some], self.response[some]
+        return Placement(self.context, self.where, self.values, *tables)
+
     def __getitem__(self, name: str) -> float:
         """A parameter."""
         return self.values[name]

@@ -34,16 +34,28 @@ def mounted(context: Context, point: int, values: Mapping[str, float]) -> np.nda
 
 def _weigh(assembly: Assembly, placement: Placement) -> None:
     """The sensor off the surface, and a part of its cable that is taped down at the link's origin."""
-    inertia = placement["gyration"] ** 2
+    motion, foot = carried_along(assembly, placement)
+    mass = placement["mass"]
+    for k in range(3):
+        assembly.add_inertia(motion[:, k], mass)
+        assembly.add_inertia(motion[:, k + 3], mass * placement["gyration"] ** 2)
+        assembly.add_inertia(foot[:, k], mass * placement["cable"])
+
+
+def carried_along(assembly: Assembly, placement: Placement) -> Float[np.ndarray, "2 system 6 dof"]:
+    """How the sensor that each system is seen by moves, and the origin of the link it is on.
+
+    Args:
+        assembly: with all motions.
+        placement: with how far off the surface it sits.
+    """
+    found = np.zeros((2, len(placement.posture), 6, len(assembly.coordinates)))
     for number in np.unique(placement.response[:, 0]).tolist():
-        point = placement.context.point(number)
-        here = placement["mass"] * (placement.response[:, 0] == number)
-        motion = assembly.motion(point.link, mounted(placement.context, number, placement.values))
-        foot = assembly.motion(point.link, np.zeros(3))
-        for k in range(3):
-            assembly.add_inertia(motion[..., k, :], here)
-            assembly.add_inertia(motion[..., k + 3, :], here * inertia)
-            assembly.add_inertia(foot[..., k, :], here * placement["cable"])
+        point, here = placement.context.point(number), placement.response[:, 0] == number
+        place = mounted(placement.context, number, placement.values)
+        found[0, here] = assembly.motion(point.link, place)[here]
+        found[1, here] = assembly.motion(point.link, np.zeros(3))[here]
+    return found
 
 
 def _sensor_parameters(context: Context, where: str) -> tuple[Parameter, ...]:

@@ -12,7 +12,7 @@ from flexmodal.diagnosis.effects.added_mass import EFFECT as ADDED_MASS
 from flexmodal.diagnosis.effects.added_mass import place_on
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Placement, along, sides
-from flexmodal.diagnosis.effects.sensors import SENSOR_MASS, mounted
+from flexmodal.diagnosis.effects.sensors import SENSOR_MASS, carried_along
 from flexmodal.diagnosis.lawfree.port import STILL, Patterns, PortKind, tensor, tensor_names
 from flexmodal.structure.assembly import Assembly
 
@@ -92,14 +92,8 @@ GROUND = replace(
 
 def _carried_patterns(assembly: Assembly, placement: Placement) -> Patterns:
     """What moves with the sensor, the same along every axis; off the surface by the port's geometry."""
-    context = placement.context
-    total = np.zeros((len(placement.posture), *(len(assembly.coordinates),) * 2))
-    for number in np.unique(placement.response[:, 0]).tolist():
-        point = context.point(number)
-        here = (placement.response[:, 0] == number)[:, None, None]
-        motion = assembly.motion(point.link, mounted(context, number, placement.values))[..., :3, :]
-        total = total + here * (np.swapaxes(motion, -1, -2) @ motion)
-    return Patterns(total[None])
+    motion = carried_along(assembly, placement)[0, :, :3]
+    return Patterns((np.swapaxes(motion, -1, -2) @ motion)[None])
 
 
 CARRIED = PortKind(
