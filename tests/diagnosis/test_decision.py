@@ -11,6 +11,7 @@ from flexmodal.diagnosis.outcome import Gaps, Step
 from flexmodal.diagnosis.selection.comparison import MARGIN, TIED, Comparison
 from flexmodal.diagnosis.selection.decision import (
     ASKED,
+    MORE_PLAUSIBLE,
     SIGNIFICANT,
     Answer,
     Choice,
@@ -104,6 +105,31 @@ def test_what_the_best_comes_down_to_stands_in_its_place(behind, frequency, expe
     ]
     scores = np.array([0.0, 40.0 - behind, 40.0])
     assert chosen(Comparison(models, scores, np.tile(scores[:, None], 3))) == Choice(expected)
+
+
+@pytest.mark.parametrize(
+    ("plausible", "expected"),
+    [
+        ({}, 2),
+        ({1: MORE_PLAUSIBLE + 0.1, 2: 0.0}, 1),
+        ({1: MORE_PLAUSIBLE - 0.1, 2: 0.0}, 2),
+        ({1: 90.0}, 2),  # the best leaves more than noise, and is not among them
+    ],
+)
+def test_of_two_that_leave_only_noise_the_clearly_more_plausible_comes_first(plausible, expected):
+    assert choice(compared(20.0, 30.0), None, [Answer.YES] * 3, (), plausible) == Choice(expected)
+
+
+@pytest.mark.parametrize(
+    ("over", "confidence", "explained"), [(1.2, 1e-20, True), (1.8, 1e-20, False), (1.8, 0.3, True)]
+)
+def test_what_is_hardly_more_than_impossible_has_to_reach_the_noise(over, confidence, explained):
+    gaps = Gaps(1.0, 0.1, None, None, 0.1)
+    step = Step("added_mass", "link_3", {}, {}, {}, confidence, gaps, ())
+    facts = Facts((step,), {"added_mass": "a mass"}, gaps, over, Answer.YES, {}, open_=False, place="link_1")
+    found = verdict(facts)
+    assert found.explained is explained
+    assert found.effects == ((("added_mass", "link_3"),) if explained else (("unknown", "link_1"),))
 
 
 def test_how_sure_is_what_is_vouched_for_is_asked_among_its_like():

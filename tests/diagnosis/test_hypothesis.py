@@ -4,13 +4,16 @@ import gc
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from flexmodal.diagnosis.effects import catalogue
+from flexmodal.diagnosis.effects.effect import Effect
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.placed import Placed
 from flexmodal.identification import predict
 from flexmodal.identification.frf_fit import FrfMisfit, Weighting
 from flexmodal.structure import robot_space
+from flexmodal.structure.frame import Frames
 
 
 def test_observations_at_an_address_used_before_are_seen_as_they_are(context, observed):
@@ -67,3 +70,43 @@ def test_derivatives_after_a_look_are_those_without_one(context, observed):
     step = 1e-5 * np.eye(len(x))
     slope = [(fresh.cost(x + one) - fresh.cost(x - one)) / 4e-5 for one in step]  # half the cost
     np.testing.assert_allclose(found.gradient, slope, rtol=1e-3, atol=1e-4 * np.abs(slope).max())
+
+
+@pytest.mark.parametrize("variants", [("response",), ("blow",), ("response", "blow")])
+def test_systems_apart_by_sensor_or_blow_have_their_own_rows_and_the_same_receptances(
+    context, observed, variants
+):
+    """An effect that does nothing, but says that it depends on them, beside one turned and one bent."""
+    still = Effect("still", "does nothing", lambda context: ("x",), lambda c, w: (), lambda c, w: [{}])
+    bent, turned = (catalogue()[name] for name in ("link_flexibility", "sensor_misalignment"))
+    plain = Hypothesis(context, robot_space(context.robot))
+    plain = plain.and_also(Placed(bent, "link_2")).and_also(Placed(turned, turned.places(context)[0]))
+    apart = plain.and_also(Placed(replace(still, variants=variants), "x"))
+    x = np.full(len(plain.space), 0.01)
+    groups = (model.groups(x, observed, slopes=True) for model in (plain, apart))
+    for one, other in zip(*groups, strict=True):
+        assert len(other.structures) > len(one.structures)
+        own, every = other.part, one.part
+        assert ("response" in variants) == (own.entries.rows[0] < every.entries.rows[0])
+        assert ("blow" in variants) == (own.entries.rows[1] < every.entries.rows[1])
+        np.testing.assert_array_equal(own.read[own.entry], observed.response[own.observations, 0])
+    np.testing.assert_allclose(predict(apart, x, observed), predict(plain, x, observed), rtol=1e-9)
+    weighing = Weighting(0.05, np.arange(0, len(observed.axis), 7))
+    found = [FrfMisfit(model, observed, weighing).equations(x) for model in (apart, plain)]
+    np.testing.assert_allclose(
+        found[0].curvature, found[1].curvature, rtol=1e-6, atol=1e-6 * np.abs(found[1].curvature).max()
+    )
+
+
+def test_frames_are_kept_up_to_a_size_those_used_last_longest(context, observed):
+    hypothesis = Hypothesis(context, robot_space(context.robot))
+    predict(hypothesis, np.zeros(len(hypothesis.space)), observed)
+    frame, made = next(iter(context.frames.kept.values())), []
+    frames = Frames(most=2.5 * frame.size)
+    for key in (1, 2, 1, 3, 1, 2):
+        assert frames.get(key, lambda key=key: made.append(key) or frame) is frame
+    assert made == [1, 2, 3, 2]
+    small = Frames(most=0.0)
+    for key in (1, 2):
+        small.get(key, lambda: frame)
+    assert list(small.kept) == [2], "the last one is kept however large"

@@ -20,17 +20,18 @@ campaigns of the virtual rig that judge nothing (`benchmarks/calibration.py`).
 from __future__ import annotations
 
 import math
-from typing import Protocol, runtime_checkable
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Float
 
 from flexmodal.diagnosis.disagreement.gaps import left, over_noise
 from flexmodal.diagnosis.lawfree.result import Findings
+from flexmodal.diagnosis.names import UNSTRUCTURED
 from flexmodal.diagnosis.selection.comparison import Comparison
 from flexmodal.diagnosis.selection.decision import Answer
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
-from flexmodal.diagnosis.selection.frf_thresholds import FLOOR_REACHED, at_the_noise
+from flexmodal.diagnosis.selection.frf_thresholds import CLOSE, FLOOR_REACHED, at_the_noise
 from flexmodal.diagnosis.setup import Setup
 
 PIECES = 3.0
@@ -78,7 +79,27 @@ def confidences(data: Looked, comparison: Comparison[FittedFrfs], chosen: int) -
     noise = math.inf if enough else FLOOR_REACHED**2 * float(np.sum(variance / (variance + floor**2)))
     odds = AGREES if agrees else ALONE
     found = probabilities(costs, sizes, priors, chosen, PIECES * len(models[0].costs), noise, odds)
+    first = int(comparison.order[0])
+    told = plausible(data, comparison)
+    if chosen in told and first in told and chosen != first:
+        return found
     return np.minimum(found, np.where(np.arange(len(found)) == chosen, comparison.probability, 1.0))
+
+
+def plausible(data: Looked, comparison: Comparison[FittedFrfs]) -> dict[int, float]:
+    """Of models that leave nothing but noise, by number, ln p of the formula above.
+
+    Args:
+        data: on which they were compared.
+        comparison: of models, the first without anything new.
+    """
+    models = comparison.models
+    pieces = PIECES * len(models[0].costs)
+    return {
+        k: float(_ln(one.costs.sum(), one.strong, one.prior, pieces))
+        for k, one in enumerate(models)
+        if k and one.key[0] != UNSTRUCTURED and over_noise(data.setup, one) <= CLOSE
+    }
 
 
 def explains(data: Looked, model: FittedFrfs) -> bool:
@@ -112,8 +133,12 @@ def probabilities(
         noise: sum of squares that something else would leave; what the chosen one leaves, if that is less.
         odds: of something else against the chosen one, were both equally good.
     """
-    other = (sizes * np.log1p(pieces) + priors) / 2
-    score = -pieces / 2 * np.log(np.maximum(costs, 1e-300)) - other
-    ideal = -pieces / 2 * np.log(max(min(float(costs[chosen]), noise), 1e-300)) - other[chosen]
+    score = _ln(costs, sizes, priors, pieces)
+    ideal = _ln(min(float(costs[chosen]), noise), sizes[chosen], priors[chosen], pieces)
     total = np.logaddexp.reduce(np.append(score, ideal + np.log(odds)))
     return np.asarray(np.exp(score - total))
+
+
+def _ln(costs: Any, sizes: Any, priors: Any, pieces: float) -> Any:
+    """The formula, of numbers or arrays."""
+    return -pieces / 2 * np.log(np.maximum(costs, 1e-300)) - (sizes * np.log1p(pieces) + priors) / 2

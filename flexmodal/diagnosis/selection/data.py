@@ -181,6 +181,17 @@ class Data(ABC, Generic[M]):
         """
         return False
 
+    def plausible(self, comparison: Comparison[M]) -> Mapping[int, float]:
+        """Of models that leave nothing but noise, by number, how plausible they are, up to a constant [nat].
+
+        Evidence counts every line, so that of two such models it may prefer one that nobody believes by
+        what their laws leave in the noise.
+
+        Args:
+            comparison: of what was there before, first, and of what might be added.
+        """
+        return {}
+
     def settles(self, model: M) -> bool:
         """Whether some effects of a model are sure though it leaves more than noise; `standing` says which.
 

@@ -19,6 +19,8 @@ SIGNIFICANT = 7.0
 """Evidence that an explanation has to gain, with `MARGIN` on both sides [nat]: 8 are odds of 3000 to 1."""
 ASKED = 5.0
 """The same for what was asked for by its place."""
+MORE_PLAUSIBLE = 5.0
+"""By how much a model that leaves only noise has to be more plausible than another to come first [nat]."""
 NEAR = 0.02
 """Distance from a bound up to which a parameter is at it: logarithms of what is positive."""
 
@@ -93,7 +95,11 @@ class Round(Generic[M]):
 
 
 def choice(
-    comparison: Comparison[M], asked: Asked | None, worth: Sequence[Answer], vouched: Sequence[bool] = ()
+    comparison: Comparison[M],
+    asked: Asked | None,
+    worth: Sequence[Answer],
+    vouched: Sequence[bool] = (),
+    plausible: Mapping[int, float] | None = None,
 ) -> Choice:
     """The best model that has a structure, if it gains enough; where effects were named, the first that does.
 
@@ -102,14 +108,18 @@ def choice(
     first if it gains anything: of several effects each alone may gain little. An effect that the best comes
     down to in a limit stands in its place where the data cannot tell the two, or where the limit is reached.
 
+    Of models that leave only noise one that is clearly more plausible than the best comes before it.
+
     Args:
         comparison: of the model as it is and of what might be added.
         asked: effects that were named; None for none.
         worth: of each model whether it takes enough away besides.
         vouched: of each whether it is known to be needed; none by default.
+        plausible: of those that leave only noise, by number, how plausible they are [nat].
     """
     ranked = sorted(range(1, len(comparison.models)), key=lambda k: -comparison.scores[k])
     ranked = [k for k in ranked if comparison.models[k].key[0] != UNSTRUCTURED]
+    ranked = _plausible_first(ranked, plausible or {})
     known = [k for k in ranked if any(vouched) and vouched[k] and comparison.first_gain(k) > MARGIN]
     if known:
         return Choice(known[0])
@@ -127,6 +137,17 @@ def choice(
         if answer is Answer.UNDECIDED:
             open_.append(k)
     return Choice(None, tuple(open_))
+
+
+def _plausible_first(ranked: list[int], plausible: Mapping[int, float]) -> list[int]:
+    """With one in front that leaves only noise as the best does, and is clearly more plausible."""
+    able = [k for k in ranked if k in plausible]
+    if not able or able[0] != ranked[0]:
+        return ranked
+    first = max(able, key=lambda k: plausible[k])
+    if plausible[first] < plausible[ranked[0]] + MORE_PLAUSIBLE:
+        return ranked
+    return [first, *(k for k in ranked if k != first)]
 
 
 def _plainer(comparison: Comparison[M], first: int) -> list[int]:

@@ -23,7 +23,7 @@ from flexmodal.diagnosis.search.unstructured import unstructured_mode
 from flexmodal.diagnosis.selection.beside_frfs import ModesBeside
 from flexmodal.diagnosis.selection.beside_nothing import beside_nothing
 from flexmodal.diagnosis.selection.comparison import Comparison
-from flexmodal.diagnosis.selection.confidence import confidences
+from flexmodal.diagnosis.selection.confidence import confidences, plausible
 from flexmodal.diagnosis.selection.data import Conclusion
 from flexmodal.diagnosis.selection.decision import Answer, reaches
 from flexmodal.diagnosis.selection.described import effect_parameters
@@ -51,6 +51,7 @@ class FrfData(FrfsByLook):
     """Effects are needed as long as the model is far from the averages over repeats."""
 
     confidences = confidences
+    plausible = plausible
 
     def __init__(self, setup: Setup, modes: ModesBeside | None = None) -> None:
         """Re-tune the robot.

@@ -207,7 +207,7 @@ class ForwardSelection(Generic[M]):
         before = comparison.models[0]
         worth = [self.data.worth(before, one, number) for one in comparison.models]
         vouched = [k > 0 and self.data.vouches(one) for k, one in enumerate(comparison.models)]
-        return choice(comparison, self.data.asked, worth, vouched)
+        return choice(comparison, self.data.asked, worth, vouched, self.data.plausible(comparison))
 
     def describe(self, comparison: Comparison[M], chosen: int) -> Step:
         """What a step added, how large it is and how surely, and what it was compared with.

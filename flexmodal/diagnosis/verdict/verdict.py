@@ -13,10 +13,13 @@ from __future__ import annotations
 from flexmodal.diagnosis.names import UNKNOWN
 from flexmodal.diagnosis.outcome import Remaining, Verdict
 from flexmodal.diagnosis.selection.decision import Answer
+from flexmodal.diagnosis.selection.frf_thresholds import FLOOR_REACHED
 from flexmodal.diagnosis.verdict.facts import Facts
 from flexmodal.diagnosis.verdict.frf_words import frf_words
 from flexmodal.diagnosis.verdict.modal_words import modal_words
 
+DOUBTED = 0.01
+"""Confidence of an effect below which it has to reach the noise to explain anything."""
 BORDER = "How far the model is from the measurements lies at the border of what counts as noise."
 
 
@@ -24,7 +27,7 @@ def verdict(facts: Facts) -> Verdict:
     """Nothing is missing, something is and what, or something and nobody knows what."""
     floor = facts.over_noise is not None
     open_ = bool(facts.lacking) or facts.tied or (facts.open_ and not floor)
-    explained = facts.reached > Answer.NO and not open_ and not facts.contradicted
+    explained = facts.reached > Answer.NO and not open_ and not facts.contradicted and not _doubted(facts)
     added = tuple((step.effect, step.where) for step in facts.steps)
     sure = added if explained or not floor else facts.standing
     besides = () if explained or not floor else facts.lacking_at or (facts.place,)
@@ -40,3 +43,10 @@ def verdict(facts: Facts) -> Verdict:
         remaining = Remaining(facts.over_noise, (*facts.lacking_at, facts.place)[0], facts.kind)
     named = effects if sure or explained else ((UNKNOWN, facts.place),)
     return Verdict(named, explained, says, undecided, share, remaining)
+
+
+def _doubted(facts: Facts) -> bool:
+    """Whether what leaves more than noise, if little of what there was, is hardly more than impossible."""
+    over = facts.over_noise
+    least = min((step.confidence for step in facts.steps), default=1.0)
+    return over is not None and over > FLOOR_REACHED and least < DOUBTED
