@@ -70,6 +70,6 @@ def test_what_counts_as_explained_is_not_doubted_for_what_it_leaves(monkeypatch,
         Mock(spec=FittedFrfs, key=key, costs=costs, strong=1.0, prior=0.0, fitted=Mock(weighing=weighing))
         for costs in (50 * many, 3 * many)
     ]
-    compared = Mock(spec=Comparison, models=models, probability=np.array([0.0, 1.0]))
+    compared = Mock(spec=Comparison, models=models, probability=np.array([0.0, 1.0]), order=[1, 0])
     sure = confidence.confidences(data, compared, 1)[1]
     assert (sure == pytest.approx(1 / 1.2)) if expected else (sure < 0.01)

@@ -23,7 +23,7 @@ from flexmodal.diagnosis.search.unstructured import unstructured_mode
 from flexmodal.diagnosis.selection.beside_frfs import ModesBeside
 from flexmodal.diagnosis.selection.beside_nothing import beside_nothing
 from flexmodal.diagnosis.selection.comparison import Comparison
-from flexmodal.diagnosis.selection.confidence import confidences, plausible
+from flexmodal.diagnosis.selection.confidence import confidences, explains, plausible
 from flexmodal.diagnosis.selection.data import Conclusion
 from flexmodal.diagnosis.selection.decision import Answer, reaches
 from flexmodal.diagnosis.selection.described import effect_parameters
@@ -91,6 +91,7 @@ class FrfData(FrfsByLook):
     def pointed(self, before: FittedFrfs, number: int) -> list[FittedFrfs]:
         """See `Data`; everywhere where one place explains what is left and no effect does that there.
 
+        Not everywhere beside a model that counts as explained anyway.
         Beside a model that is named only what such a place stands for: its law may be to blame. Nothing where
         that of its effect took everything.
         """
@@ -103,7 +104,7 @@ class FrfData(FrfsByLook):
         found = self._candidates.at_places(before, number, look, self.is_over)
         if named:
             return [before, *(one for one in found if look.met([one.key]))]
-        if look.explains and not any(self.is_over(one) for one in found):
+        if look.explains and not explains(self, before) and not any(self.is_over(one) for one in found):
             found = best_of_each([*found, *self._candidates.everywhere(before, number)])
         found = narrowest(found, self.is_enough)
         return [before, *found, *([] if number else [unstructured_mode(self.setup, before)])]
