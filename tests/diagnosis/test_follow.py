@@ -326,6 +326,24 @@ def test_what_may_hide_in_the_noise_is_tried_at_the_place_a_look_finds(
     assert data.besides(before, 1) == ([before, met] if tried else [])
 
 
+@pytest.mark.parametrize("explained", [False, True])
+def test_every_place_is_tried_only_beside_what_does_not_count_as_explained(monkeypatch, explained):
+    look, tried = Mock(spec=Findings, explains=True, needed=True), []
+    data = FrfData.__new__(FrfData)
+    data.setup, data.asked, data._root = Mock(spec=Setup), None, fitted()
+    data.is_named = data.is_over = data.is_alone = lambda model: False
+    data._candidates = Mock(
+        spec=FrfCandidates, can_look=lambda model: True, look_beside=lambda model: look,
+        at_places=lambda *given: [fitted(MASS, DELAY)],
+        everywhere=lambda before, number: tried.append(number) or [],
+    )  # fmt: skip
+    monkeypatch.setattr(frf_data, "over_noise", lambda setup, model: 1.8)
+    monkeypatch.setattr(frf_data, "explains", lambda data, model: explained)
+    monkeypatch.setattr(frf_data, "best_of_each", list)
+    assert [one.hypothesis.keys for one in data.pointed(fitted(MASS), 1)] == [(MASS,), (MASS, DELAY)]
+    assert tried == ([] if explained else [1])
+
+
 def test_so_many_looks_and_no_more():
     candidates = FrfCandidates.__new__(FrfCandidates)
     candidates.root = fitted()
