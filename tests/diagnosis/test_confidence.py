@@ -67,9 +67,33 @@ def test_what_counts_as_explained_is_not_doubted_for_what_it_leaves(monkeypatch,
     data = Mock(spec=FrfData, setup=setup, root=None, look_for=lambda model: look)
     key, weighing = ("sensor_gain", "point_2"), Mock(floor=0.0)
     models = [
-        Mock(spec=FittedFrfs, key=key, costs=costs, strong=1.0, prior=0.0, fitted=Mock(weighing=weighing))
+        Mock(
+            spec=FittedFrfs,
+            key=key,
+            costs=costs,
+            strong=1.0,
+            prior=0.0,
+            parameters=1,
+            fitted=Mock(weighing=weighing),
+        )
         for costs in (50 * many, 3 * many)
     ]
     compared = Mock(spec=Comparison, models=models, probability=np.array([0.0, 1.0]), order=[1, 0])
     sure = confidence.confidences(data, compared, 1)[1]
     assert (sure == pytest.approx(1 / 1.2)) if expected else (sure < 0.01)
+
+
+@pytest.mark.parametrize(("nearest", "first"), [(0.0, 2), (10.0, 2), (400.0, 1)])
+def test_a_card_that_everything_contradicts_decides_less(monkeypatch, nearest, first):
+    """Twenty nats of belief between two that leave noise; of 10 parameters that are off by 10 at least."""
+    monkeypatch.setattr(confidence, "over_noise", lambda setup, model: 1.05)
+    given = [(900.0, nearest), (100.0, nearest + 40.0), (110.0, nearest)]
+    models = [
+        Mock(spec=FittedFrfs, key=(f"effect {k}", ""), costs=np.array([cost]), strong=1.0, prior=prior)
+        for k, (cost, prior) in enumerate(given)
+    ]
+    models[0].parameters = 10
+    monkeypatch.setattr(confidence, "PIECES", 100.0)
+    found = confidence.plausible(Mock(spec=FrfData, setup=None), Mock(spec=Comparison, models=models))
+    assert sorted(found) == [1, 2]
+    assert max(found, key=found.get) == first

@@ -5,10 +5,12 @@ right for noise. An explanation that is wrong in its law errs over whole FRFs, t
 from line to line and are of a size that nobody knows. So for what is told every FRF counts as `PIECES`
 independent pieces, and the size of the errors is integrated out with Jeffreys' prior:
 
-    ln p_k = −(ν/2) ln C_k − ½ n_k ln(1 + ν) − ½ xᵀPx + const.,   ν = `PIECES` × FRFs,
+    ln p_k = −(ν/2) ln C_k − ½ n_k ln(1 + ν) − ½ xᵀPx / t + const.,   ν = `PIECES` × FRFs,
 
 C_k the sum of squares, n_k how many parameters the data know better than the prior, the last term how far
-these are from what was believed. Beside what was compared stands something that was not, as simple as what is
+these are from what was believed. Where even the explanation that stays nearest to that is farther off than
+the card says that it may be, the card is trusted too much, and t is by how much: the least xᵀPx of all over
+the number of parameters, at least 1. Beside what was compared stands something that was not, as simple as what is
 named. Where a look that assumes no law points elsewhere or nowhere it is as good as what counts as explained,
 and weighs `ALONE`: what the named one leaves beyond that counts against it. Where the named one counts as
 explained itself, or the look points to the same place so that what is left is due to the law and not to the
@@ -20,6 +22,7 @@ campaigns of the virtual rig that judge nothing (`benchmarks/calibration.py`).
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
@@ -71,7 +74,7 @@ def confidences(data: Looked, comparison: Comparison[FittedFrfs], chosen: int) -
     key = models[chosen].key
     costs = np.array([float(one.costs.sum()) for one in models])
     sizes = np.array([float(one.strong) for one in models])
-    priors = np.array([float(one.prior) for one in models])
+    priors = np.array([float(one.prior) for one in models]) / _over_trusted(models)
     there = look.left > TELLS and any(one.has(*key) for one in look.found)
     agrees = there and key in look.met([key])
     variance, floor = observations.variance[observations.used], models[0].fitted.weighing.floor
@@ -94,9 +97,9 @@ def plausible(data: Looked, comparison: Comparison[FittedFrfs]) -> dict[int, flo
         comparison: of models, the first without anything new.
     """
     models = comparison.models
-    pieces = PIECES * len(models[0].costs)
+    pieces, times = PIECES * len(models[0].costs), _over_trusted(models)
     return {
-        k: float(_ln(one.costs.sum(), one.strong, one.prior, pieces))
+        k: float(_ln(one.costs.sum(), one.strong, one.prior / times, pieces))
         for k, one in enumerate(models)
         if k and one.key[0] != UNSTRUCTURED and over_noise(data.setup, one) <= CLOSE
     }
@@ -127,7 +130,7 @@ def probabilities(
     Args:
         costs: C, sums of squares.
         sizes: n, numbers of parameters.
-        priors: xᵀPx.
+        priors: xᵀPx / t.
         chosen: number of the model that is named.
         pieces: ν.
         noise: sum of squares that something else would leave; what the chosen one leaves, if that is less.
@@ -137,6 +140,11 @@ def probabilities(
     ideal = _ln(min(float(costs[chosen]), noise), sizes[chosen], priors[chosen], pieces)
     total = np.logaddexp.reduce(np.append(score, ideal + np.log(odds)))
     return np.asarray(np.exp(score - total))
+
+
+def _over_trusted(models: Sequence[FittedFrfs]) -> float:
+    """By how much the card is trusted too much, t: 1 where an explanation is as near to it as it may be."""
+    return max(1.0, min(float(one.prior) for one in models) / max(models[0].parameters, 1))
 
 
 def _ln(costs: Any, sizes: Any, priors: Any, pieces: float) -> Any:
