@@ -10,13 +10,15 @@ independent pieces, and the size of the errors is integrated out with Jeffreys' 
 C_k the sum of squares, n_k how many parameters the data know better than the prior, the last term how far
 these are from what was believed. Where even the explanation that stays nearest to that is farther off than
 the card says that it may be, the card is trusted too much, and t is by how much: the least xᵀPx of all over
-the number of parameters, at least 1. Beside what was compared stands something that was not, as simple as what is
-named. Where a look that assumes no law points elsewhere or nowhere it is as good as what counts as explained,
-and weighs `ALONE`: what the named one leaves beyond that counts against it. Where the named one counts as
-explained itself, or the look points to the same place so that what is left is due to the law and not to the
-place, something else is no better than what is named, and weighs `ALONE`, or `AGREES` where the curve has its
-class too. Both weights, and the pieces, were tuned on
-campaigns of the virtual rig that judge nothing (`benchmarks/calibration.py`).
+the number of parameters, at least 1.
+
+Beside what was compared stands something that was not, as simple as what is named. Where a look that
+assumes no law points elsewhere or nowhere it is as good as what counts as explained, and weighs `ALONE`:
+what the named one leaves beyond that counts against it. Where the named one counts as explained itself, or
+the look points to the same place so that what is left is due to the law and not to the place, something
+else is no better than what is named, and weighs `ALONE`, or `AGREES` where the curve has its class too.
+Both weights, and the pieces, were tuned on campaigns of the virtual rig that judge nothing
+(`benchmarks/calibration.py`).
 """
 
 from __future__ import annotations

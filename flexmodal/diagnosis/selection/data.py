@@ -91,11 +91,7 @@ class Data(ABC, Generic[M]):
         return []
 
     def doubted(self, model: M) -> tuple[str, str] | None:
-        """An effect whose fit a look without a law speaks against, if there is one.
-
-        Args:
-            model: with several effects.
-        """
+        """Of several effects one whose fit a look without a law speaks against, if there is one."""
         return None
 
     def leads_on(self, model: M) -> bool:
@@ -184,11 +180,7 @@ class Data(ABC, Generic[M]):
     def plausible(self, comparison: Comparison[M]) -> Mapping[int, float]:
         """Of models that leave nothing but noise, by number, how plausible they are, up to a constant [nat].
 
-        Evidence counts every line, so that of two such models it may prefer one that nobody believes by
-        what their laws leave in the noise.
-
-        Args:
-            comparison: of what was there before, first, and of what might be added.
+        Evidence counts every line: of two such it may prefer, by little, one that nobody believes.
         """
         return {}
 
