@@ -121,7 +121,8 @@ def test_of_two_that_leave_only_noise_the_clearly_more_plausible_comes_first(pla
 
 
 @pytest.mark.parametrize(
-    ("over", "confidence", "explained"), [(1.2, 1e-20, True), (1.8, 1e-20, False), (1.8, 0.3, True)]
+    ("over", "confidence", "explained"),
+    [(1.1, 1e-20, True), (1.3, 1e-20, False), (1.8, 1e-20, False), (1.8, 0.3, True)],
 )
 def test_what_is_hardly_more_than_impossible_has_to_reach_the_noise(over, confidence, explained):
     gaps = Gaps(1.0, 0.1, None, None, 0.1)

@@ -13,13 +13,13 @@ from __future__ import annotations
 from flexmodal.diagnosis.names import UNKNOWN
 from flexmodal.diagnosis.outcome import Remaining, Verdict
 from flexmodal.diagnosis.selection.decision import Answer
-from flexmodal.diagnosis.selection.frf_thresholds import FLOOR_REACHED
+from flexmodal.diagnosis.selection.frf_thresholds import CLOSE
 from flexmodal.diagnosis.verdict.facts import Facts
 from flexmodal.diagnosis.verdict.frf_words import frf_words
 from flexmodal.diagnosis.verdict.modal_words import modal_words
 
 DOUBTED = 0.01
-"""Confidence of an effect below which it has to reach the noise to explain anything."""
+"""Confidence of an effect below which it has to leave clearly nothing but noise to explain anything."""
 BORDER = "How far the model is from the measurements lies at the border of what counts as noise."
 
 
@@ -46,7 +46,7 @@ def verdict(facts: Facts) -> Verdict:
 
 
 def _doubted(facts: Facts) -> bool:
-    """Whether what leaves more than noise, if little of what there was, is hardly more than impossible."""
+    """Whether what leaves more than clearly nothing but noise is hardly more than impossible."""
     over = facts.over_noise
     least = min((step.confidence for step in facts.steps), default=1.0)
-    return over is not None and over > FLOOR_REACHED and least < DOUBTED
+    return over is not None and over > CLOSE and least < DOUBTED
