@@ -11,12 +11,15 @@ from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.lawfree.result import Findings, Found
 from flexmodal.diagnosis.outcome import Gaps
 from flexmodal.diagnosis.placed import Placed
+from flexmodal.diagnosis.search import close_fit
 from flexmodal.diagnosis.search.close_fit import fitted_closely
+from flexmodal.diagnosis.search.explanations import explanations, from_each_start
 from flexmodal.diagnosis.search.set_out import SetOut
 from flexmodal.diagnosis.selection.asked import asked_of
 from flexmodal.diagnosis.selection.stand_in import NEARER, is_passive, stand_in
 from flexmodal.diagnosis.setup import prepare
 from flexmodal.diagnosis.verdict.frf_words import stand_in_words
+from flexmodal.errors import SingularResponse
 from flexmodal.rig import Hide, simulate
 
 
@@ -81,3 +84,21 @@ def test_the_words_say_that_nothing_is_named():
     assert "added_mass at link_2 and local_absorber at link_2 stand for it, without being named" in says
     assert "from 0.21 to 0.12" in says
     assert stand_in_words([("added_mass", "link_2")], replace(gaps, held_out_after=None)).endswith("named.")
+
+
+def test_what_ends_where_there_is_no_model_is_left_out_of_a_search(monkeypatch, setup, bare):
+    """Torques that push make an integration grow without end; the other explanations remain."""
+
+    def closely(setup, hypothesis, start, **more):
+        if hypothesis.keys[-1][0] == "local_absorber":
+            raise SingularResponse("the integration has no end")
+        return fitted_closely(setup, hypothesis, start, **more)
+
+    monkeypatch.setattr(close_fit, "fitted_closely", closely)
+    found = explanations(
+        setup, bare, starts(bare), with_force=False, enough=1.4, advance=lambda part: None,
+        allowed=lambda effect, where: where in ("link_3", "q1+q2"), one_is_enough=True,
+    )  # fmt: skip
+    assert [one.key for one in found] == [("joint_coupling", "q1+q2")]
+    keys = [("local_absorber", "link_3")]
+    assert from_each_start(setup, bare, starts(bare), keys, lambda model: False) == []

@@ -12,6 +12,7 @@ from flexmodal.diagnosis.search.refine import refined
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs, fitted_model
 from flexmodal.diagnosis.setup import Setup
 from flexmodal.diagnosis.time_domain.model import has_law
+from flexmodal.errors import SingularResponse
 from flexmodal.identification import Observations, fit, predict
 
 FAR, NEAR = (0.2, 0.05, 0.01), (0.05, 0.01)
@@ -46,3 +47,26 @@ def fitted_closely(
     lines = some_lines(few, CLOSE)
     fitted = fit(hypothesis, few, start, floors=NEAR if near else FAR, lines=lines, steps=steps)
     return fitted_model(hypothesis, fitted, every)
+
+
+def tried_closely(
+    setup: Setup,
+    hypothesis: Hypothesis,
+    start: Float[np.ndarray, " parameter"],
+    *,
+    near: bool = False,
+    steps: int = STEPS,
+) -> list[FittedFrfs]:
+    """The same of a trial; none where the fit comes to where there is no model, as beside torques that push.
+
+    Args:
+        setup: what the diagnosis works with.
+        hypothesis: what is tried.
+        start: where the fit sets out.
+        near: whether that is near its end.
+        steps: most at each model error.
+    """
+    try:
+        return [fitted_closely(setup, hypothesis, start, near=near, steps=steps)]
+    except (np.linalg.LinAlgError, SingularResponse):
+        return []

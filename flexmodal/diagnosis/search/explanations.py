@@ -9,7 +9,7 @@ import numpy as np
 from flexmodal.diagnosis.disagreement.gaps import over_noise
 from flexmodal.diagnosis.effects import Effect
 from flexmodal.diagnosis.placed import Placed
-from flexmodal.diagnosis.search.close_fit import fitted_closely
+from flexmodal.diagnosis.search.close_fit import tried_closely
 from flexmodal.diagnosis.search.coarse import Candidate, Look, look_at
 from flexmodal.diagnosis.search.lines import worst_lines
 from flexmodal.diagnosis.search.search import candidates, come_nearer, narrowed, restarted, simpler
@@ -62,11 +62,12 @@ def explanations(
     for some, most in _kinds(setup.effects, with_force=with_force):
         found = candidates(before.hypothesis, set_out, some, seen, allowed)
         finalists += narrowed(found, seen, lambda part: advance(0.6 * part))[:most]
-    looked, least = [], min((one.cost for one in finalists), default=0.0)
+    looked: list[FittedFrfs] = []
+    least = min((one.cost for one in finalists), default=0.0)
     for number, one in enumerate(finalists, start=1):
         behind = one.cost > FAR_BEHIND * least
-        looked.append(
-            fitted_closely(setup, one.hypothesis, one.x, near=True, steps=A_FEW)
+        looked += (
+            tried_closely(setup, one.hypothesis, one.x, near=True, steps=A_FEW)
             if behind
             else _close(setup, one)
         )
@@ -77,7 +78,7 @@ def explanations(
         looked.sort(key=lambda one: one.cost)
     if looked:
         found = simpler(looked[0].hypothesis, looked[0].fitted.x, setup.effects, seen)
-        looked = best_of_each([*looked, *(_close(setup, one) for one in found)])
+        looked = best_of_each([*looked, *(more for one in found for more in _close(setup, one))])
     return looked
 
 
@@ -109,8 +110,9 @@ def from_each_start(
         tried = [one for some in set_out.starts(hypothesis) for one in some]
         some = seen.started(hypothesis, tried, FIRST_FLOOR, followed)
         for one in come_nearer(some, seen) if has_law(hypothesis) else some:
-            found.append(fitted_closely(setup, hypothesis, one.x))
-            if is_enough(found[-1]):
+            fitted = tried_closely(setup, hypothesis, one.x)
+            found += fitted
+            if any(is_enough(model) for model in fitted):
                 break
     return best_of_each(found)
 
@@ -134,23 +136,25 @@ def _kinds(effects: Sequence[Effect], *, with_force: bool) -> list[tuple[list[Ef
     return [(others, FINALISTS), (by_force if with_force else [], INTEGRATED)]
 
 
-def _close(setup: Setup, one: Candidate) -> FittedFrfs:
+def _close(setup: Setup, one: Candidate) -> list[FittedFrfs]:
     """Once more from the card where a robot is come to that nobody believes, for one as good may be nearer.
 
     What an effect and the robot's parameters do alike is settled by these beliefs alone, and slowly.
+
+    Returns:
+        The better one; none where there is no model.
     """
-    found = fitted_closely(setup, one.hypothesis, one.x, near=True)
-    if has_law(one.hypothesis) or found.prior < BEYOND_BELIEF:
+    found = tried_closely(setup, one.hypothesis, one.x, near=True)
+    if not found or has_law(one.hypothesis) or found[0].prior < BEYOND_BELIEF:
         return found
-    start = found.x.copy()
+    start = found[0].x.copy()
     start[: len(one.hypothesis.base)] = 0.0
-    other = fitted_closely(setup, one.hypothesis, start)
-    return other if other.cost < found.cost else found
+    return [min([*found, *tried_closely(setup, one.hypothesis, start)], key=lambda model: model.cost)]
 
 
 def _elsewhere(setup: Setup, seen: Look, one: FittedFrfs, set_out: SetOut) -> FittedFrfs:
     """The same explanation from all the starts of its effect, if one of them leads further down."""
     if has_law(one.hypothesis):
         return one
-    other = _close(setup, restarted(one.hypothesis, one.fitted.x, set_out, seen))
-    return other if other.cost < one.cost else one
+    others = _close(setup, restarted(one.hypothesis, one.fitted.x, set_out, seen))
+    return min([one, *others], key=lambda model: model.cost)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from flexmodal.diagnosis.placed import Placed
-from flexmodal.diagnosis.search.close_fit import fitted_closely
+from flexmodal.diagnosis.search.close_fit import tried_closely
 from flexmodal.diagnosis.search.coarse import look_at
 from flexmodal.diagnosis.search.lines import worst_lines
 from flexmodal.diagnosis.search.set_out import SetOut
@@ -49,7 +49,8 @@ def at_next_level(
         todo = sorted((seen.fitted(one, floor, steps) for one in todo), key=lambda one: one.cost)[:keep]
     found: list[FittedFrfs] = []
     for one in todo:
-        found.append(fitted_closely(setup, hypothesis, one.x))
-        if is_enough(found[-1]):
+        fitted = tried_closely(setup, hypothesis, one.x)
+        found += fitted
+        if any(is_enough(each) for each in fitted):
             break
     return found
