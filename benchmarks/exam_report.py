@@ -138,7 +138,11 @@ def _page(rows: list[dict], asked: int, seed: int, engine: str) -> list[str]:
         f"answered. {PHYSICS[engine]} {', '.join(ROBOTS)}: 5 postures, up to 5 points, 2 hammer "
         "points, two levels of force with a repeat each, 1 % noise; parameters of the robot 2 to 8 % off; "
         "effects 3 to 30 times the noise floor before re-tuning. The code was tuned on other seeds. *Effect* "
-        "asks for the right set of names, *effect and place* for the right places too.",
+        "asks for the right set of names, *effect and place* for the right places too."
+        + (
+            " What is not answered was stopped for its time or failed, and counts nowhere."
+            * (len(rows) < asked)
+        ),
         "",
         "| what | goal | found |",
         "|---|---:|---:|",
