@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterator, Mapping
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -36,6 +37,18 @@ def modules() -> dict[str, Path]:
     return found
 
 
+@cache
+def tree_of(path: Path) -> ast.Module:
+    """A module as the parser reads it; read once, for it is half a second for all of them."""
+    return ast.parse(path.read_text())
+
+
+@cache
+def imports_of(path: Path, name: str) -> tuple[tuple[str, str], ...]:
+    """What a module imports, see `imported`; walked once."""
+    return tuple(imported(tree_of(path), name, path))
+
+
 def imported(tree: ast.AST, name: str, path: Path) -> Iterator[tuple[str, str]]:
     """What a module imports: pairs of a module and a name taken from it, the name empty for `import x`."""
     package = name.split(".") if path.name == "__init__.py" else name.split(".")[:-1]
@@ -52,7 +65,7 @@ def graph(paths: Mapping[str, Path]) -> dict[str, set[str]]:
     """The modules of these packages that each module imports."""
     edges: dict[str, set[str]] = {}
     for name, path in paths.items():
-        pairs = imported(ast.parse(path.read_text()), name, path)
+        pairs = imports_of(path, name)
         wanted = {f"{source}.{taken}" if f"{source}.{taken}" in paths else source for source, taken in pairs}
         edges[name] = {other for other in wanted if other in paths and other != name}
     return edges
@@ -94,7 +107,7 @@ def test_no_function_is_overlong() -> None:
         f"{name}.{node.name}"
         for name, path in modules().items()
         if not name.startswith(KERNELS)
-        for node in ast.walk(ast.parse(path.read_text()))
+        for node in ast.walk(tree_of(path))
         if isinstance(node, ast.FunctionDef)
         and (node.end_lineno or node.lineno) - node.lineno + 1 > LONGEST_FUNCTION
     }
@@ -106,7 +119,7 @@ def test_no_module_takes_a_private_name_of_another() -> None:
     found = {
         f"{name} takes {source}.{taken}"
         for name, path in paths.items()
-        for source, taken in imported(ast.parse(path.read_text()), name, path)
+        for source, taken in imports_of(path, name)
         if taken.startswith("_") and not taken.startswith("__")
         if source.split(".")[0] in ("flexmodal", "flexmodal_viewer")
     }
@@ -140,7 +153,7 @@ def test_a_library_has_one_door(library: str, room: str) -> None:
     found = {
         name
         for name, path in paths.items()
-        for source, _ in imported(ast.parse(path.read_text()), name, path)
+        for source, _ in imports_of(path, name)
         if source.split(".")[0] == library
     }
     assert found

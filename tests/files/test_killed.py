@@ -29,9 +29,9 @@ def old_folder(target):
     (target / "in" / "d.txt").write_text("old d")
 
 
-@pytest.fixture(params=["exchange", "journal"])
+@pytest.fixture(params=["exchange", pytest.param("journal", marks=pytest.mark.slow)])
 def system(request, monkeypatch):
-    """With what Linux can do, and without."""
+    """With what Linux can do, and without; the latter takes four times as many events."""
     if request.param == "journal":
         monkeypatch.setattr(exchange, "_renameat2", lambda: None)
     elif exchange._renameat2() is None:

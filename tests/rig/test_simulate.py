@@ -39,12 +39,18 @@ def test_every_named_effect_can_be_hidden_and_four_without_a_name():
     assert len(EFFECTS) == len(NAMES) + 4
 
 
+@pytest.fixture(scope="module")
+def clean(fanuc, ur5):
+    """A campaign with nothing hidden, by robot."""
+    return {name: simulate(arm, **SMALL, seed=4) for name, arm in (("fanuc", fanuc), ("ur5", ur5))}
+
+
 @pytest.mark.parametrize("effect", EFFECTS)
 @pytest.mark.parametrize("which", ["fanuc", "ur5"])
-def test_every_effect_on_a_planar_and_a_spatial_arm(effect, which, request):
+def test_every_effect_on_a_planar_and_a_spatial_arm(effect, which, clean, request):
     robot = request.getfixturevalue(which)
-    clean, spoilt = (simulate(robot, **SMALL, hide=hide, seed=4) for hide in ([], [effect]))
-    one, other = clean.campaign.frfs, spoilt.campaign.frfs
+    spoilt = simulate(robot, **SMALL, hide=[effect], seed=4)
+    one, other = clean[which].campaign.frfs, spoilt.campaign.frfs
     assert np.all(np.isfinite(other.value))
     inside = (one.frequency >= 2) & (one.frequency <= 200)
     assert not np.allclose(one.value[:, inside], other.value[:, inside], rtol=1e-3, atol=0)

@@ -13,12 +13,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from jaxtyping import Complex, Float
 
 from flexmodal.diagnosis.lawfree.at_parameters import AtParameters
 from flexmodal.diagnosis.lawfree.beginning import origin
+from flexmodal.diagnosis.lawfree.equations import Equations, products
 from flexmodal.diagnosis.lawfree.model import PortedModel, Unknown
 from flexmodal.errors import SingularResponse
 from flexmodal.identification.descent import robust, robust_weight, short_step
@@ -55,17 +57,6 @@ class State:
     def light(self) -> State:
         """The same without the solved structures, which are large; they are solved again when asked for."""
         return replace(self, at=AtParameters(self.at.model, self.at.x))
-
-
-@dataclass(frozen=True, eq=False)
-class Equations:
-    """Normal equations at a state."""
-
-    zz: Complex[np.ndarray, "cell line function function"]
-    zp: Complex[np.ndarray, "cell line function parameter"]
-    z: Complex[np.ndarray, "cell line function"]
-    pp: Float[np.ndarray, "parameter parameter"]
-    p: Float[np.ndarray, " parameter"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -185,6 +176,13 @@ class Profile:
         """Robust χ² over the number of real values, where nothing was fitted."""
         return 2 * self.misfit(residual) / max(self._values, 1)
 
+    @cached_property
+    def _cells(self) -> list[Any]:
+        """The observations of each cell."""
+        if self.model.cells == 1:
+            return [slice(None)]
+        return [self.model.cell == cell for cell in range(self.model.cells)]
+
     def by_line(self, residual: Complex[np.ndarray, "observation line"], z: Unknown) -> Costs:
         """Robust sum of squares of each line, with the prior of its functions.
 
@@ -193,7 +191,7 @@ class Profile:
             z: the functions in their sizes.
         """
         each = self._each(residual)
-        sums = np.array([each[self.model.cell == cell].sum(axis=0) for cell in range(self.model.cells)])
+        sums = np.array([each[rows].sum(axis=0) for rows in self._cells])
         return np.asarray(sums + RIDGE * np.sum(np.abs(z) ** 2, axis=1))
 
     def equations(self, state: State, *, held: bool = False) -> Equations:
@@ -214,8 +212,7 @@ class Profile:
         lines = len(self.model.lines) if self.pooled else 1
         own = (state.z.mean(axis=2, keepdims=True) if self.pooled else state.z)[:, self.still :]
         found = [
-            self._of_cell(along[rows], r[rows], parameters[:, rows])
-            for rows in (self.model.cell == cell for cell in range(self.model.cells))
+            products(along[rows], r[rows], parameters[:, rows], pooled=self.pooled) for rows in self._cells
         ]
         zz, zp, z = (np.stack(parts) for parts in zip(*found, strict=True))
         return Equations(
@@ -225,24 +222,6 @@ class Profile:
             flat @ flat.T,
             flat @ pull,
         )
-
-    def _of_cell(
-        self, along: np.ndarray, r: np.ndarray, parameters: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Products of the derivatives along the functions with all others, line by line or summed."""
-        turned = np.moveaxis(along.conj(), (1, 2), (0, 1))  # line function observation
-        zz, z = turned @ np.moveaxis(along, 1, 0), (turned @ r.T[:, :, None])[..., 0]
-        # by real and imaginary part of the observations, as the parameters are
-        real = np.stack([turned.real, -turned.imag], axis=3).reshape(*turned.shape[:2], -1)
-        imaginary = np.stack([turned.imag, turned.real], axis=3).reshape(real.shape)
-        both = np.concatenate([real, imaginary], axis=1)
-        others = np.moveaxis(parameters.reshape(len(parameters), both.shape[2], len(both)), 2, 0)
-        if self.pooled:
-            zz, z = zz.sum(axis=0, keepdims=True), z.sum(axis=0, keepdims=True)
-            zp = np.tensordot(both, others, axes=([0, 2], [0, 2]))[None]
-        else:
-            zp = both @ np.swapaxes(others, 1, 2)
-        return zz, zp[:, : zz.shape[1]] + 1j * zp[:, zz.shape[1] :], z
 
     def _tried(self, state: State, equations: Equations, damping: float, temper: float) -> State:
         prior, (low, high) = temper * self.model.space.precision, self.model.space.bounds
@@ -254,13 +233,25 @@ class Profile:
         trial = self.with_functions(at, z)
         if self.pooled or not np.isfinite(trial.cost):
             return trial
-        kept = self.with_functions(at, state.z)
-        if not np.isfinite(kept.cost):
-            return trial
-        better = self.by_line(trial.residual, z) <= self.by_line(kept.residual, state.z)
+        return self.better_by_line(trial, state if held else self.with_functions(at, state.z))
+
+    def better_by_line(self, one: State, other: State) -> State:
+        """Of two states at the same parameters, on each line the functions that cost less.
+
+        A line's residuals depend on its own functions alone, so nothing has to be solved again.
+
+        Args:
+            one: which is taken as a whole where the other one has no finite cost.
+            other: whose functions are taken where they cost less than those of the first.
+        """
+        if not np.isfinite(other.cost):
+            return one
+        better = self.by_line(one.residual, one.z) <= self.by_line(other.residual, other.z)
         if better.all():
-            return trial
-        return self.with_functions(at, np.where(better[:, None], z, state.z))
+            return one
+        z = np.where(better[:, None], one.z, other.z)
+        residual = np.where(better[self.model.cell], one.residual, other.residual)
+        return self.judged(State(one.at, z, np.inf, residual))
 
     def step(
         self, state: State, equations: Equations, damping: float, prior: Float[np.ndarray, " parameter"]

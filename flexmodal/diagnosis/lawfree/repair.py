@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from flexmodal.diagnosis.lawfree.model import Unknown
-from flexmodal.diagnosis.lawfree.profile import Costs, Profile, State
+from flexmodal.diagnosis.lawfree.profile import Profile, State
 
 STANDS_OUT, AGAIN = 10.0, 4
 """Times the median cost of lines beyond which one sets out again, and how many steps it is given."""
@@ -21,26 +21,22 @@ def repaired(profile: Profile, state: State) -> State:
         profile: in which the fit goes on.
         state: where it has come to.
     """
-    z, best = state.z, profile.by_line(state.residual, state.z)
+    best = state
     for offered in offers(state.z):
-        z, best = _bettered(profile, profile.with_functions(state.at, offered), z, best)
-    stuck = best > STANDS_OUT * np.median(best, axis=1, keepdims=True)
+        best = _bettered(profile, profile.with_functions(state.at, offered), best)
+    cost = profile.by_line(best.residual, best.z)
+    stuck = cost > STANDS_OUT * np.median(cost, axis=1, keepdims=True)
     if stuck.any():
-        for offered in offers(z):
-            other = profile.with_functions(state.at, np.where(stuck[:, None], offered, z))
+        for offered in offers(best.z):
+            other = profile.with_functions(state.at, np.where(stuck[:, None], offered, best.z))
             if np.isfinite(other.cost):
-                z, best = _bettered(profile, profile.descended(other, AGAIN, held=True), z, best)
-    found = profile.with_functions(state.at, z)
-    return found if found.cost < state.cost else state
+                best = _bettered(profile, profile.descended(other, AGAIN, held=True), best)
+    return best if best.cost < state.cost else state
 
 
-def _bettered(profile: Profile, other: State, z: Unknown, best: Costs) -> tuple[Unknown, Costs]:
-    """Functions and costs line by line: those of another state where it costs less."""
-    if not np.isfinite(other.cost):
-        return z, best
-    cost = profile.by_line(other.residual, other.z)
-    better = cost < best
-    return np.where(better[:, None], other.z, z), np.where(better, cost, best)
+def _bettered(profile: Profile, other: State, best: State) -> State:
+    """The best state with the functions of another one on lines where they cost less."""
+    return best if not np.isfinite(other.cost) else profile.better_by_line(best, other)
 
 
 def offers(z: Unknown) -> list[Unknown]:
