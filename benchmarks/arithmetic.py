@@ -5,7 +5,7 @@
 Every campaign is diagnosed by the command line in a process of its own: with OpenBLAS's kernels for other
 processors, with NumPy's vector instructions off, without numba, and with measured FRFs changed by one part in
 10⁹. Names, places, explained or not and exit status have to be the same, gaps the same within 1 %, parameters
-within 1 % or a tenth of their standard error. Ends with status 1 where they are not.
+within 1 % or a tenth of their standard error, confidences within 0.01. Ends with status 1 where they are not.
 """
 
 from __future__ import annotations
@@ -107,16 +107,17 @@ def differences(one: dict, other: dict) -> list[str]:
     for name, value in one["gap"].items():
         found += _apart(f"gap {name}", value, other["gap"][name], 0.0)
     for a, b in zip(one["steps"], other["steps"], strict=False):
+        found += _apart(f"{a['effect']} confidence", a["confidence"], b["confidence"], 0.0, WITHIN)
         for name in a["parameters"].keys() & b["parameters"].keys():
             error = a.get("uncertainty", {}).get(name) or 0.0
             found += _apart(f"{a['effect']} {name}", a["parameters"][name], b["parameters"][name], error)
     return found
 
 
-def _apart(what: str, a: float | None, b: float | None, error: float) -> list[str]:
+def _apart(what: str, a: float | None, b: float | None, error: float, least: float = 0.0) -> list[str]:
     if a is None or b is None:
         return [] if a == b else [f"{what}: {a} / {b}"]
-    far = abs(a - b) > max(WITHIN * abs(a), OF_ERROR * error)
+    far = abs(a - b) > max(WITHIN * abs(a), OF_ERROR * error, least)
     return [f"{what}: {a:.6g} / {b:.6g}"] if far else []
 
 

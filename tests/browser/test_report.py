@@ -26,7 +26,7 @@ def from_modes():
     from flexmodal.diagnosis import diagnose
     from flexmodal.diagnosis.selection import variants
 
-    effects = ["link_flexibility@link_2", "local_absorber@link_1"]
+    effects = ["local_absorber@link_1", "local_absorber@link_2"]
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(variants, "VARIANTS", variants.VARIANTS[:1])
         campaign = read_campaign(ROOT / "robots/fanuc_s360/campaigns/thesis")

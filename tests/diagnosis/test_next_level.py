@@ -48,6 +48,7 @@ def fits(context, observed):
     return setup, zero, fitted_closely(setup, narrow, begin)
 
 
+@pytest.mark.slow
 def test_bolts_are_found_from_where_springs_alone_ended(fits):
     """An effect at its last level has no other."""
     setup, zero, narrow = fits

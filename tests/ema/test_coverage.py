@@ -43,18 +43,18 @@ def _draws(truth: Truth, axis: np.ndarray, seed: int, *, known: bool, count: int
 
 
 @pytest.mark.parametrize(
-    ("weighting", "count"),
-    [("variance", REPEATS), pytest.param("logarithmic", 3 * REPEATS, marks=pytest.mark.slow)],
+    ("weighting", "count", "most"),
+    [("variance", REPEATS, 0.99), pytest.param("logarithmic", 3 * REPEATS, 0.995, marks=pytest.mark.slow)],
 )
 @pytest.mark.parametrize("known", [True, False], ids=["noise known", "noise unknown"])
-def test_least_squares(known: bool, weighting: str, count: int) -> None:
+def test_least_squares(known: bool, weighting: str, count: int, most: float) -> None:
     truth = real_modes([20.0, 24.0, 40.0], [0.04, 0.03, 0.1], np.array([[1.0, 0.8 + 0.3j, 1.2]]))
     draws = _draws(truth, np.linspace(5, 60, 220), 5, known=known, count=count)
     peaks = choose_peaks(draws[0], at=list(truth.frequency))
     problems = [build_least_squares(d, peaks, residuals="real", weighting=weighting) for d in draws]
     found = solve_many(problems)
     share = np.mean([_hits(list(one.modes), truth) for one in found], axis=0)
-    assert np.all((share >= 0.90) & (share <= 0.99)), share
+    assert np.all((share >= 0.90) & (share <= most)), share
 
 
 @pytest.mark.parametrize("known", [True, False], ids=["noise known", "noise unknown"])

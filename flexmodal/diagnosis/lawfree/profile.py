@@ -16,7 +16,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from jaxtyping import Complex, Float
+from jaxtyping import Bool, Complex, Float
 
 from flexmodal.diagnosis.lawfree.at_parameters import AtParameters
 from flexmodal.diagnosis.lawfree.beginning import origin
@@ -34,7 +34,8 @@ FIRST, LAST = 1e-3, 1e4
 """Damping of the first step, and where a descent gives up."""
 SETTLED = 5e-4
 """Relative change of the cost by a step that ends a descent."""
-Costs = Float[np.ndarray, "cell line"]
+Damping = tuple[float, Float[np.ndarray, "cell line"]]
+"""Of the parameters, and of the functions line by line: where a step overshoots it bars no other's way."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,14 +121,15 @@ class Profile:
             most: steps.
             held: whether the parameters stay as they are.
         """
-        damping = FIRST
         if not np.isfinite(state.cost):
             return state
+        damping, own = FIRST, np.full((self.model.cells, len(self.model.lines)), FIRST)
         for _ in range(most):
             equations, temper = self.equations(state, held=held), self.temper(state.residual)
             found = None
             while found is None and damping < LAST:
-                trial = self._tried(state, equations, damping, temper)
+                trial, better = self._tried(state, equations, (damping, own), temper)
+                own = np.where(better, own / 5, np.maximum(own, 1e-4) * 10)
                 if trial.cost < state.cost:
                     found = trial
                 else:
@@ -140,16 +142,12 @@ class Profile:
                 break
         return state
 
-    # sums
-
     def misfit(self, residual: Complex[np.ndarray, "observation line"]) -> float:
         """Robust χ²; infinite where there is no model."""
         found = float(self._each(residual).sum())
         return found if np.isfinite(found) else np.inf
 
-    def _each(
-        self, residual: Complex[np.ndarray, "observation line"]
-    ) -> Float[np.ndarray, "observation line"]:
+    def _each(self, residual: np.ndarray) -> Float[np.ndarray, "observation line"]:
         return robust(self.weight * square(residual))
 
     @cached_property
@@ -183,7 +181,9 @@ class Profile:
             return [slice(None)]
         return [self.model.cell == cell for cell in range(self.model.cells)]
 
-    def by_line(self, residual: Complex[np.ndarray, "observation line"], z: Unknown) -> Costs:
+    def by_line(
+        self, residual: Complex[np.ndarray, "observation line"], z: Unknown
+    ) -> Float[np.ndarray, "cell line"]:
         """Robust sum of squares of each line, with the prior of its functions.
 
         Args:
@@ -205,10 +205,8 @@ class Profile:
         root = np.sqrt(self.weight * robust_weight(self.weight * square(state.residual)))
         along, r = slopes.along[..., self.still :] * root[..., None], state.residual * root
         parameters = slopes.parameters * root[:, None]
-        flat, pull = (
-            parameters.reshape(len(parameters), 2 * r.size),
-            np.stack([r.real, r.imag], axis=1).ravel(),
-        )
+        flat = parameters.reshape(len(parameters), 2 * r.size)
+        pull = np.stack([r.real, r.imag], axis=1).ravel()
         lines = len(self.model.lines) if self.pooled else 1
         own = (state.z.mean(axis=2, keepdims=True) if self.pooled else state.z)[:, self.still :]
         found = [
@@ -223,7 +221,10 @@ class Profile:
             flat @ pull,
         )
 
-    def _tried(self, state: State, equations: Equations, damping: float, temper: float) -> State:
+    def _tried(
+        self, state: State, equations: Equations, damping: Damping, temper: float
+    ) -> tuple[State, Bool[np.ndarray, "cell line"]]:
+        """A state farther down, if it is, and on which lines the step of the functions serves."""
         prior, (low, high) = temper * self.model.space.precision, self.model.space.bounds
         step, along = self.step(state, equations, damping, prior)
         held = not len(equations.p)
@@ -232,40 +233,52 @@ class Profile:
         z = state.z + along / np.maximum(1.0, np.abs(along) / most)
         trial = self.with_functions(at, z)
         if self.pooled or not np.isfinite(trial.cost):
-            return trial
-        return self.better_by_line(trial, state if held else self.with_functions(at, state.z))
+            return trial, np.full(damping[1].shape, trial.cost < state.cost)
+        kept = state if held else self.with_functions(at, state.z)
+        better = self.serves(trial, kept)
+        return self.chosen(trial, kept, better), better
 
-    def better_by_line(self, one: State, other: State) -> State:
-        """Of two states at the same parameters, on each line the functions that cost less.
+    def serves(self, one: State, other: State) -> Bool[np.ndarray, "cell line"]:
+        """On which lines the functions of a state cost no more than those of another at the same parameters.
+
+        Args:
+            one: the state; on all of them where the other has no finite cost.
+            other: the other one.
+        """
+        if not np.isfinite(other.cost):
+            return np.full((self.model.cells, len(self.model.lines)), True)
+        return np.asarray(self.by_line(one.residual, one.z) <= self.by_line(other.residual, other.z))
+
+    def chosen(self, one: State, other: State, first: Bool[np.ndarray, "cell line"]) -> State:
+        """Of two states at the same parameters the functions of either on some lines.
 
         A line's residuals depend on its own functions alone, so nothing has to be solved again.
 
         Args:
-            one: which is taken as a whole where the other one has no finite cost.
-            other: whose functions are taken where they cost less than those of the first.
+            one: a state.
+            other: another one.
+            first: lines on which the first one's functions are taken.
         """
-        if not np.isfinite(other.cost):
+        if first.all():
             return one
-        better = self.by_line(one.residual, one.z) <= self.by_line(other.residual, other.z)
-        if better.all():
-            return one
-        z = np.where(better[:, None], one.z, other.z)
-        residual = np.where(better[self.model.cell], one.residual, other.residual)
+        z = np.where(first[:, None], one.z, other.z)
+        residual = np.where(first[self.model.cell], one.residual, other.residual)
         return self.judged(State(one.at, z, np.inf, residual))
 
     def step(
-        self, state: State, equations: Equations, damping: float, prior: Float[np.ndarray, " parameter"]
+        self, state: State, equations: Equations, damping: Damping, prior: Float[np.ndarray, " parameter"]
     ) -> tuple[Float[np.ndarray, " parameter"], Unknown]:
         """Steps of the parameters and the functions.
 
         Args:
             state: where it starts.
             equations: there.
-            damping: part of the diagonals that is added.
+            damping: part of the diagonals that is added, of the parameters and of each line's functions.
             prior: precision of the parameters.
         """
         diagonal = np.einsum("clff->clf", equations.zz).real
-        zz = equations.zz + damping * diagonal[..., None] * np.eye(equations.zz.shape[-1])
+        own = damping[1][:, : diagonal.shape[1], None, None]
+        zz = equations.zz + own * diagonal[..., None] * np.eye(equations.zz.shape[-1])
         solved = np.linalg.solve(zz, np.concatenate([equations.zp, equations.z[..., None]], axis=-1))
         step, along = np.zeros(len(state.x)), np.zeros(state.z.shape, dtype=complex)
         if not len(equations.p):
@@ -280,7 +293,7 @@ class Profile:
             - np.einsum("clfp,clfq->pq", equations.zp.conj(), solved[..., :-1]).real
         )
         right = pull - np.einsum("clfp,clf->p", equations.zp.conj(), solved[..., -1]).real
-        schur = schur + np.diag(damping * np.diag(schur) + 1e-12)
+        schur = schur + np.diag(damping[0] * np.diag(schur) + 1e-12)
         if free.any():
             step[free] = short_step(schur[np.ix_(free, free)], right[free])
         along[:, self.still :] = -np.swapaxes(solved[..., -1] + solved[..., :-1] @ step, 1, 2)

@@ -36,7 +36,9 @@ def repaired(profile: Profile, state: State) -> State:
 
 def _bettered(profile: Profile, other: State, best: State) -> State:
     """The best state with the functions of another one on lines where they cost less."""
-    return best if not np.isfinite(other.cost) else profile.better_by_line(best, other)
+    if not np.isfinite(other.cost):
+        return best
+    return profile.chosen(best, other, profile.serves(best, other))
 
 
 def offers(z: Unknown) -> list[Unknown]:
