@@ -123,6 +123,7 @@ def _page(rows: list[dict], asked: int, seed: int, engine: str) -> list[str]:
     single, nothing = kinds["single"], kinds["nothing"]
     pairs, outside, several = kinds["pair"], kinds["outside"], kinds["several"]
     explained = [r for r in single + pairs + several if r["explained"] and r["said"]]
+    stopped = " What is not answered was stopped for its time or failed, and counts nowhere."
     low = [r for r in explained if r["over"] <= 1.6]
     half = [r for r in explained if r["held"] is not None]
     good = [r for r in half if r["held"] < 0.5]
@@ -139,10 +140,7 @@ def _page(rows: list[dict], asked: int, seed: int, engine: str) -> list[str]:
         "points, two levels of force with a repeat each, 1 % noise; parameters of the robot 2 to 8 % off; "
         "effects 3 to 30 times the noise floor before re-tuning. The code was tuned on other seeds. *Effect* "
         "asks for the right set of names, *effect and place* for the right places too."
-        + (
-            " What is not answered was stopped for its time or failed, and counts nowhere."
-            * (len(rows) < asked)
-        ),
+        + (stopped if len(rows) < asked else ""),
         "",
         "| what | goal | found |",
         "|---|---:|---:|",

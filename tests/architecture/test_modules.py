@@ -39,7 +39,7 @@ def modules() -> dict[str, Path]:
 
 @cache
 def tree_of(path: Path) -> ast.Module:
-    """A module as the parser reads it; read once, for it is half a second for all of them."""
+    """A module as the parser reads it; read once."""
     return ast.parse(path.read_text())
 
 

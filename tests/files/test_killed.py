@@ -31,7 +31,7 @@ def old_folder(target):
 
 @pytest.fixture(params=["exchange", pytest.param("journal", marks=pytest.mark.slow)])
 def system(request, monkeypatch):
-    """With what Linux can do, and without; the latter takes four times as many events."""
+    """With what Linux can do, and without, which `make slow` runs."""
     if request.param == "journal":
         monkeypatch.setattr(exchange, "_renameat2", lambda: None)
     elif exchange._renameat2() is None:

@@ -13,7 +13,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from jaxtyping import Bool, Complex, Float
@@ -34,7 +33,7 @@ FIRST, LAST = 1e-3, 1e4
 """Damping of the first step, and where a descent gives up."""
 SETTLED = 5e-4
 """Relative change of the cost by a step that ends a descent."""
-Damping = tuple[float, Float[np.ndarray, "cell line"]]
+Damping = tuple[float, Float[np.ndarray, "cell each"]]
 """Of the parameters, and of the functions line by line: where a step overshoots it bars no other's way."""
 
 
@@ -123,7 +122,8 @@ class Profile:
         """
         if not np.isfinite(state.cost):
             return state
-        damping, own = FIRST, np.full((self.model.cells, len(self.model.lines)), FIRST)
+        lines = 1 if self.pooled else len(self.model.lines)
+        damping, own = FIRST, np.full((self.model.cells, lines), FIRST)
         for _ in range(most):
             equations, temper = self.equations(state, held=held), self.temper(state.residual)
             found = None
@@ -175,7 +175,7 @@ class Profile:
         return 2 * self.misfit(residual) / max(self._values, 1)
 
     @cached_property
-    def _cells(self) -> list[Any]:
+    def _cells(self) -> list[slice] | list[np.ndarray]:
         """The observations of each cell."""
         if self.model.cells == 1:
             return [slice(None)]
@@ -223,7 +223,7 @@ class Profile:
 
     def _tried(
         self, state: State, equations: Equations, damping: Damping, temper: float
-    ) -> tuple[State, Bool[np.ndarray, "cell line"]]:
+    ) -> tuple[State, Bool[np.ndarray, "cell each"]]:
         """A state farther down, if it is, and on which lines the step of the functions serves."""
         prior, (low, high) = temper * self.model.space.precision, self.model.space.bounds
         step, along = self.step(state, equations, damping, prior)
@@ -277,8 +277,7 @@ class Profile:
             prior: precision of the parameters.
         """
         diagonal = np.einsum("clff->clf", equations.zz).real
-        own = damping[1][:, : diagonal.shape[1], None, None]
-        zz = equations.zz + own * diagonal[..., None] * np.eye(equations.zz.shape[-1])
+        zz = equations.zz + damping[1][..., None, None] * diagonal[..., None] * np.eye(equations.zz.shape[-1])
         solved = np.linalg.solve(zz, np.concatenate([equations.zp, equations.z[..., None]], axis=-1))
         step, along = np.zeros(len(state.x)), np.zeros(state.z.shape, dtype=complex)
         if not len(equations.p):
