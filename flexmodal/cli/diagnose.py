@@ -46,6 +46,12 @@ if TYPE_CHECKING:
     show_default=True,
     help="Of what is drawn in the comparison.",
 )
+@click.option(
+    "--within",
+    type=click.FloatRange(min=0, min_open=True),
+    metavar="SECONDS",
+    help="Stop looking after so long, and say what was found by then.  [default: as long as it takes]",
+)
 @page_option("the arm step by step as well,")
 @click.option("--show", is_flag=True, help="The arm step by step in the browser.")
 @force_option
@@ -60,6 +66,7 @@ def diagnose(
     effects: str | None,
     trust: tuple[str, ...],
     seed: int,
+    within: float | None,
     page: Path | None,
     show: bool,
     force: bool,
@@ -91,6 +98,7 @@ def diagnose(
             effects=wanted,
             trust=trusted,
             seed=seed,
+            within=within,
             advance=advance,
         )
         advance("writing the report", 0.0)

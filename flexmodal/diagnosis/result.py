@@ -43,14 +43,14 @@ def diagnosis_of(
     modal = data.findings(selection.rounds, selection.current, selection.rivals)
     says = verdict(facts_of(selection, found, modal))
     last = selection.current
-    if UNKNOWN in (name for name, _ in says.effects) and (better := data.stand_in(last)) is not None:
+    open_ = UNKNOWN in (name for name, _ in says.effects)
+    if open_ and (better := data.stand_in(last, selection.furthest)) is not None:
         last, found = better, data.conclude(selection.root, better)
     nameless = tuple(key for key in found.after.hypothesis.keys if key not in says.effects)
     if nameless:
         says = replace(says, says=f"{says.says} {stand_in_words(nameless, found.gaps)}")
     shown = data.shown(found)
     data.advance("what to measure next", 0.5)
-    open_ = UNKNOWN in (name for name, _ in says.effects)
     standing = contenders(selection.rounds, selection.rivals, open_=open_)
     return Diagnosis(
         campaign=data.campaign.title,
@@ -144,5 +144,6 @@ def facts_of(selection: ForwardSelection[M], found: Conclusion[M], modal: Findin
         untestable=tuple(data.untestable),
         refused=refused_words(selection.rounds, data.asked),
         undecided=undecided_words(selection.rounds),
+        cut_off=selection.limit.words(),
         modal=modal,
     )

@@ -19,6 +19,7 @@ from flexmodal.diagnosis.selection.frf_data import FrfData
 from flexmodal.diagnosis.selection.modal_data import ModalData
 from flexmodal.diagnosis.selection.selection import ForwardSelection
 from flexmodal.diagnosis.setup import Advance, numbers_of, prepare, trust_of
+from flexmodal.diagnosis.time_limit import TimeLimit, limit_of
 from flexmodal.identification.compatibility import check_compatible, placed_on
 from flexmodal.identification.evidence.mode_sources import modes_of_table
 from flexmodal.identification.source import Source, doubled, source_of
@@ -39,6 +40,7 @@ def diagnose(
     effects: Sequence[str] | None = None,
     trust: Mapping[str, float] | None = None,
     seed: int = 0,
+    within: float | None = None,
     advance: Advance = lambda doing, part: None,
 ) -> Diagnosis:
     """Find what is missing between a robot and a campaign of hammer tests on it.
@@ -56,27 +58,33 @@ def diagnose(
             effect there if it gains more than a tie.
         trust: standard deviation of ln(true / card) by kind or parameter name.
         seed: of the bootstrap, and of the postures tried for the next measurement.
+        within: seconds after which it stops looking and says what it has found by then, which another
+            computer may not have; by default it takes as long as it takes. The first look, without a law, and
+            the fits at the end are not cut off.
         advance: called with what is being done and the part of it that is done.
 
     Raises:
-        InvalidRequest: no data, unknown effects or postures, a campaign that does not belong to the robot.
+        InvalidRequest: no data, unknown effects or postures, a campaign that does not belong to the robot,
+            no time.
     """
+    limit = limit_of(within)
+    advance = limit.watching(advance)
     asked, chosen, warnings = asked_of(effects), source_of(campaign, source), doubled(campaign, source)
     with threadpool_limits(1):  # matrices this small only wait for the threads of a BLAS
         if chosen != "modes":
             setup = prepare(campaign, robot, hold_out, asked, trust, seed, advance)
             modes = ModesBeside(modes_of_table(campaign)) if chosen == "both" else None
             left_out = setup.observations.silent
-            return _concluded(FrfData(setup, modes), left_out=left_out, warnings=warnings, seed=seed)
+            return _concluded(FrfData(setup, modes), limit, left_out=left_out, warnings=warnings, seed=seed)
         placed, moved = placed_on(campaign, robot)
         data = _modal(placed, robot, hold_out, asked, trust, seed, advance)
-        return _concluded(data, left_out=moved, warnings=warnings, seed=seed)
+        return _concluded(data, limit, left_out=moved, warnings=warnings, seed=seed)
 
 
 def _concluded(
-    data: Data[M], *, left_out: tuple[str, ...], warnings: tuple[str, ...], seed: int
+    data: Data[M], limit: TimeLimit, *, left_out: tuple[str, ...], warnings: tuple[str, ...], seed: int
 ) -> Diagnosis:
-    selection = ForwardSelection(data)
+    selection = ForwardSelection(data, limit)
     selection.run()
     return diagnosis_of(selection, left_out=left_out, warnings=warnings, seed=seed)
 

@@ -29,34 +29,14 @@ import numpy as np
 from jaxtyping import Complex, Float, Int
 
 from flexmodal.errors import SingularResponse
+from flexmodal.structure.port import CompliancePort, Port, StiffnessPort
+from flexmodal.structure.port_solution import SINGULAR, CompiledPorts
 from flexmodal.structure.solution import Solved
 from flexmodal.structure.stack import Structures
 from flexmodal.structure.structure import ROUNDING
 
-
-@dataclass(frozen=True, eq=False)
-class StiffnessPort:
-    """A dynamic stiffness on a fixed pattern [N/m, N·m/rad for a pattern without unit]."""
-
-    pattern: Float[np.ndarray, "system dof dof"]
-    """P, symmetric."""
-
-
-@dataclass(frozen=True, eq=False)
-class CompliancePort:
-    """A compliance behind a coordinate that is rigid without it [m/N, rad/(N·m)]."""
-
-    coordinate: int
-    other: int | None = None
-    """Another such coordinate, for what the force through one does to both; itself if None."""
-
-    @property
-    def both(self) -> tuple[int, int]:
-        """The coordinate and the other one, or itself."""
-        return self.coordinate, self.coordinate if self.other is None else self.other
-
-
-Port = StiffnessPort | CompliancePort
+Values = Sequence[Complex[np.ndarray, "#system line"]] | Complex[np.ndarray, "port #system line"]
+"""z or c of each port."""
 Moved = Mapping[int, tuple[Int[np.ndarray, " changed"], Float[np.ndarray, "changed system dof dof"]]]
 """By port: numbers of the parameters that its pattern depends on, and ∂P along them."""
 
@@ -74,15 +54,22 @@ class PortedStructures:
     """k₀; 0 for stiffness."""
     coordinates: tuple[int, ...]
     """Those with a compliance."""
+    compiled: bool
+    """Whether values of the ports are followed by compiled loops."""
 
-    def at(self, values: Sequence[Complex[np.ndarray, "#system line"]]) -> Ported:
+    def at(self, values: Values) -> Ported:
         """The structures with their ports.
 
         Args:
             values: z or c of each port, the same in every system or one for each.
+        """
+        return Ported(self, values if isinstance(values, np.ndarray) else tuple(values))
 
-        Raises:
-            SingularResponse: Z′ is singular on a line.
+    def system(self, values: Values) -> tuple[np.ndarray, np.ndarray]:
+        """C + A G, and A.
+
+        Args:
+            values: of the ports.
         """
         count, stiff = self.basis.shape[2], len(self.coordinates)
         shape = len(self.basis), len(self.solved.axis)
@@ -98,7 +85,7 @@ class PortedStructures:
                 a += value[..., None, None] * self.small[number][:, None]
         a[..., :stiff, :stiff] -= c[..., :stiff, :stiff] * self.held[:, None, None, :stiff]
         a[..., range(stiff), range(stiff)] += 1.0
-        return Ported(self, tuple(values), c + a @ self.own, a)
+        return c + a @ self.own, a
 
     @cached_property
     def small(self) -> dict[int, Float[np.ndarray, "system port port"]]:
@@ -118,6 +105,19 @@ class PortedStructures:
     @cached_property
     def _pulled(self) -> Complex[np.ndarray, "system line port row"]:
         return np.ascontiguousarray(np.swapaxes(self.motion @ self.basis[:, None], 2, 3))
+
+    @cached_property
+    def loops(self) -> CompiledPorts:
+        """Loops over systems and lines, compiled."""
+        pairs = np.full((len(self.ports), 2), -1)
+        small = np.zeros((len(self.ports), len(self.basis), *self.own.shape[2:]))
+        for number, port in enumerate(self.ports):
+            if isinstance(port, CompliancePort):
+                pairs[number] = [self.coordinates.index(one) for one in port.both]
+            else:
+                small[number] = self.small[number]
+        entries = self.solved.entries
+        return CompiledPorts(pairs, small, self.held, self._pulled, entries.table, entries.rows)
 
     @property
     def rows(self) -> int:
@@ -153,31 +153,39 @@ class Ported:
     """Structures with ports of some value."""
 
     base: PortedStructures
-    values: tuple[Complex[np.ndarray, "#system line"], ...]
-    matrix: Complex[np.ndarray, "system line port port"]
-    """C + A G."""
-    factor: Complex[np.ndarray, "system line port port"]
-    """A."""
+    values: Values
 
     @cached_property
     def value(self) -> Complex[np.ndarray, "entry line"]:
-        """α′ [m/N]; what is nothing but rounding is exactly zero."""
+        """α′ [m/N]; what is nothing but rounding is exactly zero.
+
+        Raises:
+            SingularResponse: Z′ is singular on a line.
+        """
         base = self.base
         plain = base.solved.value
+        if base.compiled:
+            return base.loops.value(plain, self._taken)
         taken = base.between(base.seen, self._taken)
         found = plain - taken
         found[np.abs(found) <= ROUNDING * (np.abs(plain) + np.abs(taken))] = 0.0
         return found
 
-    def along(self, port: int) -> Complex[np.ndarray, "entry line"]:
-        """Derivatives along z or c of a port, by its number; each line depends on its own alone."""
-        base, one = self.base, self.base.ports[port]
-        if isinstance(one, CompliancePort):
-            i, j = (base.coordinates.index(k) for k in one.both)
-            f, g = (self._force[:, :, k : k + 1] for k in (i, j))
-            found = base.between(f, g)
-            return found if i == j else found + base.between(g, f)
-        return -base.between(self._left, base.small[port][:, None] @ self._left)
+    @cached_property
+    def along(self) -> Complex[np.ndarray, "entry line port"]:
+        """Derivatives along z or c of every port; each line depends on its own alone."""
+        base = self.base
+        if base.compiled:
+            return base.loops.along(self._every, self._left)
+        found = np.empty((*base.solved.value.shape, len(base.ports)), dtype=complex)
+        for number, one in enumerate(base.ports):
+            if isinstance(one, CompliancePort):
+                i, j = (base.coordinates.index(k) for k in one.both)
+                f, g = (self._force[:, :, k : k + 1] for k in (i, j))
+                found[..., number] = base.between(f, g) + (base.between(g, f) if i != j else 0.0)
+            else:
+                found[..., number] = -base.between(self._left, base.small[number][:, None] @ self._left)
+        return found
 
     def with_more(self, port: int, z: Float[np.ndarray, " line"]) -> Complex[np.ndarray, "entry line"]:
         """α with a stiffness more at a port whose pattern has rank one, P = b bᵀ [m/N].
@@ -191,7 +199,7 @@ class Ported:
         base = self.base
         own = np.einsum("sij,slji->sl", base.small[port], self._own)
         system = base.solved.entries.table[:, 0]
-        return np.asarray(self.value + z * self.along(port) / (1 + z * own)[system])
+        return np.asarray(self.value + z * self.along[..., port] / (1 + z * own)[system])
 
     def slopes(
         self,
@@ -222,40 +230,51 @@ class Ported:
                 found[number] += np.stack([more.real, more.imag], axis=1)
         return found
 
+    @cached_property
+    def _system(self) -> tuple[np.ndarray, np.ndarray]:
+        return self.base.system(self.values)
+
     def _forced(self, rows: slice) -> Complex[np.ndarray, "system line port row"]:
         """W Bᵀ y of some rows."""
-        right = self.factor @ self.base.seen[..., rows]
-        if self.matrix.shape[-1] == 1:
+        matrix, factor = self._system
+        right = factor @ self.base.seen[..., rows]
+        if matrix.shape[-1] == 1:
             with np.errstate(divide="ignore", invalid="ignore"):
-                found = right / self.matrix
+                found = right / matrix
         else:
             try:
-                found = np.linalg.solve(self.matrix, right)
+                found = np.linalg.solve(matrix, right)
             except np.linalg.LinAlgError:
                 found = np.full(right.shape, np.nan)
         if not np.isfinite(found).all():
-            raise SingularResponse("the receptance is infinite here: with its ports Z is singular")
+            raise SingularResponse(SINGULAR)
         return found
 
     @cached_property
     def _taken(self) -> Complex[np.ndarray, "system line port reference"]:
+        if self.base.compiled:
+            return self.base.loops.forces(self.values, self.base.solved.entries.rows[0])
         return self._forced(slice(-self.base.solved.entries.rows[1], None))
 
     @cached_property
     def _every(self) -> Complex[np.ndarray, "system line port row"]:
+        if self.base.compiled:
+            return self.base.loops.forces(self.values, 0)
         first = self._forced(slice(self.base.solved.entries.rows[0]))
         return np.concatenate([first, self._taken], axis=3)
 
     @cached_property
     def _left(self) -> Complex[np.ndarray, "system line port row"]:
         """y_b′: motion of the ports that is left."""
+        if self.base.compiled:
+            return self.base.loops.left_over(self._every)
         return self.base.seen - self.base.own @ self._every
 
     @cached_property
     def _own(self) -> Complex[np.ndarray, "system line port port"]:
         """Bᵀ Z′⁻¹ B."""
-        own = self.base.own
-        return np.asarray(own - own @ np.linalg.solve(self.matrix, self.factor @ own))
+        own, (matrix, factor) = self.base.own, self._system
+        return np.asarray(own - own @ np.linalg.solve(matrix, factor @ own))
 
     @cached_property
     def _force(self) -> Complex[np.ndarray, "system line port row"]:

@@ -8,7 +8,9 @@ from dataclasses import replace
 import numpy as np
 from jaxtyping import Float
 
-from flexmodal.structure.ports import CompliancePort, Port, PortedStructures, StiffnessPort
+from flexmodal.structure import port_solution
+from flexmodal.structure.port import CompliancePort, Port, StiffnessPort
+from flexmodal.structure.ports import PortedStructures
 from flexmodal.structure.solution import Entries, Solved, is_worth_compiling, solutions
 from flexmodal.structure.stack import Structures
 from flexmodal.structure.structure import Axis
@@ -18,7 +20,12 @@ RANK = 1e-10
 
 
 def with_ports(
-    structures: Structures, axis: Axis, entries: Entries, ports: Sequence[Port]
+    structures: Structures,
+    axis: Axis,
+    entries: Entries,
+    ports: Sequence[Port],
+    *,
+    compiled: bool | None = None,
 ) -> PortedStructures:
     """Solve structures for their rows and the motions of ports.
 
@@ -27,6 +34,7 @@ def with_ports(
         axis: where.
         entries: receptances that are wanted.
         ports: whose values follow.
+        compiled: whether by compiled loops; by default, once these are worth loading.
 
     Raises:
         SingularResponse: an undamped mode is driven at its natural frequency.
@@ -46,11 +54,12 @@ def with_ports(
     wanted = np.zeros(rows.shape[:2], dtype=bool)
     wanted[:, sum(entries.rows) :] = True
     wanted[: len(entries.wanted), : sum(entries.rows)] = entries.wanted
-    compiled = is_worth_compiling(systems * len(axis))
-    y = solutions(replace(structures, stiffness=stiffness), axis, rows, wanted, compiled=compiled)
-    return PortedStructures(
-        tuple(ports), Solved(structures, axis, entries, y, compiled), basis, held, coordinates
-    )
+    points = systems * len(axis)
+    solve = is_worth_compiling(points) if compiled is None else compiled
+    follow = port_solution.is_worth_compiling(points) if compiled is None else compiled
+    y = solutions(replace(structures, stiffness=stiffness), axis, rows, wanted, compiled=solve)
+    solved = Solved(structures, axis, entries, y, solve)
+    return PortedStructures(tuple(ports), solved, basis, held, coordinates, follow and bool(ports))
 
 
 def _spanning(
@@ -60,5 +69,5 @@ def _spanning(
     if not patterns:
         return np.zeros((*unit.shape[:2], 0))
     each = [pattern / (np.max(np.abs(pattern)) or 1.0) for pattern in patterns]
-    left, size, _ = np.linalg.svd(np.concatenate(each, axis=2))
+    left, size, _ = np.linalg.svd(np.concatenate(each, axis=2), full_matrices=False)
     return left[:, :, : max(1, int(np.max(np.sum(size > RANK * size[:, :1], axis=1))))]

@@ -28,7 +28,7 @@ from flexmodal.rig.plant.geometry import across
 from flexmodal.rig.simulate import make_stand
 from flexmodal.structure import robot_space
 from flexmodal.structure.assembly import Assembly
-from flexmodal.structure.ports import StiffnessPort
+from flexmodal.structure.port import StiffnessPort
 from flexmodal.structure.with_ports import with_ports
 
 from .conftest import NEXT, effect_of

@@ -16,7 +16,7 @@ from flexmodal.diagnosis.search.close_fit import fitted_closely
 from flexmodal.diagnosis.search.explanations import explanations, from_each_start
 from flexmodal.diagnosis.search.set_out import SetOut
 from flexmodal.diagnosis.selection.asked import asked_of
-from flexmodal.diagnosis.selection.stand_in import NEARER, is_passive, stand_in
+from flexmodal.diagnosis.selection.stand_in import NEARER, is_passive, stand_in, stands_in
 from flexmodal.diagnosis.setup import prepare
 from flexmodal.diagnosis.verdict.frf_words import stand_in_words
 from flexmodal.errors import SingularResponse
@@ -60,9 +60,19 @@ def test_at_its_place_it_brings_unseen_postures_nearer(setup, bare):
     assert is_passive(found)
 
 
+def test_what_was_come_to_on_the_way_stands_in_where_it_has_more_and_predicts_better(setup, bare):
+    found = stand_in(setup, looked("link_3"), bare, starts, with_force=False)
+    assert stands_in(setup, bare, found)
+    assert not stands_in(setup, found, bare), "it has less"
+    assert not stands_in(setup, found, found)
+    worse = replace(found, predicted=bare.predicted)
+    assert not stands_in(setup, bare, worse)
+
+
 def test_without_a_posture_that_judges_there_is_none(setup, bare):
     blind = replace(setup, held=np.zeros_like(setup.held))
     assert stand_in(blind, looked("link_3"), bare, starts, with_force=False) is None
+    assert not stands_in(blind, bare, fitted_closely(setup, bare.hypothesis, bare.x))
 
 
 def test_couplings_that_push_together_are_refused(setup, bare):

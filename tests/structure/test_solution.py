@@ -9,7 +9,7 @@ from flexmodal.errors import Fault, InaccurateModes, InvalidSystem
 from flexmodal.frf.kernels.route import has_numba
 from flexmodal.structure import truncation
 from flexmodal.structure.assembly import KINDS
-from flexmodal.structure.ports import CompliancePort, StiffnessPort
+from flexmodal.structure.port import CompliancePort, StiffnessPort
 from flexmodal.structure.solution import Entries, solved
 from flexmodal.structure.stack import Structures, joined
 from flexmodal.structure.structure import Axis, receptance
@@ -51,9 +51,12 @@ def complex_of(parts):
     return parts[:, :, 0] + 1j * parts[:, :, 1]
 
 
-@pytest.mark.parametrize(
+BOTH_WAYS = pytest.mark.parametrize(
     "compiled", [False, pytest.param(True, marks=pytest.mark.skipif(not has_numba(), reason="no numba"))]
 )
+
+
+@BOTH_WAYS
 def test_all_at_once_are_what_each_is_by_itself(structures, compiled):
     found = solved(structures, AXIS, ENTRIES, compiled=compiled)
     scale = 1 / found.value
@@ -98,8 +101,8 @@ def pattern_of(b):
     return b[:, :, None] * b[:, None, :]
 
 
-def ported(structures, port, value):
-    return with_ports(structures, AXIS, ENTRIES, [port]).at([value])
+def ported(structures, port, value, compiled):
+    return with_ports(structures, AXIS, ENTRIES, [port], compiled=compiled).at([value])
 
 
 @pytest.fixture
@@ -116,47 +119,50 @@ def between(structures):
     return built, StiffnessPort(p), (k + c * s + m * s**2)[None]
 
 
-def test_a_port_is_the_parts_it_stands_for(structures, between):
+@BOTH_WAYS
+def test_a_port_is_the_parts_it_stands_for(structures, between, compiled):
     built, port, z = between
-    made, truth = ported(structures, port, z), solved(built, AXIS, ENTRIES, compiled=False)
+    made, truth = ported(structures, port, z, compiled), solved(built, AXIS, ENTRIES, compiled=False)
     np.testing.assert_allclose(made.value, truth.value, rtol=1e-10)
     scale = 1 / truth.value
     np.testing.assert_allclose(made.slopes(scale), truth.slopes(scale), rtol=1e-8, atol=1e-10)
 
 
-def test_derivatives_along_a_stiffness_and_its_pattern(structures, between):
+@BOTH_WAYS
+def test_derivatives_along_a_stiffness_and_its_pattern(structures, between, compiled):
     _, port, z = between
     b = structures.response[:, 0] - structures.response[:, 1]
     way = structures.reference[:, 0]
     moved = np.array([4]), (b[:, :, None] * way[:, None] + way[:, :, None] * b[:, None])[None]
-    made = ported(structures, port, z)
+    made = ported(structures, port, z, compiled)
     step = 1e-4 * np.abs(z).max()
     for turn in (1.0, 1j):  # holomorphic: the same along the real and the imaginary axis
-        up, down = (ported(structures, port, z + side * step * turn).value for side in (1, -1))
+        up, down = (ported(structures, port, z + side * step * turn, compiled).value for side in (1, -1))
         # central differences: step² of the third derivative
-        np.testing.assert_allclose((up - down) / (2 * step * turn), made.along(0), rtol=1e-3, atol=1e-14)
+        np.testing.assert_allclose((up - down) / (2 * step * turn), made.along[..., 0], rtol=1e-3, atol=1e-14)
     h = 1e-5
 
     def at(side):
         here = replace(
             structures, stiffness=structures.stiffness + side * h * structures.slopes["stiffness"][1][2]
         )
-        return ported(here, StiffnessPort(pattern_of(b + side * h * way)), z).value
+        return ported(here, StiffnessPort(pattern_of(b + side * h * way)), z, compiled).value
 
     slopes = complex_of(made.slopes(1 / made.value, moved={0: moved}))
     numeric = (at(1) - at(-1)) / (2 * h) / made.value
     np.testing.assert_allclose(slopes[4], numeric, rtol=1e-5, atol=1e-7)
 
 
+@BOTH_WAYS
 @pytest.mark.parametrize("size", [0.0, 1e-6])
-def test_a_compliance_is_regular_where_it_vanishes(structures, size):
+def test_a_compliance_is_regular_where_it_vanishes(structures, size, compiled):
     """At 0 the port holds its coordinate; elsewhere it is a spring of 1/c there."""
     c = np.full((1, len(AXIS)), size * (1 - 0.3j))
-    made = ported(structures, CompliancePort(4), c)
+    made = ported(structures, CompliancePort(4), c, compiled)
     if size:
         pattern = np.zeros((SYSTEMS, DOF, DOF))
         pattern[:, 4, 4] = 1.0
-        other = ported(structures, StiffnessPort(pattern), 1 / c)
+        other = ported(structures, StiffnessPort(pattern), 1 / c, compiled)
         scale = 1 / other.value
         np.testing.assert_allclose(made.slopes(scale), other.slopes(scale), rtol=1e-7, atol=1e-9)
     else:
@@ -169,7 +175,8 @@ def test_a_compliance_is_regular_where_it_vanishes(structures, size):
     np.testing.assert_allclose(made.value, other.value, rtol=1e-9)
 
 
-def test_ports_together_are_solved_as_one(structures):
+@BOTH_WAYS
+def test_ports_together_are_solved_as_one(structures, compiled):
     """Two coordinates that share a compliance, beside a stiffness between two motions, put into Z itself."""
     random = np.random.default_rng(4)
     a, b = structures.response[:, 0], structures.response[:, 1]
@@ -179,7 +186,7 @@ def test_ports_together_are_solved_as_one(structures):
     compliance = 1e-5 * (random.normal(size=(3, len(AXIS))) + 1j * random.normal(size=(3, len(AXIS))))
     ports = [CompliancePort(3), CompliancePort(3, 4), CompliancePort(4), *map(StiffnessPort, patterns)]
     values = [each[None] for each in (*compliance, *stiffness)]
-    made = with_ports(structures, AXIS, ENTRIES, ports).at(values)
+    made = with_ports(structures, AXIS, ENTRIES, ports, compiled=compiled).at(values)
     s = AXIS.s[:, None, None]
     h = AXIS.hysteresis(structures.loss_factor)[0][:, None, None]
     expected = np.empty_like(made.value)
@@ -196,18 +203,19 @@ def test_ports_together_are_solved_as_one(structures):
         step = 1e-5 * np.abs(value).max()
         moved = [[*values[:number], value + side * step, *values[number + 1 :]] for side in (1, -1)]
         up, down = (made.base.at(one).value for one in moved)
-        slope = made.along(number)
+        slope = made.along[..., number]
         np.testing.assert_allclose(
             (up - down) / (2 * step), slope, rtol=1e-4, atol=1e-5 * np.abs(slope).max()
         )
 
 
+@BOTH_WAYS
 @pytest.mark.parametrize("size", [0.0, 1e-6])
-def test_derivatives_along_a_compliance(structures, size):
+def test_derivatives_along_a_compliance(structures, size, compiled):
     c, step = np.full((1, len(AXIS)), size + 0j), 1e-10
-    made = ported(structures, CompliancePort(4), c)
-    up, down = (ported(structures, CompliancePort(4), c + side * step).value for side in (1, -1))
-    found, numeric = made.along(0), (up - down) / (2 * step)
+    made = ported(structures, CompliancePort(4), c, compiled)
+    up, down = (ported(structures, CompliancePort(4), c + side * step, compiled).value for side in (1, -1))
+    found, numeric = made.along[..., 0], (up - down) / (2 * step)
     np.testing.assert_allclose(found, numeric, rtol=1e-4, atol=1e-5 * np.abs(found).max())
 
 

@@ -17,14 +17,9 @@ from flexmodal.diagnosis.lawfree.port import Patterns
 from flexmodal.identification.frf_fit import residual
 from flexmodal.identification.layout import Part
 from flexmodal.identification.model import Group
-from flexmodal.structure.ports import (
-    CompliancePort,
-    Moved,
-    Ported,
-    PortedStructures,
-    StiffnessPort,
-)
-from flexmodal.structure.ports import Port as StructurePort
+from flexmodal.structure.port import CompliancePort, StiffnessPort
+from flexmodal.structure.port import Port as StructurePort
+from flexmodal.structure.ports import Moved, Ported, PortedStructures
 from flexmodal.structure.with_ports import with_ports
 
 _STEP = 1e-4
@@ -169,18 +164,17 @@ class AtParameters:
 
     def _ported(self, one: PortedGroup, z: Unknown) -> Ported:
         """The structures of a group with the functions in them."""
-        value = z[one.cell] * self.model.size  # system, function, line
+        value = np.swapaxes(z[one.cell] * self.model.size, 0, 1)  # function, system, line
         found = []
         for patterns, span in zip(one.patterns, self.model.spans, strict=True):
             if patterns is None:
                 continue
-            own = value[:, span]
+            own = value[span]
             if patterns.compliance is not None:
-                pairs = _pairs(patterns.compliance)
-                found += [np.einsum("f,sfl->sl", patterns.compliance[:, i, j], own) for i, j in pairs]
+                found.append(np.einsum("fp,fsl->psl", _shares(patterns.compliance), own))
             if patterns.stiffness is not None:
-                found += [own[:, k] for k in range(len(patterns.stiffness))]
-        return one.ported.at(found)
+                found.append(own[: len(patterns.stiffness)])
+        return one.ported.at(np.concatenate(found) if found else ())
 
     def _along(self, one: PortedGroup, ported: Ported) -> Complex[np.ndarray, "entry line function"]:
         """Derivatives of the receptances along the functions in their sizes; 0 along those of readings."""
@@ -191,10 +185,9 @@ class AtParameters:
             if patterns is None:
                 continue
             count = len(_structure_ports(patterns))
-            each = np.stack([ported.along(taken + k) for k in range(count)], axis=-1)  # entry line port
+            each = ported.along[..., taken : taken + count]
             if patterns.compliance is not None:
-                pairs = _pairs(patterns.compliance)
-                each = each @ np.array([patterns.compliance[:, i, j] for i, j in pairs])
+                each = each @ _shares(patterns.compliance).T
             found[..., span] = each * model.size[span].T
             taken += count
         return found
@@ -240,6 +233,11 @@ def _structure_ports(patterns: Patterns) -> list[StructurePort]:
     if patterns.stiffness is not None:
         found += [StiffnessPort(pattern) for pattern in patterns.stiffness]
     return found
+
+
+def _shares(compliance: Float[np.ndarray, "function dof dof"]) -> Float[np.ndarray, "function pair"]:
+    """What each function adds to the compliance of each pair."""
+    return compliance[:, *np.array(_pairs(compliance)).T]
 
 
 def _pairs(compliance: Float[np.ndarray, "function dof dof"]) -> list[tuple[int, int]]:

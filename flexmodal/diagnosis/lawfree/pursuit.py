@@ -24,6 +24,7 @@ MOST = 5
 """Ports at once."""
 RIVALS = 4
 """Other places that are tried again for each port."""
+Advance = Callable[[float], None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +62,7 @@ class LawFree:
         return self.needed and self.whole.judged <= SOUND
 
 
-def alone(field: Field, advance: Callable[[float], None] = lambda part: None) -> LawFree:
+def alone(field: Field, advance: Advance = lambda part: None) -> LawFree:
     """Look for one place of what is missing without a law for it.
 
     Args:
@@ -73,7 +74,7 @@ def alone(field: Field, advance: Callable[[float], None] = lambda part: None) ->
     return LawFree(field.bare, first, first.best, members)
 
 
-def pursued(field: Field, found: LawFree, advance: Callable[[float], None] = lambda part: None) -> LawFree:
+def pursued(field: Field, found: LawFree, advance: Advance = lambda part: None) -> LawFree:
     """Look for several places, where one is not enough.
 
     Args:
@@ -82,18 +83,21 @@ def pursued(field: Field, found: LawFree, advance: Callable[[float], None] = lam
         advance: called with the part that is done.
     """
     whole, rounds, others = found.whole, [found.first], Others(field)
+
+    def further(part: float) -> None:
+        advance((len(rounds) - 1) / MOST)
+
     gained = field.bare >= FURTHER * whole.judged
     while gained and whole.judged > SOUND and len(whole.ports) < MOST:
-        advance((len(rounds) - 1) / MOST)
-        tried = field.round(whole)
+        tried = field.round(whole, advance=further)
         gained = bool(tried.sightings) and whole.judged >= FURTHER * tried.best.judged
         if gained:
             rounds.append(tried)
-            whole = _again(field, tried.best, rounds, others)
-    whole = _narrowed(field, _needed(whole, others), others)
+            whole = _again(field, tried.best, rounds, others, further)
+    whole = _narrowed(field, _needed(whole, others), others, further)
     if len(whole.ports) == 1 and whole.port.key == found.whole.port.key:
         return found
-    return LawFree(field.bare, found.first, *_settled(field, whole, rounds, others))
+    return LawFree(field.bare, found.first, *_settled(field, whole, rounds, others, further))
 
 
 def _rivals(rounds: list[Round], port: Port) -> list[Port]:
@@ -132,12 +136,12 @@ class Others:
         return self._known[rest] if rest else None
 
 
-def _again(field: Field, whole: Sighting, rounds: list[Round], others: Others) -> Sighting:
+def _again(field: Field, whole: Sighting, rounds: list[Round], others: Others, advance: Advance) -> Sighting:
     """Each port but the last looked for again beside the others."""
     for port in whole.ports[:-1]:
         if whole.judged <= SOUND:
             break
-        tried = field.round(others.beside(whole, port), _rivals(rounds, port))
+        tried = field.round(others.beside(whole, port), _rivals(rounds, port), advance)
         if tried.sightings and tried.best.judged * FURTHER < whole.judged:
             whole = tried.best
     return whole
@@ -152,26 +156,26 @@ def _needed(whole: Sighting, others: Others) -> Sighting:
     return whole
 
 
-def _narrowed(field: Field, whole: Sighting, others: Others) -> Sighting:
+def _narrowed(field: Field, whole: Sighting, others: Others, advance: Advance) -> Sighting:
     """With ports that can do less in place of those that can do more, where that is as good."""
     for port in whole.ports:
         taken = {one.key for one in whole.ports}
         less = [one for one in field.ports if holds(port.key, one.key) and one.key not in taken]
         if less:
-            tried = field.round(others.beside(whole, port), less)
+            tried = field.round(others.beside(whole, port), less, advance)
             if tried.best.judged <= ALIKE * whole.judged:
                 whole = tried.best
     return whole
 
 
 def _settled(
-    field: Field, whole: Sighting, rounds: list[Round], others: Others
+    field: Field, whole: Sighting, rounds: list[Round], others: Others, advance: Advance
 ) -> tuple[Sighting, tuple[Member, ...]]:
     """Each port in its simplest form beside the others, and what cannot be told from it."""
     found: dict[tuple[str, str], Member] = {}
     for port in whole.ports:
         rest = others.beside(whole, port)
-        tried = field.round(rest, _rivals(rounds, port))
+        tried = field.round(rest, _rivals(rounds, port), advance)
         if tried.best.port.key != port.key:
             whole = tried.best
         alike = tuple(one.port for one in tried.alike)

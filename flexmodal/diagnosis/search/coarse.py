@@ -71,7 +71,7 @@ class Look:
             floor: model error ε of a residual.
         """
         share = np.full(len(self.some), len(self.apart) / len(self.some))
-        model = TimeDomainModel(hypothesis, ROUGH)
+        model = TimeDomainModel(hypothesis, ROUGH, rough=True)
         return FrfMisfit(model, self.some, Weighting(floor, self.lines, share))
 
     def constant(self, floor: float) -> float:

@@ -17,7 +17,7 @@ from flexmodal.identification.baselines import Baselines, baselines, shuffled
 
 FLOORS = (0.2, 0.05)
 """Model errors of the fit to shuffled postures: it is a control, a few per cent do not count."""
-STEPS = 15
+STEPS = 6
 
 
 def beside_nothing(setup: Setup, model: FittedFrfs) -> Baselines | None:

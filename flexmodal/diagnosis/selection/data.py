@@ -261,11 +261,12 @@ class Data(ABC, Generic[M]):
         """
         return None
 
-    def stand_in(self, model: M) -> M | None:
+    def stand_in(self, model: M, further: M | None) -> M | None:
         """What predicts better though it has no name: for the improved robot alone.
 
         Args:
             model: the final one.
+            further: one that was come to on the way, with effects that are not sure; None if there is none.
         """
         return None
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
+
 from flexmodal.diagnosis.disagreement.gaps import left, over_noise
 from flexmodal.diagnosis.lawfree.result import PORT_OF
 from flexmodal.diagnosis.lawfree.result import Findings as LawFree
@@ -16,6 +18,7 @@ from flexmodal.diagnosis.selection.frf_thresholds import (
     least_share,
 )
 from flexmodal.diagnosis.setup import Setup
+from flexmodal.diagnosis.time_limit import OutOfTime
 
 
 class FrfsByLook(Data[FittedFrfs]):
@@ -82,15 +85,17 @@ class FrfsByLook(Data[FittedFrfs]):
         if len(keys) < 2 or self.lacking(model) or self.share(self.root, model) < NEARLY_ALL:
             return False
         looks, sure = self._candidates, []
-        for key in keys:
-            less = self.without(model, key)
-            look = looks.look_beside(less) if looks.can_look(less) else None
-            one = look.met([key]).get(key) if look else None
-            if look and one and one.surely(key[0]) and look.alone > CLEARLY * look.left:
-                sure.append(key)
         if not looks.can_look(model):
             return False
-        self._settled = keys, tuple(sure), (looks.look_beside(model).place,)
+        place = looks.look_beside(model).place
+        with suppress(OutOfTime):  # those that were asked for are sure nevertheless
+            for key in keys:
+                less = self.without(model, key)
+                look = looks.look_beside(less) if looks.can_look(less) else None
+                one = look.met([key]).get(key) if look else None
+                if look and one and one.surely(key[0]) and look.alone > CLEARLY * look.left:
+                    sure.append(key)
+        self._settled = keys, tuple(sure), (place,)
         return bool(sure)
 
     def standing(self, model: FittedFrfs) -> tuple[tuple[tuple[str, str], ...], tuple[str, ...]]:

@@ -38,7 +38,7 @@ from flexmodal.diagnosis.selection.frf_thresholds import (
     reached,
     takes_enough,
 )
-from flexmodal.diagnosis.selection.stand_in import stand_in
+from flexmodal.diagnosis.selection.stand_in import stand_in, stands_in
 from flexmodal.diagnosis.setup import Setup
 from flexmodal.identification import gap, predict, uncertainty
 from flexmodal.identification.baselines import Baselines
@@ -222,8 +222,10 @@ class FrfData(FrfsByLook):
             return None
         return self.modes.shown((first, last), (conclusion.before, conclusion.after), self.held_out)
 
-    def stand_in(self, model: FittedFrfs) -> FittedFrfs | None:
+    def stand_in(self, model: FittedFrfs, further: FittedFrfs | None) -> FittedFrfs | None:
         """See `Data`: at the places that the law-free look points to; where all of them are named, none."""
+        if further is not None and stands_in(self.setup, model, further):
+            return further
         if not self.look.needed or self.is_named(model):
             return None
         return stand_in(self.setup, self.look, model, starts, with_force=self.force > Answer.NO)

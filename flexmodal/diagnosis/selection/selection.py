@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import replace
 from itertools import pairwise
 from typing import Any, Generic
@@ -21,6 +22,7 @@ from flexmodal.diagnosis.selection.decision import (
     rivals,
 )
 from flexmodal.diagnosis.selection.described import beside_others, effect_parameters
+from flexmodal.diagnosis.time_limit import FOR_EFFECTS, OutOfTime, TimeLimit
 
 MOST = 5
 """Effects at once."""
@@ -33,9 +35,14 @@ MUCH = 0.33
 class ForwardSelection(Generic[M]):
     """One run; keeps what it has found so far. The data, of whatever kind, fit and compare."""
 
-    def __init__(self, data: Data[M]) -> None:
-        """Begin with the robot re-tuned, nothing added."""
-        self.data = data
+    def __init__(self, data: Data[M], limit: TimeLimit | None = None) -> None:
+        """Begin with the robot re-tuned, nothing added.
+
+        Args:
+            data: that fit and compare.
+            limit: of the time that effects are looked for; by default there is none.
+        """
+        self.data, self.limit = data, limit or TimeLimit()
         self.root = self.current = data.root
         self.rounds: list[Round[M]] = []
         self.steps: list[Step] = []
@@ -43,13 +50,18 @@ class ForwardSelection(Generic[M]):
         """What was compared last and not added."""
         self.rivals: tuple[M, M] | None = None
         """What was added last, or is best, and what it is tied with."""
+        self.furthest: M | None = None
+        """What was come to by following the data, where none of it is sure enough to be named."""
         self.pair: M | None = None
         """The best pair of effects, added or not."""
 
     def run(self) -> None:
         """Add effects until nothing significant is left; those that nobody misses go."""
         if not self.follow():
-            self.search()
+            with suppress(OutOfTime), self.limit.counting(FOR_EFFECTS):
+                self.search()
+        if not self.rounds:  # there was no time for any
+            self._taken([self.root], 0)
         self.drop_needless()
 
     def follow(self) -> bool:
@@ -63,18 +75,26 @@ class ForwardSelection(Generic[M]):
             Whether any stayed.
         """
         kept, named, ended = self._state, None, False
-        while not ended and self._follow_on():
-            ended = self.data.is_enough(self.current)
-            if named is None and self.data.is_named(self.current):
-                named = self._state
-        while ended and self._besides():
-            pass
-        stay = ended or named is not None or self.data.settles(self.current)
+        with suppress(OutOfTime), self.limit.counting(FOR_EFFECTS):
+            while not ended and self._follow_on():
+                ended = self.data.is_enough(self.current)
+                if named is None and self.data.is_named(self.current):
+                    named = self._state
+            while ended and self._besides():
+                pass
+        stay = ended or named is not None or self._settles()
         if not ended and (named or not stay):
+            self.furthest = None if named else self.current
             self._state = named or kept
         if [(step.effect, step.where) for step in self.steps] != list(self.current.hypothesis.keys):
             self._describe_anew()
         return stay
+
+    def _settles(self) -> bool:
+        """Whether the data are sure of some effects, whatever is missing besides; not where time ran out."""
+        with suppress(OutOfTime), self.limit.counting():
+            return self.data.settles(self.current)
+        return False
 
     def search(self) -> None:
         """Add effects wherever they do best, no more than can be judged without knowing where to look."""
@@ -101,9 +121,12 @@ class ForwardSelection(Generic[M]):
             return self._exchanged()
         much = self._takes(before[0], self.current, MUCH)
         if many > 1 and not much and not self.data.leads_on(self.current):
-            further, self._state = self._state, before
-            if not self._exchanged():
-                self._state = further
+            further, self._state, better = self._state, before, False
+            try:
+                better = self._exchanged()
+            finally:
+                if not better:
+                    self._state = further
         return True
 
     def _besides(self) -> bool:
@@ -176,8 +199,13 @@ class ForwardSelection(Generic[M]):
         alone = self.data.without(pair, pair.hypothesis.keys[0])
         self.steps[:] = [self.describe(self.data.compare([self.root, alone]), 1)]
         self.current, self.refused = alone, []
-        if self.step(1) is None or not (self.data.is_enough(self.current) or self._is_nearer(kept[0])):
-            self._state = kept
+        nearer = False
+        try:
+            found = self.step(1) is not None
+            nearer = found and (self.data.is_enough(self.current) or self._is_nearer(kept[0]))
+        finally:
+            if not nearer:
+                self._state = kept
 
     def _is_nearer(self, other: M) -> bool:
         """Whether the current model has the effects of another one and takes more of the disagreement."""

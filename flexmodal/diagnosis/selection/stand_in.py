@@ -65,6 +65,20 @@ def stand_in(
     return None if best is model else best
 
 
+def stands_in(setup: Setup, model: FittedFrfs, further: FittedFrfs) -> bool:
+    """Whether a model has the effects of a diagnosis' last and more, and predicts postures held out better.
+
+    Args:
+        setup: what the diagnosis works with.
+        model: the last model.
+        further: the other one.
+    """
+    if not setup.held.any() or not set(model.hypothesis.keys) < set(further.hypothesis.keys):
+        return False
+    far, nearer = (over_noise(setup, one, setup.held) for one in (model, further))
+    return nearer <= NEARER * far and is_passive(further)
+
+
 def _advance(setup: Setup, done: int, part: float) -> None:
     setup.advance("looking for a stand-in", (done + part) / MOST)
 

@@ -1,7 +1,9 @@
 """A hypothesis whose non-linear torques are integrated in time, as a model that a fit can take.
 
 Everything but those torques is the hypothesis' own: effects with a `law` lose their stand-in at one amplitude
-and are integrated under every blow. Derivatives are forward differences.
+and are integrated under every blow. Derivatives are forward differences; where they need not be exact, those
+along what no law depends on are those of the stand-ins: one integration for each parameter of a law, instead
+of one for each of the robot's too.
 """
 
 from __future__ import annotations
@@ -11,7 +13,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from jaxtyping import Complex, Float, Int
+from jaxtyping import Bool, Complex, Float, Int
 
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.placed import Placed
@@ -19,6 +21,7 @@ from flexmodal.diagnosis.time_domain.integration import FINENESS, Steps, Struck,
 from flexmodal.diagnosis.time_domain.record import record_receptance, struck_by
 from flexmodal.errors import Fault, InvalidRequest, SingularResponse
 from flexmodal.identification import Observations
+from flexmodal.identification.model import evaluated
 from flexmodal.structure import ParameterSpace
 
 STEP = 1e-4
@@ -38,6 +41,8 @@ class TimeDomainModel:
     """Steps in a period of the highest line."""
     compiled: bool | None = None
     """Whether by the compiled loop; by default, if numba is installed."""
+    rough: bool = False
+    """Whether derivatives along parameters of no law are those of the stand-ins, relative to the value."""
 
     def __post_init__(self) -> None:
         if not has_law(self.hypothesis):
@@ -69,8 +74,12 @@ class TimeDomainModel:
             SingularResponse: what is struck is not stable, and outgrows every number.
         """
         _, high = self.space.bounds
-        sizes = np.where(x + STEP <= high, STEP, -STEP) if slopes else np.zeros(0)
-        tried = [x, *(x + np.where(np.arange(len(x)) == k, size, 0.0) for k, size in enumerate(sizes))]
+        apart = np.flatnonzero(self._by_differences) if slopes else np.zeros(0, dtype=int)
+        sizes = np.where(x + STEP <= high, STEP, -STEP)[apart]
+        tried = [
+            x,
+            *(x + np.where(np.arange(len(x)) == k, size, 0.0) for k, size in zip(apart, sizes, strict=True)),
+        ]
         looks = [self._look(one, observations, lines) for one in tried]
         steps = self._steps(observations)
         found = np.zeros((len(tried), len(observations), len(observations.axis.take(lines))), dtype=complex)
@@ -83,7 +92,28 @@ class TimeDomainModel:
                     number += 1
         if not np.isfinite(found[0]).all():
             raise SingularResponse("the robot with its effects is not stable: the integration has no end")
-        return found[0], np.nan_to_num((found[1:] - found[0]) / sizes[:, None, None])
+        changes = np.nan_to_num((found[1:] - found[0]) / sizes[:, None, None])
+        if len(apart) == len(x) or not slopes:
+            return found[0], changes
+        every = self._of_stand_ins(x, observations, lines) * found[0]
+        every[apart] = changes
+        return found[0], every
+
+    @cached_property
+    def _by_differences(self) -> Bool[np.ndarray, " parameter"]:
+        """Along which parameters derivatives are differences."""
+        laws = tuple(f"{one.label}." for one in self.hypothesis.placed if one.effect.law is not None)
+        return np.array([not self.rough or name.startswith(laws) for name in self.space.names])
+
+    def _of_stand_ins(
+        self, x: np.ndarray, observations: Observations, lines: slice | np.ndarray
+    ) -> Complex[np.ndarray, "parameter observation line"]:
+        """Derivatives of ln α along all parameters, of the hypothesis with its stand-ins."""
+        shape = len(x), len(observations), len(observations.axis.take(lines))
+        found = np.zeros(shape, dtype=complex)
+        for some, value, changes in evaluated(self.hypothesis, x, observations, lines, slopes=True):
+            found[:, some] = changes / np.where(value == 0, np.inf, value)
+        return found
 
     def _steps(self, observations: Observations) -> Steps:
         length = max(observations.lengths)

@@ -36,6 +36,8 @@ class Facts:
     """Sentences on effects that were asked for by their place and not added."""
     undecided: tuple[str, ...] = ()
     """Sentences on figures too near to their threshold for a yes or a no."""
+    cut_off: tuple[str, ...] = ()
+    """A sentence, where looking for effects was cut off."""
     standing: tuple[tuple[str, str], ...] = ()
     """Effects that are sure although their laws leave more than noise."""
     lacking_at: tuple[str, ...] = ()

@@ -61,7 +61,7 @@ def _partly(facts: Facts) -> str:
     why = f"for {'its law is' if one else 'their laws are'} not quite the catalogue's"
     if facts.lacking_at:
         why = (
-            "for something is missing besides that nothing in the catalogue explains: look at "
+            f"for something is missing besides {_nameless(facts)}: look at "
             f"{enumeration(list(facts.lacking_at))}"
         )
     return (
@@ -89,10 +89,14 @@ def _unknown(facts: Facts) -> str:
         frequencies = enumeration([f"{frequency:.3g}" for frequency in facts.lacking.values()])
         modes = f" It has no mode for those measured near {frequencies} Hz."
     return (
-        "Something is missing that nothing in the catalogue explains: the model leaves "
+        f"Something is missing {_nameless(facts)}: the model leaves "
         f"{times_noise(facts.over_noise or math.nan)}.{modes} "
         f"Look at {facts.place}.{near}"
     )
+
+
+def _nameless(facts: Facts) -> str:
+    return "that was not named by then" if facts.cut_off else "that nothing in the catalogue explains"
 
 
 def _named(effect: str, where: str) -> str:

@@ -32,7 +32,7 @@ def verdict(facts: Facts) -> Verdict:
     sure = added if explained or not floor else facts.standing
     besides = () if explained or not floor else facts.lacking_at or (facts.place,)
     effects = (*sure, *((UNKNOWN, where) for where in besides))
-    undecided = facts.undecided
+    undecided = (*facts.undecided, *facts.cut_off)
     if explained and facts.reached is Answer.UNDECIDED:
         undecided = (*undecided, BORDER)
     words = frf_words if facts.modal is None else modal_words

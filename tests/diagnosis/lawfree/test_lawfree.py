@@ -30,7 +30,7 @@ from flexmodal.errors import SingularResponse
 from flexmodal.identification import observe, predict, unlimited
 from flexmodal.rig import simulate
 from flexmodal.structure import robot_space
-from flexmodal.structure.ports import CompliancePort
+from flexmodal.structure.port import CompliancePort
 from flexmodal.structure.with_ports import with_ports
 
 PLACES = [

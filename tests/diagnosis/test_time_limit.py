@@ -1,0 +1,133 @@
+"""Looking that is cut off: what was found by then is said, and that it was cut off."""
+
+from dataclasses import replace
+from unittest.mock import Mock
+
+import pytest
+
+import flexmodal
+from flexmodal.diagnosis import diagnose
+from flexmodal.diagnosis.time_limit import FOR_EFFECTS, OutOfTime, TimeLimit, limit_of
+from flexmodal.errors import InvalidRequest
+from flexmodal.rig import Hide, simulate
+from tests.diagnosis.test_follow import BASE, DELAY, MASS, Selection, Settling, World, fitted, steps
+
+
+class Clock:
+    """Tells what it is set to."""
+
+    now = 100.0
+
+    def __call__(self):
+        return self.now
+
+
+class Slow(World):
+    """Each look takes a second, and asks for the time at its end."""
+
+    def __init__(self, left, seconds, sure):
+        super().__init__(left, sure=sure)
+        self.clock = Clock()
+        self.limit = TimeLimit(seconds, self.clock)
+
+    def pointed(self, before, number):
+        self.clock.now += 1.0
+        self.limit.check()
+        return super().pointed(before, number)
+
+    def candidates(self, before, number):
+        return self.pointed(before, number)
+
+
+@pytest.mark.parametrize("seconds", [None, 100.0])
+def test_time_that_nothing_counts_does_not_run_out(seconds):
+    clock = Clock()
+    limit = TimeLimit(seconds, clock)
+    clock.now += 1e6
+    limit.check()
+    assert not limit.was_hit
+    assert limit.words() == ()
+
+
+def test_it_asks_whenever_something_is_told():
+    clock, told = Clock(), Mock()
+    limit = TimeLimit(10.0, clock)
+    advance = limit.watching(told)
+    with limit.counting(FOR_EFFECTS):
+        clock.now += 9.9 * FOR_EFFECTS
+        advance("fitting", 0.5)
+        clock.now += 0.2 * FOR_EFFECTS
+        with pytest.raises(OutOfTime):
+            advance("fitting", 1.0)
+    advance("writing", 0.0)
+    assert [call.args for call in told.call_args_list] == [("fitting", 0.5), ("writing", 0.0)]
+    assert limit.words() == ("Looking was cut off after 10 s: with more time more may be named.",)
+
+
+class Kept(Selection):
+    """Steps made by hand have nothing to be judged by once more."""
+
+    def drop_needless(self):
+        pass
+
+
+def left_of_three(keys):
+    return 100.0 - 60 * (BASE in keys) - 30 * (MASS in keys) - 9.5 * (DELAY in keys)
+
+
+@pytest.mark.parametrize(
+    ("seconds", "sure", "said"),
+    [
+        (None, False, [BASE, MASS, DELAY]),
+        (3.5 / FOR_EFFECTS, False, [BASE, MASS, DELAY]),
+        (2.5 / FOR_EFFECTS, True, [BASE, MASS]),
+        (2.5 / FOR_EFFECTS, False, []),
+        (0.5 / FOR_EFFECTS, True, []),
+    ],
+)
+def test_of_several_those_that_are_sure_stand_when_the_time_is_up(seconds, sure, said):
+    """Others might change what each takes: alone they are not named."""
+    world = Slow(left_of_three, seconds, sure)
+    selection = Kept(world, world.limit)
+    selection.run()
+    assert steps(selection) == said
+    assert list(selection.current.keys) == said
+    assert world.limit.was_hit == (len(said) < 3)
+    assert selection.rounds, "what the verdict goes by"
+    further = () if selection.furthest is None else selection.furthest.keys
+    assert further == ((BASE, MASS) if not said and seconds > 1 / FOR_EFFECTS else ())
+
+
+def test_those_that_were_asked_for_in_time_are_sure():
+    data, asked = Settling([MASS, DELAY, BASE]), []
+
+    def look_beside(model, ask=data.look_beside):
+        asked.append(model.hypothesis.keys)
+        if len(asked) == 3:  # the whole, the first, the second
+            raise OutOfTime
+        return ask(model)
+
+    data.look_beside = look_beside
+    model = fitted(MASS, BASE, DELAY)
+    assert data.settles(model)
+    assert data.standing(model) == ((MASS,), ("tip",))
+
+
+@pytest.mark.parametrize("within", [0.0, -1.0, float("nan"), float("inf")])
+def test_what_is_no_time_is_refused(within):
+    with pytest.raises(InvalidRequest, match="within"):
+        limit_of(within)
+
+
+def test_a_diagnosis_without_time_says_where_it_looked_and_that_it_was_cut_off():
+    hide = [replace(Hide.parse("added_mass@link_3"), height=12.0)]
+    made = simulate(
+        flexmodal.load("fanuc_s360"), hide=hide, seed=11, postures=4, points=4, references=2, trials=4,
+        record_length=2.0, band=(2.0, 150.0),
+    )  # fmt: skip
+    found = diagnose(made.campaign, made.robot, within=1e-3)
+    assert found.verdict.effects[0][0] == "unknown"
+    assert not found.verdict.explained
+    assert "cut off after 0.001 s" in found.verdict.says
+    assert "nothing in the catalogue" not in found.verdict.says
+    assert found.look.places
