@@ -29,7 +29,9 @@ PUBLISHED = {"rig": 20261128, "mujoco": 20270102, "looked": 20261128, "sealed": 
 """Seeds of the tables in docs/tables."""
 
 
-def ask(question: Question, folder: Path, engine: str, forms: str) -> dict[str, object]:
+def ask(
+    question: Question, folder: Path, engine: str, forms: str, within: float | None = None
+) -> dict[str, object]:
     """Pose one question, have it answered, and put the truth beside the answer."""
     campaign, truth = folder / "campaigns" / question.name, folder / "truth" / f"{question.name}.toml"
     answer = folder / "answers" / f"{question.name}.json"
@@ -42,7 +44,8 @@ def ask(question: Question, folder: Path, engine: str, forms: str) -> dict[str, 
             given = (engine, forms, seed, question.name)
             call([sys.executable, str(poser), *given, str(campaign), str(truth)])
         candidate = Path(__file__).parent / "exam_candidate.py"
-        call([sys.executable, str(candidate), str(campaign), str(answer)])
+        limit = [] if within is None else [str(within)]
+        call([sys.executable, str(candidate), str(campaign), str(answer), *limit])
         shutil.rmtree(campaign)
     found = json.loads(answer.read_text(encoding="utf-8"))
     hidden = tomllib.loads(truth.read_text(encoding="utf-8"))
@@ -63,6 +66,7 @@ def main() -> None:
     parser.add_argument("--forms", choices=WHICH, default="own", help="physical forms of what is hidden")
     parser.add_argument("--seed", type=int, default=None, help="by default that of the table")
     parser.add_argument("--folder", type=Path, default=Path("exam"))
+    parser.add_argument("--within", type=float, default=None, help="seconds for each; by default no limit")
     parser.add_argument("--most", type=int, default=None, help="only so many questions")
     add_options(parser)
     given = parser.parse_args()
@@ -77,18 +81,19 @@ def main() -> None:
     every = plan(seed, given.engine, given.forms)
     questions = {question.name: question for question in every[: given.most]}
     if given.one:
-        ask(questions[given.one], folder, given.engine, given.forms)
+        ask(questions[given.one], folder, given.engine, given.forms, given.within)
         return
     options = ["--engine", given.engine, "--forms", given.forms, "--seed", str(seed)]
     options += ["--folder", os.path.abspath(given.folder)]
+    options += [] if given.within is None else ["--within", str(given.within)]
     found = {}
     asked = pieces("exam.py", questions, options, scheduler=given.scheduler, workers=given.workers)
     for number, (one, told) in enumerate(asked, start=1):
         if told is not None:  # the answer lies in the folder
-            found[one] = ask(questions[one], folder, given.engine, given.forms)
+            found[one] = ask(questions[one], folder, given.engine, given.forms, given.within)
             print(f"{number}/{len(questions)}", line(found[one]), flush=True)
     done = [found[one] for one in questions if one in found]
-    report(done, len(every), seed, name, published=seed == PUBLISHED[name])
+    report(done, len(every), seed, name, given.within, published=seed == PUBLISHED[name])
 
 
 def line(result: dict[str, object]) -> str:

@@ -1,6 +1,6 @@
 """The candidate: sees a campaign's folder and nothing else, and says what is hidden in it.
 
-python benchmarks/exam_candidate.py CAMPAIGN ANSWER.json
+python benchmarks/exam_candidate.py CAMPAIGN ANSWER.json [SECONDS]
 """
 
 from __future__ import annotations
@@ -21,7 +21,9 @@ from flexmodal.identification.gap import over_noise
 def main() -> None:
     folder, answer = Path(sys.argv[1]), Path(sys.argv[2])
     wall, cpu = time.perf_counter(), time.process_time()
-    found = diagnose(read_campaign(folder), flexmodal.load(str(folder / "robot" / "robot.toml")))
+    within = float(sys.argv[3]) if len(sys.argv) > 3 else None
+    robot = flexmodal.load(str(folder / "robot" / "robot.toml"))
+    found = diagnose(read_campaign(folder), robot, within=within)
     gaps, told = found.gaps, as_json(found)
     table = {
         "effects": found.verdict.effects,
@@ -48,6 +50,7 @@ def main() -> None:
             }
             for one in found.look.found
         ],
+        "cut_off": any("cut off" in one for one in found.verdict.undecided),
         "seconds": time.perf_counter() - wall,
         "processor_seconds": time.process_time() - cpu,
     }  # fmt: skip

@@ -44,6 +44,7 @@ def judged(result: dict) -> dict:
         "processor": answer["processor_seconds"],
         "confidence": answer["confidence"],
         "explained": answer["explained"],
+        "cut_off": answer.get("cut_off", False),
         "held": None
         if gap["held_out_before"] is None
         else gap["held_out_after"] / max(gap["held_out_before"], 1e-12),
@@ -63,13 +64,15 @@ def judged(result: dict) -> dict:
     return row
 
 
-def report(results: list[dict], asked: int, seed: int, engine: str, *, published: bool) -> None:
+def report(
+    results: list[dict], asked: int, seed: int, engine: str, within: float | None, *, published: bool
+) -> None:
     """Print the figures; for the published seed, write a page in docs/tables with its picture."""
     rows = [judged(one) for one in results]
     if not rows:
         print("nothing answered yet")
         return
-    text = "\n".join(_page(rows, asked, seed, engine)) + "\n"
+    text = "\n".join(_page(rows, asked, seed, engine, within)) + "\n"
     print(text)
     if published:
         name = FILES[engine]
@@ -116,7 +119,7 @@ def beside_baselines(rows: list[dict]) -> list[str]:
     ]
 
 
-def _page(rows: list[dict], asked: int, seed: int, engine: str) -> list[str]:
+def _page(rows: list[dict], asked: int, seed: int, engine: str, within: float | None) -> list[str]:
     kinds: dict[str, list[dict]] = defaultdict(list)
     for row in rows:
         kinds[row["kind"]].append(row)
@@ -124,6 +127,9 @@ def _page(rows: list[dict], asked: int, seed: int, engine: str) -> list[str]:
     pairs, outside, several = kinds["pair"], kinds["outside"], kinds["several"]
     explained = [r for r in single + pairs + several if r["explained"] and r["said"]]
     stopped = " What is not answered was stopped for its time or failed, and counts nowhere."
+    cut = "" if within is None else (
+        f" Each had {within:g} s (`--within`); in {sum(r['cut_off'] for r in rows)} looking was cut off then."
+    )  # fmt: skip
     low = [r for r in explained if r["over"] <= 1.6]
     half = [r for r in explained if r["held"] is not None]
     good = [r for r in half if r["held"] < 0.5]
@@ -140,6 +146,7 @@ def _page(rows: list[dict], asked: int, seed: int, engine: str) -> list[str]:
         "points, two levels of force with a repeat each, 1 % noise; parameters of the robot 2 to 8 % off; "
         "effects 3 to 30 times the noise floor before re-tuning. The code was tuned on other seeds. *Effect* "
         "asks for the right set of names, *effect and place* for the right places too."
+        + cut
         + (stopped if len(rows) < asked else ""),
         "",
         "| what | goal | found |",
