@@ -15,6 +15,7 @@ from flexmodal.diagnosis.selection.decision import (
     SIGNIFICANT,
     Answer,
     Choice,
+    Round,
     among_vouched,
     any_gains,
     choice,
@@ -25,9 +26,11 @@ from flexmodal.diagnosis.selection.decision import (
 from flexmodal.diagnosis.selection.frf_thresholds import (
     ANOTHER,
     ANOTHER_MARGIN,
+    CLOSE,
     EXPLAINED,
     FLOOR_MARGIN,
     FLOOR_REACHED,
+    FROM_BEYOND,
     LEFT,
     WORTH,
     WORTH_MARGIN,
@@ -35,7 +38,8 @@ from flexmodal.diagnosis.selection.frf_thresholds import (
     takes_enough,
 )
 from flexmodal.diagnosis.verdict.facts import Facts
-from flexmodal.diagnosis.verdict.verdict import BORDER, verdict
+from flexmodal.diagnosis.verdict.undecided import undecided_words
+from flexmodal.diagnosis.verdict.verdict import BORDER, DOUBTFUL, verdict
 
 MIDDLE = 1 - FLOOR_MARGIN
 """Of the border of the noise, over its end."""
@@ -111,13 +115,42 @@ def test_what_the_best_comes_down_to_stands_in_its_place(behind, frequency, expe
     ("plausible", "expected"),
     [
         ({}, 2),
-        ({1: MORE_PLAUSIBLE + 0.1, 2: 0.0}, 1),
-        ({1: MORE_PLAUSIBLE - 0.1, 2: 0.0}, 2),
+        ({1: MORE_PLAUSIBLE + 1.1 * MARGIN, 2: 0.0}, 1),
+        ({1: MORE_PLAUSIBLE - 1.1 * MARGIN, 2: 0.0}, 2),
         ({1: 90.0}, 2),  # the best leaves more than noise, and is not among them
     ],
 )
 def test_of_two_that_leave_only_noise_the_clearly_more_plausible_comes_first(plausible, expected):
     assert choice(compared(20.0, 30.0), None, [Answer.YES] * 3, (), plausible) == Choice(expected)
+
+
+@pytest.mark.parametrize("rounding", LAST_DIGIT)
+def test_at_the_border_of_being_more_plausible_the_best_stays_and_it_is_told(rounding):
+    found = compared(20.0, 30.0)
+    made = choice(found, None, [Answer.YES] * 3, (), {1: MORE_PLAUSIBLE + rounding, 2: 0.0})
+    assert made == Choice(2, rival=1)
+    (words,) = undecided_words([Round(found, made)])
+    assert words.startswith("Whether it is ")
+    assert "is undecided: both leave only noise" in words
+
+
+@pytest.mark.parametrize("rounding", LAST_DIGIT)
+@pytest.mark.parametrize(("over", "confidence"), [(1.3, 0.0141), (CLOSE, 1e-20)])
+def test_at_the_border_of_belief_it_is_explained_and_told(over, confidence, rounding):
+    step = Step("added_mass", "link_3", {}, {}, {}, confidence, Gaps(1.0, 0.1, None, None, 0.1), ())
+    facts = Facts(
+        (step,),
+        {"added_mass": "a mass"},
+        step.gaps,
+        over + rounding,
+        Answer.YES,
+        {},
+        open_=False,
+        place="tip",
+    )
+    found = verdict(facts)
+    assert found.explained
+    assert found.undecided == (DOUBTFUL,)
 
 
 @pytest.mark.parametrize(
@@ -235,6 +268,12 @@ def test_a_first_effect_may_bring_parameters_back_instead():
 def test_an_effect_beside_which_parameters_stay_beyond_belief_brings_nothing_back():
     assert takes_enough(0.0, 200.0, 20.0, 0) is Answer.YES
     assert takes_enough(0.0, 200.0, 160.0, 0) is Answer.NO
+
+
+@pytest.mark.parametrize("rounding", LAST_DIGIT)
+def test_how_much_it_brings_back_has_a_margin(rounding):
+    assert takes_enough(0.0, 200.0, 200.0 * FROM_BEYOND + rounding, 0) is Answer.UNDECIDED
+    assert takes_enough(0.0, 0.0, 0.0, 0) is Answer.NO
 
 
 def test_no_number_reaches_nothing():

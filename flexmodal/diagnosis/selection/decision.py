@@ -20,7 +20,8 @@ SIGNIFICANT = 7.0
 ASKED = 5.0
 """The same for what was asked for by its place."""
 MORE_PLAUSIBLE = 5.0
-"""By how much a model that leaves only noise has to be more plausible than another to come first [nat]."""
+"""By how much a model that leaves only noise has to be more plausible than another to come first, with
+`MARGIN` on both sides [nat]."""
 NEAR = 0.02
 """Distance from a bound up to which a parameter is at it: logarithms of what is positive."""
 
@@ -84,6 +85,8 @@ class Choice:
 
     number: int | None
     undecided: tuple[int, ...] = ()
+    rival: int | None = None
+    """What may be plausible enough to come before what is added."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,7 +122,7 @@ def choice(
     """
     ranked = sorted(range(1, len(comparison.models)), key=lambda k: -comparison.scores[k])
     ranked = [k for k in ranked if comparison.models[k].key[0] != UNSTRUCTURED]
-    ranked = _plausible_first(ranked, plausible or {})
+    ranked, rival = _plausible_first(ranked, plausible or {})
     known = [k for k in ranked if any(vouched) and vouched[k] and comparison.first_gain(k) > MARGIN]
     if known:
         return Choice(known[0])
@@ -133,21 +136,26 @@ def choice(
         if named_with_place(comparison.models[k].key, asked):
             answer = max(answer, reaches(comparison.first_gain(k), ASKED, MARGIN))
         if answer is Answer.YES:
-            return Choice(k)
+            return Choice(k, rival=rival if rival != k else None)
         if answer is Answer.UNDECIDED:
             open_.append(k)
     return Choice(None, tuple(open_))
 
 
-def _plausible_first(ranked: list[int], plausible: Mapping[int, float]) -> list[int]:
-    """With one in front that leaves only noise as the best does, and is clearly more plausible."""
+def _plausible_first(ranked: list[int], plausible: Mapping[int, float]) -> tuple[list[int], int | None]:
+    """With one in front that leaves only noise as the best does, and is clearly more plausible.
+
+    Returns:
+        The order, and the number of one for which it is undecided whether it comes first.
+    """
     able = [k for k in ranked if k in plausible]
     if not able or able[0] != ranked[0]:
-        return ranked
+        return ranked, None
     first = max(able, key=lambda k: plausible[k])
-    if plausible[first] < plausible[ranked[0]] + MORE_PLAUSIBLE:
-        return ranked
-    return [first, *(k for k in ranked if k != first)]
+    answer = reaches(plausible[first] - plausible[ranked[0]], MORE_PLAUSIBLE, MARGIN)
+    if answer is Answer.YES:
+        return [first, *(k for k in ranked if k != first)], None
+    return ranked, first if answer is Answer.UNDECIDED else None
 
 
 def _plainer(comparison: Comparison[M], first: int) -> list[int]:

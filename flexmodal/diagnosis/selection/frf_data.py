@@ -35,6 +35,8 @@ from flexmodal.diagnosis.selection.frf_thresholds import (
     FLOOR_REACHED,
     FORCE,
     FORCE_MARGIN,
+    THERE,
+    THERE_MARGIN,
     reached,
     takes_enough,
 )
@@ -42,9 +44,6 @@ from flexmodal.diagnosis.selection.stand_in import stand_in, stands_in
 from flexmodal.diagnosis.setup import Setup
 from flexmodal.identification import gap, predict, uncertainty
 from flexmodal.identification.baselines import Baselines
-
-THERE = 3.0
-"""Standard errors from nothing, from which what makes an effect is there."""
 
 
 class FrfData(FrfsByLook):
@@ -153,20 +152,20 @@ class FrfData(FrfsByLook):
         """
         if not self.campaign.tolerance.is_exact and self.is_enough(before):
             return Answer.NO
-        if after is not before and not self._is_there(after):
-            return Answer.NO
+        there = Answer.YES if after is before else self._is_there(after)
         taken = float(1 - after.costs.sum() / max(before.costs.sum(), 1e-300))
-        return takes_enough(taken, before.prior / 2, after.prior / 2, number)
+        return min(there, takes_enough(taken, before.prior / 2, after.prior / 2, number))
 
-    def _is_there(self, model: FittedFrfs) -> bool:
+    def _is_there(self, model: FittedFrfs) -> Answer:
         """Whether what makes the last effect differs from nothing: a coupling of 0 re-tunes either joint."""
         hypothesis = model.hypothesis
         made_by = hypothesis.placed[-1].effect.made_by if hypothesis.placed else ()
         if not made_by:
-            return True
+            return Answer.YES
         key, covariance = hypothesis.keys[-1], self.covariance(model)
         values, _, errors = effect_parameters(hypothesis, key, model.x, covariance)
-        return any(abs(values[name]) > THERE * errors[name] for name in made_by)
+        far = max(abs(values[name]) / max(errors[name], 1e-300) for name in made_by)
+        return reaches(far, THERE, THERE_MARGIN)
 
     def is_enough(self, model: FittedFrfs) -> bool:
         """Whether it reaches the noise, and every mode has a partner."""

@@ -36,8 +36,10 @@ EXPLAINED = 2.0
 """The same that a strong effect may leave."""
 LEFT = 0.03
 """Part of the disagreement above the noise that may be left then."""
-FROM_BEYOND = 0.5
+FROM_BEYOND, FROM_BEYOND_MARGIN = 0.5, 0.05
 """Part of how far parameters are from belief that the first effect takes away, where it does no more."""
+THERE, THERE_MARGIN = 3.0, 0.3
+"""Standard errors from nothing, from which what makes an effect is there."""
 FLOOR_MARGIN = 0.035
 """The last 7 % up to these three are the border, which is told: a threshold with this relative margin."""
 
@@ -86,5 +88,6 @@ def takes_enough(taken: float, before: float, after: float, number: int) -> Answ
     """
     if number:
         return reaches(taken, ANOTHER, ANOTHER_MARGIN)
-    back = reaches(before - after, SIGNIFICANT, MARGIN) if after < FROM_BEYOND * before else Answer.NO
-    return max(reaches(taken, WORTH, WORTH_MARGIN), back)
+    part = 1 - after / before if before > 0 else 0.0
+    back = reaches(before - after, SIGNIFICANT, MARGIN), reaches(part, FROM_BEYOND, FROM_BEYOND_MARGIN)
+    return max(reaches(taken, WORTH, WORTH_MARGIN), min(back))

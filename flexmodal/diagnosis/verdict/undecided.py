@@ -24,13 +24,32 @@ def refused_words(rounds: Sequence[Round[M]], asked: Asked | None) -> tuple[str,
 
 
 def undecided_words(rounds: Sequence[Round[M]]) -> tuple[str, ...]:
-    """What may or may not have been worth adding; the last of the comparisons counts."""
-    return tuple(
+    """What may or may not have been worth adding, and what may come before what was added.
+
+    Args:
+        rounds: every comparison; the last of them counts for what was not added.
+    """
+    first = tuple(
+        f"Whether it is {one} or {other} is undecided: both leave only noise, and the second is not quite so "
+        "much more plausible that it comes first."
+        for one, other in _rivals(rounds)
+    )
+    return first + tuple(
         f"Whether {named(one.key)} is there is undecided: it gains {gain} nats, too near to what it takes "
         "for a yes or a no."
         for k, one, gain in _not_added(rounds)
         if k in rounds[-1].choice.undecided
     )
+
+
+def _rivals(rounds: Sequence[Round[M]]) -> list[tuple[str, str]]:
+    """What was added, and what may come before it."""
+    found = [(one.comparison.models, one.choice.number, one.choice.rival) for one in rounds]
+    return [
+        (named(models[number].key), named(models[rival].key))
+        for models, number, rival in found
+        if number is not None and rival is not None
+    ]
 
 
 def _not_added(rounds: Sequence[Round[M]]) -> list[tuple[int, M, str]]:

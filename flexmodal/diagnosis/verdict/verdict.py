@@ -10,16 +10,22 @@ where the disagreement is largest. Where there is no floor, what was added stand
 
 from __future__ import annotations
 
+import math
+
 from flexmodal.diagnosis.names import UNKNOWN
 from flexmodal.diagnosis.outcome import Remaining, Verdict
-from flexmodal.diagnosis.selection.decision import Answer
+from flexmodal.diagnosis.selection.decision import Answer, reaches
 from flexmodal.diagnosis.selection.frf_thresholds import CLOSE
 from flexmodal.diagnosis.verdict.facts import Facts
 from flexmodal.diagnosis.verdict.frf_words import frf_words
 from flexmodal.diagnosis.verdict.modal_words import modal_words
 
-DOUBTED = 0.01
-"""Confidence of an effect below which it has to leave clearly nothing but noise to explain anything."""
+DOUBTED, DOUBTED_MARGIN = -math.log(0.0141), math.log(2) / 2
+"""Of −ln of the confidence of an effect, above which it has to leave clearly nothing but noise to explain
+anything: below 0.01 it does, from 0.02 on it does not."""
+CLOSE_MARGIN = 0.01
+"""Of the distance from the noise that is clearly nothing but noise."""
+DOUBTFUL = "Whether what was found is believable enough to explain what it does is undecided."
 BORDER = "How far the model is from the measurements lies at the border of what counts as noise."
 
 
@@ -27,7 +33,9 @@ def verdict(facts: Facts) -> Verdict:
     """Nothing is missing, something is and what, or something and nobody knows what."""
     floor = facts.over_noise is not None
     open_ = bool(facts.lacking) or facts.tied or (facts.open_ and not floor)
-    explained = facts.reached > Answer.NO and not open_ and not facts.contradicted and not _doubted(facts)
+    explained = facts.reached > Answer.NO and not open_ and not facts.contradicted
+    doubted = _doubted(facts)
+    explained = explained and doubted < Answer.YES
     added = tuple((step.effect, step.where) for step in facts.steps)
     sure = added if explained or not floor else facts.standing
     besides = () if explained or not floor else facts.lacking_at or (facts.place,)
@@ -35,6 +43,8 @@ def verdict(facts: Facts) -> Verdict:
     undecided = (*facts.undecided, *facts.cut_off)
     if explained and facts.reached is Answer.UNDECIDED:
         undecided = (*undecided, BORDER)
+    if explained and doubted is Answer.UNDECIDED:
+        undecided = (*undecided, DOUBTFUL)
     words = frf_words if facts.modal is None else modal_words
     says = " ".join(part for part in (*words(facts, explained=explained), *undecided) if part)
     share = facts.share if sure else None
@@ -45,8 +55,11 @@ def verdict(facts: Facts) -> Verdict:
     return Verdict(named, explained, says, undecided, share, remaining)
 
 
-def _doubted(facts: Facts) -> bool:
+def _doubted(facts: Facts) -> Answer:
     """Whether what leaves more than clearly nothing but noise is hardly more than impossible."""
     over = facts.over_noise
     least = min((step.confidence for step in facts.steps), default=1.0)
-    return over is not None and over > CLOSE and least < DOUBTED
+    if over is None:
+        return Answer.NO
+    hardly = reaches(-math.log(max(least, 1e-300)), DOUBTED, DOUBTED_MARGIN)
+    return min(reaches(over, CLOSE, CLOSE_MARGIN), hardly)
