@@ -367,13 +367,38 @@ def test_fits_start_from_elsewhere_only_where_one_place_explains(monkeypatch, pl
 
     monkeypatch.setattr(frf_candidates, "explanations", searched)
     monkeypatch.setattr(frf_candidates, "from_each_start", lambda *given: [])
-    root = Mock(spec=FittedFrfs, hypothesis=Mock(base=(), placed=(), keys=()), x=np.zeros(0))
+    bare = Mock(base=(), placed=(), keys=())
+    root = Mock(spec=FittedFrfs, hypothesis=bare, x=np.zeros(0), cost=1.0)
     candidates = FrfCandidates(Mock(spec=Setup, effects=(), advance=Mock()), root, with_force=False)
     look = Mock(spec=Findings, explains=explains, found=(None,) * places, needed=True, fitted=None, left=1.0)
     candidates.looks = Mock(one=look)
     candidates.at_places(root, 0, look, lambda model: False)
     candidates.everywhere(root, 1)
     assert seen == [expected, False]
+
+
+@pytest.mark.parametrize(("cost", "again"), [(1.0, False), (1.2, False), (0.9, True)])
+def test_beside_the_same_effects_is_searched_again_only_from_nearer(monkeypatch, cost, again):
+    made = []
+
+    def searched(*given, **more):
+        made.append(given[1])
+        return [Mock(spec=FittedFrfs, key=("added_mass", str(len(made))), cost=1.0)]
+
+    monkeypatch.setattr(frf_candidates, "explanations", searched)
+    first, other = (
+        Mock(spec=FittedFrfs, hypothesis=Mock(base=(), placed=(), keys=keys), x=np.zeros(0), cost=each)
+        for keys, each in (((MASS, DELAY), 1.0), ((DELAY, MASS), cost))
+    )
+    candidates = FrfCandidates(Mock(spec=Setup, effects=(), advance=Mock()), fitted(), with_force=False)
+    look = Mock(spec=Findings, explains=False, found=(None, None), needed=True, fitted=None, left=1.0)
+    before = candidates.at_places(first, 2, look, is_over)
+    assert (candidates.at_places(other, 2, look, is_over) is before) is not again
+    assert made == [first, other] if again else [first]
+
+
+def is_over(model):
+    return False
 
 
 def begins(*given):

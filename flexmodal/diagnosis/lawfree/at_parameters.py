@@ -44,8 +44,10 @@ class PortedGroup:
     patterns: Sequence[Patterns | None]
     """Of each port; None of one in a reading."""
     ported: PortedStructures
-    reading: Complex[np.ndarray, "#entry #line"]
-    """ln(reading / motion) of what is believed."""
+    reading: Complex[np.ndarray, "#entry #line"] | None
+    """Reading over motion of what is believed; None where they are the same."""
+    measured: Complex[np.ndarray, "observation line"]
+    """On the lines that are looked at [m/N]."""
     cell: Int[np.ndarray, " system"]
     """The cell of each system."""
 
@@ -111,8 +113,8 @@ class AtParameters:
         found = np.zeros((len(model.observations), len(model.lines)), dtype=complex)
         for one, value in zip(self.groups, values, strict=True):
             part = one.group.part
-            measured = model.observations.value[part.observations][:, model.lines]
-            found[part.observations] = residual((value * np.exp(one.reading))[part.entry], measured)
+            read = value if one.reading is None else value * one.reading
+            found[part.observations] = residual(read[part.entry], one.measured)
         for seen, number in model.readings:
             found[seen] += z[model.cell[seen], number] * model.size[number]
             found.imag[seen] = (found.imag[seen] + np.pi) % (2 * np.pi) - np.pi
@@ -149,10 +151,11 @@ class AtParameters:
         patterns = self._patterns(group.part, self.x)
         ports = [one for own in patterns if own is not None for one in _structure_ports(own)]
         ported = with_ports(group.structures, axis, group.part.entries, ports)
-        reading = np.zeros((1, 1), dtype=complex) if group.reading is None else group.reading(axis)[0]
+        reading = None if group.reading is None else np.exp(np.asarray(group.reading(axis)[0], dtype=complex))
+        measured = model.observations.value[group.part.observations][:, model.lines]
         cell = np.zeros(len(group.structures), dtype=int)
         cell[group.part.entries.table[group.part.entry, 0]] = model.cell[group.part.observations]
-        return PortedGroup(group, patterns, ported, np.asarray(reading, dtype=complex), cell)
+        return PortedGroup(group, patterns, ported, reading, measured, cell)
 
     def _patterns(self, part: Part, x: np.ndarray) -> list[Patterns | None]:
         model = self.model

@@ -26,6 +26,8 @@ ONCE_MORE = 2
 """Starts of an effect that are followed closely where another one that can do more is enough."""
 LAW_LEAVES = 2.0
 """Times what a place with free functions leaves from which an effect in it has too narrow a law."""
+NEARER = 0.999
+"""Part of the cost that a model may have for another search beside the same effects to be worth it."""
 MOST_LOOKS = 8
 """Looks beside effects that are there; each takes as long as the first, and where many do not help, more
 do not."""
@@ -46,6 +48,7 @@ class FrfCandidates:
         self.looks = LooksWithoutLaw(setup, root, with_force, setup.advance)
         """Of the re-tuned robot."""
         self._beside: dict[frozenset[tuple[str, str]], Findings] = {}
+        self._placed: dict[object, tuple[float, list[FittedFrfs]]] = {}
 
     def look_beside(self, model: FittedFrfs) -> Findings:
         """The law-free look for one place beside what a model has.
@@ -96,7 +99,8 @@ class FrfCandidates:
         """The finalists of a search where a look points.
 
         Where one place explains everything, effects of the class that its curve has are followed from each
-        of their starts too, unless another one is enough that can do no more than they.
+        of their starts too, unless another one is enough that can do no more than they. What was found beside
+        the same effects before holds unless the model is nearer now, so that fits set out from elsewhere.
 
         Args:
             before: the model that something is added to.
@@ -104,6 +108,16 @@ class FrfCandidates:
             look: beside it.
             is_over: whether nothing else has to be looked for beside a model.
         """
+        key = frozenset(before.hypothesis.keys), is_over
+        cost, known = self._placed.get(key, (np.inf, []))
+        if before.cost < NEARER * cost:
+            known = self._at_places(before, number, look, is_over)
+            self._placed[key] = before.cost, known
+        return known
+
+    def _at_places(
+        self, before: FittedFrfs, number: int, look: Findings, is_over: Callable[[FittedFrfs], bool]
+    ) -> list[FittedFrfs]:
         alone = look.explains and len(look.found) == 1
         found = self.searched(before, number, look.worth_trying, one_is_enough=alone)
         if look.explains:
