@@ -8,7 +8,7 @@ away has no single amplitude.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 import numpy as np
 from jaxtyping import Float
@@ -23,6 +23,8 @@ from flexmodal.structure.assembly import Assembly
 _PHASE = (np.arange(32) + 0.5) * np.pi / 32
 
 
+_STEPS, _CLOSED = 50, 1e-15
+"""Most steps to where a loop closes, and what it may miss by."""
 _STICKS = 1e-6
 """Of the elongation at which friction slides, up to which it is a spring."""
 
@@ -64,7 +66,7 @@ def dahl(
     """Stiffness and loss (torque a radian, in and out of phase) of Dahl's friction at an amplitude.
 
     On the way up from −A the part of the way to sliding that is left, r = 1 − F/F_c, falls as
-    dr/dq = −(σ/F_c) rⁱ; where it starts is found by bisection, so that loops close. One that hardly swings
+    dr/dq = −(σ/F_c) rⁱ; where it starts follows from that loops close. One that hardly swings
     sticks: what it does there stands for all smaller amplitudes.
 
     Args:
@@ -82,17 +84,34 @@ def dahl(
             return np.asarray(start * np.exp(-way))
         return np.asarray(np.maximum(start**power - power * way, 0.0) ** (1 / power))
 
-    low, high = np.ones_like(size), np.full_like(size, 2.0)  # r starts at 1 + F₀/F_c and ends at 1 − F₀/F_c
-    for _ in range(50):
-        middle = (low + high) / 2
-        short = middle + left(middle, 2 * size) < 2
-        low, high = np.where(short, middle, low), np.where(short, high, middle)
+    start = _closing(left, size, exponent)
     q = -np.cos(_PHASE)  # from −A to A
     most = np.asarray(torque)[..., None]
-    force = most * (1 - left(((low + high) / 2)[..., None], size[..., None] * (q + 1)))
+    force = most * (1 - left(start[..., None], size[..., None] * (q + 1)))
     stiffness = 2 / len(_PHASE) * np.sum(force * q, axis=-1) / amplitude
     loss = 2 / len(_PHASE) * np.sum(force * np.sin(_PHASE), axis=-1) / amplitude
     return stiffness, loss
+
+
+def _closing(
+    left: Callable[[np.ndarray, np.ndarray], np.ndarray], size: Float[np.ndarray, "*many"], exponent: float
+) -> Float[np.ndarray, "*many"]:
+    """Where r starts so that it ends at 2 − r: at 1 + F₀/F_c and 1 − F₀/F_c, by Newton's method in a bracket.
+
+    With r′ = −rⁱ the derivative of the end along the start is (end / start)ⁱ.
+    """
+    low, high = np.ones_like(size), np.full_like(size, 2.0)
+    start = np.full_like(size, 1.5)
+    for _ in range(_STEPS):
+        end = left(start, 2 * size)
+        missed = start + end - 2
+        low, high = np.where(missed < 0, start, low), np.where(missed < 0, high, start)
+        nearer = start - missed / (1 + (end / start) ** exponent)
+        inside = (nearer >= low) & (nearer <= high)
+        start = np.where(inside, nearer, (low + high) / 2)
+        if np.all(np.abs(missed) <= _CLOSED):
+            break
+    return start
 
 
 def hardened(amplitude: Float[np.ndarray, "*many"], wound: float = 0.0) -> Float[np.ndarray, "*many"]:
