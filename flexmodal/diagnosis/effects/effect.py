@@ -17,14 +17,14 @@ from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.free_function import FreeFunction
 from flexmodal.diagnosis.time_domain.law import Law
 from flexmodal.structure import Parameter
-from flexmodal.structure.arm import Body
+from flexmodal.structure.arm import Body, crossed
 from flexmodal.structure.assembly import Assembly
 from flexmodal.structure.structure import Axis
 
 if TYPE_CHECKING:
     from flexmodal.diagnosis.improved.draft import Draft
 
-_KEPT = 256
+KEPT = 256
 """Links whose axes are kept; every evaluation of an effect asks for them."""
 
 
@@ -178,11 +178,11 @@ def sides(context: Context, link: str, axis: np.ndarray) -> list[np.ndarray]:
     return list(_sides(context, link, tuple(axis.tolist())))
 
 
-@lru_cache(maxsize=_KEPT)
+@lru_cache(maxsize=KEPT)
 def _sides(context: Context, link: str, along: tuple[float, ...]) -> tuple[np.ndarray, ...]:
     axis = np.array(along)
     if context.normal is not None:
-        side = np.cross(context.axes(link).T @ context.normal, axis)
+        side = crossed(context.axes(link).T @ context.normal, axis)
         size = float(np.linalg.norm(side))
         return (side / size,) if size > 1e-9 else ()
     return across(axis)
@@ -190,12 +190,12 @@ def _sides(context: Context, link: str, along: tuple[float, ...]) -> tuple[np.nd
 
 def across(axis: Float[np.ndarray, "3"]) -> tuple[Float[np.ndarray, "3"], Float[np.ndarray, "3"]]:
     """Two unit vectors across a unit vector."""
-    first = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))])
+    first = crossed(axis, np.eye(3)[int(np.argmin(np.abs(axis)))])
     first /= np.linalg.norm(first)
-    return first, np.cross(axis, first)
+    return first, crossed(axis, first)
 
 
-@lru_cache(maxsize=_KEPT)
+@lru_cache(maxsize=KEPT)
 def along(context: Context, link: str) -> tuple[float, np.ndarray]:
     """Length of a link and the unit vector along it, in its frame; x where it has no length.
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Placement
+from flexmodal.structure.arm import crossed
 
 SIDEWAYS = {"base y": "sideways", "base ry": "tilt"}
 """Coordinates in space that have ratios to those along and about x."""
@@ -15,10 +16,10 @@ def motions(normal: np.ndarray | None) -> tuple[list[str], np.ndarray]:
     """Names and motions [6, coordinate]: along, up, tilt; or x, y, z, rx, ry, rz."""
     if normal is None:
         return ["base x", "base y", "base z", "base rx", "base ry", "base rz"], np.eye(6)
-    level = np.cross(normal, np.array([0.0, 0.0, 1.0]))
+    level = crossed(normal, np.array([0.0, 0.0, 1.0]))
     level = level / np.linalg.norm(level) if np.linalg.norm(level) > 1e-9 else np.array([1.0, 0.0, 0.0])
     motion = np.zeros((6, 3))
-    motion[:3, 0], motion[:3, 1], motion[3:, 2] = level, np.cross(level, normal), normal
+    motion[:3, 0], motion[:3, 1], motion[3:, 2] = level, crossed(level, normal), normal
     return ["base x", "base z", "base tilt"], motion
 
 

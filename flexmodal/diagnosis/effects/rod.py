@@ -7,13 +7,14 @@ too, changes with the posture. It has no mass, and nothing pulls at it at rest.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import lru_cache
 from itertools import combinations, product
 
 import numpy as np
 from jaxtyping import Float
 
 from flexmodal.diagnosis.effects.context import Context
-from flexmodal.diagnosis.effects.effect import Effect, Level, Placement, across, positive, signed
+from flexmodal.diagnosis.effects.effect import KEPT, Effect, Level, Placement, across, positive, signed
 from flexmodal.diagnosis.effects.foundation import length_of
 from flexmodal.diagnosis.effects.free_function import FreeFunction
 from flexmodal.diagnosis.improved.draft import Draft
@@ -49,7 +50,8 @@ def stiffness_of(context: Context, where: str) -> float:
     return float(np.sqrt(one * other)) / (size_of(context) / 3) ** 2
 
 
-def links(context: Context, where: str) -> list[tuple[str, np.ndarray, np.ndarray]]:
+@lru_cache(maxsize=KEPT)
+def links(context: Context, where: str) -> tuple[tuple[str, np.ndarray, np.ndarray], ...]:
     """Of either end the link that has it, and in that link's frame where the joint is [m], and its axis.
 
     Args:
@@ -59,17 +61,18 @@ def links(context: Context, where: str) -> list[tuple[str, np.ndarray, np.ndarra
     urdf = context.robot.urdf
     one, other = (urdf.joint_by_name[name] for name in where.split("+"))
     turned = context.axes(one.parent).T @ context.axes(one.child)
-    return [(one.parent, one.xyz, turned @ one.axis), (other.child, np.zeros(3), other.axis)]
+    return (one.parent, one.xyz, turned @ one.axis), (other.child, np.zeros(3), other.axis)
 
 
-def ways(context: Context, link: str) -> list[np.ndarray]:
+@lru_cache(maxsize=KEPT)
+def ways(context: Context, link: str) -> tuple[np.ndarray, ...]:
     """Directions of a crank's parameters, in the frame of its link: two in the plane of a planar chain.
 
     Args:
         context: of the diagnosis.
         link: its name.
     """
-    return list(np.eye(3)) if context.normal is None else list(across(context.axes(link).T @ context.normal))
+    return tuple(np.eye(3)) if context.normal is None else across(context.axes(link).T @ context.normal)
 
 
 def cranks(context: Context, where: str) -> tuple[Parameter, ...]:
