@@ -203,7 +203,7 @@ class Field:
                 seen = self._seen(every, self._few)
                 model = self._model(every, seen, self.seen.lines[:: screening.LINES])
                 state = None if before is None else carried_over(before, model, screening.LINES)
-                fit = begun(model, state, floor=screening.FLOORS[0], steps=screening.STEPS)
+                fit = begun(model, state, floor=screening.FLOORS[0], steps=screening.STEPS, roughly=True)
                 begins.append((port, fit))
             advance(0.7 * (number + 1) / len(ports))
         first, ends, going = [], {}, screening.near(begins)

@@ -43,7 +43,7 @@ def profiled(
 
 
 def begun(
-    model: PortedModel, before: State | None = None, *, floor: float, steps: int
+    model: PortedModel, before: State | None = None, *, floor: float, steps: int, roughly: bool = False
 ) -> tuple[Profile, State]:
     """The fit at its first model error, no line repaired yet.
 
@@ -52,9 +52,10 @@ def begun(
         before: where a fit with all its ports but the last ended, on the same lines.
         floor: relative model error.
         steps: most.
+        roughly: whether constants are fitted for the robot as it is; it is re-tuned beside free functions.
     """
     profile = Profile(model, floor)
-    state = profile.judged(_constant(model, before, floor, steps))
+    state = profile.judged(_constant(model, before, floor, steps, roughly=roughly))
     return profile, profile.descended(state, steps).light
 
 
@@ -85,7 +86,7 @@ def finished(
     return profile, profile.descended(state, steps).light
 
 
-def _constant(model: PortedModel, before: State | None, floor: float, steps: int) -> State:
+def _constant(model: PortedModel, before: State | None, floor: float, steps: int, *, roughly: bool) -> State:
     """The best of constants for the last port's functions; many starts are looked at, few followed.
 
     These at first for the robot as it is, which takes no derivatives along its parameters.
@@ -108,4 +109,5 @@ def _constant(model: PortedModel, before: State | None, floor: float, steps: int
         started += [pooled.with_functions(at, z) for at in places]
     best = sorted((one for one in started if np.isfinite(one.cost)), key=lambda one: one.cost)[:FOLLOWED]
     found = [pooled.descended(one, steps, held=True) for one in (plain, *best)]
-    return pooled.descended(min(found, key=lambda one: one.cost), steps)
+    nearest = min(found, key=lambda one: one.cost)
+    return nearest if roughly else pooled.descended(nearest, steps)
