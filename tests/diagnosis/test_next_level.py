@@ -73,7 +73,8 @@ def test_wider_laws_are_tried_where_the_law_is_to_blame(fits, monkeypatch, part,
     wider = Mock(spec=FittedFrfs, key=narrow.key, cost=narrow.cost / 2)
     monkeypatch.setattr(frf_candidates, "explanations", lambda *given, **more: [narrow])
     monkeypatch.setattr(frf_candidates, "at_next_level", lambda *given: [wider])
-    root = Mock(spec=FittedFrfs, hypothesis=Mock(base=(), placed=(), keys=()), x=np.zeros(0))
+    bare = Mock(base=(), placed=(), keys=())
+    root = Mock(spec=FittedFrfs, hypothesis=bare, x=np.zeros(0), cost=1.0)
     candidates = FrfCandidates(setup, root, with_force=False)
     look = Mock(
         spec=Findings, explains=False, found=(None,), needed=False, fitted=None,
@@ -100,7 +101,8 @@ def test_places_that_leave_less_than_the_law_are_tried(fits, monkeypatch, explai
 
     monkeypatch.setattr(frf_candidates, "explanations", looked_for)
     monkeypatch.setattr(frf_candidates, "from_each_start", lambda *given: [])
-    root = Mock(spec=FittedFrfs, hypothesis=Mock(base=(), placed=(), keys=()), x=np.zeros(0))
+    bare = Mock(base=(), placed=(), keys=())
+    root = Mock(spec=FittedFrfs, hypothesis=bare, x=np.zeros(0), cost=1.0)
     candidates = FrfCandidates(setup, root, with_force=False)
     over = over_noise(setup, narrow)
     look = Mock(
