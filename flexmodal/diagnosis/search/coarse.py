@@ -20,6 +20,8 @@ from flexmodal.identification.frf_fit import FrfMisfit, Weighting, fit, residual
 
 ROUGH = 5.0
 """Steps of time in a period of the highest line, of the coarse looks."""
+FROM_STAND_INS = 0.2
+"""Model error from which derivatives along parameters of no law are those of the stand-ins."""
 FEW = 3
 """Postures of these."""
 ROUGHLY = 1e-2
@@ -71,7 +73,7 @@ class Look:
             floor: model error ε of a residual.
         """
         share = np.full(len(self.some), len(self.apart) / len(self.some))
-        model = TimeDomainModel(hypothesis, ROUGH, rough=True)
+        model = TimeDomainModel(hypothesis, ROUGH, rough=floor >= FROM_STAND_INS)
         return FrfMisfit(model, self.some, Weighting(floor, self.lines, share))
 
     def constant(self, floor: float) -> float:

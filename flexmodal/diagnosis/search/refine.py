@@ -69,7 +69,7 @@ def refined(
         InvalidRequest: no effect of the hypothesis has a law.
     """
     lines = some_lines(observations, CLOSE)
-    rough, model = TimeDomainModel(hypothesis, ROUGH, rough=True), TimeDomainModel(hypothesis)
+    rough, model = TimeDomainModel(hypothesis, ROUGH), TimeDomainModel(hypothesis)
     first = FrfMisfit(rough, observations, Weighting(FLOORS[0], lines))
     last = FrfMisfit(model, observations, Weighting(FLOORS[1], lines))
     near = fitted_by_secants(first, _start(rough, start, observations), steps=steps, settled=ROUGHLY)
