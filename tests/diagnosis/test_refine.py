@@ -222,6 +222,24 @@ def test_derivatives_are_those_of_central_differences(plain):
         assert np.median(off) < 2e-3, name
 
 
+def test_rough_derivatives_are_those_of_the_stand_ins_but_along_laws(plain):
+    """Relative to the value; along a law they are the differences of before."""
+    hypothesis = hypothesis_of(plain, "coulomb_friction@q2", "added_mass@link_3")
+    lines, x = np.arange(3, 190, 40), at(hypothesis, torque=0.5, presliding_stiffness=1e5)
+    _, [(_, value, exact)] = receptances(TimeDomainModel(hypothesis), x, lines, slopes=True)
+    _, [(_, same, rough)] = receptances(TimeDomainModel(hypothesis, rough=True), x, lines, slopes=True)
+    np.testing.assert_array_equal(value, same)
+    law = np.array([name.startswith("coulomb_friction@q2.") for name in hypothesis.space.names])
+    np.testing.assert_array_equal(rough[law], exact[law])
+    expected = np.zeros_like(rough)
+    for rows, some, changes in receptances(hypothesis, x, lines, slopes=True)[1]:
+        expected[:, rows] = changes / some
+    np.testing.assert_allclose((rough / value)[~law], expected[~law], rtol=1e-9, atol=1e-12)
+    k = hypothesis.space.index["added_mass@link_3.mass"]
+    near = np.abs(rough[k] - exact[k]) / np.abs(value)
+    assert np.median(near) < 0.4 * np.median(np.abs(exact[k] / value)), "of use to a fit"
+
+
 def test_what_outgrows_every_number_is_no_model(plain, monkeypatch):
     hypothesis = hypothesis_of(plain, "coulomb_friction@q2")
     model, lines = TimeDomainModel(hypothesis), np.arange(0, 190, 30)
