@@ -29,9 +29,7 @@ PUBLISHED = {"rig": 20261128, "mujoco": 20270102, "looked": 20261128, "sealed": 
 """Seeds of the tables in docs/tables."""
 
 
-def ask(
-    question: Question, folder: Path, engine: str, forms: str, within: float | None = None
-) -> dict[str, object]:
+def ask(question: Question, folder: Path, engine: str, forms: str, within: float | None) -> dict[str, object]:
     """Pose one question, have it answered, and put the truth beside the answer."""
     campaign, truth = folder / "campaigns" / question.name, folder / "truth" / f"{question.name}.toml"
     answer = folder / "answers" / f"{question.name}.json"

@@ -50,7 +50,7 @@ def main() -> None:
             }
             for one in found.look.found
         ],
-        "cut_off": any("cut off" in one for one in found.verdict.undecided),
+        "cut_off": found.verdict.cut_off,
         "seconds": time.perf_counter() - wall,
         "processor_seconds": time.process_time() - cpu,
     }  # fmt: skip

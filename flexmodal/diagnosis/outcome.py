@@ -136,6 +136,8 @@ class Verdict:
     """Part of the disagreement above the noise that the named effects take; None where that has no figure."""
     remaining: Remaining | None = None
     """None where everything is explained, or nothing says where noise begins."""
+    cut_off: bool = False
+    """Whether looking for effects was cut off for its time, which `undecided` says too."""
 
     @property
     def named(self) -> bool:

@@ -14,6 +14,9 @@ import numpy as np
 def eliminate(matrix, right):
     """Solve in place by elimination with pivoting; whether there was a pivot in every column.
 
+    That of `frf.kernels.pivoted` takes matrices whose rows and columns are scaled alike and calls a small
+    pivot singular. Here columns are of different units, compliances beside stiffnesses: any pivot will do.
+
     Args:
         matrix: [port, port]; its upper triangle is left.
         right: right-hand sides, [port, row]; what solves them is left there.

@@ -17,8 +17,9 @@ from flexmodal.structure import port_kernel
 from flexmodal.structure.structure import ROUNDING
 
 _SECONDS, COMPILATION = 3e-6, 4.0
-"""What numpy takes beyond compiled loops for a system and a line, asked for a few times, and what compiling
-takes [s]; processor time of a core of 2020."""
+"""What numpy takes beyond compiled loops for a system and a line, asked for a few times (measured: nothing
+with one port; 0.5 µs for values and 1.1 µs for derivatives with three), and what compiling takes (measured:
+2.9) [s]; processor time of a core of 2020."""
 SINGULAR = "the receptance is infinite here: with its ports Z is singular"
 
 
@@ -39,7 +40,9 @@ class CompiledPorts:
     rows: tuple[int, int]
     """How many response and reference rows there are."""
 
-    def forces(self, values: Any, begin: int) -> Complex[np.ndarray, "system line motion row"]:
+    def forces(
+        self, values: Complex[np.ndarray, "port #system line"], begin: int
+    ) -> Complex[np.ndarray, "system line motion row"]:
         """W Bᵀ y of the rows from a number on; 0 of those before it.
 
         Args:
@@ -49,10 +52,9 @@ class CompiledPorts:
         Raises:
             SingularResponse: Z′ is singular on a line.
         """
-        given = values if isinstance(values, np.ndarray) else np.stack(np.broadcast_arrays(*values))
         every = sum(self.rows)
         found = np.zeros((*self.pulled.shape[:3], every), dtype=complex)
-        given = np.ascontiguousarray(given, dtype=complex)
+        given = np.ascontiguousarray(values, dtype=complex)
         if not _compiled()[0](given, self.pairs, self.small, self.held, self.pulled, begin, every, found):
             raise SingularResponse(SINGULAR)
         return found

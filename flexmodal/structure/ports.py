@@ -21,7 +21,7 @@ exact at any z and c. Substructuring by frequency: de Klerk, Rixen and Voormeere
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -35,8 +35,8 @@ from flexmodal.structure.solution import Solved
 from flexmodal.structure.stack import Structures
 from flexmodal.structure.structure import ROUNDING
 
-Values = Sequence[Complex[np.ndarray, "#system line"]] | Complex[np.ndarray, "port #system line"]
-"""z or c of each port."""
+Values = Complex[np.ndarray, "port #system line"]
+"""z or c of each port, the same in every system or one for each."""
 Moved = Mapping[int, tuple[Int[np.ndarray, " changed"], Float[np.ndarray, "changed system dof dof"]]]
 """By port: numbers of the parameters that its pattern depends on, and ∂P along them."""
 
@@ -61,9 +61,9 @@ class PortedStructures:
         """The structures with their ports.
 
         Args:
-            values: z or c of each port, the same in every system or one for each.
+            values: of the ports.
         """
-        return Ported(self, values if isinstance(values, np.ndarray) else tuple(values))
+        return Ported(self, values)
 
     def system(self, values: Values) -> tuple[np.ndarray, np.ndarray]:
         """C + A G, and A.

@@ -364,7 +364,7 @@ def test_joints_relax(bench):
         springs[:] = np.diag([context.robot.joints[name].stiffness for name in group.structures.coordinates])
         axis = observed.axis_of(group.part.level)
         ported = with_ports(group.structures, axis, group.part.entries, [StiffnessPort(springs)])
-        value = ported.at([(part * lag / (1 + lag))[None]]).value
+        value = ported.at((part * lag / (1 + lag))[None, None]).value
         expected[group.part.observations] = value[group.part.entry]
     np.testing.assert_allclose(found, expected, rtol=2e-3, atol=1e-3 * np.abs(expected).max())
 

@@ -1,16 +1,15 @@
 """Looking that is cut off: what was found by then is said, and that it was cut off."""
 
-from dataclasses import replace
 from unittest.mock import Mock
 
 import pytest
 
-import flexmodal
 from flexmodal.diagnosis import diagnose
+from flexmodal.diagnosis.report.frf_sections import frf_headline
 from flexmodal.diagnosis.time_limit import FOR_EFFECTS, OutOfTime, TimeLimit, limit_of
 from flexmodal.errors import InvalidRequest
-from flexmodal.rig import Hide, simulate
 from tests.diagnosis.test_follow import BASE, DELAY, MASS, Selection, Settling, World, fitted, steps
+from tests.diagnosis.test_workflow import campaign
 
 
 class Clock:
@@ -120,14 +119,11 @@ def test_what_is_no_time_is_refused(within):
 
 
 def test_a_diagnosis_without_time_says_where_it_looked_and_that_it_was_cut_off():
-    hide = [replace(Hide.parse("added_mass@link_3"), height=12.0)]
-    made = simulate(
-        flexmodal.load("fanuc_s360"), hide=hide, seed=11, postures=4, points=4, references=2, trials=4,
-        record_length=2.0, band=(2.0, 150.0),
-    )  # fmt: skip
-    found = diagnose(made.campaign, made.robot, within=1e-3)
+    found = diagnose(*campaign("added_mass@link_3"), within=1e-3)
     assert found.verdict.effects[0][0] == "unknown"
     assert not found.verdict.explained
+    assert found.verdict.cut_off
     assert "cut off after 0.001 s" in found.verdict.says
+    assert frf_headline(found) == "Something is missing that has no name yet"
     assert "nothing in the catalogue" not in found.verdict.says
     assert found.look.places

@@ -102,7 +102,7 @@ def pattern_of(b):
 
 
 def ported(structures, port, value, compiled):
-    return with_ports(structures, AXIS, ENTRIES, [port], compiled=compiled).at([value])
+    return with_ports(structures, AXIS, ENTRIES, [port], compiled=compiled).at(value[None])
 
 
 @pytest.fixture
@@ -185,7 +185,7 @@ def test_ports_together_are_solved_as_one(structures, compiled):
     stiffness = 1e4 * (random.normal(size=(3, len(AXIS))) + 1j * random.normal(size=(3, len(AXIS))))
     compliance = 1e-5 * (random.normal(size=(3, len(AXIS))) + 1j * random.normal(size=(3, len(AXIS))))
     ports = [CompliancePort(3), CompliancePort(3, 4), CompliancePort(4), *map(StiffnessPort, patterns)]
-    values = [each[None] for each in (*compliance, *stiffness)]
+    values = np.array([each[None] for each in (*compliance, *stiffness)])
     made = with_ports(structures, AXIS, ENTRIES, ports, compiled=compiled).at(values)
     s = AXIS.s[:, None, None]
     h = AXIS.hysteresis(structures.loss_factor)[0][:, None, None]
@@ -201,7 +201,7 @@ def test_ports_together_are_solved_as_one(structures, compiled):
     np.testing.assert_allclose(made.value, expected, rtol=1e-8)
     for number, value in enumerate(values):
         step = 1e-5 * np.abs(value).max()
-        moved = [[*values[:number], value + side * step, *values[number + 1 :]] for side in (1, -1)]
+        moved = [values + side * step * np.eye(len(values))[number][:, None, None] for side in (1, -1)]
         up, down = (made.base.at(one).value for one in moved)
         slope = made.along[..., number]
         np.testing.assert_allclose(

@@ -177,7 +177,7 @@ class AtParameters:
                 found.append(np.einsum("fp,fsl->psl", _shares(patterns.compliance), own))
             if patterns.stiffness is not None:
                 found.append(own[: len(patterns.stiffness)])
-        return one.ported.at(np.concatenate(found) if found else ())
+        return one.ported.at(np.concatenate(found) if found else value[:0])
 
     def _along(self, one: PortedGroup, ported: Ported) -> Complex[np.ndarray, "entry line function"]:
         """Derivatives of the receptances along the functions in their sizes; 0 along those of readings."""

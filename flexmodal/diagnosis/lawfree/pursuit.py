@@ -24,7 +24,7 @@ MOST = 5
 """Ports at once."""
 RIVALS = 4
 """Other places that are tried again for each port."""
-Advance = Callable[[float], None]
+Progress = Callable[[float], None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,7 +62,7 @@ class LawFree:
         return self.needed and self.whole.judged <= SOUND
 
 
-def alone(field: Field, advance: Advance = lambda part: None) -> LawFree:
+def alone(field: Field, advance: Progress = lambda part: None) -> LawFree:
     """Look for one place of what is missing without a law for it.
 
     Args:
@@ -74,7 +74,7 @@ def alone(field: Field, advance: Advance = lambda part: None) -> LawFree:
     return LawFree(field.bare, first, first.best, members)
 
 
-def pursued(field: Field, found: LawFree, advance: Advance = lambda part: None) -> LawFree:
+def pursued(field: Field, found: LawFree, advance: Progress = lambda part: None) -> LawFree:
     """Look for several places, where one is not enough.
 
     Args:
@@ -136,7 +136,7 @@ class Others:
         return self._known[rest] if rest else None
 
 
-def _again(field: Field, whole: Sighting, rounds: list[Round], others: Others, advance: Advance) -> Sighting:
+def _again(field: Field, whole: Sighting, rounds: list[Round], others: Others, advance: Progress) -> Sighting:
     """Each port but the last looked for again beside the others."""
     for port in whole.ports[:-1]:
         if whole.judged <= SOUND:
@@ -156,7 +156,7 @@ def _needed(whole: Sighting, others: Others) -> Sighting:
     return whole
 
 
-def _narrowed(field: Field, whole: Sighting, others: Others, advance: Advance) -> Sighting:
+def _narrowed(field: Field, whole: Sighting, others: Others, advance: Progress) -> Sighting:
     """With ports that can do less in place of those that can do more, where that is as good."""
     for port in whole.ports:
         taken = {one.key for one in whole.ports}
@@ -169,7 +169,7 @@ def _narrowed(field: Field, whole: Sighting, others: Others, advance: Advance) -
 
 
 def _settled(
-    field: Field, whole: Sighting, rounds: list[Round], others: Others, advance: Advance
+    field: Field, whole: Sighting, rounds: list[Round], others: Others, advance: Progress
 ) -> tuple[Sighting, tuple[Member, ...]]:
     """Each port in its simplest form beside the others, and what cannot be told from it."""
     found: dict[tuple[str, str], Member] = {}

@@ -70,7 +70,8 @@ def frf_headline(diagnosis: Diagnosis) -> str:
     names = [placed(effect, where) for effect, where in diagnosis.verdict.effects if effect != UNKNOWN]
     head = f"Missing: {enumeration(names)}" if names else "Nothing is missing"
     if not diagnosis.verdict.explained and not names:
-        head = "Something is missing that the catalogue does not know"
+        late = diagnosis.verdict.cut_off
+        head = f"Something is missing that {'has no name yet' if late else 'the catalogue does not know'}"
     return head
 
 

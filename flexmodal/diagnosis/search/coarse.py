@@ -21,7 +21,8 @@ from flexmodal.identification.frf_fit import FrfMisfit, Weighting, fit, residual
 ROUGH = 5.0
 """Steps of time in a period of the highest line, of the coarse looks."""
 FROM_STAND_INS = 0.2
-"""Model error from which derivatives along parameters of no law are those of the stand-ins."""
+"""Model error from which derivatives along parameters of no law are those of the stand-ins. With them at 0.1
+too, and in close fits, a friction of fifteen noise floors ended a seventh farther from the data."""
 FEW = 3
 """Postures of these."""
 ROUGHLY = 1e-2

@@ -48,7 +48,9 @@ class FrfCandidates:
         self.looks = LooksWithoutLaw(setup, root, with_force, setup.advance)
         """Of the re-tuned robot."""
         self._beside: dict[frozenset[tuple[str, str]], Findings] = {}
-        self._placed: dict[object, tuple[float, list[FittedFrfs]]] = {}
+        self._placed: dict[
+            tuple[frozenset[tuple[str, str]], Callable[[FittedFrfs], bool]], tuple[float, list[FittedFrfs]]
+        ] = {}
 
     def look_beside(self, model: FittedFrfs) -> Findings:
         """The law-free look for one place beside what a model has.

@@ -96,7 +96,7 @@ def _unknown(facts: Facts) -> str:
 
 
 def _nameless(facts: Facts) -> str:
-    return "that was not named by then" if facts.cut_off else "that nothing in the catalogue explains"
+    return "that was not named in time" if facts.cut_off else "that nothing in the catalogue explains"
 
 
 def _named(effect: str, where: str) -> str:

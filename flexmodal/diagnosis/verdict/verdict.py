@@ -52,7 +52,7 @@ def verdict(facts: Facts) -> Verdict:
     if not explained and facts.over_noise is not None:
         remaining = Remaining(facts.over_noise, (*facts.lacking_at, facts.place)[0], facts.kind)
     named = effects if sure or explained else ((UNKNOWN, facts.place),)
-    return Verdict(named, explained, says, undecided, share, remaining)
+    return Verdict(named, explained, says, undecided, share, remaining, cut_off=bool(facts.cut_off))
 
 
 def _doubted(facts: Facts) -> Answer:
