@@ -234,7 +234,12 @@ class Hypothesis:
         )
 
     def _frame(self, part: Part, values: Mapping[str, float]) -> Frame:
-        names = [f"{one.label}.{name}" for one in self.placed for name in one.effect.geometry]
+        names = [
+            f"{one.label}.{name}"
+            for one in self.placed
+            if not one.effect.fixed(self.context, one.where)
+            for name in one.effect.geometry
+        ]
         geometry = tuple(values[name] for name in names if name in values)
         effects = tuple((one.effect, one.where) for one in self.placed)
         key = (self.base, effects, part.key, geometry)

@@ -148,24 +148,23 @@ class Assembly:
         cut: Float[np.ndarray, "3"],
         way: Float[np.ndarray, "3"],
         column: int,
-        axis: np.ndarray,
+        motion: Float[np.ndarray, "*posture 6"],
     ) -> None:
-        """A hinge inside a link: what lies beyond it turns about `axis` by a coordinate already added.
+        """A cut inside a link: what lies beyond it turns or slides by a coordinate already added.
 
         Args:
             link: which.
             cut: where, in its frame [m].
-            way: unit vector towards its far end; points of the link beyond `cut` along it turn.
+            way: unit vector towards its far end; points of the link beyond `cut` along it move.
             column: the coordinate.
-            axis: unit vector in the world, in each posture.
+            motion: of what lies there, at the cut, in the world: how it slides, then how it turns.
         """
         self._moved = {}
         pivot = self.origin(link) + self.axes(link) @ cut
         turned: dict[str, np.ndarray] = {}
         for member in beyond(self.robot.urdf, link):
             extra = np.zeros((*pivot.shape[:-1], 6, len(self.coordinates)))
-            extra[..., :3, column] = crossed(axis, self.origin(member) - pivot)
-            extra[..., 3:, column] = axis
+            extra[..., column] = carried(motion[..., None], self.origin(member) - pivot)[..., 0]
             if member == link:
                 turned[link] = extra
             else:

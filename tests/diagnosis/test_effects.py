@@ -9,7 +9,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import flexmodal
-from flexmodal.diagnosis.effects import Context, catalogue, hinges, link_flexibility, rod
+from flexmodal.diagnosis.effects import Context, catalogue, hinges, link_motion, rod
 from flexmodal.diagnosis.effects.effect import Placement, along, sides
 from flexmodal.diagnosis.effects.free_function import FreeFunction
 from flexmodal.diagnosis.effects.hinges import gauss, quadrature, shares
@@ -25,6 +25,7 @@ from flexmodal.rig.believed import known_robot
 from flexmodal.rig.effects.effect import Site
 from flexmodal.rig.plant.build import build
 from flexmodal.rig.plant.geometry import across
+from flexmodal.rig.sensing import Sensor
 from flexmodal.rig.simulate import make_stand
 from flexmodal.structure import robot_space
 from flexmodal.structure.assembly import Assembly
@@ -475,6 +476,44 @@ def test_a_sensor_off_the_surface_is_a_body_there(bench):
     np.testing.assert_allclose(found, other, rtol=1e-3)
 
 
+@pytest.mark.parametrize(
+    ("form", "mount", "cable"), [("sprung", (200.0, 0.1), (1e-3, 0.2)), ("dragged", (9e3, 0.05), (3.0, 0.4))]
+)
+def test_a_sensor_gives_on_its_mount_and_is_held_by_its_cable_as_that_of_the_rig(bench, form, mount, cable):
+    context, observed, stand = bench
+    values = {
+        "mass": 2.0, "off": 0.0, "gyration": 1e-4, "cable": 1e-4, "mount_frequency": mount[0],
+        "mount_damping_ratio": mount[1], "cable_frequency": cable[0], "cable_damping_ratio": cable[1],
+    }  # fmt: skip
+    frequency, ratio = mount if form == "sprung" else cable
+    sized = {"mass": 2.0, "frequency": frequency, "damping_ratio": ratio}
+    other = carried_by_the_rig(observed, stand, form, sized)
+    plain = ours(context, observed, "sensor_mass", "sensor", {"mass": 2.0})
+    found = ours(context, observed, "sensor_mass" + NEXT, "sensor", values)
+    np.testing.assert_allclose(found, other, rtol=2e-3)
+    assert np.max(np.abs(plain / other - 1)) > 0.05, "neither is seen at all"
+
+
+def carried_by_the_rig(observations, stand, form, values):
+    """Receptances with a sensor of the rig at each response."""
+    effect, value = FORMS["sensor_mass"][form], np.zeros(observations.value.shape, dtype=complex)
+    tables = observations.response, observations.reference
+    for row in range(len(observations)):
+        seen, struck = (observations.campaign.point(int(table[row, 0])) for table in tables)
+        ways = [np.eye(3)[int(table[row, 1]) - 1] for table in tables]
+        sensor = Sensor()
+        effect.sense({seen.name: sensor}, Site(stand, "sensor", values))
+        posture = observations.postures[int(observations.posture[row])]
+        plant = build(stand, posture, [], (seen.name, sensor))
+        read, hit = (
+            plant.row(point.link, np.array(point.xyz), way)[None]
+            for point, way in zip((seen, struck), ways, strict=True)
+        )
+        inertance = plant.inertance(read, hit, observations.axis.frequency)[:, 0, 0]
+        value[row] = -inertance / (2 * np.pi * observations.axis.frequency) ** 2
+    return value
+
+
 FAR = {"mount_frequency": 5e3, "mount_damping_ratio": 0.05, "high_pass": 1e-4}
 
 
@@ -603,12 +642,13 @@ def test_a_slender_link_has_the_modes_of_a_beam(slender, monkeypatch):
         return float(np.sqrt(np.mean(np.abs(np.log(here / there)) ** 2)))
 
     assert off() < 0.4 * off(1.2), "a beam a fifth stiffer is far off"
-    assert off() < 0.2 * _with_hinges(monkeypatch, 2, off), "two hinges lack modes"
-
-
-def _with_hinges(monkeypatch, count, then):
-    monkeypatch.setattr(link_flexibility, "fixed", lambda context, where: gauss(count))
-    return then()
+    many = off()
+    context.frames.kept.clear()
+    link_motion.shares_at.cache_clear()
+    monkeypatch.setattr(link_motion, "fixed", lambda context, where: gauss(2))
+    assert many < 0.2 * off(), "two hinges lack modes"
+    context.frames.kept.clear()
+    link_motion.shares_at.cache_clear()
 
 
 @pytest.mark.parametrize(("start", "end"), [(0.0, 1.0), (0.0, 0.4), (0.4, 1.0), (0.3, 0.6)])
@@ -681,12 +721,52 @@ def test_bending_is_that_of_a_beam_where_it_is_slow(bench):
     assert np.max(np.abs(np.log(np.abs(stiff[:, low] / other[:, low])))) > 0.2, "the beam is not seen at all"
 
 
+@pytest.fixture(scope="module")
+def inside():
+    """An arm in space with a sensor between the ends of its upper arm, off the axis."""
+    robot = flexmodal.load("six_axis")
+    result = simulate(
+        robot, postures=["work"], points=5, trials=2, averages=2, seed=3, record_length=1.0,
+        band=(2.0, 120.0), parameter_error=0.0,
+    )  # fmt: skip
+    stand = make_stand(result.robot, result.plan, known_robot(result.robot, {}))
+    observed = unlimited(observe(result.campaign))
+    return Context.of(robot, observed), observed, stand
+
+
+@pytest.mark.parametrize(
+    ("form", "ours_has", "theirs_has", "without"),
+    [
+        ("timoshenko", {"shear": 2.0, "twist_ratio": 1e4}, {"shear": 2.0}, {"shear": 1e-4}),
+        ("twisting", {"shear": 1e-4, "twist_ratio": 0.2}, {"torsion": 0.2}, {"twist_ratio": 1e4}),
+    ],
+)
+def test_a_link_that_is_seen_inside_shears_and_twists_there(inside, form, ours_has, theirs_has, without):
+    """Where it is slow, relative to what is seen most of each point."""
+    context, observed, stand = inside
+    length, bending = float(np.linalg.norm(context.reach("link_2"))), 2.5e5
+    k = bending / length
+    values = {"stiffness": k, "damping": 1e-4 * k, "position": 0.5, "ratio": 0.7}
+    beam = {"bending_stiffness": bending, "damping_ratio": 1e-3, "ratio": 0.7}
+    point = next(p for p in observed.campaign.points if p.link == "link_2")
+    seen, low = observed.response[:, 0] == point.id, observed.axis.frequency < 5
+    there = theirs(observed, stand, "link_flexibility", "link_2", {**beam, **theirs_has}, form)[seen][:, low]
+
+    def off(more):
+        here = ours(context, observed, "link_flexibility", "link_2", {**values, **ours_has, **more})
+        return np.abs(here[seen][:, low] - there).max() / np.abs(there).max()
+
+    assert off({}) < 0.01
+    assert off(without) > 0.1, "it is not seen at all"
+
+
 @pytest.mark.parametrize(
     "effect",
     [
         *sorted(set(catalogue()) - {"coulomb_friction", "nonlinear_stiffness"}),
         "base_flexibility" + NEXT,
         "joint_coupling" + NEXT,
+        "sensor_mass" + NEXT,
     ],
 )
 def test_derivatives_are_those_of_central_differences(bench, effect):

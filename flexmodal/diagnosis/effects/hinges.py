@@ -124,6 +124,16 @@ def pieces(context: Context, where: str) -> tuple[float, ...]:
     return (*sorted(inside), 1.0)
 
 
+def seen_inside(context: Context, where: str) -> bool:
+    """Whether a link is looked at or struck between its ends, so that how it moves there counts.
+
+    Args:
+        context: of the diagnosis.
+        where: name of the link.
+    """
+    return len(pieces(context, where)) > 2
+
+
 @lru_cache(maxsize=128)
 def fixed(
     context: Context, where: str

@@ -1,4 +1,4 @@
-"""What sensors do to a measurement: they weigh, read too much, lag, look askew."""
+"""What sensors do to a measurement: they read too much, lag, look askew."""
 
 from __future__ import annotations
 
@@ -30,59 +30,6 @@ def mounted(context: Context, point: int, values: Mapping[str, float]) -> np.nda
     for name, side in zip(("off", "off_beside"), sides(context, at.link, axis), strict=False):
         place = place + values[name] * side
     return place
-
-
-def _weigh(assembly: Assembly, placement: Placement) -> None:
-    """The sensor off the surface, and a part of its cable that is taped down at the link's origin."""
-    motion, foot = carried_along(assembly, placement)
-    mass = placement["mass"]
-    for k in range(3):
-        assembly.add_inertia(motion[:, k], mass)
-        assembly.add_inertia(motion[:, k + 3], mass * placement["gyration"] ** 2)
-        assembly.add_inertia(foot[:, k], mass * placement["cable"])
-
-
-def carried_along(assembly: Assembly, placement: Placement) -> Float[np.ndarray, "2 system 6 dof"]:
-    """How the sensor that each system is seen by moves, and the origin of the link it is on.
-
-    Args:
-        assembly: with all motions.
-        placement: with how far off the surface it sits.
-    """
-    found = np.zeros((2, len(placement.posture), 6, len(assembly.coordinates)))
-    for number in np.unique(placement.response[:, 0]).tolist():
-        point, here = placement.context.point(number), placement.response[:, 0] == number
-        place = mounted(placement.context, number, placement.values)
-        found[0, here] = assembly.motion(point.link, place)[here]
-        found[1, here] = assembly.motion(point.link, np.zeros(3))[here]
-    return found
-
-
-def _sensor_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
-    mass = context.arm_mass
-    found = [
-        positive("mass", "kg", 0.01 * mass, 1.2, 1e-6 * mass, mass),
-        signed("off", "m", 0.03, -0.3, 0.3),
-        positive("gyration", "m", 0.01, 1.0, 1e-4, 0.3),
-        positive("cable", "", 0.01, 2.0, 1e-4, 3.0),
-    ]
-    if context.normal is None:
-        found.append(signed("off_beside", "m", 0.03, -0.3, 0.3))
-    return tuple(found)
-
-
-SENSOR_MASS = Effect(
-    name="sensor_mass",
-    says="the accelerometer weighs on the structure and moves with the measurement from point to point",
-    places=lambda context: ("sensor",),
-    parameters=_sensor_parameters,
-    starts=lambda context, where: [{"mass": share * context.arm_mass} for share in (0.005, 0.03)],
-    act=_weigh,
-    variants=("response",),
-    untestable=lambda context: (
-        "one response point only: the sensor never moved" if len(context.sensors) < 2 else None
-    ),
-)
 
 
 LEAST_GAIN = 0.02

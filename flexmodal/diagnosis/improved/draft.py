@@ -6,7 +6,7 @@ hung on at the end, on whichever side of a hinge it sits.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -125,24 +125,27 @@ class Draft:
         """Give the spring of a joint a loss factor; see `JointCard` for the arguments."""
         self.joints[joint] = replace(self.joints[joint], loss_factor=float(loss_factor))
 
-    def hinge(self, link: str, place: Vector, way: Vector, axes: Mapping[str, Vector]) -> str:
-        """Cut a link and join the parts by hinges, one behind the other; returns the part beyond.
+    def hinge(
+        self, link: str, place: Vector, way: Vector, axes: Mapping[str, Vector], slides: Collection[str] = ()
+    ) -> str:
+        """Cut a link and join the parts by joints, one behind the other; returns the part beyond.
 
         Args:
             link: which; its frame and name stay with the part nearest to the base.
             place: of the cut, in its frame [m]; beyond those made before.
             way: unit vector towards its far end.
             axes: names of new joints and their axes in the frame of the link.
+            slides: those of them that slide.
         """
         outer = self.fresh(f"{link}_beyond")
-        parent, xyz = self.place_of(link, place)
-        near, offset = parent, place - xyz
+        near, xyz = self.place_of(link, place)
+        parent, offset = near, place - xyz
         for number, (name, axis) in enumerate(axes.items(), start=1):
-            last = number == len(axes)
-            child = outer if last else self._dust(f"{name}_part")
-            if last:
+            child = outer if number == len(axes) else self._dust(f"{name}_part")
+            if child == outer:
                 self.urdf.add_link(outer)
-            self.urdf.add_joint(new_joint(name, "revolute", parent, child, axis, xyz))
+            moves = "prismatic" if name in slides else "revolute"
+            self.urdf.add_joint(new_joint(name, moves, parent, child, axis, xyz))
             parent, xyz = child, np.zeros(3)
         self._cuts.setdefault(link, []).append(Cut(place, way, outer))
         self.urdf.shift_joints(near, -(place - offset), onto=outer, keep=frozenset(axes))

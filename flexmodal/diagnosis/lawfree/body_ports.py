@@ -12,7 +12,8 @@ from flexmodal.diagnosis.effects.added_mass import EFFECT as ADDED_MASS
 from flexmodal.diagnosis.effects.added_mass import place_on
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Placement, along, sides
-from flexmodal.diagnosis.effects.sensors import SENSOR_MASS, carried_along
+from flexmodal.diagnosis.effects.sensor_mass import EFFECT as SENSOR_MASS
+from flexmodal.diagnosis.effects.sensor_mass import carried_along
 from flexmodal.diagnosis.lawfree.port import STILL, Patterns, PortKind, tensor, tensor_names
 from flexmodal.structure.assembly import Assembly
 

@@ -15,9 +15,10 @@ from flexmodal.diagnosis.effects import (
     foundation,
     hinges,
     link_flexibility,
+    link_motion,
 )
 from flexmodal.diagnosis.effects.context import Context
-from flexmodal.diagnosis.effects.effect import Bodies, Effect, Placement
+from flexmodal.diagnosis.effects.effect import Bodies, Effect, Placement, along
 from flexmodal.diagnosis.lawfree.port import Patterns, PortKind, Wider, constant, outer
 from flexmodal.structure import Parameter
 from flexmodal.structure.arm import carried
@@ -137,35 +138,43 @@ def _link_hinges(context: Context, where: str) -> tuple[np.ndarray, np.ndarray]:
 def _link_functions(context: Context, where: str) -> tuple[str, ...]:
     names = [f"bend {plane + 1}" for plane in range(_planes(context))]
     own = [f"{name}{end}" for end in ("", ", outwards", ", to the ends") for name in names]
-    return tuple(own) if len(names) == 1 else (*own, "bend 1 × bend 2", "twist")
+    shears = [f"shear {k + 1}" for k in range(_planes(context)) if hinges.seen_inside(context, where)]
+    return (*own, *shears) if len(names) == 1 else (*own, "bend 1 × bend 2", "twist", *shears)
 
 
 def _link_shape(assembly: Assembly, placement: Placement) -> None:
     places, _ = _link_hinges(placement.context, placement.where)
-    link_flexibility.add_hinges(assembly, placement, places)
+    link_motion.add_hinges(assembly, placement, places)
 
 
 def _link_body(assembly: Assembly, placement: Placement, bodies: Bodies, link: str) -> bool:
     places, _ = _link_hinges(placement.context, placement.where)
-    return link_flexibility.cut_body(assembly, placement, bodies, link, places)
+    return link_motion.cut_body(assembly, placement, bodies, link, places)
 
 
 def _link_patterns(assembly: Assembly, placement: Placement) -> Patterns:
-    """Even compliance along the link, what grows along it, and what grows to its ends: Legendre's."""
+    """Even compliance along the link, what grows along it, and what grows to its ends: Legendre's.
+
+    Of shear Φ/k, where 1/k is the compliance of bending and Φ what its spring is softer by.
+    """
     context, where = placement.context, placement.where
     places, weights = _link_hinges(context, where)
     planes = _planes(context)
-    rows = [assembly.row(name) for name in link_flexibility.names_of(context, where, len(places))]
+    rows = [assembly.row(name) for name in link_motion.names_of(context, where, len(places))]
     found = np.zeros((len(_link_functions(context, where)), *(len(assembly.coordinates),) * 2))
-    for hinge, (weight, along) in enumerate(zip(weights, 2 * places - 1, strict=True)):
+    for hinge, (weight, way) in enumerate(zip(weights, 2 * places - 1, strict=True)):
         bends = rows[planes * hinge : planes * (hinge + 1)]
         for plane, row in enumerate(bends):
-            for degree, size in enumerate((1.0, along, (3 * along**2 - 1) / 2)):
+            for degree, size in enumerate((1.0, way, (3 * way**2 - 1) / 2)):
                 found[degree * planes + plane] += size * weight * np.diag(row)
         if planes == 2:
-            found[-2] += weight * outer(bends[0], bends[1], 1)[0]
-    if planes == 2:
-        found[-1] = np.diag(rows[-1])
+            found[3 * planes] += weight * outer(bends[0], bends[1], 1)[0]
+    length, _ = along(context, where)
+    for section in link_motion.sections(context, where, places):
+        for name in section.twist:
+            found[3 * planes + 1] += section.share * np.diag(assembly.row(name))
+        for k, name in enumerate(reversed(section.shears), start=1):
+            found[-k] += section.share * length**2 / 12 * np.diag(assembly.row(name))
     return Patterns(compliance=found)
 
 

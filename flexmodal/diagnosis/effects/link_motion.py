@@ -1,0 +1,188 @@
+"""How a link moves that bends, twists and shears, and how its body is shared out between its hinges."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import pairwise
+
+import numpy as np
+from jaxtyping import Float
+
+from flexmodal.diagnosis.effects.context import Context
+from flexmodal.diagnosis.effects.effect import Bodies, Placement, along, sides
+from flexmodal.diagnosis.effects.hinges import fixed, pieces, seen_inside, shares
+from flexmodal.structure.arm import Body
+from flexmodal.structure.assembly import Assembly
+
+KEPT = 64
+"""Values of means and spreads whose shares are kept."""
+
+
+def bending(placement: Placement) -> tuple[Float[np.ndarray, " hinge"], Float[np.ndarray, " hinge"]]:
+    """Where the hinges sit, as parts of the length, and their shares of the compliance."""
+    return shares_at(placement.context, placement.where, placement["position"], placement["spread"])
+
+
+@lru_cache(maxsize=KEPT)
+def shares_at(
+    context: Context, where: str, mean: float, spread: float
+) -> tuple[Float[np.ndarray, " hinge"], Float[np.ndarray, " hinge"]]:
+    """The same by mean and spread: derivatives along other parameters ask for one pair again and again.
+
+    Args:
+        context: whose robot.
+        where: the link.
+        mean: of the places of the compliance, as a part of the length.
+        spread: their standard deviation over √(mean (1 − mean)).
+    """
+    known = fixed(context, where)
+    if known is not None:
+        return known[0], shares(mean, spread, *known)
+    return (
+        np.array([mean * (1 - spread), mean + spread * (1 - mean)]),
+        np.array([1 - mean, mean]),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Section:
+    """A part of a link between places where it is seen: in each it twists and shears evenly."""
+
+    share: float
+    """Of the length, and so of the compliance."""
+    cuts: tuple[tuple[float, float], ...]
+    """Where it is cut for that, as parts of the length of the link, and what of its motion each has."""
+    twist: tuple[str, ...]
+    """Its coordinate, in space."""
+    shears: tuple[str, ...]
+    """Its coordinates, one in each plane, where the link is seen between its ends."""
+
+
+def names_of(context: Context, where: str, count: int) -> list[str]:
+    """Coordinates of so many hinges, those of one place side by side.
+
+    Args:
+        context: whose robot.
+        where: the link.
+        count: of hinges.
+    """
+    planes = _planes(context)
+    return [f"{where} bend {hinge + 1}.{plane + 1}" for hinge in range(count) for plane in range(planes)]
+
+
+def sections(context: Context, where: str, places: Float[np.ndarray, " hinge"]) -> list[Section]:
+    """The parts of a link; one that twists at one place where nobody sees it between its ends.
+
+    Args:
+        context: whose robot.
+        where: the link.
+        places: of its hinges, as parts of the length.
+    """
+    known, planes = fixed(context, where), _planes(context)
+    if known is None or not seen_inside(context, where):
+        middle = float(places[len(places) // 2])
+        return [Section(1.0, ((middle, 1.0),), (f"{where} twist",) if planes > 1 else (), ())]
+    found = []
+    for number, (start, end) in enumerate(pairwise(pieces(context, where)), start=1):
+        here, share = (known[0] > start) & (known[0] < end), end - start
+        parts = (known[1][here] / share).tolist()
+        cuts = tuple(zip(known[0][here].tolist(), parts, strict=True))
+        twist = (f"{where} twist {number}",) if planes > 1 else ()
+        shears = tuple(f"{where} shear {number}.{plane + 1}" for plane in range(planes))
+        found.append(Section(share, cuts, twist, shears))
+    return found
+
+
+def _planes(context: Context) -> int:
+    """In how many planes a link bends."""
+    return 1 if context.normal is not None else 2
+
+
+def add_hinges(assembly: Assembly, placement: Placement, places: Float[np.ndarray, " hinge"]) -> None:
+    """Let a link bend at these parts of its length, and in space twist; shear where that can be seen.
+
+    Args:
+        assembly: the robot, its motions not complete yet.
+        placement: of the effect; its place is the link.
+        places: of the hinges, as parts of the length.
+    """
+    context, where = placement.context, placement.where
+    length, axis = along(context, where)
+    axes, across = assembly.axes(where), sides(context, where, axis)
+    parts = sections(context, where, places)
+    own = [name for part in parts for name in (*part.twist, *part.shears)]
+    assembly.add_coordinates([*names_of(context, where, len(places)), *own])
+
+    def cut(name: str, place: float, way: np.ndarray, *, turns: bool) -> None:
+        moved, column = axes @ way, assembly.coordinates.index(name)
+        motion = np.concatenate([np.zeros_like(moved), moved] if turns else [moved, np.zeros_like(moved)], -1)
+        assembly.hinge(where, place * length * axis, axis, column, motion)
+
+    names = iter(names_of(context, where, len(places)))
+    for place in places.tolist():
+        for side in across:
+            cut(next(names), place, np.cross(axis, side), turns=True)
+    for part in parts:
+        for place, share in part.cuts:
+            for name in part.twist:
+                cut(name, place, share * axis, turns=True)
+            for name, side in zip(part.shears, across, strict=False):
+                cut(name, place, share * side, turns=False)
+
+
+def cut_body(
+    assembly: Assembly, placement: Placement, bodies: Bodies, link: str, places: Float[np.ndarray, " hinge"]
+) -> bool:
+    """Share the body of the link out between its hinges; says whether it is that link's.
+
+    Args:
+        assembly: that gets the parts.
+        placement: of the effect; its place is the link that bends.
+        bodies: of all links, by name.
+        link: the one whose body is to be put in.
+        places: of the hinges, as parts of the length.
+    """
+    if link != placement.where:
+        return False
+    body, tags = bodies[link], {"mass": f"mass.{link}"}
+    parts, whole = rods(placement, body, places)
+    for section, rod in parts:
+        share = rod.mass / body.mass
+        turning = Body(0.0, section, share * body.inertia)
+        assembly.add_body(link, rod, section=section, **tags)
+        assembly.add_body(link, turning, section=section, inertia=f"inertia.{link}", **tags)
+        assembly.add_body(link, Body(0.0, section, -share * whole), section=section, **tags)
+    return True
+
+
+def rods(
+    placement: Placement, body: Body, places: Float[np.ndarray, " hinge"]
+) -> tuple[list[tuple[np.ndarray, Body]], np.ndarray]:
+    """Parts of a link as thin rods, each with its place along it, and the inertia of all about its centre.
+
+    Args:
+        placement: of the effect; its place is the link.
+        body: of the whole link.
+        places: of the hinges, as parts of the length.
+    """
+    end, axis = along(placement.context, placement.where)
+    thin = np.eye(3) - np.outer(axis, axis)
+    length = min(end, _spread(placement, body, axis))
+    ends = np.concatenate([[0.0], places, [1.0]])
+    parts, whole = [], np.zeros((3, 3))
+    for share, middle in zip(np.diff(ends).tolist(), ((ends[1:] + ends[:-1]) / 2).tolist(), strict=True):
+        lever = (middle - 0.5) * length * axis
+        own = share * body.mass * (share * length) ** 2 / 12 * thin
+        whole += own + share * body.mass * (lever @ lever * np.eye(3) - np.outer(lever, lever))
+        parts.append((middle * end * axis, Body(share * body.mass, body.centre + lever, own)))
+    return parts, whole
+
+
+def _spread(placement: Placement, body: Body, axis: np.ndarray) -> float:
+    """Length of the longest thin rod in the body, beside a disc with its moment about the axis [m]."""
+    across = sides(placement.context, placement.where, axis)
+    turns = np.array([np.cross(axis, side) for side in across])
+    least = float(np.linalg.eigvalsh(turns @ body.inertia @ turns.T)[0])
+    disc = 0.0 if placement.context.normal is not None else float(axis @ body.inertia @ axis) / 2
+    return float(np.sqrt(12 * max(least - disc, 0.0) / body.mass))

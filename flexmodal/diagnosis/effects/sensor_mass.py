@@ -1,0 +1,133 @@
+"""The sensor that goes from point to point weighs on what it measures.
+
+It sits off the surface, and a part of its cable is taped to the link. At the next level it sits on a mount
+that gives, equally each way, while what is measured moves with the surface; and its cable hangs in the air
+and holds it, as a spring and a damper to the surroundings. ISO 5348 (mounting of accelerometers); McConnell
+and Varoto, Vibration Testing, 2nd ed., Wiley 2008, chapter 4 (cables).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+from jaxtyping import Float
+
+from flexmodal.diagnosis.effects.context import Context
+from flexmodal.diagnosis.effects.effect import Effect, Level, Placement, positive, signed
+from flexmodal.diagnosis.effects.sensors import mounted
+from flexmodal.structure import Parameter
+from flexmodal.structure.assembly import Assembly
+
+HELD = (0.02, 0.1, 0.4)
+"""Frequencies from which fits start of a sensor on its cable, over the end of the band."""
+MOUNTS = (0.5, 0.8, 1.2, 2.0, 4.0)
+"""The same of a sensor on its mount."""
+RIGID = 50.0
+"""The same of a mount that does not give."""
+
+
+def _weigh(assembly: Assembly, placement: Placement) -> None:
+    """The sensor off the surface, and a part of its cable that is taped down at the link's origin."""
+    motion, foot = carried_along(assembly, placement)
+    mass = placement["mass"]
+    for k in range(3):
+        assembly.add_inertia(motion[:, k], mass)
+        assembly.add_inertia(motion[:, k + 3], mass * placement["gyration"] ** 2)
+        assembly.add_inertia(foot[:, k], mass * placement["cable"])
+
+
+def carried_along(assembly: Assembly, placement: Placement) -> Float[np.ndarray, "2 system 6 dof"]:
+    """How the sensor that each system is seen by moves, and the origin of the link it is on.
+
+    Args:
+        assembly: with all motions.
+        placement: with how far off the surface it sits.
+    """
+    found = np.zeros((2, len(placement.posture), 6, len(assembly.coordinates)))
+    for number in np.unique(placement.response[:, 0]).tolist():
+        point, here = placement.context.point(number), placement.response[:, 0] == number
+        place = mounted(placement.context, number, placement.values)
+        found[0, here] = assembly.motion(point.link, place)[here]
+        found[1, here] = assembly.motion(point.link, np.zeros(3))[here]
+    return found
+
+
+def _sensor_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
+    mass = context.arm_mass
+    found = [
+        positive("mass", "kg", 0.01 * mass, 1.2, 1e-6 * mass, mass),
+        signed("off", "m", 0.03, -0.3, 0.3),
+        positive("gyration", "m", 0.01, 1.0, 1e-4, 0.3),
+        positive("cable", "", 0.01, 2.0, 1e-4, 3.0),
+    ]
+    if context.normal is None:
+        found.append(signed("off_beside", "m", 0.03, -0.3, 0.3))
+    return tuple(found)
+
+
+def _held_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
+    """A mount and a cable that do nothing in the band, unless the data ask for them."""
+    low, high = context.band
+    return (
+        *_sensor_parameters(context, where),
+        positive("mount_frequency", "Hz", RIGID * high, 1.5, low, 500 * high),
+        positive("mount_damping_ratio", "", 0.05, 0.8, 1e-3, 2.0),
+        positive("cable_frequency", "Hz", 1e-2 * low, 2.0, 1e-5 * low, 2 * high),
+        positive("cable_damping_ratio", "", 0.2, 1.0, 1e-3, 20.0),
+    )
+
+
+def _held_starts(context: Context, where: str, values: Mapping[str, float]) -> list[Mapping[str, float]]:
+    """Neither a cable nor a mount's resonance is found from where it does nothing."""
+    high = context.band[1]
+    hung: list[Mapping[str, float]] = [{**values, "cable_frequency": share * high} for share in HELD]
+    return hung + [{**values, "mount_frequency": share * high} for share in MOUNTS]
+
+
+def _names() -> list[str]:
+    return [f"sensor mount {axis}" for axis in "xyz"]
+
+
+def _held_shape(assembly: Assembly, placement: Placement) -> None:
+    assembly.add_coordinates(_names())
+
+
+def _held(assembly: Assembly, placement: Placement) -> None:
+    """The mass moves by its own coordinates against the surface, and is held by its cable."""
+    motion, foot = carried_along(assembly, placement)
+    mass, own = placement["mass"], 2 * np.pi * placement["mount_frequency"]
+    hung = 2 * np.pi * placement["cable_frequency"]
+    for k, name in enumerate(_names()):
+        row = assembly.row(name)
+        moved = motion[:, k] + row
+        assembly.add_inertia(moved, mass)
+        assembly.add_spring(row, mass * own**2)
+        assembly.add_damper(row, 2 * placement["mount_damping_ratio"] * mass * own)
+        assembly.add_spring(moved, mass * hung**2)
+        assembly.add_damper(moved, 2 * placement["cable_damping_ratio"] * mass * hung)
+        assembly.add_inertia(motion[:, k + 3], mass * placement["gyration"] ** 2)
+        assembly.add_inertia(foot[:, k], mass * placement["cable"])
+
+
+HELD_SENSOR = Effect(
+    name="sensor_mass",
+    says="the accelerometer weighs on the structure and moves with the measurement from point to point",
+    places=lambda context: ("sensor",),
+    parameters=_held_parameters,
+    starts=lambda context, where: [{"mass": share * context.arm_mass} for share in (0.005, 0.03)],
+    shape=_held_shape,
+    act=_held,
+    variants=("response",),
+    untestable=lambda context: (
+        "one response point only: the sensor never moved" if len(context.sensors) < 2 else None
+    ),
+)
+EFFECT = replace(
+    HELD_SENSOR,
+    parameters=_sensor_parameters,
+    shape=None,
+    act=_weigh,
+    next_level=Level(HELD_SENSOR, _held_starts),
+)
