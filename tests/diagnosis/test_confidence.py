@@ -75,6 +75,7 @@ def test_what_counts_as_explained_is_not_doubted_for_what_it_leaves(monkeypatch,
             prior=0.0,
             parameters=1,
             fitted=Mock(weighing=weighing),
+            hypothesis=Mock(placed=(key,)),
         )
         for costs in (50 * many, 3 * many)
     ]
@@ -87,13 +88,23 @@ def test_what_counts_as_explained_is_not_doubted_for_what_it_leaves(monkeypatch,
 def test_a_card_that_everything_contradicts_decides_less(monkeypatch, nearest, first):
     """Twenty nats of belief between two that leave noise; of 10 parameters that are off by 10 at least."""
     monkeypatch.setattr(confidence, "over_noise", lambda setup, model: 1.05)
+    monkeypatch.setattr(confidence, "left", lambda setup, first, last: 0.0)
     given = [(900.0, nearest), (100.0, nearest + 40.0), (110.0, nearest)]
     models = [
-        Mock(spec=FittedFrfs, key=(f"effect {k}", ""), costs=np.array([cost]), strong=1.0, prior=prior)
+        Mock(
+            spec=FittedFrfs,
+            key=(f"effect {k}", ""),
+            costs=np.array([cost]),
+            strong=1.0,
+            prior=prior,
+            hypothesis=Mock(placed=(k,) if k else ()),
+        )
         for k, (cost, prior) in enumerate(given)
     ]
     models[0].parameters = 10
     monkeypatch.setattr(confidence, "PIECES", 100.0)
-    found = confidence.plausible(Mock(spec=FrfData, setup=None), Mock(spec=Comparison, models=models))
+    found = confidence.plausible(
+        Mock(spec=FrfData, setup=None, root=None), Mock(spec=Comparison, models=models)
+    )
     assert sorted(found) == [1, 2]
     assert max(found, key=found.get) == first

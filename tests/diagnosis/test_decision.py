@@ -20,6 +20,7 @@ from flexmodal.diagnosis.selection.decision import (
     any_gains,
     choice,
     gains_enough,
+    is_idle,
     reaches,
     rivals,
 )
@@ -131,7 +132,7 @@ def test_at_the_border_of_being_more_plausible_the_best_stays_and_it_is_told(rou
     assert made == Choice(2, rival=1)
     (words,) = undecided_words([Round(found, made)])
     assert words.startswith("Whether it is ")
-    assert "is undecided: both leave only noise" in words
+    assert "is undecided: both explain everything" in words
 
 
 @pytest.mark.parametrize("rounding", LAST_DIGIT)
@@ -289,3 +290,17 @@ def test_where_the_noise_is_reached_nothing_that_gains_leaves_it_open_but_a_lack
     lacks = verdict(replace(facts, lacking={2: 38.0}))
     assert (lacks.effects, lacks.explained) == ((("unknown", "link_1"),), False)
     assert "near 38 Hz" in lacks.says
+
+
+@pytest.mark.parametrize(
+    ("plausible", "expected"),
+    [
+        ({0: MORE_PLAUSIBLE + 1.1 * MARGIN, 1: 0.0}, True),
+        ({0: MORE_PLAUSIBLE, 1: 0.0}, False),
+        ({0: 0.0, 1: 20.0}, False),
+        ({1: 0.0}, False),
+        ({0: 50.0}, False),
+    ],
+)
+def test_an_effect_without_which_everything_is_explained_more_plausibly_is_idle(plausible, expected):
+    assert is_idle(plausible) is expected

@@ -219,6 +219,39 @@ def fitted(*keys):
     return Mock(spec=FittedFrfs, hypothesis=Mock(keys=keys), key=keys[-1] if keys else ("none", ""))
 
 
+@pytest.mark.parametrize(
+    ("given", "expected"),
+    [
+        ({}, True),
+        ({"others": 9.0}, False),
+        ({"share": 0.9}, False),
+        ({"apart": False}, False),
+        ({"explains": True}, False),
+        ({"keys": (MASS, DELAY)}, False),
+        ({"at": "another"}, False),
+    ],
+)
+def test_a_strong_effect_is_named_where_its_place_leaves_far_less_than_any_other(given, expected):
+    at = Mock(port="body", where="a", is_apart=given.get("apart", True))
+    places = [
+        Mock(port="body", where="a", judged=5.0),
+        Mock(port="joint", where="q1", judged=given.get("others", 18.0)),
+    ]
+    met = Mock() if given.get("at") else at
+    look = Mock(
+        spec=Findings, needed=True, explains=given.get("explains", False), found=(at,), places=places,
+        met=lambda keys: {MASS: met},
+    )  # fmt: skip
+    data = FrfData.__new__(FrfData)
+    data._candidates = Mock(spec=FrfCandidates, looks=Mock(one=look), looked=lambda model: Mock(place="tip"))
+    data._root, data.modes, data.is_named = fitted(), None, lambda model: False
+    data.share = lambda first, last: given.get("share", 0.98)
+    model = fitted(*given.get("keys", (MASS,)))
+    assert data.dominates(model) is expected
+    if expected:
+        assert data.standing(model) == ((MASS,), ("tip",))
+
+
 class Settling(FrfData):
     """Looks that are given: of which effect its place and class are sure, and how much it takes."""
 
@@ -245,6 +278,9 @@ class Settling(FrfData):
         return {}
 
     def is_named(self, model):
+        return False
+
+    def dominates(self, model):
         return False
 
 
@@ -319,7 +355,7 @@ def test_what_may_hide_in_the_noise_is_tried_at_the_place_a_look_finds(
     data.setup, data.asked = Mock(spec=Setup), None
     data._candidates = Mock(
         spec=FrfCandidates, can_look=lambda model: True, look_beside=lambda model: look,
-        at_places=lambda *given: [other, met],
+        at_places=lambda *given, only_met: [met] if only_met else [other, met],
     )  # fmt: skip
     monkeypatch.setattr(frf_data, "over_noise", lambda setup, model: over)
     before = fitted(MASS)
@@ -334,7 +370,7 @@ def test_every_place_is_tried_only_beside_what_does_not_count_as_explained(monke
     data.is_named = data.is_over = data.is_alone = lambda model: False
     data._candidates = Mock(
         spec=FrfCandidates, can_look=lambda model: True, look_beside=lambda model: look,
-        at_places=lambda *given: [fitted(MASS, DELAY)],
+        at_places=lambda *given, only_met: [fitted(MASS, DELAY)],
         everywhere=lambda before, number: tried.append(number) or [],
     )  # fmt: skip
     monkeypatch.setattr(frf_data, "over_noise", lambda setup, model: 1.8)

@@ -15,9 +15,9 @@ import numpy as np
 from jaxtyping import Complex, Float
 from scipy.optimize import minimize
 
-from flexmodal.diagnosis.lawfree.look import Sighting
 from flexmodal.diagnosis.lawfree.profile import Profile, State
 from flexmodal.diagnosis.lawfree.result import Class, Curve
+from flexmodal.diagnosis.lawfree.sighting import Sighting
 from flexmodal.diagnosis.lawfree.templates import Template, templates_for
 
 _NEXT = 6.0

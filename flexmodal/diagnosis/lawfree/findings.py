@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from flexmodal.diagnosis.effects.free_function import FreeFunction
 from flexmodal.diagnosis.lawfree.curve import classes_of, curve_of, undecided
-from flexmodal.diagnosis.lawfree.look import Sighting
 from flexmodal.diagnosis.lawfree.pursuit import LawFree
 from flexmodal.diagnosis.lawfree.result import Class, Curve, Findings, Found, PlaceTried
+from flexmodal.diagnosis.lawfree.sighting import Sighting
 from flexmodal.report.words import percent
 from flexmodal.text.words import enumeration
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -12,12 +12,12 @@ from jaxtyping import Float, Int
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.lawfree import screening
 from flexmodal.diagnosis.lawfree.kinds import KINDS, NOTHING, RARE, TORQUE
-from flexmodal.diagnosis.lawfree.model import PortedModel, Unknown
+from flexmodal.diagnosis.lawfree.model import PortedModel
 from flexmodal.diagnosis.lawfree.port import Port, PortKind, Wider
 from flexmodal.diagnosis.lawfree.ported_fit import FLOORS, begun, finished, profiled
-from flexmodal.diagnosis.lawfree.profile import SETTLED, Profile, State
+from flexmodal.diagnosis.lawfree.profile import SETTLED, Profile
 from flexmodal.diagnosis.lawfree.records import endless
-from flexmodal.diagnosis.lawfree.screening import ALIKE
+from flexmodal.diagnosis.lawfree.sighting import Round, Sighting, Start, carried_over, noise_of
 from flexmodal.diagnosis.search.coarse import Look, look_at
 from flexmodal.identification import Observations
 
@@ -26,61 +26,14 @@ SOUND = 1.6
 effects of the virtual rig, whose true places had 0.6 to 1.5; how sharply was not measured."""
 NEARLY, AFRESH = 1.0, 2
 """Where none comes that near, so many of the best are fitted once more, from the beginning."""
-SMALLEST = 5e-4
-"""Model error at least, with which the last fits are judged."""
+LATE = 3.0
+"""Misfit of effects that are there, up to which ports beside them begin at a small model error: at a large
+one nothing of what is left is to be seen, and every port goes on."""
 STEPS = 20
 """Most at each model error, for those that go on."""
 PATIENT_STEPS, PATIENT = 100, 5e-5
 """The same for those that are fitted once more, and what they still have to gain by a step: a foundation in
 space needs some hundred steps."""
-
-Start = tuple[Float[np.ndarray, " parameter"], Unknown]
-"""Coordinates of the parameters, and functions in their sizes."""
-
-
-@dataclass(frozen=True, eq=False)
-class Sighting:
-    """Ports with free functions, fitted together."""
-
-    ports: tuple[Port, ...]
-    misfit: float
-    """Root of the reduced χ² on the postures fitted, in units of the noise of the averages; about 0.6 if
-    perfect, since Huber's function and the smallest model error take their part."""
-    apart: float | None
-    """The same on the postures held out; None where there are none, or the functions differ by posture."""
-    unknowns: int
-    """Functions, and parameters of the ports' geometry."""
-    profile: Profile
-    state: State
-
-    @property
-    def port(self) -> Port:
-        """The one that came last."""
-        return self.ports[-1]
-
-    @property
-    def judged(self) -> float:
-        """The larger of both misfits."""
-        return self.misfit if self.apart is None else max(self.misfit, self.apart)
-
-
-@dataclass(frozen=True, eq=False)
-class Round:
-    """Ports tried beside others that are there already."""
-
-    sightings: tuple[Sighting, ...]
-    """The best first."""
-
-    @cached_property
-    def alike(self) -> tuple[Sighting, ...]:
-        """What cannot be told apart from the best, itself included; the simplest first."""
-        found = [one for one in self.sightings if one.judged <= ALIKE * self.sightings[0].judged]
-        return tuple(sorted(found, key=lambda one: (one.unknowns, one.judged)))
-
-    @property
-    def best(self) -> Sighting:
-        """Of those that cannot be told apart the one with the fewest unknowns."""
-        return self.alike[0]
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,6 +86,15 @@ class Field:
     def bare(self) -> float:
         """Misfit without any port: a reading that is nothing."""
         return self.sighted((Port.at(NOTHING, "", self.root.context),)).judged
+
+    @cached_property
+    def _floors(self) -> tuple[float, ...]:
+        """Model errors of the first round: all of them, or what is left can be seen at the last only."""
+        return (screening.LATE_FLOOR,) if self._late else screening.FLOORS
+
+    @cached_property
+    def _late(self) -> bool:
+        return bool(self.root.placed) and self.bare <= LATE
 
     def round(
         self,
@@ -201,19 +163,31 @@ class Field:
             if port.key not in taken:
                 every = (*(before.ports if before else ()), port)
                 seen = self._seen(every, self._few)
-                model = self._model(every, seen, self.seen.lines[:: screening.LINES])
+                model = self._model(every, seen, self._some_lines)
                 state = None if before is None else carried_over(before, model, screening.LINES)
-                fit = begun(model, state, floor=screening.FLOORS[0], steps=screening.STEPS, roughly=True)
+                fit = begun(model, state, floor=self._floors[0], steps=screening.STEPS, roughly=True)
                 begins.append((port, fit))
             advance(0.7 * (number + 1) / len(ports))
-        first, ends, going = [], {}, screening.near(begins)
+        first, ends, going = [], {}, screening.near(begins, self._unexplained if before is None else None)
         for number, (port, fit) in enumerate(going):
-            found = finished(*fit, floors=screening.FLOORS[1:], steps=screening.STEPS)
+            found = finished(*fit, floors=self._floors[1:], steps=screening.STEPS)
             first.append((screening.misfit_of(found), port))
             ends[port.key] = found[1].x, screening.on_all(found[1].z, len(self.seen.lines))
             advance(0.7 + 0.3 * (number + 1) / len(going))
         first.sort(key=lambda one: one[0])
         return [(port, ends[port.key]) for port in screening.kept(first)]
+
+    @cached_property
+    def _unexplained(self) -> float | None:
+        """What no port leaves at the model error of a first round that begins late; None for others."""
+        if not self._late:
+            return None
+        model = self._model((Port.at(NOTHING, "", self.root.context),), self._few, self._some_lines)
+        return screening.misfit_of(begun(model, floor=self._floors[0], steps=screening.STEPS))
+
+    @property
+    def _some_lines(self) -> Int[np.ndarray, " line"]:
+        return self.seen.lines[:: screening.LINES]
 
     @cached_property
     def _few(self) -> Observations:
@@ -252,12 +226,13 @@ class Field:
         model = self._model(every, observations, lines)
         noise = noise_of(observations, lines)
         steps, settled = (PATIENT_STEPS, PATIENT) if patient else (STEPS, SETTLED)
+        floors = (*FLOORS[port.kind is not NOTHING and self._late :], noise)
         if start is not None:
             begin = Profile(model, screening.FLOORS[-1], settled=settled)
-            profile, state = finished(begin, begin.state(*start), floors=(*FLOORS[1:], noise), steps=steps)
+            profile, state = finished(begin, begin.state(*start), floors=floors[1:], steps=steps)
         else:
             known = None if before is None else carried_over(before, model)
-            profile, state = profiled(model, known, floors=(*FLOORS, noise), steps=steps, settled=settled)
+            profile, state = profiled(model, known, floors=floors, steps=steps, settled=settled)
         apart = None
         if self.away is not None and model.cells == 1:
             other = Profile(self._model(every, self.away.merged, lines), noise)
@@ -270,31 +245,6 @@ class Field:
         )
 
 
-def carried_over(before: Sighting, model: PortedModel, stride: int = 1) -> State:
-    """Where a fit of some ports ended, as the beginning of one with one more.
-
-    Args:
-        before: the fit.
-        model: with the same ports and one more, which may leave observations out.
-        stride: the model has every so many of the lines.
-    """
-    z = model.in_cells(before.state.z, before.profile.model)
-    return replace(before.state, z=z[..., ::stride])
-
-
 def _every(kinds: Sequence[PortKind], root: Hypothesis) -> tuple[Port, ...]:
     context = root.context
     return tuple(Port.at(kind, where, context) for kind in kinds for where in kind.places(context))
-
-
-def noise_of(observations: Observations, lines: Int[np.ndarray, " line"]) -> float:
-    """Typical noise of the averages: the model error at which fits are judged.
-
-    Args:
-        observations: measured receptances.
-        lines: those that are looked at.
-    """
-    used = observations.used[:, lines]
-    if not used.any():
-        return SMALLEST
-    return max(0.5 * float(np.sqrt(np.median(observations.variance[:, lines][used]))), SMALLEST)

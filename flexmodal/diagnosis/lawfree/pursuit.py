@@ -11,10 +11,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from flexmodal.diagnosis.lawfree.look import SOUND, Field, Round, Sighting
+from flexmodal.diagnosis.lawfree.look import SOUND, Field
 from flexmodal.diagnosis.lawfree.port import Port
 from flexmodal.diagnosis.lawfree.result import holds
 from flexmodal.diagnosis.lawfree.screening import ALIKE
+from flexmodal.diagnosis.lawfree.sighting import Round, Sighting
 
 GAINS = 1.25
 """Times by which the misfit without any port, or without one of several, has to exceed that with it."""

@@ -50,7 +50,7 @@ CLASSES_OF: Mapping[str, tuple[str, ...]] = {
     "added_mass": ("mass",),
     "local_absorber": ("resonance",),
     "servo_compliance": ("resonance", "something in series, with a resonance of its own", "relaxation"),
-    "sensor_mass": ("mass", "resonance"),
+    "sensor_mass": ("mass", "resonance", "spring, damper and mass"),
     "sensor_gain": (
         "gain",
         "gain and phase",
@@ -166,8 +166,12 @@ class Found:
         Args:
             effect: its name.
         """
-        others = [key for key in self.alike if not holds(key, (self.port, self.where))]
-        return self.curve is not None and bool(self.classes) and effect in CLASSES_OF and not others
+        return self.curve is not None and bool(self.classes) and effect in CLASSES_OF and self.is_apart
+
+    @property
+    def is_apart(self) -> bool:
+        """Whether every other place can be told from it, but for ports that can do all that it can."""
+        return all(holds(key, (self.port, self.where)) for key in self.alike)
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,6 +15,8 @@ from flexmodal.identification import Observations
 
 FLOORS = (0.2, 0.05)
 """Model errors."""
+LATE_FLOOR = 0.01
+"""The only one where little is left beside effects."""
 STEPS = 3
 """Most at each model error."""
 LINES = 2
@@ -24,6 +26,8 @@ FRFS = 48
 HOPELESS = 16.0
 """Times the best reduced χ² at the first model error; ports beyond it are not followed to the next, but the
 best of each kind. On 26 campaigns looked at, no port that came to stand among the best was beyond 10."""
+GAINS = 0.3
+"""Part of what the best port takes that others have to take, where little is left beside effects."""
 UNMENDED = 2.0
 """So many times as far behind before lines that ended in other minima are repaired."""
 FEWEST, KEPT = 2, 6
@@ -82,14 +86,19 @@ def misfit_of(fit: Fit) -> float:
     return profile.reduced(state.residual)
 
 
-def near(begins: Sequence[tuple[Port, Fit]]) -> list[tuple[Port, Fit]]:
+def near(begins: Sequence[tuple[Port, Fit]], without: float | None = None) -> list[tuple[Port, Fit]]:
     """Of all ports at the first model error those that are not hopeless, and of each kind the best.
 
     Args:
         begins: ports and their fits, whose lines are not repaired yet.
+        without: reduced χ² without any port where little is left; then those that take a part of it at all.
     """
     going = _within(UNMENDED * HOPELESS, begins)
-    return _within(HOPELESS, [(port, mended(*fit)) for port, fit in going])
+    found = _within(HOPELESS, [(port, mended(*fit)) for port, fit in going])
+    if without is None or not found:
+        return found
+    least = without - GAINS * (without - misfit_of(found[0][1]))
+    return [one for k, one in enumerate(found) if k < FEWEST or misfit_of(one[1]) <= least]
 
 
 def _within(times: float, begins: Sequence[tuple[Port, Fit]]) -> list[tuple[Port, Fit]]:

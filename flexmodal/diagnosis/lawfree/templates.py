@@ -85,6 +85,10 @@ _SPRING = Template("spring", lambda w, at: [_one(w)], 1, ("k = {:.4g}",))
 _DAMPER = Template("damper", lambda w, at: [1j * w], 1, ("c = {:.4g}",))
 _BOTH = Template("spring and damper", lambda w, at: [_one(w), 1j * w], 2, ("k = {:.4g}", "c = {:.4g}"))
 _MASS = Template("mass", lambda w, at: [-(w**2) + 0j], 1, ("m = {:.4g}",))
+_HELD = Template(
+    "spring, damper and mass", lambda w, at: [_one(w), 1j * w, -(w**2) + 0j], 3,
+    ("k = {:.4g}", "c = {:.4g}", "m = {:.4g}"),
+)  # fmt: skip
 _LOSS = Template(
     "constant loss",
     lambda w, at: [1j * _one(w), np.log(w / np.sqrt(w[0] * w[-1])) * 2 / np.pi + 1j],
@@ -179,7 +183,7 @@ _OF = {
     "base": (_SOFT, _SOFT_DAMPED, _SOFT_LOSS, _SOFT_HEAVY),
     "bearing": (_SOFT, _SOFT_DAMPED, _SOFT_LOSS, _SOFT_HEAVY),
     "link": (_SOFT, _SOFT_DAMPED, _SOFT_LOSS, _SOFT_HEAVY),
-    "carried": (_MASS, _SPRING, _BOTH, _ABSORBER),
+    "carried": (_MASS, _SPRING, _BOTH, _HELD, _ABSORBER),
     "ground": (_SPRING, _DAMPER, _BOTH, _MASS, _RELAXATION),
     "body": (_MASS, _SPRING, _BOTH, _ABSORBER),
     "sensor": (_GAIN, _SLOPE, _PHASE, _DELAY, _GAIN_DELAY, _LOW, _TURN, _HIGH, _MOUNT),

@@ -36,7 +36,7 @@ from flexmodal.diagnosis.names import UNSTRUCTURED
 from flexmodal.diagnosis.selection.comparison import Comparison
 from flexmodal.diagnosis.selection.decision import Answer
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
-from flexmodal.diagnosis.selection.frf_thresholds import CLOSE, FLOOR_REACHED, at_the_noise
+from flexmodal.diagnosis.selection.frf_thresholds import FLOOR_REACHED, at_the_noise
 from flexmodal.diagnosis.setup import Setup
 
 PIECES = 3.0
@@ -92,7 +92,7 @@ def confidences(data: Looked, comparison: Comparison[FittedFrfs], chosen: int) -
 
 
 def plausible(data: Looked, comparison: Comparison[FittedFrfs]) -> dict[int, float]:
-    """Of models that leave nothing but noise, by number, ln p of the formula above.
+    """Of models with effects that explain what there is, by number, ln p of the formula above.
 
     Args:
         data: on which they were compared.
@@ -103,7 +103,7 @@ def plausible(data: Looked, comparison: Comparison[FittedFrfs]) -> dict[int, flo
     return {
         k: float(_ln(one.costs.sum(), one.strong, one.prior / times, pieces))
         for k, one in enumerate(models)
-        if k and one.key[0] != UNSTRUCTURED and over_noise(data.setup, one) <= CLOSE
+        if one.hypothesis.placed and one.key[0] != UNSTRUCTURED and _at_the_noise(data, one) is Answer.YES
     }
 
 
@@ -114,8 +114,11 @@ def explains(data: Looked, model: FittedFrfs) -> bool:
         data: on which it is judged.
         model: with effects.
     """
-    distance = over_noise(data.setup, model), left(data.setup, data.root, model)
-    return at_the_noise(*distance) > Answer.NO
+    return _at_the_noise(data, model) > Answer.NO
+
+
+def _at_the_noise(data: Looked, model: FittedFrfs) -> Answer:
+    return at_the_noise(over_noise(data.setup, model), left(data.setup, data.root, model))
 
 
 def probabilities(

@@ -146,6 +146,10 @@ class Data(ABC, Generic[M]):
         """Whether a model's effect is sure although its law leaves more than noise."""
         return False
 
+    def dominates(self, model: M) -> bool:
+        """Whether its one effect is sure though far more than noise is left, so that others may be there."""
+        return False
+
     def is_contradicted(self, model: M) -> bool:
         """Whether several effects stand for what one place explains at which none of them sits."""
         return False
@@ -170,18 +174,11 @@ class Data(ABC, Generic[M]):
         return 2
 
     def vouches(self, model: M) -> bool:
-        """Whether all effects of a model are known to be needed whatever each of them gains alone.
-
-        Args:
-            model: with one effect more than is there.
-        """
+        """Whether all effects of a model are known to be needed whatever each of them gains alone."""
         return False
 
     def plausible(self, comparison: Comparison[M]) -> Mapping[int, float]:
-        """Of models that leave nothing but noise, by number, how plausible they are, up to a constant [nat].
-
-        Evidence counts every line: of two such it may prefer, by little, one that nobody believes.
-        """
+        """Of models whose effects explain everything, by number, how plausible, up to a constant [nat]."""
         return {}
 
     def settles(self, model: M) -> bool:

@@ -20,7 +20,7 @@ SIGNIFICANT = 7.0
 ASKED = 5.0
 """The same for what was asked for by its place."""
 MORE_PLAUSIBLE = 5.0
-"""By how much a model that leaves only noise has to be more plausible than another to come first, with
+"""By how much a model that explains everything has to be more plausible than another to come first, with
 `MARGIN` on both sides [nat]."""
 NEAR = 0.02
 """Distance from a bound up to which a parameter is at it: logarithms of what is positive."""
@@ -111,14 +111,14 @@ def choice(
     first if it gains anything: of several effects each alone may gain little. An effect that the best comes
     down to in a limit stands in its place where the data cannot tell the two, or where the limit is reached.
 
-    Of models that leave only noise one that is clearly more plausible than the best comes before it.
+    Of models that explain everything one that is clearly more plausible than the best comes before it.
 
     Args:
         comparison: of the model as it is and of what might be added.
         asked: effects that were named; None for none.
         worth: of each model whether it takes enough away besides.
         vouched: of each whether it is known to be needed; none by default.
-        plausible: of those that leave only noise, by number, how plausible they are [nat].
+        plausible: of those that explain everything, by number, how plausible they are [nat].
     """
     ranked = sorted(range(1, len(comparison.models)), key=lambda k: -comparison.scores[k])
     ranked = [k for k in ranked if comparison.models[k].key[0] != UNSTRUCTURED]
@@ -143,7 +143,7 @@ def choice(
 
 
 def _plausible_first(ranked: list[int], plausible: Mapping[int, float]) -> tuple[list[int], int | None]:
-    """With one in front that leaves only noise as the best does, and is clearly more plausible.
+    """With one in front that explains everything as the best does, and is clearly more plausible.
 
     Returns:
         The order, and the number of one for which it is undecided whether it comes first.
@@ -156,6 +156,18 @@ def _plausible_first(ranked: list[int], plausible: Mapping[int, float]) -> tuple
     if answer is Answer.YES:
         return [first, *(k for k in ranked if k != first)], None
     return ranked, first if answer is Answer.UNDECIDED else None
+
+
+def is_idle(plausible: Mapping[int, float]) -> bool:
+    """Whether a model explains everything without its last effect too, and is clearly more plausible so.
+
+    Args:
+        plausible: of a comparison of the model without the effect, 0, and with it, 1; those that explain
+            everything [nat].
+    """
+    if not {0, 1} <= set(plausible):
+        return False
+    return reaches(plausible[0] - plausible[1], MORE_PLAUSIBLE, MARGIN) is Answer.YES
 
 
 def _plainer(comparison: Comparison[M], first: int) -> list[int]:

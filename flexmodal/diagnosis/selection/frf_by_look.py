@@ -11,6 +11,7 @@ from flexmodal.diagnosis.selection.data import Data
 from flexmodal.diagnosis.selection.frf_candidates import FrfCandidates
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.selection.frf_thresholds import (
+    ALL_BUT_LITTLE,
     CLEARLY,
     EXPLAINED,
     NEARLY_ALL,
@@ -64,6 +65,22 @@ class FrfsByLook(Data[FittedFrfs]):
         every = len(met) == max(len(keys), len(self.look.found))
         return every and self.share(self.root, model) >= least_share(met)
 
+    def dominates(self, model: FittedFrfs) -> bool:
+        """See `Data`: its place leaves far less than any other even if that is more than noise.
+
+        So strong an effect shows how its law errs, or what else is there.
+        """
+        keys, look = model.hypothesis.keys, self._candidates.looks.one
+        if len(keys) != 1 or not look.needed or look.explains or self.lacking(model):
+            return False
+        at = look.met(keys).get(keys[0])
+        if at is None or at is not look.found[0] or not at.is_apart:
+            return False
+        here = look.places[0].judged
+        others = [one.judged for one in look.places if (one.port, one.where) != (at.port, at.where)]
+        clear = all(judged > CLEARLY * here for judged in others)
+        return clear and self.share(self.root, model) >= ALL_BUT_LITTLE
+
     def is_alone(self, model: FittedFrfs) -> bool:
         """Whether its effect takes nearly all, where one place without a law leaves nothing for another one.
 
@@ -103,6 +120,9 @@ class FrfsByLook(Data[FittedFrfs]):
         keys = model.hypothesis.keys
         if self.is_named(model):
             return keys, ()
+        if self.dominates(model):
+            beside = self._candidates.looked(model)
+            return keys, (self.place(model, None) if beside is None else beside.place,)
         settled, sure, places = self._settled
         if keys and set(keys) <= set(settled):  # those that nobody misses went
             return tuple(key for key in sure if key in keys), places

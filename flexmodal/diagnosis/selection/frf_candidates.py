@@ -48,9 +48,7 @@ class FrfCandidates:
         self.looks = LooksWithoutLaw(setup, root, with_force, setup.advance)
         """Of the re-tuned robot."""
         self._beside: dict[frozenset[tuple[str, str]], Findings] = {}
-        self._placed: dict[
-            tuple[frozenset[tuple[str, str]], Callable[[FittedFrfs], bool]], tuple[float, list[FittedFrfs]]
-        ] = {}
+        self._placed: dict[tuple[object, ...], tuple[float, list[FittedFrfs]]] = {}
 
     def look_beside(self, model: FittedFrfs) -> Findings:
         """The law-free look for one place beside what a model has.
@@ -96,7 +94,13 @@ class FrfCandidates:
         return next((key for key in keys if look.needed and look.found[0].has(*key)), None)
 
     def at_places(
-        self, before: FittedFrfs, number: int, look: Findings, is_over: Callable[[FittedFrfs], bool]
+        self,
+        before: FittedFrfs,
+        number: int,
+        look: Findings,
+        is_over: Callable[[FittedFrfs], bool],
+        *,
+        only_met: bool = False,
     ) -> list[FittedFrfs]:
         """The finalists of a search where a look points.
 
@@ -109,13 +113,25 @@ class FrfCandidates:
             number: how many effects it has.
             look: beside it.
             is_over: whether nothing else has to be looked for beside a model.
+            only_met: whether only what has the place and the class that was found counts.
         """
-        key = frozenset(before.hypothesis.keys), is_over
+        key = frozenset(before.hypothesis.keys), is_over, only_met
         cost, known = self._placed.get(key, (np.inf, []))
         if before.cost < NEARER * cost:
-            known = self._at_places(before, number, look, is_over)
+            known = (self._met if only_met else self._at_places)(before, number, look, is_over)
             self._placed[key] = before.cost, known
         return known
+
+    def _met(
+        self, before: FittedFrfs, number: int, look: Findings, is_over: Callable[[FittedFrfs], bool]
+    ) -> list[FittedFrfs]:
+        """Effects at the places that were found alone, of the classes of their curves."""
+
+        def allowed(effect: str, where: str) -> bool:
+            return any(one.could_be(effect, where) for one in look.found)
+
+        found = self.searched(before, number, allowed, one_is_enough=len(look.found) == 1)
+        return self._at_next_levels(before, found, look) if len(look.found) == 1 else found
 
     def _at_places(
         self, before: FittedFrfs, number: int, look: Findings, is_over: Callable[[FittedFrfs], bool]

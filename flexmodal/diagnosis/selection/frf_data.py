@@ -100,9 +100,9 @@ class FrfData(FrfsByLook):
         law = named and (not look.explains or look.is_at(before.hypothesis.keys))
         if self.asked is not None or law or not (look.needed or look.alone > SOUND):
             return [before]
-        found = self._candidates.at_places(before, number, look, self.is_over)
+        found = self._candidates.at_places(before, number, look, self.is_over, only_met=named)
         if named:
-            return [before, *(one for one in found if look.met([one.key]))]
+            return [before, *found]
         if look.explains and not explains(self, before) and not any(self.is_over(one) for one in found):
             found = best_of_each([*found, *self._candidates.everywhere(before, number)])
         found = narrowest(found, self.is_enough)
@@ -115,8 +115,8 @@ class FrfData(FrfsByLook):
         look = self._candidates.look_beside(before)
         if not look.explains or look.is_at(before.hypothesis.keys):
             return []
-        found = self._candidates.at_places(before, number, look, self._is_close)
-        return [before, *(one for one in found if look.met([one.key]))]
+        found = self._candidates.at_places(before, number, look, self._is_close, only_met=True)
+        return [before, *found]
 
     def _is_close(self, model: FittedFrfs) -> bool:
         return over_noise(self.setup, model) <= CLOSE

@@ -19,6 +19,7 @@ from flexmodal.diagnosis.selection.decision import (
     among_vouched,
     any_gains,
     choice,
+    is_idle,
     rivals,
 )
 from flexmodal.diagnosis.selection.described import beside_others, effect_parameters
@@ -78,7 +79,7 @@ class ForwardSelection(Generic[M]):
         with suppress(OutOfTime), self.limit.counting(FOR_EFFECTS):
             while not ended and self._follow_on():
                 ended = self.data.is_enough(self.current)
-                if named is None and self.data.is_named(self.current):
+                if named is None and (self.data.is_named(self.current) or self.data.dominates(self.current)):
                     named = self._state
             while ended and self._besides():
                 pass
@@ -224,7 +225,8 @@ class ForwardSelection(Generic[M]):
                 break
             less = self.data.without(self.current, (step.effect, step.where))
             comparison = self.data.compare([less, self.current])
-            if self._chosen(comparison, number).number is None:
+            idle = is_idle(self.data.plausible(comparison))
+            if idle or self._chosen(comparison, number).number is None:
                 self.current = less
                 self.steps.remove(step)
             else:

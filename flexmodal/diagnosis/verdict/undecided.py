@@ -30,8 +30,8 @@ def undecided_words(rounds: Sequence[Round[M]]) -> tuple[str, ...]:
         rounds: every comparison; the last of them counts for what was not added.
     """
     first = tuple(
-        f"Whether it is {one} or {other} is undecided: both leave only noise, and the second is not quite so "
-        "much more plausible that it comes first."
+        f"Whether it is {one} or {other} is undecided: both explain everything, and the second is not quite "
+        "so much more plausible that it comes first."
         for one, other in _rivals(rounds)
     )
     return first + tuple(

@@ -17,7 +17,7 @@ from flexmodal.diagnosis.lawfree.findings import summed_up
 from flexmodal.diagnosis.lawfree.geometries import placed_best
 from flexmodal.diagnosis.lawfree.joint_ports import COUPLING, DAMPING, JOINT, ROD, TORQUE
 from flexmodal.diagnosis.lawfree.kinds import KINDS
-from flexmodal.diagnosis.lawfree.look import Field, carried_over, noise_of
+from flexmodal.diagnosis.lawfree.look import Field
 from flexmodal.diagnosis.lawfree.model import PortedModel
 from flexmodal.diagnosis.lawfree.port import Port
 from flexmodal.diagnosis.lawfree.ported_fit import profiled
@@ -25,6 +25,7 @@ from flexmodal.diagnosis.lawfree.profile import Profile
 from flexmodal.diagnosis.lawfree.pursuit import MOST, alone, pursued
 from flexmodal.diagnosis.lawfree.reading_ports import BLOWS, CHANNEL, SENSOR
 from flexmodal.diagnosis.lawfree.screening import ALIKE
+from flexmodal.diagnosis.lawfree.sighting import carried_over, noise_of
 from flexmodal.diagnosis.placed import Placed
 from flexmodal.errors import SingularResponse
 from flexmodal.identification import observe, predict, unlimited

@@ -1,10 +1,11 @@
 """How places are put together, on ports whose misfits are given."""
 
 from flexmodal.diagnosis.lawfree.joint_ports import COUPLING, JOINT
-from flexmodal.diagnosis.lawfree.look import Field, Round, Sighting
+from flexmodal.diagnosis.lawfree.look import Field
 from flexmodal.diagnosis.lawfree.port import Port
 from flexmodal.diagnosis.lawfree.profile import Profile, State
 from flexmodal.diagnosis.lawfree.pursuit import alone, pursued
+from flexmodal.diagnosis.lawfree.sighting import Round, Sighting
 
 PROFILE, STATE = object.__new__(Profile), object.__new__(State)
 """Of no port at all; nobody looks at them here."""

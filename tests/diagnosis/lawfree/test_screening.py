@@ -56,6 +56,22 @@ def test_lines_are_repaired_before_a_port_is_given_up(monkeypatch):
     assert screening.near([]) == []
 
 
+def test_where_little_is_left_only_what_takes_a_part_of_it_goes_on(monkeypatch):
+    """Of 2 without any port the best leaves 1; the best of a kind has to take its part too."""
+
+    def fit(misfit):
+        return Mock(spec=Profile), Mock(spec=State, cost=misfit)
+
+    monkeypatch.setattr(screening, "misfit_of", lambda one: one[1].cost)
+    monkeypatch.setattr(screening, "mended", lambda profile, state: (profile, state))
+    (_, first), (_, second), (_, third) = ports(1.0, 1.6, 1.8)
+    link = Port(BY_NAME["link"], "link_2")
+    begins = [(first, fit(1.0)), (second, fit(1.6)), (third, fit(1.8)), (link, fit(1.9))]
+    assert [port for port, _ in screening.near(begins, 2.0)] == [first, second]
+    assert len(screening.near(begins)) == 4
+    assert [port for port, _ in screening.near([begins[0], *begins[2:]], 2.0)] == [first, third]
+
+
 def test_functions_on_some_lines_are_straight_between_them():
     every = np.arange(9) * (1.0 - 0.5j)
     assert LINES == 2
