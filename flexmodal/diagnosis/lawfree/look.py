@@ -29,6 +29,9 @@ NEARLY, AFRESH = 1.0, 2
 LATE = 3.0
 """Misfit of effects that are there, up to which ports beside them begin at a small model error: at a large
 one nothing of what is left is to be seen, and every port goes on."""
+LEADS = 1.25
+"""Times by which a port beside effects lowers the misfit, for rare ones not to be tried: of several effects
+each takes a part, and what is rare is tried where none does."""
 STEPS = 20
 """Most at each model error, for those that go on."""
 PATIENT_STEPS, PATIENT = 100, 5e-5
@@ -47,7 +50,7 @@ class Field:
     away: Look | None
     ports: tuple[Port, ...]
     rare: tuple[Port, ...]
-    """Those that are tried where none of these explains what is missing."""
+    """Those that are tried where none of these leads on."""
     torques: tuple[Port, ...]
     """Those that depend on the blow."""
 
@@ -119,7 +122,7 @@ class Field:
             found.append(self.sighted((port,), before, start))
             advance(0.6 + 0.4 * (number + 1) / len(kept))
         found.sort(key=lambda one: one.judged)
-        if ports is None and self.rare and (not found or found[0].judged > SOUND):
+        if ports is None and self.rare and not self._leads_on(found, before):
             more = self._screened(self.rare, before, taken, lambda part: None)
             found += [self.sighted((port,), before, start) for port, start in more]
             found.sort(key=lambda one: one.judged)
@@ -127,6 +130,13 @@ class Field:
             found = [self._afresh(one, before) for one in found[:AFRESH]] + found[AFRESH:]
         found = [one for one in found if np.isfinite(one.judged)] or found
         return Round(tuple(sorted(found, key=lambda one: one.judged)))
+
+    def _leads_on(self, found: Sequence[Sighting], before: Sighting | None) -> bool:
+        """Whether a port explains what is missing, or beside effects a good part of it."""
+        if not found:
+            return False
+        beside = bool(self.root.placed) and before is None
+        return found[0].judged <= (max(SOUND, self.bare / LEADS) if beside else SOUND)
 
     def _afresh(self, one: Sighting, before: Sighting | None) -> Sighting:
         """The best of a fit, of another that sets out from constants on all lines, and of a wider port.

@@ -1,5 +1,10 @@
 """How places are put together, on ports whose misfits are given."""
 
+from unittest.mock import Mock
+
+import pytest
+
+from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.lawfree.joint_ports import COUPLING, JOINT
 from flexmodal.diagnosis.lawfree.look import Field
 from flexmodal.diagnosis.lawfree.port import Port
@@ -54,3 +59,33 @@ def test_a_joint_stands_for_a_coupling_that_is_no_better():
     })  # fmt: skip
     found = pursued(field, alone(field))
     assert {one.where for one in found.whole.ports} == {"q1", "q2"}
+
+
+class Screened(Given):
+    """Ports go on as they come, rare ones among them; what is asked for is kept."""
+
+    round = Field.round
+
+    def __init__(self, placed, best):
+        super().__init__((ONE,), {frozenset({"q1"}): best})
+        rest = {"rare": (PAIR,), "torques": (), "root": Mock(spec=Hypothesis, placed=placed), "asked": []}
+        for name, value in rest.items():
+            object.__setattr__(self, name, value)
+
+    def sighted(self, ports, before=None, start=None, *, patient=False):
+        return super().sighted(ports, before)
+
+    def _screened(self, ports, before, taken, advance):
+        self.asked.extend(ports)
+        return [(port, None) for port in ports]
+
+
+@pytest.mark.parametrize(
+    ("placed", "best", "tried"),
+    [((), 1.5, False), ((), 7.0, True), (("an effect",), 7.0, False), (("an effect",), 8.5, True)],
+)
+def test_rare_ports_are_tried_where_no_other_leads_on(placed, best, tried):
+    """Of 10 without any; beside effects a port that takes a part of it leads on."""
+    field = Screened(placed, best)
+    field.round()
+    assert (PAIR in field.asked) is tried
