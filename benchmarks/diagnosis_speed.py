@@ -34,16 +34,24 @@ SAME = 1e-2
 """Relative difference of gaps up to which two answers are the same."""
 TASKS = ("diagnose", "identify")
 STAGES = {
-    "reading and noise": (("flexmodal/campaign/", ""), ("observations.py", "observe")),
-    "all starts": (("diagnosis/", "started"),),
-    "coarse fits": (("diagnosis/", "fitted"),),
-    "close fits": (("diagnosis/", "looked_at"),),
-    "regions in words": (("diagnosis/", "disagreement"),),
+    "reading and noise": (("diagnosis/setup.py", "prepare"),),
+    "law-free looks": (("lawfree/first_look.py", "one"), ("lawfree/first_look.py", "several")),
+    "searches": (
+        ("search/explanations.py", "explanations"),
+        ("search/explanations.py", "from_each_start"),
+        ("search/next_level.py", "at_next_level"),
+    ),
+    "last fits": (
+        ("selection/selection.py", "drop_needless"),
+        ("selection/frf_data.py", "conclude"),
+        ("selection/frf_data.py", "stand_in"),
+    ),
 }
-"""Functions whose own time and that of all they call makes a stage; the outermost counts."""
+"""Functions whose own time and that of all they call makes a stage; none of them calls another one."""
 KERNELS = {
     "solving": ("structure/kernel.py", "solve"),
     "derivatives": ("structure/kernel.py", "pull"),
+    "ports": ("structure/port_kernel.py", ""),
     "time steps": ("time_domain/kernel.py", "integrate"),
 }
 

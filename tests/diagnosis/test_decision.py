@@ -304,3 +304,23 @@ def test_where_the_noise_is_reached_nothing_that_gains_leaves_it_open_but_a_lack
 )
 def test_an_effect_without_which_everything_is_explained_more_plausibly_is_idle(plausible, expected):
     assert is_idle(plausible) is expected
+
+
+@pytest.mark.parametrize(
+    ("where", "says"),
+    [
+        ("link_3", "for its law is not quite the catalogue's, or something is missing besides at link_3"),
+        ("tip", "for something is missing besides that nothing in the catalogue explains: look at tip"),
+    ],
+)
+def test_what_a_strong_effect_leaves_is_its_law_or_something_besides(where, says):
+    gaps = Gaps(1.0, 0.1, None, None, 0.1)
+    step = Step("added_mass", "link_3", {}, {}, {}, 0.95, gaps, ())
+    facts = Facts(
+        (step,), {"added_mass": "a mass"}, gaps, 3.2, Answer.NO, {}, open_=False, place=where,
+        standing=(("added_mass", "link_3"),), lacking_at=(where,), share=0.98,
+    )  # fmt: skip
+    found = verdict(facts)
+    assert found.effects == (("added_mass", "link_3"), ("unknown", where))
+    assert not found.explained
+    assert says in found.says

@@ -26,6 +26,8 @@ MOUNTS = (0.5, 0.8, 1.2, 2.0, 4.0)
 """The same of a sensor on its mount."""
 RIGID = 50.0
 """The same of a mount that does not give."""
+COORDINATES = tuple(f"sensor mount {axis}" for axis in "xyz")
+"""Of the mass against the surface."""
 
 
 def _weigh(assembly: Assembly, placement: Placement) -> None:
@@ -86,12 +88,8 @@ def _held_starts(context: Context, where: str, values: Mapping[str, float]) -> l
     return hung + [{**values, "mount_frequency": share * high} for share in MOUNTS]
 
 
-def _names() -> list[str]:
-    return [f"sensor mount {axis}" for axis in "xyz"]
-
-
 def _held_shape(assembly: Assembly, placement: Placement) -> None:
-    assembly.add_coordinates(_names())
+    assembly.add_coordinates(COORDINATES)
 
 
 def _held(assembly: Assembly, placement: Placement) -> None:
@@ -99,7 +97,7 @@ def _held(assembly: Assembly, placement: Placement) -> None:
     motion, foot = carried_along(assembly, placement)
     mass, own = placement["mass"], 2 * np.pi * placement["mount_frequency"]
     hung = 2 * np.pi * placement["cable_frequency"]
-    for k, name in enumerate(_names()):
+    for k, name in enumerate(COORDINATES):
         row = assembly.row(name)
         moved = motion[:, k] + row
         assembly.add_inertia(moved, mass)

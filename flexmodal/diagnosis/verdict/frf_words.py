@@ -59,7 +59,9 @@ def _partly(facts: Facts) -> str:
     names = enumeration([f"{facts.says[effect]} ({where})" for effect, where in facts.standing])
     one = len(facts.standing) == 1
     why = f"for {'its law is' if one else 'their laws are'} not quite the catalogue's"
-    if facts.lacking_at:
+    if facts.lacking_at and set(facts.lacking_at) <= {where for _, where in facts.standing}:
+        why += f", or something is missing besides at {enumeration(list(facts.lacking_at))}"
+    elif facts.lacking_at:
         why = (
             f"for something is missing besides {_nameless(facts)}: look at "
             f"{enumeration(list(facts.lacking_at))}"
