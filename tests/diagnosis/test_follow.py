@@ -15,9 +15,10 @@ from flexmodal.diagnosis.selection.comparison import Comparison
 from flexmodal.diagnosis.selection.data import Data
 from flexmodal.diagnosis.selection.decision import Answer
 from flexmodal.diagnosis.selection.described import beside_others
-from flexmodal.diagnosis.selection.frf_candidates import MOST_LOOKS, FrfCandidates, does_more, narrowest
+from flexmodal.diagnosis.selection.frf_candidates import MOST_LOOKS, FrfCandidates
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.selection.frf_data import FrfData
+from flexmodal.diagnosis.selection.frf_starts import does_more, narrowest
 from flexmodal.diagnosis.selection.selection import MOST, ForwardSelection
 from flexmodal.diagnosis.setup import Setup
 
@@ -126,6 +127,31 @@ def test_each_of_several_takes_less_than_a_further_one_would_have_to(hidden):
     assert ended
     assert set(steps(selection)) == hidden
     assert set(selection.current.keys) == hidden
+
+
+class Stuck(World):
+    """With the narrow law of one effect nothing takes anything; with a wider one a mass takes the rest."""
+
+    def __init__(self, takes):
+        super().__init__(lambda keys: 10.0 if LINK in keys else 100.0)
+        self.takes, self.wide = takes, None
+
+    def wider(self, model):
+        self.wide = Model(model.keys)
+        return [self.wide] if LINK in model.keys else []
+
+    def share(self, first, last):
+        if last is not self.wide:
+            return super().share(first, last)
+        self.left = lambda keys: NOISE / 2 if {LINK, MASS} <= keys else 10.0 if LINK in keys else 100.0
+        return self.takes
+
+
+@pytest.mark.parametrize(("takes", "found"), [(0.5, {LINK, MASS}), (0.05, set())])
+def test_a_wider_law_is_tried_where_nothing_leads_on(takes, found):
+    selection = Selection(Stuck(takes))
+    assert selection.follow() is bool(found)
+    assert set(steps(selection)) == found
 
 
 class Border(World):

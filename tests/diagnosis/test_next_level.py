@@ -63,6 +63,24 @@ def test_bolts_are_found_from_where_springs_alone_ended(fits):
         assert values[f"base_flexibility@base.{name}"] == pytest.approx(BLOCK[name], rel=0.05)
 
 
+def test_each_effect_gets_its_wider_law_from_where_the_joint_fit_is(fits, monkeypatch):
+    """The foundation came first, and is tried as the last; a mass has no wider law."""
+    setup, _, narrow = fits
+    mass = Placed(catalogue()["added_mass"], setup.context.links[-1])
+    both = narrow.hypothesis.and_also(mass)
+    x = both.start(mass, {"mass": 2.0}, narrow.x)
+    joint = replace(narrow, key=mass.key, hypothesis=both, fitted=replace(narrow.fitted, x=x))
+    tried = []
+    monkeypatch.setattr(
+        frf_candidates, "at_next_level", lambda setup, one, *more: tried.append(one) or [narrow]
+    )
+    candidates = FrfCandidates(setup, narrow, with_force=False)
+    assert candidates.wider(joint) == [narrow]
+    assert [one.key for one in tried] == [("base_flexibility", "base")]
+    assert [one.hypothesis.keys for one in tried] == [(mass.key, ("base_flexibility", "base"))]
+    assert tried[0].hypothesis.space.values(tried[0].x) == both.space.values(x)
+
+
 @pytest.mark.parametrize(
     ("part", "met", "tried"),
     [(0.9, True, True), (1.1, True, False), (0.9, False, False)],

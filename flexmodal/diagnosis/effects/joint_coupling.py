@@ -108,7 +108,8 @@ def _diagonal(placement: Placement) -> tuple[float, float]:
 
 
 def _physical(context: Context, where: str, values: Mapping[str, float]) -> dict[str, float]:
-    return {"stiffness": values["coupling"] * _size(context, where), **values}
+    stiffness = values["coupling"] * _size(context, where)
+    return {"stiffness": stiffness, "damping": values["damping_time"] * stiffness, **values}
 
 
 def _extend(draft: Draft, placement: Placement) -> None:
@@ -141,7 +142,7 @@ EFFECT = Effect(
     act=_act,
     physical=_physical,
     extend=_extend,
-    units={"stiffness": "N·m/rad"},
-    made_by=("coupling", "inertia"),
+    units={"stiffness": "N·m/rad", "damping": "N·m·s/rad"},
+    made_by=("coupling", "damping", "inertia"),
     next_level=LEVEL,
 )

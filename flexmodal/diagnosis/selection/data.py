@@ -90,16 +90,16 @@ class Data(ABC, Generic[M]):
         """
         return []
 
+    def wider(self, model: M) -> list[M]:
+        """A model with a wider law for each of its effects that has one, in turn; the best first."""
+        return []
+
     def doubted(self, model: M) -> tuple[str, str] | None:
         """Of several effects one whose fit a look without a law speaks against, if there is one."""
         return None
 
     def leads_on(self, model: M) -> bool:
-        """Whether nothing is left beside a model, or one effect more might explain it.
-
-        Args:
-            model: with several effects.
-        """
+        """Whether nothing is left beside several effects, or one more might explain it."""
         return False
 
     @abstractmethod
@@ -147,7 +147,7 @@ class Data(ABC, Generic[M]):
         return False
 
     def dominates(self, model: M) -> bool:
-        """Whether its one effect is sure though far more than noise is left, so that others may be there."""
+        """Whether its one effect is sure though far more than noise is left."""
         return False
 
     def is_contradicted(self, model: M) -> bool:

@@ -48,6 +48,10 @@ class FrfsByLook(Data[FittedFrfs]):
         """See `Data`."""
         return self._candidates.doubted(model)
 
+    def wider(self, model: FittedFrfs) -> list[FittedFrfs]:
+        """See `Data`."""
+        return [] if self.is_enough(model) else self._candidates.wider(model)
+
     def leads_on(self, model: FittedFrfs) -> bool:
         """See `Data`."""
         return self.is_enough(model) or self._candidates.one_explains(model)

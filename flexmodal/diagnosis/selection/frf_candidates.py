@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from functools import cache, cached_property
+from collections.abc import Callable
+from functools import cached_property
 
 import numpy as np
 
 from flexmodal.diagnosis.disagreement.gaps import over_noise
 from flexmodal.diagnosis.lawfree.first_look import LooksWithoutLaw
-from flexmodal.diagnosis.lawfree.result import CLASSES_OF, PORT_OF, Findings, holds
+from flexmodal.diagnosis.lawfree.result import CLASSES_OF, PORT_OF, Findings
 from flexmodal.diagnosis.search.explanations import (
     FOLLOWED,
     best_of_each,
@@ -19,6 +19,7 @@ from flexmodal.diagnosis.search.explanations import (
 from flexmodal.diagnosis.search.next_level import at_next_level
 from flexmodal.diagnosis.search.set_out import SetOut
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
+from flexmodal.diagnosis.selection.frf_starts import does_more, starts, with_last
 from flexmodal.diagnosis.selection.frf_thresholds import EXPLAINED, FLOOR_REACHED
 from flexmodal.diagnosis.setup import Setup
 
@@ -184,6 +185,19 @@ class FrfCandidates:
         wider = [more for one in places for more in at_next_level(self.setup, one, set_out, self._is_enough)]
         return best_of_each([*found, *wider])
 
+    def wider(self, model: FittedFrfs) -> list[FittedFrfs]:
+        """The model with the next level of each of its effects, in turn, fitted closely; the best first.
+
+        Args:
+            model: with effects.
+        """
+        keys = [one.key for one in model.hypothesis.placed if one.effect.next_level is not None]
+        turned = [with_last(model, key) for key in keys]
+        every = [
+            more for one in turned for more in at_next_level(self.setup, one, SetOut([]), self._is_enough)
+        ]
+        return best_of_each(every)
+
     def _is_enough(self, model: FittedFrfs) -> bool:
         return over_noise(self.setup, model) <= FLOOR_REACHED
 
@@ -249,49 +263,6 @@ class FrfCandidates:
         ]
 
 
-def does_more(one: tuple[str, str], other: tuple[str, str]) -> bool:
-    """Whether an effect's port can do all that another one's can, and more.
-
-    Args:
-        one: name and place.
-        other: the same of the other.
-    """
-    if one[0] not in PORT_OF or other[0] not in PORT_OF:
-        return False
-    wide, narrow = (PORT_OF[one[0]], one[1]), (PORT_OF[other[0]], other[1])
-    return wide != narrow and holds(wide, narrow)
-
-
-def narrowest(found: Sequence[FittedFrfs], is_enough: Callable[[FittedFrfs], bool]) -> list[FittedFrfs]:
-    """Without what can do more than another one that is enough.
-
-    Args:
-        found: models with one effect more.
-        is_enough: whether nothing is left to be explained.
-    """
-    enough = [one.key for one in found if is_enough(one)]
-    return [one for one in found if not any(does_more(one.key, other) for other in enough)]
-
-
 def _anything(effect: str, where: str) -> bool:
     """Every effect in every place."""
     return True
-
-
-def starts(before: FittedFrfs, look: Findings | None = None) -> SetOut:
-    """Where a search sets out: at the card, with the effects there are, and where other fits ended.
-
-    A fit without an effect that is there runs away from the truth; one with its law free does not.
-
-    Args:
-        before: the model that something is added to.
-        look: without a law, beside it.
-    """
-    count = len(before.hypothesis.base)
-    found = [np.concatenate([np.zeros(count), before.x[count:]])]
-    if before.hypothesis.placed:
-        found.append(before.x)
-    if look is not None and look.needed and look.fitted is not None:
-        found.append(look.fitted)
-        return SetOut(found, cache(lambda effect, where: look.told(effect, where, before.hypothesis.context)))
-    return SetOut(found)

@@ -28,8 +28,9 @@ from flexmodal.diagnosis.selection.data import Conclusion
 from flexmodal.diagnosis.selection.decision import Answer, reaches
 from flexmodal.diagnosis.selection.described import effect_parameters
 from flexmodal.diagnosis.selection.frf_by_look import FrfsByLook
-from flexmodal.diagnosis.selection.frf_candidates import FrfCandidates, narrowest, starts
+from flexmodal.diagnosis.selection.frf_candidates import FrfCandidates
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs, compare_models
+from flexmodal.diagnosis.selection.frf_starts import narrowest, starts
 from flexmodal.diagnosis.selection.frf_thresholds import (
     CLOSE,
     FLOOR_REACHED,

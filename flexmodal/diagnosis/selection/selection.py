@@ -87,7 +87,7 @@ class ForwardSelection(Generic[M]):
         if not ended and (named or not stay):
             self.furthest = None if named else self.current
             self._state = named or kept
-        if [(step.effect, step.where) for step in self.steps] != list(self.current.hypothesis.keys):
+        if tuple((step.effect, step.where) for step in self.steps) != self.current.hypothesis.keys:
             self._describe_anew()
         return stay
 
@@ -119,12 +119,12 @@ class ForwardSelection(Generic[M]):
         before, many = self._state, len(self.current.hypothesis.keys)
         models = self.data.pointed(self.current, many) if many < MOST else []
         if len(models) < 2 or self._taken(models, 0) is None:
-            return self._exchanged()
+            return self._widened() or self._exchanged()
         much = self._takes(before[0], self.current, MUCH)
         if many > 1 and not much and not self.data.leads_on(self.current):
             further, self._state, better = self._state, before, False
             try:
-                better = self._exchanged()
+                better = self._widened() or self._exchanged()
             finally:
                 if not better:
                     self._state = further
@@ -139,6 +139,13 @@ class ForwardSelection(Generic[M]):
     def _exchanged(self) -> bool:
         """Another effect in place of one but the last, which may have taken up what was due to others."""
         return any(self._in_place_of(key) for key in self.current.hypothesis.keys[:-1])
+
+    def _widened(self) -> bool:
+        """A wider law for one of several effects: with too narrow a one the others fit what it leaves."""
+        wider = self.data.wider(self.current)
+        better = next((one for one in wider if self._takes(self.current, one, NEARER)), self.current)
+        found, self.current = better is not self.current, better
+        return found
 
     def _in_place_of(self, key: tuple[str, str]) -> bool:
         """What a look finds beside the others, in place of one effect; it may be the same, fitted afresh."""
@@ -197,9 +204,8 @@ class ForwardSelection(Generic[M]):
         Alone, an effect takes up what it can of another one, and may then sit in the wrong place.
         """
         kept = self._state
-        alone = self.data.without(pair, pair.hypothesis.keys[0])
-        self.steps[:] = [self.describe(self.data.compare([self.root, alone]), 1)]
-        self.current, self.refused = alone, []
+        self.current, self.refused = self.data.without(pair, pair.hypothesis.keys[0]), []
+        self.steps[:] = [self.describe(self.data.compare([self.root, self.current]), 1)]
         nearer = False
         try:
             found = self.step(1) is not None
