@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from flexmodal.errors import Fault, InvalidRequest
 
 FOR_EFFECTS = 0.6
-"""Part of the time in which effects are added; the rest is for asking which of several are sure."""
+"""Part of the time in which effects are added to some that may be sure; the rest is for asking which are."""
 
 
 class OutOfTime(Exception):

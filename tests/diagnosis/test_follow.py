@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from flexmodal.diagnosis.effects.effect import Effect
+from flexmodal.diagnosis.effects.free_function import FreeFunction
 from flexmodal.diagnosis.hypothesis import Hypothesis
-from flexmodal.diagnosis.lawfree.result import Findings
+from flexmodal.diagnosis.lawfree.result import Findings, PlaceTried
 from flexmodal.diagnosis.outcome import Compared, Gaps, Step
 from flexmodal.diagnosis.selection import frf_candidates, frf_data
 from flexmodal.diagnosis.selection.comparison import Comparison
@@ -85,8 +86,11 @@ class World(Data):
     def is_named(self, model):
         return model.keys in self.named
 
-    def settles(self, model):
+    def may_settle(self, model):
         return self.sure and len(model.keys) > 1
+
+    def settles(self, model):
+        return self.may_settle(model)
 
     def vouches(self, model):
         return False
@@ -242,7 +246,9 @@ def test_what_can_do_more_than_is_needed_is_left_out():
 
 def fitted(*keys):
     """A model of FRFs with some effects."""
-    return Mock(spec=FittedFrfs, hypothesis=Mock(keys=keys), key=keys[-1] if keys else ("none", ""))
+    placed = [Mock(effect=name, where=where) for name, where in keys]
+    hypothesis = Mock(keys=keys, placed=placed)
+    return Mock(spec=FittedFrfs, hypothesis=hypothesis, key=keys[-1] if keys else ("none", ""))
 
 
 @pytest.mark.parametrize(
@@ -411,6 +417,7 @@ def test_so_many_looks_and_no_more():
     candidates.root = fitted()
     found = Mock(spec=Findings)
     candidates._beside = {frozenset([("added_mass", str(number))]): found for number in range(MOST_LOOKS)}
+    candidates._order = {}
     assert candidates.can_look(candidates.root)
     assert candidates.can_look(fitted(("added_mass", "3")))
     assert candidates.look_beside(fitted(("added_mass", "3"))) is found
@@ -493,12 +500,33 @@ def test_a_search_sets_out_from_what_a_look_tells_too_and_asks_once():
     assert told.call_count == 1
 
 
+def test_a_look_is_known_for_the_same_laws_and_told_in_the_order_that_they_come_in():
+    """What it found beside is coordinates by name; a wider law is another model."""
+    free = FreeFunction(np.ones(1), np.ones((1, 1), dtype=complex), {}, np.array([1.0, 2.0, 3.0]))
+    place = PlaceTried("joint", "q1", "a joint", 1.0, None, 1, free)
+    look = Findings(9.0, 1.0, (place,), (), True, True, "", np.array([1.0, 2.0, 3.0]))
+    candidates = FrfCandidates.__new__(FrfCandidates)
+    candidates.root = fitted()
+    candidates._beside = {frozenset([MASS, DELAY]): look}
+    candidates._order = {frozenset([MASS, DELAY]): ("k", "mass", "delay")}
+    same, turned, wide = fitted(MASS, DELAY), fitted(DELAY, MASS), fitted(MASS, DELAY)
+    same.hypothesis.space = Mock(names=("k", "mass", "delay"))
+    turned.hypothesis.space = Mock(names=("k", "delay", "mass"))
+    wide.hypothesis.placed[0].effect = "another level"
+    assert candidates.looked(same) is look
+    assert candidates.looked(wide) is None
+    found = candidates.look_beside(turned)
+    np.testing.assert_array_equal(found.fitted, [1.0, 3.0, 2.0])
+    np.testing.assert_array_equal(found.places[0].free.fitted, [1.0, 3.0, 2.0])
+
+
 def test_an_effect_at_whose_place_a_look_finds_what_is_left_is_doubted():
     candidates = FrfCandidates.__new__(FrfCandidates)
     candidates.root = fitted()
     at_mass = Mock(has=lambda effect, where: (effect, where) == MASS)
     look = Mock(spec=Findings, needed=True, found=(at_mass,), explains=True)
     candidates._beside = {frozenset(keys): look for keys in ([MASS, DELAY], [DELAY, PLAY], [MASS])}
+    candidates._order = {}
     assert candidates.doubted(fitted(DELAY, MASS)) == MASS
     assert candidates.doubted(fitted(DELAY, PLAY)) is None
     assert candidates.doubted(fitted(MASS)) is None  # alone, its law may be to blame

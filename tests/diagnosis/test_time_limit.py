@@ -80,7 +80,8 @@ def left_of_three(keys):
         (None, False, [BASE, MASS, DELAY]),
         (3.5 / FOR_EFFECTS, False, [BASE, MASS, DELAY]),
         (2.5 / FOR_EFFECTS, True, [BASE, MASS]),
-        (2.5 / FOR_EFFECTS, False, []),
+        (2.5 / FOR_EFFECTS, False, [BASE, MASS, DELAY]),
+        (2.5, False, []),
         (0.5 / FOR_EFFECTS, True, []),
     ],
 )

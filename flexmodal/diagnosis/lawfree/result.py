@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Complex, Float
@@ -243,6 +243,22 @@ class Findings:
             if free is not None
             for values in effect.told(context, where, free)
         ]
+
+    def in_order(self, known: Sequence[str], wanted: Sequence[str]) -> Findings:
+        """The same for other orders of the coordinates of what is believed.
+
+        Args:
+            known: names of the coordinates, as it has them.
+            wanted: the same names in another order.
+        """
+        if tuple(known) == tuple(wanted):
+            return self
+        index = np.array([known.index(name) for name in wanted])
+        places = tuple(
+            replace(one, free=None if one.free is None else replace(one.free, fitted=one.free.fitted[index]))
+            for one in self.places
+        )
+        return replace(self, places=places, fitted=None if self.fitted is None else self.fitted[index])
 
     def met(self, keys: Sequence[tuple[str, str]]) -> Mapping[tuple[str, str], Found]:
         """Which ports some effects sit at, each at one of its own; those that can be at none are left out.

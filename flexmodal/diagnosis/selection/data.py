@@ -181,12 +181,12 @@ class Data(ABC, Generic[M]):
         """Of models whose effects explain everything, by number, how plausible, up to a constant [nat]."""
         return {}
 
-    def settles(self, model: M) -> bool:
-        """Whether some effects of a model are sure though it leaves more than noise; `standing` says which.
+    def may_settle(self, model: M) -> bool:
+        """Whether effects take so much that it is worth asking which of them are sure."""
+        return False
 
-        Args:
-            model: with all effects that were found.
-        """
+    def settles(self, model: M) -> bool:
+        """Whether some effects are sure though a model leaves more than noise; `standing` says which."""
         return False
 
     def standing(self, model: M) -> tuple[tuple[tuple[str, str], ...], tuple[str, ...]]:

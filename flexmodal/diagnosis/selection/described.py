@@ -9,7 +9,9 @@ import numpy as np
 from jaxtyping import Float
 
 from flexmodal.diagnosis.hypothesis import Hypothesis
-from flexmodal.diagnosis.outcome import Step
+from flexmodal.diagnosis.names import NONE
+from flexmodal.diagnosis.outcome import Compared, Step
+from flexmodal.diagnosis.selection.comparison import Comparison, M
 
 STEP = 1e-5
 """Of the differences along parameters."""
@@ -62,3 +64,23 @@ def effect_parameters(
     errors = np.sqrt(np.maximum(np.einsum("pi,ij,pj->p", slopes, covariance, slopes), 0.0))
     units = {name: placed.effect.units.get(name, own.get(name, "")) for name in here}
     return dict(here), units, dict(zip(here, errors.tolist(), strict=True))
+
+
+def in_figures(comparison: Comparison[M], number: int, gaps: tuple[float, float | None]) -> Compared:
+    """A model of a comparison, in figures.
+
+    Args:
+        comparison: of several models.
+        number: which of them.
+        gaps: of what it was fitted to, and of what was held out.
+    """
+    model = comparison.models[number]
+    effect, where = model.key if number else (NONE, "")
+    return Compared(
+        effect,
+        where,
+        *gaps,
+        float(comparison.scores[number] - comparison.scores.max()),
+        float(comparison.probability[number]),
+        model.parameters - comparison.models[0].parameters,
+    )

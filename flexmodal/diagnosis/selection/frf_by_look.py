@@ -100,11 +100,16 @@ class FrfsByLook(Data[FittedFrfs]):
         keys, look = model.hypothesis.keys, self.look
         return look.explains and len(look.found) > 1 and len(look.met(keys)) == len(keys)
 
+    def may_settle(self, model: FittedFrfs) -> bool:
+        """See `Data`."""
+        several = len(model.hypothesis.keys) > 1 and not self.lacking(model)
+        return several and self.share(self.root, model) >= NEARLY_ALL
+
     def settles(self, model: FittedFrfs) -> bool:
         """See `Data`: beside the others each of these has its place to itself, and a curve of its class."""
-        keys = model.hypothesis.keys
-        if len(keys) < 2 or self.lacking(model) or self.share(self.root, model) < NEARLY_ALL:
+        if not self.may_settle(model):
             return False
+        keys = model.hypothesis.keys
         looks, sure = self._candidates, []
         if not looks.can_look(model):
             return False

@@ -33,6 +33,9 @@ MOST_LOOKS = 8
 """Looks beside effects that are there; each takes as long as the first, and where many do not help, more
 do not."""
 
+Law = tuple[object, str]
+"""An effect at one of its levels, and its place."""
+
 
 class FrfCandidates:
     """Looks and searches beside a model; those beside the re-tuned robot are done once."""
@@ -48,7 +51,9 @@ class FrfCandidates:
         self.setup, self.root, self.with_force = setup, root, with_force
         self.looks = LooksWithoutLaw(setup, root, with_force, setup.advance)
         """Of the re-tuned robot."""
-        self._beside: dict[frozenset[tuple[str, str]], Findings] = {}
+        self._beside: dict[frozenset[Law], Findings] = {}
+        self._order: dict[frozenset[Law], tuple[str, ...]] = {}
+        """Of the coordinates that each look was taken with."""
         self._placed: dict[tuple[object, ...], tuple[float, list[FittedFrfs]]] = {}
 
     def look_beside(self, model: FittedFrfs) -> Findings:
@@ -59,11 +64,12 @@ class FrfCandidates:
         """
         if model is self.root:
             return self.looks.one
-        keys = frozenset(model.hypothesis.keys)
-        if keys not in self._beside:
-            looks = LooksWithoutLaw(self.setup, model, self.with_force, self.setup.advance)
-            self._beside[keys] = looks.one
-        return self._beside[keys]
+        found = self.looked(model)
+        if found is None:
+            found = LooksWithoutLaw(self.setup, model, self.with_force, self.setup.advance).one
+            key = _laws(model)
+            self._beside[key], self._order[key] = found, model.hypothesis.space.names
+        return found
 
     def can_look(self, model: FittedFrfs) -> bool:
         """Whether a look beside a model is known, or few enough were taken that another one may be.
@@ -71,7 +77,7 @@ class FrfCandidates:
         Args:
             model: the root, or one with effects.
         """
-        known = model is self.root or frozenset(model.hypothesis.keys) in self._beside
+        known = model is self.root or _laws(model) in self._beside
         return known or len(self._beside) < MOST_LOOKS
 
     def one_explains(self, model: FittedFrfs) -> bool:
@@ -116,7 +122,7 @@ class FrfCandidates:
             is_over: whether nothing else has to be looked for beside a model.
             only_met: whether only what has the place and the class that was found counts.
         """
-        key = frozenset(before.hypothesis.keys), is_over, only_met
+        key = _laws(before), is_over, only_met
         cost, known = self._placed.get(key, (np.inf, []))
         if before.cost < NEARER * cost:
             known = (self._met if only_met else self._at_places)(before, number, look, is_over)
@@ -243,12 +249,16 @@ class FrfCandidates:
         )
 
     def looked(self, before: FittedFrfs) -> Findings | None:
-        """The look beside effects, if there was one.
+        """The look beside effects, with these laws, if there was one; for the order that they come in now.
 
         Args:
             before: the model that has them.
         """
-        return self._beside.get(frozenset(before.hypothesis.keys))
+        key = _laws(before)
+        found, order = self._beside.get(key), self._order.get(key)
+        if found is None or order is None:
+            return found
+        return found.in_order(order, before.hypothesis.space.names)
 
     def _pointed_to(self, before: FittedFrfs, look: Findings) -> list[tuple[str, str]]:
         """Further effects whose place and class a look has found: those that it has a class for, and laws."""
@@ -261,6 +271,10 @@ class FrfCandidates:
             if (effect.name, where) not in before.hypothesis.keys
             and any(one.where == where and one.could_be(effect.name, where) for one in look.found)
         ]
+
+
+def _laws(model: FittedFrfs) -> frozenset[Law]:
+    return frozenset((one.effect, one.where) for one in model.hypothesis.placed)
 
 
 def _anything(effect: str, where: str) -> bool:

@@ -8,7 +8,7 @@ from dataclasses import replace
 from itertools import pairwise
 from typing import Any, Generic
 
-from flexmodal.diagnosis.names import NONE, UNSTRUCTURED
+from flexmodal.diagnosis.names import UNSTRUCTURED
 from flexmodal.diagnosis.outcome import Compared, Step
 from flexmodal.diagnosis.selection.comparison import Comparison, M
 from flexmodal.diagnosis.selection.data import Data
@@ -22,7 +22,7 @@ from flexmodal.diagnosis.selection.decision import (
     is_idle,
     rivals,
 )
-from flexmodal.diagnosis.selection.described import beside_others, effect_parameters
+from flexmodal.diagnosis.selection.described import beside_others, effect_parameters, in_figures
 from flexmodal.diagnosis.time_limit import FOR_EFFECTS, OutOfTime, TimeLimit
 
 MOST = 5
@@ -76,13 +76,14 @@ class ForwardSelection(Generic[M]):
             Whether any stayed.
         """
         kept, named, ended = self._state, None, False
-        with suppress(OutOfTime), self.limit.counting(FOR_EFFECTS):
-            while not ended and self._follow_on():
+        with suppress(OutOfTime):
+            while not ended and self._follow_in_time():
                 ended = self.data.is_enough(self.current)
                 if named is None and (self.data.is_named(self.current) or self.data.dominates(self.current)):
                     named = self._state
-            while ended and self._besides():
-                pass
+            with self.limit.counting(FOR_EFFECTS):
+                while ended and self._besides():
+                    pass
         stay = ended or named is not None or self._settles()
         if not ended and (named or not stay):
             self.furthest = None if named else self.current
@@ -90,6 +91,10 @@ class ForwardSelection(Generic[M]):
         if tuple((step.effect, step.where) for step in self.steps) != self.current.hypothesis.keys:
             self._describe_anew()
         return stay
+
+    def _follow_in_time(self) -> bool:
+        with self.limit.counting(FOR_EFFECTS if self.data.may_settle(self.current) else 1.0):
+            return self._follow_on()
 
     def _settles(self) -> bool:
         """Whether the data are sure of some effects, whatever is missing besides; not where time ran out."""
@@ -288,13 +293,4 @@ class ForwardSelection(Generic[M]):
             comparison: of several models.
             number: which of them.
         """
-        model = comparison.models[number]
-        effect, where = model.key if number else (NONE, "")
-        return Compared(
-            effect,
-            where,
-            *self.data.compared_gaps(model),
-            float(comparison.scores[number] - comparison.scores.max()),
-            float(comparison.probability[number]),
-            model.parameters - comparison.models[0].parameters,
-        )
+        return in_figures(comparison, number, self.data.compared_gaps(comparison.models[number]))
