@@ -75,16 +75,12 @@ class ForwardSelection(Generic[M]):
         Returns:
             Whether any stayed.
         """
-        kept, named, ended = self._state, None, False
-        with suppress(OutOfTime):
-            while not ended and self._follow_in_time():
-                ended = self.data.is_enough(self.current)
-                if named is None and (self.data.is_named(self.current) or self.data.dominates(self.current)):
-                    named = self._state
-            with self.limit.counting(FOR_EFFECTS):
-                while ended and self._besides():
-                    pass
+        kept = self._state
+        ended, named = self._pursued(FOR_EFFECTS)
         stay = ended or named is not None or self._settles()
+        if not stay and self.limit.was_hit:
+            ended, named = self._pursued(1.0)
+            stay = ended or named is not None
         if not ended and (named or not stay):
             self.furthest = None if named else self.current
             self._state = named or kept
@@ -92,9 +88,21 @@ class ForwardSelection(Generic[M]):
             self._describe_anew()
         return stay
 
-    def _follow_in_time(self) -> bool:
-        with self.limit.counting(FOR_EFFECTS if self.data.may_settle(self.current) else 1.0):
-            return self._follow_on()
+    def _pursued(self, part: float) -> tuple[bool, tuple[Any, ...] | None]:
+        """Whether effects leave nothing, and those named; in a part of the time once some may be sure."""
+        named, ended, going = None, False, True
+        with suppress(OutOfTime):
+            while going and not ended:
+                with self.limit.counting(part if self.data.may_settle(self.current) else 1.0):
+                    going = self._follow_on()
+                ended = going and self.data.is_enough(self.current)
+                if going and named is None:
+                    sure = self.data.is_named(self.current) or self.data.dominates(self.current)
+                    named = self._state if sure else None
+            with self.limit.counting(part):
+                while ended and self._besides():
+                    pass
+        return ended, named
 
     def _settles(self) -> bool:
         """Whether the data are sure of some effects, whatever is missing besides; not where time ran out."""
@@ -214,17 +222,12 @@ class ForwardSelection(Generic[M]):
         nearer = False
         try:
             found = self.step(1) is not None
-            nearer = found and (self.data.is_enough(self.current) or self._is_nearer(kept[0]))
+            same = set(self.current.hypothesis.keys) == set(kept[0].hypothesis.keys)
+            taking = same and self._takes(kept[0], self.current, 0.0)
+            nearer = found and (taking or self.data.is_enough(self.current))
         finally:
             if not nearer:
                 self._state = kept
-
-    def _is_nearer(self, other: M) -> bool:
-        """Whether the current model has the effects of another one and takes more of the disagreement."""
-        if set(self.current.hypothesis.keys) != set(other.hypothesis.keys):
-            return False
-        ours, theirs = (self.data.share(self.root, one) for one in (self.current, other))
-        return ours is not None and theirs is not None and ours > theirs
 
     def drop_needless(self) -> None:
         """Leave out every effect in turn; those that nobody misses go.
