@@ -53,6 +53,7 @@ def test_a_folder(tmp_path, system, overwrite):
     assert found.new in found.read
 
 
+@pytest.mark.slow
 def test_without_this_program_too_where_names_are_exchanged(tmp_path):
     if exchange._renameat2() is None:
         pytest.skip("a system that cannot exchange two names")

@@ -72,8 +72,10 @@ def test_the_page_lists_every_form():
     assert page.count("| looked at |") + page.count("| sealed |") == len(OTHERS)
 
 
-SLOW = ("coulomb_friction:iwan",)
-"""Some hundred sliding elements, integrated in time."""
+ONE_EACH = {key.split(":")[0]: key for key in OTHERS}
+"""Of each effect the last form."""
+SLOW = set(OTHERS) - set(ONE_EACH.values())
+"""The others, which `make slow` puts in."""
 
 
 @pytest.mark.parametrize(
@@ -95,10 +97,6 @@ def test_a_form_is_put_in_and_named_in_the_truth_alone(key, arms, plain, tmp_pat
             assert there.read_bytes() == file.read_bytes()
         assert file.is_dir() or there.stat().st_size == file.stat().st_size
     assert len(list((tmp_path / "test").rglob("*"))) == len(list(plain.rglob("*")))
-
-
-ONE_EACH = {key.split(":")[0]: key for key in OTHERS}
-"""Of each effect the last form."""
 
 
 @pytest.mark.parametrize("key", ONE_EACH.values())

@@ -46,7 +46,7 @@ def clean(fanuc, ur5):
 
 
 @pytest.mark.parametrize("effect", EFFECTS)
-@pytest.mark.parametrize("which", ["fanuc", "ur5"])
+@pytest.mark.parametrize("which", ["fanuc", pytest.param("ur5", marks=pytest.mark.slow)])
 def test_every_effect_on_a_planar_and_a_spatial_arm(effect, which, clean, request):
     robot = request.getfixturevalue(which)
     spoilt = simulate(robot, **SMALL, hide=[effect], seed=4)
