@@ -55,7 +55,7 @@ browser:
 
 # A module's tests stay together, so that what they share is made once; workers and commands share bytecode.
 test: .venv/tested browser
-	PYTHONDONTWRITEBYTECODE= OPENBLAS_NUM_THREADS=1 $(BIN)/pytest -n $(WORKERS) --dist loadscope --no-loadscope-reorder -q
+	PYTHONDONTWRITEBYTECODE= OPENBLAS_NUM_THREADS=1 $(BIN)/pytest -n $(WORKERS) --dist loadscope -q
 
 slow: .venv/tested browser
 	OPENBLAS_NUM_THREADS=1 $(BIN)/pytest -n auto --dist loadscope -q -m slow
