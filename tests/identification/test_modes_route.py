@@ -127,6 +127,7 @@ def test_both_routes_agree_within_their_intervals(campaign, fanuc, rig):
     assert np.abs((by_modes.at - truth) / by_modes.uncertainty.deviation).max() < 4
 
 
+@pytest.mark.slow
 def test_antiresonances_tell_what_frequencies_do_not(campaign, fanuc, rig):
     use = ["frequency", "antiresonance"]
     problem = build_identification(campaign, fanuc, source="modes", use=use)
