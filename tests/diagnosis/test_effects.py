@@ -35,30 +35,28 @@ from flexmodal.structure.with_ports import with_ports
 from .conftest import NEXT, effect_of
 
 
-@pytest.fixture(scope="module")
-def bench():
-    """A short campaign with the card's own parameters, its context, its observations, and the rig's stand."""
-    robot = flexmodal.load("fanuc_s360")
+def seen_and_simulated(name, postures, points=3, top=120.0):
+    """Context and observations of a short campaign with the card's own parameters, and the rig's stand."""
+    robot = flexmodal.load(name)
     result = simulate(
-        robot, postures=["configuration_1", "configuration_6"], points=3, trials=2, averages=2, seed=3,
-        record_length=1.0, band=(2.0, 120.0), parameter_error=0.0,
+        robot, postures=postures, points=points, trials=2, averages=2, seed=3, record_length=1.0,
+        band=(2.0, top), parameter_error=0.0,
     )  # fmt: skip
     stand = make_stand(result.robot, result.plan, known_robot(result.robot, {}))
     observed = unlimited(observe(result.campaign))
     return Context.of(robot, observed), observed, stand
+
+
+@pytest.fixture(scope="module")
+def bench():
+    """A short campaign with the card's own parameters, its context, its observations, and the rig's stand."""
+    return seen_and_simulated("fanuc_s360", ["configuration_1", "configuration_6"])
 
 
 @pytest.fixture(scope="module")
 def standing():
     """The same of an arm in space, in one posture."""
-    robot = flexmodal.load("six_axis")
-    result = simulate(
-        robot, postures=["work"], points=3, trials=2, averages=2, seed=3, record_length=1.0,
-        band=(2.0, 120.0), parameter_error=0.0,
-    )  # fmt: skip
-    stand = make_stand(result.robot, result.plan, known_robot(result.robot, {}))
-    observed = unlimited(observe(result.campaign))
-    return Context.of(robot, observed), observed, stand
+    return seen_and_simulated("six_axis", ["work"])
 
 
 def ours(context, observed, effect, where, values):
@@ -615,14 +613,7 @@ def test_a_sensor_that_sits_off_its_point_reads_what_is_there(bench):
 @pytest.fixture(scope="module")
 def slender():
     """The same of an arm whose links have modes of their own in the band."""
-    robot = flexmodal.load("six_link")
-    result = simulate(
-        robot, postures=1, points=3, trials=2, averages=2, seed=3, record_length=1.0, band=(2.0, 200.0),
-        parameter_error=0.0,
-    )  # fmt: skip
-    stand = make_stand(result.robot, result.plan, known_robot(result.robot, {}))
-    observed = unlimited(observe(result.campaign))
-    return Context.of(robot, observed), observed, stand
+    return seen_and_simulated("six_link", 1, top=200.0)
 
 
 def test_a_slender_link_has_the_modes_of_a_beam(slender, monkeypatch):
@@ -724,14 +715,7 @@ def test_bending_is_that_of_a_beam_where_it_is_slow(bench):
 @pytest.fixture(scope="module")
 def inside():
     """An arm in space with a sensor between the ends of its upper arm, off the axis."""
-    robot = flexmodal.load("six_axis")
-    result = simulate(
-        robot, postures=["work"], points=5, trials=2, averages=2, seed=3, record_length=1.0,
-        band=(2.0, 120.0), parameter_error=0.0,
-    )  # fmt: skip
-    stand = make_stand(result.robot, result.plan, known_robot(result.robot, {}))
-    observed = unlimited(observe(result.campaign))
-    return Context.of(robot, observed), observed, stand
+    return seen_and_simulated("six_axis", ["work"], points=5)
 
 
 @pytest.mark.parametrize(

@@ -45,7 +45,7 @@ from flexmodal.structure.robot_terms import scaled
 SHORTEST = 0.05
 """Links shorter than this do not bend [m]."""
 SHEAR = 0.03
-"""Φ, about: of a thin tube ten times as long as wide."""
+"""Φ, about: of a thin tube sixteen times as long as wide, κ = ½."""
 TWIST = 3.0
 """Stiffness against twist over that against bending, about: G J over E I, and more where little twists it."""
 

@@ -67,7 +67,7 @@ def names_of(context: Context, where: str, count: int) -> list[str]:
         where: the link.
         count: of hinges.
     """
-    planes = _planes(context)
+    planes = planes_of(context)
     return [f"{where} bend {hinge + 1}.{plane + 1}" for hinge in range(count) for plane in range(planes)]
 
 
@@ -79,7 +79,7 @@ def sections(context: Context, where: str, places: Float[np.ndarray, " hinge"]) 
         where: the link.
         places: of its hinges, as parts of the length.
     """
-    known, planes = fixed(context, where), _planes(context)
+    known, planes = fixed(context, where), planes_of(context)
     if known is None or not seen_inside(context, where):
         middle = float(places[len(places) // 2])
         return [Section(1.0, ((middle, 1.0),), (f"{where} twist",) if planes > 1 else (), ())]
@@ -94,7 +94,7 @@ def sections(context: Context, where: str, places: Float[np.ndarray, " hinge"]) 
     return found
 
 
-def _planes(context: Context) -> int:
+def planes_of(context: Context) -> int:
     """In how many planes a link bends."""
     return 1 if context.normal is not None else 2
 

@@ -33,11 +33,15 @@ COORDINATES = tuple(f"sensor mount {axis}" for axis in "xyz")
 def _weigh(assembly: Assembly, placement: Placement) -> None:
     """The sensor off the surface, and a part of its cable that is taped down at the link's origin."""
     motion, foot = carried_along(assembly, placement)
-    mass = placement["mass"]
     for k in range(3):
-        assembly.add_inertia(motion[:, k], mass)
-        assembly.add_inertia(motion[:, k + 3], mass * placement["gyration"] ** 2)
-        assembly.add_inertia(foot[:, k], mass * placement["cable"])
+        assembly.add_inertia(motion[:, k], placement["mass"])
+        _weigh_besides(assembly, placement, motion[:, k + 3], foot[:, k])
+
+
+def _weigh_besides(assembly: Assembly, placement: Placement, turn: np.ndarray, foot: np.ndarray) -> None:
+    """What turns with the surface about an axis, and the taped part of the cable along it."""
+    assembly.add_inertia(turn, placement["mass"] * placement["gyration"] ** 2)
+    assembly.add_inertia(foot, placement["mass"] * placement["cable"])
 
 
 def carried_along(assembly: Assembly, placement: Placement) -> Float[np.ndarray, "2 system 6 dof"]:
@@ -105,8 +109,7 @@ def _held(assembly: Assembly, placement: Placement) -> None:
         assembly.add_damper(row, 2 * placement["mount_damping_ratio"] * mass * own)
         assembly.add_spring(moved, mass * hung**2)
         assembly.add_damper(moved, 2 * placement["cable_damping_ratio"] * mass * hung)
-        assembly.add_inertia(motion[:, k + 3], mass * placement["gyration"] ** 2)
-        assembly.add_inertia(foot[:, k], mass * placement["cable"])
+        _weigh_besides(assembly, placement, motion[:, k + 3], foot[:, k])
 
 
 HELD_SENSOR = Effect(

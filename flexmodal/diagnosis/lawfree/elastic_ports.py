@@ -125,20 +125,18 @@ BASE = _base(
 )
 
 
-def _planes(context: Context) -> int:
-    """In how many planes a link bends."""
-    return 1 if context.normal is not None else 2
-
-
 def _link_hinges(context: Context, where: str) -> tuple[np.ndarray, np.ndarray]:
     """Where a link bends, and weights: three of Gauss's points have any compliance for a load at its end."""
     return hinges.fixed(context, where) or hinges.gauss(3)
 
 
 def _link_functions(context: Context, where: str) -> tuple[str, ...]:
-    names = [f"bend {plane + 1}" for plane in range(_planes(context))]
+    planes = range(link_motion.planes_of(context))
+    names = [f"bend {plane + 1}" for plane in planes]
     own = [f"{name}{end}" for end in ("", ", outwards", ", to the ends") for name in names]
-    shears = [f"shear {k + 1}" for k in range(_planes(context)) if hinges.seen_inside(context, where)]
+    shears = [
+        f"shear {k + 1}" for k in range(link_motion.planes_of(context)) if hinges.seen_inside(context, where)
+    ]
     return (*own, *shears) if len(names) == 1 else (*own, "bend 1 × bend 2", "twist", *shears)
 
 
@@ -159,7 +157,7 @@ def _link_patterns(assembly: Assembly, placement: Placement) -> Patterns:
     """
     context, where = placement.context, placement.where
     places, weights = _link_hinges(context, where)
-    planes = _planes(context)
+    planes = link_motion.planes_of(context)
     rows = [assembly.row(name) for name in link_motion.names_of(context, where, len(places))]
     found = np.zeros((len(_link_functions(context, where)), *(len(assembly.coordinates),) * 2))
     for hinge, (weight, way) in enumerate(zip(weights, 2 * places - 1, strict=True)):
@@ -179,7 +177,7 @@ def _link_patterns(assembly: Assembly, placement: Placement) -> Patterns:
 
 
 def _link_starts(context: Context, where: str) -> tuple[tuple[float, ...], ...]:
-    planes = _planes(context)
+    planes = link_motion.planes_of(context)
     more = len(_link_functions(context, where)) - planes
     return tuple((*(size,) * planes, *(0.0,) * more) for size in (0.03, 0.1, 0.3, 1.0, 3.0))
 

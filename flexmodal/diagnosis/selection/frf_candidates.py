@@ -125,13 +125,14 @@ class FrfCandidates:
         key = _laws(before), is_over, only_met
         cost, known = self._placed.get(key, (np.inf, []))
         if before.cost < NEARER * cost:
-            known = (self._met if only_met else self._at_places)(before, number, look, is_over)
+            if only_met:
+                known = self._met(before, number, look)
+            else:
+                known = self._at_places(before, number, look, is_over)
             self._placed[key] = before.cost, known
         return known
 
-    def _met(
-        self, before: FittedFrfs, number: int, look: Findings, is_over: Callable[[FittedFrfs], bool]
-    ) -> list[FittedFrfs]:
+    def _met(self, before: FittedFrfs, number: int, look: Findings) -> list[FittedFrfs]:
         """Effects at the places that were found alone, of the classes of their curves."""
 
         def allowed(effect: str, where: str) -> bool:
