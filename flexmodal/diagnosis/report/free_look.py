@@ -9,7 +9,7 @@ import numpy as np
 
 from flexmodal.diagnosis.lawfree.result import Curve, Findings, PlaceTried
 from flexmodal.report import Cell, Column, Gallery, Part, Parts, Picture, Table, Text
-from flexmodal.report.figure import INK, NARROW, PALETTE, drawing, frequency_axis, new_figure
+from flexmodal.report.figure import INK, NARROW, drawing, frequency_axis, look, new_figure
 from flexmodal.report.words import percent
 
 _DRAWN = "real and imaginary part with their standard deviation"
@@ -72,20 +72,21 @@ def _row(one: PlaceTried, *, tied: bool) -> list[str | Cell]:
 @drawing
 def draw_curve(curve: Curve) -> Any:
     """Real and imaginary part of every function over frequency, with a band of one standard deviation."""
-    figure = new_figure(NARROW, 3.6)
+    figure = new_figure(NARROW, 3.6 + 0.15 * len(curve.names))
     panels = figure.subplots(2, 1, sharex=True)
     known = curve.deviation <= _WIDEST * np.abs(curve.value).max(axis=1, keepdims=True)
     for part, axes, word in ((np.real, panels[0], "real"), (np.imag, panels[1], "imaginary")):
         axes.axhline(0.0, color=INK, linewidth=0.6)
         for number, name in enumerate(curve.names):
             value, spread = part(curve.value[number]), curve.deviation[number]
-            shown, color = known[number], PALETTE[number % len(PALETTE)]
+            shown, style = known[number], look(number, marker=".", markersize=3, linewidth=1)
             f, y, d = curve.frequency[shown], value[shown], spread[shown]
-            axes.fill_between(f, y - d, y + d, color=color, alpha=0.25, linewidth=0)
-            axes.plot(f, y, ".-", color=color, markersize=3, linewidth=1, label=name)
+            axes.fill_between(f, y - d, y + d, color=style["color"], alpha=0.25, linewidth=0)
+            axes.plot(f, y, label=name, **style)
         unit = f" [{curve.unit}]" if curve.unit else ""
         axes.set_ylabel(f"{word}{unit}")
     frequency_axis(panels[1], curve.frequency)
     if len(curve.names) > 1:
-        panels[0].legend(fontsize=7, ncols=min(3, len(curve.names)))
+        handles = panels[0].get_legend_handles_labels()
+        figure.legend(*handles, fontsize=7, ncols=3, loc="outside lower left", frameon=False)
     return figure
