@@ -108,7 +108,7 @@ def test_a_missing_a_cut_and_a_spoilt_chunk_are_computed_again(whole, grid, tmp_
     assert content(path) == content(whole)
 
 
-@pytest.mark.parametrize("moment", [0.3, 0.6])
+@pytest.mark.parametrize("moment", [0.3, pytest.param(0.6, marks=pytest.mark.slow)])
 def test_killed_and_called_again_it_is_the_same(whole, grid, tmp_path, moment):
     """SIGKILL once a part of the chunks stands; a chunk that stands is whole."""
     path = tmp_path / "grid.zarr"

@@ -53,6 +53,7 @@ def _only_partials(found, whole):
     return {name for name in found if name not in whole} == {n for n in found if n.endswith(".partial")}
 
 
+@pytest.mark.slow
 def test_begun_here_and_finished_on_the_cluster(grid, whole, cluster, tmp_path):
     class Stopped(Exception):
         pass

@@ -151,6 +151,7 @@ def test_every_picture_into_a_folder(cli, tmp_path):
     cli("fit", BEAM, "--pictures", tmp_path / "no" / "where").refused("no such folder")
 
 
+@pytest.mark.slow
 def test_circles_are_among_the_pictures(cli, tmp_path):
     options = ("--band", "110:145", "--at", "126", "--method", "circle", "--pictures", tmp_path / "p")
     assert cli("fit", PLATE, *options).status == 0
@@ -207,7 +208,11 @@ def test_exit_1_where_no_mode_is_found(cli):
     ("options", "headings"),
     [
         ((BEAM, "--per", "posture", "--method", "lscf"), ["Measured and synthesised", "Choose the modes"]),
-        ((PLATE, "--band", "110:145", "--at", "126", "--method", "circle"), ["Circles", "Coherence"]),
+        pytest.param(
+            (PLATE, "--band", "110:145", "--at", "126", "--method", "circle"),
+            ["Circles", "Coherence"],
+            marks=pytest.mark.slow,
+        ),
     ],
 )
 def test_one_page_with_every_picture(cli, tmp_path, options, headings):

@@ -112,7 +112,7 @@ def test_stopped_in_the_midst_of_a_search(program, number, status, says):
 
 
 @pytest.mark.usefixtures("ctrl_c")
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("number", [signal.SIGINT, pytest.param(signal.SIGTERM, marks=pytest.mark.slow)])
 def test_stopped_in_the_midst_of_a_file(program, tmp_path, number):
     words = (
         *("frf", "fanuc_s360", "--posture", "configuration_1", "--frequencies", "1:1000000:0.5"),

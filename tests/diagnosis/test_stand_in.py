@@ -60,6 +60,7 @@ def test_at_its_place_it_brings_unseen_postures_nearer(setup, bare):
     assert is_passive(found)
 
 
+@pytest.mark.slow
 def test_what_was_come_to_on_the_way_stands_in_where_it_has_more_and_predicts_better(setup, bare):
     found = stand_in(setup, looked("link_3"), bare, starts, with_force=False)
     assert stands_in(setup, bare, found)

@@ -96,7 +96,10 @@ def test_one_level_of_force_leaves_friction_untestable(clean):
     assert found.verdict.effects == ()
 
 
-@pytest.mark.parametrize(("hidden", "answer"), [((), Answer.NO), (("joint_coupling@q1+q2",), Answer.YES)])
+@pytest.mark.parametrize(
+    ("hidden", "answer"),
+    [((), Answer.NO), pytest.param(("joint_coupling@q1+q2",), Answer.YES, marks=pytest.mark.slow)],
+)
 def test_a_coupling_of_nothing_is_no_coupling(hidden, answer):
     """Its block could bring the card's damping back to what is believed, with nothing off its diagonal."""
     measured, robot = campaign(*hidden, points=3, trials=2)

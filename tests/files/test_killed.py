@@ -78,7 +78,7 @@ def test_a_set(tmp_path, system):
     assert set(found.read) == {found.old, found.new}
 
 
-@pytest.mark.parametrize("overwrite", [False, True])
+@pytest.mark.parametrize("overwrite", [pytest.param(False, marks=pytest.mark.slow), True])
 def test_a_file(tmp_path, system, overwrite):
     target = tmp_path / "file.csv"
     if overwrite:
@@ -93,6 +93,7 @@ def test_a_file(tmp_path, system, overwrite):
     assert set(found.seen) == {found.old, found.new}
 
 
+@pytest.mark.slow
 def test_two_files_replaced_together(tmp_path, system):
     one, other = tmp_path / "robot.toml", tmp_path / "arm.urdf"
     one.write_text("old card")

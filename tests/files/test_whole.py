@@ -95,7 +95,7 @@ def test_many_writers_at_once(tmp_path, overwrite):
             for name in ("out", "beside"):
                 (scratch / name).write_text(f"{number}")
 
-    for _ in range(10):
+    for _ in range(5):
         children = []
         for number in range(8):
             children.append(os.fork())

@@ -131,7 +131,10 @@ def table_of(tip, frequency, form="receptance"):
     return Frf(frequency, tip.receptance(frequency), axes, axes).to(form)
 
 
-@pytest.mark.parametrize("form", ["receptance", "mobility", "inertance"])
+@pytest.mark.parametrize(
+    "form",
+    ["receptance", *(pytest.param(form, marks=pytest.mark.slow) for form in ("mobility", "inertance"))],
+)
 def test_a_table_gives_the_lobes_of_its_model(benchmark, tmp_path, form):
     """Written as flexmodal frf writes it, read back as a measured spindle, in any form."""
     cut, tip = benchmark(axes="xy", immersion=0.5)

@@ -45,7 +45,12 @@ CASES = {
 }
 
 
-@pytest.mark.parametrize("case", CASES)
+SLOW = "limits, no hold", "worst, static", "xarm7, worst"
+
+
+@pytest.mark.parametrize(
+    "case", [pytest.param(case, marks=[pytest.mark.slow] if case in SLOW else []) for case in CASES]
+)
 def test_every_end_is_a_local_optimum(request, case):
     name, target, build = CASES[case]
     robot = request.getfixturevalue(name)

@@ -185,6 +185,7 @@ def test_a_singular_start(arm):
 
 
 @pytest.mark.usefixtures("types_unchecked")
+@pytest.mark.slow
 def test_limits_in_the_way_are_named(tmp_path):
     """Two links whose elbow bends one way only, up to 0.5 rad, and a target that needs more."""
     path = planar(

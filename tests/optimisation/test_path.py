@@ -150,6 +150,7 @@ def test_never_worse_than_greedy(three, arm):
         assert np.all(problem.shares(planned.postures) <= 1)
 
 
+@pytest.mark.slow
 def test_interrupted_with_the_best_so_far(three):
     """Greedy comes first, within a second; then whatever is better is kept."""
     problem, told = straight(three), []

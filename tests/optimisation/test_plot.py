@@ -59,7 +59,10 @@ def test_receptance_of_several_directions_is_drawn_as_judged(arm, held):
         StiffnessObjective(PointDirection("tool", "z")),
         TunedObjective(PointDirection("tool", "z"), (1.0, 6.0)),
         SeparationObjective(5.0),
-        CombinedObjective((SeparationObjective(5.0), StiffnessObjective(PointDirection("tool", "x")))),
+        pytest.param(
+            CombinedObjective((SeparationObjective(5.0), StiffnessObjective(PointDirection("tool", "x")))),
+            marks=pytest.mark.slow,
+        ),
     ],
     ids=["stiffness", "tuned", "separation", "product"],
 )

@@ -111,6 +111,7 @@ def test_left_out_gaps_are_those_of_the_identification(problem, campaign, fanuc)
     assert problem.left_out.gap["nearest"] == pytest.approx(beside.nearest, rel=0.02)
 
 
+@pytest.mark.slow
 def test_a_posture_is_not_predicted_by_itself(campaign, fanuc, problem):
     """Its FRFs made ten times larger change what the others tell of it not at all."""
     frfs, own = campaign.frfs, campaign.postures[2]

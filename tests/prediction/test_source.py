@@ -131,6 +131,7 @@ def test_data_alone_is_said_where_no_physics_fits(every, fanuc, problem):
     assert method_cells(solve_by_all(spoilt, every.postures[5].q)["mean"])
 
 
+@pytest.mark.slow
 def test_an_atlas_holds_what_the_prediction_gives(source, problem, fanuc, tmp_path):
     axes = {name: np.array([0.2]) for name in fanuc.commanded}
     first = next(iter(axes))

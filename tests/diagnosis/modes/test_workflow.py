@@ -168,6 +168,7 @@ def test_what_is_refused(as_believed, rigid, options, says):
         diagnose(as_believed, rigid, **options)
 
 
+@pytest.mark.slow
 def test_postures_that_are_held_out_are_not_fitted(as_believed, rigid):
     found = diagnose(as_believed, rigid, hold_out=["configuration_6"], effects=["joint_coupling@q1+q2"])
     assert found.held_out == (3,)
