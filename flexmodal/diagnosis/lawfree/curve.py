@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from jaxtyping import Complex, Float
@@ -29,11 +30,30 @@ class Metric:
     """Root R of the metric on functions in their sizes: |d|² = |R d|², d as real and imaginary parts."""
 
     root: Float[np.ndarray, "value value"]
+    functions: int
 
     def of(self, change: Complex[np.ndarray, "function line"]) -> Float[np.ndarray, " value"]:
         """R d."""
         flat = change.T.ravel()
         return self.root @ np.concatenate([flat.real, flat.imag])
+
+    def of_each(
+        self, terms: Complex[np.ndarray, "term line"], size: Float[np.ndarray, "function line"]
+    ) -> Float[np.ndarray, "value column"]:
+        """R d of changes of one function each, by function and term; all others stay as they are.
+
+        Args:
+            terms: changes, each of every function in turn.
+            size: of the functions, in which d counts.
+        """
+        each = np.swapaxes(terms[:, None] / size, 0, 1)  # function term line
+        parts = np.swapaxes(np.concatenate([each.real, each.imag], axis=2), 1, 2)
+        return np.moveaxis(self._by_function @ parts, 0, 1).reshape(len(self.root), -1)
+
+    @cached_property
+    def _by_function(self) -> Float[np.ndarray, "function value part"]:
+        parts = self.root.reshape(len(self.root), -1, self.functions)
+        return np.ascontiguousarray(np.moveaxis(parts, 2, 0))
 
 
 def curve_of(sighting: Sighting, number: int = -1) -> tuple[Curve, Metric]:
@@ -58,7 +78,7 @@ def curve_of(sighting: Sighting, number: int = -1) -> tuple[Curve, Metric]:
         z * size,
         np.sqrt(variance * scale) * size,
     )
-    return curve, Metric(metric)
+    return curve, Metric(metric, functions)
 
 
 def _metric(profile: Profile, state: State, span: slice) -> Float[np.ndarray, "value value"]:
@@ -142,14 +162,7 @@ def _fitted(
     functions = len(size)
 
     def solved(at: np.ndarray) -> tuple[float, np.ndarray]:
-        terms = template.basis(omega, tuple(np.exp(at)))
-        columns = []
-        for k in range(functions):
-            for term in terms:
-                one = np.zeros(size.shape, dtype=complex)
-                one[k] = term / size[k]
-                columns.append(metric.of(one))
-        matrix = np.array(columns).T
+        matrix = metric.of_each(np.array(template.basis(omega, tuple(np.exp(at))), dtype=complex), size)
         norm = np.maximum(np.linalg.norm(matrix, axis=0), 1e-300)
         found = np.linalg.lstsq(matrix / norm, target, rcond=None)[0] / norm
         return float(np.sum((target - matrix @ found) ** 2)), found.reshape(functions, -1)

@@ -27,11 +27,12 @@ effects of the virtual rig, whose true places had 0.6 to 1.5; how sharply was no
 NEARLY, AFRESH = 1.0, 2
 """Where none comes that near, so many of the best are fitted once more, from the beginning."""
 LATE = 3.0
-"""Misfit of effects that are there, up to which ports beside them begin at a small model error: at a large
-one nothing of what is left is to be seen, and every port goes on."""
+"""Misfit of what is believed up to which ports begin at a small model error: at a large one nothing of what
+is missing is to be seen, and every port goes on."""
 LEADS = 1.25
 """Times by which a port beside effects lowers the misfit, for rare ones not to be tried: of several effects
-each takes a part, and what is rare is tried where none does."""
+each takes a part, and what is rare is tried where none does. So many times better than any other is a rare
+one after the first round, if it goes on."""
 STEPS = 20
 """Most at each model error, for those that go on."""
 PATIENT_STEPS, PATIENT = 100, 5e-5
@@ -93,11 +94,14 @@ class Field:
     @cached_property
     def _floors(self) -> tuple[float, ...]:
         """Model errors of the first round: all of them, or what is left can be seen at the last only."""
-        return (screening.LATE_FLOOR,) if self._late else screening.FLOORS
+        if not self._late:
+            return screening.FLOORS
+        noise = noise_of(self.seen.merged, self.seen.lines)
+        return (min(screening.LATE_FLOOR, screening.LATE_OVER_NOISE * noise),)
 
     @cached_property
     def _late(self) -> bool:
-        return bool(self.root.placed) and self.bare <= LATE
+        return self.bare <= LATE
 
     def round(
         self,
@@ -113,18 +117,20 @@ class Field:
             advance: called with the part that is done.
         """
         taken = {port.key for port in before.ports} if before else set()
-        kept: list[tuple[Port, Start | None]] = []
+        tried = [port for port in (self.torques if ports is None else ports) if port.key not in taken]
+        found, kept = [self.sighted((port,), before) for port in tried], []
         if ports is None:
-            kept += self._screened(self.ports, before, taken, lambda part: advance(0.6 * part))
-        kept += [(port, None) for port in (self.torques if ports is None else ports) if port.key not in taken]
-        found = []
-        for number, (port, start) in enumerate(kept):
+            told = any(one.judged <= SOUND for one in found)  # what depends on force, readings may as well
+            others = [port for port in self.ports if port.kind.reads is not None or not told]
+            kept = self._screened(others, before, taken, lambda part: advance(0.6 * part))
+        for number, (port, start, _) in enumerate(kept):
             found.append(self.sighted((port,), before, start))
             advance(0.6 + 0.4 * (number + 1) / len(kept))
         found.sort(key=lambda one: one.judged)
         if ports is None and self.rare and not self._leads_on(found, before):
+            least = min((misfit for _, _, misfit in kept), default=np.inf) / LEADS**2
             more = self._screened(self.rare, before, taken, lambda part: None)
-            found += [self.sighted((port,), before, start) for port, start in more]
+            found += [self.sighted((port,), before, start) for port, start, misfit in more if misfit < least]
             found.sort(key=lambda one: one.judged)
         if found and found[0].judged > NEARLY and ports is None:
             found = [self._afresh(one, before) for one in found[:AFRESH]] + found[AFRESH:]
@@ -166,8 +172,8 @@ class Field:
         before: Sighting | None,
         taken: set[tuple[str, str]],
         advance: Callable[[float], None],
-    ) -> list[tuple[Port, Start]]:
-        """Those of some ports that go on, after a look at a part of the lines, and where that ended."""
+    ) -> list[tuple[Port, Start, float]]:
+        """Those of some ports that go on, after a look at a part of the lines, where that ended, and how."""
         begins: list[tuple[Port, screening.Fit]] = []
         for number, port in enumerate(ports):
             if port.key not in taken:
@@ -178,18 +184,20 @@ class Field:
                 fit = begun(model, state, floor=self._floors[0], steps=screening.STEPS, roughly=True)
                 begins.append((port, fit))
             advance(0.7 * (number + 1) / len(ports))
-        first, ends, going = [], {}, screening.near(begins, self._unexplained if before is None else None)
+        without = self._unexplained if before is None else None
+        first, ends, going = [], {}, screening.near(begins, without)
         for number, (port, fit) in enumerate(going):
             found = finished(*fit, floors=self._floors[1:], steps=screening.STEPS)
-            first.append((screening.misfit_of(found), port))
-            ends[port.key] = found[1].x, screening.on_all(found[1].z, len(self.seen.lines))
+            misfit = screening.misfit_of(found)
+            first.append((misfit, port))
+            ends[port.key] = (found[1].x, screening.on_all(found[1].z, len(self.seen.lines))), misfit
             advance(0.7 + 0.3 * (number + 1) / len(going))
         first.sort(key=lambda one: one[0])
-        return [(port, ends[port.key]) for port in screening.kept(first)]
+        return [(port, *ends[port.key]) for port in screening.kept(first, without)]
 
     @cached_property
     def _unexplained(self) -> float | None:
-        """What no port leaves at the model error of a first round that begins late; None for others."""
+        """Reduced χ² without any port at the model error of a first round that begins late, else None."""
         if not self._late:
             return None
         model = self._model((Port.at(NOTHING, "", self.root.context),), self._few, self._some_lines)

@@ -15,8 +15,8 @@ from flexmodal.identification import Observations
 
 FLOORS = (0.2, 0.05)
 """Model errors."""
-LATE_FLOOR = 0.01
-"""The only one where little is left beside effects."""
+LATE_FLOOR, LATE_OVER_NOISE = 0.01, 4.0
+"""The only one where little is missing: at most, and in units of the model error at which fits are judged."""
 STEPS = 3
 """Most at each model error."""
 LINES = 2
@@ -26,10 +26,16 @@ FRFS = 48
 HOPELESS = 16.0
 """Times the best reduced χ² at the first model error; ports beyond it are not followed to the next, but the
 best of each kind. On 26 campaigns looked at, no port that came to stand among the best was beyond 10."""
+MOST_NEAR = 16
+"""And so many at most, but the best of each kind; on 61 campaigns looked at, the port that came to be the
+best was among the first eight."""
 GAINS = 0.3
-"""Part of what the best port takes that others have to take, where little is left beside effects."""
+"""Part of what the best port takes that others have to take, where little is missing."""
+NOTHING_GAINED = 1.2
+"""Times by which the best port lowers the reduced χ² at least where little is missing, for more than the
+fewest to go on."""
 UNMENDED = 2.0
-"""So many times as far behind before lines that ended in other minima are repaired."""
+"""So many times as far behind, and as many, before lines that ended in other minima are repaired."""
 FEWEST, KEPT = 2, 6
 """Ports that go on at least, and while they are not far behind."""
 FAR = 10.0
@@ -41,9 +47,10 @@ MOST_KEPT = 10
 MOST_ALIKE, EXPLAINED = 20, 1.5
 """More go on where one place explains everything, to this reduced χ², and others as well: a mass at the end
 of a link is one on the next link, and neither is to be left out for want of room."""
-BEST_OF_KIND = 15.0
+BEST_OF_KIND, BEST_OF_SEVERAL = 15.0, 2.0
 """And of each kind the best up to so many times: a coupling of two joints is near its end after a few steps,
-the link between them that does the same, with its many hinges, is not."""
+the link between them that does the same, with its many hinges, is not. The second where no place explains
+everything alone."""
 ALIKE = 1.25
 """Ports whose misfits are within this factor cannot be told apart; the one with the fewest unknowns is taken.
 
@@ -93,29 +100,42 @@ def near(begins: Sequence[tuple[Port, Fit]], without: float | None = None) -> li
         begins: ports and their fits, whose lines are not repaired yet.
         without: reduced χ² without any port where little is left; then those that take a part of it at all.
     """
-    going = _within(UNMENDED * HOPELESS, begins)
-    found = _within(HOPELESS, [(port, mended(*fit)) for port, fit in going])
+    going = _within(UNMENDED * HOPELESS, UNMENDED * MOST_NEAR, begins)
+    found = _within(HOPELESS, MOST_NEAR, [(port, mended(*fit)) for port, fit in going])
     if without is None or not found:
         return found
     least = without - GAINS * (without - misfit_of(found[0][1]))
     return [one for k, one in enumerate(found) if k < FEWEST or misfit_of(one[1]) <= least]
 
 
-def _within(times: float, begins: Sequence[tuple[Port, Fit]]) -> list[tuple[Port, Fit]]:
-    """Those up to so many times the best misfit, and of each kind the best, in order."""
+def _within(times: float, most: float, begins: Sequence[tuple[Port, Fit]]) -> list[tuple[Port, Fit]]:
+    """The first ones up to so many times the best misfit, and of each kind the best, in order."""
     judged = [(misfit_of(fit), port, fit) for port, fit in begins]
     order = sorted(judged, key=lambda one: one[0])
     best: dict[str, Port] = {}
     for _, port, _ in order:
         best.setdefault(port.kind.name, port)
     limit = times * order[0][0] if order else 0.0
-    return [(port, fit) for misfit, port, fit in order if misfit <= limit or best[port.kind.name] is port]
+    return [
+        (port, fit)
+        for k, (misfit, port, fit) in enumerate(order)
+        if (misfit <= limit and k < most) or best[port.kind.name] is port
+    ]
 
 
-def kept(first: Sequence[tuple[float, Port]]) -> list[Port]:
-    """Of all ports with their misfits, the best first, those that go on."""
-    limit, far = WITHIN * first[0][0], BEST_OF_KIND * first[0][0]
-    alike = ALIKE**2 * first[0][0] if first[0][0] < EXPLAINED else 0.0
+def kept(first: Sequence[tuple[float, Port]], without: float | None = None) -> list[Port]:
+    """Of all ports with their misfits, the best first, those that go on.
+
+    Args:
+        first: reduced χ² and ports.
+        without: reduced χ² without any port where little is missing; only the fewest where no port gains.
+    """
+    if without is not None and without < NOTHING_GAINED * first[0][0]:
+        return [port for _, port in first[:FEWEST]]
+    explained = first[0][0] < EXPLAINED
+    limit = WITHIN * first[0][0]
+    far = (BEST_OF_KIND if explained else BEST_OF_SEVERAL) * first[0][0]
+    alike = ALIKE**2 * first[0][0] if explained else 0.0
     going = [
         port
         for k, (misfit, port) in enumerate(first[:MOST_ALIKE])

@@ -279,6 +279,23 @@ def test_the_class_is_read_off_the_curve(root, hinged, observed):
     assert classes[0].coefficients[0][0] * stiffness == pytest.approx(1.0, rel=0.25)
 
 
+def test_a_change_of_one_function_counts_as_one_of_all_in_which_the_others_stay(root, hinged, observed):
+    port = Port.at(COUPLING, "q1+q2", root.context)
+    _, metric = curve_of(Field.of(root, hinged[1].x, observed, None).sighted((port,)))
+    functions = metric.functions
+    lines = len(metric.root[0]) // 2 // functions
+    draw = np.random.default_rng(5)
+    terms = draw.normal(size=(2, lines)) + 1j * draw.normal(size=(2, lines))
+    size = draw.uniform(0.5, 2.0, (functions, lines))
+    plain = []
+    for number in range(functions):
+        for term in terms:
+            change = np.zeros(size.shape, dtype=complex)
+            change[number] = term / size[number]
+            plain.append(metric.of(change))
+    np.testing.assert_allclose(metric.of_each(terms, size), np.array(plain).T, rtol=1e-9, atol=1e-12)
+
+
 def test_beside_a_named_effect_a_look_begins_where_that_was_fitted(hinged, observed):
     """A sensor the wrong way round is far from what is expected of a gain, and no descent turns its sign."""
     _, _, hypothesis, fitted = hinged

@@ -6,10 +6,12 @@ import pytest
 
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.lawfree.joint_ports import COUPLING, JOINT
+from flexmodal.diagnosis.lawfree.kinds import TORQUE
 from flexmodal.diagnosis.lawfree.look import Field
 from flexmodal.diagnosis.lawfree.port import Port
 from flexmodal.diagnosis.lawfree.profile import Profile, State
 from flexmodal.diagnosis.lawfree.pursuit import alone, pursued
+from flexmodal.diagnosis.lawfree.reading_ports import SENSOR
 from flexmodal.diagnosis.lawfree.sighting import Round, Sighting
 
 PROFILE, STATE = object.__new__(Profile), object.__new__(State)
@@ -66,9 +68,10 @@ class Screened(Given):
 
     round = Field.round
 
-    def __init__(self, placed, best):
-        super().__init__((ONE,), {frozenset({"q1"}): best})
-        rest = {"rare": (PAIR,), "torques": (), "root": Mock(spec=Hypothesis, placed=placed), "asked": []}
+    def __init__(self, placed, best, ports=(ONE,), torques=(), firsts=(10.0, 1.0)):
+        super().__init__(ports, {frozenset({"q1"}): best, frozenset({"q1+q2"}): 5.0})
+        root = Mock(spec=Hypothesis, placed=placed)
+        rest = {"rare": (PAIR,), "torques": torques, "root": root, "asked": [], "firsts": firsts}
         for name, value in rest.items():
             object.__setattr__(self, name, value)
 
@@ -77,7 +80,7 @@ class Screened(Given):
 
     def _screened(self, ports, before, taken, advance):
         self.asked.extend(ports)
-        return [(port, None) for port in ports]
+        return [(port, None, self.firsts[port is PAIR]) for port in ports]
 
 
 @pytest.mark.parametrize(
@@ -89,3 +92,20 @@ def test_rare_ports_are_tried_where_no_other_leads_on(placed, best, tried):
     field = Screened(placed, best)
     field.round()
     assert (PAIR in field.asked) is tried
+
+
+@pytest.mark.parametrize(("rare", "found"), [(6.0, True), (7.0, False)])
+def test_a_rare_port_goes_on_where_it_did_far_better_than_the_others(rare, found):
+    """After the first round, whose best of the others is 10: 1.25² times as good, and not less."""
+    field = Screened((), 7.0, firsts=(10.0, rare))
+    assert (PAIR in [one.port for one in field.round().sightings]) is found
+
+
+@pytest.mark.parametrize(("left", "tried"), [(1.0, False), (2.0, True)])
+def test_where_a_torque_explains_everything_only_readings_are_tried_beside_it(left, tried):
+    """What changes with the force of the blow no linear port explains, but a reading may."""
+    torque, reading = Port(TORQUE, "q1", ("torque",)), Port(SENSOR, "point_1", ("gain",))
+    field = Screened((), left, ports=(ONE, reading), torques=(torque,))
+    field.round()
+    assert reading in field.asked
+    assert (ONE in field.asked) is tried

@@ -32,6 +32,32 @@ def test_the_best_of_a_kind_goes_on_from_farther_behind():
     assert link[1] not in kept([*ports(1.0, 1.1, 1.2, 1.3, 1.4, 1.5), far])
 
 
+def test_where_no_place_explains_everything_fewer_kinds_go_on():
+    """With several effects each port is far from the truth, and all of them are alike in that."""
+    best = screening.EXPLAINED * 2
+    near, far = ((k * best, Port(BY_NAME["link"], "link_2")) for k in (1.9, 2.1))
+    others = ports(*np.linspace(best, 1.1 * best, screening.MOST_KEPT))
+    assert near[1] in kept([*others, near])
+    assert far[1] not in kept([*others, far])
+
+
+def test_where_no_port_gains_only_the_fewest_go_on():
+    alike = ports(*np.linspace(0.5, 0.6, 30))
+    assert len(kept(alike, 0.5 * screening.NOTHING_GAINED * 0.99)) == screening.FEWEST
+    assert len(kept(alike, 0.5 * screening.NOTHING_GAINED * 1.01)) == screening.MOST_ALIKE
+
+
+def test_so_many_ports_at_most_and_the_best_of_each_kind_are_near(monkeypatch):
+    monkeypatch.setattr(screening, "misfit_of", lambda one: one[1].cost)
+    repaired = []
+    monkeypatch.setattr(screening, "mended", lambda *fit: repaired.append(fit) or fit)
+    every = [*ports(*np.linspace(1.0, 1.5, 50)), (3.0, Port(BY_NAME["link"], "link_2"))]
+    begins = [(port, (Mock(spec=Profile), Mock(spec=State, cost=misfit))) for misfit, port in every]
+    found = [port for port, _ in screening.near(begins)]
+    assert found == [port for _, port in [*every[: screening.MOST_NEAR], every[-1]]]
+    assert len(repaired) == screening.UNMENDED * screening.MOST_NEAR + 1
+
+
 def test_lines_are_repaired_before_a_port_is_given_up(monkeypatch):
     """But for ports that are so far behind that no repair brings them back."""
     far, to = 1.5 * screening.HOPELESS, 0.5
