@@ -18,6 +18,10 @@ HALVINGS, LEAST = 12, 1e-12
 """Of the search for what shortens a step: how often its range is halved, and its lower end over the upper."""
 FIRST, LAST = 1e-3, 1e8
 """Damping of the first step, and where a search gives up."""
+AGAIN, HARDER = 3e-3, 8.0
+"""Damping from which it grows where a step leads up, and how many times: with less a step hardly changes."""
+VAIN = 0.1
+"""Part of what ends a descent that a shorter step has to promise, for one to be tried."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,7 +85,7 @@ def descend(
         if not free.any():
             return Descent(x, normal.cost, taken, True)
         hessian = normal.curvature + prior
-        found = None
+        found, first = None, damping
         while found is None and damping < LAST:
             step = np.zeros(len(x))
             damped = hessian + np.diag(damping * np.diag(hessian) + 1e-300)
@@ -90,17 +94,28 @@ def descend(
             value = cost(trial)
             if np.isfinite(value) and value < normal.cost:
                 found = trial
+            elif _promised(step, normal.gradient, hessian) < VAIN * settled * normal.cost:
+                break
             else:
-                damping = max(damping, 1e-6) * 8
+                damping = max(damping, AGAIN) * HARDER
         if found is None:
             return Descent(x, normal.cost, taken, True)
         gained = (normal.cost - value) / max(normal.cost, 1e-300)
-        x, damping = found, damping / 5
+        x, damping = found, damping / 5 if damping == first else damping
         advance(taken, value)
         if gained < settled or taken == most:
             return Descent(x, value, taken, gained < settled)
         normal = equations(x)
     return Descent(x, normal.cost, most, False)
+
+
+def _promised(
+    step: Float[np.ndarray, " parameter"],
+    gradient: Float[np.ndarray, " parameter"],
+    hessian: Float[np.ndarray, "parameter parameter"],
+) -> float:
+    """By how much the cost would fall if it were quadratic."""
+    return float(-(2 * gradient @ step + step @ hessian @ step))
 
 
 def short_step(

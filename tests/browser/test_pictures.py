@@ -173,7 +173,10 @@ def test_arm_of_meshes(browser, ur5_page):
     assert exact(scene, FORCE).sum() > 800
 
 
-@pytest.mark.parametrize("name", ["outcome_page", "fanuc_page", "ur5_page"])
+@pytest.mark.parametrize(
+    "name",
+    ["outcome_page", *(pytest.param(name, marks=pytest.mark.slow) for name in ("fanuc_page", "ur5_page"))],
+)
 def test_fits_a_telephone(browser, name, request):
     picture = browser.picture(request.getfixturevalue(name), "#phase=0", width=390, height=844)
     top, bottom = picture[:520], picture[530:]

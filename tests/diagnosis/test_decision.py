@@ -167,6 +167,43 @@ def test_what_is_hardly_more_than_impossible_has_to_reach_the_noise(over, confid
     assert found.effects == ((("added_mass", "link_3"),) if explained else (("unknown", "link_1"),))
 
 
+@pytest.mark.parametrize(
+    ("over", "share", "explained"),
+    [(1.1, 0.1, True), (1.3, 0.44, False), (1.3, 0.56, True), (1.8, 0.3, False), (1.3, None, True)],
+)
+def test_what_takes_the_lesser_part_has_to_reach_the_noise(over, share, explained):
+    """Play passed for a spring that took less than half of what the robot left."""
+    gaps = Gaps(1.0, 0.1, None, None, 0.1)
+    step = Step("added_mass", "link_3", {}, {}, {}, 0.95, gaps, ())
+    facts = Facts(
+        (step,),
+        {"added_mass": "a mass"},
+        gaps,
+        over,
+        Answer.YES,
+        {},
+        open_=False,
+        place="link_1",
+        share=share,
+    )
+    found = verdict(facts)
+    assert found.explained is explained
+    assert found.effects == ((("added_mass", "link_3"),) if explained else (("unknown", "link_1"),))
+
+
+@pytest.mark.parametrize("rounding", LAST_DIGIT)
+def test_at_the_border_of_the_larger_part_it_is_explained_and_told(rounding):
+    gaps = Gaps(1.0, 0.1, None, None, 0.1)
+    step = Step("added_mass", "link_3", {}, {}, {}, 0.95, gaps, ())
+    facts = Facts(
+        (step,), {"added_mass": "a mass"}, gaps, 1.3, Answer.YES, {}, open_=False, place="tip",
+        share=0.5 + rounding,
+    )  # fmt: skip
+    found = verdict(facts)
+    assert found.explained
+    assert found.undecided == (DOUBTFUL,)
+
+
 def test_how_sure_is_what_is_vouched_for_is_asked_among_its_like():
     """What sits in the wrong place may take more alone; what is alone and best stays as it was compared."""
     every = compared(3.0, 40.0, 20.0)

@@ -399,7 +399,7 @@ def test_every_place_is_tried_only_beside_what_does_not_count_as_explained(monke
     look, tried = Mock(spec=Findings, explains=True, needed=True), []
     data = FrfData.__new__(FrfData)
     data.setup, data.asked, data._root = Mock(spec=Setup), None, fitted()
-    data.is_named = data.is_over = data.is_alone = lambda model: False
+    data.is_named = data.is_over = data.is_alone = data.dominates = lambda model: False
     data._candidates = Mock(
         spec=FrfCandidates, can_look=lambda model: True, look_beside=lambda model: look,
         at_places=lambda *given, only_met: [fitted(MASS, DELAY)],
@@ -410,6 +410,25 @@ def test_every_place_is_tried_only_beside_what_does_not_count_as_explained(monke
     monkeypatch.setattr(frf_data, "best_of_each", list)
     assert [one.hypothesis.keys for one in data.pointed(fitted(MASS), 1)] == [(MASS,), (MASS, DELAY)]
     assert tried == ([] if explained else [1])
+
+
+@pytest.mark.parametrize(
+    ("explains", "at", "tried"), [(True, False, True), (True, True, False), (False, False, False)]
+)
+def test_beside_a_strong_effect_only_what_one_other_place_stands_for_is_tried(explains, at, tried):
+    """What it leaves may be due to its law: two masses made up for that of a beam that shears."""
+    look = Mock(spec=Findings, explains=explains, needed=True, is_at=lambda keys: at)
+    met, other = fitted(MASS, DELAY), fitted(MASS, BASE)
+    data = FrfData.__new__(FrfData)
+    data.setup, data.asked, data._root = Mock(spec=Setup), None, fitted()
+    data.is_named = data.is_over = data.is_alone = lambda model: False
+    data.dominates = lambda model: True
+    data._candidates = Mock(
+        spec=FrfCandidates, can_look=lambda model: True, look_beside=lambda model: look,
+        at_places=lambda *given, only_met: [met] if only_met else [other, met],
+    )  # fmt: skip
+    before = fitted(MASS)
+    assert data.pointed(before, 1) == ([before, met] if tried else [before])
 
 
 def test_so_many_looks_and_no_more():

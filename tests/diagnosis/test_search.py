@@ -1,13 +1,20 @@
 """Coarse looks: which lines they see, and where effects set out."""
 
+from unittest.mock import Mock
+
 import numpy as np
 import pytest
 
 from flexmodal.diagnosis.effects import catalogue
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.placed import Placed
-from flexmodal.diagnosis.search.coarse import look_at
+from flexmodal.diagnosis.search import explanations as module
+from flexmodal.diagnosis.search.coarse import Candidate, look_at
+from flexmodal.diagnosis.search.explanations import A_FEW, BEHIND, FAR_BEHIND, explanations
 from flexmodal.diagnosis.search.lines import WORST, some_lines, worst_lines
+from flexmodal.diagnosis.search.set_out import SetOut
+from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
+from flexmodal.diagnosis.setup import Setup
 from flexmodal.identification import predict
 from flexmodal.structure import robot_space
 
@@ -53,3 +60,42 @@ def test_some_start_of_an_absorber_is_nearer_than_none(context, observed, mass):
     assert min(costs) < far(predict(root, zero, observations))
     assert 0.8 < best["frequency"] / 47.0 < 1.25
     assert 0.1 < best["mass"] / mass < 10
+
+
+@pytest.mark.parametrize("enough", [False, True])
+def test_what_is_far_behind_is_fitted_with_a_few_steps(monkeypatch, enough):
+    """And less far once an explanation is enough: it can hardly come to be the best any more."""
+    costs = [1.0, 1.1 * BEHIND, 1.1 * FAR_BEHIND]
+    hypotheses = [Mock(spec=Hypothesis, placed=(), base=(), keys=(("effect", str(cost)),)) for cost in costs]
+    finalists = [Candidate(one, np.zeros(0), cost) for one, cost in zip(hypotheses, costs, strict=True)]
+    taken = []
+
+    def closely(setup, hypothesis, start, *, near=False, steps=None):
+        taken.append((hypothesis.keys[-1][1], steps))
+        return [
+            Mock(
+                spec=FittedFrfs,
+                prior=0.0,
+                cost=1.0,
+                key=hypothesis.keys[-1],
+                hypothesis=hypothesis,
+                fitted=Mock(),
+            )
+        ]
+
+    for name, value in {
+        "look_at": lambda *given: None, "worst_lines": lambda *given: None, "candidates": lambda *given: [],
+        "narrowed": lambda found, seen, advance: finalists, "tried_closely": closely,
+        "over_noise": lambda setup, model: 1.0 if enough else 9.0, "has_law": lambda hypothesis: False,
+        "simpler": lambda *given: [],
+    }.items():  # fmt: skip
+        monkeypatch.setattr(module, name, value)
+    nothing = np.zeros(0, dtype=bool)
+    setup = Mock(spec=Setup, effects=[], fitted=None, held=nothing)
+    before = Mock(spec=FittedFrfs, predicted=nothing, hypothesis=None)
+    explanations(
+        setup, before, SetOut([]), with_force=False, enough=1.4,
+        advance=lambda part: None, one_is_enough=False,
+    )  # fmt: skip
+    few = [where for where, most in taken[:3] if most == A_FEW]
+    assert few == [str(cost) for cost in (costs[1:] if enough else costs[2:])]

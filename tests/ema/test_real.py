@@ -52,7 +52,7 @@ def test_the_plate_like_for_like() -> None:
     assert damping[fifth] == pytest.approx(theirs[5][1], rel=0.1)  # the lighter damping of the ripples
 
 
-@pytest.mark.parametrize(("mode", "lighter"), [(2, 0.25), (4, 0.08)])
+@pytest.mark.parametrize(("mode", "lighter"), [(2, 0.25), pytest.param(4, 0.08, marks=pytest.mark.slow)])
 def test_ripples_make_lscf_find_less_damping_than_there_is(
     monkeypatch: pytest.MonkeyPatch, mode: int, lighter: float
 ) -> None:

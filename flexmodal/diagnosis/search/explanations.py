@@ -22,8 +22,9 @@ FINALISTS = 4
 """Candidates that are fitted closely and compared."""
 INTEGRATED = 3
 """The same for effects that depend on force, whose torques are integrated in time."""
-FAR_BEHIND, A_FEW = 8.0, 6
-"""Times the least cost of a coarse look; beyond it nothing comes to be the best, and so few steps show it."""
+FAR_BEHIND, BEHIND, A_FEW = 8.0, 2.0, 6
+"""Times the least cost of a coarse look; beyond it nothing comes to be the best, and so few steps show it.
+The second where an explanation that was fitted closely before is enough."""
 BEYOND_BELIEF = 60.0
 """Sum of the squares of the parameters' deviations, in their own, that nobody believes."""
 AGAIN = 2
@@ -62,16 +63,7 @@ def explanations(
     for some, most in _kinds(setup.effects, with_force=with_force):
         found = candidates(before.hypothesis, set_out, some, seen, allowed)
         finalists += narrowed(found, seen, lambda part: advance(0.6 * part))[:most]
-    looked: list[FittedFrfs] = []
-    least = min((one.cost for one in finalists), default=0.0)
-    for number, one in enumerate(finalists, start=1):
-        behind = one.cost > FAR_BEHIND * least
-        looked += (
-            tried_closely(setup, one.hypothesis, one.x, near=True, steps=A_FEW)
-            if behind
-            else _close(setup, one)
-        )
-        advance(0.6 + 0.3 * number / len(finalists))
+    looked = _looked_at(setup, finalists, enough, lambda part: advance(0.6 + 0.3 * part))
     looked.sort(key=lambda one: one.cost)
     if one_is_enough and looked and over_noise(setup, looked[0]) > enough:
         looked = [_elsewhere(setup, seen, one, set_out) if k < AGAIN else one for k, one in enumerate(looked)]
@@ -134,6 +126,25 @@ def _kinds(effects: Sequence[Effect], *, with_force: bool) -> list[tuple[list[Ef
     by_force = [effect for effect in effects if effect.by_force]
     others = [effect for effect in effects if not effect.by_force]
     return [(others, FINALISTS), (by_force if with_force else [], INTEGRATED)]
+
+
+def _looked_at(
+    setup: Setup, finalists: Sequence[Candidate], enough: float, advance: Callable[[float], None]
+) -> list[FittedFrfs]:
+    """Candidates fitted closely, those that are far behind with a few steps."""
+    looked: list[FittedFrfs] = []
+    least, far = min((one.cost for one in finalists), default=0.0), FAR_BEHIND
+    for number, one in enumerate(finalists, start=1):
+        behind = one.cost > far * least
+        looked += (
+            tried_closely(setup, one.hypothesis, one.x, near=True, steps=A_FEW)
+            if behind
+            else _close(setup, one)
+        )
+        if any(over_noise(setup, model) <= enough for model in looked[-1:]):
+            far = BEHIND
+        advance(number / len(finalists))
+    return looked
 
 
 def _close(setup: Setup, one: Candidate) -> list[FittedFrfs]:

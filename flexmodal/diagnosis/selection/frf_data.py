@@ -92,12 +92,13 @@ class FrfData(FrfsByLook):
         """See `Data`; everywhere where one place explains what is left and no effect does that there.
 
         Not everywhere beside a model that counts as explained anyway.
-        Beside a model that is named only what such a place stands for: its law may be to blame. Nothing where
-        that of its effect took everything.
+        Beside a model that is named, or so strong that it would be, only what such a place stands for: its
+        law may be to blame. Nothing where that of its effect took everything.
         """
         if self.is_alone(before) or not self._candidates.can_look(before):
             return [before]
-        named, look = self.is_named(before), self._candidates.look_beside(before)
+        named = self.is_named(before) or self.dominates(before)
+        look = self._candidates.look_beside(before)
         law = named and (not look.explains or look.is_at(before.hypothesis.keys))
         if self.asked is not None or law or not (look.needed or look.alone > SOUND):
             return [before]

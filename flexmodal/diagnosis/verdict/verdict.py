@@ -15,7 +15,7 @@ import math
 from flexmodal.diagnosis.names import UNKNOWN
 from flexmodal.diagnosis.outcome import Remaining, Verdict
 from flexmodal.diagnosis.selection.decision import Answer, reaches
-from flexmodal.diagnosis.selection.frf_thresholds import CLOSE
+from flexmodal.diagnosis.selection.frf_thresholds import CLOSE, LARGER_PART
 from flexmodal.diagnosis.verdict.facts import Facts
 from flexmodal.diagnosis.verdict.frf_words import frf_words
 from flexmodal.diagnosis.verdict.modal_words import modal_words
@@ -23,6 +23,8 @@ from flexmodal.diagnosis.verdict.modal_words import modal_words
 DOUBTED, DOUBTED_MARGIN = -math.log(0.0141), math.log(2) / 2
 """Of −ln of the confidence of an effect, above which it has to leave clearly nothing but noise to explain
 anything: below 0.01 it does, from 0.02 on it does not."""
+LARGER_PART_MARGIN = 0.05
+"""Of the part of the disagreement that effects have to take for the same."""
 CLOSE_MARGIN = 0.01
 """Of the distance from the noise that is clearly nothing but noise."""
 DOUBTFUL = "Whether what was found is believable enough to explain what it does is undecided."
@@ -56,10 +58,12 @@ def verdict(facts: Facts) -> Verdict:
 
 
 def _doubted(facts: Facts) -> Answer:
-    """Whether what leaves more than clearly nothing but noise is hardly more than impossible."""
+    """Whether what leaves more than nothing but noise is hardly possible or takes the lesser part."""
     over = facts.over_noise
     least = min((step.confidence for step in facts.steps), default=1.0)
     if over is None:
         return Answer.NO
     hardly = reaches(-math.log(max(least, 1e-300)), DOUBTED, DOUBTED_MARGIN)
-    return min(reaches(over, CLOSE, CLOSE_MARGIN), hardly)
+    share = 1.0 if facts.share is None or not facts.steps else facts.share
+    little = reaches(-share, -LARGER_PART, LARGER_PART_MARGIN)
+    return min(reaches(over, CLOSE, CLOSE_MARGIN), max(hardly, little))
