@@ -174,31 +174,34 @@ def test_what_is_hardly_more_than_impossible_has_to_reach_the_noise(over, confid
 def test_what_takes_the_lesser_part_has_to_reach_the_noise(over, share, explained):
     """Play passed for a spring that took less than half of what the robot left."""
     gaps = Gaps(1.0, 0.1, None, None, 0.1)
-    step = Step("added_mass", "link_3", {}, {}, {}, 0.95, gaps, ())
-    facts = Facts(
-        (step,),
-        {"added_mass": "a mass"},
-        gaps,
-        over,
-        Answer.YES,
-        {},
-        open_=False,
-        place="link_1",
-        share=share,
-    )
+    step = Step("added_mass", "link_3", {}, {}, {}, 0.95, gaps, (), share=share)
+    facts = Facts((step,), {"added_mass": "a mass"}, gaps, over, Answer.YES, {}, open_=False, place="link_1")
     found = verdict(facts)
     assert found.explained is explained
     assert found.effects == ((("added_mass", "link_3"),) if explained else (("unknown", "link_1"),))
 
 
+def test_of_several_effects_all_of_them_take_their_parts():
+    """Whether or not each alone is sure: the shares of those that stand by themselves are fewer."""
+    gaps = Gaps(1.0, 0.1, None, None, 0.1)
+    shares = {"link_3": 0.17, "link_2": 0.7, "link_1": 0.12}
+    steps = tuple(
+        Step("added_mass", where, {}, {}, {}, 0.83, gaps, (), share=one) for where, one in shares.items()
+    )
+    facts = Facts(
+        steps, {"added_mass": "a mass"}, gaps, 1.49, Answer.YES, {}, open_=False, place="tip",
+        standing=(("added_mass", "link_3"),), share=0.17,
+    )  # fmt: skip
+    found = verdict(facts)
+    assert found.explained
+    assert found.effects == tuple(("added_mass", where) for where in shares)
+
+
 @pytest.mark.parametrize("rounding", LAST_DIGIT)
 def test_at_the_border_of_the_larger_part_it_is_explained_and_told(rounding):
     gaps = Gaps(1.0, 0.1, None, None, 0.1)
-    step = Step("added_mass", "link_3", {}, {}, {}, 0.95, gaps, ())
-    facts = Facts(
-        (step,), {"added_mass": "a mass"}, gaps, 1.3, Answer.YES, {}, open_=False, place="tip",
-        share=0.5 + rounding,
-    )  # fmt: skip
+    step = Step("added_mass", "link_3", {}, {}, {}, 0.95, gaps, (), share=0.5 + rounding)
+    facts = Facts((step,), {"added_mass": "a mass"}, gaps, 1.3, Answer.YES, {}, open_=False, place="tip")
     found = verdict(facts)
     assert found.explained
     assert found.undecided == (DOUBTFUL,)

@@ -120,7 +120,8 @@ class Field:
         tried = [port for port in (self.torques if ports is None else ports) if port.key not in taken]
         found, kept = [self.sighted((port,), before) for port in tried], []
         if ports is None:
-            told = any(one.judged <= SOUND for one in found)  # what depends on force, readings may as well
+            # What depends on force only a torque explains, or a reading; what is left beside effects may not.
+            told = not self.root.placed and any(one.judged <= SOUND for one in found)
             others = [port for port in self.ports if port.kind.reads is not None or not told]
             kept = self._screened(others, before, taken, lambda part: advance(0.6 * part))
         for number, (port, start, _) in enumerate(kept):

@@ -64,6 +64,6 @@ def _doubted(facts: Facts) -> Answer:
     if over is None:
         return Answer.NO
     hardly = reaches(-math.log(max(least, 1e-300)), DOUBTED, DOUBTED_MARGIN)
-    share = 1.0 if facts.share is None or not facts.steps else facts.share
-    little = reaches(-share, -LARGER_PART, LARGER_PART_MARGIN)
+    shares = [step.share for step in facts.steps if step.share is not None]
+    little = reaches(-sum(shares), -LARGER_PART, LARGER_PART_MARGIN) if shares else Answer.NO
     return min(reaches(over, CLOSE, CLOSE_MARGIN), max(hardly, little))

@@ -101,11 +101,13 @@ def test_a_rare_port_goes_on_where_it_did_far_better_than_the_others(rare, found
     assert (PAIR in [one.port for one in field.round().sightings]) is found
 
 
-@pytest.mark.parametrize(("left", "tried"), [(1.0, False), (2.0, True)])
-def test_where_a_torque_explains_everything_only_readings_are_tried_beside_it(left, tried):
+@pytest.mark.parametrize(
+    ("placed", "left", "tried"), [((), 1.0, False), ((), 2.0, True), (("an effect",), 1.0, True)]
+)
+def test_where_a_torque_explains_everything_only_readings_are_tried_beside_it(placed, left, tried):
     """What changes with the force of the blow no linear port explains, but a reading may."""
     torque, reading = Port(TORQUE, "q1", ("torque",)), Port(SENSOR, "point_1", ("gain",))
-    field = Screened((), left, ports=(ONE, reading), torques=(torque,))
+    field = Screened(placed, left, ports=(ONE, reading), torques=(torque,))
     field.round()
     assert reading in field.asked
     assert (ONE in field.asked) is tried
