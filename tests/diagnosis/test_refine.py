@@ -74,7 +74,10 @@ def over_floor(predicted, hypothesis):
     return gap(SEEN[hypothesis.context], predicted).over_floor
 
 
-@pytest.fixture(scope="module", params=LAWS)
+@pytest.fixture(
+    scope="module",
+    params=["coulomb_friction@q2", pytest.param("nonlinear_stiffness@q1", marks=pytest.mark.slow)],
+)
 def law_hidden(request):
     hypothesis = hypothesis_of(campaign_with(written(request.param)), request.param)
     return request.param, hypothesis, by_describing_functions(hypothesis)

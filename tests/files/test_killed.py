@@ -63,6 +63,7 @@ def test_without_this_program_too_where_names_are_exchanged(tmp_path):
     assert set(found.seen) == {found.old, found.new}
 
 
+@pytest.mark.slow
 def test_a_set(tmp_path, system):
     """A folder and the file beside it appear together: once one is seen, a reader makes the other appear."""
     target, beside = tmp_path / "out", tmp_path / "out.truth.toml"

@@ -145,6 +145,7 @@ def track(tmp_path):
 
 
 @pytest.mark.usefixtures("types_unchecked")
+@pytest.mark.slow
 def test_an_arm_on_a_track(track):
     """The carriage is a joint like the others, in metres: targets all along the track, best of 200 others."""
     for x in (-0.9, 0.3, 2.4):

@@ -141,7 +141,7 @@ def _looked_at(
             if behind
             else _close(setup, one)
         )
-        if any(over_noise(setup, model) <= enough for model in looked[-1:]):
+        if looked and over_noise(setup, looked[-1]) <= enough:
             far = BEHIND
         advance(number / len(finalists))
     return looked
