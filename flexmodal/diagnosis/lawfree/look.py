@@ -31,8 +31,7 @@ LATE = 3.0
 is missing is to be seen, and every port goes on."""
 LEADS = 1.25
 """Times by which a port beside effects lowers the misfit, for rare ones not to be tried: of several effects
-each takes a part, and what is rare is tried where none does. So many times better than any other is a rare
-one after the first round, if it goes on."""
+each takes a part, and what is rare is tried where none does."""
 STEPS = 20
 """Most at each model error, for those that go on."""
 PATIENT_STEPS, PATIENT = 100, 5e-5
@@ -129,7 +128,7 @@ class Field:
             advance(0.6 + 0.4 * (number + 1) / len(kept))
         found.sort(key=lambda one: one.judged)
         if ports is None and self.rare and not self._leads_on(found, before):
-            least = min((misfit for _, _, misfit in kept), default=np.inf) / LEADS**2
+            least = min((misfit for _, _, misfit in kept), default=np.inf)
             more = self._screened(self.rare, before, taken, lambda part: None)
             found += [self.sighted((port,), before, start) for port, start, misfit in more if misfit < least]
             found.sort(key=lambda one: one.judged)

@@ -50,7 +50,7 @@ of a link is one on the next link, and neither is to be left out for want of roo
 BEST_OF_KIND, BEST_OF_SEVERAL = 15.0, 2.0
 """And of each kind the best up to so many times: a coupling of two joints is near its end after a few steps,
 the link between them that does the same, with its many hinges, is not. The second where no place explains
-everything alone."""
+everything alone, but for readings, which take little time: beside other effects they are late to show."""
 ALIKE = 1.25
 """Ports whose misfits are within this factor cannot be told apart; the one with the fewest unknowns is taken.
 
@@ -134,7 +134,6 @@ def kept(first: Sequence[tuple[float, Port]], without: float | None = None) -> l
         return [port for _, port in first[:FEWEST]]
     explained = first[0][0] < EXPLAINED
     limit = WITHIN * first[0][0]
-    far = (BEST_OF_KIND if explained else BEST_OF_SEVERAL) * first[0][0]
     alike = ALIKE**2 * first[0][0] if explained else 0.0
     going = [
         port
@@ -146,6 +145,8 @@ def kept(first: Sequence[tuple[float, Port]], without: float | None = None) -> l
     ]
     kinds = {port.kind.name for port in going}
     for misfit, port in first:
+        wide = explained or port.kind.reads is not None
+        far = (BEST_OF_KIND if wide else BEST_OF_SEVERAL) * first[0][0]
         if misfit < far and port.kind.name not in kinds:
             going.append(port)
             kinds.add(port.kind.name)

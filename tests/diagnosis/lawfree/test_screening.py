@@ -39,6 +39,8 @@ def test_where_no_place_explains_everything_fewer_kinds_go_on():
     others = ports(*np.linspace(best, 1.1 * best, screening.MOST_KEPT))
     assert near[1] in kept([*others, near])
     assert far[1] not in kept([*others, far])
+    reading = far[0], Port(BY_NAME["sensor"], "point_1")
+    assert reading[1] in kept([*others, reading])  # they take little time
 
 
 def test_where_no_port_gains_only_the_fewest_go_on():
