@@ -23,8 +23,8 @@
 
 PYTHON ?= python3.11
 BIN := .venv/bin
-# two more than there are processors: tests that start commands and browsers wait for them
-WORKERS := $(shell echo $$(($$(getconf _NPROCESSORS_ONLN) + 2)))
+# one more than there are processors: tests that start commands and browsers wait for them
+WORKERS := $(shell echo $$(($$(getconf _NPROCESSORS_ONLN) + 1)))
 .DEFAULT_GOAL := help
 .PHONY: help demo test docs tour distribution slow check tables pictures live-pictures studies exam arithmetic appendix recovery bench fuzz chaos accuracy atlas-bench collisions browser clean
 
