@@ -92,7 +92,7 @@ class Field:
 
     @cached_property
     def _floors(self) -> tuple[float, ...]:
-        """Model errors of the first round: all of them, or what is left can be seen at the last only."""
+        """Model errors of the first round: all of them, or a small one where little is missing."""
         if not self._late:
             return screening.FLOORS
         noise = noise_of(self.seen.merged, self.seen.lines)
@@ -117,12 +117,15 @@ class Field:
         """
         taken = {port.key for port in before.ports} if before else set()
         tried = [port for port in (self.torques if ports is None else ports) if port.key not in taken]
-        found, kept = [self.sighted((port,), before) for port in tried], []
+        found, kept, part = [], [], 1.0 if ports is not None else 0.2
+        for number, port in enumerate(tried, start=1):
+            found.append(self.sighted((port,), before))
+            advance(part * number / len(tried))
         if ports is None:
             # What depends on force only a torque explains, or a reading; what is left beside effects may not.
             told = not self.root.placed and any(one.judged <= SOUND for one in found)
             others = [port for port in self.ports if port.kind.reads is not None or not told]
-            kept = self._screened(others, before, taken, lambda part: advance(0.6 * part))
+            kept = self._screened(others, before, taken, lambda part: advance(0.2 + 0.4 * part))
         for number, (port, start, _) in enumerate(kept):
             found.append(self.sighted((port,), before, start))
             advance(0.6 + 0.4 * (number + 1) / len(kept))

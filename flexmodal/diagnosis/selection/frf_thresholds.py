@@ -17,6 +17,8 @@ ANOTHER, ANOTHER_MARGIN = 0.33, 0.02
 LARGER_PART, NEARLY_ALL = 0.5, 0.9
 """Part of the disagreement that an effect takes to be named where its law is not quite the catalogue's; the
 second where no curve tells its class, or other places cannot be told from its own."""
+LARGER_PART_MARGIN = 0.05
+"""Of the first, where effects that take less have to leave clearly nothing but noise."""
 ALL_BUT_LITTLE = 0.97
 """The same where the curve is of no class that is known, so that it speaks for no effect."""
 CLEARLY = 2.0

@@ -15,7 +15,7 @@ import math
 from flexmodal.diagnosis.names import UNKNOWN
 from flexmodal.diagnosis.outcome import Remaining, Verdict
 from flexmodal.diagnosis.selection.decision import Answer, reaches
-from flexmodal.diagnosis.selection.frf_thresholds import CLOSE, LARGER_PART
+from flexmodal.diagnosis.selection.frf_thresholds import CLOSE, LARGER_PART, LARGER_PART_MARGIN
 from flexmodal.diagnosis.verdict.facts import Facts
 from flexmodal.diagnosis.verdict.frf_words import frf_words
 from flexmodal.diagnosis.verdict.modal_words import modal_words
@@ -23,8 +23,6 @@ from flexmodal.diagnosis.verdict.modal_words import modal_words
 DOUBTED, DOUBTED_MARGIN = -math.log(0.0141), math.log(2) / 2
 """Of −ln of the confidence of an effect, above which it has to leave clearly nothing but noise to explain
 anything: below 0.01 it does, from 0.02 on it does not."""
-LARGER_PART_MARGIN = 0.05
-"""Of the part of the disagreement that effects have to take for the same."""
 CLOSE_MARGIN = 0.01
 """Of the distance from the noise that is clearly nothing but noise."""
 DOUBTFUL = "Whether what was found is believable enough to explain what it does is undecided."

@@ -111,3 +111,13 @@ def test_where_a_torque_explains_everything_only_readings_are_tried_beside_it(pl
     field.round()
     assert reading in field.asked
     assert (ONE in field.asked) is tried
+
+
+def test_progress_is_told_for_every_port_that_is_tried():
+    """A time that is up is noticed then."""
+    told = []
+    Screened((), 0.7).round(ports=(ONE, PAIR), advance=told.append)
+    assert told == [0.5, 1.0]
+    told.clear()
+    Screened((), 0.7, torques=(Port(TORQUE, "q2", ("torque",)),)).round(advance=told.append)
+    assert told == [0.2, 1.0]
