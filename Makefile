@@ -25,6 +25,9 @@ PYTHON ?= python3.11
 BIN := .venv/bin
 # one more than there are processors: tests that start commands and browsers wait for them
 WORKERS := $(shell echo $$(($$(getconf _NPROCESSORS_ONLN) + 1)))
+# Bytecode is made as modules are first imported, by every processor there is; pip would make all of it with one.
+PIP := $(BIN)/python -m pip install --quiet --no-compile --constraint constraints.txt
+export PYTHONDONTWRITEBYTECODE =
 .DEFAULT_GOAL := help
 .PHONY: help demo test docs tour distribution slow check tables pictures live-pictures studies exam arithmetic appendix recovery bench fuzz chaos accuracy atlas-bench collisions browser clean
 
@@ -35,11 +38,11 @@ help:
 .venv/installed: pyproject.toml constraints.txt
 	@$(PYTHON) -m venv .venv || { echo "this Python has no venv module; on Debian: apt-get install python3.11-venv"; exit 1; }
 	$(BIN)/python -m pip install --quiet --upgrade "pip>=25.1"
-	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable ".[arms]"
+	$(PIP) --editable ".[arms]"
 	@touch $@
 
 .venv/tested: .venv/installed
-	$(BIN)/python -m pip install --quiet --constraint constraints.txt --group dev
+	$(PIP) --group dev
 	@touch $@
 
 demo: .venv/installed
@@ -53,9 +56,9 @@ browser:
 	    DEBIAN_FRONTEND=noninteractive $$S apt-get install -y -qq chromium fonts-dejavu-core >/dev/null; } || \
 	  { echo "please install chromium; its tests need it"; exit 1; }; }
 
-# A module's tests stay together, so that what they share is made once; workers and commands share bytecode.
+# A module's tests stay together, so that what they share is made once.
 test: .venv/tested browser
-	PYTHONDONTWRITEBYTECODE= OPENBLAS_NUM_THREADS=1 $(BIN)/pytest -n $(WORKERS) --dist loadscope -q
+	OPENBLAS_NUM_THREADS=1 $(BIN)/pytest -n $(WORKERS) --dist loadscope -q
 
 slow: .venv/tested browser
 	OPENBLAS_NUM_THREADS=1 $(BIN)/pytest -n auto --dist loadscope -q -m slow
@@ -109,7 +112,7 @@ recovery: .venv/tested
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/intervals.py --count 12
 
 .venv/documented: .venv/installed
-	$(BIN)/python -m pip install --quiet --constraint constraints.txt --group docs
+	$(PIP) --group docs
 	@touch $@
 
 # A warning is an error: a link to nowhere, a name that is not there.
@@ -146,7 +149,7 @@ chaos: .venv/tested
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/chaos.py
 
 .venv/peers: .venv/tested
-	$(BIN)/python -m pip install --quiet --constraint constraints.txt --group bench
+	$(PIP) --group bench
 	@touch $@
 
 # One thread for everybody, or the ratios would compare core counts; sdynpy loads Qt, which wants no screen.

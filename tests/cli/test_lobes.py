@@ -81,7 +81,7 @@ def test_several_postures_and_a_family(cli):
 
 
 @pytest.mark.parametrize("ending", [".csv", ".json", ".png", ".svg", ".html"])
-@pytest.mark.parametrize("kind", ["one", "several"])
+@pytest.mark.parametrize("kind", ["one", pytest.param("several", marks=pytest.mark.slow)])
 def test_files(cli, tmp_path, ending, kind):
     path = tmp_path / f"lobes{ending}"
     words = (

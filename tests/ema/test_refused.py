@@ -50,11 +50,11 @@ def silent(found: EstimatedModes, height: float = 10.0) -> list[float]:
     ("folder", "band"),
     [
         ("free_free_beam", (10.0, 990.0)),
-        ("free_free_beam", (100.0, 700.0)),
         ("laboratory_hammer", (10.0, 490.0)),
-        ("laboratory_hammer", (190.0, 235.0)),
         ("mssp_plate_sweep", (60.0, 500.0)),
-        ("mssp_plate_sweep", (60.0, 300.0)),
+        pytest.param("free_free_beam", (100.0, 700.0), marks=pytest.mark.slow),
+        pytest.param("laboratory_hammer", (190.0, 235.0), marks=pytest.mark.slow),
+        pytest.param("mssp_plate_sweep", (60.0, 300.0), marks=pytest.mark.slow),
     ],
 )
 @pytest.mark.parametrize("per", ["frf", "posture"])

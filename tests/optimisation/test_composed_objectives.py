@@ -144,7 +144,9 @@ def test_the_gradient_of_every_objective_is_tested(arm):
 
 
 @pytest.mark.parametrize("objective", OBJECTIVES)
-@pytest.mark.parametrize("name", ["six_link", pytest.param("fanuc_s360", marks=pytest.mark.slow), "ur5"])
+@pytest.mark.parametrize(
+    "name", ["six_link", *(pytest.param(name, marks=pytest.mark.slow) for name in ("fanuc_s360", "ur5"))]
+)
 def test_gradient(robots, name, objective):
     robot = robots[name]
     judge = OBJECTIVES[objective](robot)

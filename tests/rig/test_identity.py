@@ -293,7 +293,10 @@ def test_another_integrator_agrees_on_every_form(name, stand, hidden):
     assert errors[1] < 0.5 * errors[0]
 
 
-@pytest.mark.parametrize("name", [*FORMS, "coulomb_friction:iwan"])
+@pytest.mark.parametrize(
+    "name",
+    ["coulomb_friction:iwan", *(pytest.param(name, marks=pytest.mark.slow) for name in FORMS)],
+)
 def test_compiled_and_plain_loops_agree_on_every_form(name, stand, hidden, monkeypatch):
     pytest.importorskip("numba")
     from flexmodal.rig.integration import nonlinear
