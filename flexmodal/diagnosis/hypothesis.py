@@ -73,9 +73,29 @@ class Hypothesis:
             placed: the effect.
             values: of all parameters, by name.
         """
-        prefix = f"{placed.label}."
-        own = {k.removeprefix(prefix): v for k, v in values.items() if k.startswith(prefix)}
-        return {**{name: values[name] for name in self.base.names}, **own}
+        found = {name: values[name] for name in self.base.names}
+        return found | {short: values[name] for short, name in self._names[placed.label] if name in values}
+
+    @cached_property
+    def _names(self) -> Mapping[str, Sequence[tuple[str, str]]]:
+        """Of the parameters of each effect, without and with its prefix."""
+        own = self.space.names[len(self.base) :]
+        labels = [one.label for one in self.placed]
+        return {
+            label: [(name.removeprefix(f"{label}."), name) for name in own if name.startswith(f"{label}.")]
+            for label in labels
+        }
+
+    @cached_property
+    def _geometry(self) -> tuple[str, ...]:
+        """Names of the parameters that what moves depends on."""
+        every = [
+            f"{one.label}.{name}"
+            for one in self.placed
+            if not one.effect.fixed(self.context, one.where)
+            for name in one.effect.geometry
+        ]
+        return tuple(name for name in every if name in self.space.index)
 
     def start(
         self, placed: Placed, given: Mapping[str, float], x: Float[np.ndarray, " before"]
@@ -204,7 +224,8 @@ class Hypothesis:
         turned: dict[int, tuple[np.ndarray, np.ndarray]] = {}
         loss: dict[int, float] = {}
         for shift in shifts or ():
-            moved = self._frame(part, shift.values)
+            shifted = self.space.names[shift.number] in self._geometry
+            moved = self._frame(part, shift.values) if shifted else frame
             change = dict.fromkeys(KINDS, np.zeros(total["mass"].shape))
             if shift.placed in acted:
                 other = self._act(moved, shift.placed, part, shift.values)
@@ -234,13 +255,7 @@ class Hypothesis:
         )
 
     def _frame(self, part: Part, values: Mapping[str, float]) -> Frame:
-        names = [
-            f"{one.label}.{name}"
-            for one in self.placed
-            if not one.effect.fixed(self.context, one.where)
-            for name in one.effect.geometry
-        ]
-        geometry = tuple(values[name] for name in names if name in values)
+        geometry = tuple(values[name] for name in self._geometry)
         effects = tuple((one.effect, one.where) for one in self.placed)
         key = (self.base, effects, part.key, geometry)
         return self.context.frames.get(

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 
 from flexmodal.errors import Fault, InvalidRequest
 
-FOR_EFFECTS = 0.6
+FOR_EFFECTS = 0.75
 """Part of the time in which effects are added to some that may be sure; the rest is for asking which are."""
 
 

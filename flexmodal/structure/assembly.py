@@ -214,15 +214,22 @@ class Assembly:
         self._add("damping", _times(damping, _outer(row, row)), names)
 
     def add_loss(self, row: np.ndarray, stiffness: Size, *names: str) -> None:
-        """Make a spring along `row`, put in already, hysteretic [N/m, N·m/rad]; see `loss_factor`.
-
-        See `add_inertia` for the arguments.
-        """
+        """Make springs along `row` hysteretic by `loss_factor`; see `add_inertia` for the arguments."""
         self._add("loss", _times(stiffness, _outer(row, row)), names)
 
     def add_coupling(self, one: np.ndarray, other: np.ndarray, stiffness: Size, *names: str) -> None:
         """An off-diagonal stiffness between two rows [N·m/rad]; see `add_inertia` for the arguments."""
         self._add("stiffness", _times(stiffness, _outer(one, other) + _outer(other, one)), names)
+
+    def add_together(self, kind: str, rows: np.ndarray, sizes: np.ndarray) -> None:
+        """Inertias, dampers or springs along several rows, which no parameter is proportional to.
+
+        Args:
+            kind: "mass", "damping" or "stiffness".
+            rows: [row dof] over the coordinates; those added later are 0 in them.
+            sizes: [row] of each; units as in `add_inertia`, `add_damper` and `add_spring`.
+        """
+        self._add(kind, np.swapaxes(rows, -1, -2) @ (sizes[:, None] * rows), ())
 
     def _add(self, kind: str, matrix: np.ndarray, names: tuple[str, ...]) -> None:
         self._terms.append((kind, matrix, names))
@@ -260,10 +267,8 @@ class Assembly:
             size = len(matrix)
             total[kind][:size, :size] += matrix
             for name in names:
-                slot = slopes.setdefault(name, {})
-                if kind not in slot:
-                    slot[kind] = np.zeros((n, n))
-                slot[kind][:size, :size] += matrix
+                slot = slopes.setdefault(name, {}).setdefault(kind, np.zeros((n, n)))
+                slot[:size, :size] += matrix
         changes = {name: changed(slot) for name, slot in slopes.items()}
         return Structure(
             tuple(self.coordinates), total["mass"], total["damping"], total["stiffness"], total["loss"],
@@ -276,13 +281,8 @@ class Assembly:
         """Rows of points: link, place in its frame [m], direction in the world, perhaps in each posture."""
         if not places:
             return np.zeros((*self.placed[self.robot.urdf.root].shape[:-2], 0, len(self.coordinates)))
-        return np.stack(
-            [
-                (way[..., None, :] @ self.motion(link, place)[..., :3, :])[..., 0, :]
-                for link, place, way in places
-            ],
-            axis=-2,
-        )
+        seen = [way[..., None, :] @ self.motion(link, place)[..., :3, :] for link, place, way in places]
+        return np.stack([one[..., 0, :] for one in seen], axis=-2)
 
     def _padded(self, rows: np.ndarray) -> np.ndarray:
         missing = len(self.coordinates) - rows.shape[-1]

@@ -89,7 +89,7 @@ class World(Data):
     def may_settle(self, model):
         return self.sure and len(model.keys) > 1
 
-    def settles(self, model):
+    def settles(self, model, steps=()):
         return self.may_settle(model)
 
     def vouches(self, model):
@@ -298,7 +298,10 @@ class Settling(FrfData):
     def look_beside(self, model):
         gone = [key for key in EVERY if key not in model.hypothesis.keys]
         met = {key: Mock(surely=lambda name, key=key: key in self.sure) for key in gone}
-        return Mock(met=lambda keys: {key: met[key] for key in keys}, alone=self.takes, left=1.0, place="tip")
+        return Mock(met=lambda keys: {key: met[key] for key in keys}, alone=self.takes, left=1.0)
+
+    def looked(self, model):
+        return Mock(place="tip")
 
     def without(self, model, key):
         return fitted(*(one for one in model.hypothesis.keys if one != key))
@@ -328,6 +331,26 @@ def test_effects_with_a_place_and_a_class_of_their_own_stand_whatever_else_is_mi
 )
 def test_what_is_not_sure_settles_nothing(given):
     assert not Settling(**given).settles(fitted(MASS, BASE))
+
+
+@pytest.mark.parametrize(
+    ("shares", "sure", "takes", "named"),
+    [
+        ((0.2, 0.05, 0.6), (0.95, 0.95, 0.83), 0.8, (MASS, DELAY)),
+        ((0.2, 0.05, 0.6), (0.95, 0.95, 0.5), 0.8, ()),
+        ((0.2, 0.05, 0.6), (0.95, 0.95, 0.83), 0.7, ()),
+        ((0.05, 0.05, 0.8), (0.95, 0.95, 0.95), 0.9, ()),
+    ],
+)
+def test_without_time_for_looks_those_settle_that_took_a_good_part_and_were_sure(shares, sure, takes, named):
+    """Two at least: what one alone takes any other may take, too."""
+    data, model = Settling([], share=takes), fitted(MASS, BASE, DELAY)
+    made = [
+        Mock(spec=Step, effect=effect, where=where, share=share, confidence=one)
+        for (effect, where), share, one in zip((MASS, BASE, DELAY), shares, sure, strict=True)
+    ]
+    assert data.settles(model, made) is bool(named)
+    assert data._settled == ((model.hypothesis.keys, named, ("tip",)) if named else ((), (), ()))
 
 
 def test_one_effect_alone_settles_nothing():
@@ -503,6 +526,10 @@ def test_a_search_sets_out_from_the_card_and_from_where_a_look_has_come_to():
     beside = Mock(spec=FittedFrfs, hypothesis=Mock(base=("mass",), placed=(None,)), x=np.array([0.3, 2.0]))
     look = Mock(spec=Findings, needed=True, fitted=np.array([0.1, 1.5]))
     assert begins(beside, look) == [[0.0, 2.0], [0.3, 2.0], [0.1, 1.5]]
+    several = Mock(base=("mass",), placed=(None, None))
+    beside = Mock(spec=FittedFrfs, hypothesis=several, x=np.array([0.3, 2.0, 4.0]))
+    look = Mock(spec=Findings, needed=True, fitted=np.array([0.1, 1.5, 4.5]))
+    assert begins(beside, look) == [[0.3, 2.0, 4.0], [0.1, 1.5, 4.5]]
 
 
 def test_a_search_sets_out_from_what_a_look_tells_too_and_asks_once():

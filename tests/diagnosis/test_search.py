@@ -99,3 +99,16 @@ def test_what_is_far_behind_is_fitted_with_a_few_steps(monkeypatch, enough):
     )  # fmt: skip
     few = [where for where, most in taken[:3] if most == A_FEW]
     assert few == [str(cost) for cost in (costs[1:] if enough else costs[2:])]
+
+
+@pytest.mark.parametrize(("effects", "fits"), [(1, 2), (2, 2), (3, 1)])
+def test_beside_several_effects_nothing_is_fitted_from_the_card_once_more(monkeypatch, effects, fits):
+    """Of a robot that nobody believes; with fewer effects the better one is taken."""
+    hypothesis = Mock(spec=Hypothesis, placed=(None,) * effects, base=("mass",))
+    made = [Mock(spec=FittedFrfs, prior=99.0, cost=cost, x=np.ones(3)) for cost in (2.0, 1.0)]
+    closely = Mock(side_effect=[[one] for one in made])
+    monkeypatch.setattr(module, "tried_closely", closely)
+    monkeypatch.setattr(module, "has_law", lambda hypothesis: False)
+    found = module.fitted_believably(Mock(spec=Setup), Candidate(hypothesis, np.ones(3), 2.0))
+    assert found == [made[fits - 1]]
+    assert closely.call_count == fits

@@ -158,3 +158,20 @@ def test_residuals_are_complex_logarithms():
     assert (found[1, 3], found[2, 4]) == (10.0, 10.0)
     np.testing.assert_array_equal(found[0], residual(predicted[0], measured[0]))
     assert predicted[1, 3] == 0
+
+
+def test_several_rows_at_once_are_one_after_the_other():
+    robot = flexmodal.load("fanuc_s360")
+    random = np.random.default_rng(2)
+    together, apart = (Assembly(Arm(robot, {})) for _ in range(2))
+    rows = random.standard_normal((3, len(together.coordinates)))
+    for kind, add in {
+        "mass": apart.add_inertia, "damping": apart.add_damper, "stiffness": apart.add_spring,
+    }.items():  # fmt: skip
+        sizes = random.uniform(1.0, 9.0, 3)
+        together.add_together(kind, rows, sizes)
+        for row, size in zip(rows, sizes, strict=True):
+            add(row, float(size))
+    sums = apart.summed()
+    for kind, found in together.summed().items():
+        np.testing.assert_allclose(found, sums[kind], rtol=1e-12, atol=1e-12)

@@ -19,7 +19,15 @@ import numpy as np
 
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Effect, Level, Placement, positive, signed
-from flexmodal.diagnosis.effects.foundation import centre_of, length_of, mass_centre, motions, sizes, springs
+from flexmodal.diagnosis.effects.foundation import (
+    Spring,
+    centre_of,
+    length_of,
+    mass_centre,
+    motions,
+    sizes,
+    springs,
+)
 from flexmodal.diagnosis.improved.draft import Draft
 from flexmodal.structure import Parameter
 from flexmodal.structure.arm import Body, carried
@@ -95,15 +103,17 @@ def _shape(assembly: Assembly, placement: Placement) -> None:
 def _act(assembly: Assembly, placement: Placement) -> None:
     names, motion = motions(placement.context.normal)
     own = np.array([assembly.row(name) for name in names])
-    there = carried(motion, centre_of(placement)) @ own
-    for _, way, stiffness, damping in springs(placement):
-        row = way @ there
-        assembly.add_spring(row, stiffness)
-        assembly.add_damper(row, damping)
-    middle = mass_centre(placement)
+    _sprung(assembly, carried(motion, centre_of(placement)) @ own, springs(placement))
     inertia = placement["mass"] * placement["gyration"] ** 2
-    for row, way in zip(motion.T @ carried(motion, middle) @ own, motion.T, strict=True):
-        assembly.add_inertia(row, inertia if way[3:].any() else placement["mass"])
+    sizes = np.where(motion[3:].any(axis=0), inertia, placement["mass"])
+    assembly.add_together("mass", motion.T @ carried(motion, mass_centre(placement)) @ own, sizes)
+
+
+def _sprung(assembly: Assembly, motion: np.ndarray, some: Sequence[Spring]) -> None:
+    """Springs and dampers on a body that moves so, linear rows first, over the coordinates."""
+    rows = np.array([way for _, way, _, _ in some]) @ motion
+    assembly.add_together("stiffness", rows, np.array([stiffness for _, _, stiffness, _ in some]))
+    assembly.add_together("damping", rows, np.array([damping for _, _, _, damping in some]))
 
 
 def _extend(draft: Draft, placement: Placement) -> None:
@@ -112,7 +122,7 @@ def _extend(draft: Draft, placement: Placement) -> None:
     draft.attach(root, _own_body(placement, mass_centre(placement)), name="foundation_mass")
 
 
-def _new_joints(draft: Draft, some: Sequence[tuple[str, np.ndarray, float, float]]) -> Motions:
+def _new_joints(draft: Draft, some: Sequence[Spring]) -> Motions:
     found = []
     for name, way, stiffness, damping in some:
         joint, turns = draft.fresh(name.replace(" ", "_")), bool(way[3:].any())
@@ -156,7 +166,7 @@ def _bolted_starts(context: Context, where: str, values: Mapping[str, float]) ->
     return found
 
 
-def _bolts(placement: Placement) -> list[tuple[str, np.ndarray, float, float]]:
+def _bolts(placement: Placement) -> list[Spring]:
     """Name and motion of each coordinate between foundation and root, its stiffness and damping."""
     found = []
     for name, way, stiffness, damping in springs(placement):
@@ -179,10 +189,7 @@ def _bolted_act(assembly: Assembly, placement: Placement) -> None:
     _act(assembly, placement)
     names, motion = motions(placement.context.normal)
     own = np.array([assembly.row(name.replace("base", "bolts")) for name in names])
-    for _, way, stiffness, damping in _bolts(placement):
-        row = way @ motion @ own
-        assembly.add_spring(row, stiffness)
-        assembly.add_damper(row, damping)
+    _sprung(assembly, motion @ own, _bolts(placement))
 
 
 def _bolted_extend(draft: Draft, placement: Placement) -> None:

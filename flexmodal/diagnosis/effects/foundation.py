@@ -8,6 +8,8 @@ from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Placement
 from flexmodal.structure.arm import crossed
 
+Spring = tuple[str, np.ndarray, float, float]
+"""Name and motion of a coordinate, its stiffness and damping."""
 SIDEWAYS = {"base y": "sideways", "base ry": "tilt"}
 """Coordinates in space that have ratios to those along and about x."""
 
@@ -56,8 +58,8 @@ def _turn(angle: float) -> np.ndarray:
     return turned
 
 
-def springs(placement: Placement) -> list[tuple[str, np.ndarray, float, float]]:
-    """Name and motion of each coordinate, its stiffness and damping."""
+def springs(placement: Placement) -> list[Spring]:
+    """Of each coordinate."""
     names, motion = motions(placement.context.normal)
     if placement.context.normal is None:
         motion = motion @ _turn(placement["angle"])

@@ -26,10 +26,13 @@ SOUND = 1.6
 effects of the virtual rig, whose true places had 0.6 to 1.5; how sharply was not measured."""
 NEARLY, AFRESH = 1.0, 2
 """Where none comes that near, so many of the best are fitted once more, from the beginning."""
+SEVERAL = 2.0
+"""Times `SOUND` that the best leaves beside effects from which more than one place is missing, and nothing is
+fitted once more."""
 LATE = 3.0
 """Misfit of what is believed up to which ports begin at a small model error: at a large one nothing of what
 is missing is to be seen, and every port goes on."""
-LEADS = 1.25
+LEADS = 2.0
 """Times by which a port beside effects lowers the misfit, for rare ones not to be tried: of several effects
 each takes a part, and what is rare is tried where none does."""
 STEPS = 20
@@ -135,7 +138,8 @@ class Field:
             more = self._screened(self.rare, before, taken, lambda part: None)
             found += [self.sighted((port,), before, start) for port, start, misfit in more if misfit < least]
             found.sort(key=lambda one: one.judged)
-        if found and found[0].judged > NEARLY and ports is None:
+        most = SEVERAL * SOUND if self.root.placed else np.inf
+        if found and NEARLY < found[0].judged <= most and ports is None:
             found = [self._afresh(one, before) for one in found[:AFRESH]] + found[AFRESH:]
         found = [one for one in found if np.isfinite(one.judged)] or found
         return Round(tuple(sorted(found, key=lambda one: one.judged)))

@@ -13,7 +13,7 @@ from flexmodal.diagnosis.search.close_fit import tried_closely
 from flexmodal.diagnosis.search.coarse import Candidate, Look, look_at
 from flexmodal.diagnosis.search.lines import worst_lines
 from flexmodal.diagnosis.search.search import candidates, come_nearer, narrowed, restarted, simpler
-from flexmodal.diagnosis.search.set_out import SetOut
+from flexmodal.diagnosis.search.set_out import NEAR_BY, SetOut
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.setup import Setup
 from flexmodal.diagnosis.time_domain.model import has_law
@@ -70,7 +70,7 @@ def explanations(
         looked.sort(key=lambda one: one.cost)
     if looked:
         found = simpler(looked[0].hypothesis, looked[0].fitted.x, setup.effects, seen)
-        looked = best_of_each([*looked, *(more for one in found for more in _close(setup, one))])
+        looked = best_of_each([*looked, *(more for one in found for more in fitted_believably(setup, one))])
     return looked
 
 
@@ -139,7 +139,7 @@ def _looked_at(
         looked += (
             tried_closely(setup, one.hypothesis, one.x, near=True, steps=A_FEW)
             if behind
-            else _close(setup, one)
+            else fitted_believably(setup, one)
         )
         if looked and over_noise(setup, looked[-1]) <= enough:
             far = BEHIND
@@ -147,16 +147,22 @@ def _looked_at(
     return looked
 
 
-def _close(setup: Setup, one: Candidate) -> list[FittedFrfs]:
+def fitted_believably(setup: Setup, one: Candidate) -> list[FittedFrfs]:
     """Once more from the card where a robot is come to that nobody believes, for one as good may be nearer.
 
-    What an effect and the robot's parameters do alike is settled by these beliefs alone, and slowly.
+    What an effect and the robot's parameters do alike is settled by these beliefs alone, and slowly. Beside
+    several effects, whose own parameters count as much, nothing is fitted twice.
+
+    Args:
+        setup: what the diagnosis works with.
+        one: the candidate, come near by coarse looks.
 
     Returns:
         The better one; none where there is no model.
     """
     found = tried_closely(setup, one.hypothesis, one.x, near=True)
-    if not found or has_law(one.hypothesis) or found[0].prior < BEYOND_BELIEF:
+    near_by = len(one.hypothesis.placed) > NEAR_BY
+    if not found or near_by or has_law(one.hypothesis) or found[0].prior < BEYOND_BELIEF:
         return found
     start = found[0].x.copy()
     start[: len(one.hypothesis.base)] = 0.0
@@ -167,5 +173,5 @@ def _elsewhere(setup: Setup, seen: Look, one: FittedFrfs, set_out: SetOut) -> Fi
     """The same explanation from all the starts of its effect, if one of them leads further down."""
     if has_law(one.hypothesis):
         return one
-    others = _close(setup, restarted(one.hypothesis, one.fitted.x, set_out, seen))
+    others = fitted_believably(setup, restarted(one.hypothesis, one.fitted.x, set_out, seen))
     return min([one, *others], key=lambda model: model.cost)

@@ -11,6 +11,8 @@ from jaxtyping import Float
 from flexmodal.diagnosis.effects.effect import Effect
 from flexmodal.diagnosis.hypothesis import Hypothesis
 
+NEAR_BY = 2
+"""Effects beside which another one is looked for near what is fitted, no longer from the card too."""
 Start = tuple[Mapping[str, float], Float[np.ndarray, " before"]]
 """Values of an effect, and coordinates of what is there beside it."""
 

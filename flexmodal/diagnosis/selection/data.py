@@ -14,7 +14,7 @@ from flexmodal.campaign import Campaign
 from flexmodal.diagnosis.effects import Context, Effect
 from flexmodal.diagnosis.findings import Findings, ModesSeen
 from flexmodal.diagnosis.lawfree.result import Findings as LawFree
-from flexmodal.diagnosis.outcome import Gaps, NextMeasurement, Region
+from flexmodal.diagnosis.outcome import Gaps, NextMeasurement, Region, Step
 from flexmodal.diagnosis.selection.comparison import Comparison, M
 from flexmodal.diagnosis.selection.decision import Answer, Asked, Round
 from flexmodal.identification.baselines import Baselines
@@ -185,16 +185,17 @@ class Data(ABC, Generic[M]):
         """Whether effects take so much that it is worth asking which of them are sure."""
         return False
 
-    def settles(self, model: M) -> bool:
-        """Whether some effects are sure though a model leaves more than noise; `standing` says which."""
+    def settles(self, model: M, steps: Sequence[Step] = ()) -> bool:
+        """Whether some effects are sure though a model leaves more than noise; `standing` says which.
+
+        Args:
+            model: with effects.
+            steps: to it, where there is no time for looks, so that these have to say it.
+        """
         return False
 
     def standing(self, model: M) -> tuple[tuple[tuple[str, str], ...], tuple[str, ...]]:
-        """Effects that are sure though their model leaves more than noise, and the places of those it lacks.
-
-        Args:
-            model: the final one.
-        """
+        """Effects of the final model that are sure though it leaves more than noise; where it lacks any."""
         return (), ()
 
     @abstractmethod

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from contextlib import suppress
 
 from flexmodal.diagnosis.disagreement.gaps import left, over_noise
 from flexmodal.diagnosis.lawfree.result import PORT_OF
 from flexmodal.diagnosis.lawfree.result import Findings as LawFree
+from flexmodal.diagnosis.outcome import Step
 from flexmodal.diagnosis.selection.data import Data
 from flexmodal.diagnosis.selection.frf_candidates import FrfCandidates
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
@@ -14,8 +16,11 @@ from flexmodal.diagnosis.selection.frf_thresholds import (
     ALL_BUT_LITTLE,
     CLEARLY,
     EXPLAINED,
+    GOOD_PART,
+    MOST_OF_IT,
     NEARLY_ALL,
     NOTHING_LEFT,
+    SURE,
     least_share,
 )
 from flexmodal.diagnosis.setup import Setup
@@ -105,23 +110,31 @@ class FrfsByLook(Data[FittedFrfs]):
         several = len(model.hypothesis.keys) > 1 and not self.lacking(model)
         return several and self.share(self.root, model) >= NEARLY_ALL
 
-    def settles(self, model: FittedFrfs) -> bool:
-        """See `Data`: beside the others each of these has its place to itself, and a curve of its class."""
+    def settles(self, model: FittedFrfs, steps: Sequence[Step] = ()) -> bool:
+        """See `Data`: beside the others each of these has its place to itself, and a curve of its class.
+
+        Of steps: those that took a good part each, and were sure among what was compared.
+        """
+        keys = model.hypothesis.keys
+        if steps:
+            large = [one for one in steps if (one.share or 0.0) >= GOOD_PART and one.confidence >= SURE]
+            named = tuple((one.effect, one.where) for one in large)
+            enough = len(named) > 1 and set(named) <= set(keys) and not self.lacking(model)
+            if not enough or self.share(self.root, model) < MOST_OF_IT:
+                return False
+            self._settled = keys, named, (self._left_at(model),)
+            return True
         if not self.may_settle(model):
             return False
-        keys = model.hypothesis.keys
         looks, sure = self._candidates, []
-        if not looks.can_look(model):
-            return False
-        place = looks.look_beside(model).place
         with suppress(OutOfTime):  # those that were asked for are sure nevertheless
-            for key in keys:
+            for key in reversed(keys):  # a look without the last one is known
                 less = self.without(model, key)
                 look = looks.look_beside(less) if looks.can_look(less) else None
                 one = look.met([key]).get(key) if look else None
                 if look and one and one.surely(key[0]) and look.alone > CLEARLY * look.left:
                     sure.append(key)
-        self._settled = keys, tuple(sure), (place,)
+        self._settled = keys, tuple(key for key in keys if key in sure), (self._left_at(model),)
         return bool(sure)
 
     def standing(self, model: FittedFrfs) -> tuple[tuple[tuple[str, str], ...], tuple[str, ...]]:
@@ -130,8 +143,7 @@ class FrfsByLook(Data[FittedFrfs]):
         if self.is_named(model):
             return keys, ()
         if self.dominates(model):
-            beside = self._candidates.looked(model)
-            return keys, (self.place(model, None) if beside is None else beside.place,)
+            return keys, (self._left_at(model),)
         settled, sure, places = self._settled
         if keys and set(keys) <= set(settled):  # those that nobody misses went
             return tuple(key for key in sure if key in keys), places
@@ -140,6 +152,11 @@ class FrfsByLook(Data[FittedFrfs]):
         met = {key: one for key, one in self.look.met(keys).items() if one.surely(key[0])}
         open_ = [one.where for one in self.look.found if one not in met.values()]
         return (tuple(met), tuple(dict.fromkeys(open_))) if open_ else ((), ())
+
+    def _left_at(self, model: FittedFrfs) -> str:
+        """Where more than noise is left: where a look beside its effects points, or as residuals say."""
+        beside = self._candidates.looked(model)
+        return self.place(model, None) if beside is None else beside.place
 
     def is_contradicted(self, model: FittedFrfs) -> bool:
         """See `Data`; by what was held out too. Effects that no port stands for are taken at their word."""

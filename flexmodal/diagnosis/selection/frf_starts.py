@@ -9,21 +9,23 @@ from functools import cache
 import numpy as np
 
 from flexmodal.diagnosis.lawfree.result import PORT_OF, Findings, holds
-from flexmodal.diagnosis.search.set_out import SetOut
+from flexmodal.diagnosis.search.set_out import NEAR_BY, SetOut
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 
 
 def starts(before: FittedFrfs, look: Findings | None = None) -> SetOut:
     """Where a search sets out: at the card, with the effects there are, and where other fits ended.
 
-    A fit without an effect that is there runs away from the truth; one with its law free does not.
+    A fit without an effect that is there runs away from the truth; one with its law free does not, and one
+    with several effects is near it.
 
     Args:
         before: the model that something is added to.
         look: without a law, beside it.
     """
-    count = len(before.hypothesis.base)
-    found = [np.concatenate([np.zeros(count), before.x[count:]])]
+    count, found = len(before.hypothesis.base), []
+    if len(before.hypothesis.placed) < NEAR_BY:
+        found.append(np.concatenate([np.zeros(count), before.x[count:]]))
     if before.hypothesis.placed:
         found.append(before.x)
     if look is not None and look.needed and look.fitted is not None:

@@ -63,7 +63,8 @@ class ForwardSelection(Generic[M]):
                 self.search()
         if not self.rounds:  # there was no time for any
             self._taken([self.root], 0)
-        self.drop_needless()
+        if not (self.limit.was_hit and self.data.standing(self.current)[1]):  # who is not sure has no name
+            self.drop_needless()
 
     def follow(self) -> bool:
         """Add effects where a look without a law points, each time beside those that are there.
@@ -80,7 +81,7 @@ class ForwardSelection(Generic[M]):
         stay = ended or named is not None or self._settles()
         if not stay and self.limit.was_hit:
             ended, named = self._pursued(1.0)
-            stay = ended or named is not None
+            stay = ended or named is not None or self.data.settles(self.current, self.steps)
         if not ended and (named or not stay):
             self.furthest = None if named else self.current
             self._state = named or kept

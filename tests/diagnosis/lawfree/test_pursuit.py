@@ -1,6 +1,6 @@
 """How places are put together, on ports whose misfits are given."""
 
-from unittest.mock import Mock
+from unittest.mock import Mock, patch
 
 import pytest
 
@@ -85,13 +85,31 @@ class Screened(Given):
 
 @pytest.mark.parametrize(
     ("placed", "best", "tried"),
-    [((), 1.5, False), ((), 7.0, True), (("an effect",), 7.0, False), (("an effect",), 8.5, True)],
+    [((), 1.5, False), ((), 7.0, True), (("an effect",), 4.5, False), (("an effect",), 7.0, True)],
 )
 def test_rare_ports_are_tried_where_no_other_leads_on(placed, best, tried):
-    """Of 10 without any; beside effects a port that takes a part of it leads on."""
+    """Of 10 without any; beside effects a port that takes half of it leads on."""
     field = Screened(placed, best)
     field.round()
     assert (PAIR in field.asked) is tried
+
+
+@pytest.mark.parametrize(
+    ("placed", "best", "again"),
+    [
+        ((), 0.9, 0),
+        ((), 7.0, 2),
+        (("an effect",), 3.0, 1),
+        (("an effect",), 3.5, 0),
+        (("an effect",), 0.9, 0),
+    ],
+)
+def test_what_leaves_too_much_beside_effects_is_not_fitted_once_more(placed, best, again):
+    """Where one place would not be enough, patience is not rewarded; alone it may be."""
+    field = Screened(placed, best)
+    with patch.object(Field, "_afresh", side_effect=lambda one, before: one) as afresh:
+        field.round()
+    assert afresh.call_count == again
 
 
 @pytest.mark.parametrize(("rare", "found"), [(9.9, True), (10.1, False)])
