@@ -105,8 +105,8 @@ def _act(assembly: Assembly, placement: Placement) -> None:
     own = np.array([assembly.row(name) for name in names])
     _sprung(assembly, carried(motion, centre_of(placement)) @ own, springs(placement))
     inertia = placement["mass"] * placement["gyration"] ** 2
-    sizes = np.where(motion[3:].any(axis=0), inertia, placement["mass"])
-    assembly.add_together("mass", motion.T @ carried(motion, mass_centre(placement)) @ own, sizes)
+    amounts = np.where(motion[3:].any(axis=0), inertia, placement["mass"])
+    assembly.add_together("mass", motion.T @ carried(motion, mass_centre(placement)) @ own, amounts)
 
 
 def _sprung(assembly: Assembly, motion: np.ndarray, some: Sequence[Spring]) -> None:
