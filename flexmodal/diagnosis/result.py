@@ -44,7 +44,8 @@ def diagnosis_of(
     says = verdict(facts_of(selection, found, modal))
     last = selection.current
     open_ = UNKNOWN in (name for name, _ in says.effects)
-    if open_ and (better := data.stand_in(last, selection.furthest)) is not None:
+    late = selection.limit.was_hit and len(says.effects) > 1  # what is named predicts, and the time is up
+    if open_ and not late and (better := data.stand_in(last, selection.furthest)) is not None:
         last, found = better, data.conclude(selection.root, better)
     nameless = tuple(key for key in found.after.hypothesis.keys if key not in says.effects)
     if nameless:
