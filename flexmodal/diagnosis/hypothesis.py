@@ -80,10 +80,9 @@ class Hypothesis:
     def _names(self) -> Mapping[str, Sequence[tuple[str, str]]]:
         """Of the parameters of each effect, without and with its prefix."""
         own = self.space.names[len(self.base) :]
-        labels = [one.label for one in self.placed]
         return {
             label: [(name.removeprefix(f"{label}."), name) for name in own if name.startswith(f"{label}.")]
-            for label in labels
+            for label in (one.label for one in self.placed)
         }
 
     @cached_property

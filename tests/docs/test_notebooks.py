@@ -8,7 +8,7 @@ import pytest
 
 NOTEBOOKS = sorted((Path(__file__).resolve().parents[2] / "docs" / "notebooks").glob("*.ipynb"))
 SLOW = {"lobes", "modes"}
-"""Notebooks whose commands the tutorials run too; `make slow` runs them."""
+"""Notebooks that `make slow` runs."""
 
 
 def test_there_are_some():

@@ -185,12 +185,16 @@ class Data(ABC, Generic[M]):
         """Whether effects take so much that it is worth asking which of them are sure."""
         return False
 
-    def settles(self, model: M, steps: Sequence[Step] = ()) -> bool:
-        """Whether some effects are sure though a model leaves more than noise; `standing` says which.
+    def settles(self, model: M) -> bool:
+        """Whether some effects are sure though a model leaves more than noise; `standing` says which."""
+        return False
+
+    def settles_by(self, steps: Sequence[Step], model: M) -> bool:
+        """The same where there is no time to look: as far as the steps to the model say.
 
         Args:
+            steps: as they were taken.
             model: with effects.
-            steps: to it, where there is no time for looks, so that these have to say it.
         """
         return False
 
@@ -269,11 +273,7 @@ class Data(ABC, Generic[M]):
         return None
 
     def baselines(self, model: M) -> Baselines | None:
-        """What needs no model, beside one on the postures held out; None where there is no such thing.
-
-        Args:
-            model: fitted to the others.
-        """
+        """What needs no model, beside one on the postures held out; None where there is no such thing."""
         return None
 
     @abstractmethod

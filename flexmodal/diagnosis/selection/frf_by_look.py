@@ -110,22 +110,22 @@ class FrfsByLook(Data[FittedFrfs]):
         several = len(model.hypothesis.keys) > 1 and not self.lacking(model)
         return several and self.share(self.root, model) >= NEARLY_ALL
 
-    def settles(self, model: FittedFrfs, steps: Sequence[Step] = ()) -> bool:
-        """See `Data`: beside the others each of these has its place to itself, and a curve of its class.
-
-        Of steps: those that took a good part each, and were sure among what was compared.
-        """
+    def settles_by(self, steps: Sequence[Step], model: FittedFrfs) -> bool:
+        """See `Data`: those that took a good part each, and were sure among what was compared."""
         keys = model.hypothesis.keys
-        if steps:
-            large = [one for one in steps if (one.share or 0.0) >= GOOD_PART and one.confidence >= SURE]
-            named = tuple((one.effect, one.where) for one in large)
-            enough = len(named) > 1 and set(named) <= set(keys) and not self.lacking(model)
-            if not enough or self.share(self.root, model) < MOST_OF_IT:
-                return False
-            self._settled = keys, named, (self._left_at(model),)
-            return True
+        large = [one for one in steps if (one.share or 0.0) >= GOOD_PART and one.confidence >= SURE]
+        named = tuple((one.effect, one.where) for one in large)
+        enough = len(named) > 1 and set(named) <= set(keys) and not self.lacking(model)
+        if not enough or self.share(self.root, model) < MOST_OF_IT:
+            return False
+        self._settled = keys, named, (self._left_at(model),)
+        return True
+
+    def settles(self, model: FittedFrfs) -> bool:
+        """See `Data`: beside the others each of these has its place to itself, and a curve of its class."""
         if not self.may_settle(model):
             return False
+        keys = model.hypothesis.keys
         looks, sure = self._candidates, []
         with suppress(OutOfTime):  # those that were asked for are sure nevertheless
             for key in reversed(keys):  # a look without the last one is known
@@ -154,7 +154,7 @@ class FrfsByLook(Data[FittedFrfs]):
         return (tuple(met), tuple(dict.fromkeys(open_))) if open_ else ((), ())
 
     def _left_at(self, model: FittedFrfs) -> str:
-        """Where more than noise is left: where a look beside its effects points, or as residuals say."""
+        """Where more than noise is left: where a look beside its effects points, else see `place`."""
         beside = self._candidates.looked(model)
         return self.place(model, None) if beside is None else beside.place
 

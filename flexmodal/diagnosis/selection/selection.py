@@ -81,7 +81,7 @@ class ForwardSelection(Generic[M]):
         stay = ended or named is not None or self._settles()
         if not stay and self.limit.was_hit:
             ended, named = self._pursued(1.0)
-            stay = ended or named is not None or self.data.settles(self.current, self.steps)
+            stay = ended or named is not None or self.data.settles_by(self.steps, self.current)
         if not ended and (named or not stay):
             self.furthest = None if named else self.current
             self._state = named or kept
