@@ -38,15 +38,15 @@ def diagnosis_of(
         warnings: sentences on what was taken for granted.
         seed: of everything that was drawn.
     """
-    data = selection.data
-    found = data.conclude(selection.root, selection.current)
+    data, late = selection.data, selection.limit.was_hit
+    found = data.conclude(selection.root, selection.current, again=not late)
     modal = data.findings(selection.rounds, selection.current, selection.rivals)
     says = verdict(facts_of(selection, found, modal))
     last = selection.current
     open_ = UNKNOWN in (name for name, _ in says.effects)
-    late = selection.limit.was_hit and len(says.effects) > 1  # what is named predicts, and the time is up
-    if open_ and not late and (better := data.stand_in(last, selection.furthest)) is not None:
-        last, found = better, data.conclude(selection.root, better)
+    search = not (late and last.hypothesis.keys)  # what is there predicts, and the time is up
+    if open_ and (better := data.stand_in(last, selection.furthest, search=search)) is not None:
+        last, found = better, data.conclude(selection.root, better, again=not late)
     nameless = tuple(key for key in found.after.hypothesis.keys if key not in says.effects)
     if nameless:
         says = replace(says, says=f"{says.says} {stand_in_words(nameless, found.gaps)}")

@@ -9,7 +9,7 @@ import pytest
 from flexmodal.diagnosis.effects.effect import Effect
 from flexmodal.diagnosis.effects.free_function import FreeFunction
 from flexmodal.diagnosis.hypothesis import Hypothesis
-from flexmodal.diagnosis.lawfree.result import Findings, PlaceTried
+from flexmodal.diagnosis.lawfree.result import Findings, Found, PlaceTried
 from flexmodal.diagnosis.outcome import Compared, Gaps, Step
 from flexmodal.diagnosis.selection import frf_candidates, frf_data
 from flexmodal.diagnosis.selection.comparison import Comparison
@@ -267,12 +267,12 @@ def fitted(*keys):
     ],
 )
 def test_a_strong_effect_is_named_where_its_place_leaves_far_less_than_any_other(given, expected):
-    at = Mock(port="body", where="a", is_apart=given.get("apart", True))
+    at = Mock(spec=Found, port="body", where="a", is_apart=given.get("apart", True))
     places = [
         Mock(port="body", where="a", judged=5.0),
         Mock(port="joint", where="q1", judged=given.get("others", 18.0)),
     ]
-    met = Mock() if given.get("at") else at
+    met = Mock(spec=Found) if given.get("at") else at
     look = Mock(
         spec=Findings, needed=True, explains=given.get("explains", False), found=(at,), places=places,
         met=lambda keys: {MASS: met},
@@ -285,6 +285,39 @@ def test_a_strong_effect_is_named_where_its_place_leaves_far_less_than_any_other
     assert data.dominates(model) is expected
     if expected:
         assert data.standing(model) == ((MASS,), ("tip",))
+
+
+@pytest.mark.parametrize(
+    ("given", "expected"),
+    [
+        ({}, True),
+        ({"others": 9.0}, False),
+        ({"share": 0.6}, False),
+        ({"surely": False}, False),
+        ({"explains": True, "found": 1}, False),
+        ({"keys": (MASS, DELAY)}, False),
+    ],
+)
+def test_an_effect_that_takes_most_at_a_clear_place_and_of_its_class_is_named_at_last(given, expected):
+    """What it leaves is unknown beside it; whether to look further does not hang on that."""
+    at = Mock(spec=Found, port="body", where="a", is_apart=True)
+    at.surely = lambda name: given.get("surely", True)
+    places = [
+        Mock(port="body", where="a", judged=5.0),
+        Mock(port="joint", where="q1", judged=given.get("others", 18.0)),
+    ]
+    look = Mock(
+        spec=Findings, needed=True, explains=given.get("explains", False), found=(at,), places=places,
+        met=lambda keys: dict.fromkeys(keys, at),
+    )  # fmt: skip
+    data = FrfData.__new__(FrfData)
+    data._candidates = Mock(spec=FrfCandidates, looks=Mock(one=look), looked=lambda model: Mock(place="tip"))
+    data._root, data._look, data.modes, data.is_named = fitted(), look, None, lambda model: False
+    data.share = lambda first, last: given.get("share", 0.88)
+    model = fitted(*given.get("keys", (MASS,)))
+    assert not data.dominates(model)
+    assert data.stands_out(model) is expected
+    assert data.standing(model) == (((MASS,), ("tip",)) if expected else ((), ()))
 
 
 class Settling(FrfData):
@@ -321,6 +354,9 @@ class Settling(FrfData):
     def dominates(self, model):
         return False
 
+    def stands_out(self, model):
+        return False
+
 
 def test_effects_with_a_place_and_a_class_of_their_own_stand_whatever_else_is_missing():
     data, model = Settling([MASS, DELAY]), fitted(MASS, BASE, DELAY)
@@ -343,10 +379,12 @@ def test_what_is_not_sure_settles_nothing(given):
         ((0.2, 0.05, 0.6), (0.95, 0.95, 0.5), 0.8, ()),
         ((0.2, 0.05, 0.6), (0.95, 0.95, 0.83), 0.7, ()),
         ((0.05, 0.05, 0.8), (0.95, 0.95, 0.95), 0.9, ()),
+        ((0.01, 0.01, 0.98), (0.95, 0.95, 0.95), 0.99, (DELAY,)),
+        ((0.01, 0.01, 0.98), (0.95, 0.95, 0.5), 0.99, ()),
     ],
 )
 def test_without_time_for_looks_those_settle_that_took_a_good_part_and_were_sure(shares, sure, takes, named):
-    """Two at least: what one alone takes any other may take, too."""
+    """Two at least, or one that took all but little: what one alone takes any other may take, too."""
     data, model = Settling([], share=takes), fitted(MASS, BASE, DELAY)
     made = [
         Mock(spec=Step, effect=effect, where=where, share=share, confidence=one)

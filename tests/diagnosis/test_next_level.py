@@ -104,11 +104,20 @@ def test_wider_laws_are_tried_where_the_law_is_to_blame(fits, monkeypatch, part,
 
 
 @pytest.mark.parametrize(
-    ("explains", "judged", "tried"),
-    [(True, 0.9, True), (True, 1.1, False), (False, 0.9, False)],
+    ("explains", "port", "judged", "tried"),
+    [
+        (True, "body", 0.9, True),
+        (True, "body", 1.1, False),
+        (False, "body", 0.9, False),
+        (True, "base", 1.1, True),
+        (False, "base", 1.1, False),
+    ],
 )
-def test_places_that_leave_less_than_the_law_are_tried(fits, monkeypatch, explains, judged, tried):
-    """With free functions narrower than a law, a place may leave more than another and yet be right."""
+def test_places_that_leave_less_than_the_law_are_tried(fits, monkeypatch, explains, port, judged, tried):
+    """With free functions narrower than a law, a place may leave more than another and yet be right.
+
+    Where it touches the one that a look points to, the look need not have come to it at all.
+    """
     setup, _, narrow = fits
     other = Mock(spec=FittedFrfs, key=("bearing_flexibility", "q1"), cost=narrow.cost / 2)
     searched = []
@@ -124,8 +133,8 @@ def test_places_that_leave_less_than_the_law_are_tried(fits, monkeypatch, explai
     candidates = FrfCandidates(setup, root, with_force=False)
     over = over_noise(setup, narrow)
     look = Mock(
-        spec=Findings, explains=explains, found=(None,), needed=False, fitted=None, left=0.5,
-        places=(Mock(port="bearing", where="q1", judged=judged * over),), met=lambda keys: {},
+        spec=Findings, explains=explains, found=(Mock(port=port, where="base"),), needed=False, fitted=None,
+        left=0.5, places=(Mock(port="bearing", where="q1", judged=judged * over),), met=lambda keys: {},
         worth_trying=lambda effect, where: effect == "base_flexibility",
     )  # fmt: skip
     candidates.looks = Mock(one=look)

@@ -92,7 +92,7 @@ def confidences(data: Looked, comparison: Comparison[FittedFrfs], chosen: int) -
 
 
 def plausible(data: Looked, comparison: Comparison[FittedFrfs]) -> dict[int, float]:
-    """Of models with effects that explain what there is, by number, ln p of the formula above.
+    """Of models that explain what there is, the first included, by number, ln p of the formula above.
 
     Args:
         data: on which they were compared.
@@ -103,7 +103,7 @@ def plausible(data: Looked, comparison: Comparison[FittedFrfs]) -> dict[int, flo
     return {
         k: float(_ln(one.costs.sum(), one.strong, one.prior / times, pieces))
         for k, one in enumerate(models)
-        if one.hypothesis.placed and one.key[0] != UNSTRUCTURED and _at_the_noise(data, one) is Answer.YES
+        if one.key[0] != UNSTRUCTURED and _at_the_noise(data, one) is Answer.YES
     }
 
 

@@ -224,12 +224,13 @@ class Data(ABC, Generic[M]):
         """Of the coordinates of its hypothesis."""
 
     @abstractmethod
-    def conclude(self, first: M, last: M) -> Conclusion[M]:
+    def conclude(self, first: M, last: M, *, again: bool) -> Conclusion[M]:
         """Look at two models once more, on everything that was measured.
 
         Args:
             first: the robot re-tuned.
             last: the final model.
+            again: whether there is time to fit them again to what was held out, too.
         """
 
     @abstractmethod
@@ -263,12 +264,13 @@ class Data(ABC, Generic[M]):
         """
         return None
 
-    def stand_in(self, model: M, further: M | None) -> M | None:
+    def stand_in(self, model: M, further: M | None, *, search: bool) -> M | None:
         """What predicts better though it has no name: for the improved robot alone.
 
         Args:
             model: the final one.
             further: one that was come to on the way, with effects that are not sure; None if there is none.
+            search: whether there is time to look for one.
         """
         return None
 

@@ -111,7 +111,8 @@ def choice(
     first if it gains anything: of several effects each alone may gain little. An effect that the best comes
     down to in a limit stands in its place where the data cannot tell the two, or where the limit is reached.
 
-    Of models that explain everything one that is clearly more plausible than the best comes before it.
+    Of models that explain everything one that is clearly more plausible than the best comes before it; the
+    model as it is keeps it from being added unless it was asked for there.
 
     Args:
         comparison: of the model as it is and of what might be added.
@@ -122,7 +123,8 @@ def choice(
     """
     ranked = sorted(range(1, len(comparison.models)), key=lambda k: -comparison.scores[k])
     ranked = [k for k in ranked if comparison.models[k].key[0] != UNSTRUCTURED]
-    ranked, rival = _plausible_first(ranked, plausible or {})
+    plausible = plausible or {}
+    ranked, rival = _plausible_first(ranked, plausible)
     known = [k for k in ranked if any(vouched) and vouched[k] and comparison.first_gain(k) > MARGIN]
     if known:
         return Choice(known[0])
@@ -132,7 +134,7 @@ def choice(
         ranked = [*_plainer(comparison, ranked[0]), ranked[0]] if ranked else []
     open_ = []
     for k in ranked:
-        answer = min(gains_enough(comparison, k), worth[k])
+        answer = min(gains_enough(comparison, k), worth[k], Answer(Answer.YES - is_idle(plausible, k)))
         if named_with_place(comparison.models[k].key, asked):
             answer = max(answer, reaches(comparison.first_gain(k), ASKED, MARGIN))
         if answer is Answer.YES:
@@ -158,16 +160,16 @@ def _plausible_first(ranked: list[int], plausible: Mapping[int, float]) -> tuple
     return ranked, first if answer is Answer.UNDECIDED else None
 
 
-def is_idle(plausible: Mapping[int, float]) -> bool:
-    """Whether a model explains everything without its last effect too, and is clearly more plausible so.
+def is_idle(plausible: Mapping[int, float], number: int = 1) -> Answer:
+    """Whether the first model explains everything as another one does, and is clearly more plausible.
 
     Args:
-        plausible: of a comparison of the model without the effect, 0, and with it, 1; those that explain
-            everything [nat].
+        plausible: of those that explain everything, by number, how plausible they are [nat].
+        number: of the other one.
     """
-    if not {0, 1} <= set(plausible):
-        return False
-    return reaches(plausible[0] - plausible[1], MORE_PLAUSIBLE, MARGIN) is Answer.YES
+    if not {0, number} <= set(plausible):
+        return Answer.NO
+    return reaches(plausible[0] - plausible[number], MORE_PLAUSIBLE, MARGIN)
 
 
 def _plainer(comparison: Comparison[M], first: int) -> list[int]:

@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from flexmodal.diagnosis.disagreement.gaps import over_noise
+from flexmodal.diagnosis.lawfree.adjacent import adjacent
 from flexmodal.diagnosis.lawfree.first_look import LooksWithoutLaw
 from flexmodal.diagnosis.lawfree.result import CLASSES_OF, PORT_OF, Findings
 from flexmodal.diagnosis.search.explanations import (
@@ -164,13 +165,15 @@ class FrfCandidates:
     ) -> list[FittedFrfs]:
         """Effects in places that leave less with free functions than any law does where the look points.
 
-        A port may be narrower than the law: a bearing's gives alike across the axis.
+        And in those that touch it. A port may be narrower than the law: a bearing's gives alike across the
+        axis.
         """
         least = min((over_noise(self.setup, one) for one in found), default=0.0)
         if least <= max(EXPLAINED, LAW_LEAVES * look.left):
             return found
         known = {one.key for one in found}
         others = {(one.port, one.where) for one in look.places if one.judged < least}
+        others |= adjacent(self.setup.context, look.found[0].port, look.found[0].where)
 
         def allowed(effect: str, where: str) -> bool:
             return (effect, where) not in known and (PORT_OF.get(effect), where) in others

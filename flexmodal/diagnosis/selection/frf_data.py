@@ -190,17 +190,18 @@ class FrfData(FrfsByLook):
         """By clusters."""
         return uncertainty(model.hypothesis.space, model.fitted.normal, self.setup.fitted).covariance
 
-    def conclude(self, first: FittedFrfs, last: FittedFrfs) -> Conclusion[FittedFrfs]:
-        """Both fitted once more to everything; the gaps on what was held out are those of before."""
+    def conclude(self, first: FittedFrfs, last: FittedFrfs, *, again: bool) -> Conclusion[FittedFrfs]:
+        """See `Data`; the gaps on what was held out are those of before."""
         setup, every = self.setup, self.setup.observations
         setup.advance("fitting everything once more", 0.0)
         apart, before, after = gaps_of(setup, first, last), first, last
-        if setup.held.any():
+        if again and setup.held.any():
             after = fitted_closely(setup, last.hypothesis, last.x, fitted_to=every)
             before = fitted_closely(setup, first.hypothesis, first.x, fitted_to=every)
         gaps = gaps_of(setup, before, after, gap(every, self.believed).value)
         over = over_noise(setup, after)
-        sure = uncertainty(after.hypothesis.space, after.fitted.normal, every)
+        seen = every if again else setup.fitted
+        sure = uncertainty(after.hypothesis.space, after.fitted.normal, seen)
         return Conclusion(
             before, after,
             replace(gaps, held_out_before=apart.held_out_before, held_out_after=apart.held_out_after),
@@ -223,11 +224,11 @@ class FrfData(FrfsByLook):
             return None
         return self.modes.shown((first, last), (conclusion.before, conclusion.after), self.held_out)
 
-    def stand_in(self, model: FittedFrfs, further: FittedFrfs | None) -> FittedFrfs | None:
+    def stand_in(self, model: FittedFrfs, further: FittedFrfs | None, *, search: bool) -> FittedFrfs | None:
         """See `Data`: at the places that the law-free look points to; where all of them are named, none."""
         if further is not None and stands_in(self.setup, model, further):
             return further
-        if not self.look.needed or self.is_named(model):
+        if not search or not self.look.needed or self.is_named(model):
             return None
         return stand_in(self.setup, self.look, model, starts, with_force=self.force > Answer.NO)
 

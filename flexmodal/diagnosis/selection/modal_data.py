@@ -185,7 +185,7 @@ class ModalData(Data[FittedModes]):
         held = None if model.held is None else gap_of_errors(model.held.errors)
         return gap_of_errors(errors(self.everywhere(model.fit))), held
 
-    def conclude(self, first: FittedModes, last: FittedModes) -> Conclusion[FittedModes]:
+    def conclude(self, first: FittedModes, last: FittedModes, *, again: bool) -> Conclusion[FittedModes]:
         """Every fit has seen everything but what was held out."""
         card = replace(first.fit, x=np.zeros(len(first.fit.x)))  # which may be far off and have the modes
         believed = gap_of_errors(errors(restricted(card, self.whole, COARSE[0])))

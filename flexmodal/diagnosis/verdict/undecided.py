@@ -35,8 +35,8 @@ def undecided_words(rounds: Sequence[Round[M]]) -> tuple[str, ...]:
         for one, other in _rivals(rounds)
     )
     return first + tuple(
-        f"Whether {named(one.key)} is there is undecided: it gains {gain} nats, too near to what it takes "
-        "for a yes or a no."
+        f"Whether {named(one.key)} is there is undecided: it gains {gain} nats, and a figure that decides is "
+        "too near to its threshold for a yes or a no."
         for k, one, gain in _not_added(rounds)
         if k in rounds[-1].choice.undecided
     )

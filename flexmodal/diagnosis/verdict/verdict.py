@@ -5,12 +5,14 @@ nothing may be left that gains enough, and nothing that is tied. A mode that was
 lacks leaves it open in any case. Where a floor shows that the model is not there, the name of its effect
 stands only if a law-free look points to the same place and class and the effect takes the larger part of the
 disagreement; what remains is told as unknown beside it, at the places to which the look points besides, or
-where the disagreement is largest. Where there is no floor, what was added stands beside what is left.
+where the disagreement is largest. The only effect is not named where it is hardly possible: far from the
+card, or less plausible than another. Where there is no floor, what was added stands beside what is left.
 """
 
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 from flexmodal.diagnosis.names import UNKNOWN
 from flexmodal.diagnosis.outcome import Remaining, Verdict
@@ -37,13 +39,17 @@ def verdict(facts: Facts) -> Verdict:
     doubted = _doubted(facts)
     explained = explained and doubted < Answer.YES
     added = tuple((step.effect, step.where) for step in facts.steps)
+    alone = floor and not explained and len(added) == 1 and added == facts.standing
+    hardly = _hardly(facts) if alone else Answer.NO
+    if hardly is Answer.YES:
+        facts = replace(facts, standing=())
     sure = added if explained or not floor else facts.standing
     besides = () if explained or not floor else facts.lacking_at or (facts.place,)
     effects = (*sure, *((UNKNOWN, where) for where in besides))
     undecided = (*facts.undecided, *facts.cut_off)
     if explained and facts.reached is Answer.UNDECIDED:
         undecided = (*undecided, BORDER)
-    if explained and doubted is Answer.UNDECIDED:
+    if (explained and doubted is Answer.UNDECIDED) or (not explained and hardly is Answer.UNDECIDED):
         undecided = (*undecided, DOUBTFUL)
     words = frf_words if facts.modal is None else modal_words
     says = " ".join(part for part in (*words(facts, explained=explained), *undecided) if part)
@@ -58,10 +64,15 @@ def verdict(facts: Facts) -> Verdict:
 def _doubted(facts: Facts) -> Answer:
     """Whether what leaves more than nothing but noise is hardly possible or takes the lesser part."""
     over = facts.over_noise
-    least = min((step.confidence for step in facts.steps), default=1.0)
     if over is None:
         return Answer.NO
-    hardly = reaches(-math.log(max(least, 1e-300)), DOUBTED, DOUBTED_MARGIN)
+    hardly = _hardly(facts)
     shares = [step.share for step in facts.steps if step.share is not None]
     little = reaches(-sum(shares), -LARGER_PART, LARGER_PART_MARGIN) if shares else Answer.NO
     return min(reaches(over, CLOSE, CLOSE_MARGIN), max(hardly, little))
+
+
+def _hardly(facts: Facts) -> Answer:
+    """Whether one of the effects is hardly possible."""
+    least = min((step.confidence for step in facts.steps), default=1.0)
+    return reaches(-math.log(max(least, 1e-300)), DOUBTED, DOUBTED_MARGIN)

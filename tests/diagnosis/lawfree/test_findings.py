@@ -16,7 +16,7 @@ from flexmodal.diagnosis.outcome import Gaps, Remaining, Step
 from flexmodal.diagnosis.report.free_look import look_parts
 from flexmodal.diagnosis.selection.decision import Answer
 from flexmodal.diagnosis.verdict.facts import Facts
-from flexmodal.diagnosis.verdict.verdict import verdict
+from flexmodal.diagnosis.verdict.verdict import DOUBTFUL, verdict
 from flexmodal.report import Section, page_text
 
 
@@ -160,6 +160,37 @@ def test_an_effect_of_another_law_is_named_with_its_share(facts):
     assert says.share == 0.94
     assert "takes 94" in says.says
     assert "It bends." in says.says
+
+
+@pytest.mark.parametrize(("confidence", "named"), [(1e-20, False), (1e-4, False), (0.3, True)])
+def test_a_single_effect_that_is_hardly_possible_is_not_named_whatever_it_takes(facts, confidence, named):
+    """A bearing passed for a foundation that took 99 % with parameters far from the card."""
+    (step,) = facts.steps
+    there = (("link_flexibility", "link_2"),)
+    says = verdict(replace(facts, steps=(replace(step, confidence=confidence),), standing=there))
+    assert says.effects == ((*there, ("unknown", "link_2")) if named else (("unknown", "link_2"),))
+    assert (says.share is not None) is named
+    assert ("takes 94" in says.says) is named
+
+
+@pytest.mark.parametrize("rounding", [-1e-9, 1e-9])
+def test_at_the_border_of_being_hardly_possible_it_is_named_and_told(facts, rounding):
+    (step,) = facts.steps
+    doubtful = replace(step, confidence=0.0141 * (1 + rounding))
+    says = verdict(replace(facts, steps=(doubtful,), standing=(("link_flexibility", "link_2"),)))
+    assert says.effects[0] == ("link_flexibility", "link_2")
+    assert says.undecided == (DOUBTFUL,)
+
+
+def test_of_several_effects_one_that_is_hardly_possible_alone_stays(facts):
+    """What each gains before the others are there says little."""
+    (step,) = facts.steps
+    other = replace(step, effect="added_mass", where="link_1", confidence=1e-20)
+    both = (("link_flexibility", "link_2"), ("added_mass", "link_1"))
+    says = verdict(
+        replace(facts, steps=(step, other), standing=both, says={**facts.says, "added_mass": "a mass"})
+    )
+    assert says.effects == (*both, ("unknown", "link_2"))
 
 
 def test_what_is_missing_besides_is_unknown_beside_the_names(facts):

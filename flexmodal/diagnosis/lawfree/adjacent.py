@@ -1,0 +1,34 @@
+"""Places that give nearly alike: a foundation and the bearing of the first joint, a link and its bearings.
+
+The function of one is free in every line and takes up most of what the other does, so that a look that has
+come to the noise at one of them need not have tried the other. A law of one does not pass for the other's.
+"""
+
+from __future__ import annotations
+
+from flexmodal.diagnosis.effects.context import Context
+from flexmodal.structure.arm import beyond
+
+_BASE = ("base", "base")
+
+
+def adjacent(context: Context, port: str, where: str) -> frozenset[tuple[str, str]]:
+    """Kinds and places of the elastic ports that touch another one.
+
+    Args:
+        context: of the diagnosis.
+        port: kind of the other one.
+        where: its place.
+    """
+    touching = [pair for joint in context.joints for pair in _at(context, joint)]
+    here = (port, where)
+    return frozenset(one for pair in touching if here in pair for one in pair if one != here)
+
+
+def _at(context: Context, joint: str) -> list[tuple[tuple[str, str], tuple[str, str]]]:
+    """A joint's bearing and what it sits on, and it and what it carries."""
+    urdf, bearing = context.robot.urdf, ("bearing", joint)
+    described = urdf.joint_by_name[joint]
+    holding = [link for link in context.links if described.parent in beyond(urdf, link)]
+    below = max(holding, key=lambda link: -len(beyond(urdf, link)), default=None)
+    return [(bearing, _BASE if below is None else ("link", below)), (bearing, ("link", described.child))]
