@@ -59,8 +59,8 @@ def diagnose(
         trust: standard deviation of ln(true / card) by kind or parameter name.
         seed: of the bootstrap, and of the postures tried for the next measurement.
         within: seconds after which it stops looking and says what it has found by then, which another
-            computer may not have; by default it takes as long as it takes. The first look, without a law, and
-            the fits at the end are not cut off.
+            computer may not have; by default it takes as long as it takes. The first look, without a law, is
+            not cut off.
         advance: called with what is being done and the part of it that is done.
 
     Raises:
