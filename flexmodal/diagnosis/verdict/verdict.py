@@ -5,17 +5,19 @@ nothing may be left that gains enough, and nothing that is tied. A mode that was
 lacks leaves it open in any case. Where a floor shows that the model is not there, the name of its effect
 stands only if a law-free look points to the same place and class and the effect takes the larger part of the
 disagreement; what remains is told as unknown beside it, at the places to which the look points besides, or
-where the disagreement is largest. The only effect is not named where it is hardly possible: far from the
-card, or less plausible than another. Where there is no floor, what was added stands beside what is left.
+where the disagreement is largest. The only effect that would be is not named where it is hardly possible:
+far from the card, or less plausible than another. Where there is no floor, what was added stands beside what
+is left.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 
 from flexmodal.diagnosis.names import UNKNOWN
-from flexmodal.diagnosis.outcome import Remaining, Verdict
+from flexmodal.diagnosis.outcome import Remaining, Step, Verdict
 from flexmodal.diagnosis.selection.decision import Answer, reaches
 from flexmodal.diagnosis.selection.frf_thresholds import CLOSE, LARGER_PART, LARGER_PART_MARGIN
 from flexmodal.diagnosis.verdict.facts import Facts
@@ -39,8 +41,7 @@ def verdict(facts: Facts) -> Verdict:
     doubted = _doubted(facts)
     explained = explained and doubted < Answer.YES
     added = tuple((step.effect, step.where) for step in facts.steps)
-    alone = floor and not explained and len(added) == 1 and added == facts.standing
-    hardly = _hardly(facts) if alone else Answer.NO
+    hardly = _hardly_alone(facts) if floor and not explained else Answer.NO
     if hardly is Answer.YES:
         facts = replace(facts, standing=())
     sure = added if explained or not floor else facts.standing
@@ -66,13 +67,19 @@ def _doubted(facts: Facts) -> Answer:
     over = facts.over_noise
     if over is None:
         return Answer.NO
-    hardly = _hardly(facts)
+    hardly = _hardly(facts.steps)
     shares = [step.share for step in facts.steps if step.share is not None]
     little = reaches(-sum(shares), -LARGER_PART, LARGER_PART_MARGIN) if shares else Answer.NO
     return min(reaches(over, CLOSE, CLOSE_MARGIN), max(hardly, little))
 
 
-def _hardly(facts: Facts) -> Answer:
-    """Whether one of the effects is hardly possible."""
-    least = min((step.confidence for step in facts.steps), default=1.0)
+def _hardly_alone(facts: Facts) -> Answer:
+    """Whether the only effect that stands is hardly possible."""
+    steps = [step for step in facts.steps if (step.effect, step.where) in facts.standing]
+    return _hardly(steps) if len(steps) == 1 else Answer.NO
+
+
+def _hardly(steps: Sequence[Step]) -> Answer:
+    """Whether one of some effects is hardly possible."""
+    least = min((step.confidence for step in steps), default=1.0)
     return reaches(-math.log(max(least, 1e-300)), DOUBTED, DOUBTED_MARGIN)
