@@ -87,7 +87,9 @@ def test_what_counts_as_explained_is_not_doubted_for_what_it_leaves(monkeypatch,
 @pytest.mark.parametrize(("nearest", "first"), [(0.0, 2), (10.0, 2), (400.0, 1)])
 def test_a_card_that_everything_contradicts_decides_less(monkeypatch, nearest, first):
     """Twenty nats of belief between two that leave noise; of 10 parameters that are off by 10 at least."""
-    monkeypatch.setattr(confidence, "over_noise", lambda setup, model: 1.05)
+    monkeypatch.setattr(
+        confidence, "over_noise", lambda setup, model: 1.05 if model.hypothesis.placed else 3.0
+    )
     monkeypatch.setattr(confidence, "left", lambda setup, first, last: 0.0)
     given = [(900.0, nearest), (100.0, nearest + 40.0), (110.0, nearest)]
     models = [
@@ -106,5 +108,31 @@ def test_a_card_that_everything_contradicts_decides_less(monkeypatch, nearest, f
     found = confidence.plausible(
         Mock(spec=FrfData, setup=None, root=None), Mock(spec=Comparison, models=models)
     )
-    assert sorted(found) == [0, 1, 2]
-    assert max((1, 2), key=found.get) == first
+    assert sorted(found) == [1, 2]
+    assert max(found, key=found.get) == first
+
+
+def test_where_nothing_added_is_at_the_noise_too_evidence_decides(monkeypatch):
+    """A mass that re-tuning takes up gains 239 nats over all lines, and next to nothing by whole FRFs."""
+    monkeypatch.setattr(confidence, "over_noise", lambda setup, model: 1.0)
+    monkeypatch.setattr(confidence, "left", lambda setup, first, last: 1.0)
+    look = Mock(spec=Findings, left=0.5, found=(), met=lambda keys: {})
+    setup = Mock(spec=Setup, observations=Mock(variance=np.ones((1, 1, 1)), used=np.ones((1, 1, 1), bool)))
+    data = Mock(spec=FrfData, setup=setup, root=None, look_for=lambda model: look)
+    models = [
+        Mock(
+            spec=FittedFrfs,
+            key=key,
+            costs=np.array([cost]),
+            strong=1.0,
+            prior=0.0,
+            parameters=1,
+            fitted=Mock(weighing=Mock(floor=0.0)),
+            hypothesis=Mock(placed=placed),
+        )
+        for key, cost, placed in ((("none", ""), 31954.0, ()), (("added_mass", "link_1"), 30691.0, (1,)))
+    ]
+    compared = Mock(spec=Comparison, models=models, probability=np.array([0.0, 1.0]), order=[1, 0])
+    assert confidence.plausible(data, compared) == {}
+    sure = confidence.confidences(data, compared, 1)
+    np.testing.assert_allclose(sure, [0.0, 1 / (1 + confidence.ALONE)])

@@ -17,6 +17,9 @@ assumes no law points elsewhere or nowhere it is as good as what counts as expla
 what the named one leaves beyond that counts against it. Where the named one counts as explained itself, or
 the look points to the same place so that what is left is due to the law and not to the place, something
 else is no better than what is named, and weighs `ALONE`, or `AGREES` where the curve has its class too.
+Where the re-tuned robot is at the noise already no error of a law can be larger than that, and lines count
+as in the evidence.
+
 Both weights, and the pieces, were tuned on campaigns of the virtual rig that judge nothing
 (`benchmarks/calibration.py`).
 """
@@ -83,6 +86,8 @@ def confidences(data: Looked, comparison: Comparison[FittedFrfs], chosen: int) -
     enough = there or explains(data, models[chosen])
     noise = math.inf if enough else FLOOR_REACHED**2 * float(np.sum(variance / (variance + floor**2)))
     odds = AGREES if agrees else ALONE
+    if needs_nothing(data, models[0]):
+        return np.asarray(comparison.probability / (1 + odds))
     found = probabilities(costs, sizes, priors, chosen, PIECES * len(models[0].costs), noise, odds)
     first = int(comparison.order[0])
     told = plausible(data, comparison)
@@ -92,19 +97,33 @@ def confidences(data: Looked, comparison: Comparison[FittedFrfs], chosen: int) -
 
 
 def plausible(data: Looked, comparison: Comparison[FittedFrfs]) -> dict[int, float]:
-    """Of models that explain what there is, the first included, by number, ln p of the formula above.
+    """Of models with effects that explain what there is, by number, ln p of the formula above.
+
+    None where the re-tuned robot does so too: no law errs there by more than noise, and evidence decides.
 
     Args:
         data: on which they were compared.
         comparison: of models, the first without anything new.
     """
     models = comparison.models
+    if needs_nothing(data, models[0]):
+        return {}
     pieces, times = PIECES * len(models[0].costs), _over_trusted(models)
     return {
         k: float(_ln(one.costs.sum(), one.strong, one.prior / times, pieces))
         for k, one in enumerate(models)
-        if one.key[0] != UNSTRUCTURED and _at_the_noise(data, one) is Answer.YES
+        if one.hypothesis.placed and one.key[0] != UNSTRUCTURED and _at_the_noise(data, one) is Answer.YES
     }
+
+
+def needs_nothing(data: Looked, model: FittedFrfs) -> bool:
+    """Whether a model is the re-tuned robot and at the noise.
+
+    Args:
+        data: on which it is judged.
+        model: any.
+    """
+    return not model.hypothesis.placed and _at_the_noise(data, model) is Answer.YES
 
 
 def explains(data: Looked, model: FittedFrfs) -> bool:

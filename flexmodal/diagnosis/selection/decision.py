@@ -111,8 +111,7 @@ def choice(
     first if it gains anything: of several effects each alone may gain little. An effect that the best comes
     down to in a limit stands in its place where the data cannot tell the two, or where the limit is reached.
 
-    Of models that explain everything one that is clearly more plausible than the best comes before it; the
-    model as it is keeps it from being added unless it was asked for there.
+    Of models that explain everything one that is clearly more plausible than the best comes before it.
 
     Args:
         comparison: of the model as it is and of what might be added.
@@ -123,8 +122,7 @@ def choice(
     """
     ranked = sorted(range(1, len(comparison.models)), key=lambda k: -comparison.scores[k])
     ranked = [k for k in ranked if comparison.models[k].key[0] != UNSTRUCTURED]
-    plausible = plausible or {}
-    ranked, rival = _plausible_first(ranked, plausible)
+    ranked, rival = _plausible_first(ranked, plausible or {})
     known = [k for k in ranked if any(vouched) and vouched[k] and comparison.first_gain(k) > MARGIN]
     if known:
         return Choice(known[0])
@@ -134,7 +132,7 @@ def choice(
         ranked = [*_plainer(comparison, ranked[0]), ranked[0]] if ranked else []
     open_ = []
     for k in ranked:
-        answer = min(gains_enough(comparison, k), worth[k], Answer(Answer.YES - is_idle(plausible, k)))
+        answer = min(gains_enough(comparison, k), worth[k])
         if named_with_place(comparison.models[k].key, asked):
             answer = max(answer, reaches(comparison.first_gain(k), ASKED, MARGIN))
         if answer is Answer.YES:
@@ -160,16 +158,16 @@ def _plausible_first(ranked: list[int], plausible: Mapping[int, float]) -> tuple
     return ranked, first if answer is Answer.UNDECIDED else None
 
 
-def is_idle(plausible: Mapping[int, float], number: int = 1) -> Answer:
-    """Whether the first model explains everything as another one does, and is clearly more plausible.
+def is_idle(plausible: Mapping[int, float]) -> bool:
+    """Whether a model explains everything without its last effect too, and is clearly more plausible so.
 
     Args:
-        plausible: of those that explain everything, by number, how plausible they are [nat].
-        number: of the other one.
+        plausible: of a comparison of the model without the effect, 0, and with it, 1; those that explain
+            everything [nat].
     """
-    if not {0, number} <= set(plausible):
-        return Answer.NO
-    return reaches(plausible[0] - plausible[number], MORE_PLAUSIBLE, MARGIN)
+    if not {0, 1} <= set(plausible):
+        return False
+    return reaches(plausible[0] - plausible[1], MORE_PLAUSIBLE, MARGIN) is Answer.YES
 
 
 def _plainer(comparison: Comparison[M], first: int) -> list[int]:

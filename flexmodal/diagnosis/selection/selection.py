@@ -240,7 +240,7 @@ class ForwardSelection(Generic[M]):
                 break
             less = self.data.without(self.current, (step.effect, step.where))
             comparison = self.data.compare([less, self.current])
-            idle = is_idle(self.data.plausible(comparison)) is Answer.YES
+            idle = is_idle(self.data.plausible(comparison))
             if idle or self._chosen(comparison, number).number is None:
                 self.current = less
                 self.steps.remove(step)
