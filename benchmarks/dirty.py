@@ -34,6 +34,7 @@ import flexmodal
 from flexmodal.campaign import Campaign
 from flexmodal.campaign.description.tested import Tolerance
 from flexmodal.diagnosis import diagnose
+from flexmodal.diagnosis.names import UNKNOWN
 from flexmodal.errors import InvalidRequest
 from flexmodal.rig import FORMS, LOOKED_AT, Hide, ParameterError, simulate
 from flexmodal.rig.arms import draw_arm
@@ -195,11 +196,11 @@ def told(every: list[dict[str, Any]], name: str | None, given: argparse.Namespac
     able = [row for row in rows if row["model"] is not None]
     mean, nearest = (sum(row["model"] < row[name] for row in able) for name in ("mean", "nearest"))
     both = sum(row["model"] < min(row["mean"], row["nearest"]) for row in able)
-    right = sum(len({e for e, _, _ in row["hidden"]} & {e for e, _ in row["said"]}) for row in rows)
-    hidden = sum(len(row["hidden"]) for row in rows)
-    wrong = sum(
-        len({e for e, _ in row["said"]} - {e for e, _, _ in row["hidden"]} - {"unknown"}) for row in rows
-    )
+    there = [{(effect, where) for effect, _, where in row["hidden"]} for row in rows]
+    said = [{(effect, where) for effect, where in row["said"] if effect != UNKNOWN} for row in rows]
+    right = sum(len(one & other) for one, other in zip(there, said, strict=True))
+    wrong = sum(len(other - one) for one, other in zip(there, said, strict=True))
+    hidden = sum(len(one) for one in there)
     table = [
         ["campaigns", "", f"{len(able)}"],
         [f"cut off after {given.within:g} s", "–", f"{sum(row['cut_off'] for row in rows)}"],
@@ -209,8 +210,8 @@ def told(every: list[dict[str, Any]], name: str | None, given: argparse.Namespac
         ["below both", "≥ 90 %", f"{both}"],
         ["held-out gap over that of the mean, median", "–", f"{_median(able, 'mean'):.2f}"],
         ["held-out gap over that of the nearest posture, median", "–", f"{_median(able, 'nearest'):.2f}"],
-        ["names found of those hidden", "–", f"{right} of {hidden}"],
-        ["names said that are wrong", "–", f"{wrong}"],
+        ["effects named in their place, of those hidden", "–", f"{right} of {hidden}"],
+        ["effects named that are not there", "–", f"{wrong}"],
     ]
     if name is not None:
         option, where = (" --planar", " in a plane") if given.planar else ("", "")
