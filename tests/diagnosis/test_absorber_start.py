@@ -80,7 +80,10 @@ def test_the_closed_form_at_a_free_port_is_the_effect(seen, values):
     assert np.sqrt(np.mean(np.abs(whole) ** 2)) < 1e-6 < 1e-3 < np.sqrt(np.mean(np.abs(none) ** 2))
 
 
-@pytest.mark.parametrize("values", [SIMPLE, *WIDER.values()], ids=["one way", *WIDER])
+@pytest.mark.parametrize(
+    "values", [SIMPLE, *(pytest.param(one, marks=pytest.mark.slow) for one in WIDER.values())],
+    ids=["one way", *WIDER],
+)  # fmt: skip
 def test_is_found_again_in_functions_with_lines_gone_astray(seen, values):
     context, _ = seen
     where, random = context.links[-1], np.random.default_rng(5)

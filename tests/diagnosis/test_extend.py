@@ -181,8 +181,14 @@ def test_a_rod_is_in_the_files_as_in_the_mean_posture(robot, where, context_of, 
     assert np.count_nonzero(expected) > len(joints)
 
 
-@pytest.mark.parametrize("robot", ROBOTS)
-@pytest.mark.parametrize("name", STRUCTURAL)
+@pytest.mark.parametrize(
+    ("name", "robot"),
+    [
+        pytest.param(name, robot, marks=[] if (number + k) % 3 else [pytest.mark.slow])
+        for number, name in enumerate(STRUCTURAL)
+        for k, robot in enumerate(ROBOTS)
+    ],
+)
 def test_each_effect(name, robot, context_of, diagnosed, tmp_path):
     context = context_of(robot)
     where = effect_of(name).places(context)

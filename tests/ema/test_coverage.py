@@ -69,6 +69,7 @@ def test_readings(one_mode: Truth, method: str, known: bool) -> None:
     assert np.all((share >= 0.90) & (share <= 0.99)), share
 
 
+@pytest.mark.slow
 def test_refined_lscf() -> None:
     truth = real_modes([20.0, 40.0], [0.04, 0.05], np.array([[1.0, 1.2]]))
     hits = []

@@ -45,7 +45,7 @@ CASES = {
 }
 
 
-SLOW = "limits, no hold", "limits, static", "worst, static", "xarm7", "xarm7, worst"
+SLOW = "limits, no hold", "limits, static", "worst, static", "ur5, stiffness", "xarm7", "xarm7, worst"
 
 
 @pytest.mark.parametrize(

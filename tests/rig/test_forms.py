@@ -171,7 +171,7 @@ def test_a_form_dies_down_and_gives_no_work(key, arm, arms):
         assert power.min() > -1e-9 * np.abs(mobility).max()
 
 
-@pytest.mark.parametrize("seeds", [range(2), pytest.param(range(2, 5), marks=pytest.mark.slow)], ids=str)
+@pytest.mark.parametrize("seeds", [range(1), pytest.param(range(1, 5), marks=pytest.mark.slow)], ids=str)
 @pytest.mark.parametrize("key", IN_JOINTS)
 def test_torques_of_a_joint_never_give_more_work_than_they_took(key, seeds, arms):
     """Along random paths from rest, spring and damper included: ∫ τ du ≥ 0 at every moment."""

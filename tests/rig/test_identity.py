@@ -269,7 +269,9 @@ FORMS = {
 A slider's corner is too sharp for scipy, and has a closed form in its own test."""
 
 
-@pytest.mark.parametrize("name", FORMS)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.slow] if k % 2 else []) for k, name in enumerate(FORMS)]
+)
 def test_another_integrator_agrees_on_every_form(name, stand, hidden):
     bench = stand(flexmodal.load("fanuc_s360"), references=["location_1:+z"], band=(2.0, 200.0), trials=2)
     plant = build(bench, bench.plan.postures[0], [hidden(bench, name, "q2")])
