@@ -287,39 +287,6 @@ def test_a_strong_effect_is_named_where_its_place_leaves_far_less_than_any_other
         assert data.standing(model) == ((MASS,), ("tip",))
 
 
-@pytest.mark.parametrize(
-    ("given", "expected"),
-    [
-        ({}, True),
-        ({"others": 9.0}, False),
-        ({"share": 0.6}, False),
-        ({"surely": False}, False),
-        ({"explains": True, "found": 1}, False),
-        ({"keys": (MASS, DELAY)}, False),
-    ],
-)
-def test_an_effect_that_takes_most_at_a_clear_place_and_of_its_class_is_named_at_last(given, expected):
-    """What it leaves is unknown beside it; whether to look further does not hang on that."""
-    at = Mock(spec=Found, port="body", where="a", is_apart=True)
-    at.surely = lambda name: given.get("surely", True)
-    places = [
-        Mock(port="body", where="a", judged=5.0),
-        Mock(port="joint", where="q1", judged=given.get("others", 18.0)),
-    ]
-    look = Mock(
-        spec=Findings, needed=True, explains=given.get("explains", False), found=(at,), places=places,
-        met=lambda keys: dict.fromkeys(keys, at),
-    )  # fmt: skip
-    data = FrfData.__new__(FrfData)
-    data._candidates = Mock(spec=FrfCandidates, looks=Mock(one=look), looked=lambda model: Mock(place="tip"))
-    data._root, data._look, data.modes, data.is_named = fitted(), look, None, lambda model: False
-    data.share = lambda first, last: given.get("share", 0.88)
-    model = fitted(*given.get("keys", (MASS,)))
-    assert not data.dominates(model)
-    assert data.stands_out(model) is expected
-    assert data.standing(model) == (((MASS,), ("tip",)) if expected else ((), ()))
-
-
 class Settling(FrfData):
     """Looks that are given: of which effect its place and class are sure, and how much it takes."""
 
@@ -352,9 +319,6 @@ class Settling(FrfData):
         return False
 
     def dominates(self, model):
-        return False
-
-    def stands_out(self, model):
         return False
 
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from contextlib import suppress
 
 from flexmodal.diagnosis.disagreement.gaps import left, over_noise
-from flexmodal.diagnosis.lawfree.result import PORT_OF, Found
+from flexmodal.diagnosis.lawfree.result import PORT_OF
 from flexmodal.diagnosis.lawfree.result import Findings as LawFree
 from flexmodal.diagnosis.outcome import Step
 from flexmodal.diagnosis.selection.data import Data
@@ -79,29 +79,16 @@ class FrfsByLook(Data[FittedFrfs]):
 
         So strong an effect shows how its law errs, or what else is there.
         """
-        return self._clear_place(model) is not None and self.share(self.root, model) >= ALL_BUT_LITTLE
-
-    def stands_out(self, model: FittedFrfs) -> bool:
-        """Whether its place is as clear, its curve tells its class, and it takes most of the disagreement.
-
-        Args:
-            model: any.
-        """
-        at = self._clear_place(model)
-        told = at is not None and at.surely(model.hypothesis.keys[0][0])
-        return told and self.share(self.root, model) >= MOST_OF_IT
-
-    def _clear_place(self, model: FittedFrfs) -> Found | None:
-        """The place of a model's only effect, where it leaves more than noise but all others far more."""
         keys, look = model.hypothesis.keys, self._candidates.looks.one
         if len(keys) != 1 or not look.needed or look.explains or self.lacking(model):
-            return None
+            return False
         at = look.met(keys).get(keys[0])
         if at is None or at is not look.found[0] or not at.is_apart:
-            return None
+            return False
         here = look.places[0].judged
         others = [one.judged for one in look.places if (one.port, one.where) != (at.port, at.where)]
-        return at if all(judged > CLEARLY * here for judged in others) else None
+        clear = all(judged > CLEARLY * here for judged in others)
+        return clear and self.share(self.root, model) >= ALL_BUT_LITTLE
 
     def is_alone(self, model: FittedFrfs) -> bool:
         """Whether its effect takes nearly all, where one place without a law leaves nothing for another one.
@@ -164,8 +151,6 @@ class FrfsByLook(Data[FittedFrfs]):
         settled, sure, places = self._settled
         if keys and set(keys) <= set(settled):  # those that nobody misses went
             return tuple(key for key in sure if key in keys), places
-        if self.stands_out(model):
-            return keys, (self._left_at(model),)
         if not self.look.explains or self.lacking(model):
             return (), ()
         met = {key: one for key, one in self.look.met(keys).items() if one.surely(key[0])}

@@ -24,7 +24,7 @@ ALL_BUT_LITTLE = 0.97
 GOOD_PART, MOST_OF_IT, SURE = 0.1, 0.75, 0.8
 """Where there is no time for looks: part of the disagreement that each of several effects takes at least, and
 all of the model's together, and confidence of each among what it was compared with, for it to be named. Set
-by three campaigns that were looked at. The second also of one effect at a clear place, by one campaign."""
+by three campaigns that were looked at."""
 CLEARLY = 2.0
 """Times by which the misfit without an effect, the others being there, has to exceed that with its function
 free, for it to be named where all of them leave more than noise."""
