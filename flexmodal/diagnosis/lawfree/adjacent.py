@@ -30,5 +30,5 @@ def _at(context: Context, joint: str) -> list[tuple[tuple[str, str], tuple[str, 
     urdf, bearing = context.robot.urdf, ("bearing", joint)
     described = urdf.joint_by_name[joint]
     holding = [link for link in context.links if described.parent in beyond(urdf, link)]
-    below = max(holding, key=lambda link: -len(beyond(urdf, link)), default=None)
+    below = min(holding, key=lambda link: len(beyond(urdf, link)), default=None)
     return [(bearing, _BASE if below is None else ("link", below)), (bearing, ("link", described.child))]

@@ -50,7 +50,7 @@ def verdict(facts: Facts) -> Verdict:
     undecided = (*facts.undecided, *facts.cut_off)
     if explained and facts.reached is Answer.UNDECIDED:
         undecided = (*undecided, BORDER)
-    if (explained and doubted is Answer.UNDECIDED) or (not explained and hardly is Answer.UNDECIDED):
+    if hardly is Answer.UNDECIDED or (explained and doubted is Answer.UNDECIDED):
         undecided = (*undecided, DOUBTFUL)
     words = frf_words if facts.modal is None else modal_words
     says = " ".join(part for part in (*words(facts, explained=explained), *undecided) if part)
