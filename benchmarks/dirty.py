@@ -42,8 +42,8 @@ from flexmodal.rig.laboratory import with_mishaps
 from flexmodal.rig.positions import choose_points
 
 FIRST = 31_000
-"""Of the seeds: none from here on was looked at while the diagnosis was made, but for six with `--planar`; `--first`
-looks at others."""
+"""Of the seeds: none from here on was looked at while the diagnosis was made, but for six with
+`--planar`; `--first` looks at others."""
 TOLERANCE = Tolerance(posture=0.01, position=0.004, direction=0.02, gain=0.03)
 """A degree at two standard deviations, some millimetres and degrees, some per cent."""
 MASS = 0.15
