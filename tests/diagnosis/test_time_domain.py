@@ -8,8 +8,9 @@ from scipy.integrate import solve_ivp
 
 from flexmodal.diagnosis.effects.joint_laws import dahl, hardened, levelling
 from flexmodal.diagnosis.time_domain.integration import Steps, Struck, integrate, loop_of, torques
-from flexmodal.diagnosis.time_domain.kernel import law
 from flexmodal.diagnosis.time_domain.law import FRICTION, HARDENING, SLOW, friction, hardening, slow_friction
+from flexmodal.diagnosis.time_domain.law_kernel import exponential, logarithm
+from flexmodal.diagnosis.time_domain.numpy_form import law as law_of_blows
 from flexmodal.diagnosis.time_domain.pulse import Pulse, haversine, usual
 from flexmodal.diagnosis.time_domain.record import record_receptance
 from flexmodal.diagnosis.time_domain.spectrum import spectrum
@@ -48,38 +49,61 @@ def integrated_receptance(one, length, *, fineness=20.0, **more):
 # laws
 
 
+def law(kind, parameters, old, new, memory):
+    """Of one blow."""
+    torque, slope = law_of_blows(kind, parameters[None], *(np.array([one]) for one in (old, new, memory)))
+    return torque[0], slope[0]
+
+
 def driven(kind, first, second, way, third=1.0):
     """Torques along a prescribed elongation."""
-    held = [0.0]
+    return driven_side_by_side(kind, np.array([[first, second, third, 0.0, 1.0]]), way)[:, 0]
+
+
+def driven_side_by_side(kind, parameters, way):
+    """Of several laws along the same elongation."""
+    held = [np.zeros(len(parameters))]
     for old, new in itertools.pairwise(way):
-        held.append(law(kind, np.array([first, second, third, 0.0, 1.0]), old, new, held[-1])[0])
+        both = (np.full(len(parameters), one) for one in (old, new))
+        held.append(law_of_blows(kind, parameters, *both, held[-1])[0])
     return np.array(held)
 
 
-@pytest.mark.parametrize("presliding", [300.0, 900.0, 9000.0])
-def test_friction_loses_what_the_closed_form_says(presliding):
-    torque, amplitude = 0.7, 3e-3
+def test_exponential_and_logarithm_are_right_to_the_last_digits():
+    with np.errstate(over="ignore"):
+        for x in (-700.0, -31.7, -1e-9, 0.0, 1e-3, 0.34, 0.35, 1.0, 12.3, 699.0):
+            assert exponential(x) == pytest.approx(np.exp(x), rel=5e-16)
+        for x in (1e-300, 1e-9, 0.5, 0.70710678, 0.7071068, 1 - 1e-12, 1.0, 1.4142135, 3.0, 1e300):
+            assert logarithm(x) == pytest.approx(np.log(x), rel=5e-16, abs=1e-300)
+        assert np.isnan(exponential(np.nan))
+        assert exponential(-1e5) == pytest.approx(np.exp(-700.0), rel=1e-15)
+
+
+def test_friction_loses_what_the_closed_form_says():
+    torque, amplitude, presliding = 0.7, 3e-3, np.array([300.0, 900.0, 9000.0])
     way = -amplitude * np.cos(np.linspace(0, 10 * np.pi, 25_001))
-    held = driven(FRICTION, torque, presliding, way)[20_000:]  # the fifth loop, closed to e^(−16 A σ/T_c)
-    lost = np.sum((held[1:] + held[:-1]) / 2 * np.diff(way[20_000:]))
+    given = np.array([[torque, one, 1.0, 0.0, 1.0] for one in presliding])
+    held = driven_side_by_side(FRICTION, given, way)[20_000:]  # the fifth loop, closed to e^(−16 A σ/T_c)
+    lost = np.sum((held[1:] + held[:-1]) / 2 * np.diff(way[20_000:])[:, None], axis=0)
     slack = torque / presliding
     expected = 4 * torque * (amplitude - slack * np.tanh(amplitude / slack))
-    assert lost == pytest.approx(expected, rel=1e-5)  # trapezium of 5000 steps
-    _, (loss,) = dahl(np.array([amplitude]), torque, presliding)
-    assert np.pi * amplitude**2 * loss == pytest.approx(expected, rel=2e-3)  # 32 points of a half turn
+    np.testing.assert_allclose(lost, expected, rtol=1e-5)  # trapezium of 5000 steps
+    for stiffness, loop in zip(presliding, expected, strict=True):
+        _, (loss,) = dahl(np.array([amplitude]), torque, stiffness)
+        assert np.pi * amplitude**2 * loss == pytest.approx(loop, rel=2e-3)  # 32 points of a half turn
 
 
-@pytest.mark.parametrize("exponent", [0.0, 0.5, 0.99, 1.4])
-@pytest.mark.parametrize("presliding", [300.0, 9000.0])
-def test_a_stand_in_loses_what_the_loop_does(presliding, exponent):
+def test_a_stand_in_loses_what_the_loop_does():
     torque, amplitude = 0.7, 3e-3
     way = -amplitude * np.cos(np.linspace(0, 10 * np.pi, 25_001))
-    held = driven(FRICTION, torque, presliding, way, exponent)[20_000:]
-    lost = np.sum((held[1:] + held[:-1]) / 2 * np.diff(way[20_000:]))
-    (stiffness,), (loss,) = dahl(np.array([amplitude]), torque, presliding, exponent)
-    assert np.pi * amplitude**2 * loss == pytest.approx(lost, rel=2e-2)  # 32 points of a half turn
-    inward = np.sum((held[1:] * way[20_001:] + held[:-1] * way[20_000:-1]) / 2) * 2 * np.pi / 5000
-    assert np.pi * amplitude**2 * stiffness == pytest.approx(inward, rel=2e-2)
+    given = np.array([[torque, p, i, 0.0, 1.0] for p in (300.0, 9000.0) for i in (0.0, 0.5, 0.99, 1.4)])
+    held = driven_side_by_side(FRICTION, given, way)[20_000:]
+    lost = np.sum((held[1:] + held[:-1]) / 2 * np.diff(way[20_000:])[:, None], axis=0)
+    inward = np.sum(held[1:] * way[20_001:, None] + held[:-1] * way[20_000:-1, None], axis=0) / 2
+    for one, loop, elastic in zip(given, lost, inward * 2 * np.pi / 5000, strict=True):
+        (stiffness,), (loss,) = dahl(np.array([amplitude]), *one[:3])  # 32 points of a half turn
+        assert np.pi * amplitude**2 * loss == pytest.approx(loop, rel=2e-2)
+        assert np.pi * amplitude**2 * stiffness == pytest.approx(elastic, rel=2e-2)
 
 
 @pytest.mark.parametrize("exponent", [0.0, 0.5, 1.0, 1.4])
@@ -145,7 +169,8 @@ def test_the_stand_in_of_a_wound_spring_is_its_first_harmonic():
 @pytest.mark.parametrize("speed", [1e-4, 0.05, 3.0])
 def test_the_stand_in_of_slow_friction_loses_what_it_does(speed):
     phase = np.linspace(0, 2 * np.pi, 20001)[1:]
-    lost = np.mean([law(SLOW, np.array([0.7, 0.04]), 0.0, v, 0.0)[0] * v for v in speed * np.cos(phase)])
+    given = np.array([0.7, 0.04, 0.0, 0.0, 0.0])
+    lost = np.mean([law(SLOW, given, 0.0, v, 0.0)[0] * v for v in speed * np.cos(phase)])
     assert levelling(np.array([speed]), 0.7, 0.04)[0] * speed**2 / 2 == pytest.approx(lost, rel=2e-3)
 
 

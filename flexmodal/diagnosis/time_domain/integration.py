@@ -14,11 +14,12 @@ from dataclasses import dataclass
 from functools import cache, cached_property
 
 import numpy as np
-from jaxtyping import Complex, Float
+from jaxtyping import Complex, Float, Int
 
-from flexmodal.diagnosis.time_domain import kernel, numpy_form
+from flexmodal.diagnosis.time_domain import kernel, law_kernel, numpy_form, settle_kernel
 from flexmodal.diagnosis.time_domain.kernel import LANES
 from flexmodal.diagnosis.time_domain.law import FRICTION, SLOW, Law
+from flexmodal.diagnosis.time_domain.propagation import Propagation, propagated, state_matrix
 from flexmodal.diagnosis.time_domain.pulse import Pulse
 from flexmodal.diagnosis.time_domain.spectrum import WHOLE, spectrum
 from flexmodal.frf.kernels.compiled import Kernel, together
@@ -31,7 +32,7 @@ Blow = tuple[int, Pulse]
 
 FINENESS = 10.0
 """Steps in a period of the highest line, at least."""
-_STEP_SECONDS, _BLOW_SECONDS, _COMPILATION = 1.5e-4, 1e-6, 4.0
+_STEP_SECONDS, _BLOW_SECONDS, _COMPILATION = 1.5e-4, 1e-6, 7.0
 """What numpy takes for a step, and for each blow in it, and what compiling takes [s]."""
 _TOGETHER = 4_000_000
 """Torques kept at once."""
@@ -138,44 +139,47 @@ def torques(
         loop: over the steps, see `loop_of`.
     """
     laws, h = len(struck[0].laws), steps.step
-    phi, early, late = held(
-        np.array([state_matrix(one.structure, one.axis) for one in struck]),
-        np.array([_columns(one) for one in struck]),
-        h,
-    )
-    groups = [(k, some) for k, one in enumerate(struck) for some in _lanes(one.blows)]
-    system = np.array([k for k, _ in groups])
-    longest = max(pulse.length for _, some in groups for _, pulse in some)
-    time = np.arange(min(1 + int(np.ceil(longest / h)), steps.count) + 1) * h
-    states = phi.shape[1]
-    force = np.zeros((len(groups), LANES, len(time)))
-    push = np.zeros((len(groups), len(time) - 1, states, LANES))
-    for group, (k, some) in enumerate(groups):
-        for lane, (row, pulse) in enumerate(some):
-            f = force[group, lane] = pulse.force(time)
-            first, second = early[k, :, laws + row], late[k, :, laws + row]
-            push[group, :, :, lane] = np.outer(f[:-1], first) + np.outer(f[1:], second)
-    torque = np.zeros((len(groups), LANES, laws, steps.count + 1))
-    last = np.zeros((len(groups), LANES, states))
-    rows = np.array([[_felt(law) for law in one.laws] for one in struck])
-    loop(
-        np.ascontiguousarray(phi),
-        np.ascontiguousarray(np.swapaxes(early[:, :, :laws] + phi @ late[:, :, :laws], 1, 2)),
-        np.ascontiguousarray(np.swapaxes(late[:, :, :laws], 1, 2)),
-        rows,
-        np.array([law.kind for law in struck[0].laws]),
-        _parameters(struck, h),
-        system,
-        push,
-        torque,
-        last,
-    )
-    taken = np.array([lane < len(some) for _, some in groups for lane in range(LANES)])
+    part, number = _linear(struck, h)
+    (turn, cross), (early, late) = part.once(), part.weights()
+    turn, cross, early, late, back = (a[number] for a in (turn, cross, early, late, part.back))
+    begun, held = (np.swapaxes(one[:, :, :laws], 1, 2) for one in (early, late))
+    carried = begun + turn[:, None] * held + cross[:, None] * held[:, :, np.arange(turn.shape[1]) ^ 1]
+    rows = np.array([[_felt(law) for law in one.laws] for one in struck]) @ back
+    blows = [blow for one in struck for blow in one.blows]
+    time = np.arange(min(1 + int(np.ceil(max(pulse.length for _, pulse in blows) / h)), steps.count) + 1) * h
+    force = np.array([pulse.force(time) for _, pulse in blows])
+    of = np.repeat(np.arange(len(struck)), [len(one.blows) for one in struck])
+    row = laws + np.array([row for row, _ in blows])
+    push = force[:, :-1, None] * early[of, :, row][:, None] + force[:, 1:, None] * late[of, :, row][:, None]
+    lanes = next((one for one in LANES if one >= len(blows)), LANES[-1])
+    tiles = -(-len(blows) // lanes)
+    torque = np.zeros((tiles, lanes, laws, steps.count + 1))
+    last = np.zeros((tiles, turn.shape[1], lanes))
+
+    def tiled(of_blows: np.ndarray) -> np.ndarray:
+        padded = of_blows[np.minimum(np.arange(tiles * lanes), len(blows) - 1)]
+        return np.ascontiguousarray(np.moveaxis(padded.reshape(tiles, lanes, *padded.shape[1:]), 1, -1))
+
+    gain = np.einsum("kli,kmi->klm", rows, held)
+    systems = (tiled(one[of]) for one in (turn, cross, carried, held, rows, gain))
+    kinds = np.array([law.kind for law in struck[0].laws])
+    loop(*systems, kinds, tiled(_parameters(struck, h)[of]), tiled(push), torque, last)
+    last = np.moveaxis(last, 1, 2).reshape(tiles * lanes, -1)[: len(blows)]
     return (
-        force.reshape(-1, len(time))[taken],
-        torque.reshape(-1, laws, steps.count + 1)[taken],
-        last.reshape(-1, states)[taken],
+        force,
+        torque.reshape(tiles * lanes, laws, -1)[: len(blows)],
+        np.einsum("bij,bj->bi", back[of], last),
     )
+
+
+def _linear(struck: Sequence[Struck], step: float) -> tuple[Propagation, Int[np.ndarray, " system"]]:
+    """The linear parts that differ, and which one each has: laws may be the only difference."""
+    made = [(state_matrix(one.structure, one.axis), _columns(one)) for one in struck]
+    different: dict[tuple[bytes, bytes], int] = {}
+    number = [different.setdefault((a.tobytes(), b.tobytes()), len(different)) for a, b in made]
+    first = [made[number.index(k)] for k in range(len(different))]
+    linear, columns = (np.array(some) for some in zip(*first, strict=True))
+    return propagated(linear, columns, step), np.array(number)
 
 
 def _felt(law: Law) -> Float[np.ndarray, " state"]:
@@ -189,64 +193,6 @@ def _parameters(struck: Sequence[Struck], step: float) -> Float[np.ndarray, "sys
     found = np.array([[law.parameters for law in one.laws] for one in struck], dtype=float)
     found[:, [law.kind == FRICTION for law in struck[0].laws], 4] *= step
     return found
-
-
-def _lanes(blows: Sequence[Blow]) -> list[Sequence[Blow]]:
-    """So many at once as are integrated together."""
-    return [blows[start : start + LANES] for start in range(0, len(blows), LANES)]
-
-
-def state_matrix(structure: Structure, axis: Axis) -> Float[np.ndarray, "state state"]:
-    """A of ṡ = A s with s = coordinates, velocities.
-
-    Hysteretic springs stand in it, between each two modes, as springs and dampers that are right at the
-    geometric mean of their frequencies. Only the torques feel the difference: the linear part of a receptance
-    is computed with the springs themselves.
-
-    Args:
-        structure: with hysteretic springs or without.
-        axis: whose first line and middle count for these springs.
-    """
-    n, k, c = structure.dof, structure.stiffness, structure.damping
-    if structure.loss_factor and structure.loss.any():
-        from scipy.linalg import eigh
-
-        square, shapes = eigh(k, structure.mass)
-        each = np.sqrt(np.sqrt(np.maximum(square, 0.0)))
-        omega = np.maximum(np.outer(each, each), 2 * np.pi * axis.frequency[0] / 10)
-        grown, _ = Axis(omega.ravel() / (2 * np.pi), axis.middle).hysteresis(structure.loss_factor)
-        between = shapes.T @ structure.loss @ shapes * grown.reshape(n, n)
-        back = structure.mass @ shapes
-        k = k + back @ between.real @ back.T
-        c = c + back @ (between.imag / omega) @ back.T
-    a = np.zeros((2 * n, 2 * n))
-    a[:n, n:] = np.eye(n)
-    a[n:] = -np.linalg.solve(structure.mass, np.hstack([k, c]))
-    return a
-
-
-def held(
-    a: Float[np.ndarray, "system state state"], columns: Float[np.ndarray, "system state input"], step: float
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """exp(A h) and the weights of inputs at both ends of a step, straight lines in between.
-
-    From the exponential of [[A, B, 0], [0, 0, I], [0, 0, 0]] h (Van Loan, IEEE Trans. Automatic Control 23,
-    1978).
-
-    Args:
-        a: A of each system.
-        columns: B of each, what the inputs do to ṡ.
-        step: h [s].
-    """
-    from scipy.linalg import expm
-
-    n, r = columns.shape[1:]
-    wide = np.zeros((len(a), n + 2 * r, n + 2 * r))
-    wide[:, :n, :n], wide[:, :n, n : n + r] = a * step, columns * step
-    wide[:, n : n + r, n + r :] = np.eye(r)
-    whole = expm(wide)
-    late = whole[:, :n, n + r :]
-    return whole[:, :n, :n], whole[:, :n, n : n + r] - late, late
 
 
 def _columns(one: Struck) -> Float[np.ndarray, "state input"]:
@@ -296,5 +242,13 @@ def loop_of(struck: Sequence[Struck], steps: Steps, compiled: bool | None = None
 
 @cache
 def _kernel() -> Kernel:
-    inner, purpose = (kernel.law, kernel.coast, kernel.eliminate, kernel.settle), "steps in time"
-    return together(*inner, last=kernel.integrate, purpose=purpose, seconds=_COMPILATION, merged=True)
+    laws = (law_kernel.hardened, law_kernel.slow, law_kernel.limits, law_kernel.rubbed)
+    newton = (
+        settle_kernel.torques_of, settle_kernel.correct, settle_kernel.correct_one, settle_kernel.correct_two,
+        settle_kernel.take, settle_kernel.settle,
+    )  # fmt: skip
+    steps = (kernel.coast, kernel.expect, kernel.go_on)
+    return together(
+        law_kernel.exponential, law_kernel.logarithm, *laws, *newton, *steps, last=kernel.integrate,
+        purpose="steps in time", seconds=_COMPILATION, merged=True,
+    )  # fmt: skip

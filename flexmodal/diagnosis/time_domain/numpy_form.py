@@ -5,53 +5,55 @@ from __future__ import annotations
 import numpy as np
 from jaxtyping import Float, Int
 
-from flexmodal.diagnosis.time_domain.kernel import CLOSE, ROUNDS, STUBBORN
 from flexmodal.diagnosis.time_domain.law import HARDENING, SLOW
+from flexmodal.diagnosis.time_domain.settle_kernel import CLOSE, ROUNDS, STUBBORN
 
 
 def integrate(
-    phi: Float[np.ndarray, "system state state"],
-    carried: Float[np.ndarray, "system law state"],
-    late: Float[np.ndarray, "system law state"],
-    rows: Float[np.ndarray, "system law state"],
+    turn: Float[np.ndarray, "tile state lane"],
+    cross: Float[np.ndarray, "tile state lane"],
+    carried: Float[np.ndarray, "tile law state lane"],
+    late: Float[np.ndarray, "tile law state lane"],
+    rows: Float[np.ndarray, "tile law state lane"],
+    gain: Float[np.ndarray, "tile law law lane"],
     kinds: Int[np.ndarray, " law"],
-    parameters: Float[np.ndarray, "system law 5"],
-    system: Int[np.ndarray, " group"],
-    push: Float[np.ndarray, "group step state lane"],
-    torque: Float[np.ndarray, "group lane law time"],
-    last: Float[np.ndarray, "group lane state"],
+    parameters: Float[np.ndarray, "tile law 5 lane"],
+    push: Float[np.ndarray, "tile step state lane"],
+    torque: Float[np.ndarray, "tile lane law time"],
+    last: Float[np.ndarray, "tile state lane"],
 ) -> None:
     """See `kernel.integrate` for the arguments."""
-    owner = np.repeat(system, push.shape[3])
-    phi, carried, late, rows, parameters = (a[owner] for a in (phi, carried, late, rows, parameters))
-    gain = np.einsum("bli,bmi->blm", rows, late)
-    pushed = np.moveaxis(push, 3, 1).reshape(len(owner), push.shape[1], -1)
-    found = torque.reshape(len(owner), *torque.shape[2:])
-    now = np.zeros((len(owner), phi.shape[1]))
-    held, old, size = (np.zeros(gain.shape[:2]) for _ in range(3))
+    turn, cross, carried, late, rows, gain, parameters, push = (
+        np.moveaxis(a, -1, 1).reshape(-1, *a.shape[1:-1])
+        for a in (turn, cross, carried, late, rows, gain, parameters, push)
+    )
+    other = np.arange(turn.shape[1]) ^ 1
+    now = np.zeros_like(turn)
+    held, before, old, size = (np.zeros(gain.shape[:2]) for _ in range(4))
+    found = torque.reshape(len(turn), *torque.shape[2:])
     for k in range(torque.shape[3] - 1):
-        base = np.matmul(phi, now[:, :, None])[:, :, 0] - np.einsum("bl,bli->bi", held, carried)
+        base = turn * now + cross * now[:, other] - np.einsum("bl,bli->bi", held, carried)
         if k < push.shape[1]:
-            base += pushed[:, k]
+            base += push[:, k]
         free = np.einsum("bli,bi->bl", rows, base)
-        end, held = _settle(free, gain, kinds, parameters, old, held, size)
-        now, old = base, end
+        end = free - np.einsum("blm,bm->bl", gain, 2 * held - before)
+        end, after = _settle(free, end, gain, kinds, parameters, old, held, size)
+        now, old, before, held = base, end, held, after
         found[:, :, k + 1] = held
-    last[:] = (now - np.einsum("bl,bli->bi", held, late)).reshape(last.shape)
+    now = now - np.einsum("bl,bli->bi", held, late)
+    last[:] = np.moveaxis(now.reshape(len(last), -1, now.shape[1]), 1, 2)
 
 
 def _settle(
-    free: np.ndarray, gain: np.ndarray, kinds: np.ndarray, parameters: np.ndarray, old: np.ndarray,
-    held: np.ndarray, size: np.ndarray,
+    free: np.ndarray, end: np.ndarray, gain: np.ndarray, kinds: np.ndarray, parameters: np.ndarray,
+    old: np.ndarray, held: np.ndarray, size: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
     """Elongations and torques at the end of a step; blows that are settled wait for the others."""
-    end = free - np.einsum("blm,bm->bl", gain, held)
     guess = held.copy()
     active = np.ones(len(free), dtype=bool)
     for turn in range(ROUNDS):
         found = [
-            _law(int(kind), parameters[:, k], old[:, k], end[:, k], held[:, k])
-            for k, kind in enumerate(kinds)
+            law(int(kind), parameters[:, k], old[:, k], end[:, k], held[:, k]) for k, kind in enumerate(kinds)
         ]
         value, slope = (np.stack(each, axis=1) for each in zip(*found, strict=True))
         matrix = np.eye(len(kinds)) + gain * slope[:, None, :]
@@ -67,9 +69,22 @@ def _settle(
     return end, guess
 
 
-def _law(
-    kind: int, p: np.ndarray, old: np.ndarray, new: np.ndarray, memory: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
+def law(
+    kind: int,
+    p: Float[np.ndarray, "blow 5"],
+    old: Float[np.ndarray, " blow"],
+    new: Float[np.ndarray, " blow"],
+    memory: Float[np.ndarray, " blow"],
+) -> tuple[Float[np.ndarray, " blow"], Float[np.ndarray, " blow"]]:
+    """Torques at elongations and their derivatives.
+
+    Args:
+        kind: code of the law, see `law`.
+        p: its parameters, the last one of friction in elongation per step.
+        old: elongations one step ago.
+        new: elongations now; of a law by speed that speed.
+        memory: torques one step ago.
+    """
     if kind == SLOW:
         part = np.tanh(new / p[:, 1])
         return p[:, 0] * part, p[:, 0] / p[:, 1] * (1 - part**2)
