@@ -7,7 +7,7 @@ import pytest
 
 import flexmodal
 from flexmodal.diagnosis.effects import Context, catalogue
-from flexmodal.diagnosis.effects.joint_laws import FRICTION
+from flexmodal.diagnosis.effects.dry_friction import EFFECT as FRICTION
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.placed import Placed
 from flexmodal.diagnosis.search.refine import refined
@@ -255,6 +255,42 @@ def test_what_outgrows_every_number_is_no_model(plain, monkeypatch):
     with pytest.raises(SingularResponse, match="not stable"):
         model.receptances(x, SEEN[hypothesis.context], lines, slopes=False)
     assert FrfMisfit(model, SEEN[hypothesis.context], Weighting(0.1, lines)).cost(x) == np.inf
+
+
+def with_bristles(plain, **values):
+    """Friction at its next level."""
+    narrow = hypothesis_of(plain, "coulomb_friction@q2")
+    placed = Placed(FRICTION.next_level.effect, "q2")
+    wide = Hypothesis(narrow.context, narrow.base, (placed,))
+    return narrow, wide, wide.start(placed, values, np.zeros(len(wide.base)))
+
+
+@pytest.mark.parametrize("model", [lambda one: one, TimeDomainModel], ids=["stand-in", "torque"])
+def test_friction_without_bristle_damping_is_that_of_the_first_level(plain, model):
+    numbers = {"torque": 0.5, "presliding_stiffness": 1e5}
+    narrow, wide, x = with_bristles(plain, **numbers, bristle_time=1e-12)
+    lines = np.arange(0, 190, 12)
+    found, _ = receptances(model(wide), x, lines)
+    expected, _ = receptances(model(narrow), at(narrow, **numbers), lines)
+    shortest = wide.space.values(x)["coulomb_friction@q2.bristle_time"]  # the least that there may be
+    assert shortest < 1e-5
+    assert np.abs(np.log(found / expected)).max() < 0.01
+
+
+def test_bristles_that_stick_are_a_spring_and_a_damper_by_both_routes(plain):
+    stuck = {
+        "torque": 1e9, "slow_torque": 1e-9, "presliding_stiffness": 2e4, "reach": 0.05, "bristle_time": 3e-3,
+    }  # fmt: skip
+    narrow, wide, x = with_bristles(plain, **stuck)
+    lines = np.arange(0, 190, 12)
+    by_time, _ = receptances(TimeDomainModel(wide, fineness=40.0), x, lines)
+    by_stand_in, _ = receptances(wide, x, lines)
+    undamped = {name: value for name, value in stuck.items() if name != "bristle_time"}
+    without, _ = receptances(narrow, at(narrow, **undamped), lines)
+    assert np.abs(np.log(by_stand_in / without)).max() > 0.3
+    apart = np.abs(np.log(by_time / by_stand_in))  # it slides next to nothing
+    assert np.median(apart) < 2e-3
+    assert apart.max() < 0.05
 
 
 def test_effects_of_others_can_have_a_law(plain):

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from flexmodal.diagnosis.effects.joint_laws import dahl, hardened, levelling
+from flexmodal.diagnosis.effects.dry_friction import dahl, levelling
+from flexmodal.diagnosis.effects.nonlinear_stiffness import hardened
 from flexmodal.diagnosis.time_domain.integration import Steps, Struck, integrate, loop_of, torques
 from flexmodal.diagnosis.time_domain.law import FRICTION, HARDENING, SLOW, friction, hardening, slow_friction
 from flexmodal.diagnosis.time_domain.law_kernel import exponential, logarithm
@@ -57,7 +58,7 @@ def law(kind, parameters, old, new, memory):
 
 def driven(kind, first, second, way, third=1.0):
     """Torques along a prescribed elongation."""
-    return driven_side_by_side(kind, np.array([[first, second, third, 0.0, 1.0]]), way)[:, 0]
+    return driven_side_by_side(kind, np.array([[first, second, third, 0.0, 1.0, 0.0]]), way)[:, 0]
 
 
 def driven_side_by_side(kind, parameters, way):
@@ -82,7 +83,7 @@ def test_exponential_and_logarithm_are_right_to_the_last_digits():
 def test_friction_loses_what_the_closed_form_says():
     torque, amplitude, presliding = 0.7, 3e-3, np.array([300.0, 900.0, 9000.0])
     way = -amplitude * np.cos(np.linspace(0, 10 * np.pi, 25_001))
-    given = np.array([[torque, one, 1.0, 0.0, 1.0] for one in presliding])
+    given = np.array([[torque, one, 1.0, 0.0, 1.0, 0.0] for one in presliding])
     held = driven_side_by_side(FRICTION, given, way)[20_000:]  # the fifth loop, closed to e^(−16 A σ/T_c)
     lost = np.sum((held[1:] + held[:-1]) / 2 * np.diff(way[20_000:])[:, None], axis=0)
     slack = torque / presliding
@@ -96,7 +97,7 @@ def test_friction_loses_what_the_closed_form_says():
 def test_a_stand_in_loses_what_the_loop_does():
     torque, amplitude = 0.7, 3e-3
     way = -amplitude * np.cos(np.linspace(0, 10 * np.pi, 25_001))
-    given = np.array([[torque, p, i, 0.0, 1.0] for p in (300.0, 9000.0) for i in (0.0, 0.5, 0.99, 1.4)])
+    given = np.array([[torque, p, i, 0.0, 1.0, 0.0] for p in (300.0, 9000.0) for i in (0.0, 0.5, 0.99, 1.4)])
     held = driven_side_by_side(FRICTION, given, way)[20_000:]
     lost = np.sum((held[1:] + held[:-1]) / 2 * np.diff(way[20_000:])[:, None], axis=0)
     inward = np.sum(held[1:] * way[20_001:, None] + held[:-1] * way[20_000:-1, None], axis=0) / 2
@@ -128,9 +129,9 @@ def test_friction_is_exact_at_any_step_while_the_direction_holds():
 
 @pytest.mark.parametrize(
     ("kind", "parameters"),
-    [(FRICTION, (0.7, 900.0, 1.0, 0.0, 1.0)), (FRICTION, (0.7, 300.0, 0.3, 0.0, 1.0)),
-     (FRICTION, (0.7, 900.0, 1.5, 0.0, 1.0)), (HARDENING, (-300.0, 1e-3, 0.0, 0.0, 0.0)),
-     (HARDENING, (500.0, 1e-3, 7e-4, 40.0, 0.0))],
+    [(FRICTION, (0.7, 900.0, 1.0, 0.0, 1.0, 0.0)), (FRICTION, (0.7, 300.0, 0.3, 0.0, 1.0, 0.0)),
+     (FRICTION, (0.7, 900.0, 1.5, 0.0, 1.0, 0.0)), (HARDENING, (-300.0, 1e-3, 0.0, 0.0, 0.0, 0.0)),
+     (HARDENING, (500.0, 1e-3, 7e-4, 40.0, 0.0, 0.0))],
 )  # fmt: skip
 @pytest.mark.parametrize("new", [-1e-3, 4e-4, 1.2e-3])
 def test_slope_of_a_law_is_its_derivative(kind, parameters, new):
@@ -141,7 +142,7 @@ def test_slope_of_a_law_is_its_derivative(kind, parameters, new):
 
 
 def test_a_hardening_spring_levels_off():
-    given = np.array([500.0, 1e-3, 0.0, 0.0, 0.0])
+    given = np.array([500.0, 1e-3, 0.0, 0.0, 0.0, 0.0])
     assert law(HARDENING, given, 0.0, 1e-5, 0.0)[0] == pytest.approx(500 * 1e-15 / 1e-6, rel=1e-3)
     assert law(HARDENING, given, 0.0, 10.0, 0.0)[0] == pytest.approx(5000.0, rel=1e-7)
 
@@ -169,7 +170,7 @@ def test_the_stand_in_of_a_wound_spring_is_its_first_harmonic():
 @pytest.mark.parametrize("speed", [1e-4, 0.05, 3.0])
 def test_the_stand_in_of_slow_friction_loses_what_it_does(speed):
     phase = np.linspace(0, 2 * np.pi, 20001)[1:]
-    given = np.array([0.7, 0.04, 0.0, 0.0, 0.0])
+    given = np.array([0.7, 0.04, 0.0, 0.0, 0.0, 0.0])
     lost = np.mean([law(SLOW, given, 0.0, v, 0.0)[0] * v for v in speed * np.cos(phase)])
     assert levelling(np.array([speed]), 0.7, 0.04)[0] * speed**2 / 2 == pytest.approx(lost, rel=2e-3)
 
@@ -178,7 +179,7 @@ def test_the_stand_in_of_slow_friction_loses_what_it_does(speed):
 def test_friction_falls_with_speed(speed):
     """What a joint that slides at a steady speed is held by."""
     step = 1e-3
-    given = np.array([0.7, 3e6, 1.0, 0.5, 0.2 * step])
+    given = np.array([0.7, 3e6, 1.0, 0.5, 0.2 * step, 0.0])
     held = law(FRICTION, given, 0.0, speed * step, 0.0)[0]
     assert held == pytest.approx(0.7 * (1 + 0.5 * np.exp(-((speed / 0.2) ** 2))), rel=1e-9)
 
@@ -284,6 +285,20 @@ def test_windowed_record():
     assert np.abs(found - plain).max() < 1e-4 * np.abs(plain).max()  # e^-8 times what is left after 2 s
 
 
+def test_bristles_that_hardly_bend_are_a_spring_and_a_damper():
+    stiffness, lag = 1500.0, 2e-3
+    axis = lines(4.0)
+    damping = DAMPING + stiffness * lag * np.outer(FIRST, FIRST)
+    plain, _ = receptance(structure(extra=stiffness, damping=damping), axis, PAIRS)
+    one = struck(axis, friction(FIRST, 1e6, stiffness, lag=lag))
+    errors = [
+        np.abs(integrated_receptance(one, 0.0, fineness=fineness) - plain).max() / np.abs(plain).max()
+        for fineness in (40.0, 80.0)
+    ]
+    assert errors[1] < 1e-3
+    assert errors[1] < 0.3 * errors[0]  # of second order in the step
+
+
 def test_hysteretic_springs_as_a_march_sees_them():
     axis = lines(4.0)
     one = struck(axis, stiffer(300.0), damping=DAMPING, loss_factor=0.05)
@@ -315,16 +330,17 @@ def integrated(laws, end, tolerance=1e-10):
         for one, torque in zip(rubbing, held, strict=True):
             force = force - one.row * torque
             speed = one.row @ v
-            most, stiffness, exponent, stiction, fall = one.parameters
+            most, stiffness, exponent, stiction, fall, lag = one.parameters
             share = 1 - np.sign(speed) * torque / (most * (1 + stiction * np.exp(-((speed / fall) ** 2))))
             if stiction == 0.0:
                 share = max(share, 0.0)  # rounding
             rates.append(stiffness * speed * np.sign(share) * abs(share) ** exponent)
+            force = force - one.row * (lag * rates[-1])
         for one in laws:
             if one.kind == SLOW:
                 force = force - one.row * (one.parameters[0] * np.tanh(one.row @ v / one.parameters[1]))
             if one.kind == HARDENING:
-                top, deflection, wound, linear, _ = one.parameters
+                top, deflection, wound, linear, *_ = one.parameters
                 now, rest = (one.row @ q + wound) / deflection, wound / deflection
                 torque = top * deflection * (now**3 / (1 + now**2) - rest**3 / (1 + rest**2))
                 force = force - one.row * (torque + linear * (one.row @ q))
@@ -340,6 +356,7 @@ LAWS = {
     "hardening": (hardening(FIRST, 6e3, 2e-3),),
     "softening": (hardening(FIRST, -6e3, 2e-3),),
     "friction at rest": (friction(FIRST, 3.0, 3e4, 1.0, 0.4, 0.05),),
+    "bristles that damp": (friction(FIRST, 3.0, 3e4, 1.0, 0.0, 1.0, 3e-3),),
     "slow friction": (slow_friction(FIRST, 3.0, 0.02),),
     "both kinds of friction": (friction(FIRST, 2.0, 3e4), slow_friction(FIRST, 1.5, 0.3)),
     "wound up": (hardening(FIRST, 6e3, 2e-3, 1e-3, 9e3),),
@@ -358,6 +375,8 @@ def test_march_follows_an_adaptive_integrator(name):
         errors.append(np.abs(last[0] - expected[:4]).max() / np.abs(expected[:4]).max())
         for number, own in enumerate(LAWS[name]):
             if own.kind == FRICTION:
+                if own.parameters[5] > 0.0:
+                    continue
                 most = own.parameters[0] * (1 + own.parameters[3])
                 assert np.abs(torque[0, number]).max() <= most * (1 + 1e-9)
     order = np.log2(errors[0] / errors[2]) / 2

@@ -7,14 +7,18 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
+from jaxtyping import Float
 
 from flexmodal.diagnosis.effects.context import Context, Place
+from flexmodal.diagnosis.effects.effect import Placement
 from flexmodal.diagnosis.time_domain.pulse import haversine
 from flexmodal.identification.spot import in_world, spot_of
 from flexmodal.structure.assembly import Assembly
 from flexmodal.structure.robot_terms import put_together
 from flexmodal.structure.structure import Axis
 
+PHASE = (np.arange(32) + 0.5) * np.pi / 32
+"""Of a half turn of a swing."""
 _LINES = 1024
 
 
@@ -60,3 +64,41 @@ def swings(context: Context, posture: int, reference: Place, level: int) -> Mapp
         else Swing(0.0, still)
         for k, name in enumerate(arm.robot.joints)
     }
+
+
+def swing_of(placement: Placement) -> tuple[Float[np.ndarray, " system"], Float[np.ndarray, " system"]]:
+    """Amplitude and frequency of the joint's swing in each system, see `Swing`.
+
+    Args:
+        placement: of an effect in a joint; its `reach` is a factor on the amplitude.
+    """
+    found = [
+        swings(placement.context, posture, (struck[0], struck[1]), level)[placement.where]
+        for posture, struck, level in zip(
+            placement.posture.tolist(), placement.reference.tolist(), placement.level.tolist(), strict=True
+        )
+    ]
+    amplitude, omega = np.array([(one.amplitude, one.omega) for one in found]).T
+    return amplitude * placement.values.get("reach", 1.0), omega
+
+
+def typical(context: Context, where: str) -> tuple[float, float]:
+    """Swing of a joint under the blows of the campaign [rad], and its speed [rad/s], geometric means.
+
+    Args:
+        context: the believed robot and the test.
+        where: the joint.
+    """
+    every = [
+        swings(context, 0, reference, level)[where]
+        for level in context.levels
+        for reference in context.references
+    ]
+    found = [(one.amplitude, one.amplitude * one.omega) for one in every]
+    size, speed = np.exp(np.mean(np.log(np.maximum(found, 1e-300)), axis=0)).tolist()
+    return size, speed
+
+
+def one_level(context: Context) -> str | None:
+    """Why what depends on force cannot be told, if it cannot."""
+    return "one level of force only: what depends on it cannot be told" if context.level_count < 2 else None

@@ -188,10 +188,12 @@ def _felt(law: Law) -> Float[np.ndarray, " state"]:
     return np.concatenate([still, law.row] if law.kind == SLOW else [law.row, still])
 
 
-def _parameters(struck: Sequence[Struck], step: float) -> Float[np.ndarray, "system law 5"]:
-    """Of the laws; the speed of friction as elongation in a step."""
+def _parameters(struck: Sequence[Struck], step: float) -> Float[np.ndarray, "system law 6"]:
+    """Of the laws; of friction the speed as elongation in a step, and the time in steps."""
     found = np.array([[law.parameters for law in one.laws] for one in struck], dtype=float)
-    found[:, [law.kind == FRICTION for law in struck[0].laws], 4] *= step
+    rubs = np.flatnonzero([law.kind == FRICTION for law in struck[0].laws])
+    found[:, rubs, 4] *= step
+    found[:, rubs, 5] /= step
     return found
 
 
@@ -242,7 +244,7 @@ def loop_of(struck: Sequence[Struck], steps: Steps, compiled: bool | None = None
 
 @cache
 def _kernel() -> Kernel:
-    laws = (law_kernel.hardened, law_kernel.slow, law_kernel.limits, law_kernel.rubbed)
+    laws = (law_kernel.hardened, law_kernel.slow, law_kernel.limits, law_kernel.rubbed, law_kernel.stuck_of)
     newton = (
         settle_kernel.torques_of, settle_kernel.correct, settle_kernel.correct_one, settle_kernel.correct_two,
         settle_kernel.take, settle_kernel.settle,

@@ -11,6 +11,7 @@ from typing import no_type_check
 
 import numpy as np
 
+from flexmodal.diagnosis.time_domain.law import FRICTION
 from flexmodal.diagnosis.time_domain.law_kernel import (
     BEFORE,
     END,
@@ -20,6 +21,7 @@ from flexmodal.diagnosis.time_domain.law_kernel import (
     HELD,
     OLD,
     QUANTITIES,
+    stuck_of,
 )
 from flexmodal.diagnosis.time_domain.settle_kernel import settle
 
@@ -125,7 +127,8 @@ def integrate(turn, cross, carried, late, rows, gain, kinds, parameters, push, t
         rows: elongations by the state, speeds for laws by speed, likewise.
         gain: elongations by torques at once, [tile, law, law, lane].
         kinds: code of each law.
-        parameters: of the laws, [tile, law, 5, lane], see `law`; of friction the last in elongation per step.
+        parameters: of the laws, [tile, law, 6, lane], see `law`; of friction speed in elongation per step and
+            time in steps.
         push: what the hammer adds in each step until its pulse is over, [tile, step, state, lane].
         torque: filled, [tile, lane, law, time]; zero at the start.
         last: filled with the state at the end, [tile, state, lane].
@@ -150,6 +153,8 @@ def integrate(turn, cross, carried, late, rows, gain, kinds, parameters, push, t
             settle(kinds, w, gain[tile], scratch, right, active, moving)
             for one in range(count):
                 go_on(w[one, OLD], w[one, END], w[one, BEFORE], w[one, HELD], w[one, FOUND])
+                if kinds[one] == FRICTION:
+                    stuck_of(w[one], w[one, FOUND])
                 for b in range(lanes):
                     torque[tile, b, one, k + 1] = w[one, HELD, b]
             now, base = base, now

@@ -12,8 +12,10 @@ direction and the speed hold and stays bounded by T_c at any step. What it slips
 
     T_c(v) = T_c (1 + r exp(−(v/v_s)²))
 
-(Armstrong-Hélouvry, Dupont and Canudas de Wit, Automatica 30, 1994, with Stribeck's speed v_s). A spring may
-be loaded at rest, so that it is wound up by u₀ about which it is not odd: the torque is then the difference
+(Armstrong-Hélouvry, Dupont and Canudas de Wit, Automatica 30, 1994, with Stribeck's speed v_s). What sticks
+may damp as it bends, T + τ dT/dt: bristles with a stiffness σ and a damping σ τ (LuGre, Canudas de Wit,
+Olsson, Åström and Lischinsky, IEEE Trans. Automatic Control 40, 1995). A spring may be loaded at rest, so
+that it is wound up by u₀ about which it is not odd: the torque is then the difference
 from that at rest, and k stays the stiffness there.
 """
 
@@ -35,8 +37,8 @@ class Law:
     row: Float[np.ndarray, "*system dof"]
     """Elongation = row · coordinates [rad, m]."""
     kind: int
-    parameters: tuple[float, float, float, float, float]
-    """Of friction T_c, σ, i, r, v_s; of a spring a k, q_r, q_r u₀, the linear part on top, and nothing;
+    parameters: tuple[float, float, float, float, float, float]
+    """Of friction T_c, σ, i, r, v_s, τ; of a spring a k, q_r, q_r u₀, the linear part on top, and nothing;
     of what is viscous when slow T_v, v_t, and nothing."""
 
     def of_system(self, k: int) -> Law:
@@ -51,6 +53,7 @@ def friction(
     exponent: float = 1.0,
     stiction: float = 0.0,
     speed: float = 1.0,
+    lag: float = 0.0,
 ) -> Law:
     """Dry friction.
 
@@ -61,8 +64,9 @@ def friction(
         exponent: i.
         stiction: part of the torque that comes on top at rest, r.
         speed: at which that has fallen to 1/e, v_s [rad/s].
+        lag: damping of what sticks over its stiffness, τ [s].
     """
-    return Law(row, FRICTION, (torque, presliding_stiffness, exponent, stiction, speed))
+    return Law(row, FRICTION, (torque, presliding_stiffness, exponent, stiction, speed, lag))
 
 
 def slow_friction(row: Float[np.ndarray, "*system dof"], torque: float, speed: float) -> Law:
@@ -73,7 +77,7 @@ def slow_friction(row: Float[np.ndarray, "*system dof"], torque: float, speed: f
         torque: that it comes to [N·m].
         speed: at which three quarters of it are there, v_t [rad/s].
     """
-    return Law(row, SLOW, (torque, speed, 0.0, 0.0, 0.0))
+    return Law(row, SLOW, (torque, speed, 0.0, 0.0, 0.0, 0.0))
 
 
 def hardening(
@@ -96,6 +100,6 @@ def hardening(
     share = (wound / deflection) ** 2
     part = share * (3 + share) / (1 + share) ** 2
     if at_rest is None or part == 0.0:
-        return Law(row, HARDENING, (stiffness, deflection, wound, -stiffness * part, 0.0))
+        return Law(row, HARDENING, (stiffness, deflection, wound, -stiffness * part, 0.0, 0.0))
     scale = 1 / (1 + stiffness / at_rest * part)
-    return Law(row, HARDENING, (scale * stiffness, deflection, wound, (scale - 1) * at_rest, 0.0))
+    return Law(row, HARDENING, (scale * stiffness, deflection, wound, (scale - 1) * at_rest, 0.0, 0.0))

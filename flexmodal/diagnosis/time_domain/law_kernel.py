@@ -11,12 +11,13 @@ from typing import no_type_check
 
 import numpy as np
 
-OLD, END, BEFORE, HELD, FOUND, GUESS, SLOPE, FREE, SIZE, MOST = range(10)
+OLD, END, BEFORE, HELD, FOUND, GUESS, SLOPE, FREE, SIZE, MOST, STUCK, STUCK_BEFORE = range(12)
 """What is kept of a law for each lane: elongation (of a law by speed that speed) one step ago and now; torque
 two steps and one step ago, now, and at the elongation that is tried; its slope there; the elongation that
-there would be without torques now; the largest so far; the limit of friction."""
-GIVEN, QUANTITIES = 10, 15
-"""Where the five parameters begin, and how much is kept."""
+there would be without torques now; the largest so far; the limit of friction, and what of its torque is no
+damping one and two steps ago."""
+GIVEN, QUANTITIES = 12, 18
+"""Where the six parameters begin, and how much is kept."""
 
 ROUNDING = 6755399441055744.0
 """1.5 · 2⁵²: a number that is added to it is rounded to a whole one, which stands in the last bits."""
@@ -146,26 +147,27 @@ def limits(w, old, end, most):
 
 
 @no_type_check
-def rubbed(w, old, end, held, most, guess, slope):
+def rubbed(w, old, end, most, guess, slope):
     """Torques of dry friction, and their slopes.
 
-    Where a torque falls back to a lower limit its derivative is given as 0: the equations of a step then stay
-    far from singular, and settle all the same.
+    The damping of what sticks goes by a backward difference of second order. Where a torque falls back to a
+    lower limit its derivative is given as 0: the equations of a step then stay far from singular, and settle
+    all the same.
 
     Args:
         w: see `hardened`.
         old: elongations one step ago.
         end: elongations now.
-        held: torques one step ago.
         most: limits, see `limits`.
         guess: see `hardened`.
         slope: see there.
     """
-    stiffness, exponent = w[GIVEN + 1], w[GIVEN + 2]
+    stiffness, exponent, lag = w[GIVEN + 1], w[GIVEN + 2], w[GIVEN + 5]
+    stuck, before = w[STUCK], w[STUCK_BEFORE]
     for b in range(len(end)):
         moved, power = end[b] - old[b], 1.0 - exponent[b]
         limit = most[b] if moved >= 0.0 else -most[b]
-        share = 1.0 - held[b] / limit  # of the way to sliding that is left; negative where the limit fell
+        share = 1.0 - stuck[b] / limit  # of the way to sliding that is left; negative where the limit fell
         size, way = abs(share), stiffness[b] * abs(moved) / most[b]
         smooth = abs(power) < 1e-9
         root = 1.0 if smooth else power
@@ -177,5 +179,21 @@ def rubbed(w, old, end, held, most, guess, slope):
         ratio = size if smooth else sharp / (left if left > NOTHING else 1.0)
         size = -size if share < 0.0 else size
         falls = stiffness[b] * ratio
-        guess[b] = limit - limit * size
-        slope[b] = falls if share > 0.0 else 0.0
+        grown = 1.0 + 1.5 * lag[b]
+        guess[b] = grown * (limit - limit * size) - lag[b] * (2.0 * stuck[b] - 0.5 * before[b])
+        slope[b] = grown * falls if share > 0.0 else 0.0
+
+
+@no_type_check
+def stuck_of(w, found):
+    """Keep what of the torques of friction is no damping.
+
+    Args:
+        w: see `hardened`.
+        found: torques, [lane].
+    """
+    lag, stuck, before = w[GIVEN + 5], w[STUCK], w[STUCK_BEFORE]
+    for b in range(len(found)):
+        now = (found[b] + lag[b] * (2.0 * stuck[b] - 0.5 * before[b])) / (1.0 + 1.5 * lag[b])
+        before[b] = stuck[b]
+        stuck[b] = now

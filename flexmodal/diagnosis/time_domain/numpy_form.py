@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from jaxtyping import Float, Int
 
-from flexmodal.diagnosis.time_domain.law import HARDENING, SLOW
+from flexmodal.diagnosis.time_domain.law import FRICTION, HARDENING, SLOW
 from flexmodal.diagnosis.time_domain.settle_kernel import CLOSE, ROUNDS, STUBBORN
 
 
@@ -17,7 +17,7 @@ def integrate(
     rows: Float[np.ndarray, "tile law state lane"],
     gain: Float[np.ndarray, "tile law law lane"],
     kinds: Int[np.ndarray, " law"],
-    parameters: Float[np.ndarray, "tile law 5 lane"],
+    parameters: Float[np.ndarray, "tile law 6 lane"],
     push: Float[np.ndarray, "tile step state lane"],
     torque: Float[np.ndarray, "tile lane law time"],
     last: Float[np.ndarray, "tile state lane"],
@@ -29,7 +29,8 @@ def integrate(
     )
     other = np.arange(turn.shape[1]) ^ 1
     now = np.zeros_like(turn)
-    held, before, old, size = (np.zeros(gain.shape[:2]) for _ in range(4))
+    held, before, old, size, stuck, stuck_before = (np.zeros(gain.shape[:2]) for _ in range(6))
+    lag = np.where(kinds == FRICTION, parameters[:, :, 5], 0.0)
     found = torque.reshape(len(turn), *torque.shape[2:])
     for k in range(torque.shape[3] - 1):
         base = turn * now + cross * now[:, other] - np.einsum("bl,bli->bi", held, carried)
@@ -37,7 +38,9 @@ def integrate(
             base += push[:, k]
         free = np.einsum("bli,bi->bl", rows, base)
         end = free - np.einsum("blm,bm->bl", gain, 2 * held - before)
-        end, after = _settle(free, end, gain, kinds, parameters, old, held, size)
+        known = lag * (2 * stuck - 0.5 * stuck_before)
+        end, after = _settle(free, end, gain, kinds, parameters, old, stuck, lag, known, size)
+        stuck, stuck_before = (after + known) / (1 + 1.5 * lag), stuck
         now, old, before, held = base, end, held, after
         found[:, :, k + 1] = held
     now = now - np.einsum("bl,bli->bi", held, late)
@@ -46,16 +49,18 @@ def integrate(
 
 def _settle(
     free: np.ndarray, end: np.ndarray, gain: np.ndarray, kinds: np.ndarray, parameters: np.ndarray,
-    old: np.ndarray, held: np.ndarray, size: np.ndarray,
+    old: np.ndarray, stuck: np.ndarray, lag: np.ndarray, known: np.ndarray, size: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
     """Elongations and torques at the end of a step; blows that are settled wait for the others."""
-    guess = held.copy()
+    guess, grown = np.zeros_like(end), 1 + 1.5 * lag
     active = np.ones(len(free), dtype=bool)
     for turn in range(ROUNDS):
         found = [
-            law(int(kind), parameters[:, k], old[:, k], end[:, k], held[:, k]) for k, kind in enumerate(kinds)
+            law(int(kind), parameters[:, k], old[:, k], end[:, k], stuck[:, k])
+            for k, kind in enumerate(kinds)
         ]
-        value, slope = (np.stack(each, axis=1) for each in zip(*found, strict=True))
+        value, slope = (grown * np.stack(each, axis=1) for each in zip(*found, strict=True))
+        value -= known
         matrix = np.eye(len(kinds)) + gain * slope[:, None, :]
         miss = free - end - np.einsum("blm,bm->bl", gain, value)
         change = np.linalg.solve(matrix, miss[..., None])[..., 0] * (0.5 if turn >= STUBBORN else 1.0)
@@ -71,7 +76,7 @@ def _settle(
 
 def law(
     kind: int,
-    p: Float[np.ndarray, "blow 5"],
+    p: Float[np.ndarray, "blow 6"],
     old: Float[np.ndarray, " blow"],
     new: Float[np.ndarray, " blow"],
     memory: Float[np.ndarray, " blow"],
@@ -80,7 +85,7 @@ def law(
 
     Args:
         kind: code of the law, see `law`.
-        p: its parameters, the last one of friction in elongation per step.
+        p: its parameters, of friction the speed in elongation per step; what sticks damps elsewhere.
         old: elongations one step ago.
         new: elongations now; of a law by speed that speed.
         memory: torques one step ago.

@@ -10,7 +10,6 @@ from flexmodal.diagnosis.time_domain.law_kernel import (
     FOUND,
     FREE,
     GUESS,
-    HELD,
     MOST,
     OLD,
     SIZE,
@@ -43,7 +42,7 @@ def torques_of(kinds, w):
             hardened(own, end, guess, slope)
         elif kinds[one] == FRICTION:
             limits(own, w[one, OLD], end, w[one, MOST])
-            rubbed(own, w[one, OLD], end, w[one, HELD], w[one, MOST], guess, slope)
+            rubbed(own, w[one, OLD], end, w[one, MOST], guess, slope)
         else:
             slow(own, end, guess, slope)
 

@@ -1,0 +1,181 @@
+"""Joints with dry friction, by describing functions (`nonlinear_stiffness`) and as torques in time.
+
+At the next level what sticks damps as it bends: bristles with a stiffness and a damping (LuGre, Canudas de
+Wit, Olsson, Åström and Lischinsky, IEEE Trans. Automatic Control 40, 1995).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+
+import numpy as np
+from jaxtyping import Float
+
+from flexmodal.diagnosis.effects.context import Context
+from flexmodal.diagnosis.effects.effect import Effect, Level, Placement, positive, signed
+from flexmodal.diagnosis.effects.swing import PHASE, one_level, swing_of, typical
+from flexmodal.diagnosis.time_domain.law import Law, friction, slow_friction
+from flexmodal.structure import Parameter
+from flexmodal.structure.assembly import Assembly
+
+_STEPS, _CLOSED = 50, 1e-15
+"""Most steps to where a loop closes, and what it may miss by."""
+_STICKS = 1e-6
+"""Of the elongation at which friction slides, up to which it is a spring."""
+
+
+def dahl(
+    amplitude: Float[np.ndarray, "*many"],
+    torque: float | Float[np.ndarray, "*many"],
+    presliding: float,
+    exponent: float = 1.0,
+) -> tuple[Float[np.ndarray, "*many"], Float[np.ndarray, "*many"]]:
+    """Stiffness and loss (torque a radian, in and out of phase) of Dahl's friction at an amplitude.
+
+    On the way up from −A the part of the way to sliding that is left, r = 1 − F/F_c, falls as
+    dr/dq = −(σ/F_c) rⁱ; where it starts follows from that loops close. One that hardly swings
+    sticks: what it does there stands for all smaller amplitudes.
+
+    Args:
+        amplitude: of the swing [rad].
+        torque: F_c, at which the joint slides [N·m].
+        presliding: σ, stiffness while it sticks [N·m/rad].
+        exponent: i; 1 approaches sliding exponentially.
+    """
+    amplitude = np.maximum(amplitude, _STICKS * np.asarray(torque) / presliding)
+    size = np.minimum(presliding * amplitude / torque, 300.0)
+    power = 1 - exponent
+
+    def left(start: np.ndarray, way: np.ndarray) -> np.ndarray:
+        if abs(power) < 1e-9:
+            return np.asarray(start * np.exp(-way))
+        return np.asarray(np.maximum(start**power - power * way, 0.0) ** (1 / power))
+
+    start = _closing(left, size, exponent)
+    q = -np.cos(PHASE)  # from −A to A
+    most = np.asarray(torque)[..., None]
+    force = most * (1 - left(start[..., None], size[..., None] * (q + 1)))
+    stiffness = 2 / len(PHASE) * np.sum(force * q, axis=-1) / amplitude
+    loss = 2 / len(PHASE) * np.sum(force * np.sin(PHASE), axis=-1) / amplitude
+    return stiffness, loss
+
+
+def _closing(
+    left: Callable[[np.ndarray, np.ndarray], np.ndarray], size: Float[np.ndarray, "*many"], exponent: float
+) -> Float[np.ndarray, "*many"]:
+    """Where r starts so that it ends at 2 − r: at 1 + F₀/F_c and 1 − F₀/F_c, by Newton's method in a bracket.
+
+    With r′ = −rⁱ the derivative of the end along the start is (end / start)ⁱ.
+    """
+    low, high = np.ones_like(size), np.full_like(size, 2.0)
+    start = np.full_like(size, 1.5)
+    for _ in range(_STEPS):
+        end = left(start, 2 * size)
+        missed = start + end - 2
+        low, high = np.where(missed < 0, start, low), np.where(missed < 0, high, start)
+        nearer = start - missed / (1 + (end / start) ** exponent)
+        inside = (nearer >= low) & (nearer <= high)
+        start = np.where(inside, nearer, (low + high) / 2)
+        if np.all(np.abs(missed) <= _CLOSED):
+            break
+    return start
+
+
+_FRICTION = ("torque", "presliding_stiffness", "exponent", "stiction", "stribeck_speed")
+_SLOW = ("slow_torque", "slow_speed")
+_LAG = "bristle_time"
+_SPEED = 0.7
+"""Of the largest speed of a swing, where friction takes most of its energy."""
+
+
+def _rub(assembly: Assembly, placement: Placement) -> None:
+    amplitude, omega = swing_of(placement)
+    torque, bristles, exponent, stiction, speed = (placement[name] for name in _FRICTION)
+    limit = torque * (1 + stiction * np.exp(-((_SPEED * amplitude * omega / speed) ** 2)))
+    stiffness, loss = dahl(amplitude, limit, bristles, exponent)
+    turned = omega * placement.values.get(_LAG, 0.0)
+    stiffness, loss = stiffness - turned * loss, loss + turned * stiffness
+    row = assembly.stretch_of(placement.where)
+    assembly.add_spring(row, stiffness)
+    assembly.add_damper(row, loss / omega)
+    assembly.add_damper(row, levelling(amplitude * omega, *(placement[name] for name in _SLOW)))
+
+
+def levelling(speed: Float[np.ndarray, "*many"], torque: float, slow: float) -> Float[np.ndarray, "*many"]:
+    """Damping that a swing feels of T tanh(v/v_t).
+
+    Args:
+        speed: largest in the swing [rad/s].
+        torque: T [N·m].
+        slow: v_t [rad/s].
+    """
+    wave, most = np.sin(PHASE), np.maximum(speed, 1e-12 * slow)
+    felt = np.tanh(most[..., None] * wave / slow)
+    return np.asarray(2 / len(PHASE) * torque * np.sum(felt * wave, axis=-1) / most)
+
+
+def _rubbing(assembly: Assembly, placement: Placement) -> tuple[Law, Law]:
+    row = assembly.stretch_of(placement.where)
+    torque, bristles, exponent, stiction, speed = (placement[name] for name in _FRICTION)
+    hysteretic = friction(row, torque, bristles, exponent, stiction, speed, placement.values.get(_LAG, 0.0))
+    return hysteretic, slow_friction(row, *(placement[name] for name in _SLOW))
+
+
+def _friction_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
+    k = float(context.robot.joints[where].stiffness)
+    size, speed = typical(context, where)
+    torque = 0.1 * k * size
+    return (
+        positive("torque", "N·m", torque, 1.2, torque / 1e3, torque * 1e3),
+        positive("presliding_stiffness", "N·m/rad", 5 * k, 0.7, 0.1 * k, 200 * k),
+        signed("exponent", "", 0.4, 0.0, 1.6, centre=1.0),
+        positive("stiction", "", 0.02, 1.5, 1e-3, 4.0),
+        positive("stribeck_speed", "rad/s", 0.3 * speed, 1.2, 1e-3 * speed, 10 * speed),
+        positive("slow_torque", "N·m", 0.003 * torque, 2.0, torque / 1e5, torque * 1e3),
+        positive("slow_speed", "rad/s", 0.3 * speed, 1.2, 1e-3 * speed, 10 * speed),
+        positive("reach", "", 1.0, 0.7, 0.05, 20.0),
+    )
+
+
+def _friction_starts(context: Context, where: str) -> list[Mapping[str, float]]:
+    stiffness = float(context.robot.joints[where].stiffness)
+    size = 0.1 * stiffness * typical(context, where)[0]
+    found = [{"torque": share * size} for share in (0.2, 1.0, 4.0)]
+    found += [{"torque": share * size, "presliding_stiffness": 50 * stiffness} for share in (4.0, 16.0)]
+    return [
+        *found,
+        {"torque": size, "stiction": 0.5},
+        *({"torque": 0.01 * size, "slow_torque": share * size} for share in (0.3, 2.0)),
+    ]
+
+
+def _bristle_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
+    low, high = (1 / (2 * np.pi * edge) for edge in context.band[::-1])
+    centre = 0.1 * float(np.sqrt(low * high))
+    return (*_friction_parameters(context, where), positive(_LAG, "s", centre, 2.0, 1e-3 * low, high))
+
+
+def _bristle_starts(context: Context, where: str, values: Mapping[str, float]) -> list[Mapping[str, float]]:
+    """From where the narrower law was, and with some of its other numbers elsewhere."""
+    slow = 1 / (2 * np.pi * float(np.sqrt(context.band[0] * context.band[1])))
+    loose = {**values, "slow_torque": 0.01 * values["torque"]}
+    stiff = {**loose, "presliding_stiffness": 3 * values["presliding_stiffness"]}
+    return [{**one, _LAG: share * slow} for one in (values, loose, stiff) for share in (0.03, 0.3, 1.0)]
+
+
+BRISTLES = Effect(
+    name="coulomb_friction",
+    says="the joint has dry friction",
+    places=lambda context: context.joints,
+    parameters=_bristle_parameters,
+    starts=_friction_starts,
+    act=_rub,
+    law=_rubbing,
+    variants=("blow",),
+    untestable=one_level,
+    physical=lambda context, where, values: {
+        name: values[name] for name in (*_FRICTION, *_SLOW, _LAG) if name in values
+    },
+)
+EFFECT = replace(BRISTLES, parameters=_friction_parameters, next_level=Level(BRISTLES, _bristle_starts))

@@ -1,0 +1,100 @@
+"""Joints whose stiffness depends on how far they swing, by describing functions.
+
+At an amplitude A a non-linear torque acts, in the first harmonic, as a spring and a damper (Gelb and Vander
+Velde, Multiple-Input Describing Functions, 1968). A is taken for each posture, hammer point and level of
+force from the believed robot's own swing; one factor on all of them is fitted along, since a swing that dies
+away has no single amplitude.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from jaxtyping import Float
+
+from flexmodal.diagnosis.effects.context import Context
+from flexmodal.diagnosis.effects.effect import Effect, Placement, positive, signed
+from flexmodal.diagnosis.effects.swing import PHASE, one_level, swing_of, typical
+from flexmodal.diagnosis.time_domain.law import Law, hardening
+from flexmodal.structure import Parameter
+from flexmodal.structure.assembly import Assembly
+
+
+def hardened(amplitude: Float[np.ndarray, "*many"], wound: float = 0.0) -> Float[np.ndarray, "*many"]:
+    """Part of the change of stiffness that an amplitude sees: for u³/(1 + u²), amplitude over q_r.
+
+    Args:
+        amplitude: over q_r.
+        wound: elongation about which it swings, likewise.
+    """
+    a = np.maximum(amplitude, 1e-4)
+    if wound == 0.0:
+        return np.asarray(1 - 2 / a**2 * (1 - 1 / np.sqrt(1 + a**2)))
+    wave = np.cos(PHASE)
+    u = wound + a[..., None] * wave
+    return np.asarray(2 / len(PHASE) * np.sum(u**3 / (1 + u**2) * wave, axis=-1) / a)
+
+
+def _stiffness(placement: Placement) -> float:
+    """Of the joint at small swings [N·m/rad]."""
+    return placement.values.get(
+        f"stiffness.{placement.where}", float(placement.context.robot.joints[placement.where].stiffness)
+    )
+
+
+def _spring(assembly: Assembly, placement: Placement) -> tuple[Law]:
+    deflection, stiffness = placement["deflection"], _stiffness(placement)
+    law = hardening(
+        assembly.stretch_of(placement.where),
+        placement["change"] * stiffness,
+        deflection,
+        placement["wound"] * deflection,
+        stiffness,
+    )
+    return (law,)
+
+
+def _stiffen(assembly: Assembly, placement: Placement) -> None:
+    (law,), wound = _spring(assembly, placement), placement["wound"]
+    part = hardened(swing_of(placement)[0] / placement["deflection"], wound)
+    top, _, _, at_rest, *_ = law.parameters
+    assembly.add_spring(law.row, top * part + at_rest)
+
+
+def _hardening_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
+    size, _ = typical(context, where)
+    return (
+        signed("change", "", 0.6, -0.85, 6.0),
+        positive("deflection", "rad", size, 1.0, size / 100, size * 100),
+        signed("wound", "of the deflection", 0.5, -4.0, 4.0),
+    )
+
+
+def _hardening_physical(context: Context, where: str, values: Mapping[str, float]) -> dict[str, float]:
+    k = values.get(f"stiffness.{where}", float(context.robot.joints[where].stiffness))
+    return {
+        "change": values["change"],
+        "deflection": values["deflection"],
+        "wound": values["wound"],
+        "cubic_stiffness": values["change"] * k / values["deflection"] ** 2,
+    }
+
+
+EFFECT = Effect(
+    name="nonlinear_stiffness",
+    says="the joint's spring hardens or softens",
+    places=lambda context: context.joints,
+    parameters=_hardening_parameters,
+    starts=lambda context, where: [
+        {"change": change, "deflection": share * typical(context, where)[0], "wound": wound}
+        for change in (0.3, -0.3)
+        for share, wound in ((0.6, 0.0), (2.0, 0.0), (1.0, 0.8))
+    ],
+    act=_stiffen,
+    law=_spring,
+    variants=("blow",),
+    untestable=one_level,
+    physical=_hardening_physical,
+    units={"cubic_stiffness": "N·m/rad³"},
+)
