@@ -216,20 +216,28 @@ def _springs(placement: Placement, joint: str) -> list[tuple[list[tuple[Way, flo
     return found
 
 
+@lru_cache(maxsize=256)
+def _levers(context: Context, where: str, joint: str) -> Float[np.ndarray, "way way"]:
+    """Motion along each way, by each tilt, of a point on the joint's axis as far from its middle as 1."""
+    some, axis = given(context, where, joint), np.asarray(context.robot.urdf.joint_by_name[joint].axis)
+    along = np.array([np.zeros(3) if way.turns else way.vector for way in some])
+    tilted = np.array([np.cross(way.vector, axis) if way.turns else np.zeros(3) for way in some])
+    return along @ tilted.T
+
+
 def _act(assembly: Assembly, placement: Placement) -> None:
     context, where = placement.context, placement.where
     offset = placement.values.get("offset", 0.0)
     for joint in _joints(context, where):
         some = given(context, where, joint)
-        axis = np.asarray(context.robot.urdf.joint_by_name[joint].axis)
-        turns = [(way, assembly.row(_coordinate(joint, way))) for way in some if way.turns]
+        if not some:
+            continue
+        rows = np.array([assembly.row(_coordinate(joint, way)) for way in some])
+        if offset:  # motion of the point where the springs meet
+            rows = rows + offset * (_levers(context, where, joint) @ rows)
+        felt = dict(zip(some, rows, strict=True))
         for number, (pulled, stiffness) in enumerate(_springs(placement, joint)):
-            row = np.zeros(len(assembly.coordinates))
-            for way, share in pulled:
-                row = row + share * assembly.row(_coordinate(joint, way))
-                if not way.turns and offset:
-                    for other, tilt in turns:  # motion of the point where the springs meet
-                        row = row + share * offset * float(np.cross(other.vector, axis) @ way.vector) * tilt
+            row = sum(share * felt[way] for way, share in pulled)
             assembly.add_spring(row, stiffness)
             assembly.add_damper(row, stiffness * placement["damping_time"])
             if where != ALL:

@@ -38,7 +38,7 @@ from flexmodal.diagnosis.effects.link_motion import (
 )
 from flexmodal.diagnosis.improved.draft import Draft
 from flexmodal.structure import Parameter
-from flexmodal.structure.arm import Body, bodies_of
+from flexmodal.structure.arm import Body, bodies_of, crossed
 from flexmodal.structure.assembly import Assembly
 from flexmodal.structure.robot_terms import scaled
 
@@ -152,7 +152,7 @@ def _joints_at(placement: Placement, hinge: int, places: Float[np.ndarray, " hin
         side = np.sum([share * across[number] for number, share in parts], axis=0)
         end = f"{hinge + 1}" + (f"_{plane + 1}" if len(across) > 1 else "")
         bend = ratio * stiffness / bending(placement)[1][hinge]
-        found.append(_New(f"{link}_bend_{end}", np.cross(axis, side), bend))
+        found.append(_New(f"{link}_bend_{end}", crossed(axis, side), bend))
         for section, share in there:
             if section.shears:
                 sliding = ratio * _sliding(placement) / share

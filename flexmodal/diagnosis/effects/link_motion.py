@@ -12,7 +12,7 @@ from jaxtyping import Float
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Bodies, Placement, along, sides
 from flexmodal.diagnosis.effects.hinges import fixed, pieces, seen_inside, shares
-from flexmodal.structure.arm import Body
+from flexmodal.structure.arm import Body, crossed
 from flexmodal.structure.assembly import Assembly
 
 KEPT = 64
@@ -122,7 +122,7 @@ def add_hinges(assembly: Assembly, placement: Placement, places: Float[np.ndarra
     names = iter(names_of(context, where, len(places)))
     for place in places.tolist():
         for side in across:
-            cut(next(names), place, np.cross(axis, side), turns=True)
+            cut(next(names), place, crossed(axis, side), turns=True)
     for part in parts:
         for place, share in part.cuts:
             for name in part.twist:
@@ -182,7 +182,7 @@ def rods(
 def _spread(placement: Placement, body: Body, axis: np.ndarray) -> float:
     """Length of the longest thin rod in the body, beside a disc with its moment about the axis [m]."""
     across = sides(placement.context, placement.where, axis)
-    turns = np.array([np.cross(axis, side) for side in across])
+    turns = np.array([crossed(axis, side) for side in across])
     least = float(np.linalg.eigvalsh(turns @ body.inertia @ turns.T)[0])
     disc = 0.0 if placement.context.normal is not None else float(axis @ body.inertia @ axis) / 2
     return float(np.sqrt(12 * max(least - disc, 0.0) / body.mass))

@@ -21,7 +21,7 @@ from flexmodal.diagnosis.effects.free_function import FreeFunction
 from flexmodal.diagnosis.effects.relaxation import HELD, add_relaxing
 from flexmodal.diagnosis.improved.draft import Draft
 from flexmodal.structure import Parameter
-from flexmodal.structure.arm import Body
+from flexmodal.structure.arm import Body, crossed
 from flexmodal.structure.assembly import Assembly
 
 HIGHEST = 1.15
@@ -89,7 +89,7 @@ def _ways(context: Context, where: str, values: Mapping[str, float]) -> tuple[np
     across = sides(context, where, axis)
     names = ("angle",) if len(across) == 1 else ("angle", "turn", "roll")
     found = ways_of(np.array([values[name] for name in names])) @ np.array([axis, *across])
-    return (*found, np.cross(*found)) if len(across) == 1 else tuple(found)
+    return (*found, crossed(*found)) if len(across) == 1 else tuple(found)
 
 
 def _springs(values: Mapping[str, float]) -> tuple[tuple[float, float], ...]:
