@@ -20,7 +20,9 @@ from flexmodal.diagnosis.selection.frf_thresholds import (
     MOST_OF_IT,
     NEARLY_ALL,
     NOTHING_LEFT,
+    PART_OF_REST,
     SURE,
+    SURER,
     least_share,
 )
 from flexmodal.diagnosis.setup import Setup
@@ -113,10 +115,15 @@ class FrfsByLook(Data[FittedFrfs]):
     def settles_by(self, steps: Sequence[Step], model: FittedFrfs) -> bool:
         """See `Data`: those that took a good part each, and were sure among what was compared.
 
-        Two at least, or one that took all but little.
+        Of all, or, if surer, of what those before left. Two at least, or one that took all but little.
         """
-        keys = model.hypothesis.keys
-        large = [one for one in steps if (one.share or 0.0) >= GOOD_PART and one.confidence >= SURE]
+        keys, large, rest = model.hypothesis.keys, list[Step](), 1.0
+        for one in steps:
+            taken = one.share or 0.0
+            of_rest = one.confidence >= SURER and taken >= PART_OF_REST * rest > 0.0
+            if (taken >= GOOD_PART and one.confidence >= SURE) or of_rest:
+                large.append(one)
+            rest -= taken
         named = tuple((one.effect, one.where) for one in large)
         several = len(named) > 1 or any((one.share or 0.0) >= ALL_BUT_LITTLE for one in large)
         enough = several and set(named) <= set(keys) and not self.lacking(model)

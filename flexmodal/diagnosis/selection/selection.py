@@ -85,7 +85,7 @@ class ForwardSelection(Generic[M]):
         if not ended and (named or not stay):
             self.furthest = None if named else self.current
             self._state = named or kept
-        if tuple((step.effect, step.where) for step in self.steps) != self.current.hypothesis.keys:
+        if {(step.effect, step.where) for step in self.steps} != set(self.current.hypothesis.keys):
             self._describe_anew()
         return stay
 
