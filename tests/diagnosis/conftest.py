@@ -24,6 +24,14 @@ def effect_of(name):
     return effect.next_level.effect if name.endswith(NEXT) else effect
 
 
+@pytest.fixture(scope="module")
+def one_loop():
+    """The same loop over the steps from the first call on: both agree but for rounding."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("flexmodal.diagnosis.time_domain.integration.is_worth_it", lambda *work: True)
+        yield
+
+
 @pytest.fixture(scope="session")
 def campaign():
     hide = replace(Hide.parse("@".join(KEY)), height=10.0)

@@ -41,12 +41,7 @@ def written(key):
     return ",".join([key, *(f"{name}={value}" for name, value in LAWS[key].items())])
 
 
-@pytest.fixture(scope="module", autouse=True)
-def one_loop():
-    """The same loop over the steps from the first call on: both agree but for rounding."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("flexmodal.diagnosis.time_domain.integration.is_worth_it", lambda *work: True)
-        yield
+pytestmark = pytest.mark.usefixtures("one_loop")
 
 
 def hypothesis_of(campaign, *keys):

@@ -28,12 +28,7 @@ PAIRS = np.array([[0, 0], [1, 0]])
 HIGH = 40.0
 
 
-@pytest.fixture(scope="module", autouse=True)
-def one_loop():
-    """The same loop over the steps from the first call on: both agree but for rounding."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("flexmodal.diagnosis.time_domain.integration.is_worth_it", lambda *work: True)
-        yield
+pytestmark = pytest.mark.usefixtures("one_loop")
 
 
 def structure(*, damping=DAMPING, extra=0.0, loss_factor=0.0):

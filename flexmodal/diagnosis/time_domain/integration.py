@@ -9,7 +9,7 @@ spectrum of each torque over the record and the state at its end; the rest is li
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Hashable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
 
@@ -118,9 +118,8 @@ def integrate(struck: Sequence[Struck], steps: Steps, *, compiled: bool | None =
         compiled: whether by the compiled loop; the other gives the same numbers but for rounding. By default,
             if numba is installed.
     """
-    different: dict[tuple[object, ...], int] = {}
-    numbers = [different.setdefault(one.key, len(different)) for one in struck]
-    first = [struck[numbers.index(k)] for k in range(len(different))]
+    firsts, numbers = _distinct([one.key for one in struck])
+    first = [struck[k] for k in firsts]
     most = _TOGETHER // (steps.count * max(len(one.laws) for one in first))
     made: list[TimeResponse] = []
     for some in _batches(first, most):
@@ -175,11 +174,15 @@ def torques(
 def _linear(struck: Sequence[Struck], step: float) -> tuple[Propagation, Int[np.ndarray, " system"]]:
     """The linear parts that differ, and which one each has: laws may be the only difference."""
     made = [(state_matrix(one.structure, one.axis), _columns(one)) for one in struck]
-    different: dict[tuple[bytes, bytes], int] = {}
-    number = [different.setdefault((a.tobytes(), b.tobytes()), len(different)) for a, b in made]
-    first = [made[number.index(k)] for k in range(len(different))]
-    linear, columns = (np.array(some) for some in zip(*first, strict=True))
+    firsts, number = _distinct([(a.tobytes(), b.tobytes()) for a, b in made])
+    linear, columns = (np.array(some) for some in zip(*(made[k] for k in firsts), strict=True))
     return propagated(linear, columns, step), np.array(number)
+
+
+def _distinct(keys: Sequence[Hashable]) -> tuple[list[int], list[int]]:
+    """Where each different key occurs first, and which of these each one is."""
+    different = {key: number for number, key in enumerate(dict.fromkeys(keys))}
+    return [keys.index(key) for key in different], [different[key] for key in keys]
 
 
 def _felt(law: Law) -> Float[np.ndarray, " state"]:

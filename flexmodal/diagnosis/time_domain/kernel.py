@@ -99,16 +99,13 @@ def expect(gain, w):
 
 
 @no_type_check
-def go_on(old, end, before, held, found):
+def go_on(w):
     """Make what was found at the end of a step what is known at the beginning of the next.
 
     Args:
-        old: elongations one step ago, [lane] as all below.
-        end: elongations now.
-        before: torques two steps ago.
-        held: torques one step ago.
-        found: torques now.
+        w: quantities of a law, [quantity, lane].
     """
+    old, end, before, held, found = w[OLD], w[END], w[BEFORE], w[HELD], w[FOUND]
     for b in range(len(end)):
         old[b] = end[b]
         before[b] = held[b]
@@ -152,9 +149,9 @@ def integrate(turn, cross, carried, late, rows, gain, kinds, parameters, push, t
             expect(gain[tile], w)
             settle(kinds, w, gain[tile], scratch, right, active, moving)
             for one in range(count):
-                go_on(w[one, OLD], w[one, END], w[one, BEFORE], w[one, HELD], w[one, FOUND])
+                go_on(w[one])
                 if kinds[one] == FRICTION:
-                    stuck_of(w[one], w[one, FOUND])
+                    stuck_of(w[one])
                 for b in range(lanes):
                     torque[tile, b, one, k + 1] = w[one, HELD, b]
             now, base = base, now

@@ -85,15 +85,13 @@ def logarithm(x):
 
 
 @no_type_check
-def hardened(w, end, guess, slope):
+def hardened(w):
     """Torques of a spring that hardens, and their slopes.
 
     Args:
-        w: quantities of the law, [quantity, lane].
-        end: elongations, [lane] as all below.
-        guess: filled with torques.
-        slope: filled with their derivatives.
+        w: quantities of the law, [quantity, lane]; torques that are tried and their slopes are filled.
     """
+    end, guess, slope = w[END], w[GUESS], w[SLOPE]
     stiffness, bend, wound, linear = w[GIVEN], w[GIVEN + 1], w[GIVEN + 2], w[GIVEN + 3]
     for b in range(len(end)):
         rest, ratio = wound[b] / bend[b], (end[b] + wound[b]) / bend[b]
@@ -105,15 +103,13 @@ def hardened(w, end, guess, slope):
 
 
 @no_type_check
-def slow(w, end, guess, slope):
+def slow(w):
     """Torques of friction that is viscous when slow, and their slopes.
 
     Args:
-        w: see `hardened`, as all below; `end` holds speeds.
-        end: see there.
-        guess: see there.
-        slope: see there.
+        w: see `hardened`; instead of elongations there are speeds.
     """
+    end, guess, slope = w[END], w[GUESS], w[SLOPE]
     most, speed = w[GIVEN], w[GIVEN + 1]
     for b in range(len(end)):
         x = end[b] / speed[b]
@@ -131,15 +127,13 @@ def slow(w, end, guess, slope):
 
 
 @no_type_check
-def limits(w, old, end, most):
+def limits(w):
     """What friction slips at, by the speed in the step.
 
     Args:
-        w: see `hardened`.
-        old: elongations one step ago.
-        end: elongations now.
-        most: filled with the limits.
+        w: see `hardened`; the limits are filled.
     """
+    old, end, most = w[OLD], w[END], w[MOST]
     torque, more, speed = w[GIVEN], w[GIVEN + 3], w[GIVEN + 4]
     for b in range(len(end)):
         x = (end[b] - old[b]) / speed[b] if more[b] > 0.0 else 0.0
@@ -147,7 +141,7 @@ def limits(w, old, end, most):
 
 
 @no_type_check
-def rubbed(w, old, end, most, guess, slope):
+def rubbed(w):
     """Torques of dry friction, and their slopes.
 
     The damping of what sticks goes by a backward difference of second order. Where a torque falls back to a
@@ -155,13 +149,9 @@ def rubbed(w, old, end, most, guess, slope):
     all the same.
 
     Args:
-        w: see `hardened`.
-        old: elongations one step ago.
-        end: elongations now.
-        most: limits, see `limits`.
-        guess: see `hardened`.
-        slope: see there.
+        w: see `hardened`; the limits are those of the step, see `limits`.
     """
+    old, end, most, guess, slope = w[OLD], w[END], w[MOST], w[GUESS], w[SLOPE]
     stiffness, exponent, lag = w[GIVEN + 1], w[GIVEN + 2], w[GIVEN + 5]
     stuck, before = w[STUCK], w[STUCK_BEFORE]
     for b in range(len(end)):
@@ -185,14 +175,13 @@ def rubbed(w, old, end, most, guess, slope):
 
 
 @no_type_check
-def stuck_of(w, found):
-    """Keep what of the torques of friction is no damping.
+def stuck_of(w):
+    """Keep what of the torques of friction that were found is no damping.
 
     Args:
         w: see `hardened`.
-        found: torques, [lane].
     """
-    lag, stuck, before = w[GIVEN + 5], w[STUCK], w[STUCK_BEFORE]
+    found, lag, stuck, before = w[FOUND], w[GIVEN + 5], w[STUCK], w[STUCK_BEFORE]
     for b in range(len(found)):
         now = (found[b] + lag[b] * (2.0 * stuck[b] - 0.5 * before[b])) / (1.0 + 1.5 * lag[b])
         before[b] = stuck[b]

@@ -10,8 +10,6 @@ from flexmodal.diagnosis.time_domain.law_kernel import (
     FOUND,
     FREE,
     GUESS,
-    MOST,
-    OLD,
     SIZE,
     SLOPE,
     hardened,
@@ -37,14 +35,13 @@ def torques_of(kinds, w):
         w: see `settle`.
     """
     for one in range(len(kinds)):
-        own, end, guess, slope = w[one], w[one, END], w[one, GUESS], w[one, SLOPE]
         if kinds[one] == HARDENING:
-            hardened(own, end, guess, slope)
+            hardened(w[one])
         elif kinds[one] == FRICTION:
-            limits(own, w[one, OLD], end, w[one, MOST])
-            rubbed(own, w[one, OLD], end, w[one, MOST], guess, slope)
+            limits(w[one])
+            rubbed(w[one])
         else:
-            slow(own, end, guess, slope)
+            slow(w[one])
 
 
 @no_type_check
@@ -90,17 +87,15 @@ def correct(w, gain, system, change):
 
 
 @no_type_check
-def correct_one(gain, free, end, guess, slope, change):
+def correct_one(gain, w, change):
     """`correct` for a single law.
 
     Args:
-        gain: of it, [lane] as all below.
-        free: elongations without torques.
-        end: elongations.
-        guess: torques.
-        slope: of these.
-        change: filled.
+        gain: of it, [lane].
+        w: its quantities, [quantity, lane].
+        change: filled, [lane].
     """
+    free, end, guess, slope = w[FREE], w[END], w[GUESS], w[SLOPE]
     for b in range(len(end)):
         change[b] = (free[b] - end[b] - gain[b] * guess[b]) / (1.0 + gain[b] * slope[b])
 
@@ -177,7 +172,7 @@ def settle(kinds, w, gain, system, right, active, moving):
     for turn in range(ROUNDS):
         torques_of(kinds, w)
         if count == 1:
-            correct_one(gain[0, 0], w[0, FREE], w[0, END], w[0, GUESS], w[0, SLOPE], right[0])
+            correct_one(gain[0, 0], w[0], right[0])
         elif count == 2:
             correct_two(gain, w[0], w[1], right[0], right[1])
         else:
