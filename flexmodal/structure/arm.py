@@ -126,10 +126,7 @@ def beyond(urdf: Urdf, link: str) -> tuple[str, ...]:
         urdf: with the link.
         link: name of the one that the others hang on.
     """
-    found = [link]
-    for member in found:
-        found += [joint.child for joint in urdf.joints if joint.parent == member]
-    return tuple(found)
+    return urdf.beyond[link]
 
 
 def moved_bodies(robot: Robot) -> tuple[str, ...]:

@@ -40,7 +40,8 @@ class Assembly:
         self._maps = dict(arm.maps)
         self._moved: dict[tuple[object, ...], np.ndarray] = {}
         """Motions of points asked for so far; forgotten when anything moves otherwise."""
-        self._outer: dict[str, list[tuple[np.ndarray, np.ndarray, dict[str, np.ndarray]]]] = {}
+        self._outer: dict[str, list[tuple[np.ndarray, np.ndarray, np.ndarray]]] = {}
+        """Of each link its cuts: where, towards which end, and the motion of the link's origin beyond."""
         self._terms: list[tuple[str, np.ndarray, tuple[str, ...]]] = []
 
     def alike(self) -> Assembly:
@@ -100,13 +101,11 @@ class Assembly:
         return self._moved[key]
 
     def _motion(self, link: str, place: np.ndarray, section: np.ndarray | None) -> np.ndarray:
-        lever = self.axes(link) @ place
-        where = place if section is None else section
-        moved = carried(self._padded(self._maps[link]), lever)
-        for cut, way, maps in self._outer.get(link, []):
+        where, moved = place if section is None else section, self._padded(self._maps[link])
+        for cut, way, turned in self._outer.get(link, []):
             if (where - cut) @ way > 0:
-                moved = moved + carried(self._padded(maps[link]), lever)
-        return moved
+                moved = moved + self._padded(turned)
+        return carried(moved, self.axes(link) @ place)
 
     def move_pivot(self, joint: str, shift: Float[np.ndarray, "*posture 3"]) -> None:
         """Let a revolute joint turn what it carries about another place, `shift` [m] away in the world.
@@ -161,15 +160,14 @@ class Assembly:
         """
         self._moved = {}
         pivot = self.origin(link) + self.axes(link) @ cut
-        turned: dict[str, np.ndarray] = {}
+        still = np.zeros((*pivot.shape[:-1], 6, len(self.coordinates)))
         for member in beyond(self.robot.urdf, link):
-            extra = np.zeros((*pivot.shape[:-1], 6, len(self.coordinates)))
-            extra[..., column] = carried(motion[..., None], self.origin(member) - pivot)[..., 0]
+            moved = np.array(still if member == link else self._padded(self._maps[member]))
+            moved[..., column] += carried(motion[..., None], self.origin(member) - pivot)[..., 0]
             if member == link:
-                turned[link] = extra
+                self._outer.setdefault(link, []).append((np.asarray(cut), np.asarray(way), moved))
             else:
-                self._maps[member] = self._padded(self._maps[member]) + extra
-        self._outer.setdefault(link, []).append((np.asarray(cut), np.asarray(way), turned))
+                self._maps[member] = moved
 
     # masses and springs
 
@@ -189,7 +187,8 @@ class Assembly:
         axes = self.axes(link)
         tags = (mass,) if mass else ()
         shift, turn = motion[..., :3, :], motion[..., 3:, :]
-        self._add("mass", _times(body.mass, np.swapaxes(shift, -1, -2) @ shift), tags)
+        if np.any(body.mass):
+            self._add("mass", _times(body.mass, np.swapaxes(shift, -1, -2) @ shift), tags)
         if body.inertia.any():
             along = np.swapaxes(axes, -1, -2) @ turn  # the turning in the frame of the link
             turned = np.swapaxes(along, -1, -2) @ body.inertia @ along

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections import OrderedDict
 from collections.abc import Callable, Hashable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -109,14 +109,18 @@ def proportional(assembly: Assembly, index: Mapping[str, int], shape: tuple[int,
     )
 
 
-@dataclass(frozen=True, eq=False)
 class Frames:
     """Keeps the frames that were used last, by values of what they depend on, up to a size."""
 
-    most: float = MOST_KEPT
-    """Bytes; the last one is kept in any case."""
-    kept: OrderedDict[Hashable, Frame] = field(default_factory=OrderedDict)
-    """Those used last at the end."""
+    def __init__(self, most: float = MOST_KEPT) -> None:
+        """Nothing is kept yet.
+
+        Args:
+            most: bytes; the last one is kept in any case.
+        """
+        self.kept = OrderedDict[Hashable, Frame]()
+        """Those used last at the end."""
+        self._room = most
 
     def get(self, key: Hashable, build: Callable[[], Frame]) -> Frame:
         """The frame of a key, built unless it is kept.
@@ -129,8 +133,8 @@ class Frames:
             self.kept.move_to_end(key)
             return self.kept[key]
         found = build()
-        room = self.most - found.size - sum(frame.size for frame in self.kept.values())
-        while self.kept and room < 0:
-            room += self.kept.popitem(last=False)[1].size
+        self._room -= found.size
+        while self.kept and self._room < 0:
+            self._room += self.kept.popitem(last=False)[1].size
         self.kept[key] = found
         return found

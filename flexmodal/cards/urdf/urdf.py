@@ -97,3 +97,14 @@ class Urdf:
     def joint_by_name(self) -> Mapping[str, UrdfJoint]:
         """The joints by their names."""
         return FrozenDict({joint.name: joint for joint in self.joints})
+
+    @cached_property
+    def beyond(self) -> Mapping[str, tuple[str, ...]]:
+        """Every link and all it carries, by its name."""
+        found = {}
+        for link in self.links:
+            carried = [link.name]
+            for member in carried:
+                carried += [joint.child for joint in self.joints if joint.parent == member]
+            found[link.name] = tuple(carried)
+        return FrozenDict(found)
