@@ -8,8 +8,8 @@ from contextlib import contextmanager
 
 from flexmodal.errors import Fault, InvalidRequest
 
-FOR_EFFECTS = 0.75
-"""Part of the time in which effects are added to some that may be sure; the rest is for asking which are."""
+FOR_EFFECTS = 0.85
+"""Part of the time in which effects are added to several; the rest is for asking which of them are sure."""
 
 
 class OutOfTime(Exception):

@@ -11,7 +11,7 @@ from flexmodal.diagnosis.effects.free_function import FreeFunction
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.lawfree.result import Findings, Found, PlaceTried
 from flexmodal.diagnosis.outcome import Compared, Gaps, Step
-from flexmodal.diagnosis.selection import frf_candidates, frf_data
+from flexmodal.diagnosis.selection import frf_by_look, frf_candidates, frf_data
 from flexmodal.diagnosis.selection.comparison import Comparison
 from flexmodal.diagnosis.selection.data import Data
 from flexmodal.diagnosis.selection.decision import Answer
@@ -20,6 +20,7 @@ from flexmodal.diagnosis.selection.frf_candidates import MOST_LOOKS, FrfCandidat
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.selection.frf_data import FrfData
 from flexmodal.diagnosis.selection.frf_starts import does_more, narrowest
+from flexmodal.diagnosis.selection.in_its_stead import sure_beside
 from flexmodal.diagnosis.selection.selection import MOST, ForwardSelection
 from flexmodal.diagnosis.setup import Setup
 
@@ -86,14 +87,8 @@ class World(Data):
     def is_named(self, model):
         return model.keys in self.named
 
-    def may_settle(self, model):
-        return self.sure and len(model.keys) > 1
-
     def settles(self, model):
-        return self.may_settle(model)
-
-    def settles_by(self, steps, model):
-        return False
+        return dict.fromkeys(model.keys, 0.83) if self.sure and len(model.keys) > 1 else {}
 
     def vouches(self, model):
         return False
@@ -111,7 +106,7 @@ World.__abstractmethods__ = frozenset()
 class Selection(ForwardSelection):
     def describe(self, comparison, chosen):
         effect, where = comparison.models[chosen].key
-        return Mock(spec=Step, effect=effect, where=where)
+        return Step(effect, where, {}, {}, {}, 0.95, Mock(spec=Gaps), (), ties=(("spare", "f"),))
 
     def compared(self, comparison, number):
         return Mock(spec=Compared)
@@ -232,6 +227,7 @@ def test_what_is_sure_stays_though_something_is_missing_besides():
     selection, ended = followed(lambda keys: 100.0 - 60 * (BASE in keys) - 30 * (MASS in keys), sure=True)
     assert ended
     assert steps(selection) == [BASE, MASS]
+    assert [(one.confidence, one.ties) for one in selection.steps] == [(0.83, ())] * 2
 
 
 def test_what_can_do_more_than_is_needed_is_left_out():
@@ -288,20 +284,15 @@ def test_a_strong_effect_is_named_where_its_place_leaves_far_less_than_any_other
 
 
 class Settling(FrfData):
-    """Looks that are given: of which effect its place and class are sure, and how much it takes."""
+    """What each effect takes of what the others leave, and how sure it is."""
 
-    def __init__(self, sure, takes=5.0, share=0.95):
+    def __init__(self, sure, takes=0.9, share=0.95):
         self._settled, self._root = ((), (), ()), fitted()
         self.taken, self._candidates = share, self
-        self.sure, self.takes = sure, takes
+        self.sure, self.takes, self.setup = sure, takes, Mock(spec=Setup, advance=Mock())
 
-    def can_look(self, model):
-        return True
-
-    def look_beside(self, model):
-        gone = [key for key in EVERY if key not in model.hypothesis.keys]
-        met = {key: Mock(surely=lambda name, key=key: key in self.sure) for key in gone}
-        return Mock(met=lambda keys: {key: met[key] for key in keys}, alone=self.takes, left=1.0)
+    def considered(self, model, key):
+        return []
 
     def looked(self, model):
         return Mock(place="tip")
@@ -310,7 +301,11 @@ class Settling(FrfData):
         return fitted(*(one for one in model.hypothesis.keys if one != key))
 
     def share(self, first, last):
-        return self.taken
+        return self.taken if first is self._root else self.takes
+
+    def compare(self, models):
+        (key,) = set(models[1].hypothesis.keys) - set(models[0].hypothesis.keys)
+        return key
 
     def lacking(self, model):
         return {}
@@ -322,48 +317,53 @@ class Settling(FrfData):
         return False
 
 
-def test_effects_with_a_place_and_a_class_of_their_own_stand_whatever_else_is_missing():
-    data, model = Settling([MASS, DELAY]), fitted(MASS, BASE, DELAY)
-    assert data.settles(model)
+def settling(monkeypatch, sure, **given):
+    monkeypatch.setattr(frf_by_look, "sure_beside", lambda key: sure.get(key, 0.3))
+    monkeypatch.setattr(frf_by_look, "with_last", lambda model, key: model)
+    monkeypatch.setattr(frf_by_look, "in_its_stead", lambda setup, model, less, others: [])
+    return Settling(sure, **given)
+
+
+def test_effects_that_nothing_else_stands_for_are_named_whatever_else_is_missing(monkeypatch):
+    data, model = settling(monkeypatch, {MASS: 0.83, DELAY: 0.81}), fitted(MASS, BASE, DELAY)
+    assert data.settles(model) == {MASS: 0.83, DELAY: 0.81}
     assert data.standing(model) == ((MASS, DELAY), ("tip",))
     assert data.standing(fitted(MASS, BASE)) == ((MASS,), ("tip",))
 
 
 @pytest.mark.parametrize(
-    "given", [{"sure": []}, {"sure": [MASS], "takes": 1.5}, {"sure": [MASS], "share": 0.5}]
-)
-def test_what_is_not_sure_settles_nothing(given):
-    assert not Settling(**given).settles(fitted(MASS, BASE))
-
-
-@pytest.mark.parametrize(
-    ("shares", "sure", "takes", "named"),
+    ("sure", "given"),
     [
-        ((0.2, 0.05, 0.6), (0.95, 0.95, 0.83), 0.8, (MASS, DELAY)),
-        ((0.2, 0.05, 0.6), (0.95, 0.95, 0.5), 0.8, ()),
-        ((0.2, 0.05, 0.6), (0.95, 0.95, 0.83), 0.7, ()),
-        ((0.05, 0.05, 0.8), (0.95, 0.95, 0.95), 0.9, ()),
-        ((0.01, 0.01, 0.98), (0.95, 0.95, 0.95), 0.99, (DELAY,)),
-        ((0.01, 0.01, 0.98), (0.95, 0.95, 0.5), 0.99, ()),
-        ((0.2, 0.7, 0.05), (0.95, 0.5, 0.95), 0.95, (MASS, DELAY)),
-        ((0.2, 0.7, 0.05), (0.95, 0.5, 0.86), 0.95, ()),
-        ((0.2, 0.7, 0.03), (0.95, 0.5, 0.95), 0.93, ()),
-        ((0.02, 0.93, 0.04), (0.95, 0.5, 0.95), 0.99, ()),
+        ({}, {}),
+        ({MASS: 0.83}, {}),
+        ({MASS: 0.83, BASE: 0.79}, {}),
+        ({MASS: 0.83, BASE: 0.83}, {"takes": 0.5}),
+        ({MASS: 0.83, BASE: 0.83}, {"share": 0.4}),
     ],
 )
-def test_without_time_for_looks_those_settle_that_took_a_good_part_and_were_sure(shares, sure, takes, named):
-    """Two at least, or one that took all but little: what one alone takes any other may take, too."""
-    data, model = Settling([], share=takes), fitted(MASS, BASE, DELAY)
-    made = [
-        Mock(spec=Step, effect=effect, where=where, share=share, confidence=one)
-        for (effect, where), share, one in zip((MASS, BASE, DELAY), shares, sure, strict=True)
-    ]
-    assert data.settles_by(made, model) is bool(named)
-    assert data._settled == ((model.hypothesis.keys, named, ("tip",)) if named else ((), (), ()))
+def test_what_is_not_sure_settles_nothing(monkeypatch, sure, given):
+    """One alone neither: what one takes any other may take, too."""
+    data = settling(monkeypatch, sure, **given)
+    assert data.settles(fitted(MASS, BASE)) == {}
+    assert data._settled == ((), (), ())
 
 
-def test_one_effect_alone_settles_nothing():
-    assert not Settling([MASS]).settles(fitted(MASS))
+def test_one_is_enough_where_all_of_them_take_all_but_little(monkeypatch):
+    assert settling(monkeypatch, {MASS: 0.83}, share=0.98).settles(fitted(MASS, BASE)) == {MASS: 0.83}
+
+
+def test_one_effect_alone_settles_nothing(monkeypatch):
+    assert settling(monkeypatch, {MASS: 0.83}, share=0.99).settles(fitted(MASS)) == {}
+
+
+@pytest.mark.parametrize(("other", "sure"), [(3.0, 0.83), (1.002, 0.6), (1.0, 0.45), (0.9, 0.0)])
+def test_how_sure_is_what_nothing_in_its_stead_fits_as_well_as(other, sure):
+    """Costs over that with the effect; the others alone leave ten times as much."""
+    models = [fitted(), *(fitted(key) for key in (MASS, DELAY))]
+    for model, cost in zip(models, (10.0, 1.0, other), strict=True):
+        model.costs, model.strong, model.prior, model.parameters = np.full(200, cost), 3, 0.0, 3
+    found = sure_beside(Mock(spec=Comparison, models=models, probability=np.array([0.0, 1.0, 1.0])))
+    assert found == pytest.approx(sure, abs=0.03)
 
 
 class Alone(FrfData):

@@ -8,7 +8,7 @@ from flexmodal.diagnosis import diagnose
 from flexmodal.diagnosis.report.frf_sections import frf_headline
 from flexmodal.diagnosis.time_limit import FOR_EFFECTS, OutOfTime, TimeLimit, limit_of
 from flexmodal.errors import InvalidRequest
-from tests.diagnosis.test_follow import BASE, DELAY, MASS, Selection, Settling, World, fitted, steps
+from tests.diagnosis.test_follow import BASE, DELAY, MASS, Selection, World, fitted, settling, steps
 from tests.diagnosis.test_workflow import campaign
 
 
@@ -80,8 +80,7 @@ def left_of_three(keys):
         (None, False, [BASE, MASS, DELAY]),
         (3.5 / FOR_EFFECTS, False, [BASE, MASS, DELAY]),
         (2.5 / FOR_EFFECTS, True, [BASE, MASS]),
-        (2.5 / FOR_EFFECTS, False, [BASE, MASS, DELAY]),
-        (2.5, False, []),
+        (2.5 / FOR_EFFECTS, False, []),
         (0.5 / FOR_EFFECTS, True, []),
     ],
 )
@@ -98,19 +97,22 @@ def test_of_several_those_that_are_sure_stand_when_the_time_is_up(seconds, sure,
     assert further == ((BASE, MASS) if not said and seconds > 1 / FOR_EFFECTS else ())
 
 
-def test_those_that_were_asked_for_in_time_are_sure():
-    data, asked = Settling([MASS, DELAY, BASE]), []
+def test_those_that_were_asked_for_in_time_are_sure(monkeypatch):
+    data, model, asked = (
+        settling(monkeypatch, dict.fromkeys((MASS, BASE, DELAY), 0.83)),
+        fitted(MASS, BASE, DELAY),
+        [],
+    )
 
-    def look_beside(model, ask=data.look_beside):
-        asked.append(model.hypothesis.keys)
-        if len(asked) == 2:  # without the last, without the second
+    def without(model, key, less=data.without):
+        asked.append(key)
+        if len(asked) == 3:
             raise OutOfTime
-        return ask(model)
+        return less(model, key)
 
-    data.look_beside = look_beside
-    model = fitted(MASS, BASE, DELAY)
-    assert data.settles(model)
-    assert data.standing(model) == ((DELAY,), ("tip",))
+    monkeypatch.setattr(data, "without", without)
+    assert data.settles(model) == {MASS: 0.83, BASE: 0.83}
+    assert data.standing(model) == ((MASS, BASE), ("tip",))
 
 
 @pytest.mark.parametrize("within", [0.0, -1.0, float("nan"), float("inf")])

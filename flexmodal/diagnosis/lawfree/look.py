@@ -32,7 +32,7 @@ fitted once more."""
 LATE = 3.0
 """Misfit of what is believed up to which ports begin at a small model error: at a large one nothing of what
 is missing is to be seen, and every port goes on."""
-LEADS = 2.0
+LEADS = 1.4
 """Times by which a port beside effects lowers the misfit, for rare ones not to be tried: of several effects
 each takes a part, and what is rare is tried where none does."""
 STEPS = 20
@@ -184,13 +184,11 @@ class Field:
         begins: list[tuple[Port, screening.Fit]] = []
         for number, port in enumerate(ports):
             if port.key not in taken:
-                every = (*(before.ports if before else ()), port)
-                seen = self._seen(every, self._few)
-                model = self._model(every, seen, self._some_lines)
-                state = None if before is None else carried_over(before, model, screening.LINES)
-                fit = begun(model, state, floor=self._floors[0], steps=screening.STEPS, roughly=True)
-                begins.append((port, fit))
+                begins.append((port, self._begun(port, before, roughly=True)))
             advance(0.7 * (number + 1) / len(ports))
+        begins = screening.with_places(
+            begins, self.root.context, lambda port: self._begun(port, before, roughly=False)
+        )
         without = self._unexplained if before is None else None
         first, ends, going = [], {}, screening.near(begins, without)
         for number, (port, fit) in enumerate(going):
@@ -201,6 +199,13 @@ class Field:
             advance(0.7 + 0.3 * (number + 1) / len(going))
         first.sort(key=lambda one: one[0])
         return [(port, *ends[port.key]) for port in screening.kept(first, without)]
+
+    def _begun(self, port: Port, before: Sighting | None, *, roughly: bool) -> screening.Fit:
+        """A port's first fit to a part of the data."""
+        every = (*(before.ports if before else ()), port)
+        model = self._model(every, self._seen(every, self._few), self._some_lines)
+        state = None if before is None else carried_over(before, model, screening.LINES)
+        return begun(model, state, floor=self._floors[0], steps=screening.STEPS, roughly=roughly)
 
     @cached_property
     def _unexplained(self) -> float | None:

@@ -52,7 +52,8 @@ def begun(
         before: where a fit with all its ports but the last ended, on the same lines.
         floor: relative model error.
         steps: most.
-        roughly: whether constants are fitted for the robot as it is; it is re-tuned beside free functions.
+        roughly: whether constants are fitted for the robot as it is, which is re-tuned beside free
+            functions, or where a port's geometry matters from its best place alone.
     """
     profile = Profile(model, floor)
     state = profile.judged(_constant(model, before, floor, steps, roughly=roughly))
@@ -101,7 +102,8 @@ def _constant(model: PortedModel, before: State | None, floor: float, steps: int
     plain = min((pooled.with_functions(at, none) for at in places), key=lambda one: one.cost)
     if port.kind.geometries(model.root.context, port.where):
         found = [one for at in places for one in placed_best(pooled, at, none, FOLLOWED_PLACES)]
-        return min((pooled.descended(one, steps) for one in (plain, *found)), key=lambda one: one.cost)
+        found = [min((plain, *found), key=lambda one: one.cost)] if roughly else [plain, *found]
+        return min((pooled.descended(one, steps) for one in found), key=lambda one: one.cost)
     started = []
     for start in port.kind.starts(model.root.context, port.where):
         z = none.copy()

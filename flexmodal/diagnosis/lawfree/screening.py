@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from jaxtyping import Complex
 
+from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.lawfree.model import Unknown
 from flexmodal.diagnosis.lawfree.port import Port
 from flexmodal.diagnosis.lawfree.ported_fit import mended
@@ -34,6 +35,8 @@ GAINS = 0.3
 NOTHING_GAINED = 1.2
 """Times by which the best port lowers the reduced χ² at least where little is missing, for more than the
 fewest to go on."""
+WELL_PLACED = 3
+"""Ports whose geometry matters that are followed from several places, those that do best from one."""
 UNMENDED = 2.0
 """So many times as far behind, and as many, before lines that ended in other minima are repaired."""
 FEWEST, KEPT = 2, 6
@@ -91,6 +94,21 @@ def misfit_of(fit: Fit) -> float:
     """Its reduced χ²."""
     profile, state = fit
     return profile.reduced(state.residual)
+
+
+def with_places(
+    begins: Sequence[tuple[Port, Fit]], context: Context, again: Callable[[Port], Fit]
+) -> list[tuple[Port, Fit]]:
+    """With those ports followed from several places that do best from one, where their geometry matters.
+
+    Args:
+        begins: ports and their fits, from one place each.
+        context: of the diagnosis.
+        again: fits a port from several places.
+    """
+    placed = [(misfit_of(fit), port) for port, fit in begins if port.kind.geometries(context, port.where)]
+    best = {port.key for _, port in sorted(placed, key=lambda one: one[0])[:WELL_PLACED]}
+    return [(port, again(port) if port.key in best else fit) for port, fit in begins]
 
 
 def near(begins: Sequence[tuple[Port, Fit]], without: float | None = None) -> list[tuple[Port, Fit]]:

@@ -79,7 +79,7 @@ def confidences(data: Looked, comparison: Comparison[FittedFrfs], chosen: int) -
     key = models[chosen].key
     costs = np.array([float(one.costs.sum()) for one in models])
     sizes = np.array([float(one.strong) for one in models])
-    priors = np.array([float(one.prior) for one in models]) / _over_trusted(models)
+    priors = np.array([float(one.prior) for one in models]) / over_trusted(models)
     there = look.left > TELLS and any(one.has(*key) for one in look.found)
     agrees = there and key in look.met([key])
     variance, floor = observations.variance[observations.used], models[0].fitted.weighing.floor
@@ -108,7 +108,7 @@ def plausible(data: Looked, comparison: Comparison[FittedFrfs]) -> dict[int, flo
     models = comparison.models
     if needs_nothing(data, models[0]):
         return {}
-    pieces, times = PIECES * len(models[0].costs), _over_trusted(models)
+    pieces, times = PIECES * len(models[0].costs), over_trusted(models)
     return {
         k: float(_ln(one.costs.sum(), one.strong, one.prior / times, pieces))
         for k, one in enumerate(models)
@@ -166,8 +166,12 @@ def probabilities(
     return np.asarray(np.exp(score - total))
 
 
-def _over_trusted(models: Sequence[FittedFrfs]) -> float:
-    """By how much the card is trusted too much, t: 1 where an explanation is as near to it as it may be."""
+def over_trusted(models: Sequence[FittedFrfs]) -> float:
+    """By how much the card is trusted too much, t: 1 where an explanation is as near to it as it may be.
+
+    Args:
+        models: explanations.
+    """
     return max(1.0, min(float(one.prior) for one in models) / max(models[0].parameters, 1))
 
 

@@ -14,7 +14,7 @@ from flexmodal.campaign import Campaign
 from flexmodal.diagnosis.effects import Context, Effect
 from flexmodal.diagnosis.findings import Findings, ModesSeen
 from flexmodal.diagnosis.lawfree.result import Findings as LawFree
-from flexmodal.diagnosis.outcome import Gaps, NextMeasurement, Region, Step
+from flexmodal.diagnosis.outcome import Gaps, NextMeasurement, Region
 from flexmodal.diagnosis.selection.comparison import Comparison, M
 from flexmodal.diagnosis.selection.decision import Answer, Asked, Round
 from flexmodal.identification.baselines import Baselines
@@ -181,22 +181,15 @@ class Data(ABC, Generic[M]):
         """Of models whose effects explain everything, by number, how plausible, up to a constant [nat]."""
         return {}
 
-    def may_settle(self, model: M) -> bool:
-        """Whether effects take so much that it is worth asking which of them are sure."""
-        return False
+    def settles(self, model: M) -> Mapping[tuple[str, str], float]:
+        """Which effects are sure beside the others though they leave more than noise, and how sure.
 
-    def settles(self, model: M) -> bool:
-        """Whether some effects are sure though a model leaves more than noise; `standing` says which."""
-        return False
-
-    def settles_by(self, steps: Sequence[Step], model: M) -> bool:
-        """The same where there is no time to look: as far as the steps to the model say.
+        `standing` says the same afterwards.
 
         Args:
-            steps: as they were taken.
-            model: with effects.
+            model: with several effects.
         """
-        return False
+        return {}
 
     def standing(self, model: M) -> tuple[tuple[tuple[str, str], ...], tuple[str, ...]]:
         """Effects of the final model that are sure though it leaves more than noise; where it lacks any."""

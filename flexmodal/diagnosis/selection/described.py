@@ -26,8 +26,16 @@ def beside_others(step: Step, sure: float, named: Sequence[tuple[str, str]]) -> 
         named: all effects.
     """
     ties = tuple(tie for tie in step.ties if tie not in named)
-    if ties:
-        return replace(step, ties=ties)
+    return replace(step, ties=ties) if ties else without_ties(step, sure)
+
+
+def without_ties(step: Step, sure: float) -> Step:
+    """One of several effects, as sure as it is beside the others, where none is tied with it there.
+
+    Args:
+        step: as it was added, before others were known.
+        sure: its confidence beside all others.
+    """
     rest = (1 - sure) / max(1 - step.confidence, 1e-12)
     others = tuple(replace(one, confidence=min(one.confidence * rest, 1 - sure)) for one in step.alternatives)
     return replace(step, ties=(), confidence=sure, alternatives=others)

@@ -2,29 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping
 from contextlib import suppress
 
 from flexmodal.diagnosis.disagreement.gaps import left, over_noise
 from flexmodal.diagnosis.lawfree.result import PORT_OF
 from flexmodal.diagnosis.lawfree.result import Findings as LawFree
-from flexmodal.diagnosis.outcome import Step
 from flexmodal.diagnosis.selection.data import Data
 from flexmodal.diagnosis.selection.frf_candidates import FrfCandidates
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
+from flexmodal.diagnosis.selection.frf_starts import with_last
 from flexmodal.diagnosis.selection.frf_thresholds import (
     ALL_BUT_LITTLE,
     CLEARLY,
     EXPLAINED,
-    GOOD_PART,
-    MOST_OF_IT,
+    IN_STEAD,
+    LARGER_PART,
+    MOST_OF_REST,
     NEARLY_ALL,
     NOTHING_LEFT,
-    PART_OF_REST,
     SURE,
-    SURER,
     least_share,
 )
+from flexmodal.diagnosis.selection.in_its_stead import in_its_stead, sure_beside
 from flexmodal.diagnosis.setup import Setup
 from flexmodal.diagnosis.time_limit import OutOfTime
 
@@ -107,46 +107,32 @@ class FrfsByLook(Data[FittedFrfs]):
         keys, look = model.hypothesis.keys, self.look
         return look.explains and len(look.found) > 1 and len(look.met(keys)) == len(keys)
 
-    def may_settle(self, model: FittedFrfs) -> bool:
-        """See `Data`."""
-        several = len(model.hypothesis.keys) > 1 and not self.lacking(model)
-        return several and self.share(self.root, model) >= NEARLY_ALL
+    def settles(self, model: FittedFrfs) -> Mapping[tuple[str, str], float]:
+        """See `Data`: each takes most of what the others leave, and nothing in its stead does as well.
 
-    def settles_by(self, steps: Sequence[Step], model: FittedFrfs) -> bool:
-        """See `Data`: those that took a good part each, and were sure among what was compared.
-
-        Of all, or, if surer, of what those before left. Two at least, or one that took all but little.
+        Two at least, or one if all of them take all but little: what one alone takes any other may take, too.
         """
-        keys, large, rest = model.hypothesis.keys, list[Step](), 1.0
-        for one in steps:
-            taken = one.share or 0.0
-            of_rest = one.confidence >= SURER and taken >= PART_OF_REST * rest > 0.0
-            if (taken >= GOOD_PART and one.confidence >= SURE) or of_rest:
-                large.append(one)
-            rest -= taken
-        named = tuple((one.effect, one.where) for one in large)
-        several = len(named) > 1 or any((one.share or 0.0) >= ALL_BUT_LITTLE for one in large)
-        enough = several and set(named) <= set(keys) and not self.lacking(model)
-        if not enough or self.share(self.root, model) < MOST_OF_IT:
-            return False
-        self._settled = keys, named, (self._left_at(model),)
-        return True
-
-    def settles(self, model: FittedFrfs) -> bool:
-        """See `Data`: beside the others each of these has its place to itself, and a curve of its class."""
-        if not self.may_settle(model):
-            return False
-        keys = model.hypothesis.keys
-        looks, sure = self._candidates, []
+        keys, sure = model.hypothesis.keys, dict[tuple[str, str], float]()
+        share = self.share(self.root, model)
+        if len(keys) < 2 or self.lacking(model) or share < LARGER_PART:
+            return {}
         with suppress(OutOfTime):  # those that were asked for are sure nevertheless
-            for key in reversed(keys):  # a look without the last one is known
-                less = self.without(model, key)
-                look = looks.look_beside(less) if looks.can_look(less) else None
-                one = look.met([key]).get(key) if look else None
-                if look and one and one.surely(key[0]) and look.alone > CLEARLY * look.left:
-                    sure.append(key)
-        self._settled = keys, tuple(key for key in keys if key in sure), (self._left_at(model),)
-        return bool(sure)
+            for number, key in enumerate(keys):
+                self.setup.advance("asking which effects are sure", number / len(keys))
+                sure[key] = self._sure_beside(model, key)
+        named = {key: how for key, how in sure.items() if how >= SURE}
+        if len(named) < 2 and share < ALL_BUT_LITTLE:
+            return {}
+        self._settled = keys, tuple(named), (self._left_at(model),)
+        return named
+
+    def _sure_beside(self, model: FittedFrfs, key: tuple[str, str]) -> float:
+        less = self.without(model, key)
+        if self.share(less, model) < MOST_OF_REST:
+            return 0.0
+        others = self._candidates.considered(model, key)[:IN_STEAD]
+        others = in_its_stead(self.setup, model, less, others)
+        return sure_beside(self.compare([less, with_last(model, key), *others]))
 
     def standing(self, model: FittedFrfs) -> tuple[tuple[tuple[str, str], ...], tuple[str, ...]]:
         """See `Data`: of the places that the law-free look points to, those whose curve tells the effect."""

@@ -208,6 +208,16 @@ class FrfCandidates:
         ]
         return best_of_each(every)
 
+    def considered(self, model: FittedFrfs, key: tuple[str, str]) -> list[FittedFrfs]:
+        """What was found where an effect of a model was looked for last, but what the model has anyway.
+
+        Args:
+            model: with several effects.
+            key: name and place of the one.
+        """
+        found = [known for _, known in self._placed.values() if key in [one.key for one in known]]
+        return [one for one in found[-1] if one.key not in model.hypothesis.keys] if found else []
+
     def _is_enough(self, model: FittedFrfs) -> bool:
         return over_noise(self.setup, model) <= FLOOR_REACHED
 

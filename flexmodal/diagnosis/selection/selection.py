@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from itertools import pairwise
@@ -22,15 +22,19 @@ from flexmodal.diagnosis.selection.decision import (
     is_idle,
     rivals,
 )
-from flexmodal.diagnosis.selection.described import beside_others, effect_parameters, in_figures
+from flexmodal.diagnosis.selection.described import (
+    beside_others,
+    effect_parameters,
+    in_figures,
+    without_ties,
+)
 from flexmodal.diagnosis.time_limit import FOR_EFFECTS, OutOfTime, TimeLimit
 
 MOST = 5
 """Effects at once."""
 NEARER = 0.1
 """Part of what is left above the noise that an exchange of one effect for another has to take."""
-MUCH = 0.33
-"""The same of one effect more: where it takes less, an exchange is tried before it."""
+MUCH = 0.33  # the same of one effect more: where it takes less, an exchange is tried before it
 
 
 class ForwardSelection(Generic[M]):
@@ -53,6 +57,8 @@ class ForwardSelection(Generic[M]):
         """What was added last, or is best, and what it is tied with."""
         self.furthest: M | None = None
         """What was come to by following the data, where none of it is sure enough to be named."""
+        self.sure: Mapping[tuple[str, str], float] = {}
+        """Effects that are sure beside the others whatever else is missing, and how sure."""
         self.pair: M | None = None
         """The best pair of effects, added or not."""
 
@@ -77,39 +83,31 @@ class ForwardSelection(Generic[M]):
             Whether any stayed.
         """
         kept = self._state
-        ended, named = self._pursued(FOR_EFFECTS)
-        stay = ended or named is not None or self._settles()
-        if not stay and self.limit.was_hit:
-            ended, named = self._pursued(1.0)
-            stay = ended or named is not None or self.data.settles_by(self.steps, self.current)
-        if not ended and (named or not stay):
+        ended, named = self._pursued()
+        if not ended and named is None:
+            with self.limit.counting():
+                self.sure = self.data.settles(self.current)
+        if not ended and not self.sure:
             self.furthest = None if named else self.current
             self._state = named or kept
-        if {(step.effect, step.where) for step in self.steps} != set(self.current.hypothesis.keys):
-            self._describe_anew()
-        return stay
+        self._describe_anew()
+        return bool(ended or named or self.sure)
 
-    def _pursued(self, part: float) -> tuple[bool, tuple[Any, ...] | None]:
-        """Whether effects leave nothing, and those named; in a part of the time once some may be sure."""
+    def _pursued(self) -> tuple[bool, tuple[Any, ...] | None]:
+        """Whether effects leave nothing, and those named; in a part of the time once there are several."""
         named, ended, going = None, False, True
         with suppress(OutOfTime):
             while going and not ended:
-                with self.limit.counting(part if self.data.may_settle(self.current) else 1.0):
+                with self.limit.counting(FOR_EFFECTS if len(self.current.hypothesis.keys) > 1 else 1.0):
                     going = self._follow_on()
                 ended = going and self.data.is_enough(self.current)
                 if going and named is None:
                     sure = self.data.is_named(self.current) or self.data.dominates(self.current)
                     named = self._state if sure else None
-            with self.limit.counting(part):
+            with self.limit.counting(FOR_EFFECTS):
                 while ended and self._besides():
                     pass
         return ended, named
-
-    def _settles(self) -> bool:
-        """Whether the data are sure of some effects, whatever is missing besides; not where time ran out."""
-        with suppress(OutOfTime), self.limit.counting():
-            return self.data.settles(self.current)
-        return False
 
     def search(self) -> None:
         """Add effects wherever they do best, no more than can be judged without knowing where to look."""
@@ -179,12 +177,15 @@ class ForwardSelection(Generic[M]):
         return taken is not None and taken > part
 
     def _describe_anew(self) -> None:
-        """The steps to a model whose effects were not added one after the other."""
-        chain = [self.current]
-        while len(chain[0].hypothesis.keys) > 1:
-            chain.insert(0, self.data.without(chain[0], chain[0].hypothesis.keys[-1]))
-        before = [self.root, *chain]
-        self.steps[:] = [self.describe(self.data.compare([one, other]), 1) for one, other in pairwise(before)]
+        """The steps to a model whose effects were not added one after the other; how sure they are."""
+        if {(step.effect, step.where) for step in self.steps} != set(self.current.hypothesis.keys):
+            chain = [self.current]
+            while len(chain[0].hypothesis.keys) > 1:
+                chain.insert(0, self.data.without(chain[0], chain[0].hypothesis.keys[-1]))
+            pairs = pairwise([self.root, *chain])
+            self.steps[:] = [self.describe(self.data.compare(list(pair)), 1) for pair in pairs]
+        told = [(one, self.sure.get((one.effect, one.where))) for one in self.steps]
+        self.steps[:] = [one if sure is None else without_ties(one, sure) for one, sure in told]
 
     @property
     def _state(self) -> tuple[Any, ...]:
@@ -207,9 +208,8 @@ class ForwardSelection(Generic[M]):
             self.refused = [self.compared(comparison, k) for k in comparison.order]
             return None
         self.current = comparison.models[found.number]
-        self.steps.append(
-            self.describe(*among_vouched(comparison, found.number, self.data.vouches, self.data.compare))
-        )
+        known = among_vouched(comparison, found.number, self.data.vouches, self.data.compare)
+        self.steps.append(self.describe(*known))
         return self.steps[-1]
 
     def exchange(self, pair: M) -> None:
@@ -236,7 +236,7 @@ class ForwardSelection(Generic[M]):
         The last one too: what it took away may have been due to a fit of those before it that had not ended.
         """
         for number, step in enumerate(list(self.steps)):
-            if len(self.steps) == 1:
+            if len(self.steps) == 1 or self.sure:
                 break
             less = self.data.without(self.current, (step.effect, step.where))
             comparison = self.data.compare([less, self.current])

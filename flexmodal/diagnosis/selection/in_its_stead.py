@@ -1,0 +1,63 @@
+"""How sure one of several effects is beside the others, whatever else is missing.
+
+What an effect gained when it was added says little once others are there: while these were missing it may
+have been tied with anything. So it is left out of the final model, and what was considered when it was looked
+for is put in its place, all else fitted again. It is sure if it takes most of what the others leave above the
+noise and nothing in its stead fits as well:
+
+    p = p(model) / (Σ p(each in its stead) + p(others alone) + `ALONE` p(model)),
+
+by the formula of `confidence`. How much the final model leaves does not matter: that something is missing
+besides is known.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from flexmodal.diagnosis.search.close_fit import tried_closely
+from flexmodal.diagnosis.selection.comparison import Comparison
+from flexmodal.diagnosis.selection.confidence import ALONE, PIECES, over_trusted, probabilities
+from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
+from flexmodal.diagnosis.setup import Setup
+
+A_FEW = 8
+"""Steps of a fit at each model error: what is in the effect's place is near its end."""
+
+
+def in_its_stead(
+    setup: Setup, model: FittedFrfs, less: FittedFrfs, others: Sequence[FittedFrfs]
+) -> list[FittedFrfs]:
+    """A model with other effects in place of one, fitted again.
+
+    Args:
+        setup: what the diagnosis works with.
+        model: with the effect.
+        less: the same without it, fitted.
+        others: models whose last effects are put in its place.
+    """
+    now = dict(zip(model.hypothesis.space.names, model.x.tolist(), strict=True))
+    found = []
+    for other in others:
+        hypothesis = less.hypothesis.and_also(other.hypothesis.placed[-1])
+        own = dict(zip(other.hypothesis.space.names, other.x.tolist(), strict=True))
+        start = np.array([now.get(name, own.get(name, 0.0)) for name in hypothesis.space.names])
+        found += tried_closely(setup, hypothesis, start, near=True, steps=A_FEW)
+    return found
+
+
+def sure_beside(comparison: Comparison[FittedFrfs]) -> float:
+    """The probability above.
+
+    Args:
+        comparison: of the others alone, the model, and what is in its stead.
+    """
+    models = comparison.models
+    costs = np.array([float(one.costs.sum()) for one in models])
+    sizes = np.array([float(one.strong) for one in models])
+    priors = np.array([float(one.prior) for one in models]) / over_trusted(models)
+    found = probabilities(costs, sizes, priors, 1, PIECES * len(models[0].costs), math.inf, ALONE)
+    return float(min(found[1], comparison.probability[1]))
