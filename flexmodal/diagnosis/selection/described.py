@@ -26,10 +26,10 @@ def beside_others(step: Step, sure: float, named: Sequence[tuple[str, str]]) -> 
         named: all effects.
     """
     ties = tuple(tie for tie in step.ties if tie not in named)
-    return replace(step, ties=ties) if ties else without_ties(step, sure)
+    return replace(step, ties=ties) if ties else untied(step, sure)
 
 
-def without_ties(step: Step, sure: float) -> Step:
+def untied(step: Step, sure: float) -> Step:
     """One of several effects, as sure as it is beside the others, where none is tied with it there.
 
     Args:

@@ -22,19 +22,15 @@ from flexmodal.diagnosis.selection.decision import (
     is_idle,
     rivals,
 )
-from flexmodal.diagnosis.selection.described import (
-    beside_others,
-    effect_parameters,
-    in_figures,
-    without_ties,
-)
+from flexmodal.diagnosis.selection.described import beside_others, effect_parameters, in_figures, untied
 from flexmodal.diagnosis.time_limit import FOR_EFFECTS, OutOfTime, TimeLimit
 
 MOST = 5
 """Effects at once."""
 NEARER = 0.1
 """Part of what is left above the noise that an exchange of one effect for another has to take."""
-MUCH = 0.33  # the same of one effect more: where it takes less, an exchange is tried before it
+MUCH = 0.33
+"""The same of one effect more: where it takes less, an exchange is tried before it."""
 
 
 class ForwardSelection(Generic[M]):
@@ -185,7 +181,7 @@ class ForwardSelection(Generic[M]):
             pairs = pairwise([self.root, *chain])
             self.steps[:] = [self.describe(self.data.compare(list(pair)), 1) for pair in pairs]
         told = [(one, self.sure.get((one.effect, one.where))) for one in self.steps]
-        self.steps[:] = [one if sure is None else without_ties(one, sure) for one, sure in told]
+        self.steps[:] = [one if sure is None else untied(one, sure) for one, sure in told]
 
     @property
     def _state(self) -> tuple[Any, ...]:

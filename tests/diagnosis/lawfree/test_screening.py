@@ -1,9 +1,11 @@
 """Which ports go on after the first round, and what that round sees of the data."""
 
+from dataclasses import replace
 from unittest.mock import MagicMock, Mock
 
 import numpy as np
 
+from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.lawfree import screening
 from flexmodal.diagnosis.lawfree.kinds import KINDS
 from flexmodal.diagnosis.lawfree.port import Port
@@ -98,6 +100,19 @@ def test_where_little_is_left_only_what_takes_a_part_of_it_goes_on(monkeypatch):
     assert [port for port, _ in screening.near(begins, 2.0)] == [first, second]
     assert len(screening.near(begins)) == 4
     assert [port for port, _ in screening.near([begins[0], *begins[2:]], 2.0)] == [first, third]
+
+
+def test_only_those_whose_geometry_matters_and_that_do_best_are_placed_again(monkeypatch):
+    def fit(misfit):
+        return Mock(spec=Profile), Mock(spec=State, cost=misfit)
+
+    monkeypatch.setattr(screening, "misfit_of", lambda one: one[1].cost)
+    rod = replace(BY_NAME["coupling"], geometries=lambda context, where: ({"crank": 1.0},))
+    rods = [Port(rod, f"q{number}+q9") for number in range(screening.WELL_PLACED + 1)]
+    begins = [(ports(1.0)[0][1], fit(1.0)), *((port, fit(9.0 - k)) for k, port in enumerate(rods))]
+    again = fit(0.5)
+    found = screening.with_places(begins, Mock(spec=Context), lambda port: again)
+    assert found == [*begins[:2], *((port, again) for port in rods[1:])]
 
 
 def test_functions_on_some_lines_are_straight_between_them():
