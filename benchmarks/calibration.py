@@ -135,8 +135,9 @@ def draw(rows: Sequence[tuple[float, float, float, float, int, int]], path: Path
     for _, _, stated, share, right, count in rows:
         low, high = interval(right, count)
         axes.errorbar(stated, share, [[share - low], [high - share]], fmt="o", color="#0072b2", capsize=3)
+        offset = (-8, -16 if share > 0.1 else 8)
         axes.annotate(
-            f"{right} of {count}", (stated, share), textcoords="offset points", xytext=(-8, -16), ha="right"
+            f"{right} of {count}", (stated, share), textcoords="offset points", xytext=offset, ha="right"
         )
     axes.set(xlabel="stated confidence", ylabel="part that was right", xlim=(0, 1.02), ylim=(0, 1.04))
     axes.legend(loc="upper left")
