@@ -77,9 +77,7 @@ def confidences(data: Looked, comparison: Comparison[FittedFrfs], chosen: int) -
     observations, look = data.setup.observations, data.look_for(comparison.models[0])
     models = comparison.models
     key = models[chosen].key
-    costs = np.array([float(one.costs.sum()) for one in models])
-    sizes = np.array([float(one.strong) for one in models])
-    priors = np.array([float(one.prior) for one in models]) / over_trusted(models)
+    costs, sizes, priors = figures_of(models)
     there = look.left > TELLS and any(one.has(*key) for one in look.found)
     agrees = there and key in look.met([key])
     variance, floor = observations.variance[observations.used], models[0].fitted.weighing.floor
@@ -108,7 +106,7 @@ def plausible(data: Looked, comparison: Comparison[FittedFrfs]) -> dict[int, flo
     models = comparison.models
     if needs_nothing(data, models[0]):
         return {}
-    pieces, times = PIECES * len(models[0].costs), over_trusted(models)
+    pieces, times = PIECES * len(models[0].costs), _over_trusted(models)
     return {
         k: float(_ln(one.costs.sum(), one.strong, one.prior / times, pieces))
         for k, one in enumerate(models)
@@ -166,12 +164,19 @@ def probabilities(
     return np.asarray(np.exp(score - total))
 
 
-def over_trusted(models: Sequence[FittedFrfs]) -> float:
-    """By how much the card is trusted too much, t: 1 where an explanation is as near to it as it may be.
+def figures_of(models: Sequence[FittedFrfs]) -> Float[np.ndarray, "3 model"]:
+    """Of each model C, n and xᵀPx / t of the formula above.
 
     Args:
-        models: explanations.
+        models: that are compared.
     """
+    figures = [(float(one.costs.sum()), float(one.strong), float(one.prior)) for one in models]
+    costs, sizes, priors = np.array(figures).T
+    return np.array([costs, sizes, priors / _over_trusted(models)])
+
+
+def _over_trusted(models: Sequence[FittedFrfs]) -> float:
+    """By how much the card is trusted too much, t: 1 where an explanation is as near to it as it may be."""
     return max(1.0, min(float(one.prior) for one in models) / max(models[0].parameters, 1))
 
 

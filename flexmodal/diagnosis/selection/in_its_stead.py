@@ -20,7 +20,7 @@ import numpy as np
 
 from flexmodal.diagnosis.search.close_fit import tried_closely
 from flexmodal.diagnosis.selection.comparison import Comparison
-from flexmodal.diagnosis.selection.confidence import ALONE, PIECES, over_trusted, probabilities
+from flexmodal.diagnosis.selection.confidence import ALONE, PIECES, figures_of, probabilities
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.setup import Setup
 
@@ -56,8 +56,6 @@ def sure_beside(comparison: Comparison[FittedFrfs]) -> float:
         comparison: of the others alone, the model, and what is in its stead.
     """
     models = comparison.models
-    costs = np.array([float(one.costs.sum()) for one in models])
-    sizes = np.array([float(one.strong) for one in models])
-    priors = np.array([float(one.prior) for one in models]) / over_trusted(models)
+    costs, sizes, priors = figures_of(models)
     found = probabilities(costs, sizes, priors, 1, PIECES * len(models[0].costs), math.inf, ALONE)
     return float(min(found[1], comparison.probability[1]))
