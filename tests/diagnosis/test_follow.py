@@ -131,6 +131,38 @@ def test_each_of_several_takes_less_than_a_further_one_would_have_to(hidden):
     assert set(selection.current.keys) == hidden
 
 
+def test_what_was_considered_comes_in_place_of_an_earlier_effect_that_does_worse_beside_others():
+    """Alone a link takes more than the foundation; beside a mass the foundation does."""
+    left = {
+        frozenset(): 100.0,
+        frozenset({LINK}): 30.0,
+        frozenset({BASE}): 40.0,
+        frozenset({LINK, MASS}): 9.0,
+        frozenset({BASE, MASS}): NOISE / 2,
+    }
+
+    class Considered(World):
+        def instead(self, model, key):
+            return [Model((*(one for one in model.keys if one != key), BASE))] if key == LINK else []
+
+    selection = Selection(Considered(lambda keys: left.get(keys, 150.0)))
+    assert selection.follow()
+    assert set(steps(selection)) == {BASE, MASS}
+    assert selection.data.looked == [(), (LINK,)]
+
+
+def test_only_what_was_not_far_behind_is_tried_in_its_stead(monkeypatch):
+    """In the last search where the effect was found; what the model has anyway is not."""
+    over = {MASS: 4.0, BASE: 6.0, LINK: 11.0, DELAY: 5.0, PLAY: 3.0}
+    monkeypatch.setattr(frf_candidates, "over_noise", lambda setup, model: over[model.key])
+    found = [fitted(key) for key in (MASS, BASE, LINK, DELAY)]
+    candidates = FrfCandidates(Mock(spec=Setup, advance=Mock()), fitted(), with_force=False)
+    candidates._placed = {("first",): (9.0, [fitted(MASS), fitted(PLAY)]), ("last",): (1.0, found)}
+    model = fitted(MASS, DELAY)
+    assert candidates.considered(model, MASS) == [found[1], found[2]]
+    assert candidates.considered(model, MASS, 2.0) == [found[1]]
+
+
 class Stuck(World):
     """With the narrow law of one effect nothing takes anything; with a wider one a mass takes the rest."""
 

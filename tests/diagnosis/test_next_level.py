@@ -103,6 +103,24 @@ def test_wider_laws_are_tried_where_the_law_is_to_blame(fits, monkeypatch, part,
     assert candidates.at_places(root, 0, look, lambda one: False) == [wider if tried else narrow]
 
 
+def test_no_law_is_widened_where_another_one_of_the_place_is_wide_enough(fits, monkeypatch):
+    """A sensor that leans leaves three times as much there as one that reads too much."""
+    setup, _, narrow = fits
+    close = replace(narrow, key=("sensor_gain", "tip"), predicted=setup.observations.value)
+    monkeypatch.setattr(frf_candidates, "explanations", lambda *given, **more: [close, narrow])
+    monkeypatch.setattr(frf_candidates, "at_next_level", Mock(side_effect=AssertionError("widened")))
+    bare = Mock(base=(), placed=(), keys=())
+    root = Mock(spec=FittedFrfs, hypothesis=bare, x=np.zeros(0), cost=1.0)
+    candidates = FrfCandidates(setup, root, with_force=False)
+    candidates._is_enough = lambda model: False
+    look = Mock(
+        spec=Findings, explains=False, found=(None,), needed=False, fitted=None,
+        left=0.1 * over_noise(setup, narrow), met=lambda keys: {keys[0]: None},
+    )  # fmt: skip
+    candidates.looks = Mock(one=look)
+    assert candidates.at_places(root, 0, look, lambda one: False) == [close, narrow]
+
+
 @pytest.mark.parametrize(
     ("explains", "port", "judged", "tried"),
     [

@@ -1,6 +1,7 @@
 """Hidden laws recovered from campaigns of the rig; what play in a joint passes for."""
 
 from dataclasses import replace
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -10,7 +11,13 @@ from flexmodal.diagnosis.effects import Context, catalogue
 from flexmodal.diagnosis.effects.dry_friction import EFFECT as FRICTION
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.placed import Placed
+from flexmodal.diagnosis.search.coarse import look_at
+from flexmodal.diagnosis.search.next_level import at_next_level
 from flexmodal.diagnosis.search.refine import refined
+from flexmodal.diagnosis.search.search import candidates, narrowed
+from flexmodal.diagnosis.search.set_out import SetOut
+from flexmodal.diagnosis.selection.frf_comparison import fitted_model
+from flexmodal.diagnosis.setup import Setup
 from flexmodal.diagnosis.time_domain.integration import integrate
 from flexmodal.diagnosis.time_domain.model import TimeDomainModel, has_law
 from flexmodal.diagnosis.time_domain.pulse import PULSES, pulses
@@ -126,6 +133,24 @@ def test_recovers_a_law_beside_another_effect():
 
 
 @pytest.mark.slow
+def test_a_cubic_spring_under_load_needs_the_wider_law():
+    """It hardens on and on, about a point that a load has moved; what levels off leaves much of it."""
+    key = "nonlinear_stiffness@q1"
+    campaign = campaign_with("nonlinear_stiffness:leaning@q1,change=2.0,deflection=1e-4,load=-0.38")
+    narrow = hypothesis_of(campaign, key)
+    observations = SEEN[narrow.context]
+    near = refined(narrow, by_describing_functions(narrow).x, observations)
+    setup = Mock(
+        spec=Setup, fitted=observations, observations=observations, context=narrow.context,
+        held=np.zeros(len(observations), dtype=bool), advance=Mock(),
+    )  # fmt: skip
+    model = fitted_model(narrow, near.fitted, observations, near.predicted)
+    wider = at_next_level(setup, model, SetOut([]), lambda one: False)
+    assert over_floor(near.predicted, narrow) > 1.6
+    assert min(over_floor(one.predicted, narrow) for one in wider) < 1.25
+
+
+@pytest.mark.slow
 def test_play_in_the_joint_is_no_friction():
     assert left_of_play("coulomb_friction@q2") > 2.0
 
@@ -140,7 +165,12 @@ def left_of_play(guess):
     """What a law leaves of free play, over the noise."""
     campaign = campaign_with("clearance@q2,gap=3e-4,preload=1e-4")
     hypothesis = hypothesis_of(campaign, guess)
-    after = refined(hypothesis, by_describing_functions(hypothesis).x, SEEN[hypothesis.context])
+    root, (placed,) = Hypothesis(hypothesis.context, hypothesis.base), hypothesis.placed
+    look = look_at(SEEN[hypothesis.context])
+    begun = candidates(
+        root, SetOut([np.zeros(len(root.space))]), [placed.effect], look, lambda *key: key == placed.key
+    )
+    after = refined(hypothesis, narrowed(begun, look)[0].x, SEEN[hypothesis.context])
     return over_floor(after.predicted, hypothesis)
 
 

@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from flexmodal.diagnosis.effects.dry_friction import dahl, levelling
-from flexmodal.diagnosis.effects.nonlinear_stiffness import hardened
+from flexmodal.diagnosis.effects.nonlinear_stiffness import FAR, hardened
 from flexmodal.diagnosis.time_domain.integration import Steps, Struck, integrate, loop_of, torques
 from flexmodal.diagnosis.time_domain.law import FRICTION, HARDENING, SLOW, friction, hardening, slow_friction
 from flexmodal.diagnosis.time_domain.law_kernel import exponential, logarithm
@@ -168,6 +168,15 @@ def test_the_stand_in_of_a_wound_spring_is_its_first_harmonic():
     first = 2 * np.mean(torque * np.cos(phase)) / amplitude - given[3]
     assert 500 * hardened(np.array([1.7]), 0.7)[0] == pytest.approx(first, rel=1e-6)
     assert hardened(np.array([1.7]), 1e-9)[0] == pytest.approx(hardened(np.array([1.7]))[0], rel=1e-6)
+
+
+def test_a_spring_with_a_cubic_part_under_load_is_what_it_says_within_some_deflections():
+    """T = k (u + c u³ + 3 c l u²) for a change of next to nothing, u in deflections."""
+    k, c, load, bend = 800.0, 0.7, -0.4, 1e-3
+    given = np.array(hardening(FIRST, c * FAR**2 * k, FAR * bend, load * bend).parameters)
+    u = np.array([-1.5, -0.3, 0.0, 0.4, 2.0])
+    torque = [law(HARDENING, given, 0.0, bend * one, 0.0)[0] for one in u]
+    np.testing.assert_allclose(torque, k * bend * c * (u**3 + 3 * load * u**2), rtol=0.02, atol=1e-3)
 
 
 @pytest.mark.parametrize("speed", [1e-4, 0.05, 3.0])

@@ -46,11 +46,11 @@ def _parameters(context: Context, where: str) -> tuple[Parameter, ...]:
     tilt, shift = sizes(context)
     mass, length = context.arm_mass, length_of(context)
     found = [
-        positive("horizontal_stiffness", "N/m", shift, 2.0, shift / 1e3, shift * 1e4),
-        positive("vertical_stiffness", "N/m", shift * 1.5, 2.0, shift / 1e3, shift * 1e4),
-        positive("tilt_stiffness", "N·m/rad", tilt, 2.0, tilt / 1e3, tilt * 1e4),
-        positive("translation_damping", "N·s/m", shift * 3e-4, 2.0, shift * 1e-8, shift),
-        positive("tilt_damping", "N·m·s/rad", tilt * 3e-4, 2.0, tilt * 1e-8, tilt),
+        positive("horizontal_stiffness", "N/m", shift, 2.0, shift / 1e3, shift * 1e6),
+        positive("vertical_stiffness", "N/m", shift * 1.5, 2.0, shift / 1e3, shift * 1e6),
+        positive("tilt_stiffness", "N·m/rad", tilt, 2.0, tilt / 1e3, tilt * 1e6),
+        positive("translation_damping", "N·s/m", shift * 3e-4, 2.0, shift * 1e-8, shift * 100),
+        positive("tilt_damping", "N·m·s/rad", tilt * 3e-4, 2.0, tilt * 1e-8, tilt * 100),
         positive("vertical_damping_ratio", "", 1.0, 0.5, 0.05, 20.0),
         signed("aside", "m", 0.1 * length, -length, length),
         signed("below", "m", 0.15 * length, -length, length),
@@ -60,7 +60,7 @@ def _parameters(context: Context, where: str) -> tuple[Parameter, ...]:
     ]
     if context.normal is None:
         found += [
-            positive("twist_stiffness", "N·m/rad", 2 * tilt, 2.0, tilt / 1e3, tilt * 1e4),
+            positive("twist_stiffness", "N·m/rad", 2 * tilt, 2.0, tilt / 1e3, tilt * 1e6),
             positive("sideways_ratio", "", 1.0, 0.5, 0.05, 20.0),
             positive("tilt_ratio", "", 1.0, 0.5, 0.05, 20.0),
             positive("sideways_damping_ratio", "", 1.0, 0.5, 0.05, 20.0),

@@ -9,12 +9,13 @@ away has no single amplitude.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 from jaxtyping import Float
 
 from flexmodal.diagnosis.effects.context import Context
-from flexmodal.diagnosis.effects.effect import Effect, Placement, positive, signed
+from flexmodal.diagnosis.effects.effect import Effect, Level, Placement, positive, signed
 from flexmodal.diagnosis.effects.swing import PHASE, one_level, swing_of, typical
 from flexmodal.diagnosis.time_domain.law import Law, hardening
 from flexmodal.structure import Parameter
@@ -36,6 +37,13 @@ def hardened(amplitude: Float[np.ndarray, "*many"], wound: float = 0.0) -> Float
     return np.asarray(2 / len(PHASE) * np.sum(u**3 / (1 + u**2) * wave, axis=-1) / a)
 
 
+_CUBIC, _LOAD = "cubic", "load"
+"""What the wider law has besides: torque of a cubic spring over that of the linear one at the deflection, and
+how many deflections a load has moved it."""
+FAR = 30.0
+"""Deflections of a spring that is all but cubic within some of them."""
+
+
 def _stiffness(placement: Placement) -> float:
     """Of the joint at small swings [N·m/rad]."""
     return placement.values.get(
@@ -43,7 +51,7 @@ def _stiffness(placement: Placement) -> float:
     )
 
 
-def _spring(assembly: Assembly, placement: Placement) -> tuple[Law]:
+def _spring(assembly: Assembly, placement: Placement) -> tuple[Law, ...]:
     deflection, stiffness = placement["deflection"], _stiffness(placement)
     law = hardening(
         assembly.stretch_of(placement.where),
@@ -52,14 +60,18 @@ def _spring(assembly: Assembly, placement: Placement) -> tuple[Law]:
         placement["wound"] * deflection,
         stiffness,
     )
-    return (law,)
+    cubic = placement.values.get(_CUBIC, 0.0)
+    if cubic == 0.0:
+        return (law,)
+    far, load = FAR * deflection, placement[_LOAD] * deflection
+    return law, hardening(law.row, cubic * FAR**2 * stiffness, far, load)
 
 
 def _stiffen(assembly: Assembly, placement: Placement) -> None:
-    (law,), wound = _spring(assembly, placement), placement["wound"]
-    part = hardened(swing_of(placement)[0] / placement["deflection"], wound)
-    top, _, _, at_rest, *_ = law.parameters
-    assembly.add_spring(law.row, top * part + at_rest)
+    swing = swing_of(placement)[0]
+    for law in _spring(assembly, placement):
+        top, bend, wound, at_rest, *_ = law.parameters
+        assembly.add_spring(law.row, top * hardened(swing / bend, wound / bend) + at_rest)
 
 
 def _hardening_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
@@ -71,25 +83,38 @@ def _hardening_parameters(context: Context, where: str) -> tuple[Parameter, ...]
     )
 
 
+def _curve_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
+    return (
+        *_hardening_parameters(context, where),
+        signed(_CUBIC, "", 1.0, -0.3, 10.0),
+        signed(_LOAD, "of the deflection", 0.5, -4.0, 4.0),
+    )
+
+
+def _curve_starts(context: Context, where: str, values: Mapping[str, float]) -> list[Mapping[str, float]]:
+    """From where the narrower law was, and a cubic spring nearly alone."""
+    size = typical(context, where)[0]
+    found = [{**values, _CUBIC: cubic, _LOAD: load} for cubic in (0.02, 0.2) for load in (-0.5, 0.0, 0.5)]
+    alone = {"change": 0.01, "deflection": 2 * size, "wound": 0.0}
+    return [*found, *({**alone, _CUBIC: 1.0, _LOAD: load} for load in (-0.5, 0.0, 0.5))]
+
+
 def _hardening_physical(context: Context, where: str, values: Mapping[str, float]) -> dict[str, float]:
     k = values.get(f"stiffness.{where}", float(context.robot.joints[where].stiffness))
-    return {
-        "change": values["change"],
-        "deflection": values["deflection"],
-        "wound": values["wound"],
-        "cubic_stiffness": values["change"] * k / values["deflection"] ** 2,
-    }
+    told = {name: values[name] for name in ("change", "deflection", "wound", _CUBIC, _LOAD) if name in values}
+    cubic = values["change"] + values.get(_CUBIC, 0.0)
+    return {**told, "cubic_stiffness": cubic * k / values["deflection"] ** 2}
 
 
-EFFECT = Effect(
+CURVE = Effect(
     name="nonlinear_stiffness",
     says="the joint's spring hardens or softens",
     places=lambda context: context.joints,
-    parameters=_hardening_parameters,
+    parameters=_curve_parameters,
     starts=lambda context, where: [
         {"change": change, "deflection": share * typical(context, where)[0], "wound": wound}
         for change in (0.3, -0.3)
-        for share, wound in ((0.6, 0.0), (2.0, 0.0), (1.0, 0.8))
+        for share, wound in ((0.6, 0.0), (2.0, 0.0), (1.0, 0.8), (1.0, -0.8))
     ],
     act=_stiffen,
     law=_spring,
@@ -98,3 +123,4 @@ EFFECT = Effect(
     physical=_hardening_physical,
     units={"cubic_stiffness": "N·m/rad³"},
 )
+EFFECT = replace(CURVE, parameters=_hardening_parameters, next_level=Level(CURVE, _curve_starts))

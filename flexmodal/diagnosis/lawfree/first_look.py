@@ -9,9 +9,11 @@ from functools import cached_property
 from flexmodal.diagnosis.lawfree.findings import summed_up
 from flexmodal.diagnosis.lawfree.look import Field
 from flexmodal.diagnosis.lawfree.pursuit import LawFree, alone, pursued
+from flexmodal.diagnosis.lawfree.records import straightened
 from flexmodal.diagnosis.lawfree.result import Findings
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.setup import Setup
+from flexmodal.diagnosis.time_domain.model import has_law
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,8 +32,11 @@ class LooksWithoutLaw:
     @cached_property
     def _field(self) -> Field:
         setup, root = self.setup, self.root
-        held = setup.observations.keeping(setup.held) if setup.held.any() else None
-        return Field.of(root.hypothesis, root.x, setup.fitted, held, by_force=self.by_force)
+        seen = setup.observations
+        if has_law(root.hypothesis):
+            seen = straightened(seen, root.hypothesis, root.x, root.predicted)
+        held = seen.keeping(setup.held) if setup.held.any() else None
+        return Field.of(root.hypothesis, root.x, seen.keeping(~setup.held), held, by_force=self.by_force)
 
     @cached_property
     def _alone(self) -> LawFree:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -16,7 +16,7 @@ from flexmodal.diagnosis.lawfree.model import PortedModel
 from flexmodal.diagnosis.lawfree.port import Port, PortKind, Wider
 from flexmodal.diagnosis.lawfree.ported_fit import FLOORS, begun, finished, profiled
 from flexmodal.diagnosis.lawfree.profile import SETTLED, Profile
-from flexmodal.diagnosis.lawfree.records import endless
+from flexmodal.diagnosis.lawfree.records import endless, of_first_blow
 from flexmodal.diagnosis.lawfree.sighting import Round, Sighting, Start, carried_over, noise_of
 from flexmodal.diagnosis.search.coarse import Look, look_at
 from flexmodal.identification import Observations
@@ -81,8 +81,8 @@ class Field:
         return cls(
             root,
             x,
-            look_at(endless(fitted, root, x)),
-            None if held is None or not len(held) else look_at(endless(held, root, x)),
+            _looked_at(fitted, root, x),
+            None if held is None or not len(held) else _looked_at(held, root, x),
             _every(kinds, root),
             _every(RARE if kinds is KINDS else (), root),
             _every([TORQUE], root) if by_force else (),
@@ -273,6 +273,13 @@ class Field:
         return Sighting(
             every, float(np.sqrt(profile.reduced(state.residual))), apart, unknowns, profile, state
         )
+
+
+def _looked_at(observations: Observations, root: Hypothesis, x: Float[np.ndarray, " parameter"]) -> Look:
+    seen = endless(observations, root, x)
+    if not root.by_force:
+        return look_at(seen)
+    return replace(look_at(seen), merged=look_at(of_first_blow(seen, root, x)).merged)
 
 
 def _every(kinds: Sequence[PortKind], root: Hypothesis) -> tuple[Port, ...]:

@@ -101,7 +101,9 @@ def from_each_start(
         hypothesis = before.hypothesis.and_also(placed)
         tried = [one for some in set_out.starts(hypothesis) for one in some]
         some = seen.started(hypothesis, tried, FIRST_FLOOR, followed)
-        for one in come_nearer(some, seen) if has_law(hypothesis) else some:
+        near = come_nearer(some, seen) if has_law(hypothesis) else some
+        for number, one in enumerate(near):
+            setup.advance("fitting where a look points", number / len(near))
             fitted = tried_closely(setup, hypothesis, one.x)
             found += fitted
             if any(is_enough(model) for model in fitted):

@@ -45,10 +45,12 @@ def at_next_level(
         tried = [hypothesis.start(placed, one, x) for x in before for one in given]
     seen = look_at(setup.fitted, worst_lines(setup.fitted, model.predicted[~setup.held]))
     todo = seen.started(hypothesis, tried, *ROUNDS[0][::2])
-    for floor, steps, keep in ROUNDS[1:]:
+    for number, (floor, steps, keep) in enumerate(ROUNDS[1:]):
+        setup.advance("fitting a wider law", number / len(ROUNDS))
         todo = sorted((seen.fitted(one, floor, steps) for one in todo), key=lambda one: one.cost)[:keep]
     found: list[FittedFrfs] = []
     for one in todo:
+        setup.advance("fitting a wider law", 1 - 1 / len(ROUNDS))
         fitted = tried_closely(setup, hypothesis, one.x)
         found += fitted
         if any(is_enough(each) for each in fitted):

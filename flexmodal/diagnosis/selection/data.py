@@ -98,6 +98,15 @@ class Data(ABC, Generic[M]):
         """Of several effects one whose fit a look without a law speaks against, if there is one."""
         return None
 
+    def instead(self, model: M, key: tuple[str, str]) -> list[M]:
+        """With what was considered in place of one of several effects, beside those that came since.
+
+        Args:
+            model: with effects.
+            key: name and place of the one.
+        """
+        return []
+
     def leads_on(self, model: M) -> bool:
         """Whether nothing is left beside several effects, or one more might explain it."""
         return False
@@ -182,13 +191,7 @@ class Data(ABC, Generic[M]):
         return {}
 
     def settles(self, model: M) -> Mapping[tuple[str, str], float]:
-        """Which effects are sure beside the others though they leave more than noise, and how sure.
-
-        `standing` says the same afterwards.
-
-        Args:
-            model: with several effects.
-        """
+        """Which of several effects are sure though they leave more than noise, and how sure."""
         return {}
 
     def standing(self, model: M) -> tuple[tuple[tuple[str, str], ...], tuple[str, ...]]:

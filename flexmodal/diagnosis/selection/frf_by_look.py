@@ -8,6 +8,7 @@ from contextlib import suppress
 from flexmodal.diagnosis.disagreement.gaps import left, over_noise
 from flexmodal.diagnosis.lawfree.result import PORT_OF
 from flexmodal.diagnosis.lawfree.result import Findings as LawFree
+from flexmodal.diagnosis.search.explanations import best_of_each
 from flexmodal.diagnosis.selection.data import Data
 from flexmodal.diagnosis.selection.frf_candidates import FrfCandidates
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
@@ -20,6 +21,7 @@ from flexmodal.diagnosis.selection.frf_thresholds import (
     LARGER_PART,
     MOST_OF_REST,
     NEARLY_ALL,
+    NOT_FAR_BEHIND,
     NOTHING_LEFT,
     SURE,
     least_share,
@@ -58,6 +60,11 @@ class FrfsByLook(Data[FittedFrfs]):
     def wider(self, model: FittedFrfs) -> list[FittedFrfs]:
         """See `Data`."""
         return [] if self.is_enough(model) else self._candidates.wider(model)
+
+    def instead(self, model: FittedFrfs, key: tuple[str, str]) -> list[FittedFrfs]:
+        """See `Data`; what was far behind then stays there."""
+        others = self._candidates.considered(model, key, NOT_FAR_BEHIND)[:IN_STEAD]
+        return best_of_each(in_its_stead(self.setup, model, key, others))
 
     def leads_on(self, model: FittedFrfs) -> bool:
         """See `Data`."""
@@ -130,8 +137,7 @@ class FrfsByLook(Data[FittedFrfs]):
         less = self.without(model, key)
         if self.share(less, model) < MOST_OF_REST:
             return 0.0
-        others = self._candidates.considered(model, key)[:IN_STEAD]
-        others = in_its_stead(self.setup, model, less, others)
+        others = in_its_stead(self.setup, model, key, self._candidates.considered(model, key)[:IN_STEAD])
         return sure_beside(self.compare([less, with_last(model, key), *others]))
 
     def standing(self, model: FittedFrfs) -> tuple[tuple[tuple[str, str], ...], tuple[str, ...]]:

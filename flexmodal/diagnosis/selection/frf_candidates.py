@@ -183,14 +183,16 @@ class FrfCandidates:
     def _at_next_levels(
         self, before: FittedFrfs, found: list[FittedFrfs], look: Findings
     ) -> list[FittedFrfs]:
-        """Wider laws too, where an effect in the place that the look points to leaves more by its law.
+        """Wider laws too, where every effect in the place that the look points to leaves more by its law.
 
         More than noise, and more than the functions of that place leave when they are free.
         """
         if any(self._is_enough(one) for one in found):
             return found
         least = LAW_LEAVES * look.left
-        places = [one for one in found if look.met([one.key]) and over_noise(self.setup, one) > least]
+        places = [one for one in found if look.met([one.key])]
+        if any(over_noise(self.setup, one) <= least for one in places):
+            return found
         set_out = starts(before, look)
         wider = [more for one in places for more in at_next_level(self.setup, one, set_out, self._is_enough)]
         return best_of_each([*found, *wider])
@@ -208,15 +210,19 @@ class FrfCandidates:
         ]
         return best_of_each(every)
 
-    def considered(self, model: FittedFrfs, key: tuple[str, str]) -> list[FittedFrfs]:
+    def considered(self, model: FittedFrfs, key: tuple[str, str], within: float = np.inf) -> list[FittedFrfs]:
         """What was found where an effect of a model was looked for last, but what the model has anyway.
 
         Args:
             model: with several effects.
             key: name and place of the one.
+            within: times what the effect left then, up to which others count.
         """
-        found = [known for _, known in self._placed.values() if key in [one.key for one in known]]
-        return [one for one in found[-1] if one.key not in model.hypothesis.keys] if found else []
+        searches = [known for _, known in self._placed.values() if key in [one.key for one in known]]
+        found = searches[-1] if searches else []
+        limit = within * min((over_noise(self.setup, one) for one in found if one.key == key), default=0.0)
+        others = [one for one in found if one.key not in model.hypothesis.keys]
+        return [one for one in others if over_noise(self.setup, one) <= limit]
 
     def _is_enough(self, model: FittedFrfs) -> bool:
         return over_noise(self.setup, model) <= FLOOR_REACHED
@@ -228,17 +234,17 @@ class FrfCandidates:
             before: the model that something is added to.
             number: how many effects it has.
         """
-        return self._first if before is self.root else self.searched(before, number, _anything)
+        return self._first if before is self.root else self.searched(before, number)
 
     @cached_property
     def _first(self) -> list[FittedFrfs]:
-        return self.searched(self.root, 0, _anything)
+        return self.searched(self.root, 0)
 
     def searched(
         self,
         before: FittedFrfs,
         number: int,
-        allowed: Callable[[str, str], bool],
+        allowed: Callable[[str, str], bool] = lambda effect, where: True,
         *,
         one_is_enough: bool = False,
     ) -> list[FittedFrfs]:
@@ -247,7 +253,7 @@ class FrfCandidates:
         Args:
             before: the model that something is added to.
             number: how many effects it has.
-            allowed: names and places that are tried.
+            allowed: names and places that are tried; all by default.
             one_is_enough: whether one effect explains everything, as far as a look without a law can say.
         """
         doing = f"looking for {'an effect' if not number else 'another effect'}"
@@ -289,8 +295,3 @@ class FrfCandidates:
 
 def _laws(model: FittedFrfs) -> frozenset[Law]:
     return frozenset((one.effect, one.where) for one in model.hypothesis.placed)
-
-
-def _anything(effect: str, where: str) -> bool:
-    """Every effect in every place."""
-    return True

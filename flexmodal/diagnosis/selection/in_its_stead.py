@@ -29,20 +29,20 @@ A_FEW = 8
 
 
 def in_its_stead(
-    setup: Setup, model: FittedFrfs, less: FittedFrfs, others: Sequence[FittedFrfs]
+    setup: Setup, model: FittedFrfs, key: tuple[str, str], others: Sequence[FittedFrfs]
 ) -> list[FittedFrfs]:
     """A model with other effects in place of one, fitted again.
 
     Args:
         setup: what the diagnosis works with.
         model: with the effect.
-        less: the same without it, fitted.
+        key: its name and place.
         others: models whose last effects are put in its place.
     """
     now = dict(zip(model.hypothesis.space.names, model.x.tolist(), strict=True))
-    found = []
+    less, found = model.hypothesis.without(key), []
     for other in others:
-        hypothesis = less.hypothesis.and_also(other.hypothesis.placed[-1])
+        hypothesis = less.and_also(other.hypothesis.placed[-1])
         own = dict(zip(other.hypothesis.space.names, other.x.tolist(), strict=True))
         start = np.array([now.get(name, own.get(name, 0.0)) for name in hypothesis.space.names])
         found += tried_closely(setup, hypothesis, start, near=True, steps=A_FEW)

@@ -23,14 +23,13 @@ from flexmodal.diagnosis.selection.decision import (
     rivals,
 )
 from flexmodal.diagnosis.selection.described import beside_others, effect_parameters, in_figures, untied
+from flexmodal.diagnosis.selection.exchange import looked_for_again, reconsidered, takes, widened_or_exchanged
 from flexmodal.diagnosis.time_limit import FOR_EFFECTS, OutOfTime, TimeLimit
 
 MOST = 5
 """Effects at once."""
-NEARER = 0.1
-"""Part of what is left above the noise that an exchange of one effect for another has to take."""
 MUCH = 0.33
-"""The same of one effect more: where it takes less, an exchange is tried before it."""
+"""Part of what is left above the noise that one effect more has to take, or an exchange is tried first."""
 
 
 class ForwardSelection(Generic[M]):
@@ -122,17 +121,18 @@ class ForwardSelection(Generic[M]):
     def _follow_on(self) -> bool:
         """One effect more where the data point, or another one in place of one that is there."""
         doubted = self.data.doubted(self.current)
-        if doubted is not None and self._in_place_of(doubted):
+        if doubted is not None and self._bettered(looked_for_again(self.data, self.current, doubted)):
             return True
         before, many = self._state, len(self.current.hypothesis.keys)
         models = self.data.pointed(self.current, many) if many < MOST else []
         if len(models) < 2 or self._taken(models, 0) is None:
-            return self._widened() or self._exchanged()
-        much = self._takes(before[0], self.current, MUCH)
+            return self._bettered(widened_or_exchanged(self.data, self.current))
+        self.current = reconsidered(self.data, self.current)
+        much = takes(self.data, before[0], self.current, MUCH)
         if many > 1 and not much and not self.data.leads_on(self.current):
             further, self._state, better = self._state, before, False
             try:
-                better = self._widened() or self._exchanged()
+                better = self._bettered(widened_or_exchanged(self.data, self.current))
             finally:
                 if not better:
                     self._state = further
@@ -144,33 +144,10 @@ class ForwardSelection(Generic[M]):
         models = self.data.besides(self.current, number) if number < MOST else []
         return len(models) > 1 and self._taken(models, number) is not None
 
-    def _exchanged(self) -> bool:
-        """Another effect in place of one but the last, which may have taken up what was due to others."""
-        return any(self._in_place_of(key) for key in self.current.hypothesis.keys[:-1])
-
-    def _widened(self) -> bool:
-        """A wider law for one of several effects: with too narrow a one the others fit what it leaves."""
-        wider = self.data.wider(self.current)
-        better = next((one for one in wider if self._takes(self.current, one, NEARER)), self.current)
-        found, self.current = better is not self.current, better
-        return found
-
-    def _in_place_of(self, key: tuple[str, str]) -> bool:
-        """What a look finds beside the others, in place of one effect; it may be the same, fitted afresh."""
-        keys = self.current.hypothesis.keys
-        less = self.data.without(self.current, key)
-        comparison = self.data.compare(self.data.pointed(less, len(keys) - 1))
-        able = [k for k, one in enumerate(comparison.models) if k and one.key[0] != UNSTRUCTURED]
-        other = max(able, key=lambda k: comparison.scores[k], default=0)
-        if other and self._takes(self.current, comparison.models[other], NEARER):
-            self.current = comparison.models[other]
-            return True
-        return False
-
-    def _takes(self, first: M, last: M, part: float) -> bool:
-        """Whether a model takes so much of what another one leaves above the noise."""
-        taken = self.data.share(first, last)
-        return taken is not None and taken > part
+    def _bettered(self, other: M) -> bool:
+        """Whether a model is another one than the present, whose place it takes."""
+        before, self.current = self.current, other
+        return other is not before
 
     def _describe_anew(self) -> None:
         """The steps to a model whose effects were not added one after the other; how sure they are."""
@@ -220,7 +197,7 @@ class ForwardSelection(Generic[M]):
         try:
             found = self.step(1) is not None
             same = set(self.current.hypothesis.keys) == set(kept[0].hypothesis.keys)
-            taking = same and self._takes(kept[0], self.current, 0.0)
+            taking = same and takes(self.data, kept[0], self.current, 0.0)
             nearer = found and (taking or self.data.is_enough(self.current))
         finally:
             if not nearer:

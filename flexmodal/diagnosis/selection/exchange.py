@@ -1,0 +1,75 @@
+"""Better ones among the effects of a model: another in place of one, or one with a wider law.
+
+What was added while others were missing may have taken up what was due to these.
+"""
+
+from __future__ import annotations
+
+from flexmodal.diagnosis.names import UNSTRUCTURED
+from flexmodal.diagnosis.selection.comparison import M
+from flexmodal.diagnosis.selection.data import Data
+
+NEARER = 0.1
+"""Part of what is left above the noise that another model has to take to be better."""
+
+
+def takes(data: Data[M], first: M, last: M, part: float) -> bool:
+    """Whether a model takes so much of what another one leaves above the noise.
+
+    Args:
+        data: that both are fitted to.
+        first: the one.
+        last: the other.
+        part: of what the first leaves.
+    """
+    taken = data.share(first, last)
+    return taken is not None and taken > part
+
+
+def reconsidered(data: Data[M], model: M) -> M:
+    """With what was considered in place of each effect but the last, where it does better beside the others.
+
+    Args:
+        data: that it is fitted to.
+        model: with effects.
+    """
+    for key in model.hypothesis.keys[:-1]:
+        others = data.instead(model, key)
+        if others and takes(data, model, others[0], NEARER):
+            model = others[0]
+    return model
+
+
+def looked_for_again(data: Data[M], model: M, key: tuple[str, str]) -> M:
+    """With what a look finds beside the others, in place of one effect; it may be the same, fitted afresh.
+
+    Args:
+        data: that it is fitted to.
+        model: with effects.
+        key: name and place of the one.
+    """
+    less = data.without(model, key)
+    comparison = data.compare(data.pointed(less, len(model.hypothesis.keys) - 1))
+    able = [k for k, one in enumerate(comparison.models) if k and one.key[0] != UNSTRUCTURED]
+    other = max(able, key=lambda k: comparison.scores[k], default=0)
+    better = bool(other) and takes(data, model, comparison.models[other], NEARER)
+    return comparison.models[other] if better else model
+
+
+def widened_or_exchanged(data: Data[M], model: M) -> M:
+    """With a wider law for one of several effects, else with another in place of one but the last.
+
+    With too narrow a law the others fit what it leaves.
+
+    Args:
+        data: that it is fitted to.
+        model: with effects.
+    """
+    wider = next((one for one in data.wider(model) if takes(data, model, one, NEARER)), None)
+    if wider is not None:
+        return wider
+    for key in model.hypothesis.keys[:-1]:
+        other = looked_for_again(data, model, key)
+        if other is not model:
+            return other
+    return model
