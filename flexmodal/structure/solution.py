@@ -140,6 +140,25 @@ def solved(structures: Structures, axis: Axis, entries: Entries, *, compiled: bo
     return Solved(structures, axis, entries, y, use)
 
 
+def back_solved(
+    structures: Structures, axis: Axis, *, compiled: bool | None = None
+) -> Complex[np.ndarray, "system response dof line"]:
+    """Z⁻¹ of every response row [m/N, rad/N].
+
+    Args:
+        structures: of one size.
+        axis: where.
+        compiled: see `solved`.
+
+    Raises:
+        SingularResponse: an undamped mode is driven at its natural frequency.
+    """
+    use = is_worth_compiling(len(structures) * len(axis)) if compiled is None else compiled
+    rows = structures.response
+    y = solutions(structures, axis, rows, np.ones(rows.shape[:2], dtype=bool), compiled=use)
+    return np.asarray(y[:, :, :, 0] + 1j * y[:, :, :, 1])
+
+
 def solutions(
     structures: Structures,
     axis: Axis,

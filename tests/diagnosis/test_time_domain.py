@@ -47,7 +47,8 @@ def struck(axis, *laws, blows=((0, PULSE),), **more):
 
 def integrated_receptance(one, length, *, fineness=20.0, **more):
     steps = Steps.behind(one.axis.frequency, length, fineness)
-    return record_receptance(one, integrate([one], steps, **more)[0], steps, PAIRS)
+    back = np.transpose(one.structure.solve(one.axis)[0], (2, 1, 0))
+    return record_receptance(one, integrate([one], steps, **more)[0], steps, PAIRS, back)
 
 
 # laws

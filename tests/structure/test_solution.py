@@ -10,7 +10,7 @@ from flexmodal.frf.kernels.route import has_numba
 from flexmodal.structure import truncation
 from flexmodal.structure.assembly import KINDS
 from flexmodal.structure.port import CompliancePort, StiffnessPort
-from flexmodal.structure.solution import Entries, solved
+from flexmodal.structure.solution import Entries, back_solved, solved
 from flexmodal.structure.stack import Structures, joined
 from flexmodal.structure.structure import Axis, receptance
 from flexmodal.structure.truncation import missing_of, missing_with_slopes
@@ -67,6 +67,14 @@ def test_all_at_once_are_what_each_is_by_itself(structures, compiled):
         # LAPACK's own rounding times the condition of Z
         np.testing.assert_allclose(found.value[own], value, rtol=1e-10)
         np.testing.assert_allclose(slopes[:, own], change / value, atol=1e-10 * np.abs(slopes).max())
+
+
+@BOTH_WAYS
+def test_response_rows_are_solved_for_one_after_the_other(structures, compiled):
+    found = back_solved(structures, AXIS, compiled=compiled)
+    for m in range(SYSTEMS):
+        truth = np.transpose(structures[m].solve(AXIS)[0], (2, 1, 0))
+        np.testing.assert_allclose(found[m], truth, atol=1e-10 * np.abs(truth).max())
 
 
 @pytest.mark.skipif(not has_numba(), reason="no numba")

@@ -6,14 +6,18 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
+from flexmodal.diagnosis.disagreement.compare import force_dependence
 from flexmodal.diagnosis.lawfree.findings import summed_up
 from flexmodal.diagnosis.lawfree.look import Field
 from flexmodal.diagnosis.lawfree.pursuit import LawFree, alone, pursued
-from flexmodal.diagnosis.lawfree.records import straightened
+from flexmodal.diagnosis.lawfree.records import of_first_blow, straightened
 from flexmodal.diagnosis.lawfree.result import Findings
+from flexmodal.diagnosis.selection.decision import Answer, reaches
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
+from flexmodal.diagnosis.selection.frf_thresholds import FORCE, FORCE_MARGIN
 from flexmodal.diagnosis.setup import Setup
 from flexmodal.diagnosis.time_domain.model import has_law
+from flexmodal.identification import Observations
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,13 +34,27 @@ class LooksWithoutLaw:
     """Called with what is being done and the part of it that is done."""
 
     @cached_property
+    def _seen(self) -> Observations:
+        """Without what torques that are integrated do beyond their stand-ins, where there are any."""
+        seen, root = self.setup.observations, self.root
+        if not has_law(root.hypothesis):
+            return seen
+        return straightened(seen, root.hypothesis, root.x, root.predicted)
+
+    @cached_property
+    def depends_on_force(self) -> bool:
+        """Whether what is missing changes with the force of the blow, beside torques that are there."""
+        if not self.by_force or not has_law(self.root.hypothesis):
+            return self.by_force
+        alike = of_first_blow(self._seen, self.root.hypothesis, self.root.x)
+        return reaches(force_dependence(alike), FORCE, FORCE_MARGIN) > Answer.NO
+
+    @cached_property
     def _field(self) -> Field:
-        setup, root = self.setup, self.root
-        seen = setup.observations
-        if has_law(root.hypothesis):
-            seen = straightened(seen, root.hypothesis, root.x, root.predicted)
-        held = seen.keeping(setup.held) if setup.held.any() else None
-        return Field.of(root.hypothesis, root.x, seen.keeping(~setup.held), held, by_force=self.by_force)
+        held = self.setup.held
+        away = self._seen.keeping(held) if held.any() else None
+        fitted = self._seen.keeping(~held)
+        return Field.of(self.root.hypothesis, self.root.x, fitted, away, by_force=self.depends_on_force)
 
     @cached_property
     def _alone(self) -> LawFree:

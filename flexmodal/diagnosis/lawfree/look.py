@@ -14,7 +14,7 @@ from flexmodal.diagnosis.lawfree import screening
 from flexmodal.diagnosis.lawfree.kinds import KINDS, NOTHING, RARE, TORQUE
 from flexmodal.diagnosis.lawfree.model import PortedModel
 from flexmodal.diagnosis.lawfree.port import Port, PortKind, Wider
-from flexmodal.diagnosis.lawfree.ported_fit import FLOORS, begun, finished, profiled
+from flexmodal.diagnosis.lawfree.ported_fit import FLOORS, begun, finished, mended, profiled
 from flexmodal.diagnosis.lawfree.profile import SETTLED, Profile
 from flexmodal.diagnosis.lawfree.records import endless, of_first_blow
 from flexmodal.diagnosis.lawfree.sighting import Round, Sighting, Start, carried_over, noise_of
@@ -120,6 +120,8 @@ class Field:
         """
         taken = {port.key for port in before.ports} if before else set()
         tried = [port for port in (self.torques if ports is None else ports) if port.key not in taken]
+        if ports is None:
+            tried = self._torques_that_lead(tried, before)
         found, kept, part = [], [], 1.0 if ports is not None else 0.2
         for number, port in enumerate(tried, start=1):
             found.append(self.sighted((port,), before))
@@ -200,10 +202,20 @@ class Field:
         first.sort(key=lambda one: one[0])
         return [(port, *ends[port.key]) for port in screening.kept(first, without)]
 
+    def _torques_that_lead(self, torques: list[Port], before: Sighting | None) -> list[Port]:
+        """The few that do best by a look at some postures and lines: each has many functions."""
+        if len(torques) <= screening.TORQUES:
+            return torques
+        begins = [mended(*self._begun(port, before, roughly=True)) for port in torques]
+        ends = [finished(*one, floors=self._floors[1:], steps=screening.STEPS) for one in begins]
+        misfit = [screening.misfit_of(one) for one in ends]
+        return [torques[k] for k in np.argsort(misfit, kind="stable")[: screening.TORQUES]]
+
     def _begun(self, port: Port, before: Sighting | None, *, roughly: bool) -> screening.Fit:
         """A port's first fit to a part of the data."""
         every = (*(before.ports if before else ()), port)
-        model = self._model(every, self._seen(every, self._few), self._some_lines)
+        by_blow = any(one.kind.by_blow for one in every)
+        model = self._model(every, self.seen.some if by_blow else self._few, self._some_lines)
         state = None if before is None else carried_over(before, model, screening.LINES)
         return begun(model, state, floor=self._floors[0], steps=screening.STEPS, roughly=roughly)
 

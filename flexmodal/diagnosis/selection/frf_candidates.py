@@ -53,6 +53,8 @@ class FrfCandidates:
         self.looks = LooksWithoutLaw(setup, root, with_force, setup.advance)
         """Of the re-tuned robot."""
         self._beside: dict[frozenset[Law], Findings] = {}
+        self._forced: dict[frozenset[Law], bool] = {}
+        """Whether what was missing beside a model that was looked at changed with the force of the blow."""
         self._order: dict[frozenset[Law], tuple[str, ...]] = {}
         """Of the coordinates that each look was taken with."""
         self._placed: dict[tuple[object, ...], tuple[float, list[FittedFrfs]]] = {}
@@ -67,9 +69,10 @@ class FrfCandidates:
             return self.looks.one
         found = self.looked(model)
         if found is None:
-            found = LooksWithoutLaw(self.setup, model, self.with_force, self.setup.advance).one
-            key = _laws(model)
+            looks = LooksWithoutLaw(self.setup, model, self.with_force, self.setup.advance)
+            found, key = looks.one, _laws(model)
             self._beside[key], self._order[key] = found, model.hypothesis.space.names
+            self._forced[key] = looks.depends_on_force
         return found
 
     def can_look(self, model: FittedFrfs) -> bool:
@@ -261,7 +264,7 @@ class FrfCandidates:
             self.setup,
             before,
             starts(before, self.looks.one if before is self.root else self.looked(before)),
-            with_force=self.with_force,
+            with_force=self._forced.get(_laws(before), self.with_force),
             enough=FLOOR_REACHED,
             advance=lambda part: self.setup.advance(doing, part),
             allowed=allowed,

@@ -23,6 +23,8 @@ from flexmodal.errors import Fault, InvalidRequest, SingularResponse
 from flexmodal.identification import Observations
 from flexmodal.identification.model import evaluated
 from flexmodal.structure import ParameterSpace
+from flexmodal.structure.solution import back_solved
+from flexmodal.structure.stack import Structures
 
 STEP = 1e-4
 """Of the differences: across the kinks that a reversal of friction makes where it crosses a step of time."""
@@ -80,7 +82,8 @@ class TimeDomainModel:
             x,
             *(x + np.where(np.arange(len(x)) == k, size, 0.0) for k, size in zip(apart, sizes, strict=True)),
         ]
-        looks = [self._look(one, observations, lines) for one in tried]
+        known: dict[tuple[object, ...], np.ndarray] = {}
+        looks = [self._look(one, observations, lines, known) for one in tried]
         steps = self._steps(observations)
         found = np.zeros((len(tried), len(observations), len(observations.axis.take(lines))), dtype=complex)
         every, number = [one.struck for look in looks for one in look], 0
@@ -121,19 +124,29 @@ class TimeDomainModel:
             length += float(np.mean([pulse.length for pulse in self.hypothesis.context.pulses])) / 2
         return Steps.behind(observations.axis.frequency, length, self.fineness)
 
-    def _look(self, x: np.ndarray, observations: Observations, lines: slice | np.ndarray) -> Sequence[_Look]:
+    def _look(
+        self,
+        x: np.ndarray,
+        observations: Observations,
+        lines: slice | np.ndarray,
+        known: dict[tuple[object, ...], np.ndarray],
+    ) -> Sequence[_Look]:
+        """Blows on every system; what is known of linear parts, which laws may have alike, is added to."""
         values, pulses = self.space.values(x), self.hypothesis.context.pulses
         found = []
         for group in self.linear.groups(x, observations, slopes=False):
             part, axis = group.part, observations.axis_of(group.part.level).take(lines)
             log = None if group.reading is None else group.reading(axis)[0]
+            key = part.level, *_bytes_of(group.structures)
+            if key not in known:
+                known[key] = back_solved(group.structures, axis)
             laws = self.linear.laws(part, values)
             for k, members in enumerate(part.members):
                 struck, wanted = struck_by(
                     group.structures[k], part, members, observations, pulses, axis, laws[k]
                 )
                 factor = None if log is None else np.exp(log[part.entry[members]])
-                found.append(_Look(part.observations[members], struck, wanted, factor))
+                found.append(_Look(part.observations[members], struck, wanted, known[key][k], factor))
         return found
 
 
@@ -144,13 +157,21 @@ class _Look:
     observations: Int[np.ndarray, " observation"]
     struck: Struck
     wanted: Int[np.ndarray, "observation 2"]
+    back: Complex[np.ndarray, "response dof line"]
+    """Z⁻¹ of the response rows."""
     factor: Complex[np.ndarray, "observation line"] | None
     """What the sensors make of the motion."""
 
     def read(self, integrated: TimeResponse, steps: Steps) -> Complex[np.ndarray, "observation line"]:
         """As the sensors read it."""
-        value = record_receptance(self.struck, integrated, steps, self.wanted)
+        value = record_receptance(self.struck, integrated, steps, self.wanted, self.back)
         return value if self.factor is None else value * self.factor
+
+
+def _bytes_of(many: Structures) -> tuple[object, ...]:
+    """What the linear parts of structures depend on."""
+    arrays = (many.mass, many.damping, many.stiffness, many.loss, many.response)
+    return (*(one.tobytes() for one in arrays), many.loss_factor)
 
 
 def has_law(hypothesis: Hypothesis) -> bool:

@@ -29,6 +29,7 @@ def record_receptance(
     integrated: TimeResponse,
     steps: Steps,
     wanted: Int[np.ndarray, "wanted 2"],
+    back: Complex[np.ndarray, "response dof line"],
 ) -> Complex[np.ndarray, "wanted line"]:
     """Receptances [m/N] as a record would give them; where `Axis.length` is 0, as if it never ended.
 
@@ -37,6 +38,7 @@ def record_receptance(
         integrated: by it.
         steps: of the integration.
         wanted: numbers of a row of `structure.response` and of a blow.
+        back: Z⁻¹ of these rows, see `structure.solution.back_solved`.
     """
     structure, axis = struck.structure, struck.axis
     s, n = axis.s, structure.dof
@@ -48,9 +50,8 @@ def record_receptance(
     load = rows[:, None, :] - np.einsum("bkl,kd->bld", integrated.torque / integrated.force[:, None], laws)
     still = (v @ structure.mass + x @ structure.damping)[:, None] + s[:, None] * (x @ structure.mass)[:, None]
     load = load - cut[:, :, None] * still
-    back, _ = structure.solve(axis)  # line, dof, response
     u, b = wanted[:, 0], wanted[:, 1]
-    value = np.einsum("lpd,pld->pl", np.swapaxes(back, 1, 2)[:, u], load[b])
+    value = np.einsum("pdl,pld->pl", back[u], load[b])
     if axis.power >= 1:
         value += np.einsum("pd,pd->p", structure.response[u], x[b])[:, None] * cut[b] / s
     if axis.power == 2:

@@ -1,6 +1,7 @@
 """What a look without a law takes measurements for: those of a linear robot, struck in one way."""
 
 from dataclasses import replace
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -8,10 +9,14 @@ import pytest
 import flexmodal
 from flexmodal.diagnosis.effects import Context, catalogue
 from flexmodal.diagnosis.hypothesis import Hypothesis
+from flexmodal.diagnosis.lawfree.first_look import LooksWithoutLaw
 from flexmodal.diagnosis.lawfree.kinds import SENSOR, TORQUE
 from flexmodal.diagnosis.lawfree.look import Field
 from flexmodal.diagnosis.lawfree.records import of_first_blow, straightened
+from flexmodal.diagnosis.lawfree.screening import TORQUES
 from flexmodal.diagnosis.placed import Placed
+from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
+from flexmodal.diagnosis.setup import Setup
 from flexmodal.diagnosis.time_domain.model import TimeDomainModel
 from flexmodal.identification import observe, predict, unlimited
 from flexmodal.rig import simulate
@@ -74,3 +79,29 @@ def test_beside_a_torque_a_look_finds_what_is_missing_besides(struck):
     clean = Field.of(bent, x, straightened(louder, bent, x, seen.value), None, kinds=kinds).round()
     assert clean.best.port.key == ("sensor", places[0])
     assert clean.best.judged < 0.2 * raw.best.judged
+
+
+def test_what_the_torques_that_are_there_explain_does_not_depend_on_force(struck):
+    bent, x, seen = struck
+    held = np.zeros(len(seen), dtype=bool)
+    root = Hypothesis(bent.context, bent.base)
+
+    def asked(observations, hypothesis, at, predicted):
+        model = Mock(spec=FittedFrfs, hypothesis=hypothesis, x=at, predicted=predicted)
+        setup = Mock(spec=Setup, observations=observations, held=held)
+        return [LooksWithoutLaw(setup, model, by, Mock()).depends_on_force for by in (True, False)]
+
+    assert asked(seen, bent, x, seen.value) == [False, False]
+    hard = np.exp(1j * 0.5 * (seen.level == 1))[:, None]  # something more that only the harder blows show
+    assert asked(replace(seen, value=seen.value * hard), bent, x, seen.value) == [True, False]
+    assert asked(seen, root, x[: len(root.space)], seen.value) == [True, False]
+
+
+def test_of_many_torques_those_that_do_best_by_some_postures_are_fitted_well(struck, monkeypatch):
+    bent, x, seen = struck
+    root = Hypothesis(bent.context, bent.base)
+    field = Field.of(root, x[: len(root.space)], seen, None, by_force=True, kinds=(SENSOR,))
+    assert len(field.torques) > TORQUES
+    tried = [port.port.where for port in field.round().sightings if port.port.kind is TORQUE]
+    assert len(tried) == TORQUES
+    assert tried[0] == "q2"
