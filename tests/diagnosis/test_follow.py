@@ -16,11 +16,12 @@ from flexmodal.diagnosis.selection.comparison import Comparison
 from flexmodal.diagnosis.selection.data import Data
 from flexmodal.diagnosis.selection.decision import Answer
 from flexmodal.diagnosis.selection.described import beside_others
-from flexmodal.diagnosis.selection.frf_candidates import MOST_LOOKS, FrfCandidates
+from flexmodal.diagnosis.selection.frf_candidates import FrfCandidates
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.selection.frf_data import FrfData
 from flexmodal.diagnosis.selection.frf_starts import does_more, narrowest
 from flexmodal.diagnosis.selection.in_its_stead import sure_beside
+from flexmodal.diagnosis.selection.looks_beside import MOST_LOOKS
 from flexmodal.diagnosis.selection.selection import MOST, ForwardSelection
 from flexmodal.diagnosis.setup import Setup
 
@@ -458,6 +459,59 @@ def test_what_may_hide_in_the_noise_is_tried_at_the_place_a_look_finds(
     assert data.besides(before, 1) == ([before, met] if tried else [])
 
 
+@pytest.mark.parametrize(
+    ("keys", "over", "explains", "done"),
+    [
+        ((MASS, DELAY), 1.7, True, True),
+        ((MASS, DELAY), 1.9, True, False),
+        ((MASS, DELAY), 1.7, False, False),
+        ((DELAY,), 1.7, True, False),
+        ((DELAY,), 1.3, False, True),
+    ],
+)
+def test_what_one_of_several_leaves_of_its_place_is_all_that_it_has_to_do(
+    monkeypatch, keys, over, explains, done
+):
+    """What is left may be due to the law of another one."""
+    monkeypatch.setattr(frf_candidates, "over_noise", lambda setup, model: over)
+    candidates = FrfCandidates(Mock(spec=Setup, advance=Mock()), fitted(), with_force=False)
+    look = Mock(spec=Findings, explains=explains, left=0.9)
+    assert candidates.does(fitted(*keys), look, lambda model: over < 1.4) is done
+
+
+@pytest.mark.parametrize(
+    ("keys", "alone", "explained", "rests"),
+    [
+        ((MASS, DELAY), 1.5, True, True),
+        ((MASS, DELAY), 1.7, True, False),
+        ((MASS, DELAY), 1.5, False, False),
+        ((MASS,), 1.5, True, False),
+        ((MASS, DELAY), None, True, False),
+    ],
+)
+def test_nothing_is_added_where_by_a_look_beside_several_nothing_is_missing(
+    monkeypatch, keys, alone, explained, rests
+):
+    """What is left is due to their laws."""
+    monkeypatch.setattr(frf_by_look, "explains", lambda data, model: explained)
+    data, look = FrfData.__new__(FrfData), None if alone is None else Mock(alone=alone)
+    data._candidates = Mock(spec=FrfCandidates, looked=lambda model: look)
+    assert data.is_at_rest(fitted(*keys)) is rests
+
+
+def test_effects_at_rest_are_asked_which_are_sure():
+    """More might be added, and nothing is."""
+
+    class Resting(World):
+        def is_at_rest(self, model):
+            return len(model.keys) == 2
+
+    selection = Selection(Resting(lambda keys: 10.0 / 2 ** len(keys), sure=True))
+    assert selection.follow()
+    assert len(steps(selection)) == 2
+    assert [one.confidence for one in selection.steps] == [0.83, 0.83]
+
+
 @pytest.mark.parametrize("explained", [False, True])
 def test_every_place_is_tried_only_beside_what_does_not_count_as_explained(monkeypatch, explained):
     look, tried = Mock(spec=Findings, explains=True, needed=True), []
@@ -468,6 +522,7 @@ def test_every_place_is_tried_only_beside_what_does_not_count_as_explained(monke
         spec=FrfCandidates, can_look=lambda model: True, look_beside=lambda model: look,
         at_places=lambda *given, only_met: [fitted(MASS, DELAY)],
         everywhere=lambda before, number: tried.append(number) or [],
+        does=lambda model, look, is_over: is_over(model),
     )  # fmt: skip
     monkeypatch.setattr(frf_data, "over_noise", lambda setup, model: 1.8)
     monkeypatch.setattr(frf_data, "explains", lambda data, model: explained)

@@ -22,6 +22,9 @@ FINALISTS = 4
 """Candidates that are fitted closely and compared."""
 INTEGRATED = 3
 """The same for effects that depend on force, whose torques are integrated in time."""
+INTEGRATED_FAR = 1.5
+"""Times the least cost of theirs in a coarse look, up to which these are: in all of seven searches that were
+looked at the first one came to be the best."""
 FAR_BEHIND, BEHIND, A_FEW = 8.0, 2.0, 6
 """Times the least cost of a coarse look; beyond it nothing comes to be the best, and so few steps show it.
 The second where an explanation that was fitted closely before is enough."""
@@ -62,7 +65,9 @@ def explanations(
     finalists: list[Candidate] = []
     for some, most in _kinds(setup.effects, with_force=with_force):
         found = candidates(before.hypothesis, set_out, some, seen, allowed)
-        finalists += narrowed(found, seen, lambda part: advance(0.6 * part))[:most]
+        near = narrowed(found, seen, lambda part: advance(0.6 * part))[:most]
+        far = INTEGRATED_FAR * near[0].cost if near and has_law(near[0].hypothesis) else np.inf
+        finalists += [one for one in near if one.cost <= far]
     looked = _looked_at(setup, finalists, enough, lambda part: advance(0.6 + 0.3 * part))
     looked.sort(key=lambda one: one.cost)
     if one_is_enough and looked and over_noise(setup, looked[0]) > enough:

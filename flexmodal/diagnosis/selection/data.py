@@ -107,6 +107,10 @@ class Data(ABC, Generic[M]):
         """
         return []
 
+    def is_at_rest(self, model: M) -> bool:
+        """Whether several effects explain everything but for their laws."""
+        return False
+
     def leads_on(self, model: M) -> bool:
         """Whether nothing is left beside several effects, or one more might explain it."""
         return False

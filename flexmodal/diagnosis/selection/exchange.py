@@ -56,18 +56,23 @@ def looked_for_again(data: Data[M], model: M, key: tuple[str, str]) -> M:
     return comparison.models[other] if better else model
 
 
-def widened_or_exchanged(data: Data[M], model: M) -> M:
-    """With a wider law for one of several effects, else with another in place of one but the last.
-
-    With too narrow a law the others fit what it leaves.
+def widened(data: Data[M], model: M) -> M:
+    """With a wider law for one of several effects: with too narrow a one the others fit what it leaves.
 
     Args:
         data: that it is fitted to.
         model: with effects.
     """
-    wider = next((one for one in data.wider(model) if takes(data, model, one, NEARER)), None)
-    if wider is not None:
-        return wider
+    return next((one for one in data.wider(model) if takes(data, model, one, NEARER)), model)
+
+
+def exchanged(data: Data[M], model: M) -> M:
+    """With another effect in place of one but the last, where a look finds a better one.
+
+    Args:
+        data: that it is fitted to.
+        model: with effects.
+    """
     for key in model.hypothesis.keys[:-1]:
         other = looked_for_again(data, model, key)
         if other is not model:

@@ -6,9 +6,11 @@ from collections.abc import Mapping
 from contextlib import suppress
 
 from flexmodal.diagnosis.disagreement.gaps import left, over_noise
+from flexmodal.diagnosis.lawfree.look import SOUND
 from flexmodal.diagnosis.lawfree.result import PORT_OF
 from flexmodal.diagnosis.lawfree.result import Findings as LawFree
 from flexmodal.diagnosis.search.explanations import best_of_each
+from flexmodal.diagnosis.selection.confidence import explains
 from flexmodal.diagnosis.selection.data import Data
 from flexmodal.diagnosis.selection.frf_candidates import FrfCandidates
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
@@ -19,6 +21,7 @@ from flexmodal.diagnosis.selection.frf_thresholds import (
     EXPLAINED,
     IN_STEAD,
     LARGER_PART,
+    LIKELY,
     MOST_OF_REST,
     NEARLY_ALL,
     NOT_FAR_BEHIND,
@@ -61,9 +64,14 @@ class FrfsByLook(Data[FittedFrfs]):
         """See `Data`."""
         return [] if self.is_enough(model) else self._candidates.wider(model)
 
+    def is_at_rest(self, model: FittedFrfs) -> bool:
+        """See `Data`: they count as explaining everything, and by a look beside them nothing is missing."""
+        look, several = self._candidates.looked(model), len(model.hypothesis.keys) > 1
+        return look is not None and several and look.alone <= SOUND and explains(self, model)
+
     def instead(self, model: FittedFrfs, key: tuple[str, str]) -> list[FittedFrfs]:
         """See `Data`; what was far behind then stays there."""
-        others = self._candidates.considered(model, key, NOT_FAR_BEHIND)[:IN_STEAD]
+        others = self._candidates.considered(model, key, NOT_FAR_BEHIND)[:LIKELY]
         return best_of_each(in_its_stead(self.setup, model, key, others))
 
     def leads_on(self, model: FittedFrfs) -> bool:

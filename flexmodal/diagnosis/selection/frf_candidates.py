@@ -9,7 +9,6 @@ import numpy as np
 
 from flexmodal.diagnosis.disagreement.gaps import over_noise
 from flexmodal.diagnosis.lawfree.adjacent import adjacent
-from flexmodal.diagnosis.lawfree.first_look import LooksWithoutLaw
 from flexmodal.diagnosis.lawfree.result import CLASSES_OF, PORT_OF, Findings
 from flexmodal.diagnosis.search.explanations import (
     FOLLOWED,
@@ -22,6 +21,7 @@ from flexmodal.diagnosis.search.set_out import SetOut
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.selection.frf_starts import does_more, starts, with_last
 from flexmodal.diagnosis.selection.frf_thresholds import EXPLAINED, FLOOR_REACHED
+from flexmodal.diagnosis.selection.looks_beside import LooksBeside, laws_of
 from flexmodal.diagnosis.setup import Setup
 
 ONCE_MORE = 2
@@ -30,16 +30,10 @@ LAW_LEAVES = 2.0
 """Times what a place with free functions leaves from which an effect in it has too narrow a law."""
 NEARER = 0.999
 """Part of the cost that a model may have for another search beside the same effects to be worth it."""
-MOST_LOOKS = 8
-"""Looks beside effects that are there; each takes as long as the first, and where many do not help, more
-do not."""
-
-Law = tuple[object, str]
-"""An effect at one of its levels, and its place."""
 
 
-class FrfCandidates:
-    """Looks and searches beside a model; those beside the re-tuned robot are done once."""
+class FrfCandidates(LooksBeside):
+    """Searches beside a model, where looks point; those beside the re-tuned robot are done once."""
 
     def __init__(self, setup: Setup, root: FittedFrfs, *, with_force: bool) -> None:
         """Nothing is looked at yet.
@@ -49,48 +43,8 @@ class FrfCandidates:
             root: the robot re-tuned.
             with_force: whether FRFs change with the force of the blow, or may.
         """
-        self.setup, self.root, self.with_force = setup, root, with_force
-        self.looks = LooksWithoutLaw(setup, root, with_force, setup.advance)
-        """Of the re-tuned robot."""
-        self._beside: dict[frozenset[Law], Findings] = {}
-        self._forced: dict[frozenset[Law], bool] = {}
-        """Whether what was missing beside a model that was looked at changed with the force of the blow."""
-        self._order: dict[frozenset[Law], tuple[str, ...]] = {}
-        """Of the coordinates that each look was taken with."""
+        super().__init__(setup, root, with_force=with_force)
         self._placed: dict[tuple[object, ...], tuple[float, list[FittedFrfs]]] = {}
-
-    def look_beside(self, model: FittedFrfs) -> Findings:
-        """The law-free look for one place beside what a model has.
-
-        Args:
-            model: the root, or one with effects.
-        """
-        if model is self.root:
-            return self.looks.one
-        found = self.looked(model)
-        if found is None:
-            looks = LooksWithoutLaw(self.setup, model, self.with_force, self.setup.advance)
-            found, key = looks.one, _laws(model)
-            self._beside[key], self._order[key] = found, model.hypothesis.space.names
-            self._forced[key] = looks.depends_on_force
-        return found
-
-    def can_look(self, model: FittedFrfs) -> bool:
-        """Whether a look beside a model is known, or few enough were taken that another one may be.
-
-        Args:
-            model: the root, or one with effects.
-        """
-        known = model is self.root or _laws(model) in self._beside
-        return known or len(self._beside) < MOST_LOOKS
-
-    def one_explains(self, model: FittedFrfs) -> bool:
-        """Whether one place more explains everything without a law.
-
-        Args:
-            model: with effects.
-        """
-        return self.can_look(model) and self.look_beside(model).explains
 
     def doubted(self, model: FittedFrfs) -> tuple[str, str] | None:
         """One of several effects at whose place more is missing than anywhere else.
@@ -126,15 +80,26 @@ class FrfCandidates:
             is_over: whether nothing else has to be looked for beside a model.
             only_met: whether only what has the place and the class that was found counts.
         """
-        key = _laws(before), is_over, only_met
+        key = laws_of(before), is_over, only_met
         cost, known = self._placed.get(key, (np.inf, []))
         if before.cost < NEARER * cost:
             if only_met:
                 known = self._met(before, number, look)
             else:
-                known = self._at_places(before, number, look, is_over)
+                known = self._at_places(before, number, look, lambda one: self.does(one, look, is_over))
             self._placed[key] = before.cost, known
         return known
+
+    def does(self, model: FittedFrfs, look: Findings, is_over: Callable[[FittedFrfs], bool]) -> bool:
+        """Whether nothing else has to be looked for, or what one of several effects leaves is not due to it.
+
+        Args:
+            model: with effects.
+            look: beside all but the last.
+            is_over: says the first.
+        """
+        several = look.explains and len(model.hypothesis.keys) > 1
+        return is_over(model) or (several and over_noise(self.setup, model) <= LAW_LEAVES * look.left)
 
     def _met(self, before: FittedFrfs, number: int, look: Findings) -> list[FittedFrfs]:
         """Effects at the places that were found alone, of the classes of their curves."""
@@ -264,24 +229,12 @@ class FrfCandidates:
             self.setup,
             before,
             starts(before, self.looks.one if before is self.root else self.looked(before)),
-            with_force=self._forced.get(_laws(before), self.with_force),
+            with_force=self.depends_on_force(before),
             enough=FLOOR_REACHED,
             advance=lambda part: self.setup.advance(doing, part),
             allowed=allowed,
             one_is_enough=one_is_enough,
         )
-
-    def looked(self, before: FittedFrfs) -> Findings | None:
-        """The look beside effects, with these laws, if there was one; for the order that they come in now.
-
-        Args:
-            before: the model that has them.
-        """
-        key = _laws(before)
-        found, order = self._beside.get(key), self._order.get(key)
-        if found is None or order is None:
-            return found
-        return found.in_order(order, before.hypothesis.space.names)
 
     def _pointed_to(self, before: FittedFrfs, look: Findings) -> list[tuple[str, str]]:
         """Further effects whose place and class a look has found: those that it has a class for, and laws."""
@@ -294,7 +247,3 @@ class FrfCandidates:
             if (effect.name, where) not in before.hypothesis.keys
             and any(one.where == where and one.could_be(effect.name, where) for one in look.found)
         ]
-
-
-def _laws(model: FittedFrfs) -> frozenset[Law]:
-    return frozenset((one.effect, one.where) for one in model.hypothesis.placed)

@@ -105,7 +105,8 @@ class FrfData(FrfsByLook):
         found = self._candidates.at_places(before, number, look, self.is_over, only_met=named)
         if named:
             return [before, *found]
-        if look.explains and not explains(self, before) and not any(self.is_over(one) for one in found):
+        done = any(self._candidates.does(one, look, self.is_over) for one in found)
+        if look.explains and not explains(self, before) and not done:
             found = best_of_each([*found, *self._candidates.everywhere(before, number)])
         found = narrowest(found, self.is_enough)
         return [before, *found, *([] if number else [unstructured_mode(self.setup, before)])]

@@ -26,9 +26,9 @@ MOST_OF_REST, SURE, IN_STEAD = 0.6, 0.8, 3
 is missing, its confidence among what else might be in its place, and how many of those are fitted. Of the
 effects in the models of 18 campaigns that were looked at, all with more than noise left, 34 that are there
 took 0.36 to 0.998; eight that are not took at most 0.50, or were not so sure."""
-NOT_FAR_BEHIND = 1.5
+NOT_FAR_BEHIND, LIKELY = 1.5, 2
 """Times what an effect left when it was added that another one left, to be tried in its place once others are
-there."""
+there, and how many of these are."""
 CLEARLY = 2.0
 """Times by which the misfits of all other places have to exceed that of a single effect with its function
 free, for it to be named where it leaves more than noise."""

@@ -23,7 +23,7 @@ from flexmodal.diagnosis.selection.decision import (
     rivals,
 )
 from flexmodal.diagnosis.selection.described import beside_others, effect_parameters, in_figures, untied
-from flexmodal.diagnosis.selection.exchange import looked_for_again, reconsidered, takes, widened_or_exchanged
+from flexmodal.diagnosis.selection.exchange import exchanged, looked_for_again, reconsidered, takes, widened
 from flexmodal.diagnosis.time_limit import FOR_EFFECTS, OutOfTime, TimeLimit
 
 MOST = 5
@@ -123,16 +123,19 @@ class ForwardSelection(Generic[M]):
         doubted = self.data.doubted(self.current)
         if doubted is not None and self._bettered(looked_for_again(self.data, self.current, doubted)):
             return True
+        if self.data.is_at_rest(self.current):
+            return False
         before, many = self._state, len(self.current.hypothesis.keys)
         models = self.data.pointed(self.current, many) if many < MOST else []
         if len(models) < 2 or self._taken(models, 0) is None:
-            return self._bettered(widened_or_exchanged(self.data, self.current))
+            wider = self._bettered(widened(self.data, self.current))
+            return wider or self._bettered(exchanged(self.data, self.current))
         self.current = reconsidered(self.data, self.current)
         much = takes(self.data, before[0], self.current, MUCH)
         if many > 1 and not much and not self.data.leads_on(self.current):
             further, self._state, better = self._state, before, False
             try:
-                better = self._bettered(widened_or_exchanged(self.data, self.current))
+                better = self._bettered(widened(self.data, self.current))
             finally:
                 if not better:
                     self._state = further
