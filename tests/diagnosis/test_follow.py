@@ -10,6 +10,7 @@ from flexmodal.diagnosis.effects.effect import Effect
 from flexmodal.diagnosis.effects.free_function import FreeFunction
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.lawfree.result import Findings, Found, PlaceTried
+from flexmodal.diagnosis.names import UNSTRUCTURED
 from flexmodal.diagnosis.outcome import Compared, Gaps, Step
 from flexmodal.diagnosis.selection import frf_by_look, frf_candidates, frf_data
 from flexmodal.diagnosis.selection.comparison import Comparison
@@ -499,6 +500,36 @@ def test_nothing_is_added_where_by_a_look_beside_several_nothing_is_missing(
     assert data.is_at_rest(fitted(*keys)) is rests
 
 
+class Doubtful(World):
+    """What a foundation gains is not sure while something else is missing."""
+
+    def compare(self, models):
+        found = super().compare(models)
+        known = [k for k, one in enumerate(models) if k and one.key == BASE and MASS in one.keys[:-1]]
+        for k in known:
+            found.table[k, 0] = found.table[0, 0] - 1.0
+        return found
+
+
+@pytest.mark.parametrize("takes", [0.5, 0.2])
+def test_an_effect_that_is_not_sure_yet_is_followed_where_it_takes_a_good_part(takes):
+    """Beside it the next one explains the rest."""
+
+    def left(keys):
+        with_base = {MASS, BASE} <= keys
+        return (
+            NOISE / 2
+            if with_base and PLAY in keys
+            else 40.0 * (1 - takes * with_base)
+            if MASS in keys
+            else 99.0
+        )
+
+    selection = Selection(Doubtful(left))
+    assert selection.follow() is (takes > 0.33)
+    assert takes < 0.33 or set(steps(selection)) == {MASS, BASE, PLAY}
+
+
 def test_effects_at_rest_are_asked_which_are_sure():
     """More might be added, and nothing is."""
 
@@ -733,6 +764,8 @@ def test_one_of_several_is_as_sure_as_it_is_beside_the_others():
     found = beside_others(step_of(0.2, (DELAY,)), 0.9, [MASS, DELAY])
     assert (found.confidence, found.ties) == (0.9, ())
     assert found.alternatives[0].confidence == pytest.approx(0.4 * 0.1 / 0.8)
+    alone = beside_others(step_of(0.0, (DELAY, (UNSTRUCTURED, ""))), 0.9, [MASS, DELAY])
+    assert (alone.confidence, alone.ties) == (0.9, ())
     kept = beside_others(step_of(0.2, (DELAY, PLAY)), 0.9, [MASS, DELAY])
     assert (kept.confidence, kept.ties) == (0.2, (PLAY,))
     assert kept.alternatives[0].confidence == 0.4

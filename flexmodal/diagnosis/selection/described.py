@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Float
 
 from flexmodal.diagnosis.hypothesis import Hypothesis
-from flexmodal.diagnosis.names import NONE
+from flexmodal.diagnosis.names import NONE, UNSTRUCTURED
 from flexmodal.diagnosis.outcome import Compared, Step
 from flexmodal.diagnosis.selection.comparison import Comparison, M
 
@@ -20,12 +20,14 @@ STEP = 1e-5
 def beside_others(step: Step, sure: float, named: Sequence[tuple[str, str]]) -> Step:
     """One of several effects: as sure as it is beside the others, where nothing but they was tied with it.
 
+    A mode with no structure was, as long as they were missing.
+
     Args:
         step: as it was added, before others were known.
         sure: its confidence beside all others.
         named: all effects.
     """
-    ties = tuple(tie for tie in step.ties if tie not in named)
+    ties = tuple(tie for tie in step.ties if tie not in named and tie[0] != UNSTRUCTURED)
     return replace(step, ties=ties) if ties else untied(step, sure)
 
 

@@ -127,7 +127,7 @@ class ForwardSelection(Generic[M]):
             return False
         before, many = self._state, len(self.current.hypothesis.keys)
         models = self.data.pointed(self.current, many) if many < MOST else []
-        if len(models) < 2 or self._taken(models, 0) is None:
+        if len(models) < 2 or not (self._taken(models, 0) or self._tried_on(models)):
             wider = self._bettered(widened(self.data, self.current))
             return wider or self._bettered(exchanged(self.data, self.current))
         self.current = reconsidered(self.data, self.current)
@@ -146,6 +146,21 @@ class ForwardSelection(Generic[M]):
         number = len(self.current.hypothesis.keys)
         models = self.data.besides(self.current, number) if number < MOST else []
         return len(models) > 1 and self._taken(models, number) is not None
+
+    def _tried_on(self, models: Sequence[M]) -> bool:
+        """One effect more that is not sure yet, where it takes a good part.
+
+        Of which ones the data are sure is asked at the end.
+        """
+        comparison = self.data.compare(models)
+        able = [k for k, one in enumerate(models) if k and one.key[0] != UNSTRUCTURED]
+        best = max(able, key=lambda k: comparison.scores[k], default=0)
+        gains = best and comparison.scores[best] > comparison.scores[0]
+        if len(self.steps) == 0 or not gains or not takes(self.data, self.current, models[best], MUCH):
+            return False
+        self.current = models[best]
+        self.steps.append(self.describe(comparison, best))
+        return True
 
     def _bettered(self, other: M) -> bool:
         """Whether a model is another one than the present, whose place it takes."""
