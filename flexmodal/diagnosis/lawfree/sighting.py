@@ -75,7 +75,7 @@ def carried_over(before: Sighting, model: PortedModel, stride: int = 1) -> State
         stride: the model has every so many of the lines.
     """
     z = model.in_cells(before.state.z, before.profile.model)
-    return replace(before.state, z=z[..., ::stride])
+    return replace(before.state, z=z[..., ::stride], residual=before.state.residual[:, ::stride])
 
 
 def noise_of(observations: Observations, lines: Int[np.ndarray, " line"]) -> float:
