@@ -436,6 +436,7 @@ def test_a_port_that_leaves_blows_out_stands_beside_one_of_each_blow(root, obser
     assert len(model.observations) == len(seen) - seen.sum()
     assert both.state.z.shape[0] == model.cells < first.profile.model.cells
     begun = carried_over(first, model, 2)
+    assert begun.residual.shape[1] == begun.z.shape[2]
     kept = np.flatnonzero(~seen)[0]
     there = first.state.z[first.profile.model.cell[kept]]
     np.testing.assert_array_equal(begun.z[model.cell[0]], there[..., ::2])
