@@ -214,8 +214,7 @@ class Field:
     def _begun(self, port: Port, before: Sighting | None, *, roughly: bool) -> screening.Fit:
         """A port's first fit to a part of the data."""
         every = (*(before.ports if before else ()), port)
-        by_blow = any(one.kind.by_blow for one in every)
-        model = self._model(every, self.seen.some if by_blow else self._few, self._some_lines)
+        model = self._model(every, self._seen(every, self._few, self.seen.some), self._some_lines)
         state = None if before is None else carried_over(before, model, screening.LINES)
         return begun(model, state, floor=self._floors[0], steps=screening.STEPS, roughly=roughly)
 
@@ -241,8 +240,8 @@ class Field:
     ) -> PortedModel:
         return PortedModel.of(ports, self.root, observations, lines, self.fitted)
 
-    def _seen(self, ports: Sequence[Port], merged: Observations) -> Observations:
-        return self.seen.apart if any(port.kind.by_blow for port in ports) else merged
+    def _seen(self, ports: Sequence[Port], merged: Observations, apart: Observations) -> Observations:
+        return apart if any(port.kind.by_blow for port in ports) else merged
 
     def sighted(
         self,
@@ -264,7 +263,7 @@ class Field:
         if first:
             before = self.sighted(tuple(first), before)
         every = (*(before.ports if before else ()), port)
-        observations, lines = self._seen(every, self.seen.merged), self.seen.lines
+        observations, lines = self._seen(every, self.seen.merged, self.seen.apart), self.seen.lines
         model = self._model(every, observations, lines)
         noise = noise_of(observations, lines)
         steps, settled = (PATIENT_STEPS, PATIENT) if patient else (STEPS, SETTLED)

@@ -38,7 +38,7 @@ fewest to go on."""
 WELL_PLACED = 3
 """Ports whose geometry matters that are followed from several places, those that do best from one."""
 TORQUES = 2
-"""Torques that depend on the blow that are fitted well. Of ten campaigns with one that were looked at, the
+"""Torques that depend on the blow that are fitted well. Of eight campaigns with one that were looked at, the
 true one came first with half of the next one's reduced χ² and less."""
 UNMENDED = 2.0
 """So many times as far behind, and as many, before lines that ended in other minima are repaired."""

@@ -16,6 +16,7 @@ import numpy as np
 from jaxtyping import Float
 
 from flexmodal.diagnosis.hypothesis import Hypothesis
+from flexmodal.diagnosis.names import UNSTRUCTURED
 
 TIE = 0.05
 """Probability from which a model counts as tied with the best. Nothing but what is told hangs on it."""
@@ -93,6 +94,12 @@ class Comparison(Generic[M]):
     def first_gain(self, number: int) -> float:
         """The same as believed and with all data."""
         return float(self.scores[number] - self.scores[0])
+
+    @property
+    def best_effect(self) -> int:
+        """Number of the model with an effect whose score is best; a mode with no structure is none. Or 0."""
+        able = [k for k, one in enumerate(self.models) if k and one.key[0] != UNSTRUCTURED]
+        return max(able, key=lambda k: self.scores[k], default=0)
 
     @cached_property
     def tied(self) -> list[int]:

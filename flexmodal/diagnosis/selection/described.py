@@ -20,7 +20,7 @@ STEP = 1e-5
 def beside_others(step: Step, sure: float, named: Sequence[tuple[str, str]]) -> Step:
     """One of several effects: as sure as it is beside the others, where nothing but they was tied with it.
 
-    A mode with no structure was, as long as they were missing.
+    That a mode with no structure was tied with it, as long as they were missing, does not count.
 
     Args:
         step: as it was added, before others were known.

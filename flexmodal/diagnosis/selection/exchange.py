@@ -5,7 +5,6 @@ What was added while others were missing may have taken up what was due to these
 
 from __future__ import annotations
 
-from flexmodal.diagnosis.names import UNSTRUCTURED
 from flexmodal.diagnosis.selection.comparison import M
 from flexmodal.diagnosis.selection.data import Data
 
@@ -50,8 +49,7 @@ def looked_for_again(data: Data[M], model: M, key: tuple[str, str]) -> M:
     """
     less = data.without(model, key)
     comparison = data.compare(data.pointed(less, len(model.hypothesis.keys) - 1))
-    able = [k for k, one in enumerate(comparison.models) if k and one.key[0] != UNSTRUCTURED]
-    other = max(able, key=lambda k: comparison.scores[k], default=0)
+    other = comparison.best_effect
     better = bool(other) and takes(data, model, comparison.models[other], NEARER)
     return comparison.models[other] if better else model
 

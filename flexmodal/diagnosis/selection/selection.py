@@ -8,7 +8,6 @@ from dataclasses import replace
 from itertools import pairwise
 from typing import Any, Generic
 
-from flexmodal.diagnosis.names import UNSTRUCTURED
 from flexmodal.diagnosis.outcome import Compared, Step
 from flexmodal.diagnosis.selection.comparison import Comparison, M
 from flexmodal.diagnosis.selection.data import Data
@@ -127,7 +126,7 @@ class ForwardSelection(Generic[M]):
             return False
         before, many = self._state, len(self.current.hypothesis.keys)
         models = self.data.pointed(self.current, many) if many < MOST else []
-        if len(models) < 2 or not (self._taken(models, 0) or self._tried_on(models)):
+        if len(models) < 2 or not (self._taken(models, 0) or self._tried_on()):
             wider = self._bettered(widened(self.data, self.current))
             return wider or self._bettered(exchanged(self.data, self.current))
         self.current = reconsidered(self.data, self.current)
@@ -147,18 +146,17 @@ class ForwardSelection(Generic[M]):
         models = self.data.besides(self.current, number) if number < MOST else []
         return len(models) > 1 and self._taken(models, number) is not None
 
-    def _tried_on(self, models: Sequence[M]) -> bool:
-        """One effect more that is not sure yet, where it takes a good part.
+    def _tried_on(self) -> bool:
+        """One effect more of the last comparison that is not sure yet, where it takes a good part.
 
         Of which ones the data are sure is asked at the end.
         """
-        comparison = self.data.compare(models)
-        able = [k for k, one in enumerate(models) if k and one.key[0] != UNSTRUCTURED]
-        best = max(able, key=lambda k: comparison.scores[k], default=0)
-        gains = best and comparison.scores[best] > comparison.scores[0]
-        if len(self.steps) == 0 or not gains or not takes(self.data, self.current, models[best], MUCH):
+        comparison = self.rounds[-1].comparison
+        best = comparison.best_effect
+        gains = best and comparison.first_gain(best) > 0
+        if not self.steps or not gains or not takes(self.data, self.current, comparison.models[best], MUCH):
             return False
-        self.current = models[best]
+        self.current, self.refused = comparison.models[best], []
         self.steps.append(self.describe(comparison, best))
         return True
 
@@ -190,9 +188,8 @@ class ForwardSelection(Generic[M]):
         comparison = self.data.compare(models)
         found = self._chosen(comparison, number)
         self.rounds.append(Round(comparison, found))
-        pairs = [k for k, one in enumerate(comparison.models) if k and one.key[0] != UNSTRUCTURED]
-        if number and pairs:
-            self.pair = comparison.models[max(pairs, key=lambda k: comparison.scores[k])]
+        if number and comparison.best_effect:
+            self.pair = comparison.models[comparison.best_effect]
         if found.number is not None or (not self.steps and any_gains(comparison) > Answer.NO):
             self.rivals = rivals(comparison, found.number, self.data.alike)
         if found.number is None:
