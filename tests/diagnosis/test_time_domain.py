@@ -1,6 +1,7 @@
 """Integration in time against closed forms, another integrator, and transforms by quadrature."""
 
 import itertools
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -442,6 +443,21 @@ def test_batches_do_not_change_anything(monkeypatch):
     monkeypatch.setattr(integration, "_TOGETHER", 1)
     for a, b in zip(together, integrate(some, Steps.behind(axis.frequency)), strict=True):
         np.testing.assert_array_equal(a.torque, b.torque)
+
+
+def test_structures_may_be_struck_at_different_numbers_of_points():
+    """As in a campaign whose postures were not all struck in the same places."""
+    axis = lines(2.0)
+    laws = [hardening(FIRST, size, 1e-3) for size in (2e3, 3e3)]
+    several = struck(axis, laws[0], blows=((0, PULSE), (1, PULSE)))
+    one = replace(several.structure, reference=ROWS[1:])
+    few = Struck(one, (laws[1],), axis, ((0, PULSE),))
+    steps = Steps.behind(axis.frequency)
+    together = integrate([several, few], steps)
+    apart = [integrate([some], steps)[0] for some in (several, few)]
+    for a, b in zip(together, apart, strict=True):
+        np.testing.assert_allclose(a.torque, b.torque, rtol=1e-12, atol=1e-15)
+        np.testing.assert_allclose(a.last, b.last, rtol=1e-12, atol=1e-15)
 
 
 def test_records_longer_than_the_lines_say():

@@ -175,8 +175,10 @@ def _linear(struck: Sequence[Struck], step: float) -> tuple[Propagation, Int[np.
     """The linear parts that differ, and which one each has: laws may be the only difference."""
     made = [(state_matrix(one.structure, one.axis), _columns(one)) for one in struck]
     firsts, number = _distinct([(a.tobytes(), b.tobytes()) for a, b in made])
-    linear, columns = (np.array(some) for some in zip(*(made[k] for k in firsts), strict=True))
-    return propagated(linear, columns, step), np.array(number)
+    most = max(columns.shape[1] for _, columns in made)  # some may be struck at more points than others
+    linear = np.array([made[k][0] for k in firsts])
+    columns = [np.pad(made[k][1], ((0, 0), (0, most - made[k][1].shape[1]))) for k in firsts]
+    return propagated(linear, np.array(columns), step), np.array(number)
 
 
 def _distinct(keys: Sequence[Hashable]) -> tuple[list[int], list[int]]:
