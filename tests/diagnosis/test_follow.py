@@ -431,6 +431,20 @@ def test_a_third_effect_is_looked_for_whatever_one_place_leaves():
         Alone().pointed(fitted(BASE, MASS), 2)
 
 
+@pytest.mark.parametrize(("over", "tried"), [(1.3, False), (1.5, True)])
+def test_where_nothing_is_left_no_effect_is_exchanged(monkeypatch, over, tried):
+    """A wider one in its place would always do a little better."""
+    other = fitted(MASS, BASE)
+    data = FrfData.__new__(FrfData)
+    data.setup, data.modes = Mock(spec=Setup), None
+    data._candidates = Mock(spec=FrfCandidates, considered=lambda *given: [other])
+    monkeypatch.setattr(frf_by_look, "in_its_stead", lambda *given: [other])
+    monkeypatch.setattr(frf_by_look, "best_of_each", list)
+    for module in (frf_data, frf_by_look):
+        monkeypatch.setattr(module, "over_noise", lambda *given: over)
+    assert data.instead(fitted(MASS, DELAY), DELAY) == ([other] if tried else [])
+
+
 @pytest.mark.parametrize(
     ("over", "explains", "at", "tried"),
     [
@@ -458,6 +472,19 @@ def test_what_may_hide_in_the_noise_is_tried_at_the_place_a_look_finds(
     monkeypatch.setattr(frf_data, "over_noise", lambda setup, model: over)
     before = fitted(MASS)
     assert data.besides(before, 1) == ([before, met] if tried else [])
+
+
+def test_where_no_effect_stands_for_what_hides_those_are_tried_that_leave_nothing(monkeypatch):
+    look = Mock(spec=Findings, explains=True, is_at=lambda keys: False)
+    before, near, far = fitted(MASS), fitted(MASS, DELAY), fitted(MASS, BASE)
+    data = FrfData.__new__(FrfData)
+    data.setup, data.asked = Mock(spec=Setup), None
+    data._candidates = Mock(
+        spec=FrfCandidates, can_look=lambda model: True, look_beside=lambda model: look,
+        at_places=lambda *given, only_met: [], searched=lambda *given: [near, far],
+    )  # fmt: skip
+    monkeypatch.setattr(frf_data, "over_noise", lambda setup, model: 1.05 if model is near else 1.2)
+    assert data.besides(before, 1) == [before, near]
 
 
 @pytest.mark.parametrize(

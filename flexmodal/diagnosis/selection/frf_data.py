@@ -32,10 +32,10 @@ from flexmodal.diagnosis.selection.frf_candidates import FrfCandidates
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs, compare_models
 from flexmodal.diagnosis.selection.frf_starts import narrowest, starts
 from flexmodal.diagnosis.selection.frf_thresholds import (
-    CLOSE,
     FLOOR_REACHED,
     FORCE,
     FORCE_MARGIN,
+    NOTHING_HIDDEN,
     THERE,
     THERE_MARGIN,
     reached,
@@ -112,17 +112,24 @@ class FrfData(FrfsByLook):
         return [before, *found, *([] if number else [unstructured_mode(self.setup, before)])]
 
     def besides(self, before: FittedFrfs, number: int) -> list[FittedFrfs]:
-        """See `Data`: at one other place that leaves nothing without a law."""
+        """See `Data`: at one other place that leaves nothing without a law.
+
+        Where no effect stands for what was found there, those of other kinds that do nearly as well without
+        a law, if they leave nothing with theirs.
+        """
         if self._is_close(before) or self.asked is not None or not self._candidates.can_look(before):
             return []
         look = self._candidates.look_beside(before)
         if not look.explains or look.is_at(before.hypothesis.keys):
             return []
         found = self._candidates.at_places(before, number, look, self._is_close, only_met=True)
+        if not found:
+            others = self._candidates.searched(before, number, look.worth_trying)
+            found = [one for one in others if self._is_close(one)]
         return [before, *found]
 
     def _is_close(self, model: FittedFrfs) -> bool:
-        return over_noise(self.setup, model) <= CLOSE
+        return over_noise(self.setup, model) <= NOTHING_HIDDEN
 
     def candidates(self, before: FittedFrfs, number: int) -> list[FittedFrfs]:
         """The finalists of a search, and a mode with no structure last.
