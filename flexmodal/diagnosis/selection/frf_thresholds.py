@@ -42,8 +42,8 @@ perfect one is somewhat above 1, since what repeats share is not in the noise.""
 CLOSE = 1.15
 """The same that is clearly nothing but noise, however little believable what leaves it is."""
 NOTHING_HIDDEN = 1.1
-"""The same up to which no further effect is looked for. Of 101 campaigns whose effects were all named, 71 ended
-below; of seven that lacked one and ended below 1.25, five."""
+"""The same up to which no further effect is looked for. Of 101 campaigns whose effects were all named, 71
+ended below; of seven that lacked one and ended below 1.25, five."""
 EXPLAINED = 2.0
 """The same that a strong effect may leave."""
 LEFT = 0.03
