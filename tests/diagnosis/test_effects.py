@@ -6,6 +6,7 @@ from unittest.mock import Mock
 
 import numpy as np
 import pytest
+from scipy.linalg import polar
 from scipy.spatial.transform import Rotation
 
 import flexmodal
@@ -832,28 +833,67 @@ def test_effects_along_the_axes_of_a_link(fixed, effect, values):
     np.testing.assert_allclose(found / size, expected / size, atol=1e-10)
 
 
-def test_a_sensor_set_up_anew_leans_alike_in_the_world(standing):
-    """The turn with the link first, then one of the world that is the same in every posture."""
+SQUARE = {"across_1_2": 0.0, "across_1_3": 0.0, "across_2_3": 0.0,
+          "second_sensitivity": 1.0, "third_sensitivity": 1.0}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "skew",
+    [
+        SQUARE,
+        {"across_1_2": 0.1, "across_1_3": -0.2, "across_2_3": 0.05,
+         "second_sensitivity": 0.9, "third_sensitivity": 1.2},
+    ],
+    ids=["square", "skew"],
+)  # fmt: skip
+def test_a_sensor_set_up_anew_leans_alike_in_the_world(standing, skew):
+    """Its own axes first, then the turn with the link, then one of the world, the same in every posture."""
     context, _, _ = standing
     effect, where = effect_of("sensor_misalignment" + NEXT), context.sensors[-1]
     values = {"sensitivity": 1.1, "angle_x": 0.2, "angle_y": -0.1, "angle_z": 0.3,
-              "lean_x": -0.6, "lean_y": 0.5, "lean_z": 0.2}  # fmt: skip
+              "lean_x": -0.6, "lean_y": 0.5, "lean_z": 0.2, **skew}  # fmt: skip
     link, world = ([values[f"{name}_{axis}"] for axis in "xyz"] for name in ("angle", "lean"))
+    xy, xz, yz, y, z = skew.values()
     axes = Rotation.random(4, random_state=1)
     way = np.array([0.6, 0.0, 0.8])
     assembly = Mock(spec=Assembly, axes=lambda link: axes.as_matrix())
     placement = Placement.still(context, where, values)
-    expected = Rotation.from_rotvec(world) * axes * Rotation.from_rotvec(link) * axes.inv()
+    felt = axes.inv().apply(way) @ np.array([[1, xy, xz], [xy, y, yz], [xz, yz, z]])
+    expected = 1.1 * (Rotation.from_rotvec(world) * axes * Rotation.from_rotvec(link)).apply(felt)
     found = effect.turn(assembly, placement, where, way)
-    np.testing.assert_allclose(found, 1.1 * expected.apply(way), atol=1e-12)
+    np.testing.assert_allclose(found, expected, atol=1e-12)
     np.testing.assert_array_equal(effect.turn(assembly, placement, "another", way), way)
-    assert not effect_of("sensor_misalignment").next_level.starts(
-        Mock(spec=Context, normal=np.eye(3)[1]), where, values
+
+
+def test_two_axes_in_a_plane_may_turn_apart(bench):
+    """Of an accelerometer whose axes are not square: what one of them feels says nothing of the other."""
+    context = bench[0]
+    effect, where = effect_of("sensor_misalignment" + NEXT), context.sensors[-1]
+    assert context.normal is not None
+    link = context.point(where).link
+    axes = Rotation.from_rotvec(0.7 * np.asarray(context.normal))
+    first = axes.apply(along(context, link)[1])
+    second = np.cross(context.normal, first)
+    wanted = np.array([[np.cos(0.5), -np.sin(0.2)], [np.sin(0.5), np.cos(0.2)]])  # columns: each axis turned
+    turn, metric = polar(wanted)
+    values = {
+        "angle": np.arctan2(turn[1, 0], turn[0, 0]), "sensitivity": metric[0, 0],
+        "second_sensitivity": metric[1, 1] / metric[0, 0], "across_1_2": metric[0, 1] / metric[0, 0],
+    }  # fmt: skip
+    assembly = Mock(spec=Assembly, axes=lambda link: axes.as_matrix())
+    placement = Placement.still(context, where, values)
+    for k, way in enumerate((first, second)):
+        found = effect.turn(assembly, placement, where, way)
+        np.testing.assert_allclose([found @ first, found @ second], wanted[:, k], atol=1e-12)
+    assert effect.starts(context, where)
+    assert effect_of("sensor_misalignment").next_level.starts(context, where, {"angle": 0.1})
+
+
+@pytest.mark.parametrize("arm", ["standing", "bench"])
+def test_derivatives_of_a_sensor_that_leans(request, arm):
+    test_derivatives_are_those_of_central_differences(
+        request.getfixturevalue(arm), "sensor_misalignment" + NEXT
     )
-
-
-def test_derivatives_of_a_sensor_that_leans(standing):
-    test_derivatives_are_those_of_central_differences(standing, "sensor_misalignment" + NEXT)
 
 
 @pytest.mark.parametrize("effect", ["sensor_misalignment", "base_flexibility", "base_flexibility" + NEXT])

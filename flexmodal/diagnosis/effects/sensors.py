@@ -210,38 +210,70 @@ def _tilt_starts(context: Context, where: str) -> list[Mapping[str, float]]:
     return [dict(zip(("angle_x", "angle_y", "angle_z"), turn.tolist(), strict=True)) for turn in turns]
 
 
-def _leaning_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
-    """Besides a turn with the link one of the world, the same in every posture."""
-    lean = [signed(f"lean_{axis}", "rad", 0.2, -1.4, 1.4) for axis in "xyz" if context.normal is None]
-    return (*_tilt(context, where), *lean)
+def _wide_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
+    """Besides: axes neither square nor alike, and a turn of the world that is the same in every posture."""
+    planar = context.normal is not None
+    across = [signed(name, "", 0.1, -0.8, 0.8) for name in (_ACROSS[:1] if planar else _ACROSS)]
+    sizes = [positive(name, "", 1.0, 0.1, 0.3, 3.0) for name in (_SIZES[:1] if planar else _SIZES)]
+    lean = [signed(f"lean_{axis}", "rad", 0.2, -1.4, 1.4) for axis in "xyz" if not planar]
+    return (*_tilt(context, where), *sizes, *across, *lean)
 
 
-def _leaning_starts(context: Context, where: str, values: Mapping[str, float]) -> list[Mapping[str, float]]:
-    """A turn of the world in place of one with the link; in a plane they are one and the same."""
+_ACROSS = ("across_1_2", "across_1_3", "across_2_3")
+"""Transverse sensitivities: along one axis of the link for a motion along another one, either way round."""
+_SIZES = ("second_sensitivity", "third_sensitivity")
+"""Sensitivities along the second and the third axis, over that along the first."""
+
+
+def _wide_starts(context: Context, where: str, values: Mapping[str, float]) -> list[Mapping[str, float]]:
+    """Where the turn with the link ended, and a turn of the world in place of it: in a plane they are one."""
     if context.normal is not None:
-        return []
+        return [values]
     upright = {f"angle_{axis}": 0.0 for axis in "xyz"}
     leans = [{k.replace("angle", "lean"): v for k, v in one.items()} for one in _tilt_starts(context, where)]
-    return [{**beside, **lean} for beside in (values, upright) for lean in leans]
+    return [values, *({**beside, **lean} for beside in (values, upright) for lean in leans)]
 
 
-def _lean(assembly: Assembly, placement: Placement, point: str, way: np.ndarray) -> np.ndarray:
-    """Set up anew in each posture, leaning alike in the world, and turned on its link besides."""
-    found = _turn(assembly, placement, point, way)
-    if point != placement.where or placement.context.normal is not None:
+def _stretched(assembly: Assembly, placement: Placement, way: np.ndarray) -> np.ndarray:
+    """By a symmetric matrix in the axes of the link; with the turn, any matrix of three axes in one housing.
+
+    Transverse sensitivity as of ISO 16063-31. In a plane the axes are along the link and beside it.
+    """
+    context = placement.context
+    link = context.point(placement.where).link
+    frame = assembly.axes(link)
+    if context.normal is None:
+        (xy, xz, yz), (y, z) = (placement[name] for name in _ACROSS), (placement[name] for name in _SIZES)
+        metric = np.array([[1.0, xy, xz], [xy, y, yz], [xz, yz, z]])
+    else:
+        first = frame @ along(context, link)[1]
+        normal = np.broadcast_to(context.normal, first.shape)
+        frame = np.stack([first, np.cross(normal, first), normal], axis=-1)
+        xy, y = placement[_ACROSS[0]], placement[_SIZES[0]]
+        metric = np.array([[1.0, xy, 0.0], [xy, y, 0.0], [0.0, 0.0, 1.0]])
+    felt = np.einsum("...ji,...j->...i", frame, way)
+    return np.asarray(np.einsum("...ij,jk,...k->...i", frame, metric, felt))
+
+
+def _widely_turned(assembly: Assembly, placement: Placement, point: str, way: np.ndarray) -> np.ndarray:
+    """Stretched and turned on its link, and set up anew in each posture, leaning alike in the world."""
+    if point != placement.where:
+        return way
+    found = _turn(assembly, placement, point, _stretched(assembly, placement, way))
+    if placement.context.normal is not None:
         return found
     return turned(np.array([placement[f"lean_{axis}"] for axis in "xyz"]), found)
 
 
-SENSOR_LEANING = Effect(
+SENSOR_ASKEW = Effect(
     name="sensor_misalignment",
     says="a sensor points elsewhere than recorded",
     places=lambda context: context.sensors,
-    parameters=_leaning_parameters,
+    parameters=_wide_parameters,
     starts=_tilt_starts,
-    turn=_lean,
+    turn=_widely_turned,
     aside=_aside,
 )
 SENSOR_MISALIGNMENT = replace(
-    SENSOR_LEANING, parameters=_tilt, turn=_turn, next_level=Level(SENSOR_LEANING, _leaning_starts)
+    SENSOR_ASKEW, parameters=_tilt, turn=_turn, next_level=Level(SENSOR_ASKEW, _wide_starts)
 )
