@@ -33,6 +33,7 @@ MASS, DELAY, PLAY, LINK, BASE = (
     ("link", "d"),
     ("base", "e"),
 )
+FEET = ("base_flexibility", "base")
 EVERY = (MASS, DELAY, PLAY, LINK, BASE, ("spare", "f"), ("spare", "g"))
 NOISE = 1.0
 
@@ -660,6 +661,58 @@ def test_beside_the_same_effects_is_searched_again_only_from_nearer(monkeypatch,
     before = candidates.at_places(first, 2, look, is_over)
     assert (candidates.at_places(other, 2, look, is_over) is before) is not again
     assert made == [first, other] if again else [first]
+
+
+@pytest.mark.parametrize(
+    ("takes", "beside", "expected"),
+    [
+        (0.4, True, [("local_absorber", "link_3")]),
+        (0.2, False, [("local_absorber", "link_3")]),
+        (0.2, True, [FEET, ("local_absorber", "link_3"), ("joint_coupling", "q1+q2")]),
+    ],
+    ids=["one takes a good part", "nothing is there yet", "neither"],
+)
+def test_where_none_takes_a_good_part_beside_effects_what_a_look_puts_first_and_wider_laws_are_tried(
+    monkeypatch, takes, beside, expected
+):
+    """Of the two best places that have an effect, and of those near that have a wider law."""
+    over = {FEET: 8.0, ("local_absorber", "link_3"): 7.7, ("joint_coupling", "q1+q2"): 20.0}
+    asked, widened = [], []
+
+    def model(key, over, level=None):
+        one = fitted(DELAY, key)
+        one.hypothesis.placed[-1].effect = Mock(next_level=level)
+        one.over = over
+        return one
+
+    def best_of_each(every):
+        ranked = sorted(every, key=lambda one: one.over)
+        return [one for k, one in enumerate(ranked) if one.key not in [each.key for each in ranked[:k]]]
+
+    def searched(before, number, allowed):
+        every = [*over, ("joint_coupling", "q2+q3"), ("added_mass", "link_3")]
+        asked.extend(key for key in every if allowed(*key))
+        return [model(key, over[key], "wide") for key in asked]
+
+    def at_next_level(setup, one, set_out, is_enough):
+        widened.append(one.key)
+        return [model(one.key, 5.4)]
+
+    monkeypatch.setattr(frf_candidates, "over_noise", lambda setup, one: one.over)
+    monkeypatch.setattr(frf_candidates, "left", lambda setup, before, one: 1 - takes)
+    monkeypatch.setattr(frf_candidates, "at_next_level", at_next_level)
+    monkeypatch.setattr(frf_candidates, "best_of_each", best_of_each)
+    candidates = FrfCandidates.__new__(FrfCandidates)
+    candidates.setup, candidates.searched = Mock(spec=Setup), searched
+    ports = ("blows", "tip"), ("base", "base"), ("ground", "a"), ("coupling", "q1+q2"), ("body", "link_3")
+    places = [Mock(spec=PlaceTried, port=port, where=where) for port, where in ports]
+    first = model(("local_absorber", "link_3"), 7.7)
+    before = fitted(DELAY) if beside else fitted()
+    found = candidates._with_wider_laws(before, 1, [first], Mock(spec=Findings, places=places))
+    assert [one.key for one in found] == expected
+    more = takes < 0.33 and beside
+    assert asked == ([FEET, ("joint_coupling", "q1+q2")] if more else [])
+    assert widened == ([FEET] if more else [])
 
 
 def is_over(model):

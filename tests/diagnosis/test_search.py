@@ -12,6 +12,7 @@ from flexmodal.diagnosis.search import explanations as module
 from flexmodal.diagnosis.search.coarse import Candidate, look_at
 from flexmodal.diagnosis.search.explanations import A_FEW, BEHIND, FAR_BEHIND, explanations
 from flexmodal.diagnosis.search.lines import WORST, some_lines, worst_lines
+from flexmodal.diagnosis.search.search import varied
 from flexmodal.diagnosis.search.set_out import SetOut
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.setup import Setup
@@ -112,3 +113,14 @@ def test_beside_several_effects_nothing_is_fitted_from_the_card_once_more(monkey
     found = module.fitted_believably(Mock(spec=Setup), Candidate(hypothesis, np.ones(3), 2.0))
     assert found == [made[fits - 1]]
     assert closely.call_count == fits
+
+
+@pytest.mark.parametrize(("several", "order"), [(False, "abcd"), (True, "abdc")])
+def test_beside_effects_one_effect_does_not_take_all_places_among_the_best(several, order):
+    """Absorbers on every link do a little of what each effect does that is missing."""
+    keys = {"a": ("absorber", "1"), "b": ("absorber", "2"), "c": ("absorber", "3"), "d": ("foundation", "")}
+    placed = (None,) * (1 + several)
+    found = {
+        name: Mock(spec=Candidate, key=key, hypothesis=Mock(placed=placed)) for name, key in keys.items()
+    }
+    assert varied(list(found.values())) == [found[name] for name in order]

@@ -145,6 +145,15 @@ class Found:
         port = PORT_OF.get(effect)
         return port is not None and any(one[1] == where and holds(one, (port, where)) for one in self.alike)
 
+    def bears(self, effect: str, where: str) -> bool:
+        """Whether an effect acts along the joint whose torque was found free for every blow.
+
+        Args:
+            effect: its name.
+            where: its place.
+        """
+        return self.port == "torque" and PORT_OF.get(effect) == "joint" and self.where == where
+
     def could_be(self, effect: str, where: str) -> bool:
         """Whether the place and the class allow for an effect of the catalogue.
 
@@ -207,7 +216,7 @@ class Findings:
             where: its place.
         """
         port = PORT_OF.get(effect)
-        if port is None or any(one.has(effect, where) for one in self.found):
+        if port is None or any(one.has(effect, where) or one.bears(effect, where) for one in self.found):
             return True
         if len(self.found) > 1:
             return False

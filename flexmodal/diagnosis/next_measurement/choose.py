@@ -196,7 +196,7 @@ def next_frf(campaign: Campaign, direction: int, models: Sequence[Sure], seed: i
         moved = Hypothesis(there, fit.hypothesis.base, fit.hypothesis.placed)
         (structure,) = moved.structures(fit.x, places, places, slopes=True)
         value, slopes = receptance(structure, axis, pairs, moved.space.names)
-        return Predicted(value, slopes / np.where(value == 0, 1e-300, value), fit.covariance)
+        return _relative(value, slopes, fit)
 
     options: list[Option] = []
     for number, q in enumerate(postures_to_try(context, seed), start=1):
@@ -274,4 +274,9 @@ def _seen(fit: Sure, there: Context, planned: Observations, lines: slice) -> Pre
     slopes = np.zeros((len(moved.space), len(planned), count), dtype=complex)
     for some, found, changes in evaluated(moved, fit.x, planned, lines, slopes=True):
         value[some], slopes[:, some] = found, changes
-    return Predicted(value, slopes / np.where(value == 0, 1e-300, value), fit.covariance)
+    return _relative(value, slopes, fit)
+
+
+def _relative(value: np.ndarray, slopes: np.ndarray, fit: Sure) -> Predicted:
+    """Slopes of ln(value); what does not move tells nothing whatever they are."""
+    return Predicted(value, slopes / np.where(value == 0, 1.0, value), fit.covariance)

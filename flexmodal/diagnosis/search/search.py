@@ -8,6 +8,7 @@ law.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
@@ -25,6 +26,8 @@ STARTS = 2
 """Starts that are kept for each effect and place."""
 ROUNDS = ((0.2, 3, 20), (0.1, 5, 10), (0.03, 8, 5))
 """Model error, steps, and how many candidates go on."""
+ALIKE = 2
+"""Places of one effect beside others that are fitted closely, if there is anything else."""
 INTEGRATED_MOST = 12
 """Candidates whose torques are integrated that are fitted at all: each of their steps takes long."""
 INTEGRATED_ROUNDS = ((0.2, 8, 5), (0.1, 8, 3))
@@ -87,8 +90,24 @@ def narrowed(
         for number, one in enumerate(todo):
             done.append(look.fitted(one, floor, steps))
             advance((round_number + (number + 1) / len(todo)) / len(rounds))
-        todo = distinct(done)[:keep]
+        todo = distinct(done)[:keep] if round_number + 1 < len(rounds) else varied(distinct(done))[:keep]
     return todo
+
+
+def varied(found: Sequence[Candidate]) -> list[Candidate]:
+    """Beside effects no more than `ALIKE` places of an effect before all others have had their turn.
+
+    While several are missing absorbers on every link do a little of what each of them does.
+
+    Args:
+        found: candidates, the best first.
+    """
+    counts, first, last = Counter[str](), list[Candidate](), list[Candidate]()
+    for one in found:
+        counts[one.key[0]] += 1
+        several = len(one.hypothesis.placed) > 1
+        (last if several and counts[one.key[0]] > ALIKE else first).append(one)
+    return [*first, *last]
 
 
 def come_nearer(found: Sequence[Candidate], look: Look) -> list[Candidate]:

@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from flexmodal.diagnosis.disagreement.gaps import over_noise
+from flexmodal.diagnosis.disagreement.gaps import left, over_noise
 from flexmodal.diagnosis.lawfree.adjacent import adjacent
 from flexmodal.diagnosis.lawfree.result import CLASSES_OF, PORT_OF, Findings
 from flexmodal.diagnosis.search.explanations import (
@@ -20,7 +20,13 @@ from flexmodal.diagnosis.search.next_level import at_next_level
 from flexmodal.diagnosis.search.set_out import SetOut
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.selection.frf_starts import does_more, starts, with_last
-from flexmodal.diagnosis.selection.frf_thresholds import EXPLAINED, FLOOR_REACHED
+from flexmodal.diagnosis.selection.frf_thresholds import (
+    ANOTHER,
+    EXPLAINED,
+    FLOOR_REACHED,
+    LIKELY,
+    NOT_FAR_BEHIND,
+)
 from flexmodal.diagnosis.selection.looks_beside import LooksBeside, laws_of
 from flexmodal.diagnosis.setup import Setup
 
@@ -126,7 +132,32 @@ class FrfCandidates(LooksBeside):
             found = best_of_each([*found, *more])
         if len(look.found) == 1:
             found = self._at_next_levels(before, found, look)
-        return self._elsewhere(before, number, found, look) if alone else found
+        found = self._elsewhere(before, number, found, look) if alone else found
+        return self._with_wider_laws(before, number, found, look)
+
+    def _with_wider_laws(
+        self, before: FittedFrfs, number: int, found: list[FittedFrfs], look: Findings
+    ) -> list[FittedFrfs]:
+        """With effects at places that do best without a law, and wider laws, where none takes a good part.
+
+        Beside effects while several are missing: a narrow law may take nothing where a wide one takes most,
+        of a foundation on bolts or of a rod.
+        """
+        if not before.hypothesis.placed or any(left(self.setup, before, one) < 1 - ANOTHER for one in found):
+            return found
+        known = {one.key for one in found}
+        kinds = set(PORT_OF.values())
+        best = [(one.port, one.where) for one in look.places if one.port in kinds][:LIKELY]
+
+        def allowed(effect: str, where: str) -> bool:
+            return (effect, where) not in known and (PORT_OF.get(effect), where) in best
+
+        found = best_of_each([*found, *self.searched(before, number, allowed)])
+        least = min((over_noise(self.setup, one) for one in found), default=0.0)
+        able = [one for one in found if one.hypothesis.placed[-1].effect.next_level is not None]
+        near = [one for one in able if over_noise(self.setup, one) <= NOT_FAR_BEHIND * least][:LIKELY]
+        wider = [more for one in near for more in at_next_level(self.setup, one, SetOut([]), self._is_enough)]
+        return best_of_each([*found, *wider])
 
     def _elsewhere(
         self, before: FittedFrfs, number: int, found: list[FittedFrfs], look: Findings

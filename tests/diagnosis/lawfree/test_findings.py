@@ -102,6 +102,17 @@ def test_with_several_places_others_are_not_tried(both):
     assert not both.worth_trying("time_delay", "elbow")
 
 
+def test_a_motor_is_tried_where_a_torque_is_free_for_every_blow():
+    """That does whatever a motor does, even if the motor's own port did not come so far."""
+    torque = Found("torque", "q4", "a torque", 10.0, (("torque", "q4"),), None, ())
+    place = PlaceTried("torque", "q4", "a torque", 6.0, None, 9)
+    look = Findings(10.0, 6.0, (place,), (torque,), False, True, "")
+    assert look.worth_trying("servo_compliance", "q4")
+    assert not look.worth_trying("servo_compliance", "q3")
+    assert not look.worth_trying("added_mass", "q4")
+    assert not look.met([("servo_compliance", "q4")])
+
+
 def test_what_is_far_is_not_tried_and_others_always_are(look):
     assert look.worth_trying("link_flexibility", "link_2")
     assert look.worth_trying("joint_coupling", "q1+q2")
