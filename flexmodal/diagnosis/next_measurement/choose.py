@@ -278,5 +278,10 @@ def _seen(fit: Sure, there: Context, planned: Observations, lines: slice) -> Pre
 
 
 def _relative(value: np.ndarray, slopes: np.ndarray, fit: Sure) -> Predicted:
-    """Slopes of ln(value); what does not move tells nothing whatever they are."""
-    return Predicted(value, slopes / np.where(value == 0, 1.0, value), fit.covariance)
+    """Slopes of ln(value); what does not move, or has no finite value, is nothing and tells nothing."""
+    known = np.isfinite(value) & (value != 0)
+    return Predicted(
+        np.where(known, value, 0.0),
+        np.where(known, slopes, 0.0) / np.where(known, value, 1.0),
+        fit.covariance,
+    )
