@@ -10,7 +10,7 @@ from scipy.linalg import polar
 from scipy.spatial.transform import Rotation
 
 import flexmodal
-from flexmodal.diagnosis.effects import Context, catalogue, hinges, link_motion, rod
+from flexmodal.diagnosis.effects import Context, catalogue, hinges, link_motion, nonlinear_stiffness, rod
 from flexmodal.diagnosis.effects.effect import Placement, along, sides
 from flexmodal.diagnosis.effects.free_function import FreeFunction
 from flexmodal.diagnosis.effects.hinges import gauss, quadrature, shares
@@ -831,6 +831,21 @@ def test_effects_along_the_axes_of_a_link(fixed, effect, values):
     size = np.abs(expected).max(axis=1, keepdims=True)
     # an entry may be a small difference of large ones
     np.testing.assert_allclose(found / size, expected / size, atol=1e-10)
+
+
+@pytest.mark.parametrize("cubic", [0.0, 0.2])
+def test_a_spring_has_as_many_laws_whatever_its_cubic_part(bench, cubic):
+    """Systems that are integrated side by side, along differences too, have the same number of them."""
+    context = bench[0]
+    effect, where = effect_of("nonlinear_stiffness" + NEXT), context.joints[0]
+    values = {"change": 0.3, "deflection": 1e-3, "wound": 0.1, "cubic": cubic, "load": 0.2}
+    assembly = Mock(spec=Assembly, stretch_of=lambda joint: np.eye(3)[0])
+    first, second = effect.law(assembly, Placement.still(context, where, values))
+    narrow = {name: values[name] for name in ("change", "deflection", "wound")}
+    (alone,) = effect_of("nonlinear_stiffness").law(assembly, Placement.still(context, where, narrow))
+    assert alone.parameters == first.parameters
+    size = cubic * nonlinear_stiffness.FAR**2 * context.robot.joints[where].stiffness
+    assert second.parameters[0] == pytest.approx(size)
 
 
 SQUARE = {"across_1_2": 0.0, "across_1_3": 0.0, "across_2_3": 0.0,

@@ -60,9 +60,9 @@ def _spring(assembly: Assembly, placement: Placement) -> tuple[Law, ...]:
         placement["wound"] * deflection,
         stiffness,
     )
-    cubic = placement.values.get(_CUBIC, 0.0)
-    if cubic == 0.0:
+    if _CUBIC not in placement.values:
         return (law,)
+    cubic = placement[_CUBIC]  # a law is there even if it is nothing: systems have as many laws each
     far, load = FAR * deflection, placement[_LOAD] * deflection
     return law, hardening(law.row, cubic * FAR**2 * stiffness, far, load)
 

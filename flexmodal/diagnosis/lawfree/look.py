@@ -268,7 +268,7 @@ class Field:
         noise = noise_of(observations, lines)
         steps, settled = (PATIENT_STEPS, PATIENT) if patient else (STEPS, SETTLED)
         floors = (*FLOORS[port.kind is not NOTHING and self._late :], noise)
-        if start is not None:
+        if start is not None and len(start[1]) == model.cells:  # some blows may lack in a part of the data
             begin = Profile(model, screening.FLOORS[-1], settled=settled)
             profile, state = finished(begin, begin.state(*start), floors=floors[1:], steps=steps)
         else:

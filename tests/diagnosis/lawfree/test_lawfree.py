@@ -440,3 +440,6 @@ def test_a_port_that_leaves_blows_out_stands_beside_one_of_each_blow(root, obser
     kept = np.flatnonzero(~seen)[0]
     there = first.state.z[first.profile.model.cell[kept]]
     np.testing.assert_array_equal(begun.z[model.cell[0]], there[..., ::2])
+    lacking = both.state.x, both.state.z[:-1]  # as a look at a part of the data has it, without some blows
+    again = field.sighted((field.ports[0],), first, lacking)
+    assert again.judged == pytest.approx(both.judged)
