@@ -447,20 +447,21 @@ def test_where_nothing_is_left_no_effect_is_exchanged(monkeypatch, over, tried):
 
 
 @pytest.mark.parametrize(
-    ("over", "explains", "at", "tried"),
+    ("over", "left", "explains", "at", "tried"),
     [
-        (1.3, True, False, True),
-        (1.1, True, False, False),
-        (1.3, False, False, False),
-        (1.3, True, True, False),
+        (1.3, 0.7, True, False, True),
+        (1.1, 0.7, True, False, False),
+        (1.3, 1.9, False, False, False),
+        (1.3, 0.7, True, True, False),
+        (1.3, 1.4, True, False, False),
     ],
-    ids=["elsewhere", "near enough", "nowhere", "at the same place"],
+    ids=["elsewhere", "near enough", "nowhere", "at the same place", "not quite"],
 )
 def test_what_may_hide_in_the_noise_is_tried_at_the_place_a_look_finds(
-    monkeypatch, over, explains, at, tried
+    monkeypatch, over, left, explains, at, tried
 ):
     look = Mock(
-        spec=Findings, explains=explains, is_at=lambda keys: at,
+        spec=Findings, left=left, explains=explains, is_at=lambda keys: at,
         met=lambda keys: {key: None for key in keys if key == DELAY},
     )  # fmt: skip
     met, other = fitted(MASS, DELAY), fitted(MASS, BASE)
@@ -476,7 +477,7 @@ def test_what_may_hide_in_the_noise_is_tried_at_the_place_a_look_finds(
 
 
 def test_where_no_effect_stands_for_what_hides_those_are_tried_that_leave_nothing(monkeypatch):
-    look = Mock(spec=Findings, explains=True, is_at=lambda keys: False)
+    look = Mock(spec=Findings, left=0.7, explains=True, is_at=lambda keys: False)
     before, near, far = fitted(MASS), fitted(MASS, DELAY), fitted(MASS, BASE)
     data = FrfData.__new__(FrfData)
     data.setup, data.asked = Mock(spec=Setup), None

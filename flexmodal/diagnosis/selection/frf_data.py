@@ -13,7 +13,7 @@ from flexmodal.diagnosis.disagreement.compare import disagreement, force_depende
 from flexmodal.diagnosis.disagreement.gaps import gap_of, gaps_of, left, over_noise
 from flexmodal.diagnosis.findings import Findings, ModesSeen
 from flexmodal.diagnosis.hypothesis import Hypothesis
-from flexmodal.diagnosis.lawfree.look import SOUND
+from flexmodal.diagnosis.lawfree.look import NEARLY, SOUND
 from flexmodal.diagnosis.next_measurement.choose import next_among_fits
 from flexmodal.diagnosis.outcome import Gaps, NextMeasurement
 from flexmodal.diagnosis.search.close_fit import fitted_closely
@@ -112,7 +112,7 @@ class FrfData(FrfsByLook):
         return [before, *found, *([] if number else [unstructured_mode(self.setup, before)])]
 
     def besides(self, before: FittedFrfs, number: int) -> list[FittedFrfs]:
-        """See `Data`: at one other place that leaves nothing without a law.
+        """See `Data`: at one other place that leaves nothing without a law, so that no law is to blame.
 
         Where no effect stands for what was found there, those of other kinds that do nearly as well without
         a law, if they leave nothing with theirs.
@@ -120,7 +120,7 @@ class FrfData(FrfsByLook):
         if self._is_close(before) or self.asked is not None or not self._candidates.can_look(before):
             return []
         look = self._candidates.look_beside(before)
-        if not look.explains or look.is_at(before.hypothesis.keys):
+        if not look.explains or look.left > NEARLY or look.is_at(before.hypothesis.keys):
             return []
         found = self._candidates.at_places(before, number, look, self._is_close, only_met=True)
         if not found:
