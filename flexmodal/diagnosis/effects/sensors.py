@@ -67,7 +67,7 @@ def _gain_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
         signed("exponent", "of frequency", 0.05, -0.6, 0.6),
         positive("mount_frequency", "Hz", 30 * high, 1.5, low, 1e3 * high),
         positive("mount_damping_ratio", "", 0.05, 0.8, 1e-3, 0.35),
-        positive("high_pass", "Hz", 1e-3 * low, 2.0, 1e-5 * low, high),
+        positive("high_pass", "Hz", 1e-3 * low, 2.0, 1e-5 * low, 10 * high),
     )
 
 
@@ -80,6 +80,7 @@ def _gain_starts(context: Context, where: str) -> list[Mapping[str, float]]:
         {"gain": -1.0},
         *({"gain": 1.0, "mount_frequency": one} for one in mounts),
         *({"gain": 1.0, "high_pass": share * low} for share in CORNERS),
+        {"gain": 1.0, "high_pass": high},
     ]
 
 
