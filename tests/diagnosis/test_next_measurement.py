@@ -1,8 +1,11 @@
 """The next measurement: its information by closed forms, and the best of a campaign's own places."""
 
+from unittest.mock import Mock
+
 import numpy as np
 import pytest
 
+from flexmodal.diagnosis.next_measurement import choose
 from flexmodal.diagnosis.next_measurement.choose import Sure, next_among_records
 from flexmodal.diagnosis.next_measurement.information import Predicted, doubt_left, information
 from flexmodal.diagnosis.next_measurement.refit import not_made_up_for
@@ -106,3 +109,13 @@ def test_everything_that_could_be_measured_is_there(observed, hinged):
     peaks = [planned.peak(number) for number in levels]
     assert peaks[-1] == pytest.approx(3 * max(peaks[:-1])) == bench.peak(levels[-1])
     assert there.pulses[-1].peak == pytest.approx(peaks[-1], rel=0.2)  # beside the pulses that were struck
+
+
+@pytest.mark.filterwarnings("error")
+def test_what_a_model_cannot_predict_tells_nothing():
+    """A step of a refit may lead to a robot that has no finite receptance."""
+    value = np.array([[0.0, np.nan, 2.0]], dtype=complex)
+    slopes = np.array([[[1.0, 1.0, 3.0]]], dtype=complex)
+    found = choose._relative(value, slopes, Mock(spec=Sure, covariance=np.eye(1)))
+    np.testing.assert_array_equal(found.value, [[0.0, 0.0, 2.0]])
+    np.testing.assert_array_equal(found.slopes, [[[0.0, 0.0, 1.5]]])
