@@ -436,11 +436,11 @@ def test_a_third_effect_is_looked_for_whatever_one_place_leaves():
 def test_where_nothing_is_left_no_effect_is_exchanged(monkeypatch, over, tried):
     """A wider one in its place would always do a little better."""
     other = fitted(MASS, BASE)
+    other.cost = 1.0
     data = FrfData.__new__(FrfData)
     data.setup, data.modes = Mock(spec=Setup), None
     data._candidates = Mock(spec=FrfCandidates, considered=lambda *given: [other])
     monkeypatch.setattr(frf_by_look, "in_its_stead", lambda *given: [other])
-    monkeypatch.setattr(frf_by_look, "best_of_each", list)
     for module in (frf_data, frf_by_look):
         monkeypatch.setattr(module, "over_noise", lambda *given: over)
     assert data.instead(fitted(MASS, DELAY), DELAY) == ([other] if tried else [])
@@ -683,12 +683,8 @@ def test_where_none_takes_a_good_part_beside_effects_what_a_look_puts_first_and_
     def model(key, over, level=None):
         one = fitted(DELAY, key)
         one.hypothesis.placed[-1].effect = Mock(next_level=level)
-        one.over = over
+        one.over = one.cost = over
         return one
-
-    def best_of_each(every):
-        ranked = sorted(every, key=lambda one: one.over)
-        return [one for k, one in enumerate(ranked) if one.key not in [each.key for each in ranked[:k]]]
 
     def searched(before, number, allowed):
         every = [*over, ("joint_coupling", "q2+q3"), ("added_mass", "link_3")]
@@ -702,7 +698,6 @@ def test_where_none_takes_a_good_part_beside_effects_what_a_look_puts_first_and_
     monkeypatch.setattr(frf_candidates, "over_noise", lambda setup, one: one.over)
     monkeypatch.setattr(frf_candidates, "left", lambda setup, before, one: 1 - takes)
     monkeypatch.setattr(frf_candidates, "at_next_level", at_next_level)
-    monkeypatch.setattr(frf_candidates, "best_of_each", best_of_each)
     candidates = FrfCandidates.__new__(FrfCandidates)
     candidates.setup, candidates.searched = Mock(spec=Setup), searched
     ports = ("blows", "tip"), ("base", "base"), ("ground", "a"), ("coupling", "q1+q2"), ("body", "link_3")

@@ -211,6 +211,12 @@ def _tilt_starts(context: Context, where: str) -> list[Mapping[str, float]]:
     return [dict(zip(("angle_x", "angle_y", "angle_z"), turn.tolist(), strict=True)) for turn in turns]
 
 
+_ACROSS = ("across_1_2", "across_1_3", "across_2_3")
+"""Transverse sensitivities: along one axis of the link for a motion along another one, either way round."""
+_SIZES = ("second_sensitivity", "third_sensitivity")
+"""Sensitivities along the second and the third axis, over that along the first."""
+
+
 def _wide_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
     """Besides: axes neither square nor alike, and a turn of the world that is the same in every posture."""
     planar = context.normal is not None
@@ -218,12 +224,6 @@ def _wide_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
     sizes = [positive(name, "", 1.0, 0.1, 0.3, 3.0) for name in (_SIZES[:1] if planar else _SIZES)]
     lean = [signed(f"lean_{axis}", "rad", 0.2, -1.4, 1.4) for axis in "xyz" if not planar]
     return (*_tilt(context, where), *sizes, *across, *lean)
-
-
-_ACROSS = ("across_1_2", "across_1_3", "across_2_3")
-"""Transverse sensitivities: along one axis of the link for a motion along another one, either way round."""
-_SIZES = ("second_sensitivity", "third_sensitivity")
-"""Sensitivities along the second and the third axis, over that along the first."""
 
 
 def _wide_starts(context: Context, where: str, values: Mapping[str, float]) -> list[Mapping[str, float]]:

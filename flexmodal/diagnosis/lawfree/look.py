@@ -25,7 +25,7 @@ SOUND = 1.6
 """Misfit up to which ports are said to explain what is missing: 0.6 if perfect. Tuned on single
 effects of the virtual rig, whose true places had 0.6 to 1.5; how sharply was not measured."""
 NEARLY, AFRESH = 1.0, 2
-"""Where none comes that near, so many of the best are fitted once more, from the beginning."""
+"""Where none comes that near to nothing, so many of the best are fitted once more, from the beginning."""
 SEVERAL = 2.0
 """Times `SOUND` that the best leaves beside effects from which more than one place is missing, and nothing is
 fitted once more."""

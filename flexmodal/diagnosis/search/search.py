@@ -90,7 +90,10 @@ def narrowed(
         for number, one in enumerate(todo):
             done.append(look.fitted(one, floor, steps))
             advance((round_number + (number + 1) / len(todo)) / len(rounds))
-        todo = distinct(done)[:keep] if round_number + 1 < len(rounds) else varied(distinct(done))[:keep]
+        todo = distinct(done)
+        if round_number + 1 == len(rounds):
+            todo = varied(todo)
+        todo = todo[:keep]
     return todo
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from functools import cached_property
 
 import numpy as np
@@ -145,14 +145,9 @@ class FrfCandidates(LooksBeside):
         """
         if not before.hypothesis.placed or any(left(self.setup, before, one) < 1 - ANOTHER for one in found):
             return found
-        known = {one.key for one in found}
         kinds = set(PORT_OF.values())
         best = [(one.port, one.where) for one in look.places if one.port in kinds][:LIKELY]
-
-        def allowed(effect: str, where: str) -> bool:
-            return (effect, where) not in known and (PORT_OF.get(effect), where) in best
-
-        found = best_of_each([*found, *self.searched(before, number, allowed)])
+        found = self._also_at(before, number, found, best)
         least = min((over_noise(self.setup, one) for one in found), default=0.0)
         able = [one for one in found if one.hypothesis.placed[-1].effect.next_level is not None]
         near = [one for one in able if over_noise(self.setup, one) <= NOT_FAR_BEHIND * least][:LIKELY]
@@ -170,14 +165,20 @@ class FrfCandidates(LooksBeside):
         least = min((over_noise(self.setup, one) for one in found), default=0.0)
         if least <= max(EXPLAINED, LAW_LEAVES * look.left):
             return found
-        known = {one.key for one in found}
         others = {(one.port, one.where) for one in look.places if one.judged < least}
         others |= adjacent(self.setup.context, look.found[0].port, look.found[0].where)
+        return self._also_at(before, number, found, others)
+
+    def _also_at(
+        self, before: FittedFrfs, number: int, found: list[FittedFrfs], ports: Collection[tuple[str, str]]
+    ) -> list[FittedFrfs]:
+        """With those effects at some ports, by kind and place, that were not found yet."""
+        known = {one.key for one in found}
 
         def allowed(effect: str, where: str) -> bool:
-            return (effect, where) not in known and (PORT_OF.get(effect), where) in others
+            return (effect, where) not in known and (PORT_OF.get(effect), where) in ports
 
-        return best_of_each([*found, *self.searched(before, number, allowed)]) if others else found
+        return best_of_each([*found, *self.searched(before, number, allowed)]) if ports else found
 
     def _at_next_levels(
         self, before: FittedFrfs, found: list[FittedFrfs], look: Findings
