@@ -1,4 +1,4 @@
-"""Run-time checks of types and shapes, by sample.
+"""Run-time checks of types and shapes, by sample; and what is compiled while the tests begin.
 
 `--jaxtyping-packages` puts `@jaxtyping.jaxtyped` on every function of the package as it is imported. To check
 each of the million calls of a fit's inner loops takes three quarters of the time of its test and finds little
@@ -9,6 +9,9 @@ one of many thereafter.
 import dataclasses
 import functools
 import inspect
+import subprocess
+import sys
+from pathlib import Path
 from typing import Any
 
 import jaxtyping
@@ -18,6 +21,7 @@ from beartype import BeartypeConf, beartype
 FIRST, THEN = 3, 1000
 """Calls of a function that are checked in every test; the distance of those that are checked later."""
 
+_compiling = pytest.StashKey[subprocess.Popen]()
 _test = [0]
 """Number of the test that runs."""
 _seen: dict[tuple[str, str], list[int]] = {}
@@ -67,3 +71,23 @@ def jaxtyped(*, typechecker: Any) -> Any:
 
 
 jaxtyping.jaxtyped = jaxtyped
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_sessionstart(session: pytest.Session) -> None:
+    """Before all tests, where several processes share them: see `compiled_first.py`."""
+    config = session.config
+    of_all = config.args_source is pytest.Config.ArgsSource.TESTPATHS
+    if of_all and config.getoption("numprocesses", None) and not hasattr(config, "workerinput"):
+        script = Path(__file__).with_name("compiled_first.py")
+        config.stash[_compiling] = subprocess.Popen([sys.executable, script], stderr=subprocess.PIPE)
+
+
+def pytest_sessionfinish(session: pytest.Session) -> None:
+    """That it failed is a failure of the tests."""
+    compiling = session.config.stash.get(_compiling, None)
+    if compiling is not None:
+        _, said = compiling.communicate()
+        if compiling.returncode:
+            sys.stderr.write(f"\n{compiling.args[1]} failed:\n{said.decode()}")
+            session.exitstatus = pytest.ExitCode.TESTS_FAILED
