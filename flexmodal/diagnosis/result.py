@@ -15,7 +15,7 @@ from flexmodal.diagnosis.next_measurement.contenders import contenders
 from flexmodal.diagnosis.outcome import Diagnosis
 from flexmodal.diagnosis.provenance import provenance
 from flexmodal.diagnosis.selection.comparison import M
-from flexmodal.diagnosis.selection.data import Conclusion
+from flexmodal.diagnosis.selection.conclusion import Conclusion
 from flexmodal.diagnosis.selection.decision import Answer, any_gains
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.selection.selection import ForwardSelection

@@ -845,3 +845,25 @@ def test_one_of_several_is_as_sure_as_it_is_beside_the_others():
     kept = beside_others(step_of(0.2, (DELAY, PLAY)), 0.9, [MASS, DELAY])
     assert (kept.confidence, kept.ties) == (0.2, (PLAY,))
     assert kept.alternatives[0].confidence == 0.4
+
+
+class Tied(World):
+    """Every effect was tied with something that is not in the model; what that does beside the others."""
+
+    def __init__(self, left, again):
+        super().__init__(left)
+        self.again = again
+
+    def surely(self, model, key):
+        return self.again
+
+
+@pytest.mark.parametrize(("again", "ties"), [(0.96, ()), (0.5, (("spare", "f"),)), (None, (("spare", "f"),))])
+def test_what_was_tied_with_an_effect_is_put_in_its_place_beside_the_others(again, ties):
+    """There it may be far behind; if not, the effect is no surer than it was and stays tied."""
+    selection = Selection(Tied(lambda keys: 4.0 ** -len(keys & {MASS, DELAY, PLAY}) * 64, again))
+    selection.follow()
+    selection.drop_needless()
+    assert set(steps(selection)) == {MASS, DELAY, PLAY}
+    assert {one.ties for one in selection.steps} == {ties}
+    assert {one.confidence for one in selection.steps} == {0.95 if again is None or again < 0.95 else 0.96}

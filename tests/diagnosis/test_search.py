@@ -9,10 +9,11 @@ from flexmodal.diagnosis.effects import catalogue
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.placed import Placed
 from flexmodal.diagnosis.search import explanations as module
-from flexmodal.diagnosis.search.coarse import Candidate, look_at
+from flexmodal.diagnosis.search import search
+from flexmodal.diagnosis.search.coarse import Candidate, Look, look_at
 from flexmodal.diagnosis.search.explanations import A_FEW, BEHIND, FAR_BEHIND, explanations
 from flexmodal.diagnosis.search.lines import WORST, some_lines, worst_lines
-from flexmodal.diagnosis.search.search import varied
+from flexmodal.diagnosis.search.search import narrowed, varied
 from flexmodal.diagnosis.search.set_out import SetOut
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.setup import Setup
@@ -124,3 +125,16 @@ def test_beside_effects_one_effect_does_not_take_all_places_among_the_best(sever
         name: Mock(spec=Candidate, key=key, hypothesis=Mock(placed=placed)) for name, key in keys.items()
     }
     assert varied(list(found.values())) == [found[name] for name in order]
+
+
+@pytest.mark.parametrize(("law", "kept"), [(True, "bca"), (False, "bcdef")])
+def test_what_was_best_before_any_fit_is_fitted_closely_where_fits_are_slow(monkeypatch, law, kept):
+    """Six effects of which the first is the last one after a few steps; by integrated torques three go on."""
+    monkeypatch.setattr(search, "has_law", lambda hypothesis: law)
+    begun = [
+        Candidate(Mock(spec=Hypothesis, keys=[(name, "q1")], placed=(None,)), np.zeros(1), float(cost))
+        for cost, name in enumerate("abcdef")
+    ]
+    look = Mock(spec=Look)
+    look.fitted = lambda one, floor, steps: Candidate(one.hypothesis, one.x, one.cost or 9.0)
+    assert "".join(one.key[0] for one in narrowed(begun, look)) == kept

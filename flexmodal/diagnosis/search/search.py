@@ -75,7 +75,8 @@ def narrowed(
 ) -> list[Candidate]:
     """The candidates that do best, one for each effect and place, the best first.
 
-    Either all of them have torques to be integrated, or none.
+    Either all of them have torques to be integrated, or none. Of those that have, the one that was best
+    before any fit stays among them: friction is fitted slowly, what does nothing is soon as good as nothing.
 
     Args:
         found: candidates that are not fitted yet.
@@ -85,6 +86,7 @@ def narrowed(
     slow = [one for one in found if has_law(one.hypothesis)]
     todo = sorted(slow, key=lambda one: one.cost)[:INTEGRATED_MOST] if slow else list(found)
     rounds = INTEGRATED_ROUNDS if slow else ROUNDS
+    first = todo[0].key if slow else None
     for round_number, (floor, steps, keep) in enumerate(rounds):
         done = []
         for number, one in enumerate(todo):
@@ -93,8 +95,15 @@ def narrowed(
         todo = distinct(done)
         if round_number + 1 == len(rounds):
             todo = varied(todo)
-        todo = todo[:keep]
+        todo = _with_the_first(todo, keep, first)
     return todo
+
+
+def _with_the_first(found: list[Candidate], keep: int, first: tuple[str, str] | None) -> list[Candidate]:
+    """As many candidates as are kept, with the one of an effect and place among them."""
+    kept, others = found[:keep], found[keep:]
+    behind = [one for one in others if one.key == first]
+    return [*kept[:-1], *behind] if behind else kept
 
 
 def varied(found: Sequence[Candidate]) -> list[Candidate]:

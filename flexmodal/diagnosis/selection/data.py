@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any, Generic
 
 import numpy as np
@@ -14,28 +13,11 @@ from flexmodal.campaign import Campaign
 from flexmodal.diagnosis.effects import Context, Effect
 from flexmodal.diagnosis.findings import Findings, ModesSeen
 from flexmodal.diagnosis.lawfree.result import Findings as LawFree
-from flexmodal.diagnosis.outcome import Gaps, NextMeasurement, Region
+from flexmodal.diagnosis.outcome import Gaps, NextMeasurement
 from flexmodal.diagnosis.selection.comparison import Comparison, M
+from flexmodal.diagnosis.selection.conclusion import Conclusion
 from flexmodal.diagnosis.selection.decision import Answer, Asked, Round
 from flexmodal.identification.baselines import Baselines
-
-
-@dataclass(frozen=True, eq=False)
-class Conclusion(Generic[M]):
-    """The first and the last model on everything that was measured, what was held out included."""
-
-    before: M
-    after: M
-    gaps: Gaps
-    disagreement: tuple[Region, ...]
-    remaining: tuple[Region, ...]
-    deviation: Float[np.ndarray, " parameter"]
-    """Standard errors of the last model's coordinates."""
-    over_noise: float | None
-    """Distance of the last model from the measurement, over that of the noise; None where scatter is inferred
-    along, so that there is no such figure."""
-    reached: Answer
-    """Whether that is noise."""
 
 
 class Data(ABC, Generic[M]):
@@ -197,6 +179,15 @@ class Data(ABC, Generic[M]):
     def settles(self, model: M) -> Mapping[tuple[str, str], float]:
         """Which of several effects are sure though they leave more than noise, and how sure."""
         return {}
+
+    def surely(self, model: M, key: tuple[str, str]) -> float | None:
+        """How sure one of several effects is, beside what was considered in its place; None where unknown.
+
+        Args:
+            model: with effects that explain everything.
+            key: name and place of the one.
+        """
+        return None
 
     def standing(self, model: M) -> tuple[tuple[tuple[str, str], ...], tuple[str, ...]]:
         """Effects of the final model that are sure though it leaves more than noise; where it lacks any."""

@@ -136,14 +136,15 @@ class FrfsByLook(Data[FittedFrfs]):
         with suppress(OutOfTime):  # those that were asked for are sure nevertheless
             for number, key in enumerate(keys):
                 self.setup.advance("asking which effects are sure", number / len(keys))
-                sure[key] = self._sure_beside(model, key)
+                sure[key] = self.surely(model, key)
         named = {key: how for key, how in sure.items() if how >= SURE}
         if len(named) < 2 and share < ALL_BUT_LITTLE:
             return {}
         self._settled = keys, tuple(named), (self._left_at(model),)
         return named
 
-    def _sure_beside(self, model: FittedFrfs, key: tuple[str, str]) -> float:
+    def surely(self, model: FittedFrfs, key: tuple[str, str]) -> float:
+        """See `Data`."""
         less = self.without(model, key)
         if self.share(less, model) < MOST_OF_REST:
             return 0.0

@@ -23,8 +23,8 @@ from flexmodal.diagnosis.search.unstructured import unstructured_mode
 from flexmodal.diagnosis.selection.beside_frfs import ModesBeside
 from flexmodal.diagnosis.selection.beside_nothing import beside_nothing
 from flexmodal.diagnosis.selection.comparison import Comparison
+from flexmodal.diagnosis.selection.conclusion import Conclusion
 from flexmodal.diagnosis.selection.confidence import confidences, explains, plausible
-from flexmodal.diagnosis.selection.data import Conclusion
 from flexmodal.diagnosis.selection.decision import Answer, reaches
 from flexmodal.diagnosis.selection.described import effect_parameters
 from flexmodal.diagnosis.selection.frf_by_look import FrfsByLook

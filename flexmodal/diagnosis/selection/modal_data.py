@@ -26,7 +26,8 @@ from flexmodal.diagnosis.search.modal_search import (
 )
 from flexmodal.diagnosis.selection.asked import effects_of
 from flexmodal.diagnosis.selection.comparison import Comparison
-from flexmodal.diagnosis.selection.data import Conclusion, Data
+from flexmodal.diagnosis.selection.conclusion import Conclusion
+from flexmodal.diagnosis.selection.data import Data
 from flexmodal.diagnosis.selection.decision import Answer, Asked, Round, any_gains
 from flexmodal.diagnosis.selection.untestable import of_modes
 from flexmodal.diagnosis.selection.variants import FittedModes, under_variants

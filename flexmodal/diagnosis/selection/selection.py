@@ -233,8 +233,14 @@ class ForwardSelection(Generic[M]):
                 self.current = less
                 self.steps.remove(step)
             else:
-                sure = float(self.data.confidences(comparison, 1)[1])
-                self.steps[self.steps.index(step)] = beside_others(step, sure, self.current.hypothesis.keys)
+                self.steps[self.steps.index(step)] = self._beside_others(step, comparison)
+
+    def _beside_others(self, step: Step, comparison: Comparison[M]) -> Step:
+        """One of several effects, as sure as it is beside the others and what it was tied with alone."""
+        sure = float(self.data.confidences(comparison, 1)[1])
+        told = beside_others(step, sure, self.current.hypothesis.keys)
+        again = self.data.surely(self.current, (step.effect, step.where)) if told.ties else None
+        return untied(step, min(sure, again)) if again is not None and again > step.confidence else told
 
     def _chosen(self, comparison: Comparison[M], number: int) -> Choice:
         before = comparison.models[0]

@@ -1,0 +1,31 @@
+"""What a selection comes to: the first and the last model on everything that was measured."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Generic
+
+import numpy as np
+from jaxtyping import Float
+
+from flexmodal.diagnosis.outcome import Gaps, Region
+from flexmodal.diagnosis.selection.comparison import M
+from flexmodal.diagnosis.selection.decision import Answer
+
+
+@dataclass(frozen=True, eq=False)
+class Conclusion(Generic[M]):
+    """The first and the last model on everything that was measured, what was held out included."""
+
+    before: M
+    after: M
+    gaps: Gaps
+    disagreement: tuple[Region, ...]
+    remaining: tuple[Region, ...]
+    deviation: Float[np.ndarray, " parameter"]
+    """Standard errors of the last model's coordinates."""
+    over_noise: float | None
+    """Distance of the last model from the measurement, over that of the noise; None where scatter is inferred
+    along, so that there is no such figure."""
+    reached: Answer
+    """Whether that is noise."""
