@@ -7,6 +7,7 @@ otherwise go on without them until compiling has paid for itself, or compile the
 import numpy as np
 
 import flexmodal
+from flexmodal.campaign import Campaign
 from flexmodal.diagnosis.effects import Context, catalogue
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.placed import Placed
@@ -28,13 +29,18 @@ class Known(dict):
         return True
 
 
-def in_time() -> None:
-    """Steps of the rig, and of the time domain of a diagnosis."""
-    robot, hide = flexmodal.load("six_link"), [Hide.parse("coulomb_friction")]
-    tested = flexmodal.simulate(
-        robot, hide=hide, postures=1, points=1, references=1, trials=1, record_length=1.0, seed=1
-    )
-    seen = observe(tested.campaign)
+def of_the_rig() -> Campaign:
+    """Steps in time of the rig; what it measured."""
+    hide = [Hide.parse("coulomb_friction")]
+    return flexmodal.simulate(
+        flexmodal.load("six_link"), hide=hide, postures=1, points=1, references=1, trials=1,
+        record_length=1.0, seed=1,
+    ).campaign  # fmt: skip
+
+
+def of_a_diagnosis(tested: Campaign) -> None:
+    """Steps in time of a hypothesis."""
+    robot, seen = flexmodal.load("six_link"), observe(tested)
     bare = Hypothesis(Context.of(robot, seen), robot_space(robot))
     rubs = bare.and_also(Placed(catalogue()["coulomb_friction"], "q2"))
     TimeDomainModel(rubs).receptances(np.zeros(len(rubs.space)), seen, slice(None), slopes=False)
@@ -52,5 +58,6 @@ def descents() -> None:
 if __name__ == "__main__":
     worth.IMPORT = worth.LOAD = 0.0
     worth._stored = worth._stored_at_first = Known()
-    in_time()
+    tested = of_the_rig()
     descents()
+    of_a_diagnosis(tested)

@@ -9,8 +9,10 @@ one of many thereafter.
 import dataclasses
 import functools
 import inspect
+import os
 import subprocess
 import sys
+import time
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +24,8 @@ FIRST, THEN = 3, 1000
 """Calls of a function that are checked in every test; the distance of those that are checked later."""
 
 _compiling = pytest.StashKey[subprocess.Popen]()
+_MEANWHILE, _LONGEST = "FLEXMODAL_TESTS_COMPILE", 240.0
+"""Variable that tells the processes of the tests that another one compiles; how long they wait for it [s]."""
 _test = [0]
 """Number of the test that runs."""
 _seen: dict[tuple[str, str], list[int]] = {}
@@ -81,6 +85,7 @@ def pytest_sessionstart(session: pytest.Session) -> None:
     if of_all and config.getoption("numprocesses", None) and not hasattr(config, "workerinput"):
         script = Path(__file__).with_name("compiled_first.py")
         config.stash[_compiling] = subprocess.Popen([sys.executable, script], stderr=subprocess.PIPE)
+        os.environ[_MEANWHILE] = "1"
 
 
 def pytest_sessionfinish(session: pytest.Session) -> None:
@@ -91,3 +96,13 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
         if compiling.returncode:
             sys.stderr.write(f"\n{compiling.args[1]} failed:\n{said.decode()}")
             session.exitstatus = pytest.ExitCode.TESTS_FAILED
+
+
+@pytest.fixture(scope="session")
+def descents_on_disk() -> None:
+    """Wait for the compiled descents while another process compiles them: a minute of work done once."""
+    from flexmodal.optimisation.compiled import descents
+
+    end = time.monotonic() + _LONGEST
+    while _MEANWHILE in os.environ and not descents().is_stored() and time.monotonic() < end:
+        time.sleep(0.5)

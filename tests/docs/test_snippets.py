@@ -23,6 +23,7 @@ from tour_followed import LONG, PAGES, acting, follow
 from tour_pages import steps
 
 
+@pytest.mark.usefixtures("descents_on_disk")
 @pytest.mark.parametrize("page", acting())
 def test_the_page_does_what_it_says(page, place, monkeypatch):
     """Short pages have many commands, each of which would spend its time on imports."""

@@ -12,7 +12,7 @@ from flexmodal.errors import InvalidRequest
 from flexmodal.optimisation import tune
 from flexmodal.optimisation.studies import read_studies, run_study, shipped_studies
 
-pytestmark = pytest.mark.usefixtures("types_unchecked")
+pytestmark = pytest.mark.usefixtures("types_unchecked", "descents_on_disk")
 
 THESIS = Path(__file__).parents[1] / "data" / "thesis"
 

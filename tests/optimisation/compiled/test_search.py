@@ -20,7 +20,7 @@ from flexmodal.optimisation.search import descend_from, random_starts, search_po
 
 from ..optimality import directions, gain_left
 
-pytestmark = pytest.mark.usefixtures("types_unchecked")
+pytestmark = pytest.mark.usefixtures("types_unchecked", "descents_on_disk")
 
 
 def receptance(robot, frequency, axes="z", combine="weighted", **more):
