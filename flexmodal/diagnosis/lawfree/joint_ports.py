@@ -56,6 +56,9 @@ COUPLING = PortKind(
     functions=lambda context, where: ("first", "between", "second"),
     sizes=_coupling_sizes,
     patterns=_coupling_patterns,
+    parts=lambda where: [
+        (JOINT, name, number) for name, number in zip(where.split("+"), (0, 2), strict=True)
+    ],
 )
 
 

@@ -13,10 +13,11 @@ from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.lawfree import screening
 from flexmodal.diagnosis.lawfree.kinds import KINDS, NOTHING, RARE, TORQUE
 from flexmodal.diagnosis.lawfree.model import PortedModel
-from flexmodal.diagnosis.lawfree.port import Port, PortKind, Wider
+from flexmodal.diagnosis.lawfree.port import Port, PortKind
 from flexmodal.diagnosis.lawfree.ported_fit import FLOORS, begun, finished, mended, profiled
 from flexmodal.diagnosis.lawfree.profile import SETTLED, Profile
 from flexmodal.diagnosis.lawfree.records import endless, of_first_blow
+from flexmodal.diagnosis.lawfree.related import parts, widened
 from flexmodal.diagnosis.lawfree.sighting import Round, Sighting, Start, carried_over, noise_of
 from flexmodal.diagnosis.search.coarse import Look, look_at
 from flexmodal.identification import Observations
@@ -135,6 +136,9 @@ class Field:
             found.append(self.sighted((port,), before, start))
             advance(0.6 + 0.4 * (number + 1) / len(kept))
         found.sort(key=lambda one: one.judged)
+        if found and ports is None:
+            found += self._parts_of(found[0], before, taken | {one.port.key for one in found})
+            found.sort(key=lambda one: one.judged)
         if ports is None and self.rare and not self._leads_on(found, before):
             least = min((misfit for _, _, misfit in kept), default=np.inf)
             more = self._screened(self.rare, before, taken, lambda part: None)
@@ -161,19 +165,17 @@ class Field:
         other = self.sighted((one.port,), before, patient=before is None)
         best = min(one, other, key=lambda each: each.judged)
         if best.judged > NEARLY and one.port.kind.wider is not None:
-            best = min(best, self._widened(best, one.port.kind.wider, before), key=lambda each: each.judged)
+            port, start = widened(best, one.port.kind.wider, self.root.context)
+            more = self.sighted((port,), before, start, patient=True)
+            best = min(best, more, key=lambda each: each.judged)
         return best
 
-    def _widened(self, one: Sighting, wider: Wider, before: Sighting | None) -> Sighting:
-        """A wider port in place of the last one, from where that ended."""
-        model, state, context = one.profile.model, one.state, self.root.context
-        values = model.hypothesis.values_of(model.hypothesis.placed[-1], model.space.values(state.x))
-        port, own = Port.at(wider.kind, one.port.where, context), model.spans[-1]
-        found = [wider.begin(context, values, each[own] * model.size[own]) for each in state.z]
-        size = wider.kind.sizes(context, port.where, model.observations.axis.frequency[model.lines])
-        z = np.concatenate([state.z[:, : own.start], np.array(found) / size], axis=1)
-        x = state.x[: len(state.x) - len(model.geometry[-1])]
-        return self.sighted((port,), before, (x, z), patient=True)
+    def _parts_of(
+        self, one: Sighting, before: Sighting | None, known: set[tuple[str, str]]
+    ) -> list[Sighting]:
+        """Narrower ports that one holds, but those that are known."""
+        begins = parts(one, self.root.context)
+        return [self.sighted((port,), before, start) for port, start in begins if port.key not in known]
 
     def _screened(
         self,

@@ -66,6 +66,8 @@ class PortKind:
     """Whether the function is another one in each posture and under each kind of blow."""
     wider: Wider | None = None
     """The same with more functions, where it comes near and is not enough."""
+    parts: Callable[[str], Sequence[tuple[PortKind, str, int]]] = lambda where: ()
+    """Narrower ports that one in a place holds: kind, place, and which of its functions is that one's."""
 
     @cached_property
     def motions(self) -> Effect:

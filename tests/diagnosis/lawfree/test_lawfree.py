@@ -1,6 +1,7 @@
 """The law-free look: derivatives against differences, known functions recovered, places and classes found."""
 
 from dataclasses import replace
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -21,11 +22,12 @@ from flexmodal.diagnosis.lawfree.look import Field
 from flexmodal.diagnosis.lawfree.model import PortedModel
 from flexmodal.diagnosis.lawfree.port import Port
 from flexmodal.diagnosis.lawfree.ported_fit import profiled
-from flexmodal.diagnosis.lawfree.profile import Profile
+from flexmodal.diagnosis.lawfree.profile import Profile, State
 from flexmodal.diagnosis.lawfree.pursuit import MOST, alone, pursued
 from flexmodal.diagnosis.lawfree.reading_ports import BLOWS, CHANNEL, SENSOR
+from flexmodal.diagnosis.lawfree.related import parts
 from flexmodal.diagnosis.lawfree.screening import ALIKE
-from flexmodal.diagnosis.lawfree.sighting import carried_over, noise_of
+from flexmodal.diagnosis.lawfree.sighting import Sighting, carried_over, noise_of
 from flexmodal.diagnosis.placed import Placed
 from flexmodal.errors import SingularResponse
 from flexmodal.identification import observe, predict, unlimited
@@ -121,6 +123,34 @@ def test_a_wider_foundation_begins_where_the_narrower_one_is(request, root, obse
     after = AtParameters(wide, x[: len(wide.space)]).residual((found / wide.size)[None])
     np.testing.assert_allclose(after, before, rtol=1e-7, atol=1e-9)
     assert np.abs(before).max() > 0.05
+
+
+@pytest.mark.parametrize(("name", "number"), [("q1", 0), ("q3", 2)])
+def test_a_mechanism_without_anything_between_is_one_joint(root, observed, name, number):
+    wide = model_of(root, observed, COUPLING, "q1+q3")
+    x, z = somewhere(wide)
+    z[:, [k for k in range(3) if k != number]] = 0.0
+    state = Mock(spec=State, x=x, z=z)
+    one = Mock(
+        spec=Sighting,
+        port=port_of(root, COUPLING, "q1+q3"),
+        profile=Mock(spec=Profile, model=wide),
+        state=state,
+    )
+    begins = {port.key: start for port, start in parts(one, root.context)}
+    assert list(begins) == [("joint", "q1"), ("joint", "q3")]
+    narrow = model_of(root, observed, JOINT, name)
+    found = AtParameters(narrow, begins["joint", name][0]).residual(begins["joint", name][1])
+    np.testing.assert_allclose(found, AtParameters(wide, x).residual(z), rtol=1e-9, atol=1e-12)
+    assert np.abs(found).max() > 0.01
+
+
+def test_joints_of_the_best_mechanism_are_tried_too(root, hinged, observed):
+    """Even if each of them alone was left out after a first look."""
+    tried = Field.of(root, hinged[1].x, observed, None, kinds=[COUPLING]).round().sightings
+    best = next(one.port.where for one in tried if one.port.kind is COUPLING)
+    joints = {one.port.where for one in tried if one.port.kind is JOINT}
+    assert joints == set(best.split("+"))
 
 
 def has_right_derivatives(model):

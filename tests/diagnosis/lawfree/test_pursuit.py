@@ -4,6 +4,7 @@ from unittest.mock import Mock, patch
 
 import pytest
 
+from flexmodal.diagnosis.effects import Context
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.lawfree.joint_ports import COUPLING, JOINT
 from flexmodal.diagnosis.lawfree.kinds import TORQUE
@@ -70,7 +71,7 @@ class Screened(Given):
 
     def __init__(self, placed, best, ports=(ONE,), torques=(), firsts=(10.0, 1.0)):
         super().__init__(ports, {frozenset({"q1"}): best, frozenset({"q1+q2"}): 5.0})
-        root = Mock(spec=Hypothesis, placed=placed)
+        root = Mock(spec=Hypothesis, placed=placed, context=Mock(spec=Context))
         rest = {"rare": (PAIR,), "torques": torques, "root": root, "asked": [], "firsts": firsts}
         for name, value in rest.items():
             object.__setattr__(self, name, value)
