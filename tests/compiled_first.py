@@ -4,6 +4,9 @@ Run in the background as the tests begin (`conftest.py`). In a fresh clone each 
 otherwise go on without them until compiling has paid for itself, or compile the same function as another one.
 """
 
+import os
+import sys
+
 import numpy as np
 
 import flexmodal
@@ -55,9 +58,21 @@ def descents() -> None:
     descend_from(problem, np.zeros((1, len(arm.commanded))), iterations=1, way="compiled")
 
 
-if __name__ == "__main__":
+def main(meanwhile: str) -> None:
+    """Compile all of it.
+
+    Args:
+        meanwhile: file that is removed at the end.
+    """
     worth.IMPORT = worth.LOAD = 0.0
     worth._stored = worth._stored_at_first = Known()
-    tested = of_the_rig()
-    descents()
-    of_a_diagnosis(tested)
+    try:
+        tested = of_the_rig()
+        descents()
+        of_a_diagnosis(tested)
+    finally:
+        os.unlink(meanwhile)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1])

@@ -12,6 +12,7 @@ import inspect
 import os
 import subprocess
 import sys
+import tempfile
 import time
 from pathlib import Path
 from typing import Any
@@ -24,8 +25,8 @@ FIRST, THEN = 3, 1000
 """Calls of a function that are checked in every test; the distance of those that are checked later."""
 
 _compiling = pytest.StashKey[subprocess.Popen]()
-_MEANWHILE, _LONGEST = "FLEXMODAL_TESTS_COMPILE", 240.0
-"""Variable that tells the processes of the tests that another one compiles; how long they wait for it [s]."""
+_MEANWHILE = "FLEXMODAL_TESTS_COMPILING"
+"""Variable with the name of a file that is there as long as another process compiles."""
 _test = [0]
 """Number of the test that runs."""
 _seen: dict[tuple[str, str], list[int]] = {}
@@ -84,8 +85,10 @@ def pytest_sessionstart(session: pytest.Session) -> None:
     of_all = config.args_source is pytest.Config.ArgsSource.TESTPATHS
     if of_all and config.getoption("numprocesses", None) and not hasattr(config, "workerinput"):
         script = Path(__file__).with_name("compiled_first.py")
-        config.stash[_compiling] = subprocess.Popen([sys.executable, script], stderr=subprocess.PIPE)
-        os.environ[_MEANWHILE] = "1"
+        handle, os.environ[_MEANWHILE] = tempfile.mkstemp(prefix="compiling")
+        os.close(handle)
+        words = [sys.executable, script, os.environ[_MEANWHILE]]
+        config.stash[_compiling] = subprocess.Popen(words, stderr=subprocess.PIPE)
 
 
 def pytest_sessionfinish(session: pytest.Session) -> None:
@@ -103,6 +106,6 @@ def descents_on_disk() -> None:
     """Wait for the compiled descents while another process compiles them: a minute of work done once."""
     from flexmodal.optimisation.compiled import descents
 
-    end = time.monotonic() + _LONGEST
-    while _MEANWHILE in os.environ and not descents().is_stored() and time.monotonic() < end:
+    meanwhile = os.environ.get(_MEANWHILE)
+    while meanwhile and os.path.exists(meanwhile) and not descents().is_stored():
         time.sleep(0.5)
