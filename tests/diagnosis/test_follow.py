@@ -1,6 +1,6 @@
 """Several effects, each added where the data point beside those that are there; on a world made by hand."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from unittest.mock import Mock
 
 import numpy as np
@@ -867,3 +867,24 @@ def test_what_was_tied_with_an_effect_is_put_in_its_place_beside_the_others(agai
     assert set(steps(selection)) == {MASS, DELAY, PLAY}
     assert {one.ties for one in selection.steps} == {ties}
     assert {one.confidence for one in selection.steps} == {0.95 if again is None or again < 0.95 else 0.96}
+
+
+@pytest.mark.parametrize(
+    ("least", "sure", "kept"),
+    [(0.0, True, [MASS, DELAY]), (0.0, False, [MASS, DELAY, PLAY]), (0.02, True, [MASS, DELAY, PLAY])],
+)
+def test_an_effect_less_plausible_than_nothing_is_left_out_if_the_others_are_sure_without_it(
+    least, sure, kept
+):
+    """It may be what the others' laws leave; the model with it may still predict better."""
+    selection = Selection(World(lambda keys: 4.0 ** -len(keys & {MASS, DELAY, PLAY}) * 64))
+    selection.follow()
+    whole, selection.data.sure = selection.current, sure
+    selection.steps[:] = [
+        replace(one, confidence=0.95 if (one.effect, one.where) != PLAY else least) for one in selection.steps
+    ]
+    selection.drop_hardly_possible()
+    assert steps(selection) == kept
+    assert list(selection.current.keys) == kept
+    assert selection.furthest is (whole if len(kept) == 2 else None)
+    assert len(kept) == 3 or {one.confidence for one in selection.steps} == {0.83}

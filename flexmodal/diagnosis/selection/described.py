@@ -12,9 +12,45 @@ from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.names import NONE, UNSTRUCTURED
 from flexmodal.diagnosis.outcome import Compared, Step
 from flexmodal.diagnosis.selection.comparison import Comparison, M
+from flexmodal.diagnosis.selection.data import Data
 
 STEP = 1e-5
 """Of the differences along parameters."""
+
+
+def step_of(data: Data[M], root: M, comparison: Comparison[M], chosen: int) -> Step:
+    """What a step added, how large it is and how surely, and what it was compared with.
+
+    Args:
+        data: that models were fitted to.
+        root: the robot re-tuned.
+        comparison: of what was there before, first, and of what might be added.
+        chosen: number of what was added.
+    """
+    before, model = comparison.models[0], comparison.models[chosen]
+    parameters, units, errors = effect_parameters(
+        model.hypothesis, model.key, model.x, data.covariance(model)
+    )
+    sure = data.confidences(comparison, chosen).tolist()
+    others = {
+        k: replace(in_figures(comparison, k, data.compared_gaps(comparison.models[k])), confidence=sure[k])
+        for k in comparison.order
+        if k != chosen
+    }
+    ties = [k for k in comparison.tied if k != chosen]
+    shares = [data.share(root, one) for one in (before, model)]
+    return Step(
+        effect=model.key[0],
+        where=model.key[1],
+        parameters=parameters,
+        units=units,
+        uncertainty=errors,
+        confidence=sure[chosen],
+        gaps=data.gaps(before, model),
+        alternatives=tuple(others.values()),
+        ties=tuple((others[k].effect, others[k].where) for k in ties),
+        share=None if shares[0] is None or shares[1] is None else shares[1] - shares[0],
+    )
 
 
 def beside_others(step: Step, sure: float, named: Sequence[tuple[str, str]]) -> Step:

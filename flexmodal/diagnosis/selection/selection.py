@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import replace
 from itertools import pairwise
 from typing import Any, Generic
 
@@ -21,12 +20,14 @@ from flexmodal.diagnosis.selection.decision import (
     is_idle,
     rivals,
 )
-from flexmodal.diagnosis.selection.described import beside_others, effect_parameters, in_figures, untied
+from flexmodal.diagnosis.selection.described import beside_others, in_figures, step_of, untied
 from flexmodal.diagnosis.selection.exchange import exchanged, looked_for_again, reconsidered, takes, widened
 from flexmodal.diagnosis.time_limit import FOR_EFFECTS, OutOfTime, TimeLimit
 
 MOST = 5
 """Effects at once."""
+HARDLY = 0.01
+"""Confidence below which what may be due to laws that err is not believed, whatever its evidence."""
 MUCH = 0.33
 """Part of what is left above the noise that one effect more has to take, or an exchange is tried first."""
 
@@ -65,6 +66,7 @@ class ForwardSelection(Generic[M]):
             self._taken([self.root], 0)
         if not (self.limit.was_hit and self.data.standing(self.current)[1]):  # who is not sure has no name
             self.drop_needless()
+            self.drop_hardly_possible()
 
     def follow(self) -> bool:
         """Add effects where a look without a law points, each time beside those that are there.
@@ -242,6 +244,19 @@ class ForwardSelection(Generic[M]):
         again = self.data.surely(self.current, (step.effect, step.where)) if told.ties else None
         return untied(step, min(sure, again)) if again is not None and again > step.confidence else told
 
+    def drop_hardly_possible(self) -> None:
+        """Leave out what is less plausible than nothing in its place, if others are sure without it."""
+        kept = [step for step in self.steps if step.confidence >= HARDLY]
+        if self.sure or len(kept) == len(self.steps):
+            return
+        less = self.current
+        for step in self.steps:
+            less = less if step in kept else self.data.without(less, (step.effect, step.where))
+        self.sure = self.data.settles(less)
+        if self.sure:
+            self.furthest, self.current, self.steps[:] = self.current, less, kept
+            self._describe_anew()
+
     def _chosen(self, comparison: Comparison[M], number: int) -> Choice:
         before = comparison.models[0]
         worth = [self.data.worth(before, one, number) for one in comparison.models]
@@ -255,34 +270,7 @@ class ForwardSelection(Generic[M]):
             comparison: of what was there before, first, and of what might be added.
             chosen: number of what was added.
         """
-        model = comparison.models[chosen]
-        parameters, units, errors = effect_parameters(
-            model.hypothesis, model.key, model.x, self.data.covariance(model)
-        )
-        ties = [k for k in comparison.tied if k != chosen]
-        sure = self.data.confidences(comparison, chosen).tolist()
-        others = {
-            k: replace(self.compared(comparison, k), confidence=sure[k])
-            for k in comparison.order
-            if k != chosen
-        }
-        return Step(
-            effect=model.key[0],
-            where=model.key[1],
-            parameters=parameters,
-            units=units,
-            uncertainty=errors,
-            confidence=sure[chosen],
-            gaps=self.data.gaps(comparison.models[0], model),
-            alternatives=tuple(others.values()),
-            ties=tuple((others[k].effect, others[k].where) for k in ties),
-            share=self._share(comparison.models[0], model),
-        )
-
-    def _share(self, before: M, after: M) -> float | None:
-        """Part of the first model's disagreement above the noise that a step takes."""
-        shares = [self.data.share(self.root, one) for one in (before, after)]
-        return None if shares[0] is None or shares[1] is None else shares[1] - shares[0]
+        return step_of(self.data, self.root, comparison, chosen)
 
     def compared(self, comparison: Comparison[M], number: int) -> Compared:
         """A model of a comparison, in figures.
