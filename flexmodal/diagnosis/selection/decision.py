@@ -7,6 +7,7 @@ seeds apart from those of the published exam.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
@@ -22,6 +23,9 @@ ASKED = 5.0
 MORE_PLAUSIBLE = 5.0
 """By how much a model that explains everything has to be more plausible than another to come first, with
 `MARGIN` on both sides [nat]."""
+DOUBTED, DOUBTED_MARGIN = -math.log(0.0141), math.log(2) / 2
+"""Of −ln of the confidence of an effect, above which it is hardly possible: below 0.01 it is, from 0.02 on it
+is not."""
 NEAR = 0.02
 """Distance from a bound up to which a parameter is at it: logarithms of what is positive."""
 
@@ -48,6 +52,15 @@ def reaches(value: float, threshold: float, margin: float) -> Answer:
     if value > threshold + margin:
         return Answer.YES
     return Answer.UNDECIDED if value >= threshold - margin else Answer.NO
+
+
+def hardly_possible(confidence: float) -> Answer:
+    """Whether an effect is not believed whatever its evidence, which counts what a law leaves line by line.
+
+    Args:
+        confidence: of the effect.
+    """
+    return reaches(-math.log(max(confidence, 1e-300)), DOUBTED, DOUBTED_MARGIN)
 
 
 def gains_enough(comparison: Comparison[M], number: int) -> Answer:

@@ -17,6 +17,7 @@ from flexmodal.diagnosis.selection.decision import (
     among_vouched,
     any_gains,
     choice,
+    hardly_possible,
     is_idle,
     rivals,
 )
@@ -26,8 +27,6 @@ from flexmodal.diagnosis.time_limit import FOR_EFFECTS, OutOfTime, TimeLimit
 
 MOST = 5
 """Effects at once."""
-HARDLY = 0.01
-"""Confidence below which what may be due to laws that err is not believed, whatever its evidence."""
 MUCH = 0.33
 """Part of what is left above the noise that one effect more has to take, or an exchange is tried first."""
 
@@ -246,7 +245,7 @@ class ForwardSelection(Generic[M]):
 
     def drop_hardly_possible(self) -> None:
         """Leave out what is less plausible than nothing in its place, if others are sure without it."""
-        kept = [step for step in self.steps if step.confidence >= HARDLY]
+        kept = [step for step in self.steps if hardly_possible(step.confidence) < Answer.YES]
         if self.sure or len(kept) == len(self.steps):
             return
         less = self.current

@@ -12,21 +12,17 @@ is left.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import replace
 
 from flexmodal.diagnosis.names import UNKNOWN
 from flexmodal.diagnosis.outcome import Remaining, Step, Verdict
-from flexmodal.diagnosis.selection.decision import Answer, reaches
+from flexmodal.diagnosis.selection.decision import Answer, hardly_possible, reaches
 from flexmodal.diagnosis.selection.frf_thresholds import CLOSE, LARGER_PART, LARGER_PART_MARGIN
 from flexmodal.diagnosis.verdict.facts import Facts
 from flexmodal.diagnosis.verdict.frf_words import frf_words
 from flexmodal.diagnosis.verdict.modal_words import modal_words
 
-DOUBTED, DOUBTED_MARGIN = -math.log(0.0141), math.log(2) / 2
-"""Of −ln of the confidence of an effect, above which it has to leave clearly nothing but noise to explain
-anything: below 0.01 it does, from 0.02 on it does not."""
 CLOSE_MARGIN = 0.01
 """Of the distance from the noise that is clearly nothing but noise."""
 DOUBTFUL = "Whether what was found is believable enough to explain what it does is undecided."
@@ -81,5 +77,4 @@ def _hardly_alone(facts: Facts) -> Answer:
 
 def _hardly(steps: Sequence[Step]) -> Answer:
     """Whether one of some effects is hardly possible."""
-    least = min((step.confidence for step in steps), default=1.0)
-    return reaches(-math.log(max(least, 1e-300)), DOUBTED, DOUBTED_MARGIN)
+    return hardly_possible(min((step.confidence for step in steps), default=1.0))
