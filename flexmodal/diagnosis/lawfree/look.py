@@ -135,10 +135,10 @@ class Field:
         for number, (port, start, _) in enumerate(kept):
             found.append(self.sighted((port,), before, start))
             advance(0.6 + 0.4 * (number + 1) / len(kept))
-        found.sort(key=lambda one: one.judged)
         if found and ports is None:
-            found += self._parts_of(found[0], before, taken | {one.port.key for one in found})
-            found.sort(key=lambda one: one.judged)
+            best = min(found, key=lambda one: one.judged)
+            found += self._parts_of(best, before, taken | {one.port.key for one in found})
+        found.sort(key=lambda one: one.judged)
         if ports is None and self.rare and not self._leads_on(found, before):
             least = min((misfit for _, _, misfit in kept), default=np.inf)
             more = self._screened(self.rare, before, taken, lambda part: None)

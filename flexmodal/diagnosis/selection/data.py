@@ -184,7 +184,7 @@ class Data(ABC, Generic[M]):
         """How sure one of several effects is, beside what was considered in its place; None where unknown.
 
         Args:
-            model: with effects that explain everything.
+            model: with effects.
             key: name and place of the one.
         """
         return None

@@ -33,7 +33,7 @@ def step_of(data: Data[M], root: M, comparison: Comparison[M], chosen: int) -> S
     )
     sure = data.confidences(comparison, chosen).tolist()
     others = {
-        k: replace(in_figures(comparison, k, data.compared_gaps(comparison.models[k])), confidence=sure[k])
+        k: replace(in_figures(data, comparison, k), confidence=sure[k])
         for k in comparison.order
         if k != chosen
     }
@@ -112,20 +112,20 @@ def effect_parameters(
     return dict(here), units, dict(zip(here, errors.tolist(), strict=True))
 
 
-def in_figures(comparison: Comparison[M], number: int, gaps: tuple[float, float | None]) -> Compared:
+def in_figures(data: Data[M], comparison: Comparison[M], number: int) -> Compared:
     """A model of a comparison, in figures.
 
     Args:
+        data: that it was fitted to.
         comparison: of several models.
         number: which of them.
-        gaps: of what it was fitted to, and of what was held out.
     """
     model = comparison.models[number]
     effect, where = model.key if number else (NONE, "")
     return Compared(
         effect,
         where,
-        *gaps,
+        *data.compared_gaps(model),
         float(comparison.scores[number] - comparison.scores.max()),
         float(comparison.probability[number]),
         model.parameters - comparison.models[0].parameters,

@@ -278,4 +278,4 @@ class ForwardSelection(Generic[M]):
             comparison: of several models.
             number: which of them.
         """
-        return in_figures(comparison, number, self.data.compared_gaps(comparison.models[number]))
+        return in_figures(self.data, comparison, number)

@@ -181,7 +181,6 @@ def test_postures_that_are_held_out_are_not_fitted(as_believed, rigid):
 
 
 def test_the_command_line_takes_a_folder_of_modes(as_believed, tmp_path):
-    """What modes cannot tell of is asked for, so that nothing has to be searched for."""
     from click.testing import CliRunner
 
     from flexmodal.cli.main import group
@@ -194,7 +193,7 @@ def test_the_command_line_takes_a_folder_of_modes(as_believed, tmp_path):
         "--out",
         str(out),
         "--effects",
-        "sensor_gain",
+        "joint_coupling@q1+q2",
         "--json",
     ]
     ran = CliRunner().invoke(group, [*words, "--quiet"])
