@@ -5,11 +5,14 @@ import pytest
 import scipy.linalg
 
 import flexmodal
+from flexmodal.rig.arms import draw_arm
 from flexmodal.rig.effects.link_flexibility import spread
 from flexmodal.rig.integration.exponential import exponential, polynomial
+from flexmodal.rig.plant.assembly import PlantAssembly
 from flexmodal.rig.plant.beam import ELEMENTS, Beam, sections
 from flexmodal.rig.plant.build import build
 from flexmodal.rig.plant.chain import reach
+from flexmodal.rig.plant.flexure import Hinges
 from flexmodal.rig.plant.geometry import across
 
 FIRST, SECOND = 1.875104068711961, 4.694091132974174  # roots of cos x cosh x = -1
@@ -111,19 +114,38 @@ def test_beam_on_a_locked_joint_is_a_cantilever(bars, stand, hidden):
     assert first == pytest.approx(FIRST**2 * np.sqrt(3000.0 / 4.0) / 2 / np.pi, rel=1e-4)
 
 
+def test_a_link_that_bends_carries_what_a_sliding_joint_has_pushed_out(tmp_path):
+    """A hinge at its root moves everything beyond, wherever it slid to, as the joint at that root does."""
+    robot = flexmodal.load(str(draw_arm(tmp_path / "arm", 11)))
+    assert robot.urdf.joint_by_name["q3"].type == "prismatic"
+    assert robot.urdf.joint_by_name["q3"].parent == "link_2"
+    posed = PlantAssembly(robot.at({"q3": 0.2}))
+    axis = np.asarray(robot.urdf.joint_by_name["q2"].axis)
+    along = np.array([1.0, 0.0, 0.0])
+    hinge = Hinges(0.4, (0.0,), (1e5,))
+    posed.add_flexure("link_2", hinge, along, np.cross(axis, along), 0.0)
+    for link in ("link_3", "link_6"):
+        motion = posed.motion(link, np.array([0.1, 0.0, 0.05]))
+        joint, bend = posed.coordinates.index("q2"), posed.coordinates.index("link_2 bending 1.1")
+        np.testing.assert_allclose(motion[:, bend], motion[:, joint], atol=1e-12)
+
+
 def test_exponentials_of_stiff_links_do_not_grow():
     """Springs of 10² to 10¹⁴ N/m on 0.2 g to a tonne: exp(A t) has the eigenvalues e^(λ t), none beyond 1."""
     random = np.random.default_rng(1)
     turn = np.linalg.qr(random.normal(size=(6, 6)))[0]
     mass = np.diag(np.geomspace(2e-4, 1e3, 6)[::-1])
     root = np.sqrt(mass)
-    stiffness = root @ turn @ np.diag(np.geomspace(1e2, 1e17, 6)) @ turn.T @ root
+    square = np.geomspace(1e2, 1e17, 6)  # of the natural frequencies; damping is proportional
+    stiffness = root @ turn @ np.diag(square) @ turn.T @ root
     a = np.zeros((12, 12))
     a[:6, 6:] = np.eye(6)
     a[6:] = -np.linalg.solve(mass, np.hstack([stiffness, 1e-5 * stiffness + 2.0 * mass]))
     step = 6e-5
     found = np.sort(np.abs(np.linalg.eigvals(exponential(a * step))))
-    expected = np.sort(np.exp(np.linalg.eigvals(a).real * step))
+    loss = 1e-5 * square + 2.0
+    far = -(loss + np.sqrt((loss**2 - 4 * square).astype(complex))) / 2
+    expected = np.sort(np.abs(np.exp(np.concatenate([far, square / far]) * step)))  # Vieta's, no digit lost
     assert expected[-1] < 1
     np.testing.assert_allclose(found[-2:], expected[-2:], rtol=1e-7)
     assert found.max() < 1

@@ -192,3 +192,22 @@ def shares(
         longest = max(abs(along[0]) * largest[0], abs(along[1]) * largest[1])
         r, q = (rate - step / max(1.0, longest / LONGEST) for rate, step in zip((r, q), along, strict=True))
     return np.maximum(part, LEAST)
+
+
+def inner(context: Context, where: str) -> tuple[Float[np.ndarray, " hinge"], Float[np.ndarray, " hinge"]]:
+    """Hinges that are fixed but those at the ends of the link, whose weights their neighbours have.
+
+    Args:
+        context: of the diagnosis.
+        where: name of a link with such hinges.
+
+    Raises:
+        LookupError: the link has none.
+    """
+    known = fixed(context, where)
+    if known is None:
+        raise LookupError(where)
+    place, weight = known
+    inside = (place > INSET) & (place < 1 - INSET)
+    nearest = np.abs(place[:, None] - place[inside]).argmin(axis=1)
+    return place[inside], np.bincount(nearest, weights=weight)

@@ -27,7 +27,7 @@ from jaxtyping import Float
 
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Effect, Placement, along, positive, sides, signed
-from flexmodal.diagnosis.effects.hinges import EVEN, fixed, seen_inside, stiffest
+from flexmodal.diagnosis.effects.hinges import EVEN, fixed, stiffest
 from flexmodal.diagnosis.effects.link_motion import (
     add_hinges,
     bending,
@@ -72,7 +72,7 @@ def _parameters(context: Context, where: str) -> tuple[Parameter, ...]:
         signed("position", "", 0.1, 0.03, 0.97, centre=0.5),
         signed("spread", "", 0.1, 0.02, 0.98, centre=EVEN),
     )
-    if seen_inside(context, where):
+    if fixed(context, where) is not None:
         found = (*found, positive("shear", "", SHEAR, 2.0, 1e-4, 20.0))
     if context.normal is not None:
         return found
@@ -159,7 +159,7 @@ def _joints_at(placement: Placement, hinge: int, places: Float[np.ndarray, " hin
                 found.append(_New(f"{link}_shear_{end}", side, sliding, slides=True))
     for section, share in there:
         if section.twist:
-            end = f"_{hinge + 1}" if section.shears else ""
+            end = f"_{hinge + 1}" if len(section.cuts) > 1 else ""
             found.append(_New(f"{link}_twist{end}", axis, placement["twist_ratio"] * stiffness / share))
     return found
 

@@ -11,7 +11,7 @@ from jaxtyping import Float
 
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Bodies, Placement, along, sides
-from flexmodal.diagnosis.effects.hinges import fixed, pieces, seen_inside, shares
+from flexmodal.diagnosis.effects.hinges import fixed, has_modes, inner, pieces, seen_inside, shares
 from flexmodal.structure.arm import Body, crossed
 from flexmodal.structure.assembly import Assembly
 
@@ -47,16 +47,16 @@ def shares_at(
 
 @dataclass(frozen=True, eq=False)
 class Section:
-    """A part of a link between places where it is seen: in each it twists and shears evenly."""
+    """A part of a link that twists evenly, or shears evenly."""
 
     share: float
     """Of the length, and so of the compliance."""
     cuts: tuple[tuple[float, float], ...]
     """Where it is cut for that, as parts of the length of the link, and what of its motion each has."""
-    twist: tuple[str, ...]
-    """Its coordinate, in space."""
-    shears: tuple[str, ...]
-    """Its coordinates, one in each plane, where the link is seen between its ends."""
+    twist: tuple[str, ...] = ()
+    """Its coordinate, if it twists."""
+    shears: tuple[str, ...] = ()
+    """Its coordinates, one in each plane, if it shears."""
 
 
 def names_of(context: Context, where: str, count: int) -> list[str]:
@@ -72,25 +72,52 @@ def names_of(context: Context, where: str, count: int) -> list[str]:
 
 
 def sections(context: Context, where: str, places: Float[np.ndarray, " hinge"]) -> list[Section]:
-    """The parts of a link; one that twists at one place where nobody sees it between its ends.
+    """The parts of a link that twist, in space, and those that shear, where its hinges are fixed.
+
+    Between places where it is seen it twists evenly, and shears evenly unless it has modes of its own in the
+    band: there each cut slides by itself, as what lies between the ends lags behind them.
 
     Args:
         context: whose robot.
         where: the link.
         places: of its hinges, as parts of the length.
     """
-    known, planes = fixed(context, where), planes_of(context)
-    if known is None or not seen_inside(context, where):
-        middle = float(places[len(places) // 2])
-        return [Section(1.0, ((middle, 1.0),), (f"{where} twist",) if planes > 1 else (), ())]
-    found = []
-    for number, (start, end) in enumerate(pairwise(pieces(context, where)), start=1):
-        here, share = (known[0] > start) & (known[0] < end), end - start
-        parts = (known[1][here] / share).tolist()
-        cuts = tuple(zip(known[0][here].tolist(), parts, strict=True))
-        twist = (f"{where} twist {number}",) if planes > 1 else ()
-        shears = tuple(f"{where} shear {number}.{plane + 1}" for plane in range(planes))
-        found.append(Section(share, cuts, twist, shears))
+    twisting = _twisting(context, where, float(places[len(places) // 2]))
+    return [*(twisting if planes_of(context) > 1 else ()), *_shearing(context, where)]
+
+
+def _twisting(context: Context, where: str, middle: float) -> list[Section]:
+    """One at one place where nobody sees it between its ends."""
+    if not seen_inside(context, where):
+        return [Section(1.0, ((middle, 1.0),), (f"{where} twist",))]
+    parts = enumerate(_pieces(context, where), start=1)
+    return [Section(share, cuts, (f"{where} twist {number}",)) for number, (share, cuts) in parts]
+
+
+def _shearing(context: Context, where: str) -> list[Section]:
+    if has_modes(context, where):
+        places, weights = inner(context, where)
+        parts = [
+            (share, ((place, 1.0),)) for place, share in zip(places.tolist(), weights.tolist(), strict=True)
+        ]
+    else:
+        parts = _pieces(context, where)
+    planes = range(1, planes_of(context) + 1)
+    return [
+        Section(share, cuts, shears=tuple(f"{where} shear {number}.{plane}" for plane in planes))
+        for number, (share, cuts) in enumerate(parts, start=1)
+    ]
+
+
+def _pieces(context: Context, where: str) -> list[tuple[float, tuple[tuple[float, float], ...]]]:
+    """Parts of the length between places where a link is seen; the cuts in each, and what of it they have."""
+    known, found = fixed(context, where), []
+    if known is None:
+        return []
+    for start, end in pairwise(pieces(context, where)):
+        here = (known[0] > start) & (known[0] < end)
+        parts = (known[1][here] / (end - start)).tolist()
+        found.append((end - start, tuple(zip(known[0][here].tolist(), parts, strict=True))))
     return found
 
 

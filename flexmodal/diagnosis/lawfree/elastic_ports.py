@@ -134,7 +134,7 @@ def _link_functions(context: Context, where: str) -> tuple[str, ...]:
     planes = range(link_motion.planes_of(context))
     names = [f"bend {plane + 1}" for plane in planes]
     own = [f"{name}{end}" for end in ("", ", outwards", ", to the ends") for name in names]
-    shears = [f"shear {plane + 1}" for plane in planes if hinges.seen_inside(context, where)]
+    shears = [f"shear {plane + 1}" for plane in planes if hinges.fixed(context, where) is not None]
     return (*own, *shears) if len(names) == 1 else (*own, "bend 1 × bend 2", "twist", *shears)
 
 

@@ -159,9 +159,11 @@ class PlantAssembly:
         bending = _Bending(flexure, axis, np.zeros(3) if side is None else side, turned, columns)
         planes.append(bending)
         for joint in children(self.robot.urdf, link):
-            swept = self._bent(link, bending, np.asarray(joint.xyz))
+            place = np.asarray(joint.xyz)  # from where a joint that slides has carried its child away
+            swept = self._bent(link, bending, place)
+            held = self.origin(link) + self.orientation(link) @ place
             for further in beyond(self.robot.urdf, joint.child):
-                lever = self.origin(further) - self.origin(joint.child)
+                lever = self.origin(further) - held
                 self._widen(further)[:, columns] += carried(swept, lever)
         values, vectors = np.linalg.eigh(flexure.condensed_stiffness)
         for value, vector in zip(values, vectors.T, strict=True):
