@@ -17,6 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Complex, Float
 
+from flexmodal.errors import InvalidSystem
 from flexmodal.modal import SecondOrderSystem
 from flexmodal.modal.modes import solve_modes
 from flexmodal.structure.structure import Structure
@@ -61,22 +62,50 @@ class Poles:
         return turned * pole.imag / np.maximum(np.abs(pole), 1e-300)
 
 
-def poles(structure: Structure, names: tuple[str, ...] = ()) -> Poles:
+def poles(structure: Structure, names: tuple[str, ...] = (), *, active: bool = False) -> Poles:
     """Poles, shapes and their derivatives along some parameters; hysteretic stiffness is left out.
 
     Args:
         structure: with its derivatives.
         names: parameters to derive along; where nothing changes derivatives are 0.
+        active: whether a control loop may make the mass matrix indefinite.
 
     Raises:
-        InvalidSystem: the mass matrix is not positive definite.
+        InvalidSystem: the mass matrix is not positive definite, and no loop is to be blamed.
+        LinAlgError: it is singular.
     """
-    system = SecondOrderSystem(structure.mass, structure.damping, structure.stiffness, structure.coordinates)
-    modes = solve_modes(system)
-    pole, shape = modes.expanded()
+    try:
+        system = SecondOrderSystem(
+            structure.mass, structure.damping, structure.stiffness, structure.coordinates
+        )
+    except InvalidSystem:
+        if not active:
+            raise
+        pole, shape, count = _of_active(structure)
+    else:
+        modes = solve_modes(system)
+        (pole, shape), count = modes.expanded(), len(modes.pole)
     matrices = {kind: slopes_of([structure], names, kind)[0] for kind in ("mass", "damping", "stiffness")}
     slope, turned = eigen_slopes(pole, shape, **matrices)
-    return Poles(pole, shape, slope, turned, len(modes.pole))
+    return Poles(pole, shape, slope, turned, count)
+
+
+def _of_active(
+    structure: Structure,
+) -> tuple[Complex[np.ndarray, " pole"], Complex[np.ndarray, "dof pole"], int]:
+    """Poles, shapes and the number of modes, by the companion form: no root of the mass is taken."""
+    n = structure.dof
+    unit = float(np.sqrt(np.abs(np.linalg.solve(structure.mass, structure.stiffness)).max()))
+    state = np.zeros((2 * n, 2 * n))
+    state[:n, n:] = unit * np.eye(n)
+    state[n:, :n] = -np.linalg.solve(structure.mass, structure.stiffness) / unit
+    state[n:, n:] = -np.linalg.solve(structure.mass, structure.damping)
+    pole, vectors = np.linalg.eig(state)
+    order = np.lexsort((np.abs(pole), pole.imag < 0))  # of each pair the one above first
+    pole, shape = pole[order].astype(complex), vectors[:n, order].astype(complex)
+    scale = np.einsum("ip,ijp,jp->p", shape, 2 * pole * structure.mass[:, :, None], shape)
+    scale += np.einsum("ip,ij,jp->p", shape, structure.damping, shape)
+    return pole, shape / np.sqrt(scale), int(np.count_nonzero(pole.imag >= 0))
 
 
 def eigen_slopes(

@@ -45,7 +45,7 @@ def missing(
     try:
         if (_slowest(structure) - axis.decay) * axis.length < np.log(NOTHING):
             return None
-        found = poles(structure, names)
+        found = poles(structure, names, active=True)
     except NO_MODES:  # nothing can be said
         return None
     pole, s, length = found.pole, axis.s, axis.length
@@ -83,12 +83,11 @@ def missing_of(found: Solved) -> Complex[np.ndarray, "entry line"] | None:
         if not _outlasting(many, axis).any():
             return None
         return missing_of(solved(_viscous(many, axis), axis, entries, compiled=found.compiled))
+    n, length, s = many.mass.shape[1], axis.length, axis.s
     try:
-        np.linalg.cholesky(many.mass)
+        spring, damper = (np.linalg.solve(many.mass, part) for part in (many.stiffness, many.damping))
     except np.linalg.LinAlgError:
         return _one_by_one(found)
-    n, length, s = many.mass.shape[1], axis.length, axis.s
-    spring, damper = (np.linalg.solve(many.mass, part) for part in (many.stiffness, many.damping))
     unit = np.sqrt(np.abs(spring).max(axis=(1, 2)))[:, None, None]  # velocities in the size of elongations
     state = np.zeros((len(many), 2 * n, 2 * n))
     state[:, :n, n:], state[:, n:, :n], state[:, n:, n:] = np.eye(n) * unit, -spring / unit, -damper

@@ -132,6 +132,27 @@ def test_effect_is_that_of_the_rig(bench, effect):
     np.testing.assert_allclose(found, other, rtol=1e-8 if effect == "servo_compliance" else 1e-6)
 
 
+def test_a_loop_that_integrates_and_lags_is_that_of_the_rig(bench):
+    """P around PI on the rate, the torque through a low-pass."""
+    context, observed, stand = bench
+    k, gain, derivative, inertia = float(context.robot.joints["q2"].stiffness), 2e5, 3e3, 20.0
+    outer, lag = 0.6, 7e-4
+    other = {"proportional_gain": gain, "derivative_gain": derivative, "rotor_inertia": inertia,
+             "outer": outer, "filter_time": lag}  # fmt: skip
+    there = theirs(observed, stand, "servo_compliance", "q2", other, "cascade")
+    proportional = outer * gain
+    values = {
+        "gain": proportional, "frequency": np.sqrt((proportional + k) / inertia) / (2 * np.pi),
+        "damping_ratio": derivative / (2 * np.sqrt(proportional * inertia)),
+        "integral": (1 - outer) * gain / derivative / (2 * np.pi), "lag": lag, "brake": 1e-4,
+    }  # fmt: skip
+    found = ours(context, observed, "servo_compliance" + NEXT, "q2", values)
+    # w/(s + e) for w/s, and Maxwell elements' ends with an inertia of their own
+    np.testing.assert_allclose(found, there, rtol=3e-3, atol=1e-3 * np.abs(there).max())
+    plain = ours(context, observed, "servo_compliance" + NEXT, "q2", {**values, "integral": 1e-3})
+    assert np.abs(plain / there - 1).max() > 0.1, "the integral is not seen at all"
+
+
 @pytest.mark.parametrize("ratio", [0.7, -1.3])
 @pytest.mark.parametrize("form", ["ratio", "damped", "idler", "belt"])
 def test_couplings_of_other_kinds_are_those_of_the_rig(bench, form, ratio):
@@ -776,6 +797,7 @@ def test_a_link_with_modes_of_its_own_shears_where_it_lags_behind_its_ends():
         "base_flexibility" + NEXT,
         "joint_coupling" + NEXT,
         "sensor_mass" + NEXT,
+        "servo_compliance" + NEXT,
     ],
 )
 def test_derivatives_are_those_of_central_differences(bench, effect):

@@ -4,11 +4,13 @@ import numpy as np
 import pytest
 
 import flexmodal
+from flexmodal.errors import InvalidSystem
 from flexmodal.structure.arm import Arm
 from flexmodal.structure.assembly import Assembly
 from flexmodal.structure.poles import poles
 from flexmodal.structure.robot_terms import put_together
 from flexmodal.structure.space import robot_space
+from flexmodal.structure.structure import Structure
 
 STEP = 1e-5
 
@@ -81,3 +83,27 @@ def test_slopes_of_frequency_and_damping(case):
         np.testing.assert_allclose(middle.log_frequency_slope[k], numeric, atol=1e-7)
         numeric = (up.damping_ratio - down.damping_ratio) / (2 * STEP)
         np.testing.assert_allclose(middle.damping_slope[k], numeric, atol=1e-7)
+
+
+def test_poles_of_a_structure_with_a_negative_element_sum_to_its_receptance(case):
+    """What a control loop does may take a negative Maxwell element, whose end has a negative inertia."""
+    robot, _, q, _ = case
+    one = structure(robot, q, {})
+    n = one.dof
+    mass, damping, stiffness = np.zeros((3, n + 1, n + 1))
+    mass[:n, :n], damping[:n, :n], stiffness[:n, :n] = one.mass, one.damping, one.stiffness
+    spring = -0.3 * one.stiffness[0, 0]
+    stretch = np.eye(n + 1)[0] - np.eye(n + 1)[n]
+    stiffness += spring * np.outer(stretch, stretch)
+    damping[n, n], mass[n, n] = 0.01 * spring, 1e-8 * spring
+    row = np.pad(one.response, [(0, 0), (0, 1)])
+    names = (*one.coordinates, "end")
+    active = Structure(names, mass, damping, stiffness, np.zeros_like(mass), row, row)
+    with pytest.raises(InvalidSystem):
+        poles(active)
+    found = poles(active, active=True)
+    assert len(found.pole) == 2 * (n + 1)
+    s = 2j * np.pi * 17.0
+    exact = row @ np.linalg.solve(s**2 * mass + s * damping + stiffness, row.T)
+    summed = (row @ found.shape / (s - found.pole)) @ (row @ found.shape).T
+    np.testing.assert_allclose(summed, exact, rtol=1e-7)

@@ -239,11 +239,36 @@ def test_what_a_record_cuts_off_is_the_same_by_modes_and_by_the_state_at_its_end
     np.testing.assert_allclose(by_state, by_modes, rtol=1e-7, atol=1e-9 * np.abs(by_modes).max())
 
 
+@pytest.mark.parametrize("power", [0, 1, 2])
+def test_what_a_control_loop_leaves_at_the_end_is_cut_off_too(structures, power):
+    """A negative Maxwell element, as of a loop that integrates, makes the mass matrix indefinite."""
+    bare = replace(structures, slopes={}, turned={}, names=(), loss_factor=0.0, loss_slopes={})
+    k, time, light = 300.0, 0.02, 1e-4
+    row = np.zeros((SYSTEMS, DOF, DOF))
+    row[:, :2, :2] = [[1.0, -1.0], [-1.0, 1.0]]
+    end = np.zeros((SYSTEMS, DOF, DOF))
+    end[:, 1, 1] = 1.0
+    mass = bare.mass.copy()
+    mass[:, 1], mass[:, :, 1] = 0.0, 0.0  # the second coordinate is the end of the element alone
+    damping, stiffness = bare.damping.copy(), bare.stiffness.copy()
+    for matrix in (damping, stiffness):
+        matrix[:, 1], matrix[:, :, 1] = 0.0, 0.0
+    active = replace(
+        bare, mass=mass - light * end, damping=damping - k * time * end, stiffness=stiffness - k * row
+    )
+    assert np.linalg.eigvalsh(active.mass)[:, 0].max() < 0
+    axis = replace(AXIS, length=0.05, power=power, cut_slopes=False)
+    found = solved(active, axis, ENTRIES, compiled=False)
+    by_modes, _ = missing_with_slopes(found, ())
+    assert np.abs(by_modes).max() > 1e-3 * np.abs(found.value).max()
+    np.testing.assert_allclose(missing_of(found), by_modes, rtol=1e-7, atol=1e-9 * np.abs(by_modes).max())
+
+
 @pytest.mark.parametrize("error", [InvalidSystem, InaccurateModes, np.linalg.LinAlgError])
 def test_where_there_are_no_modes_nothing_is_said_to_be_cut_off(structures, monkeypatch, error):
     """Of stiffness over too many decades, say, whose receptance stays right."""
 
-    def poles(structure, names):
+    def poles(structure, names, *, active):
         raise error([Fault("", "", "none", "some")]) if issubclass(error, InvalidSystem) else error("none")
 
     monkeypatch.setattr(truncation, "poles", poles)

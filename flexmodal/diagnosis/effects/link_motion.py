@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
@@ -15,6 +16,8 @@ from flexmodal.diagnosis.effects.hinges import fixed, has_modes, inner, pieces, 
 from flexmodal.structure.arm import Body, crossed
 from flexmodal.structure.assembly import Assembly
 
+_Part = tuple[float, tuple[tuple[float, float], ...]]
+"""Share of the length, and the cuts in it; see `Section`."""
 KEPT = 64
 """Values of means and spreads whose shares are kept."""
 
@@ -95,13 +98,11 @@ def _twisting(context: Context, where: str, middle: float) -> list[Section]:
 
 
 def _shearing(context: Context, where: str) -> list[Section]:
+    parts = _pieces(context, where)
     if has_modes(context, where):
         places, weights = inner(context, where)
-        parts = [
-            (share, ((place, 1.0),)) for place, share in zip(places.tolist(), weights.tolist(), strict=True)
-        ]
-    else:
-        parts = _pieces(context, where)
+        each = zip(places.tolist(), weights.tolist(), strict=True)
+        parts = [(share, ((place, 1.0),)) for place, share in each]
     planes = range(1, planes_of(context) + 1)
     return [
         Section(share, cuts, shears=tuple(f"{where} shear {number}.{plane}" for plane in planes))
@@ -109,7 +110,7 @@ def _shearing(context: Context, where: str) -> list[Section]:
     ]
 
 
-def _pieces(context: Context, where: str) -> list[tuple[float, tuple[tuple[float, float], ...]]]:
+def _pieces(context: Context, where: str) -> Sequence[_Part]:
     """Parts of the length between places where a link is seen; the cuts in each, and what of it they have."""
     known, found = fixed(context, where), []
     if known is None:

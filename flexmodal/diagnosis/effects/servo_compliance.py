@@ -2,19 +2,36 @@
 
 One more coordinate: the rotor, reflected to the joint. The joint's own spring goes from
 it to the link [Hearne 2.1, 2.2].
+
+At the next level the loop integrates, comes late and is braked besides: its torque over the angle is
+
+    z(s) = (K + D s)(1 + w/s)/(1 + T s) + B s = K w/s + (K' + D s)/(1 + T s) + B s,   K' = K + D w - K w T
+
+(P around PI, its torque through a lag, and back-EMF: Leonhard, Control of Electrical Drives, Springer 2001,
+chapters 7 and 15; a brake that relaxes is T and D = (1 + r) K T). The lag is a spring K' with a Maxwell
+element of D/T - K' beside it, which may be negative. For w/s stands w/(s + e), a spring less a Maxwell
+element, e far below the band.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
+from itertools import product
 
 import numpy as np
 
 from flexmodal.diagnosis.effects.context import Context
-from flexmodal.diagnosis.effects.effect import Effect, Placement, positive
+from flexmodal.diagnosis.effects.effect import Effect, Level, Placement, positive
+from flexmodal.diagnosis.effects.relaxation import add_relaxing
 from flexmodal.diagnosis.improved.draft import Draft
 from flexmodal.structure import Parameter
 from flexmodal.structure.assembly import Assembly
+
+HELD = 0.05
+"""What the loop does besides, over its gain or damper, from which it is told that no file holds it."""
+SLOW = 0.003
+"""Below which part of the lowest line the integral of the loop forgets."""
 
 
 def _parameters(context: Context, where: str) -> tuple[Parameter, ...]:
@@ -81,15 +98,83 @@ def _extend(draft: Draft, placement: Placement) -> None:
     draft.flexible(motor, found["proportional_gain"], found["derivative_gain"], rotor_inertia=inertia)
 
 
-EFFECT = Effect(
+def _loop_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
+    """Those of a rotor on a spring and a damper, and what else the loop does, next to nothing at first."""
+    low, high = context.band
+    return (
+        *_parameters(context, where),
+        positive("integral", "Hz", 0.01 * low, 2.0, 1e-5 * low, high),
+        positive("lag", "s", 2e-3 / high, 2.0, 1e-6 / high, 0.5 / low),
+        positive("brake", "of the derivative gain", 0.01, 2.0, 1e-6, 30.0),
+    )
+
+
+def _loop_starts(context: Context, where: str, values: Mapping[str, float]) -> list[Mapping[str, float]]:
+    """Where a fit without these ended and where one may begin, late or not, and with an integral or none."""
+    found: list[Mapping[str, float]] = []
+    for narrow, late, slow in product((values, *_starts(context, where)), (0.0, 0.1, 0.4), (0.0, 0.1, 0.4)):
+        more = {"lag": late / (2 * np.pi * narrow["frequency"])} if late else {}
+        more |= {"integral": slow * narrow["frequency"]} if slow else {}
+        found.append({**narrow, **more})
+    return found
+
+
+def _loop_shape(assembly: Assembly, placement: Placement) -> None:
+    _shape(assembly, placement)
+    assembly.add_coordinates([f"{placement.where} lag", f"{placement.where} integral"])
+
+
+def _loop_act(assembly: Assembly, placement: Placement) -> None:
+    context, where, gain = placement.context, placement.where, placement["gain"]
+    k, (low, high) = float(context.robot.joints[where].stiffness), context.band
+    inertia, derivative = loop(k, gain, placement["frequency"], placement["damping_ratio"])
+    rate, lag = 2 * np.pi * placement["integral"], placement["lag"]
+    row, slow = assembly.row(f"{where} motor"), 2 * np.pi * SLOW * low
+    still = gain + derivative * rate - gain * rate * lag
+    assembly.add_inertia(row, inertia)
+    assembly.add_spring(row, still + gain * rate / slow)
+    assembly.add_damper(row, placement["brake"] * derivative)
+    add_relaxing(assembly, row, assembly.row(f"{where} lag"), derivative / lag - still, lag, high)
+    add_relaxing(assembly, row, assembly.row(f"{where} integral"), -gain * rate / slow, 1 / slow, high)
+
+
+def _loop_extend(draft: Draft, placement: Placement) -> None:
+    _extend(draft, placement)
+    omega = 2 * np.pi * placement["frequency"]
+    lacking = {
+        f"its integral, {2 * np.pi * placement['integral']:.3g} 1/s": 2
+        * np.pi
+        * placement["integral"]
+        / omega,
+        f"its lag of {placement['lag']:.3g} s": placement["lag"] * omega,
+        f"what brakes it besides, {placement['brake']:.3g} of its damper": placement["brake"],
+    }
+    told = [what for what, size in lacking.items() if size > HELD]
+    if told:
+        draft.notes.append(f"the files have the motor of {placement.where} and lack {' and '.join(told)}")
+
+
+LOOP = Effect(
     name="servo_compliance",
     says="the motor moves against its control loop",
     places=lambda context: context.joints,
-    parameters=_parameters,
+    parameters=_loop_parameters,
     starts=_starts,
+    shape=_loop_shape,
+    act=_loop_act,
+    physical=lambda context, where, values: {
+        **_physical(context, where, values),
+        **{name: values[name] for name in ("integral", "lag", "brake")},
+    },
+    extend=_loop_extend,
+    units={"proportional_gain": "N·m/rad", "derivative_gain": "N·m·s/rad", "rotor_inertia": "kg·m²"},
+)
+EFFECT = replace(
+    LOOP,
+    parameters=_parameters,
     shape=_shape,
     act=_act,
     physical=_physical,
     extend=_extend,
-    units={"proportional_gain": "N·m/rad", "derivative_gain": "N·m·s/rad", "rotor_inertia": "kg·m²"},
+    next_level=Level(LOOP, _loop_starts),
 )
