@@ -28,6 +28,8 @@ from flexmodal.diagnosis.effects.foundation import (
     sizes,
     springs,
 )
+from flexmodal.diagnosis.effects.foundation_start import told_by
+from flexmodal.diagnosis.effects.free_function import FreeFunction
 from flexmodal.diagnosis.improved.draft import Draft
 from flexmodal.structure import Parameter
 from flexmodal.structure.arm import Body, carried
@@ -56,6 +58,7 @@ def _parameters(context: Context, where: str) -> tuple[Parameter, ...]:
         signed("below", "m", 0.15 * length, -length, length),
         positive("mass", "kg", 0.01 * mass, 2.5, 1e-5 * mass, 50 * mass),
         signed("mass_below", "m", 0.15 * length, -length, length),
+        signed("mass_aside", "m", 0.05 * length, -length, length),
         positive("gyration", "m", 0.15 * length, 1.0, 1e-3 * length, 3 * length),
     ]
     if context.normal is None:
@@ -67,6 +70,7 @@ def _parameters(context: Context, where: str) -> tuple[Parameter, ...]:
             positive("tilt_damping_ratio", "", 1.0, 0.5, 0.05, 20.0),
             positive("twist_damping_ratio", "", 1.0, 0.5, 0.05, 20.0),
             signed("ahead", "m", 0.1 * length, -length, length),
+            signed("mass_ahead", "m", 0.05 * length, -length, length),
             signed("angle", "rad", 0.8, -1.6, 1.6),
         ]
     return tuple(found)
@@ -93,6 +97,11 @@ def _starts(context: Context, where: str) -> list[Mapping[str, float]]:
         found.append({**start, "mass": heavy * context.arm_mass} if heavy else start)
     turned = found[::4] if context.normal is None else []
     return found + [{**start, "tilt_ratio": 2.0, "angle": 0.8} for start in turned]
+
+
+def _told(context: Context, where: str, free: FreeFunction) -> list[dict[str, float]]:
+    """What free compliances come near to."""
+    return told_by(context, free, _parameters(context, where), _starts(context, where))
 
 
 def _shape(assembly: Assembly, placement: Placement) -> None:
@@ -211,6 +220,7 @@ BOLTED = Effect(
 EFFECT = replace(
     BOLTED,
     parameters=_parameters,
+    told=_told,
     shape=_shape,
     act=_act,
     extend=_extend,

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import combinations_with_replacement
+
 import numpy as np
 
 from flexmodal.diagnosis.effects.context import Context
@@ -23,6 +25,21 @@ def motions(normal: np.ndarray | None) -> tuple[list[str], np.ndarray]:
     motion = np.zeros((6, 3))
     motion[:3, 0], motion[:3, 1], motion[3:, 2] = level, crossed(level, normal), normal
     return ["base x", "base z", "base tilt"], motion
+
+
+def terms(context: Context) -> list[tuple[int, int]]:
+    """Coordinates of the foundation that have a compliance, by themselves or between two.
+
+    Where springs do not meet at the root's origin a force there also tilts it: in a plane along and up with
+    the tilt, in space along x with ry and along y with rx.
+    """
+    count = len(motions(context.normal)[0])
+    return [(k, k) for k in range(count)] + ([(0, 2), (1, 2)] if count == 3 else [(0, 4), (1, 3)])
+
+
+def every_term(context: Context) -> list[tuple[int, int]]:
+    """Any two of the coordinates: several springs and masses, each about an axis of its own."""
+    return list(combinations_with_replacement(range(len(motions(context.normal)[0])), 2))
 
 
 def sizes(context: Context) -> tuple[float, float]:
@@ -82,4 +99,9 @@ def springs(placement: Placement) -> list[Spring]:
 
 def mass_centre(placement: Placement) -> np.ndarray:
     """Of the foundation, in the world [m]; the root's origin is at 0."""
-    return aside_of(placement) - placement["mass_below"] * np.array([0.0, 0.0, 1.0])
+    _, motion = motions(placement.context.normal)
+    if placement.context.normal is not None:
+        beside = placement["mass_aside"] * motion[:3, 0]
+    else:
+        beside = np.array([placement["mass_aside"], placement["mass_ahead"], 0.0])
+    return aside_of(placement) + beside - placement["mass_below"] * np.array([0.0, 0.0, 1.0])

@@ -22,6 +22,8 @@ class FreeFunction:
     """Parameters of the place."""
     fitted: Float[np.ndarray, " known"]
     """Coordinates of what is believed, as fitted beside it."""
+    information: Complex[np.ndarray, "line function function"] | None = None
+    """How well they are known, each line by itself: the inverse of their covariance; None if nobody says."""
 
     @property
     def tensor(self) -> Complex[np.ndarray, "line way way"]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
-from itertools import combinations_with_replacement, product
+from itertools import product
 
 import numpy as np
 
@@ -29,22 +29,6 @@ BASE_AXIS = ("aside", "ahead")
 
 
 Terms = Callable[[Context], list[tuple[int, int]]]
-
-
-def _base_terms(context: Context) -> list[tuple[int, int]]:
-    """Coordinates of the foundation that have a compliance, by themselves or between two.
-
-    Where springs do not meet at the root's origin a force there also tilts it: in a plane along and up with
-    the tilt, in space along x with ry and along y with rx.
-    """
-    count = len(foundation.motions(context.normal)[0])
-    return [(k, k) for k in range(count)] + ([(0, 2), (1, 2)] if count == 3 else [(0, 4), (1, 3)])
-
-
-def _every_term(context: Context) -> list[tuple[int, int]]:
-    """Any two of the coordinates: several springs and masses, each about an axis of its own."""
-    count = len(foundation.motions(context.normal)[0])
-    return list(combinations_with_replacement(range(count), 2))
 
 
 def _base_patterns(terms: Terms, assembly: Assembly, placement: Placement) -> Patterns:
@@ -93,12 +77,12 @@ def _spread(context: Context, values: Mapping[str, float], functions: np.ndarray
     _, motion = foundation.motions(context.normal)
     count = motion.shape[1]
     about = np.zeros((functions.shape[1], count, count), dtype=complex)
-    for (i, j), value in zip(_base_terms(context), functions, strict=True):
+    for (i, j), value in zip(foundation.terms(context), functions, strict=True):
         about[:, i, j] = about[:, j, i] = value
     if context.normal is None:
         turned = carried(motion, -np.array([*(values[name] for name in BASE_AXIS), 0.0]))
         about = turned @ about @ turned.T
-    return np.stack([about[:, i, j] for i, j in _every_term(context)])
+    return np.stack([about[:, i, j] for i, j in foundation.every_term(context)])
 
 
 def _base(terms: Terms, shape: Effect, wider: Wider | None = None) -> PortKind:
@@ -112,15 +96,17 @@ def _base(terms: Terms, shape: Effect, wider: Wider | None = None) -> PortKind:
         unit="1/stiffness",
         shape=replace(shape, name="port", act=None, extend=None),
         patterns=partial(_base_patterns, terms),
+        informs=True,
         wider=wider,
     )
 
 
 BASE = _base(
-    _base_terms,
+    foundation.terms,
     replace(base_flexibility.EFFECT, parameters=_base_parameters, geometry=BASE_AXIS, shape=_base_shape),
     wider=Wider(
-        _base(_every_term, replace(base_flexibility.EFFECT, parameters=lambda context, where: ())), _spread
+        _base(foundation.every_term, replace(base_flexibility.EFFECT, parameters=lambda context, where: ())),
+        _spread,
     ),
 )
 

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import numpy as np
+from jaxtyping import Complex, Float
+
 from flexmodal.diagnosis.effects.free_function import FreeFunction
 from flexmodal.diagnosis.lawfree.curve import classes_of, curve_of, undecided
 from flexmodal.diagnosis.lawfree.pursuit import LawFree
@@ -63,7 +66,17 @@ def _free(one: Sighting) -> FreeFunction | None:
         one.state.z[0, own] * model.size[own],
         {name: values[name] for name in names if name in values},
         x[:known],
+        _information(one, model.size[own]) if one.port.kind.informs else None,
     )
+
+
+def _information(
+    one: Sighting, size: Float[np.ndarray, "function line"]
+) -> Complex[np.ndarray, "line function function"]:
+    """Of the last port's functions in their unit, all others as they are."""
+    own = one.profile.model.spans[-1]
+    zz = one.profile.equations(one.state, held=True).zz[0][:, own, own]
+    return np.asarray(zz / size.T[:, :, None] / size.T[:, None, :])
 
 
 def _words(look: LawFree, found: tuple[Found, ...]) -> str:

@@ -64,6 +64,8 @@ class PortKind:
     """Whether these are left out instead, as if each had a function of its own."""
     by_blow: bool = False
     """Whether the function is another one in each posture and under each kind of blow."""
+    informs: bool = False
+    """Whether it is told how well its functions are known, for fits of laws to set out from them."""
     wider: Wider | None = None
     """The same with more functions, where it comes near and is not enough."""
     parts: Callable[[str], Sequence[tuple[PortKind, str, int]]] = lambda where: ()

@@ -1,0 +1,149 @@
+"""Where a fit of a foundation sets out: its law laid beside the compliances that were found free of one.
+
+The compliance of the law, (K + iωB − ω²M)⁻¹, is compared with the free one line by line, in the metric of how
+well each line and each way of moving is known: motion that nobody measured says nothing. That takes no
+structure, so that many starts cost little. Resonances that do not fall together yet look alike to a sharp
+metric wherever they are; so the free functions count as uncertain by a part of themselves at first, which
+falls to nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from jaxtyping import Complex, Float
+from scipy.optimize import least_squares
+
+from flexmodal.diagnosis.effects.context import Context
+from flexmodal.diagnosis.effects.effect import Placement
+from flexmodal.diagnosis.effects.foundation import (
+    centre_of,
+    every_term,
+    mass_centre,
+    motions,
+    springs,
+    terms,
+)
+from flexmodal.diagnosis.effects.free_function import FreeFunction
+from flexmodal.structure import Parameter
+from flexmodal.structure.arm import carried
+
+SOFTENED = ((1.0, 24), (0.3, 8), (0.1, 4), (0.03, 3), (0.0, 2))
+"""Relative uncertainty of the functions beside that of the data, and how many starts are followed there."""
+FEW, MANY = 12, 60
+"""Evaluations of each, and of the last ones."""
+OUTLYING = 3.0
+"""Distance, over what the data allow, from which a line weighs less."""
+RIDGE = 1e-9
+"""Of what is known best, added where nothing is."""
+
+
+def told_by(
+    context: Context,
+    free: FreeFunction,
+    parameters: Sequence[Parameter],
+    starts: Sequence[Mapping[str, float]],
+) -> list[dict[str, float]]:
+    """Parameters of foundations whose compliance is nearest to free functions.
+
+    Args:
+        context: of the diagnosis.
+        free: of the foundation's port, about an upright axis or between any two of its coordinates.
+        parameters: of the law.
+        starts: values of them to set out from.
+
+    Returns:
+        Two at most; none where nothing says how well the functions are known.
+    """
+    if free.information is None:
+        return []
+    laid = _Laid(context, free, parameters)
+    found = [laid.coordinates(one) for one in starts]
+    for part, followed in SOFTENED:
+        metric = laid.metric(part)
+        near = sorted(found, key=lambda x: laid.cost(x, metric))[:followed]
+        found = [laid.nearest(x, metric, FEW if part else MANY) for x in near]
+    return [laid.values(x) for x in sorted(found, key=lambda x: laid.cost(x, metric))]
+
+
+class _Laid:
+    """Free functions, and foundations to be laid beside them."""
+
+    def __init__(self, context: Context, free: FreeFunction, parameters: Sequence[Parameter]) -> None:
+        """Take what the functions weigh.
+
+        Args:
+            context: of the diagnosis.
+            free: with its information.
+            parameters: of the law.
+        """
+        assert free.information is not None
+        _, self.motion = motions(context.normal)
+        self.context, self.parameters = context, parameters
+        self.omega, self.target = 2 * np.pi * free.frequency, free.value.T
+        some = terms(context)
+        self.terms = np.array(some if len(free.value) == len(some) else every_term(context)).T
+        ridge = RIDGE * np.diag(np.abs(np.einsum("lff->lf", free.information)).max(axis=0))
+        self._covariance = np.linalg.inv(free.information + ridge)
+        axis = np.array([free.geometry.get(name, 0.0) for name in ("aside", "ahead")])
+        self.back = np.linalg.inv(self.motion.T @ carried(self.motion, -np.array([*axis, 0.0])))
+        self.low = np.array([one.coordinate(one.lower) for one in parameters])
+        self.high = np.array([one.coordinate(one.upper) for one in parameters])
+        self.deviation = np.array([one.deviation for one in parameters])
+
+    def coordinates(self, values: Mapping[str, float]) -> Float[np.ndarray, " parameter"]:
+        """Of a fit, from values; at the middle of the prior where none is given."""
+        found = np.array([one.coordinate(values.get(one.name, one.card)) for one in self.parameters])
+        return np.clip(found, self.low + 1e-9, self.high - 1e-9)
+
+    def values(self, x: Float[np.ndarray, " parameter"]) -> dict[str, float]:
+        """Of the parameters, from coordinates."""
+        return {one.name: one.value(float(v)) for one, v in zip(self.parameters, x, strict=True)}
+
+    def compliance(self, x: Float[np.ndarray, " parameter"]) -> Complex[np.ndarray, "line function"]:
+        """Of the law, as the port has it."""
+        placement, motion = Placement.still(self.context, "base", self.values(x)), self.motion
+        some = springs(placement)
+        rows = np.array([way for _, way, _, _ in some]) @ carried(motion, centre_of(placement))
+        moved = motion.T @ carried(motion, mass_centre(placement))
+        turning = placement["mass"] * placement["gyration"] ** 2
+        amounts = np.where(motion[3:].any(axis=0), turning, placement["mass"])
+        stiffness, damping = (rows.T @ (np.array([one[k] for one in some])[:, None] * rows) for k in (2, 3))
+        mass = moved.T @ (amounts[:, None] * moved)
+        omega = self.omega[:, None, None]
+        found = self.back @ np.linalg.inv(stiffness + 1j * omega * damping - omega**2 * mass) @ self.back.T
+        return np.asarray(found[:, self.terms[0], self.terms[1]])
+
+    def metric(self, part: float) -> Complex[np.ndarray, "line function function"]:
+        """Root of the information, each function uncertain by a part of itself besides."""
+        own = np.einsum("lf,fg->lfg", (part * np.abs(self.target)) ** 2, np.eye(self.target.shape[1]))
+        root = np.linalg.cholesky(np.linalg.inv(self._covariance + own))
+        return np.asarray(np.conj(np.swapaxes(root, 1, 2)))
+
+    def far(
+        self, x: Float[np.ndarray, " parameter"], metric: Complex[np.ndarray, "line function function"]
+    ) -> Float[np.ndarray, " value"]:
+        """How far a foundation is from the functions, and its parameters from their priors."""
+        gap = (metric @ (self.compliance(x) - self.target)[:, :, None]).ravel()
+        return np.concatenate([gap.real, gap.imag, x / self.deviation])
+
+    def cost(
+        self, x: Float[np.ndarray, " parameter"], metric: Complex[np.ndarray, "line function function"]
+    ) -> float:
+        """Robust half sum of squares."""
+        square = (self.far(x, metric) / OUTLYING) ** 2
+        return float(OUTLYING**2 * np.sum(np.sqrt(1 + square) - 1))
+
+    def nearest(
+        self,
+        start: Float[np.ndarray, " parameter"],
+        metric: Complex[np.ndarray, "line function function"],
+        steps: int,
+    ) -> Float[np.ndarray, " parameter"]:
+        """Coordinates of the nearest foundation from a start."""
+        made = least_squares(
+            self.far, start, bounds=(self.low, self.high), x_scale=self.deviation, args=(metric,),
+            loss="soft_l1", f_scale=OUTLYING, max_nfev=steps,
+        )  # fmt: skip
+        return np.asarray(made.x)

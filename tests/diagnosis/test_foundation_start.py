@@ -1,0 +1,85 @@
+"""Foundations laid beside free compliances, which are put together by hand."""
+
+import numpy as np
+import pytest
+
+import flexmodal
+from flexmodal.diagnosis.effects import base_flexibility, foundation
+from flexmodal.diagnosis.effects.context import Context
+from flexmodal.diagnosis.effects.free_function import FreeFunction
+from flexmodal.identification import observe
+from flexmodal.rig import simulate
+
+EFFECT = base_flexibility.EFFECT
+UP = np.array([0.0, 0.0, 1.0])
+
+
+@pytest.fixture(scope="module", params=["fanuc_s360", "six_axis"])
+def context(request):
+    robot = flexmodal.load(request.param)
+    posture = {"fanuc_s360": "configuration_1", "six_axis": "work"}[request.param]
+    made = simulate(robot, postures=[posture], points=2, trials=2, averages=2, seed=3, record_length=1.0)
+    return Context.of(robot, observe(made.campaign))
+
+
+def compliance(context, frequency, springs, dampers, centre, mass, inertia, mass_centre):
+    """(K + iωB − ω²M)⁻¹ of springs that meet in a point, and of a body, by Newton's laws at the root."""
+    _, motion = foundation.motions(context.normal)
+
+    def at(place):  # [6, way], by what a turn does to a lever
+        return np.concatenate([motion[:3] + np.cross(motion[3:].T, place).T, motion[3:]])
+
+    def about(place, sizes):
+        ways = motion.T @ at(place)
+        return ways.T @ np.diag(sizes) @ ways
+
+    turns = motion[3:].any(axis=0)
+    omega = 2 * np.pi * frequency[:, None, None]
+    stiffness, damping = about(centre, springs), about(centre, dampers)
+    body = about(mass_centre, np.where(turns, inertia, mass))
+    return np.linalg.inv(stiffness + 1j * omega * damping - omega**2 * body)
+
+
+def laid(context):
+    """Foundations told by a free port, and the numbers it was made of."""
+    length, mass = foundation.length_of(context), 2.0 * context.arm_mass
+    tilt, shift = foundation.sizes(context)
+    planar, frequency = context.normal is not None, np.linspace(2.0, 120.0, 60)
+    springs = np.array([6 * shift, 25 * shift, 0.8 * tilt] if planar else
+                       [6 * shift, 4 * shift, 25 * shift, 0.8 * tilt, 1.3 * tilt, 1.7 * tilt])  # fmt: skip
+    dampers = 4e-4 * springs
+    side = foundation.motions(context.normal)[1][:3, 0] if planar else np.array([1.0, 0.0, 0.0])
+    aside, below, low, beside = 0.06 * length, 0.1 * length, 0.05 * length, 0.02 * length
+    radius = 0.2 * length
+    found = compliance(
+        context, frequency, springs, dampers, aside * side - below * UP,
+        mass, mass * radius**2, (aside + beside) * side - low * UP,
+    )  # fmt: skip
+    pairs = np.array(foundation.every_term(context)).T
+    value, own = found[:, pairs[0], pairs[1]].T, np.abs(np.einsum("lii->li", found)).T
+    size = 0.01 * np.sqrt(own[pairs[0]] * own[pairs[1]])
+    size[0] *= 10  # how the root moves along was hardly seen
+    value = value + size * np.random.default_rng(1).normal(size=value.shape)
+    weight = 1 / size.T
+    information = np.einsum("lf,fg->lfg", weight**2, np.eye(len(value)))
+    free = FreeFunction(frequency, value, {}, np.zeros(0), information.astype(complex))
+    truth = {
+        "horizontal_stiffness": springs[0], "vertical_stiffness": springs[1 if planar else 2],
+        "below": below, "aside": aside, "mass": mass, "gyration": radius,
+    }  # fmt: skip
+    return free, truth
+
+
+def test_a_foundation_is_found_beside_the_compliances_that_are_its_own(context):
+    free, truth = laid(context)
+    told = EFFECT.told(context, "base", free)
+    assert 1 <= len(told) <= 2
+    for name, value in truth.items():
+        assert told[0][name] == pytest.approx(value, rel=0.25), name  # it is a start
+    bounds = {one.name: (one.lower, one.upper) for one in EFFECT.parameters(context, "base")}
+    assert all(bounds[name][0] <= value <= bounds[name][1] for one in told for name, value in one.items())
+
+
+def test_where_nobody_says_how_well_they_are_known_nothing_is_told(context):
+    free, _ = laid(context)
+    assert EFFECT.told(context, "base", FreeFunction(free.frequency, free.value, {}, free.fitted)) == []
