@@ -15,7 +15,7 @@ from flexmodal.diagnosis.effects.effect import Placement, along, sides
 from flexmodal.diagnosis.effects.free_function import FreeFunction
 from flexmodal.diagnosis.effects.hinges import gauss, quadrature, shares
 from flexmodal.diagnosis.effects.sensors import mounted
-from flexmodal.diagnosis.effects.servo_compliance import loop
+from flexmodal.diagnosis.effects.servo_compliance import loop, loop_stiffness
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.placed import Placed
 from flexmodal.errors import InvalidRequest
@@ -149,6 +149,10 @@ def test_a_loop_that_integrates_and_lags_is_that_of_the_rig(bench):
     found = ours(context, observed, "servo_compliance" + NEXT, "q2", values)
     # w/(s + e) for w/s, and Maxwell elements' ends with an inertia of their own
     np.testing.assert_allclose(found, there, rtol=3e-3, atol=1e-3 * np.abs(there).max())
+    site = Site(stand, "q2", other)
+    plant = build(stand, observed.postures[0], [(FORMS["servo_compliance"]["cascade"], site)])
+    exact = plant.feedbacks[0].stiffness(np.array([2 * np.pi * 31.0]))[0]
+    assert loop_stiffness(context, "q2", values, 31.0) == pytest.approx(exact, rel=1e-3)
     plain = ours(context, observed, "servo_compliance" + NEXT, "q2", {**values, "integral": 1e-3})
     assert np.abs(plain / there - 1).max() > 0.1, "the integral is not seen at all"
 

@@ -8,9 +8,10 @@ Gauss's points; shear adds to the spread. Where that is not enough there are mor
 space the two planes have stiffnesses of their own, about axes turned by an angle, and the link twists about
 its length on one spring more.
 
-Where a link is looked at or struck between its ends it twists evenly along its length, and shear is what it
-is: slides of a spring 12 k/(Φ L²) in each plane, k the stiffness against bending and Φ = 12 EI/(κGA L²)
-(Przemieniecki, Theory of Matrix Structural Analysis, McGraw-Hill 1968, section 5.6).
+Where a link is looked at or struck between its ends it twists evenly along its length. There, and where it
+has modes of its own, shear is what it is: slides of a spring 12 k/(Φ L²) in each plane, k the stiffness
+against bending and Φ = 12 EI/(κGA L²) (Przemieniecki, Theory of Matrix Structural Analysis, McGraw-Hill 1968,
+section 5.6).
 
 The link's mass is taken as spread evenly along it, or as far as its inertia allows; what that has beyond the
 inertia of thin rods is shared out in the same way, so that mass, mass centre and inertia of the whole link

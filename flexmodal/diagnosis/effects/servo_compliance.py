@@ -29,7 +29,9 @@ from flexmodal.structure import Parameter
 from flexmodal.structure.assembly import Assembly
 
 HELD = 0.05
-"""What the loop does besides, over its gain or damper, from which it is told that no file holds it."""
+"""What integral and lag do at the rotor's frequency, from which it is told that no file holds them."""
+LEAST = 1e-3
+"""Of its gain, the spring in the files at least."""
 SLOW = 0.003
 """Below which part of the lowest line the integral of the loop forgets."""
 
@@ -87,15 +89,20 @@ def _physical(context: Context, where: str, values: Mapping[str, float]) -> dict
 
 
 def _extend(draft: Draft, placement: Placement) -> None:
+    found = _physical(placement.context, placement.where, placement.values)
+    _put_in(draft, placement, found["proportional_gain"], found["derivative_gain"])
+
+
+def _put_in(draft: Draft, placement: Placement, spring: float, damper: float) -> None:
+    """A rotor on a spring and a damper, which is all that the files hold."""
     if draft.robot.joints[placement.where].rotor_inertia:
         draft.notes.append(
             f"the card's rotor inertia of {placement.where} turns with the link but no longer with the motor"
         )
-    found = _physical(placement.context, placement.where, placement.values)
+    inertia = _physical(placement.context, placement.where, placement.values)["rotor_inertia"]
     motor = draft.fresh(f"{placement.where}_motor")
     draft.behind(placement.where, motor)
-    inertia = found["rotor_inertia"]
-    draft.flexible(motor, found["proportional_gain"], found["derivative_gain"], rotor_inertia=inertia)
+    draft.flexible(motor, spring, damper, rotor_inertia=inertia)
 
 
 def _loop_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
@@ -138,20 +145,36 @@ def _loop_act(assembly: Assembly, placement: Placement) -> None:
     add_relaxing(assembly, row, assembly.row(f"{where} integral"), -gain * rate / slow, 1 / slow, high)
 
 
+def loop_stiffness(context: Context, where: str, values: Mapping[str, float], frequency: float) -> complex:
+    """Torque of the loop over the rotor's angle [N·m/rad].
+
+    Args:
+        context: of the diagnosis.
+        where: the joint.
+        values: of the parameters of the wider law.
+        frequency: at which [Hz].
+    """
+    k, s = float(context.robot.joints[where].stiffness), 2j * np.pi * frequency
+    gain = values["gain"]
+    _, derivative = loop(k, gain, values["frequency"], values["damping_ratio"])
+    slow = 1 + 2 * np.pi * values["integral"] / s
+    lag = 1 + values["lag"] * s
+    return complex((gain + derivative * s) * slow / lag + values["brake"] * derivative * s)
+
+
 def _loop_extend(draft: Draft, placement: Placement) -> None:
-    _extend(draft, placement)
-    omega = 2 * np.pi * placement["frequency"]
-    lacking = {
-        f"its integral, {2 * np.pi * placement['integral']:.3g} 1/s": 2
-        * np.pi
-        * placement["integral"]
-        / omega,
-        f"its lag of {placement['lag']:.3g} s": placement["lag"] * omega,
-        f"what brakes it besides, {placement['brake']:.3g} of its damper": placement["brake"],
-    }
-    told = [what for what, size in lacking.items() if size > HELD]
-    if told:
-        draft.notes.append(f"the files have the motor of {placement.where} and lack {' and '.join(told)}")
+    """A spring and a damper that do what the loop does where the rotor swings."""
+    own, values = placement["frequency"], placement.values
+    there = loop_stiffness(placement.context, placement.where, values, own)
+    spring, damper = max(there.real, LEAST * values["gain"]), max(there.imag, 0.0) / (2 * np.pi * own)
+    _put_in(draft, placement, spring, damper)
+    omega = 2 * np.pi * own
+    besides = (2 * np.pi * values["integral"] / omega, values["lag"] * omega)
+    if max(besides) > HELD:
+        draft.notes.append(
+            f"the files have the loop of {placement.where} as it is at {own:.3g} Hz, and lack that it "
+            f"integrates and comes late"
+        )
 
 
 LOOP = Effect(
