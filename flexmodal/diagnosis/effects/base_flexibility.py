@@ -22,6 +22,7 @@ from flexmodal.diagnosis.effects.effect import Effect, Level, Placement, positiv
 from flexmodal.diagnosis.effects.foundation import (
     Spring,
     centre_of,
+    inertias,
     length_of,
     mass_centre,
     motions,
@@ -113,9 +114,8 @@ def _act(assembly: Assembly, placement: Placement) -> None:
     names, motion = motions(placement.context.normal)
     own = np.array([assembly.row(name) for name in names])
     _sprung(assembly, carried(motion, centre_of(placement)) @ own, springs(placement))
-    inertia = placement["mass"] * placement["gyration"] ** 2
-    amounts = np.where(motion[3:].any(axis=0), inertia, placement["mass"])
-    assembly.add_together("mass", motion.T @ carried(motion, mass_centre(placement)) @ own, amounts)
+    moved = motion.T @ carried(motion, mass_centre(placement)) @ own
+    assembly.add_together("mass", moved, inertias(placement))
 
 
 def _sprung(assembly: Assembly, motion: np.ndarray, some: Sequence[Spring]) -> None:

@@ -60,10 +60,14 @@ def centre_of(placement: Placement) -> np.ndarray:
 
 def aside_of(placement: Placement) -> np.ndarray:
     """The upright axis that the springs are about, in the world [m]; the root's origin is at 0."""
-    _, motion = motions(placement.context.normal)
+    return _level(placement, "aside", "ahead")
+
+
+def _level(placement: Placement, aside: str, ahead: str) -> np.ndarray:
+    """A level place by parameters, the second of which an arm in a plane lacks."""
     if placement.context.normal is not None:
-        return placement["aside"] * motion[:3, 0]
-    return np.array([placement["aside"], placement["ahead"], 0.0])
+        return placement[aside] * motions(placement.context.normal)[1][:3, 0]
+    return np.array([placement[aside], placement[ahead], 0.0])
 
 
 def _turn(angle: float) -> np.ndarray:
@@ -99,9 +103,12 @@ def springs(placement: Placement) -> list[Spring]:
 
 def mass_centre(placement: Placement) -> np.ndarray:
     """Of the foundation, in the world [m]; the root's origin is at 0."""
-    _, motion = motions(placement.context.normal)
-    if placement.context.normal is not None:
-        beside = placement["mass_aside"] * motion[:3, 0]
-    else:
-        beside = np.array([placement["mass_aside"], placement["mass_ahead"], 0.0])
+    beside = _level(placement, "mass_aside", "mass_ahead")
     return aside_of(placement) + beside - placement["mass_below"] * np.array([0.0, 0.0, 1.0])
+
+
+def inertias(placement: Placement) -> np.ndarray:
+    """Of the foundation along and about the directions of its coordinates, at its centre [kg, kg·m²]."""
+    _, motion = motions(placement.context.normal)
+    turning = placement["mass"] * placement["gyration"] ** 2
+    return np.where(motion[3:].any(axis=0), turning, placement["mass"])

@@ -20,13 +20,14 @@ from flexmodal.diagnosis.effects.effect import Placement
 from flexmodal.diagnosis.effects.foundation import (
     centre_of,
     every_term,
+    inertias,
     mass_centre,
     motions,
     springs,
     terms,
 )
 from flexmodal.diagnosis.effects.free_function import FreeFunction
-from flexmodal.structure import Parameter
+from flexmodal.structure import Parameter, ParameterSpace
 from flexmodal.structure.arm import carried
 
 SOFTENED = ((1.0, 24), (0.3, 8), (0.1, 4), (0.03, 3), (0.0, 2))
@@ -64,7 +65,7 @@ def told_by(
         metric = laid.metric(part)
         near = sorted(found, key=lambda x: laid.cost(x, metric))[:followed]
         found = [laid.nearest(x, metric, FEW if part else MANY) for x in near]
-    return [laid.values(x) for x in sorted(found, key=lambda x: laid.cost(x, metric))]
+    return [laid.space.values(x) for x in sorted(found, key=lambda x: laid.cost(x, metric))]
 
 
 class _Laid:
@@ -80,7 +81,7 @@ class _Laid:
         """
         assert free.information is not None
         _, self.motion = motions(context.normal)
-        self.context, self.parameters = context, parameters
+        self.context, self.space = context, ParameterSpace(tuple(parameters))
         self.omega, self.target = 2 * np.pi * free.frequency, free.value.T
         some = terms(context)
         self.terms = np.array(some if len(free.value) == len(some) else every_term(context)).T
@@ -88,29 +89,22 @@ class _Laid:
         self._covariance = np.linalg.inv(free.information + ridge)
         axis = np.array([free.geometry.get(name, 0.0) for name in ("aside", "ahead")])
         self.back = np.linalg.inv(self.motion.T @ carried(self.motion, -np.array([*axis, 0.0])))
-        self.low = np.array([one.coordinate(one.lower) for one in parameters])
-        self.high = np.array([one.coordinate(one.upper) for one in parameters])
         self.deviation = np.array([one.deviation for one in parameters])
 
     def coordinates(self, values: Mapping[str, float]) -> Float[np.ndarray, " parameter"]:
-        """Of a fit, from values; at the middle of the prior where none is given."""
-        found = np.array([one.coordinate(values.get(one.name, one.card)) for one in self.parameters])
-        return np.clip(found, self.low + 1e-9, self.high - 1e-9)
-
-    def values(self, x: Float[np.ndarray, " parameter"]) -> dict[str, float]:
-        """Of the parameters, from coordinates."""
-        return {one.name: one.value(float(v)) for one, v in zip(self.parameters, x, strict=True)}
+        """Of a fit, from values that the law has here, inside bounds; else the middle of the prior."""
+        low, high = self.space.bounds
+        known = {name: value for name, value in values.items() if name in self.space.index}
+        return np.clip(self.space.coordinates(known), low + 1e-9, high - 1e-9)
 
     def compliance(self, x: Float[np.ndarray, " parameter"]) -> Complex[np.ndarray, "line function"]:
         """Of the law, as the port has it."""
-        placement, motion = Placement.still(self.context, "base", self.values(x)), self.motion
+        placement, motion = Placement.still(self.context, "base", self.space.values(x)), self.motion
         some = springs(placement)
         rows = np.array([way for _, way, _, _ in some]) @ carried(motion, centre_of(placement))
         moved = motion.T @ carried(motion, mass_centre(placement))
-        turning = placement["mass"] * placement["gyration"] ** 2
-        amounts = np.where(motion[3:].any(axis=0), turning, placement["mass"])
         stiffness, damping = (rows.T @ (np.array([one[k] for one in some])[:, None] * rows) for k in (2, 3))
-        mass = moved.T @ (amounts[:, None] * moved)
+        mass = moved.T @ (inertias(placement)[:, None] * moved)
         omega = self.omega[:, None, None]
         found = self.back @ np.linalg.inv(stiffness + 1j * omega * damping - omega**2 * mass) @ self.back.T
         return np.asarray(found[:, self.terms[0], self.terms[1]])
@@ -143,7 +137,7 @@ class _Laid:
     ) -> Float[np.ndarray, " parameter"]:
         """Coordinates of the nearest foundation from a start."""
         made = least_squares(
-            self.far, start, bounds=(self.low, self.high), x_scale=self.deviation, args=(metric,),
+            self.far, start, bounds=self.space.bounds, x_scale=self.deviation, args=(metric,),
             loss="soft_l1", f_scale=OUTLYING, max_nfev=steps,
         )  # fmt: skip
         return np.asarray(made.x)
