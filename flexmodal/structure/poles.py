@@ -72,7 +72,7 @@ def poles(structure: Structure, names: tuple[str, ...] = (), *, active: bool = F
 
     Raises:
         InvalidSystem: the mass matrix is not positive definite, and no loop is to be blamed.
-        LinAlgError: it is singular.
+        LinAlgError: it is singular, or a structure with such a loop rings up.
     """
     try:
         system = SecondOrderSystem(
@@ -101,6 +101,8 @@ def _of_active(
     state[n:, :n] = -np.linalg.solve(structure.mass, structure.stiffness) / unit
     state[n:, n:] = -np.linalg.solve(structure.mass, structure.damping)
     pole, vectors = np.linalg.eig(state)
+    if pole.real.max() > 0:
+        raise np.linalg.LinAlgError("rings up")
     order = np.lexsort((np.abs(pole), pole.imag < 0))  # of each pair the one above first
     pole, shape = pole[order].astype(complex), vectors[:n, order].astype(complex)
     scale = np.einsum("ip,ijp,jp->p", shape, 2 * pole * structure.mass[:, :, None], shape)
