@@ -101,7 +101,7 @@ def _of_active(
     state[n:, :n] = -np.linalg.solve(structure.mass, structure.stiffness) / unit
     state[n:, n:] = -np.linalg.solve(structure.mass, structure.damping)
     pole, vectors = np.linalg.eig(state)
-    if pole.real.max() > 0:
+    if pole.real.max() > 0:  # masses that are indefinite by rounding alone leave no digit
         raise np.linalg.LinAlgError("rings up")
     order = np.lexsort((np.abs(pole), pole.imag < 0))  # of each pair the one above first
     pole, shape = pole[order].astype(complex), vectors[:n, order].astype(complex)
