@@ -83,3 +83,17 @@ def test_a_foundation_is_found_beside_the_compliances_that_are_its_own(context):
 def test_where_nobody_says_how_well_they_are_known_nothing_is_told(context):
     free, _ = laid(context)
     assert EFFECT.told(context, "base", FreeFunction(free.frequency, free.value, {}, free.fitted)) == []
+
+
+def test_functions_of_which_only_some_combinations_are_known_tell_starts_too(context):
+    """Few points see few ways of moving; a function that nobody saw, and lines of very unequal weight."""
+    free, _ = laid(context)
+    random = np.random.default_rng(2)
+    lines, functions = free.value.shape[1], len(free.value)
+    seen = random.normal(size=(lines, 3, functions)) / np.abs(free.value.T)[:, None, :]
+    seen *= np.geomspace(1e-5, 1e5, lines)[:, None, None]
+    seen[..., -1] = 0.0
+    free = FreeFunction(free.frequency, free.value, {}, np.zeros(0), np.swapaxes(seen, 1, 2) @ seen + 0j)
+    told = EFFECT.told(context, "base", free)
+    assert 1 <= len(told) <= 2
+    assert all(np.isfinite(list(one.values())).all() for one in told)

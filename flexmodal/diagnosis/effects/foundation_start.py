@@ -37,7 +37,7 @@ FEW, MANY = 12, 60
 OUTLYING = 3.0
 """Distance, over what the data allow, from which a line weighs less."""
 RIDGE = 1e-9
-"""Of what is known best, added where nothing is."""
+"""Of what is known best, known at least of every combination of functions."""
 
 
 def told_by(
@@ -85,8 +85,7 @@ class _Laid:
         self.omega, self.target = 2 * np.pi * free.frequency, free.value.T
         some = terms(context)
         self.terms = np.array(some if len(free.value) == len(some) else every_term(context)).T
-        ridge = RIDGE * np.diag(np.abs(np.einsum("lff->lf", free.information)).max(axis=0))
-        self._covariance = np.linalg.inv(free.information + ridge)
+        self._scale, self._covariance = _uncertainty(free.information)
         axis = np.array([free.geometry.get(name, 0.0) for name in ("aside", "ahead")])
         self.back = np.linalg.inv(self.motion.T @ carried(self.motion, -np.array([*axis, 0.0])))
         self.deviation = np.array([one.deviation for one in parameters])
@@ -111,9 +110,9 @@ class _Laid:
 
     def metric(self, part: float) -> Complex[np.ndarray, "line function function"]:
         """Root of the information, each function uncertain by a part of itself besides."""
-        own = np.einsum("lf,fg->lfg", (part * np.abs(self.target)) ** 2, np.eye(self.target.shape[1]))
-        root = np.linalg.cholesky(np.linalg.inv(self._covariance + own))
-        return np.asarray(np.conj(np.swapaxes(root, 1, 2)))
+        uncertain = part * self._scale * np.abs(self.target)
+        own = np.einsum("lf,fg->lfg", uncertain**2, np.eye(len(self._scale)))
+        return np.asarray(np.linalg.inv(np.linalg.cholesky(self._covariance + own)) * self._scale)
 
     def far(
         self, x: Float[np.ndarray, " parameter"], metric: Complex[np.ndarray, "line function function"]
@@ -141,3 +140,17 @@ class _Laid:
             loss="soft_l1", f_scale=OUTLYING, max_nfev=steps,
         )  # fmt: skip
         return np.asarray(made.x)
+
+
+def _uncertainty(
+    information: Complex[np.ndarray, "line function function"],
+) -> tuple[Float[np.ndarray, " function"], Complex[np.ndarray, "line function function"]]:
+    """Scales of functions, 0 where nothing is known anywhere, and covariances of the functions so scaled.
+
+    By eigenvalues, since what is inverted twice has lost its positive ones where little is known.
+    """
+    scale = np.sqrt(np.abs(np.einsum("lff->lf", information)).max(axis=0))
+    some = np.where(scale > 0, scale, 1.0)
+    known, way = np.linalg.eigh(information / np.outer(some, some))
+    covariance = way / np.maximum(known, RIDGE)[:, None, :] @ np.conj(np.swapaxes(way, 1, 2))
+    return scale, covariance
