@@ -91,8 +91,8 @@ class Hypothesis:
         every = [
             f"{one.label}.{name}"
             for one in self.placed
-            if not one.effect.fixed(self.context, one.where)
             for name in one.effect.geometry
+            if name not in one.effect.held(self.context, one.where)
         ]
         return tuple(name for name in every if name in self.space.index)
 

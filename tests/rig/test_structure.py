@@ -6,6 +6,7 @@ import scipy.linalg
 
 import flexmodal
 from flexmodal.rig.arms import draw_arm
+from flexmodal.rig.believed import Body
 from flexmodal.rig.effects.link_flexibility import spread
 from flexmodal.rig.integration.exponential import exponential, polynomial
 from flexmodal.rig.plant.assembly import PlantAssembly
@@ -103,7 +104,17 @@ def test_spreading_a_link_along_its_beam_keeps_its_inertia(name, stand):
         total = thin + about(beam, length / 2 * axis - body.com)
         total = total + rest.inertia + about(rest.mass, rest.com - body.com)
         np.testing.assert_allclose(total, body.inertia, atol=1e-9 * np.trace(body.inertia))
-        assert np.linalg.eigvalsh(rest.inertia)[0] >= -1e-9 * np.trace(body.inertia)
+        second = np.trace(rest.inertia) / 2 * np.eye(3) - rest.inertia  # along, as no mass is negative
+        assert beam == 0.0 or np.linalg.eigvalsh(second)[0] >= -1e-9 * np.trace(body.inertia)
+
+
+def test_a_beam_in_a_plane_has_what_turns_in_that_plane_alone():
+    """The card of a planar arm may have any other moments."""
+    body = Body(3.0, np.array([0.5, 0.0, 0.0]), np.diag([1e-9, 1e-9, 3.0 / 12]))
+    beam, rest = spread(body, 1.0, np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0]))
+    assert beam == pytest.approx(3.0)
+    assert rest.inertia[2, 2] == pytest.approx(0.0, abs=1e-12)
+    assert spread(body, 1.0, np.array([1.0, 0.0, 0.0]))[0] < 0.1
 
 
 def test_beam_on_a_locked_joint_is_a_cantilever(bars, stand, hidden):

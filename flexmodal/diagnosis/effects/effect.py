@@ -97,8 +97,8 @@ class Effect:
     """New coordinates and motions. Sees of its own parameters those in `geometry` only."""
     geometry: tuple[str, ...] = ()
     """Parameters that motions and bodies depend on; those of them that the effect has in a context."""
-    fixed: Callable[[Context, str], bool] = lambda context, where: False
-    """Whether motions and bodies are the same at a place whatever these parameters."""
+    held: Callable[[Context, str], Sequence[str]] = lambda context, where: ()
+    """Those of them that neither depends on at a place."""
     bodies: Callable[[Assembly, Placement, Bodies, str], bool] | None = None
     """Takes over a link's body, whose name is last; says whether it did."""
     act: Callable[[Assembly, Placement], None] | None = None

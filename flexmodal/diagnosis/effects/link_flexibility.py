@@ -13,28 +13,27 @@ has modes of its own, shear is what it is: slides of a spring 12 k/(Φ L²) in e
 against bending and Φ = 12 EI/(κGA L²) (Przemieniecki, Theory of Matrix Structural Analysis, McGraw-Hill 1968,
 section 5.6).
 
-The link's mass is taken as spread evenly along it, or as far as its inertia allows; what that has beyond the
-inertia of thin rods is shared out in the same way, so that mass, mass centre and inertia of the whole link
-stay what they were.
+The link's mass is taken as spread evenly along it as far as its centre and its inertia allow, the rest as a
+lump, see `cut_body`; how much is in the lump is free at the next level.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float
 
 from flexmodal.diagnosis.effects.context import Context
-from flexmodal.diagnosis.effects.effect import Effect, Placement, along, positive, sides, signed
+from flexmodal.diagnosis.effects.cut_body import SPREAD, TUBE, cut
+from flexmodal.diagnosis.effects.effect import Effect, Level, Placement, along, positive, sides, signed
 from flexmodal.diagnosis.effects.hinges import EVEN, fixed, stiffest
 from flexmodal.diagnosis.effects.link_motion import (
     add_hinges,
     bending,
     cut_body,
     names_of,
-    rods,
     sections,
 )
 from flexmodal.diagnosis.improved.draft import Draft
@@ -47,6 +46,8 @@ SHORTEST = 0.05
 """Links shorter than this do not bend [m]."""
 SHEAR = 0.03
 """Φ, about: of a thin tube sixteen times as long as wide, κ = ½."""
+BENDS = ("position", "spread")
+"""What two hinges sit by."""
 TWIST = 3.0
 """Stiffness against twist over that against bending, about: G J over E I, and more where little twists it."""
 
@@ -180,25 +181,40 @@ def _extend(draft: Draft, placement: Placement) -> None:
     card = bodies_of(placement.context.robot.urdf)[link]
     whole = scaled(card, link, placement.values)
     grown = whole.mass / card.mass
-    parts, thin = rods(placement, card, places)
-    for number, (_, rod) in enumerate(parts):
-        inertia = grown * rod.inertia + rod.mass / card.mass * (whole.inertia - grown * thin)
+    parts, thin = cut(placement, card, places)
+    for number, part in enumerate(parts):
+        inertia = grown * part.body.inertia + part.turning * (whole.inertia - grown * thin)
         shift = places[number - 1] * length * axis if number else np.zeros(3)
-        draft.set_body(names[number], Body(grown * rod.mass, rod.centre - shift, inertia))
+        draft.set_body(names[number], Body(grown * part.body.mass, part.body.centre - shift, inertia))
 
 
-EFFECT = Effect(
+def _wider_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
+    return (
+        *_parameters(context, where),
+        signed(TUBE, "", 0.3, 0.0, 1.0, centre=1.0),
+        signed(SPREAD, "", 0.3, 0.0, 1.0, centre=1.0),
+    )
+
+
+def _wider_starts(context: Context, where: str, values: Mapping[str, float]) -> Sequence[Mapping[str, float]]:
+    some = ((1.0, 1.0), (1.0, 0.2), (0.5, 0.8), (0.5, 0.2), (0.1, 0.8), (0.1, 0.2))
+    return [{**values, TUBE: tube, SPREAD: spread} for tube, spread in some]
+
+
+EVEN_BODY = Effect(
     name="link_flexibility",
     says="the link bends",
     places=_places,
     parameters=_parameters,
     starts=_starts,
     shape=lambda assembly, placement: add_hinges(assembly, placement, bending(placement)[0]),
-    geometry=("position", "spread"),
-    fixed=lambda context, where: fixed(context, where) is not None,
+    geometry=BENDS,
+    held=lambda context, where: BENDS if fixed(context, where) is not None else (),
     bodies=lambda assembly, placement, bodies, link: cut_body(
         assembly, placement, bodies, link, bending(placement)[0]
     ),
     act=_act,
     extend=_extend,
 )
+UNEVEN_BODY = replace(EVEN_BODY, parameters=_wider_parameters, geometry=(*BENDS, TUBE, SPREAD))
+EFFECT = replace(EVEN_BODY, next_level=Level(UNEVEN_BODY, _wider_starts))

@@ -11,6 +11,7 @@ import numpy as np
 from jaxtyping import Float
 
 from flexmodal.diagnosis.effects.context import Context
+from flexmodal.diagnosis.effects.cut_body import cut
 from flexmodal.diagnosis.effects.effect import Bodies, Placement, along, sides
 from flexmodal.diagnosis.effects.hinges import fixed, has_modes, inner, pieces, seen_inside, shares
 from flexmodal.structure.arm import Body, crossed
@@ -174,43 +175,11 @@ def cut_body(
     if link != placement.where:
         return False
     body, tags = bodies[link], {"mass": f"mass.{link}"}
-    parts, whole = rods(placement, body, places)
-    for section, rod in parts:
-        share = rod.mass / body.mass
-        turning = Body(0.0, section, share * body.inertia)
-        assembly.add_body(link, rod, section=section, **tags)
-        assembly.add_body(link, turning, section=section, inertia=f"inertia.{link}", **tags)
-        assembly.add_body(link, Body(0.0, section, -share * whole), section=section, **tags)
+    parts, whole = cut(placement, body, places)
+    for part in parts:
+        place, share = part.section, part.turning
+        turning = Body(0.0, place, share * body.inertia)
+        assembly.add_body(link, part.body, section=place, **tags)
+        assembly.add_body(link, turning, section=place, inertia=f"inertia.{link}", **tags)
+        assembly.add_body(link, Body(0.0, place, -share * whole), section=place, **tags)
     return True
-
-
-def rods(
-    placement: Placement, body: Body, places: Float[np.ndarray, " hinge"]
-) -> tuple[list[tuple[np.ndarray, Body]], np.ndarray]:
-    """Parts of a link as thin rods, each with its place along it, and the inertia of all about its centre.
-
-    Args:
-        placement: of the effect; its place is the link.
-        body: of the whole link.
-        places: of the hinges, as parts of the length.
-    """
-    end, axis = along(placement.context, placement.where)
-    thin = np.eye(3) - np.outer(axis, axis)
-    length = min(end, _spread(placement, body, axis))
-    ends = np.concatenate([[0.0], places, [1.0]])
-    parts, whole = [], np.zeros((3, 3))
-    for share, middle in zip(np.diff(ends).tolist(), ((ends[1:] + ends[:-1]) / 2).tolist(), strict=True):
-        lever = (middle - 0.5) * length * axis
-        own = share * body.mass * (share * length) ** 2 / 12 * thin
-        whole += own + share * body.mass * (lever @ lever * np.eye(3) - np.outer(lever, lever))
-        parts.append((middle * end * axis, Body(share * body.mass, body.centre + lever, own)))
-    return parts, whole
-
-
-def _spread(placement: Placement, body: Body, axis: np.ndarray) -> float:
-    """Length of the longest thin rod in the body, beside a disc with its moment about the axis [m]."""
-    across = sides(placement.context, placement.where, axis)
-    turns = np.array([crossed(axis, side) for side in across])
-    least = float(np.linalg.eigvalsh(turns @ body.inertia @ turns.T)[0])
-    disc = 0.0 if placement.context.normal is not None else float(axis @ body.inertia @ axis) / 2
-    return float(np.sqrt(12 * max(least - disc, 0.0) / body.mass))

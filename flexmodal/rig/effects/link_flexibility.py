@@ -27,13 +27,16 @@ def span(site_link: str, stand: Stand) -> tuple[float, np.ndarray]:
     return length, end / length
 
 
-def spread(body: Body, length: float, axis: np.ndarray) -> tuple[float, Body]:
+def spread(
+    body: Body, length: float, axis: np.ndarray, normal: np.ndarray | None = None
+) -> tuple[float, Body]:
     """Split a link's inertia into a uniform beam and a rest, so that the rigid link keeps all of it.
 
     Args:
         body: mass properties of the link.
         length: of the beam [m].
         axis: unit vector along it, in the frame of the link.
+        normal: of the plane that it moves in, likewise, if it moves in one; nothing turns about another axis.
 
     Returns:
         Mass of the beam, as much as leaves the rest with a moment of inertia a body can have, and the rest.
@@ -51,9 +54,17 @@ def spread(body: Body, length: float, axis: np.ndarray) -> tuple[float, Body]:
             com = (body.mass * body.com - beam * length / 2 * axis) / rest
         total = body.inertia + body.mass * _about(body.com)
         left = total - beam * (length**2 / 12 * thin + _about(length / 2 * axis)) - rest * _about(com)
-        if np.linalg.eigvalsh(left)[0] >= -1e-12 * np.trace(total) and 0 <= com @ axis <= length:
+        if _is_a_body(left, normal, 1e-12 * np.trace(total)) and 0 <= com @ axis <= length:
             return float(beam), Body(float(rest), com, left)
     return 0.0, body
+
+
+def _is_a_body(inertia: np.ndarray, normal: np.ndarray | None, rounding: float) -> bool:
+    """Whether a body can have an inertia: no second moment of its mass, along and not about, is below 0."""
+    if normal is not None:
+        return bool(normal @ inertia @ normal >= -rounding)
+    second = np.trace(inertia) / 2 * np.eye(3) - inertia
+    return bool(np.linalg.eigvalsh(second)[0] >= -rounding)
 
 
 def _about(lever: np.ndarray) -> np.ndarray:
@@ -78,13 +89,13 @@ def _beyond(stand: Stand, joint: str) -> tuple[str, ...]:
 
 def _shape(assembly: PlantAssembly, site: Site) -> None:
     length, axis = span(site.where, site.stand)
-    mass, _ = spread(site.stand.true.bodies[site.where], length, axis)
+    axes = assembly.orientation(site.where)
+    normal = None if assembly.normal is None else axes.T @ assembly.normal
+    mass, _ = spread(site.stand.true.bodies[site.where], length, axis, normal)
     beam = Beam(length, site["bending_stiffness"], mass / length)
     weight = max(site.stand.true.bodies[site.where].mass, 1e-9) / length
     first = _FIRST**2 * np.sqrt(site["bending_stiffness"] / (weight * length**4))  # rad/s, clamped and free
     loss = 2 * site["damping_ratio"] / first
-    axes = assembly.orientation(site.where)
-    normal = None if assembly.normal is None else axes.T @ assembly.normal
     for side in across(axis, normal):
         assembly.add_flexure(site.where, beam, axis, side, loss)
 
@@ -97,7 +108,8 @@ def body(assembly: PlantAssembly, site: Site) -> bool:
         site: the link.
     """
     length, axis = span(site.where, site.stand)
-    mass, rest = spread(site.stand.true.bodies[site.where], length, axis)
+    normal = None if assembly.normal is None else assembly.orientation(site.where).T @ assembly.normal
+    mass, rest = spread(site.stand.true.bodies[site.where], length, axis, normal)
     for place, weight in zip(*sections(), strict=True):
         assembly.add_body(
             site.where, place * length * axis, float(mass * weight), rest.inertia * float(weight)
