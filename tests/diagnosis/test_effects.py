@@ -667,7 +667,8 @@ def test_a_slender_link_has_the_modes_of_a_beam(slender, monkeypatch):
     many = off()
     context.frames.kept.clear()
     link_motion.shares_at.cache_clear()
-    monkeypatch.setattr(link_motion, "fixed", lambda context, where: gauss(2))
+    for room in (hinges, link_motion):
+        monkeypatch.setattr(room, "fixed", lambda context, where: gauss(2))
     assert many < 0.2 * off(), "two hinges lack modes"
     context.frames.kept.clear()
     link_motion.shares_at.cache_clear()
@@ -693,6 +694,19 @@ def test_hinges_of_a_link_have_the_moments_of_an_even_beam(slender):
     for place, weight in filter(None, known):
         assert np.all(np.diff(place) > 1e-3)
         assert np.stack([place**0, place, place**2]) @ weight == pytest.approx([1, 1 / 2, 1 / 3])
+
+
+@pytest.mark.parametrize("shift", [-0.8, 0.0, 0.5])
+def test_shifted_hinges_stay_in_order_and_in_their_pieces(slender, shift):
+    context, _, _ = slender
+    links = [link for link in context.links if hinges.fixed(context, link) is not None]
+    assert links
+    for link in links:
+        was, now = hinges.fixed(context, link)[0], hinges.shifted(context, link, shift)
+        assert np.all(np.diff(now) > 0)
+        assert np.sign(now - was) == pytest.approx(np.sign(shift))
+        for end in hinges.pieces(context, link):
+            np.testing.assert_array_equal(now < end, was < end)
 
 
 @pytest.mark.parametrize("mean", [0.03, 0.17175, 0.5, 0.97])

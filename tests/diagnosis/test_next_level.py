@@ -6,8 +6,9 @@ from unittest.mock import Mock
 import numpy as np
 import pytest
 
+import flexmodal
 from flexmodal.diagnosis.disagreement.gaps import over_noise
-from flexmodal.diagnosis.effects import catalogue
+from flexmodal.diagnosis.effects import Context, catalogue, hinges
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.lawfree.result import Findings
 from flexmodal.diagnosis.placed import Placed
@@ -19,9 +20,11 @@ from flexmodal.diagnosis.selection.frf_candidates import LAW_LEAVES, FrfCandidat
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.selection.frf_thresholds import FLOOR_REACHED
 from flexmodal.diagnosis.setup import Setup
-from flexmodal.identification import predict
+from flexmodal.identification import observe, predict
+from flexmodal.rig import simulate
 from flexmodal.structure import robot_space
 
+LINK = catalogue()["link_flexibility"]
 FOUNDATION = catalogue()["base_flexibility"]
 BLOCK = {
     "horizontal_stiffness": 8e6, "vertical_stiffness": 1.4e7, "tilt_stiffness": 4e6,
@@ -61,6 +64,41 @@ def test_bolts_are_found_from_where_springs_alone_ended(fits):
     values = best.hypothesis.space.values(best.x)
     for name in ("mass", "bolts_horizontal_ratio", "bolts_tilt_ratio"):
         assert values[f"base_flexibility@base.{name}"] == pytest.approx(BLOCK[name], rel=0.05)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("top", "true"),
+    [
+        (30.0, {"tube": 0.2, "turning_spread": 0.3}),
+        (400.0, {"shift": 0.5, "spread": 0.1}),
+    ],
+)
+def test_where_the_mass_of_a_link_is_and_where_it_gives_are_found_from_an_even_one(top, true):
+    """A lump on two hinges anywhere; and a link on one hinge, where hinges are fixed for modes of its own."""
+    robot = flexmodal.load("six_link")
+    made = simulate(
+        robot, postures=2, points=4, references=2, trials=2, seed=2, record_length=1.0, band=(2.0, top)
+    )
+    observed = observe(made.campaign)
+    context = Context.of(robot, observed)
+    link = next(one for one in context.links if (hinges.fixed(context, one) is None) == ("tube" in true))
+    root = Hypothesis(context, robot_space(robot))
+    wide = root.and_also(Placed(LINK.next_level.effect, link))
+    zero = np.zeros(len(root.space))
+    stiffness = 0.3 * hinges.stiffest(context, link)
+    even = {"stiffness": stiffness, "damping": 3e-4 * stiffness}
+    value = predict(wide, wide.start(wide.placed[-1], even | true, zero), observed)
+    seen = replace(observed, value=value)
+    setup = Mock(
+        spec=Setup, fitted=seen, observations=seen, held=np.zeros(len(seen), dtype=bool), context=context,
+        effects=(), advance=Mock(),
+    )  # fmt: skip
+    narrow = root.and_also(Placed(LINK, link))
+    fitted = fitted_closely(setup, narrow, narrow.start(narrow.placed[-1], even, zero))
+    found = at_next_level(setup, fitted, SetOut([zero]), lambda one: over_noise(setup, one) < 0.05)
+    left = min(over_noise(setup, one) for one in found)
+    assert left < 0.5 * over_noise(setup, fitted)
 
 
 def test_each_effect_gets_its_wider_law_from_where_the_joint_fit_is(fits, monkeypatch):

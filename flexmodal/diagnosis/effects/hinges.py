@@ -156,6 +156,26 @@ def fixed(
     return np.concatenate(places), np.concatenate(weights)
 
 
+def shifted(context: Context, where: str, shift: float) -> Float[np.ndarray, " hinge"]:
+    """Where the hinges sit when those of each piece are moved from its ends towards one of them.
+
+    Args:
+        context: of the diagnosis.
+        where: name of a link whose hinges are fixed.
+        shift: by how much, over four times the length of the piece, in its middle; between -1 and 1 their
+            order stays.
+
+    Raises:
+        LookupError: its hinges are not fixed.
+    """
+    place, _ = _known(context, where)
+    ends = np.array(pieces(context, where))
+    piece = np.searchsorted(ends[1:-1], place)
+    start, size = ends[piece], np.diff(ends)[piece]
+    part = (place - start) / size
+    return np.asarray(start + size * (part + shift * part * (1 - part)))
+
+
 def shares(
     mean: float, spread: float, place: Float[np.ndarray, " hinge"], weight: Float[np.ndarray, " hinge"]
 ) -> Float[np.ndarray, " hinge"]:
@@ -194,8 +214,8 @@ def shares(
     return np.maximum(part, LEAST)
 
 
-def inner(context: Context, where: str) -> tuple[Float[np.ndarray, " hinge"], Float[np.ndarray, " hinge"]]:
-    """Hinges that are fixed but those at the ends of the link, whose weights their neighbours have.
+def inner(context: Context, where: str) -> tuple[np.ndarray, Float[np.ndarray, " hinge"]]:
+    """Numbers of the fixed hinges but those at the ends of the link, whose weights their neighbours have.
 
     Args:
         context: of the diagnosis.
@@ -204,10 +224,14 @@ def inner(context: Context, where: str) -> tuple[Float[np.ndarray, " hinge"], Fl
     Raises:
         LookupError: the link has none.
     """
+    place, weight = _known(context, where)
+    (inside,) = np.nonzero((place > INSET) & (place < 1 - INSET))
+    nearest = np.abs(place[:, None] - place[inside]).argmin(axis=1)
+    return inside, np.bincount(nearest, weights=weight)
+
+
+def _known(context: Context, where: str) -> tuple[Float[np.ndarray, " hinge"], Float[np.ndarray, " hinge"]]:
     known = fixed(context, where)
     if known is None:
         raise LookupError(where)
-    place, weight = known
-    inside = (place > INSET) & (place < 1 - INSET)
-    nearest = np.abs(place[:, None] - place[inside]).argmin(axis=1)
-    return place[inside], np.bincount(nearest, weights=weight)
+    return known

@@ -14,7 +14,8 @@ against bending and Φ = 12 EI/(κGA L²) (Przemieniecki, Theory of Matrix Struc
 section 5.6).
 
 The link's mass is taken as spread evenly along it as far as its centre and its inertia allow, the rest as a
-lump, see `cut_body`; how much is in the lump is free at the next level.
+lump, see `cut_body`. At the next level how much is in the lump is free, and hinges that have fixed places may
+move towards an end of their piece, as those of a link on one hinge do.
 """
 
 from __future__ import annotations
@@ -30,6 +31,7 @@ from flexmodal.diagnosis.effects.cut_body import SPREAD, TUBE, cut
 from flexmodal.diagnosis.effects.effect import Effect, Level, Placement, along, positive, sides, signed
 from flexmodal.diagnosis.effects.hinges import EVEN, fixed, stiffest
 from flexmodal.diagnosis.effects.link_motion import (
+    SHIFT,
     add_hinges,
     bending,
     cut_body,
@@ -189,19 +191,22 @@ def _extend(draft: Draft, placement: Placement) -> None:
 
 
 def _wider_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
-    return (
+    found = (
         *_parameters(context, where),
         signed(TUBE, "", 0.3, 0.0, 1.0, centre=1.0),
         signed(SPREAD, "", 0.3, 0.0, 1.0, centre=1.0),
     )
+    return found if fixed(context, where) is None else (*found, signed(SHIFT, "", 0.3, -0.8, 0.8))
 
 
 def _wider_starts(context: Context, where: str, values: Mapping[str, float]) -> Sequence[Mapping[str, float]]:
-    some = ((1.0, 1.0), (1.0, 0.2), (0.5, 0.8), (0.5, 0.2), (0.1, 0.8), (0.1, 0.2))
-    return [{**values, TUBE: tube, SPREAD: spread} for tube, spread in some]
+    bodies = ((1.0, 1.0), (0.5, 0.8), (0.3, 0.2))
+    found = [{**values, TUBE: tube, SPREAD: spread} for tube, spread in bodies]
+    moved = [{**values, SHIFT: shift, "spread": 0.1} for shift in (-0.5, 0.5)]
+    return found if fixed(context, where) is None else [*found[:2], *moved]
 
 
-EVEN_BODY = Effect(
+NARROW = Effect(
     name="link_flexibility",
     says="the link bends",
     places=_places,
@@ -216,5 +221,5 @@ EVEN_BODY = Effect(
     act=_act,
     extend=_extend,
 )
-UNEVEN_BODY = replace(EVEN_BODY, parameters=_wider_parameters, geometry=(*BENDS, TUBE, SPREAD))
-EFFECT = replace(EVEN_BODY, next_level=Level(UNEVEN_BODY, _wider_starts))
+WIDE = replace(NARROW, parameters=_wider_parameters, geometry=(*BENDS, TUBE, SPREAD, SHIFT))
+EFFECT = replace(NARROW, next_level=Level(WIDE, _wider_starts))

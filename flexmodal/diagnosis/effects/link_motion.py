@@ -13,24 +13,35 @@ from jaxtyping import Float
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.cut_body import cut
 from flexmodal.diagnosis.effects.effect import Bodies, Placement, along, sides
-from flexmodal.diagnosis.effects.hinges import fixed, has_modes, inner, pieces, seen_inside, shares
+from flexmodal.diagnosis.effects.hinges import (
+    fixed,
+    has_modes,
+    inner,
+    pieces,
+    seen_inside,
+    shares,
+    shifted,
+)
 from flexmodal.structure.arm import Body, crossed
 from flexmodal.structure.assembly import Assembly
 
 _Part = tuple[float, tuple[tuple[float, float], ...]]
 """Share of the length, and the cuts in it; see `Section`."""
+SHIFT = "shift"
+"""Parameter of the wider law: see `hinges.shifted`."""
 KEPT = 64
 """Values of means and spreads whose shares are kept."""
 
 
 def bending(placement: Placement) -> tuple[Float[np.ndarray, " hinge"], Float[np.ndarray, " hinge"]]:
     """Where the hinges sit, as parts of the length, and their shares of the compliance."""
-    return shares_at(placement.context, placement.where, placement["position"], placement["spread"])
+    shift = placement.values.get(SHIFT, 0.0)
+    return shares_at(placement.context, placement.where, placement["position"], placement["spread"], shift)
 
 
 @lru_cache(maxsize=KEPT)
 def shares_at(
-    context: Context, where: str, mean: float, spread: float
+    context: Context, where: str, mean: float, spread: float, shift: float = 0.0
 ) -> tuple[Float[np.ndarray, " hinge"], Float[np.ndarray, " hinge"]]:
     """The same by mean and spread: derivatives along other parameters ask for one pair again and again.
 
@@ -39,10 +50,12 @@ def shares_at(
         where: the link.
         mean: of the places of the compliance, as a part of the length.
         spread: their standard deviation over √(mean (1 − mean)).
+        shift: of hinges that are fixed, see `hinges.shifted`.
     """
     known = fixed(context, where)
     if known is not None:
-        return known[0], shares(mean, spread, *known)
+        places = shifted(context, where, shift) if shift else known[0]
+        return places, shares(mean, spread, places, known[1])
     return (
         np.array([mean * (1 - spread), mean + spread * (1 - mean)]),
         np.array([1 - mean, mean]),
@@ -86,23 +99,24 @@ def sections(context: Context, where: str, places: Float[np.ndarray, " hinge"]) 
         where: the link.
         places: of its hinges, as parts of the length.
     """
-    twisting = _twisting(context, where, float(places[len(places) // 2]))
-    return [*(twisting if planes_of(context) > 1 else ()), *_shearing(context, where)]
+    twisting = _twisting(context, where, places)
+    return [*(twisting if planes_of(context) > 1 else ()), *_shearing(context, where, places)]
 
 
-def _twisting(context: Context, where: str, middle: float) -> list[Section]:
+def _twisting(context: Context, where: str, places: Float[np.ndarray, " hinge"]) -> list[Section]:
     """One at one place where nobody sees it between its ends."""
     if not seen_inside(context, where):
+        middle = float(places[len(places) // 2])
         return [Section(1.0, ((middle, 1.0),), (f"{where} twist",))]
-    parts = enumerate(_pieces(context, where), start=1)
+    parts = enumerate(_pieces(context, where, places), start=1)
     return [Section(share, cuts, (f"{where} twist {number}",)) for number, (share, cuts) in parts]
 
 
-def _shearing(context: Context, where: str) -> list[Section]:
-    parts = _pieces(context, where)
+def _shearing(context: Context, where: str, places: Float[np.ndarray, " hinge"]) -> list[Section]:
+    parts = _pieces(context, where, places)
     if has_modes(context, where):
-        places, weights = inner(context, where)
-        each = zip(places.tolist(), weights.tolist(), strict=True)
+        inside, weights = inner(context, where)
+        each = zip(places[inside].tolist(), weights.tolist(), strict=True)
         parts = [(share, ((place, 1.0),)) for place, share in each]
     planes = range(1, planes_of(context) + 1)
     return [
@@ -111,7 +125,7 @@ def _shearing(context: Context, where: str) -> list[Section]:
     ]
 
 
-def _pieces(context: Context, where: str) -> Sequence[_Part]:
+def _pieces(context: Context, where: str, places: Float[np.ndarray, " hinge"]) -> Sequence[_Part]:
     """Parts of the length between places where a link is seen; the cuts in each, and what of it they have."""
     known, found = fixed(context, where), []
     if known is None:
@@ -119,7 +133,7 @@ def _pieces(context: Context, where: str) -> Sequence[_Part]:
     for start, end in pairwise(pieces(context, where)):
         here = (known[0] > start) & (known[0] < end)
         parts = (known[1][here] / (end - start)).tolist()
-        found.append((end - start, tuple(zip(known[0][here].tolist(), parts, strict=True))))
+        found.append((end - start, tuple(zip(places[here].tolist(), parts, strict=True))))
     return found
 
 
