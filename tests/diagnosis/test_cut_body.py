@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import flexmodal
+from flexmodal.diagnosis.effects import link_flexibility
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.cut_body import SPREAD, TUBE, cut
 from flexmodal.diagnosis.effects.effect import Placement, along
@@ -87,3 +88,17 @@ def test_a_lump_at_an_end_moves_with_that_end(context):
     body = Body(7.0, 0.95 * length * axis, 1e-3 * length**2 * np.eye(3))
     parts, _ = cut(placement, body, PLACES)
     assert parts[-1].body.mass > 0.9 * 7.0
+
+
+def test_a_link_that_stands_across_the_plane_does_not_bend(context, monkeypatch):
+    link = placed(context).where
+    assert link in link_flexibility.EFFECT.places(context)
+    if context.normal is not None:
+        upright = context.axes(link).T @ context.normal
+        others = along
+        monkeypatch.setattr(
+            link_flexibility,
+            "along",
+            lambda context, one: (1.0, upright) if one == link else others(context, one),
+        )
+        assert link not in link_flexibility.EFFECT.places(context)

@@ -65,7 +65,8 @@ class _New:
 
 
 def _places(context: Context) -> tuple[str, ...]:
-    return tuple(link for link in context.links if along(context, link)[0] >= SHORTEST)
+    found = ((link, *along(context, link)) for link in context.links)
+    return tuple(link for link, length, axis in found if length >= SHORTEST and sides(context, link, axis))
 
 
 def _parameters(context: Context, where: str) -> tuple[Parameter, ...]:
