@@ -59,6 +59,16 @@ def spread(
     return 0.0, body
 
 
+def plane_in(assembly: PlantAssembly, link: str) -> np.ndarray | None:
+    """Normal of the plane of an arm in the frame of a link; None in space.
+
+    Args:
+        assembly: the plant in the making.
+        link: whose frame.
+    """
+    return None if assembly.normal is None else assembly.orientation(link).T @ assembly.normal
+
+
 def _is_a_body(inertia: np.ndarray, normal: np.ndarray | None, rounding: float) -> bool:
     """Whether a body can have an inertia: no second moment of its mass, along and not about, is below 0."""
     if normal is not None:
@@ -89,8 +99,7 @@ def _beyond(stand: Stand, joint: str) -> tuple[str, ...]:
 
 def _shape(assembly: PlantAssembly, site: Site) -> None:
     length, axis = span(site.where, site.stand)
-    axes = assembly.orientation(site.where)
-    normal = None if assembly.normal is None else axes.T @ assembly.normal
+    normal = plane_in(assembly, site.where)
     mass, _ = spread(site.stand.true.bodies[site.where], length, axis, normal)
     beam = Beam(length, site["bending_stiffness"], mass / length)
     weight = max(site.stand.true.bodies[site.where].mass, 1e-9) / length
@@ -108,7 +117,7 @@ def body(assembly: PlantAssembly, site: Site) -> bool:
         site: the link.
     """
     length, axis = span(site.where, site.stand)
-    normal = None if assembly.normal is None else assembly.orientation(site.where).T @ assembly.normal
+    normal = plane_in(assembly, site.where)
     mass, rest = spread(site.stand.true.bodies[site.where], length, axis, normal)
     for place, weight in zip(*sections(), strict=True):
         assembly.add_body(

@@ -22,7 +22,7 @@ from flexmodal.rig.effects.effect import (
     within,
 )
 from flexmodal.rig.effects.link_flexibility import EFFECT as OWN
-from flexmodal.rig.effects.link_flexibility import span
+from flexmodal.rig.effects.link_flexibility import plane_in, span
 from flexmodal.rig.plant.assembly import PlantAssembly
 from flexmodal.rig.plant.beam import Beam
 from flexmodal.rig.plant.chain import children, slender_links
@@ -49,8 +49,7 @@ def _loss(site: Site, spring: float) -> float:
 def _give(assembly: PlantAssembly, site: Site, spring: float, made: Callable[[float, int], Flexure]) -> None:
     """Put a flexure into each plane of the link; `made` takes its length and the number of the plane."""
     length, axis = span(site.where, site.stand)
-    axes = assembly.orientation(site.where)
-    normal = None if assembly.normal is None else axes.T @ assembly.normal
+    normal = plane_in(assembly, site.where)
     for plane, side in enumerate(across(axis, normal)):
         assembly.add_flexure(site.where, made(length, plane), axis, side, _loss(site, spring))
 
