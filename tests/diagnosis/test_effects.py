@@ -1022,6 +1022,27 @@ def test_a_bearing_is_that_of_the_rig(spatial, joint):
     np.testing.assert_allclose(found, other, rtol=1e-6)
 
 
+def test_a_bearing_whose_tilts_are_not_turned_and_lose_no_more_is_the_narrower_one(spatial):
+    """And turned by a right angle, with the inverse ratio, the same: the first direction is the second."""
+    context, observed, _ = spatial
+    values = {**BEARING, **STAYS, "ratio": 2.0, "angle": 0.3}
+    narrow = ours(context, observed, "bearing_flexibility", "q3", values)
+    alike = {"tilt_ratio": 1.0, "tilt_angle": 0.0, "second_loss_ratio": 1.0}
+    more = {**alike, "radial_loss_ratio": 1.0, "axial_loss_ratio": 1.0}
+    same = ours(context, observed, "bearing_flexibility" + NEXT, "q3", {**values, **more})
+    np.testing.assert_allclose(same, narrow, rtol=1e-9)
+    turned = {
+        **more,
+        "tilt_stiffness": 2 * BEARING["tilt_stiffness"],
+        "tilt_ratio": 0.25,
+        "tilt_angle": np.pi / 2,
+    }
+    again = ours(context, observed, "bearing_flexibility" + NEXT, "q3", {**values, **turned})
+    np.testing.assert_allclose(again, narrow, rtol=1e-9)
+    other = ours(context, observed, "bearing_flexibility" + NEXT, "q3", {**values, **more, "tilt_angle": 1.0})
+    assert np.abs(np.log(np.abs(other / narrow))).max() > 0.1
+
+
 @pytest.mark.parametrize("joint", ["q1", "q4"])
 def test_a_bearing_relaxes_as_that_of_the_rig(spatial, joint):
     """Maxwell's elements, there as states of the plant, here with an end that is too light to tell."""

@@ -32,6 +32,7 @@ STRUCTURAL = (
     "link_flexibility", "base_flexibility", "servo_compliance", "structural_damping", "joint_coupling",
     "bearing_flexibility",
     "added_mass", "local_absorber", "base_flexibility" + NEXT, "servo_compliance" + NEXT,
+    "bearing_flexibility" + NEXT,
 )  # fmt: skip
 ROBOTS = ("fanuc_s360", "six_link", "six_axis")
 ROOT = Path(__file__).parents[2]

@@ -653,6 +653,7 @@ def test_beside_the_same_effects_is_searched_again_only_from_nearer(monkeypatch,
         return [Mock(spec=FittedFrfs, key=("added_mass", str(len(made))), cost=1.0)]
 
     monkeypatch.setattr(frf_candidates, "explanations", searched)
+    monkeypatch.setattr(frf_candidates, "left", lambda *given: 1.0)
     first, other = (
         Mock(spec=FittedFrfs, hypothesis=Mock(base=(), placed=(), keys=keys), x=np.zeros(0), cost=each)
         for keys, each in (((MASS, DELAY), 1.0), ((DELAY, MASS), cost))

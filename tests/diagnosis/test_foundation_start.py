@@ -6,9 +6,13 @@ import pytest
 import flexmodal
 from flexmodal.diagnosis.effects import base_flexibility, foundation
 from flexmodal.diagnosis.effects.context import Context
+from flexmodal.diagnosis.effects.effect import Placement
+from flexmodal.diagnosis.effects.foundation_law import FoundationLaw
 from flexmodal.diagnosis.effects.free_function import FreeFunction
 from flexmodal.identification import observe
 from flexmodal.rig import simulate
+from flexmodal.structure import ParameterSpace
+from flexmodal.structure.assembly import Assembly
 
 EFFECT = base_flexibility.EFFECT
 UP = np.array([0.0, 0.0, 1.0])
@@ -78,6 +82,52 @@ def test_a_foundation_is_found_beside_the_compliances_that_are_its_own(context):
         assert told[0][name] == pytest.approx(value, rel=0.25), name  # it is a start
     bounds = {one.name: (one.lower, one.upper) for one in EFFECT.parameters(context, "base")}
     assert all(bounds[name][0] <= value <= bounds[name][1] for one in told for name, value in one.items())
+
+
+@pytest.fixture(params=["springs", "bolts"])
+def law(request, context):
+    """A law over a few lines, and coordinates in the middle of its parameters."""
+    effect = EFFECT if request.param == "springs" else EFFECT.next_level.effect
+    space = ParameterSpace(effect.parameters(context, "base"))
+    ways = len(foundation.motions(context.normal)[0])
+    back = np.eye(ways) + 0.1 * np.random.default_rng(3).normal(size=(ways, ways))
+    pairs = np.array(foundation.every_term(context)).T
+    bolts = None if request.param == "springs" else base_flexibility.bolts_of
+    omega = 2 * np.pi * np.array([3.0, 11.0, 40.0])
+    x = np.random.default_rng(4).normal(scale=0.1, size=len(space))
+    return FoundationLaw(context, space, bolts, omega, back, pairs), x
+
+
+def test_derivatives_of_a_foundation_are_those_of_differences(law):
+    found, x = law
+    step, slopes = 1e-5, found.slopes(x)
+    for k, one in enumerate(found.space):
+        ahead, behind = (found.compliance(x + way * step * (np.arange(len(x)) == k)) for way in (1, -1))
+        expected = (ahead - behind) / (2 * step)
+        size = np.abs(expected).max() + 1e-6 * np.abs(found.compliance(x)).max()
+        np.testing.assert_allclose(slopes[:, :, k], expected, atol=1e-4 * size, err_msg=one.name)
+
+
+def test_a_foundation_gives_as_the_structure_that_its_effect_makes_does(law):
+    """By the effect's own hooks on a root that carries nothing."""
+    found, x = law
+    effect = EFFECT if found.bolts is None else EFFECT.next_level.effect
+    placement = Placement.still(found.context, "base", found.space.values(x))
+    names = foundation.motions(found.context.normal)[0]
+    assembly = Assembly(found.context.stacked)
+    effect.shape(assembly, placement)
+    fresh = assembly.alike()
+    effect.act(fresh, placement)
+    count = len(names) if found.bolts is None else 2 * len(names)
+    parts = {"stiffness": 0.0, "damping": 0.0, "mass": 0.0}
+    for kind, matrix, _ in fresh.terms:
+        parts[kind] = parts[kind] + fresh.full(matrix)[..., -count:, -count:].reshape(-1, count, count)[0]
+    rows = np.hstack([np.eye(len(names))] * (count // len(names)))
+    omega = found.powers[1].imag[:, None, None]
+    z = parts["stiffness"] + 1j * omega * parts["damping"] - omega**2 * parts["mass"]
+    full = found.back @ rows @ np.linalg.inv(z) @ rows.T @ found.back.T
+    first, second = found.pairs
+    np.testing.assert_allclose(found.compliance(x), full[:, first, second], rtol=1e-8)
 
 
 def test_where_nobody_says_how_well_they_are_known_nothing_is_told(context):

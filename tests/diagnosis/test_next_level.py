@@ -129,6 +129,7 @@ def test_wider_laws_are_tried_where_the_law_is_to_blame(fits, monkeypatch, part,
     wider = Mock(spec=FittedFrfs, key=narrow.key, cost=narrow.cost / 2)
     monkeypatch.setattr(frf_candidates, "explanations", lambda *given, **more: [narrow])
     monkeypatch.setattr(frf_candidates, "at_next_level", lambda *given: [wider])
+    monkeypatch.setattr(frf_candidates, "left", lambda *given: 1.0)
     bare = Mock(base=(), placed=(), keys=())
     root = Mock(spec=FittedFrfs, hypothesis=bare, x=np.zeros(0), cost=1.0)
     candidates = FrfCandidates(setup, root, with_force=False)
@@ -141,12 +142,56 @@ def test_wider_laws_are_tried_where_the_law_is_to_blame(fits, monkeypatch, part,
     assert candidates.at_places(root, 0, look, lambda one: False) == [wider if tried else narrow]
 
 
+@pytest.mark.parametrize(
+    ("explains", "part", "tried"), [(True, 0.6, True), (True, 0.4, False), (False, 0.6, False)]
+)
+def test_a_law_that_takes_too_little_where_one_place_explains_it_is_widened(
+    fits, monkeypatch, explains, part, tried
+):
+    """Where little is missing what it leaves may be near the noise, and yet most of what there was."""
+    setup, _, narrow = fits
+    wider = Mock(spec=FittedFrfs, key=narrow.key, cost=narrow.cost / 2)
+    monkeypatch.setattr(frf_candidates, "at_next_level", lambda *given: [wider])
+    monkeypatch.setattr(frf_candidates, "left", lambda *given: part)
+    root = Mock(spec=FittedFrfs, hypothesis=Mock(base=(), placed=(), keys=()), x=np.zeros(0), cost=1.0)
+    candidates = FrfCandidates(setup, root, with_force=False)
+    look = Mock(
+        spec=Findings, explains=explains, found=(None,), needed=False, fitted=None,
+        left=over_noise(setup, narrow), met=lambda keys: {keys[0]: None},
+    )  # fmt: skip
+    assert candidates._at_next_levels(root, [narrow], look) == [wider if tried else narrow]
+
+
+@pytest.mark.parametrize(
+    ("part", "enough", "placed", "tried"),
+    [
+        (0.02, True, (), True),
+        (0.05, True, (), False),
+        (0.02, False, (), False),
+        (0.02, True, ("one",), False),
+    ],
+)
+def test_a_law_that_takes_all_but_a_little_is_widened_wherever_a_look_points(
+    fits, monkeypatch, part, enough, placed, tried
+):
+    """If that leaves nothing: else something small may be missing besides, of which it would take a part."""
+    setup, _, narrow = fits
+    wider = Mock(spec=FittedFrfs, key=narrow.key, cost=narrow.cost / 2)
+    monkeypatch.setattr(frf_candidates, "at_next_level", lambda *given: [wider])
+    monkeypatch.setattr(frf_candidates, "left", lambda *given: part)
+    root = Mock(spec=FittedFrfs, hypothesis=Mock(base=(), placed=placed, keys=placed), x=np.zeros(0))
+    candidates = FrfCandidates(setup, narrow, with_force=False)
+    candidates._is_enough = lambda model: model is wider and enough
+    assert candidates._at_last(root, [narrow]) == [wider if tried else narrow]
+
+
 def test_no_law_is_widened_where_another_one_of_the_place_is_wide_enough(fits, monkeypatch):
     """A sensor that leans leaves three times as much there as one that reads too much."""
     setup, _, narrow = fits
     close = replace(narrow, key=("sensor_gain", "tip"), predicted=setup.observations.value)
     monkeypatch.setattr(frf_candidates, "explanations", lambda *given, **more: [close, narrow])
     monkeypatch.setattr(frf_candidates, "at_next_level", Mock(side_effect=AssertionError("widened")))
+    monkeypatch.setattr(frf_candidates, "left", lambda *given: 1.0)
     bare = Mock(base=(), placed=(), keys=())
     root = Mock(spec=FittedFrfs, hypothesis=bare, x=np.zeros(0), cost=1.0)
     candidates = FrfCandidates(setup, root, with_force=False)
@@ -184,6 +229,7 @@ def test_places_that_leave_less_than_the_law_are_tried(fits, monkeypatch, explai
 
     monkeypatch.setattr(frf_candidates, "explanations", looked_for)
     monkeypatch.setattr(frf_candidates, "from_each_start", lambda *given: [])
+    monkeypatch.setattr(frf_candidates, "left", lambda *given: 1.0)
     bare = Mock(base=(), placed=(), keys=())
     root = Mock(spec=FittedFrfs, hypothesis=bare, x=np.zeros(0), cost=1.0)
     candidates = FrfCandidates(setup, root, with_force=False)

@@ -105,6 +105,12 @@ def _told(context: Context, where: str, free: FreeFunction) -> list[dict[str, fl
     return told_by(context, free, _parameters(context, where), _starts(context, where))
 
 
+def _bolted_told(context: Context, where: str, free: FreeFunction) -> list[dict[str, float]]:
+    """The same with bolts, from some of the foundations with bolts of any stiffness."""
+    starts = _with_bolts(context, _simple_starts(context, where)[::3], (5.0, 0.7))
+    return told_by(context, free, _bolted_parameters(context, where), starts, bolts_of)
+
+
 def _shape(assembly: Assembly, placement: Placement) -> None:
     names, motion = motions(placement.context.normal)
     assembly.move_root(assembly.add_coordinates(names), motion)
@@ -158,14 +164,25 @@ def _bolted_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
 
 
 def _bolted_starts(context: Context, where: str, values: Mapping[str, float]) -> list[Mapping[str, float]]:
-    """Springs and bolts as stiff together as the springs alone, where a fit of these ended and elsewhere.
+    """Where a fit of springs alone ended, and elsewhere.
 
     Where bolts give, what was fitted without them may sit and weigh anything.
     """
-    simple = [one for one in _starts(context, where) if "mass" not in one and "angle" not in one]
     known = {name: value for name, value in values.items() if name.endswith(("_stiffness", "_damping"))}
+    return _with_bolts(context, [values, known, *_simple_starts(context, where)], (20.0, 5.0, 2.0, 0.7, 0.2))
+
+
+def _simple_starts(context: Context, where: str) -> list[Mapping[str, float]]:
+    """Those of springs alone."""
+    return [one for one in _starts(context, where) if "mass" not in one and "angle" not in one]
+
+
+def _with_bolts(
+    context: Context, some: Sequence[Mapping[str, float]], ratios: Sequence[float]
+) -> list[Mapping[str, float]]:
+    """Springs and bolts as stiff together as some springs alone, beneath heavy foundations too."""
     found: list[Mapping[str, float]] = []
-    for narrow, ratio in product((values, known, *simple), (20.0, 5.0, 2.0, 0.7, 0.2)):
+    for narrow, ratio in product(some, ratios):
         bolts = {f"bolts_{kind}_ratio": ratio for kind in _kinds(context)}
         softer = {name: value * (1 + 1 / ratio) for name, value in narrow.items() if name in _SPRINGS}
         given = {**narrow, **softer, **bolts}
@@ -175,7 +192,7 @@ def _bolted_starts(context: Context, where: str, values: Mapping[str, float]) ->
     return found
 
 
-def _bolts(placement: Placement) -> list[Spring]:
+def bolts_of(placement: Placement) -> list[Spring]:
     """Name and motion of each coordinate between foundation and root, its stiffness and damping."""
     found = []
     for name, way, stiffness, damping in springs(placement):
@@ -198,11 +215,11 @@ def _bolted_act(assembly: Assembly, placement: Placement) -> None:
     _act(assembly, placement)
     names, motion = motions(placement.context.normal)
     own = np.array([assembly.row(name.replace("base", "bolts")) for name in names])
-    _sprung(assembly, motion @ own, _bolts(placement))
+    _sprung(assembly, motion @ own, bolts_of(placement))
 
 
 def _bolted_extend(draft: Draft, placement: Placement) -> None:
-    block = draft.under_root(_new_joints(draft, _bolts(placement)), np.zeros(3))
+    block = draft.under_root(_new_joints(draft, bolts_of(placement)), np.zeros(3))
     draft.under_root(_new_joints(draft, springs(placement)), centre_of(placement))
     draft.attach(block, _own_body(placement, mass_centre(placement)), name="foundation_mass")
 
@@ -213,6 +230,7 @@ BOLTED = Effect(
     places=lambda context: ("base",),
     parameters=_bolted_parameters,
     starts=_starts,
+    told=_bolted_told,
     shape=_bolted_shape,
     act=_bolted_act,
     extend=_bolted_extend,

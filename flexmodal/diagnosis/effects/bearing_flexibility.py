@@ -1,115 +1,45 @@
 """A joint gives across its axis: its bearing tilts and shifts on springs.
 
-Five coordinates between a joint that turns and the link that carries it: two tilts, two shifts across the
-axis and one along it; of a planar chain the two shifts alone. The springs meet somewhere on the axis, which
-couples tilt and shift as the full stiffness matrix of a rolling bearing does (Lim and Singh, Journal of Sound
-and Vibration 139, 1990); a housing may be stiffer one way than the other. A part of all springs may relax,
-as a seat of plastic or a film of grease does. In all joints alike, each tilts on a multiple of its own
-stiffness, and nothing relaxes.
+The springs meet somewhere on the axis, which couples tilt and shift as the full stiffness matrix of a rolling
+bearing does (Lim and Singh, Journal of Sound and Vibration 139, 1990); a housing may be stiffer one way than
+the other. A part of all springs may relax, as a seat of plastic or a film of grease does. In all joints
+alike, each tilts on a multiple of its own stiffness, and nothing relaxes.
+
+At the next level tilts have principal directions of their own, as on two bearings in different housings, and
+each kind of motion its own loss.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from functools import lru_cache
+from dataclasses import replace
 
 import numpy as np
-from jaxtyping import Float
 
+from flexmodal.diagnosis.effects.bearing import (
+    ALL,
+    RADIUS,
+    TILT,
+    Way,
+    add_ways,
+    coordinate,
+    given,
+    joints_at,
+    levers,
+    size,
+    ways,
+)
 from flexmodal.diagnosis.effects.context import Context
-from flexmodal.diagnosis.effects.effect import Effect, Placement, positive, signed
+from flexmodal.diagnosis.effects.effect import Effect, Level, Placement, positive, signed
 from flexmodal.diagnosis.effects.relaxation import HELD, RELAXING, add_relaxing, relaxation
 from flexmodal.diagnosis.improved.draft import Draft
-from flexmodal.model.placements import link_placements
 from flexmodal.structure import Parameter
 from flexmodal.structure.assembly import Assembly
-
-ALL = "joints"
-"""Where all joints are meant."""
-RADIUS = 0.15
-"""Of a bearing, about [m]: what a tilt's stiffness makes of one across or along the axis."""
-TILT = 5.0
-"""Stiffness of a tilt over that of the joint, about."""
-
-
-@dataclass(frozen=True, eq=False)
-class Way:
-    """One way in which a bearing gives."""
-
-    kind: str
-    """tilt, radial or axial."""
-    number: int
-    """1 or 2."""
-    vector: Float[np.ndarray, "3"]
-    """Direction, or axis of the turn, in the frame of the joint on the side of the carrying link."""
-
-    @property
-    def turns(self) -> bool:
-        """Whether it is a turn."""
-        return self.kind == "tilt"
-
-    @property
-    def name(self) -> str:
-        """Such as tilt 1."""
-        return f"{self.kind} {self.number}"
-
-
-def _frame(context: Context, joint: str) -> Float[np.ndarray, "3 3"]:
-    """Axes of the joint in the carrying link."""
-    still, described = link_placements(context.robot, {}), context.robot.urdf.joint_by_name[joint]
-    return still[described.parent][:3, :3].T @ still[described.child][:3, :3]
-
-
-@lru_cache(maxsize=256)
-def ways(context: Context, joint: str) -> tuple[Way, ...]:
-    """In how many ways a joint can give that the chain can show; slides have none.
-
-    Args:
-        context: of the diagnosis.
-        joint: its name.
-    """
-    described = context.robot.urdf.joint_by_name[joint]
-    if described.is_prismatic:
-        return ()
-    axis = np.asarray(described.axis) / np.linalg.norm(described.axis)
-    first = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))])
-    first /= np.linalg.norm(first)
-    sides = (first, np.cross(axis, first))
-    radial = tuple(Way("radial", k + 1, side) for k, side in enumerate(sides))
-    if context.normal is not None:
-        return radial
-    return (*(Way("tilt", k + 1, side) for k, side in enumerate(sides)), *radial, Way("axial", 1, axis))
-
-
-def _joints(context: Context, where: str) -> tuple[str, ...]:
-    return context.joints if where == ALL else (where,)
-
-
-def given(context: Context, where: str, joint: str) -> tuple[Way, ...]:
-    """The ways in which a joint gives at a place: of all joints alike, tilts alone.
-
-    Args:
-        context: of the diagnosis.
-        where: place of the effect: a joint, or `ALL`.
-        joint: name of one there.
-    """
-    return tuple(way for way in ways(context, joint) if where != ALL or way.turns)
 
 
 def _places(context: Context) -> tuple[str, ...]:
     turning = tuple(name for name in context.joints if ways(context, name))
     return (*turning, ALL) if context.normal is None and len(turning) > 1 else turning
-
-
-def size(context: Context, joint: str) -> float:
-    """A stiffness of tilts that a joint's own suggests [N·m/rad].
-
-    Args:
-        context: of the diagnosis.
-        joint: its name.
-    """
-    return TILT * float(context.robot.joints[joint].stiffness)
 
 
 def _parameters(context: Context, where: str) -> tuple[Parameter, ...]:
@@ -145,48 +75,34 @@ def _starts(context: Context, where: str) -> list[Mapping[str, float]]:
     return found + [{**start, "relaxing": RELAXING} for start in found[1::3]]
 
 
-def _coordinate(joint: str, way: Way) -> str:
-    return f"{joint} {way.name}"
+def _wide_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
+    """Those of a bearing; in space how tilts differ from shifts, and how losses do."""
+    if where == ALL:
+        return _parameters(context, where)
+    kinds = {way.kind for way in ways(context, where)}
+    found = [positive("second_loss_ratio", "", 1.0, 0.7, 0.02, 50.0)]
+    if "tilt" in kinds:
+        found += [positive(f"{kind}_loss_ratio", "", 1.0, 0.7, 0.02, 50.0) for kind in ("radial", "axial")]
+        found += [
+            positive("tilt_ratio", "of the ratio", 1.0, 0.5, 0.05, 20.0),
+            signed("tilt_angle", "rad", 0.8, -1.6, 1.6),
+        ]
+    return (*_parameters(context, where), *found)
+
+
+def _wide_starts(context: Context, where: str, values: Mapping[str, float]) -> list[Mapping[str, float]]:
+    """From where a fit with the directions of all alike ended, one way round and the other."""
+    if where == ALL:
+        return []
+    known = {**values, "second_loss_ratio": 1.0}
+    turned = [{"tilt_ratio": ratio, "tilt_angle": angle} for ratio in (0.3, 3.0) for angle in (0.0, 0.8)]
+    other = {"ratio": 1 / values["ratio"]} if "ratio" in values else {}
+    return [known, {**known, **other}, *({**known, **one} for one in turned)]
 
 
 def _end(joint: str, number: int) -> str:
     """Of the relaxing part of a spring."""
     return f"{joint} relaxing {number + 1}"
-
-
-def names_of(context: Context, where: str) -> list[tuple[str, Way, str]]:
-    """Joint, way and coordinate, one after the other.
-
-    Args:
-        context: of the diagnosis.
-        where: place of the effect: a joint, or `ALL`.
-    """
-    return [
-        (joint, way, _coordinate(joint, way))
-        for joint in _joints(context, where)
-        for way in given(context, where, joint)
-    ]
-
-
-def add_ways(assembly: Assembly, placement: Placement) -> None:
-    """A coordinate for each way in which joints give.
-
-    Args:
-        assembly: the robot, its motions not complete yet.
-        placement: of the effect; its place is the joint, or `ALL`.
-    """
-    context, where = placement.context, placement.where
-    for joint in _joints(context, where):
-        some = given(context, where, joint)
-        if not some:
-            continue
-        described = context.robot.urdf.joint_by_name[joint]
-        columns = assembly.add_coordinates([_coordinate(joint, way) for way in some])
-        axes = assembly.axes(described.parent) @ _frame(context, joint)
-        motion = np.zeros((*axes.shape[:-2], 6, len(some)))
-        for k, way in enumerate(some):
-            motion[..., 3 * way.turns : 3 * way.turns + 3, k] = axes @ way.vector
-        assembly.move_link(described.child, columns, motion)
 
 
 def _shape(assembly: Assembly, placement: Placement) -> None:
@@ -196,50 +112,45 @@ def _shape(assembly: Assembly, placement: Placement) -> None:
         assembly.add_coordinates([_end(placement.where, number) for number in range(count)])
 
 
-def _springs(placement: Placement, joint: str) -> list[tuple[list[tuple[Way, float]], float]]:
-    """The ways that a spring pulls along with their shares, and its stiffness."""
-    context, where = placement.context, placement.where
-    some = given(context, where, joint)
+def _springs(placement: Placement, joint: str) -> list[tuple[list[tuple[Way, float]], float, float]]:
+    """The ways that a spring pulls along with their shares, its stiffness, and its damping over that [s]."""
+    context, where, values = placement.context, placement.where, placement.values
+    some, time = given(context, where, joint), placement["damping_time"]
     if where == ALL:
         spring = placement["tilt_factor"] * size(context, joint) / TILT
-        return [([(way, 1.0)], spring) for way in some]
+        return [([(way, 1.0)], spring, time) for way in some]
     found = []
-    ratio, angle = placement["ratio"], placement["angle"]
-    turned = ((np.cos(angle), np.sin(angle)), (-np.sin(angle), np.cos(angle)))
     for kind in dict.fromkeys(way.kind for way in some):
         along, spring = [way for way in some if way.kind == kind], placement[f"{kind}_stiffness"]
+        loss = time * values.get(f"{kind}_loss_ratio", 1.0)
         if len(along) == 1:
-            found.append(([(along[0], 1.0)], spring))
+            found.append(([(along[0], 1.0)], spring, loss))
             continue
-        for row, factor in zip(turned, (1.0, ratio), strict=True):
-            found.append((list(zip(along, row, strict=True)), spring * factor))
+        ratio = placement["ratio"] * values.get(f"{kind}_ratio", 1.0)
+        angle = placement["angle"] + values.get(f"{kind}_angle", 0.0)
+        turned = ((np.cos(angle), np.sin(angle)), (-np.sin(angle), np.cos(angle)))
+        for row, factor, more in zip(
+            turned, (1.0, ratio), (1.0, values.get("second_loss_ratio", 1.0)), strict=True
+        ):
+            found.append((list(zip(along, row, strict=True)), spring * factor, loss * more))
     return found
-
-
-@lru_cache(maxsize=256)
-def _levers(context: Context, where: str, joint: str) -> Float[np.ndarray, "way way"]:
-    """Motion along each way, by each tilt, of a point on the joint's axis as far from its middle as 1."""
-    some, axis = given(context, where, joint), np.asarray(context.robot.urdf.joint_by_name[joint].axis)
-    along = np.array([np.zeros(3) if way.turns else way.vector for way in some])
-    tilted = np.array([np.cross(way.vector, axis) if way.turns else np.zeros(3) for way in some])
-    return along @ tilted.T
 
 
 def _act(assembly: Assembly, placement: Placement) -> None:
     context, where = placement.context, placement.where
     offset = placement.values.get("offset", 0.0)
-    for joint in _joints(context, where):
+    for joint in joints_at(context, where):
         some = given(context, where, joint)
         if not some:
             continue
-        rows = np.array([assembly.row(_coordinate(joint, way)) for way in some])
+        rows = np.array([assembly.row(coordinate(joint, way)) for way in some])
         if offset:  # motion of the point where the springs meet
-            rows = rows + offset * (_levers(context, where, joint) @ rows)
+            rows = rows + offset * (levers(context, where, joint) @ rows)
         felt = dict(zip(some, rows, strict=True))
-        for number, (pulled, stiffness) in enumerate(_springs(placement, joint)):
+        for number, (pulled, stiffness, loss) in enumerate(_springs(placement, joint)):
             row = sum(share * felt[way] for way, share in pulled)
             assembly.add_spring(row, stiffness)
-            assembly.add_damper(row, stiffness * placement["damping_time"])
+            assembly.add_damper(row, stiffness * loss)
             if where != ALL:
                 part, time = placement["relaxing"] * stiffness, placement["relaxation_time"]
                 end = assembly.row(_end(joint, number))
@@ -248,21 +159,21 @@ def _act(assembly: Assembly, placement: Placement) -> None:
 
 def _extend(draft: Draft, placement: Placement) -> None:
     context, where = placement.context, placement.where
-    time, offset = placement["damping_time"], placement.values.get("offset", 0.0)
-    for joint in _joints(context, where):
+    offset = placement.values.get("offset", 0.0)
+    for joint in joints_at(context, where):
         axis = np.asarray(context.robot.urdf.joint_by_name[joint].axis)
         motions: list[tuple[str, np.ndarray, bool]] = []
-        springs: list[tuple[str, float]] = []
-        for pulled, stiffness in _springs(placement, joint):
+        springs: list[tuple[str, float, float]] = []
+        for pulled, stiffness, loss in _springs(placement, joint):
             vector = sum((share * way.vector for way, share in pulled), np.zeros(3))
             way = pulled[0][0]
             name = draft.fresh(f"{joint}_{way.kind}_{len(springs) + 1}")
             motions.append((name, vector, way.turns))
-            springs.append((name, stiffness))
+            springs.append((name, stiffness, loss))
         if motions:
             draft.under_joint(joint, motions, offset * axis)
-        for name, stiffness in springs:
-            draft.flexible(name, stiffness, stiffness * time)
+        for name, stiffness, loss in springs:
+            draft.flexible(name, stiffness, stiffness * loss)
     if placement.values.get("relaxing", 0.0) > HELD:
         draft.notes.append(
             f"the files have the bearing of {where} and lack what relaxes: {placement['relaxing']:.3g} of "
@@ -270,13 +181,14 @@ def _extend(draft: Draft, placement: Placement) -> None:
         )
 
 
-EFFECT = Effect(
+WIDE = Effect(
     name="bearing_flexibility",
     says="the joint gives across its axis",
     places=_places,
-    parameters=_parameters,
+    parameters=_wide_parameters,
     starts=_starts,
     shape=_shape,
     act=_act,
     extend=_extend,
 )
+EFFECT = replace(WIDE, parameters=_parameters, next_level=Level(WIDE, _wide_starts))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from itertools import combinations_with_replacement
 
 import numpy as np
@@ -18,13 +19,24 @@ SIDEWAYS = {"base y": "sideways", "base ry": "tilt"}
 
 def motions(normal: np.ndarray | None) -> tuple[list[str], np.ndarray]:
     """Names and motions [6, coordinate]: along, up, tilt; or x, y, z, rx, ry, rz."""
+    names, motion = _motions(None if normal is None else tuple(normal.tolist()))
+    return list(names), motion
+
+
+@lru_cache(maxsize=64)
+def _motions(normal: tuple[float, ...] | None) -> tuple[tuple[str, ...], np.ndarray]:
+    """The same of a normal by its numbers; every evaluation of an effect asks for them."""
+    names: tuple[str, ...]
     if normal is None:
-        return ["base x", "base y", "base z", "base rx", "base ry", "base rz"], np.eye(6)
-    level = crossed(normal, np.array([0.0, 0.0, 1.0]))
-    level = level / np.linalg.norm(level) if np.linalg.norm(level) > 1e-9 else np.array([1.0, 0.0, 0.0])
-    motion = np.zeros((6, 3))
-    motion[:3, 0], motion[:3, 1], motion[3:, 2] = level, crossed(level, normal), normal
-    return ["base x", "base z", "base tilt"], motion
+        names, motion = ("base x", "base y", "base z", "base rx", "base ry", "base rz"), np.eye(6)
+    else:
+        across = np.array(normal)
+        level = crossed(across, np.array([0.0, 0.0, 1.0]))
+        level = level / np.linalg.norm(level) if np.linalg.norm(level) > 1e-9 else np.array([1.0, 0.0, 0.0])
+        names, motion = ("base x", "base z", "base tilt"), np.zeros((6, 3))
+        motion[:3, 0], motion[:3, 1], motion[3:, 2] = level, crossed(level, across), across
+    motion.setflags(write=False)
+    return names, motion
 
 
 def terms(context: Context) -> list[tuple[int, int]]:

@@ -9,7 +9,7 @@ falls to nothing.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 from jaxtyping import Complex, Float
@@ -17,15 +17,8 @@ from scipy.optimize import least_squares
 
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Placement
-from flexmodal.diagnosis.effects.foundation import (
-    centre_of,
-    every_term,
-    inertias,
-    mass_centre,
-    motions,
-    springs,
-    terms,
-)
+from flexmodal.diagnosis.effects.foundation import Spring, every_term, motions, terms
+from flexmodal.diagnosis.effects.foundation_law import FoundationLaw
 from flexmodal.diagnosis.effects.free_function import FreeFunction
 from flexmodal.structure import Parameter, ParameterSpace
 from flexmodal.structure.arm import carried
@@ -45,6 +38,7 @@ def told_by(
     free: FreeFunction,
     parameters: Sequence[Parameter],
     starts: Sequence[Mapping[str, float]],
+    bolts: Callable[[Placement], Sequence[Spring]] | None = None,
 ) -> list[dict[str, float]]:
     """Parameters of foundations whose compliance is nearest to free functions.
 
@@ -53,13 +47,14 @@ def told_by(
         free: of the foundation's port, about an upright axis or between any two of its coordinates.
         parameters: of the law.
         starts: values of them to set out from.
+        bolts: springs between the foundation and the root, if there are any.
 
     Returns:
         Two at most; none where nothing says how well the functions are known.
     """
     if free.information is None:
         return []
-    laid = _Laid(context, free, parameters)
+    laid = _Laid(context, free, parameters, bolts)
     found = [laid.coordinates(one) for one in starts]
     for part, followed in SOFTENED:
         metric = laid.metric(part)
@@ -71,23 +66,30 @@ def told_by(
 class _Laid:
     """Free functions, and foundations to be laid beside them."""
 
-    def __init__(self, context: Context, free: FreeFunction, parameters: Sequence[Parameter]) -> None:
+    def __init__(
+        self,
+        context: Context,
+        free: FreeFunction,
+        parameters: Sequence[Parameter],
+        bolts: Callable[[Placement], Sequence[Spring]] | None,
+    ) -> None:
         """Take what the functions weigh.
 
         Args:
             context: of the diagnosis.
             free: with its information.
             parameters: of the law.
+            bolts: see `told_by`.
         """
         assert free.information is not None
-        _, self.motion = motions(context.normal)
-        self.context, self.space = context, ParameterSpace(tuple(parameters))
-        self.omega, self.target = 2 * np.pi * free.frequency, free.value.T
+        _, motion = motions(context.normal)
+        self.space, self.target = ParameterSpace(tuple(parameters)), free.value.T
         some = terms(context)
-        self.terms = np.array(some if len(free.value) == len(some) else every_term(context)).T
+        pairs = np.array(some if len(free.value) == len(some) else every_term(context)).T
         self._scale, self._covariance = _uncertainty(free.information)
         axis = np.array([free.geometry.get(name, 0.0) for name in ("aside", "ahead")])
-        self.back = np.linalg.inv(self.motion.T @ carried(self.motion, -np.array([*axis, 0.0])))
+        back = np.linalg.inv(motion.T @ carried(motion, -np.array([*axis, 0.0])))
+        self.law = FoundationLaw(context, self.space, bolts, 2 * np.pi * free.frequency, back, pairs)
         self.deviation = np.array([one.deviation for one in parameters])
 
     def coordinates(self, values: Mapping[str, float]) -> Float[np.ndarray, " parameter"]:
@@ -95,18 +97,6 @@ class _Laid:
         low, high = self.space.bounds
         known = {name: value for name, value in values.items() if name in self.space.index}
         return np.clip(self.space.coordinates(known), low + 1e-9, high - 1e-9)
-
-    def compliance(self, x: Float[np.ndarray, " parameter"]) -> Complex[np.ndarray, "line function"]:
-        """Of the law, as the port has it."""
-        placement, motion = Placement.still(self.context, "base", self.space.values(x)), self.motion
-        some = springs(placement)
-        rows = np.array([way for _, way, _, _ in some]) @ carried(motion, centre_of(placement))
-        moved = motion.T @ carried(motion, mass_centre(placement))
-        stiffness, damping = (rows.T @ (np.array([one[k] for one in some])[:, None] * rows) for k in (2, 3))
-        mass = moved.T @ (inertias(placement)[:, None] * moved)
-        omega = self.omega[:, None, None]
-        found = self.back @ np.linalg.inv(stiffness + 1j * omega * damping - omega**2 * mass) @ self.back.T
-        return np.asarray(found[:, self.terms[0], self.terms[1]])
 
     def metric(self, part: float) -> Complex[np.ndarray, "line function function"]:
         """Root of the information, each function uncertain by a part of itself besides."""
@@ -118,8 +108,15 @@ class _Laid:
         self, x: Float[np.ndarray, " parameter"], metric: Complex[np.ndarray, "line function function"]
     ) -> Float[np.ndarray, " value"]:
         """How far a foundation is from the functions, and its parameters from their priors."""
-        gap = (metric @ (self.compliance(x) - self.target)[:, :, None]).ravel()
+        gap = (metric @ (self.law.compliance(x) - self.target)[:, :, None]).ravel()
         return np.concatenate([gap.real, gap.imag, x / self.deviation])
+
+    def slopes(
+        self, x: Float[np.ndarray, " parameter"], metric: Complex[np.ndarray, "line function function"]
+    ) -> Float[np.ndarray, "value parameter"]:
+        """Derivatives of that."""
+        along = (metric @ self.law.slopes(x)).reshape(-1, len(x))
+        return np.concatenate([along.real, along.imag, np.diag(1 / self.deviation)])
 
     def cost(
         self, x: Float[np.ndarray, " parameter"], metric: Complex[np.ndarray, "line function function"]
@@ -136,8 +133,8 @@ class _Laid:
     ) -> Float[np.ndarray, " parameter"]:
         """Coordinates of the nearest foundation from a start."""
         made = least_squares(
-            self.far, start, bounds=self.space.bounds, x_scale=self.deviation, args=(metric,),
-            loss="soft_l1", f_scale=OUTLYING, max_nfev=steps,
+            self.far, start, jac=self.slopes, args=(metric,), bounds=self.space.bounds,
+            x_scale=self.deviation, loss="soft_l1", f_scale=OUTLYING, max_nfev=steps,
         )  # fmt: skip
         return np.asarray(made.x)
 

@@ -1,59 +1,24 @@
 """What the free functions look like: the curve with its band, and the class of physics that it is nearest to.
 
 A template is compared with the curve in the metric that the data give it once the robot's own parameters are
-eliminated, for stiffness and damping of the robot shift the curve at no cost:
-
-    |d|² = Σ dᴴ A_zz d − gᵀ (A_pp + prior)⁻¹ g,   g = Re Σ A_zpᴴ d,   d = curve − template.
+eliminated, for stiffness and damping of the robot shift the curve at no cost.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
-from jaxtyping import Complex, Float
+from jaxtyping import Float
 from scipy.optimize import minimize
 
-from flexmodal.diagnosis.lawfree.profile import Profile, State
+from flexmodal.diagnosis.lawfree.metric import Metric
 from flexmodal.diagnosis.lawfree.result import Class, Curve
 from flexmodal.diagnosis.lawfree.sighting import Sighting
 from flexmodal.diagnosis.lawfree.templates import Template, templates_for
 
 _NEXT = 6.0
 """Difference in score [2 nat] from which a class stands alone."""
-
-
-@dataclass(frozen=True, eq=False)
-class Metric:
-    """Root R of the metric on functions in their sizes: |d|² = |R d|², d as real and imaginary parts."""
-
-    root: Float[np.ndarray, "value value"]
-    functions: int
-
-    def of(self, change: Complex[np.ndarray, "function line"]) -> Float[np.ndarray, " value"]:
-        """R d."""
-        flat = change.T.ravel()
-        return self.root @ np.concatenate([flat.real, flat.imag])
-
-    def of_each(
-        self, terms: Complex[np.ndarray, "term line"], size: Float[np.ndarray, "function line"]
-    ) -> Float[np.ndarray, "value column"]:
-        """R d of changes of one function each, by function and term; all others stay as they are.
-
-        Args:
-            terms: changes, each of every function in turn.
-            size: of the functions, in which d counts.
-        """
-        each = np.swapaxes(terms[:, None] / size, 0, 1)  # function term line
-        parts = np.swapaxes(np.concatenate([each.real, each.imag], axis=2), 1, 2)
-        return np.moveaxis(self._by_function @ parts, 0, 1).reshape(len(self.root), -1)
-
-    @cached_property
-    def _by_function(self) -> Float[np.ndarray, "function value part"]:
-        parts = self.root.reshape(len(self.root), -1, self.functions)
-        return np.ascontiguousarray(np.moveaxis(parts, 2, 0))
 
 
 def curve_of(sighting: Sighting, number: int = -1) -> tuple[Curve, Metric]:
@@ -64,11 +29,8 @@ def curve_of(sighting: Sighting, number: int = -1) -> tuple[Curve, Metric]:
         number: of the port; the last one by default.
     """
     profile, state, span = sighting.profile, sighting.state, sighting.profile.model.spans[number]
-    metric = _metric(profile, state, span)
-    spread = np.linalg.pinv(metric.T @ metric, hermitian=True)
+    metric = Metric.of_port(profile, state, span)
     port, z, size = sighting.ports[number], state.z[0, span], profile.model.size[span]
-    functions, lines = z.shape
-    variance = np.diag(spread).reshape(2, lines, functions).sum(axis=0).T / 2
     scale = max(profile.reduced(state.residual), 1.0)
     model = profile.model
     curve = Curve(
@@ -76,34 +38,9 @@ def curve_of(sighting: Sighting, number: int = -1) -> tuple[Curve, Metric]:
         port.names,
         port.kind.unit,
         z * size,
-        np.sqrt(variance * scale) * size,
+        np.sqrt(metric.variance * scale) * size,
     )
-    return curve, Metric(metric, functions)
-
-
-def _metric(profile: Profile, state: State, span: slice) -> Float[np.ndarray, "value value"]:
-    """Of the functions of one port, those of the others eliminated with the robot's parameters."""
-    equations = profile.equations(state)
-    zz, zp = equations.zz[0], equations.zp[0]  # line function function, line function parameter
-    lines, functions = zz.shape[:2]
-    block = np.zeros((lines, functions, lines, functions), dtype=complex)
-    for line in range(lines):
-        block[line, :, line] = zz[line]
-    own = np.zeros(functions, dtype=bool)
-    own[span] = True
-    own = np.tile(np.tile(own, lines), 2)
-    block = block.reshape((lines * functions,) * 2)
-    full = np.block([[block.real, -block.imag], [block.imag, block.real]])
-    flat = zp.reshape(len(block), -1)
-    pull = np.concatenate([flat.real, flat.imag])  # g = pullᵀ d
-    prior = profile.temper(state.residual) * profile.model.space.precision
-    full = full - pull @ np.linalg.solve(equations.pp + np.diag(prior + 1e-9), pull.T)
-    kept = full[np.ix_(own, own)]
-    if not own.all():
-        beside, between = full[np.ix_(~own, ~own)], full[np.ix_(~own, own)]
-        kept = kept - between.T @ np.linalg.lstsq(beside, between, rcond=1e-12)[0]
-    value, vector = np.linalg.eigh((kept + kept.T) / 2)
-    return np.asarray(np.sqrt(np.maximum(value, 0.0))[:, None] * vector.T)
+    return curve, metric
 
 
 def classes_of(sighting: Sighting, curve: Curve, metric: Metric, number: int = -1) -> tuple[Class, ...]:

@@ -11,6 +11,7 @@ import numpy as np
 
 from flexmodal.diagnosis.effects import (
     base_flexibility,
+    bearing,
     bearing_flexibility,
     foundation,
     hinges,
@@ -192,28 +193,28 @@ LINK = PortKind(
 
 def _bearing_kinds(context: Context, where: str) -> list[str]:
     """Of the ways in which the joints give, each kind once."""
-    return list(dict.fromkeys(way.kind for _, way, _ in bearing_flexibility.names_of(context, where)))
+    return list(dict.fromkeys(way.kind for _, way, _ in bearing.names_of(context, where)))
 
 
 def _scale(context: Context, where: str, joint: str) -> float:
     """What a joint's compliance is a multiple of: 1 N·m/rad, or of all joints alike its own stiffness."""
-    return float(context.robot.joints[joint].stiffness) if where == bearing_flexibility.ALL else 1.0
+    return float(context.robot.joints[joint].stiffness) if where == bearing.ALL else 1.0
 
 
 def _bearing_patterns(assembly: Assembly, placement: Placement) -> Patterns:
     context, where = placement.context, placement.where
     kinds = _bearing_kinds(context, where)
     found = np.zeros((len(kinds), *(len(assembly.coordinates),) * 2))
-    for joint, way, name in bearing_flexibility.names_of(context, where):
+    for joint, way, name in bearing.names_of(context, where):
         found[kinds.index(way.kind)] += np.diag(assembly.row(name)) / _scale(context, where, joint)
     return Patterns(compliance=found)
 
 
 def _bearing_sizes(context: Context, where: str, frequency: np.ndarray) -> np.ndarray:
-    if where == bearing_flexibility.ALL:
-        return constant([1 / bearing_flexibility.TILT], frequency)
-    tilt = bearing_flexibility.size(context, where)
-    shift = tilt / bearing_flexibility.RADIUS**2
+    if where == bearing.ALL:
+        return constant([1 / bearing.TILT], frequency)
+    tilt = bearing.size(context, where)
+    shift = tilt / bearing.RADIUS**2
     return constant([1 / (tilt if k == "tilt" else shift) for k in _bearing_kinds(context, where)], frequency)
 
 
@@ -237,7 +238,7 @@ BEARING = PortKind(
         bearing_flexibility.EFFECT,
         name="port",
         parameters=lambda context, where: (),
-        shape=bearing_flexibility.add_ways,
+        shape=bearing.add_ways,
         act=None,
         extend=None,
     ),

@@ -11,13 +11,14 @@ from jaxtyping import Float, Int
 
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.lawfree import screening
+from flexmodal.diagnosis.lawfree.afresh import Again
 from flexmodal.diagnosis.lawfree.kinds import KINDS, NOTHING, RARE, TORQUE
 from flexmodal.diagnosis.lawfree.model import PortedModel
 from flexmodal.diagnosis.lawfree.port import Port, PortKind
 from flexmodal.diagnosis.lawfree.ported_fit import FLOORS, begun, finished, mended, profiled
 from flexmodal.diagnosis.lawfree.profile import SETTLED, Profile
 from flexmodal.diagnosis.lawfree.records import endless, of_first_blow
-from flexmodal.diagnosis.lawfree.related import parts, widened
+from flexmodal.diagnosis.lawfree.related import parts
 from flexmodal.diagnosis.lawfree.sighting import Round, Sighting, Start, carried_over, noise_of
 from flexmodal.diagnosis.search.coarse import Look, look_at
 from flexmodal.identification import Observations
@@ -25,11 +26,8 @@ from flexmodal.identification import Observations
 SOUND = 1.6
 """Misfit up to which ports are said to explain what is missing: 0.6 if perfect. Tuned on single
 effects of the virtual rig, whose true places had 0.6 to 1.5; how sharply was not measured."""
-NEARLY, AFRESH = 1.0, 2
-"""Where none comes that near to nothing, so many of the best are fitted once more, from the beginning."""
 SEVERAL = 2.0
-"""Times `SOUND` that the best leaves beside effects from which more than one place is missing, and nothing is
-fitted once more."""
+"""Times `SOUND` that the best leaves beside effects where several are missing, and none is fitted again."""
 LATE = 3.0
 """Misfit of what is believed up to which ports begin at a small model error: at a large one nothing of what
 is missing is to be seen, and every port goes on."""
@@ -138,17 +136,32 @@ class Field:
         if found and ports is None:
             best = min(found, key=lambda one: one.judged)
             found += self._parts_of(best, before, taken | {one.port.key for one in found})
-        found.sort(key=lambda one: one.judged)
-        if ports is None and self.rare and not self._leads_on(found, before):
-            least = min((misfit for _, _, misfit in kept), default=np.inf)
-            more = self._screened(self.rare, before, taken, lambda part: None)
-            found += [self.sighted((port,), before, start) for port, start, misfit in more if misfit < least]
-            found.sort(key=lambda one: one.judged)
-        most = SEVERAL * SOUND if self.root.placed else np.inf
-        if found and NEARLY < found[0].judged <= most and ports is None:
-            found = [self._afresh(one, before) for one in found[:AFRESH]] + found[AFRESH:]
+        if ports is None:
+            found = self._seen_through(
+                found, before, taken, min((misfit for *_, misfit in kept), default=np.inf)
+            )
         found = [one for one in found if np.isfinite(one.judged)] or found
         return Round(tuple(sorted(found, key=lambda one: one.judged)))
+
+    def _seen_through(
+        self, found: Sequence[Sighting], before: Sighting | None, taken: set[tuple[str, str]], least: float
+    ) -> list[Sighting]:
+        """The best fitted once more; rare ports too, where these do not lead on.
+
+        Args:
+            found: of a round.
+            before: ports that are there already.
+            taken: kinds and places of these.
+            least: reduced χ² of the best in the first round.
+        """
+        most = SEVERAL * SOUND if self.root.placed else np.inf
+        again = Again(self.sighted, self.root.context, before, most)
+        better = again.better(found)
+        if not self.rare or self._leads_on(better, before):
+            return better
+        more = self._screened(self.rare, before, taken, lambda part: None)
+        rare = [self.sighted((port,), before, start) for port, start, misfit in more if misfit < least]
+        return again.better([*better, *rare], {one.port.key for one in better})
 
     def _leads_on(self, found: Sequence[Sighting], before: Sighting | None) -> bool:
         """Whether a port explains what is missing, or beside effects a good part of it."""
@@ -156,19 +169,6 @@ class Field:
             return False
         beside = bool(self.root.placed) and before is None
         return found[0].judged <= (max(SOUND, self.bare / LEADS) if beside else SOUND)
-
-    def _afresh(self, one: Sighting, before: Sighting | None) -> Sighting:
-        """The best of a fit, of another that sets out from constants on all lines, and of a wider port.
-
-        Beside other ports more may be missing than one: there patience would not be rewarded.
-        """
-        other = self.sighted((one.port,), before, patient=before is None)
-        best = min(one, other, key=lambda each: each.judged)
-        if best.judged > NEARLY and one.port.kind.wider is not None:
-            port, start = widened(best, one.port.kind.wider, self.root.context)
-            more = self.sighted((port,), before, start, patient=True)
-            best = min(best, more, key=lambda each: each.judged)
-        return best
 
     def _parts_of(
         self, one: Sighting, before: Sighting | None, known: set[tuple[str, str]]

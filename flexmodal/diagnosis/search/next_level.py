@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
+import numpy as np
+from jaxtyping import Float
+
+from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.placed import Placed
 from flexmodal.diagnosis.search.close_fit import tried_closely
-from flexmodal.diagnosis.search.coarse import look_at
+from flexmodal.diagnosis.search.coarse import Look, look_at
 from flexmodal.diagnosis.search.lines import worst_lines
 from flexmodal.diagnosis.search.set_out import SetOut
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
@@ -39,11 +43,25 @@ def at_next_level(
     }
     before = [model.x[: -len(own)], *set_out.before]
     placed = hypothesis.placed[-1]
-    tried = [hypothesis.start(placed, *one) for one in set_out.told(level.effect, narrow.where)]
-    if not tried:
-        given = level.starts(setup.context, narrow.where, own)
-        tried = [hypothesis.start(placed, one, x) for x in before for one in given]
+    told = [hypothesis.start(placed, *one) for one in set_out.told(level.effect, narrow.where)]
+    given = level.starts(setup.context, narrow.where, own)
     seen = look_at(setup.fitted, worst_lines(setup.fitted, model.predicted[~setup.held]))
+    found: list[FittedFrfs] = []
+    for tried in (told, [hypothesis.start(placed, one, x) for x in before for one in given]):
+        found += _followed(setup, seen, hypothesis, tried, is_enough)
+        if any(is_enough(one) for one in found):
+            break
+    return found
+
+
+def _followed(
+    setup: Setup,
+    seen: Look,
+    hypothesis: Hypothesis,
+    tried: Sequence[Float[np.ndarray, " parameter"]],
+    is_enough: Callable[[FittedFrfs], bool],
+) -> list[FittedFrfs]:
+    """The best of some starts, fitted closely; none after one that is enough."""
     todo = seen.started(hypothesis, tried, *ROUNDS[0][::2])
     for number, (floor, steps, keep) in enumerate(ROUNDS[1:]):
         setup.advance("fitting a wider law", number / len(ROUNDS))

@@ -32,6 +32,10 @@ from flexmodal.diagnosis.setup import Setup
 
 ONCE_MORE = 2
 """Starts of an effect that are followed closely where another one that can do more is enough."""
+HALF = 0.5
+"""Part of the disagreement above the noise that a law leaves at most, for no wider one to be tried."""
+HARDLY = 0.03
+"""The same of an effect whose law is all but right: what is left may be due to it, not to something else."""
 LAW_LEAVES = 2.0
 """Times what a place with free functions leaves from which an effect in it has too narrow a law."""
 NEARER = 0.999
@@ -133,6 +137,7 @@ class FrfCandidates(LooksBeside):
         if len(look.found) == 1:
             found = self._at_next_levels(before, found, look)
         found = self._elsewhere(before, number, found, look) if alone else found
+        found = self._at_last(before, found)
         return self._with_wider_laws(before, number, found, look)
 
     def _with_wider_laws(
@@ -185,17 +190,28 @@ class FrfCandidates(LooksBeside):
     ) -> list[FittedFrfs]:
         """Wider laws too, where every effect in the place that the look points to leaves more by its law.
 
-        More than noise, and more than the functions of that place leave when they are free.
+        More than noise, and more than the functions of that place leave when they are free, or most of what
+        is missing: where that is little, it is less than several times the noise to begin with.
         """
         if any(self._is_enough(one) for one in found):
             return found
         least = LAW_LEAVES * look.left
         places = [one for one in found if look.met([one.key])]
-        if any(over_noise(self.setup, one) <= least for one in places):
+        does = [one for one in places if not look.explains or left(self.setup, before, one) <= HALF]
+        if any(over_noise(self.setup, one) <= least for one in does):
             return found
         set_out = starts(before, look)
         wider = [more for one in places for more in at_next_level(self.setup, one, set_out, self._is_enough)]
         return best_of_each([*found, *wider])
+
+    def _at_last(self, before: FittedFrfs, found: list[FittedFrfs]) -> list[FittedFrfs]:
+        """The wider law of an effect that takes all but a little, wherever it is, if that leaves nothing."""
+        nearly = [one for one in found if left(self.setup, before, one) <= HARDLY]
+        if before.hypothesis.placed or not nearly or any(self._is_enough(one) for one in found):
+            return found
+        best = min(nearly, key=lambda one: over_noise(self.setup, one))
+        wider = at_next_level(self.setup, best, SetOut([]), self._is_enough)
+        return best_of_each([*found, *(one for one in wider if self._is_enough(one))])
 
     def wider(self, model: FittedFrfs) -> list[FittedFrfs]:
         """The model with the next level of each of its effects, in turn, fitted closely; the best first.

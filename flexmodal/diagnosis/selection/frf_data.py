@@ -13,7 +13,8 @@ from flexmodal.diagnosis.disagreement.compare import disagreement, force_depende
 from flexmodal.diagnosis.disagreement.gaps import gap_of, gaps_of, left, over_noise
 from flexmodal.diagnosis.findings import Findings, ModesSeen
 from flexmodal.diagnosis.hypothesis import Hypothesis
-from flexmodal.diagnosis.lawfree.look import NEARLY, SOUND
+from flexmodal.diagnosis.lawfree.afresh import NEARLY
+from flexmodal.diagnosis.lawfree.look import SOUND
 from flexmodal.diagnosis.next_measurement.choose import next_among_fits
 from flexmodal.diagnosis.outcome import Gaps, NextMeasurement
 from flexmodal.diagnosis.search.close_fit import fitted_closely

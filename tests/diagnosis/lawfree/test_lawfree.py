@@ -312,8 +312,7 @@ def test_the_class_is_read_off_the_curve(root, hinged, observed):
 def test_a_change_of_one_function_counts_as_one_of_all_in_which_the_others_stay(root, hinged, observed):
     port = Port.at(COUPLING, "q1+q2", root.context)
     _, metric = curve_of(Field.of(root, hinged[1].x, observed, None).sighted((port,)))
-    functions = metric.functions
-    lines = len(metric.root[0]) // 2 // functions
+    lines, functions = metric.root.shape[:2]
     draw = np.random.default_rng(5)
     terms = draw.normal(size=(2, lines)) + 1j * draw.normal(size=(2, lines))
     size = draw.uniform(0.5, 2.0, (functions, lines))
@@ -324,6 +323,47 @@ def test_a_change_of_one_function_counts_as_one_of_all_in_which_the_others_stay(
             change[number] = term / size[number]
             plain.append(metric.of(change))
     np.testing.assert_allclose(metric.of_each(terms, size), np.array(plain).T, rtol=1e-9, atol=1e-12)
+
+
+def by_one_matrix(profile, state, span):
+    """The metric over all lines and ports in one real matrix, what is not the port's own eliminated."""
+    equations = profile.equations(state)
+    zz, zp = equations.zz[0], equations.zp[0]
+    lines, functions = zz.shape[:2]
+    block = np.zeros((lines, functions, lines, functions), dtype=complex)
+    block[range(lines), :, range(lines)] = zz
+    block = block.reshape((lines * functions,) * 2)
+    flat = zp.reshape(len(block), -1)
+    pull = np.concatenate([flat.real, flat.imag])
+    prior = profile.temper(state.residual) * profile.model.space.precision
+    full = np.block([[block.real, -block.imag], [block.imag, block.real]])
+    full = full - pull @ np.linalg.solve(equations.pp + np.diag(prior), pull.T)
+    own = np.zeros(functions, dtype=bool)
+    own[span] = True
+    own = np.tile(np.tile(own, lines), 2)
+    kept, between, beside = (full[np.ix_(a, b)] for a, b in ((own, own), (~own, own), (~own, ~own)))
+    return kept - between.T @ np.linalg.solve(beside, between) if len(beside) else kept
+
+
+@pytest.mark.parametrize(
+    "chosen", [[("coupling", "q1+q2")], [("joint", "q2"), ("coupling", "q1+q2")]], ids=str
+)
+def test_what_a_change_of_a_curve_costs_is_what_one_matrix_over_all_lines_says(
+    root, hinged, observed, chosen
+):
+    field = Field.of(root, hinged[1].x, observed, None)
+    one = field.sighted(tuple(port for key in chosen for port in field.ports if port.key == key))
+    curve, metric = curve_of(one)
+    profile, state, span = one.profile, one.state, one.profile.model.spans[-1]
+    plain, draw = by_one_matrix(profile, state, span), np.random.default_rng(6)
+    size = profile.model.size[span]
+    for _ in range(5):
+        change = draw.normal(size=size.shape) + 1j * draw.normal(size=size.shape)
+        flat = np.concatenate([change.T.ravel().real, change.T.ravel().imag])
+        assert np.sum(metric.of(change) ** 2) == pytest.approx(flat @ plain @ flat, rel=1e-6)
+    scale = max(profile.reduced(state.residual), 1.0)
+    variance = np.diag(np.linalg.inv(plain)).reshape(2, *size.T.shape).sum(axis=0).T / 2
+    np.testing.assert_allclose(curve.deviation, np.sqrt(variance * scale) * size, rtol=1e-4)
 
 
 def test_beside_a_named_effect_a_look_begins_where_that_was_fitted(hinged, observed):

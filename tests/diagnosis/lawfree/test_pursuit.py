@@ -6,6 +6,7 @@ import pytest
 
 from flexmodal.diagnosis.effects import Context
 from flexmodal.diagnosis.hypothesis import Hypothesis
+from flexmodal.diagnosis.lawfree.afresh import Again
 from flexmodal.diagnosis.lawfree.joint_ports import COUPLING, JOINT
 from flexmodal.diagnosis.lawfree.kinds import TORQUE
 from flexmodal.diagnosis.lawfree.look import Field
@@ -108,7 +109,7 @@ def test_rare_ports_are_tried_where_no_other_leads_on(placed, best, tried):
 def test_what_leaves_too_much_beside_effects_is_not_fitted_once_more(placed, best, again):
     """Where one place would not be enough, patience is not rewarded; alone it may be."""
     field = Screened(placed, best)
-    with patch.object(Field, "_afresh", side_effect=lambda one, before: one) as afresh:
+    with patch.object(Again, "_one", side_effect=lambda one: one) as afresh:
         field.round()
     assert afresh.call_count == again
 

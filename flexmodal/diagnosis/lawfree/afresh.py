@@ -1,0 +1,75 @@
+"""The best ports of a round fitted once more, from the beginning, where none comes near to nothing."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+from typing import Protocol, runtime_checkable
+
+from flexmodal.diagnosis.effects.context import Context
+from flexmodal.diagnosis.lawfree.port import Port
+from flexmodal.diagnosis.lawfree.related import widened
+from flexmodal.diagnosis.lawfree.sighting import Sighting, Start
+
+NEARLY, AFRESH = 1.0, 2
+"""Where none comes that near to nothing, so many of the best are fitted once more, from the beginning."""
+WITHIN = 2.0
+"""Times the misfit of the best up to which others of them are."""
+
+
+@runtime_checkable
+class Fits(Protocol):
+    """Ports fitted well and judged, see `look.Field.sighted`."""
+
+    def __call__(
+        self,
+        ports: tuple[Port, ...],
+        before: Sighting | None = None,
+        start: Start | None = None,
+        *,
+        patient: bool = False,
+    ) -> Sighting:
+        """Fit and judge."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class Again:
+    """Fits the best of a round once more."""
+
+    fits: Fits
+    context: Context
+    before: Sighting | None
+    """Ports that are there already."""
+    most: float
+    """Misfit of the best up to which it pays."""
+
+    def better(self, found: Sequence[Sighting], known: Collection[tuple[str, str]] = ()) -> list[Sighting]:
+        """All in order, those that were fitted once more by what that came to.
+
+        Args:
+            found: in any order.
+            known: kinds and places of ports that were fitted once more before.
+        """
+        order = sorted(found, key=lambda one: one.judged)
+        if not order or not NEARLY < order[0].judged <= self.most:
+            return order
+        limit = WITHIN * order[0].judged
+        again = [
+            self._one(one) if one.port.key not in known and one.judged <= limit else one
+            for one in order[:AFRESH]
+        ]
+        return sorted([*again, *order[AFRESH:]], key=lambda one: one.judged)
+
+    def _one(self, one: Sighting) -> Sighting:
+        """The best of a fit, of another that sets out from constants on all lines, and of a wider port.
+
+        Beside other ports more may be missing than one: there patience would not be rewarded.
+        """
+        other = self.fits((one.port,), self.before, patient=self.before is None)
+        best = min(one, other, key=lambda each: each.judged)
+        if best.judged > NEARLY and one.port.kind.wider is not None:
+            port, start = widened(best, one.port.kind.wider, self.context)
+            more = self.fits((port,), self.before, start, patient=True)
+            best = min(best, more, key=lambda each: each.judged)
+        return best
