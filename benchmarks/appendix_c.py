@@ -17,6 +17,7 @@ from tables import ROOT
 import flexmodal
 from flexmodal.campaign import Campaign, read_campaign
 from flexmodal.diagnosis import Diagnosis, diagnose
+from flexmodal.diagnosis.names import NONE, UNSTRUCTURED
 from flexmodal.diagnosis.report.modal_pictures import draw_evidence, draw_frequencies, draw_shapes
 from flexmodal.diagnosis.report.modal_sections import after_name, compared_fits
 from flexmodal.diagnosis.report.modal_tables import (
@@ -33,6 +34,7 @@ from flexmodal.identification.evidence.likelihood.errors import errors, figures
 from flexmodal.identification.evidence.likelihood.shapes import shapes_of
 from flexmodal.modal.mac import mac_with
 from flexmodal.report import Cell, Column, Table
+from flexmodal.text.words import enumeration
 
 CAMPAIGN = ROOT / "robots" / "fanuc_s360" / "campaigns" / "thesis"
 PAGE = ROOT / "docs" / "appendix_c.md"
@@ -152,6 +154,12 @@ def what_came(diagnosis: Diagnosis) -> str:
     )
 
 
+def more_that_ties(diagnosis: Diagnosis) -> list[str]:
+    """What is tied besides absorbers, a hinge in the second link, and a mode without structure."""
+    known = {"local_absorber", UNSTRUCTURED, NONE}
+    return [named(key) for key in diagnosis.modal.tied if key[0] not in known and "@".join(key) != TOLD]
+
+
 def nats(value: float) -> str:
     return f"{value:.0f}".replace("-", "−")
 
@@ -197,6 +205,7 @@ def main() -> None:
         left_verdict=left.verdict.says,
         left=comparison(left),
         card=nats(card[0]), card_low=nats(card.min()), card_high=nats(card.max()),
+        more=enumeration(more_that_ties(everything)),
         tuned=f"{100 * figures(errors(left.modal.modes.before)).frequency:.1f}",
     )  # fmt: skip
     with whole_file(PAGE, overwrite=True) as scratch:
@@ -304,9 +313,10 @@ is with numbers that were fitted to these modes before.
 Another Bayesian comparison of the same tables, with noise scales inferred and four peaks, put three rigid
 links some 22 nats behind, and a hinge in the second link, absorbers on any link and a mode without
 structure within 2 nats of each other. This one agrees that a mode is missing under every prior and that its
-place is not told, and finds more that is tied: the motor of the third joint, and the base. It differs on the
-second link. That comparison's hinge was free; the catalogue's link is a beam with hinges at Gauss's points
-and its mass spread along it, which falls behind a hinge in the hand or not as the card is trusted.
+place is not told, and finds more that is tied: {more}.
+It differs on the second link. That comparison's hinge was free; the catalogue's link is a beam with hinges at
+Gauss's points and its mass spread along it, which falls behind a hinge in the hand or not as the card is
+trusted.
 """
 
 
