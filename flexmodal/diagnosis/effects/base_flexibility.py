@@ -37,6 +37,8 @@ from flexmodal.structure.arm import Body, carried
 from flexmodal.structure.assembly import Assembly
 
 _SPRINGS = ("horizontal_stiffness", "vertical_stiffness", "tilt_stiffness", "twist_stiffness")
+DEPTH, HEAVY = 0.1, (1.0, 3.0, 10.0)
+"""Of a block, to its middle, over the arm's length; masses over that of what moves on the root."""
 Motions = list[tuple[str, np.ndarray, bool]]
 
 
@@ -169,7 +171,7 @@ def _bolted_starts(context: Context, where: str, values: Mapping[str, float]) ->
     Where bolts give, what was fitted without them may sit and weigh anything.
     """
     known = {name: value for name, value in values.items() if name.endswith(("_stiffness", "_damping"))}
-    return _with_bolts(context, [values, known, *_simple_starts(context, where)], (20.0, 5.0, 2.0, 0.7, 0.2))
+    return _with_bolts(context, [values, known, *_simple_starts(context, where)], (5.0, 2.0, 0.7, 0.2))
 
 
 def _simple_starts(context: Context, where: str) -> list[Mapping[str, float]]:
@@ -180,13 +182,15 @@ def _simple_starts(context: Context, where: str) -> list[Mapping[str, float]]:
 def _with_bolts(
     context: Context, some: Sequence[Mapping[str, float]], ratios: Sequence[float]
 ) -> list[Mapping[str, float]]:
-    """Springs and bolts as stiff together as some springs alone, beneath heavy foundations too."""
+    """Springs and bolts as stiff together as some springs alone, beneath heavy and deep foundations too."""
     found: list[Mapping[str, float]] = []
+    deep = DEPTH * length_of(context)
+    block = {"mass_below": deep, "below": 2 * deep, "gyration": deep}
     for narrow, ratio in product(some, ratios):
         bolts = {f"bolts_{kind}_ratio": ratio for kind in _kinds(context)}
         softer = {name: value * (1 + 1 / ratio) for name, value in narrow.items() if name in _SPRINGS}
         given = {**narrow, **softer, **bolts}
-        found += [{**given, "mass": heavy * context.arm_mass} for heavy in (1.0, 3.0)]
+        found += [{**given, **block, "mass": heavy * context.arm_mass} for heavy in HEAVY]
         if "mass" in narrow:
             found.append(given)
     return found

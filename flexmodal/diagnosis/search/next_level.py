@@ -16,7 +16,7 @@ from flexmodal.diagnosis.search.set_out import SetOut
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.setup import Setup
 
-ROUNDS = ((0.2, 0, 60), (0.2, 3, 24), (0.1, 8, 6), (0.03, 8, 3))
+ROUNDS = ((0.2, 0, 40), (0.2, 8, 8), (0.1, 8, 5), (0.03, 8, 3))
 """Model error, steps, and how many starts go on; the last are fitted closely."""
 
 
