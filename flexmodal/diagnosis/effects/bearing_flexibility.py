@@ -96,8 +96,7 @@ def _wide_starts(context: Context, where: str, values: Mapping[str, float]) -> l
         return []
     known = {**values, "second_loss_ratio": 1.0}
     turned = [{"tilt_ratio": ratio, "tilt_angle": angle} for ratio in (0.3, 3.0) for angle in (0.0, 0.8)]
-    other = {"ratio": 1 / values["ratio"]} if "ratio" in values else {}
-    return [known, {**known, **other}, *({**known, **one} for one in turned)]
+    return [known, {**known, "ratio": 1 / values["ratio"]}, *({**known, **one} for one in turned)]
 
 
 def _end(joint: str, number: int) -> str:
