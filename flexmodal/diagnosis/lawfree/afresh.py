@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
-from typing import Protocol, runtime_checkable
 
 from flexmodal.diagnosis.effects.context import Context
-from flexmodal.diagnosis.lawfree.port import Port
 from flexmodal.diagnosis.lawfree.related import widened
-from flexmodal.diagnosis.lawfree.sighting import Sighting, Start
+from flexmodal.diagnosis.lawfree.sighting import Sighting
 
 NEARLY, AFRESH = 1.0, 2
 """Where none comes that near to nothing, so many of the best are fitted once more, from the beginning."""
@@ -17,27 +15,12 @@ WITHIN = 2.0
 """Times the misfit of the best up to which others of them are."""
 
 
-@runtime_checkable
-class Fits(Protocol):
-    """Ports fitted well and judged, see `look.Field.sighted`."""
-
-    def __call__(
-        self,
-        ports: tuple[Port, ...],
-        before: Sighting | None = None,
-        start: Start | None = None,
-        *,
-        patient: bool = False,
-    ) -> Sighting:
-        """Fit and judge."""
-        ...
-
-
 @dataclass(frozen=True, eq=False)
 class Again:
     """Fits the best of a round once more."""
 
-    fits: Fits
+    fits: Callable[..., Sighting]
+    """Ports fitted well and judged, see `look.Field.sighted`."""
     context: Context
     before: Sighting | None
     """Ports that are there already."""

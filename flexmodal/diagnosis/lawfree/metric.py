@@ -21,7 +21,7 @@ from flexmodal.diagnosis.lawfree.profile import Profile, State
 _RIDGE = 1e-9
 """On the precision of the parameters."""
 _KNOWN = 1e-14
-"""Of what is known best on a line, known at least of every combination of functions."""
+"""Of what is known best, known at least of every combination: of functions of a line, of parameters."""
 _TAKEN = 1e-12
 """Part of a change that is left at least when parameters have followed it."""
 
@@ -65,8 +65,9 @@ class Metric:
         back = way / size[:, None, :]
         pull = np.conj(np.swapaxes(back, 1, 2)) @ zp
         flat = pull.reshape(-1, zp.shape[-1])
-        factor = np.linalg.cholesky(pp + np.diag(prior + _RIDGE))
-        slopes = np.linalg.solve(factor, np.concatenate([flat.real, flat.imag]).T).T
+        trusted, turn = np.linalg.eigh(pp + np.diag(prior + _RIDGE))  # below 0 where rounding is all there is
+        trusted = np.maximum(trusted, _KNOWN * np.abs(trusted).max(initial=np.finfo(float).tiny))
+        slopes = np.concatenate([flat.real, flat.imag]) @ (turn / np.sqrt(trusted))
         followed, taken, _ = np.linalg.svd(slopes, full_matrices=False)
         return cls(root, back, followed, np.minimum(taken**2, 1 - _TAKEN))
 

@@ -44,14 +44,13 @@ def at_next_level(
     before = [model.x[: -len(own)], *set_out.before]
     placed = hypothesis.placed[-1]
     told = [hypothesis.start(placed, *one) for one in set_out.told(level.effect, narrow.where)]
-    given = level.starts(setup.context, narrow.where, own)
     seen = look_at(setup.fitted, worst_lines(setup.fitted, model.predicted[~setup.held]))
-    found: list[FittedFrfs] = []
-    for tried in (told, [hypothesis.start(placed, one, x) for x in before for one in given]):
-        found += _followed(setup, seen, hypothesis, tried, is_enough)
-        if any(is_enough(one) for one in found):
-            break
-    return found
+    found = _followed(setup, seen, hypothesis, told, is_enough)
+    if any(is_enough(one) for one in found):
+        return found
+    given = level.starts(setup.context, narrow.where, own)
+    tried = [hypothesis.start(placed, one, x) for x in before for one in given]
+    return [*found, *_followed(setup, seen, hypothesis, tried, is_enough)]
 
 
 def _followed(

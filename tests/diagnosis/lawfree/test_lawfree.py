@@ -19,6 +19,7 @@ from flexmodal.diagnosis.lawfree.geometries import placed_best
 from flexmodal.diagnosis.lawfree.joint_ports import COUPLING, DAMPING, JOINT, ROD, TORQUE
 from flexmodal.diagnosis.lawfree.kinds import KINDS
 from flexmodal.diagnosis.lawfree.look import Field
+from flexmodal.diagnosis.lawfree.metric import Metric
 from flexmodal.diagnosis.lawfree.model import PortedModel
 from flexmodal.diagnosis.lawfree.port import Port
 from flexmodal.diagnosis.lawfree.ported_fit import profiled
@@ -364,6 +365,18 @@ def test_what_a_change_of_a_curve_costs_is_what_one_matrix_over_all_lines_says(
     scale = max(profile.reduced(state.residual), 1.0)
     variance = np.diag(np.linalg.inv(plain)).reshape(2, *size.T.shape).sum(axis=0).T / 2
     np.testing.assert_allclose(curve.deviation, np.sqrt(variance * scale) * size, rtol=1e-4)
+
+
+def test_parameters_of_which_only_rounding_is_known_leave_a_metric(root, hinged, observed):
+    """What nothing is known of once other functions have followed may come out below 0."""
+    one = Field.of(root, hinged[1].x, observed, None).sighted((Port.at(COUPLING, "q1+q2", root.context),))
+    known = one.profile.equations(one.state)
+    below = replace(known, pp=known.pp - 1.001 * np.linalg.eigvalsh(known.pp)[-1] * np.eye(len(known.pp)))
+    profile = Mock(spec=Profile, model=one.profile.model, temper=lambda residual: 0.0)
+    profile.equations = lambda state: below
+    metric = Metric.of_port(profile, one.state, one.profile.model.spans[-1])
+    assert np.isfinite(metric.variance).all()
+    assert np.isfinite(metric.of(one.state.z[0])).all()
 
 
 def test_beside_a_named_effect_a_look_begins_where_that_was_fitted(hinged, observed):
