@@ -72,7 +72,7 @@ def poles(structure: Structure, names: tuple[str, ...] = (), *, active: bool = F
 
     Raises:
         InvalidSystem: the mass matrix is not positive definite, and no loop is to be blamed.
-        LinAlgError: it is singular, or a structure with such a loop rings up.
+        LinAlgError: it is singular, or a structure with such a loop rings up or has a pole without a shape.
     """
     try:
         system = SecondOrderSystem(
@@ -107,6 +107,8 @@ def _of_active(
     pole, shape = pole[order].astype(complex), vectors[:n, order].astype(complex)
     scale = np.einsum("ip,ijp,jp->p", shape, 2 * pole * structure.mass[:, :, None], shape)
     scale += np.einsum("ip,ij,jp->p", shape, structure.damping, shape)
+    if not np.all(scale):  # two poles fall on one and share their shape
+        raise np.linalg.LinAlgError("a pole without a shape of its own")
     return pole, shape / np.sqrt(scale), int(np.count_nonzero(pole.imag >= 0))
 
 

@@ -20,7 +20,7 @@ from flexmodal.diagnosis.selection.described import beside_others
 from flexmodal.diagnosis.selection.frf_candidates import FrfCandidates
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.selection.frf_data import FrfData
-from flexmodal.diagnosis.selection.frf_starts import does_more, narrowest
+from flexmodal.diagnosis.selection.frf_starts import does_more, narrowest, nearer
 from flexmodal.diagnosis.selection.in_its_stead import sure_beside
 from flexmodal.diagnosis.selection.looks_beside import MOST_LOOKS
 from flexmodal.diagnosis.selection.selection import MOST, ForwardSelection
@@ -197,6 +197,50 @@ class Border(World):
     def besides(self, before, number):
         clear = self.left(frozenset(before.keys)) <= 0.1 * NOISE
         return [] if clear else self.pointed(before, number)
+
+
+class Beside(Border):
+    """What hides in the noise shows that the link was taken for the foundation."""
+
+    def instead(self, model, key):
+        return [Model((*(one for one in model.keys if one != key), BASE))] if key == LINK else []
+
+
+def test_what_hides_in_the_noise_may_show_what_the_first_effect_was_taken_for():
+    left = {
+        frozenset(): 50.0,
+        frozenset({LINK}): NOISE,
+        frozenset({LINK, MASS}): 0.5 * NOISE,
+        frozenset({BASE, MASS}): 0.05 * NOISE,
+    }
+    selection = Selection(Beside(lambda keys: left.get(keys, 40.0)))
+    assert selection.follow()
+    assert set(steps(selection)) == {BASE, MASS}
+
+
+def test_nearer_than_what_was_found_is_what_it_cannot_be_told_from_and_leaves_less():
+    """All bearings alike are simpler than one of them, which leaves less; a link does so elsewhere."""
+    every = [
+        ("bearing", "q1", 1.2),
+        ("base", "base", 1.8),
+        ("bearing", "joints", 1.5),
+        ("link", "link_1", 1.0),
+    ]
+    places = [Mock(spec=PlaceTried, port=port, where=where, judged=judged) for port, where, judged in every]
+    alike = (("bearing", "joints"), ("bearing", "q1"), ("base", "base"))
+    one = Mock(spec=Found, port="bearing", where="joints", alike=alike)
+    look = Mock(spec=Findings, places=places, found=(one,))
+    effects = [
+        Mock(spec=Effect, law=None, places=lambda context, here=here: here, untestable=lambda context: None)
+        for here in (("q1", "q2", "joints"), ("base",), ("link_1",))
+    ]
+    for effect, name in zip(
+        effects, ("bearing_flexibility", "base_flexibility", "link_flexibility"), strict=True
+    ):
+        effect.name = name
+    setup = Mock(spec=Setup, effects=effects, context=None)
+    assert nearer(setup, fitted(), look) == [("bearing_flexibility", "q1")]
+    assert nearer(setup, fitted(("bearing_flexibility", "q1")), look) == []
 
 
 @pytest.mark.parametrize(
@@ -432,13 +476,17 @@ def test_a_third_effect_is_looked_for_whatever_one_place_leaves():
         Alone().pointed(fitted(BASE, MASS), 2)
 
 
-@pytest.mark.parametrize(("over", "tried"), [(1.3, False), (1.5, True)])
-def test_where_nothing_is_left_no_effect_is_exchanged(monkeypatch, over, tried):
-    """A wider one in its place would always do a little better."""
+@pytest.mark.parametrize(
+    ("over", "met", "tried"), [(1.3, True, False), (1.5, True, True), (1.3, False, True), (1.5, False, True)]
+)
+def test_where_nothing_is_left_no_effect_is_exchanged(monkeypatch, over, met, tried):
+    """A wider one in its place would always do a little better; unless none is where a look points."""
     other = fitted(MASS, BASE)
     other.cost = 1.0
     data = FrfData.__new__(FrfData)
-    data.setup, data.modes = Mock(spec=Setup), None
+    data.setup, data.modes = Mock(spec=Setup, held=np.zeros(1, dtype=bool)), None
+    place = dict.fromkeys([MASS], Mock(spec=Found)) if met else {}
+    data._look = Mock(spec=Findings, explains=True, found=(None,), met=lambda keys: place)
     data._candidates = Mock(spec=FrfCandidates, considered=lambda *given: [other])
     monkeypatch.setattr(frf_by_look, "in_its_stead", lambda *given: [other])
     for module in (frf_data, frf_by_look):
@@ -637,7 +685,10 @@ def test_fits_start_from_elsewhere_only_where_one_place_explains(monkeypatch, pl
     bare = Mock(base=(), placed=(), keys=())
     root = Mock(spec=FittedFrfs, hypothesis=bare, x=np.zeros(0), cost=1.0)
     candidates = FrfCandidates(Mock(spec=Setup, effects=(), advance=Mock()), root, with_force=False)
-    look = Mock(spec=Findings, explains=explains, found=(None,) * places, needed=True, fitted=None, left=1.0)
+    one = Mock(spec=Found, alike=())
+    look = Mock(
+        spec=Findings, explains=explains, found=(one,) * places, needed=True, fitted=None, left=1.0, places=()
+    )
     candidates.looks = Mock(one=look)
     candidates.at_places(root, 0, look, lambda model: False)
     candidates.everywhere(root, 1)

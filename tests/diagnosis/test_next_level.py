@@ -189,6 +189,32 @@ def test_a_law_that_takes_all_but_a_little_is_widened_wherever_a_look_points(
     assert candidates._at_last(root, [narrow]) == [wider if tried else narrow]
 
 
+@pytest.mark.parametrize(
+    ("enough", "at", "tried"), [(False, True, True), (True, True, False), (True, False, True)]
+)
+def test_where_others_leave_less_than_what_was_found_all_starts_are_followed(
+    fits, monkeypatch, enough, at, tried
+):
+    """Unless an effect leaves nothing in the place that was found; elsewhere it says nothing of that one."""
+    setup, _, narrow = fits
+    followed = []
+    monkeypatch.setattr(frf_candidates, "left", lambda *given: 1.0)
+    monkeypatch.setattr(frf_candidates, "explanations", lambda *given, **more: [narrow])
+    monkeypatch.setattr(frf_candidates, "from_each_start", lambda *given: followed.extend(given[3]) or [])
+    monkeypatch.setattr(frf_candidates, "pointed_to", lambda *given: [])
+    monkeypatch.setattr(frf_candidates, "nearer", lambda *given: [("bearing_flexibility", "q1")])
+    bare = Mock(base=(), placed=(), keys=())
+    root = Mock(spec=FittedFrfs, hypothesis=bare, x=np.zeros(0), cost=1.0)
+    candidates = FrfCandidates(setup, root, with_force=False)
+    candidates._is_enough = lambda model: enough
+    look = Mock(
+        spec=Findings, explains=True, found=(), needed=False, fitted=None, left=1e9, is_at=lambda keys: at
+    )
+    candidates.looks = Mock(one=look)
+    candidates.at_places(root, 0, look, lambda one: False)
+    assert followed == ([("bearing_flexibility", "q1")] if tried else [])
+
+
 def test_no_law_is_widened_where_another_one_of_the_place_is_wide_enough(fits, monkeypatch):
     """A sensor that leans leaves three times as much there as one that reads too much."""
     setup, _, narrow = fits
@@ -239,8 +265,9 @@ def test_places_that_leave_less_than_the_law_are_tried(fits, monkeypatch, explai
     candidates = FrfCandidates(setup, root, with_force=False)
     over = over_noise(setup, narrow)
     look = Mock(
-        spec=Findings, explains=explains, found=(Mock(port=port, where="base"),), needed=False, fitted=None,
-        left=0.5, places=(Mock(port="bearing", where="q1", judged=judged * over),), met=lambda keys: {},
+        spec=Findings, explains=explains, found=(Mock(port=port, where="base", alike=()),), needed=False,
+        fitted=None, left=0.5, met=lambda keys: {},
+        places=(Mock(port="bearing", where="q1", judged=judged * over),),
         worth_trying=lambda effect, where: effect == "base_flexibility",
     )  # fmt: skip
     candidates.looks = Mock(one=look)

@@ -107,3 +107,16 @@ def test_poles_of_a_structure_with_a_negative_element_sum_to_its_receptance(case
     exact = row @ np.linalg.solve(s**2 * mass + s * damping + stiffness, row.T)
     summed = (row @ found.shape / (s - found.pole)) @ (row @ found.shape).T
     np.testing.assert_allclose(summed, exact, rtol=1e-7)
+
+
+def test_a_pole_without_a_shape_is_refused(case):
+    """Of an end that nothing holds and nothing brakes both poles are 0: no number is passed on."""
+    robot, _, q, _ = case
+    one = structure(robot, q, {})
+    n = one.dof
+    mass, damping, stiffness = (np.pad(matrix, (0, 1)) for matrix in (one.mass, one.damping, one.stiffness))
+    mass[n, n] = -1e-3
+    row = np.pad(one.response, [(0, 0), (0, 1)])
+    names = (*one.coordinates, "end")
+    with pytest.raises(np.linalg.LinAlgError, match="shape"):
+        poles(Structure(names, mass, damping, stiffness, np.zeros_like(mass), row, row), active=True)

@@ -31,7 +31,7 @@ from flexmodal.diagnosis.effects.bearing import (
 )
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Effect, Level, Placement, positive, signed
-from flexmodal.diagnosis.effects.relaxation import HELD, RELAXING, add_relaxing, relaxation
+from flexmodal.diagnosis.effects.relaxation import HELD, RELAXING, add_all_relaxing, relaxation
 from flexmodal.diagnosis.improved.draft import Draft
 from flexmodal.structure import Parameter
 from flexmodal.structure.assembly import Assembly
@@ -145,15 +145,15 @@ def _act(assembly: Assembly, placement: Placement) -> None:
         rows = np.array([assembly.row(coordinate(joint, way)) for way in some])
         if offset:  # motion of the point where the springs meet
             rows = rows + offset * (levers(context, where, joint) @ rows)
-        felt = dict(zip(some, rows, strict=True))
-        for number, (pulled, stiffness, loss) in enumerate(_springs(placement, joint)):
-            row = sum(share * felt[way] for way, share in pulled)
-            assembly.add_spring(row, stiffness)
-            assembly.add_damper(row, stiffness * loss)
-            if where != ALL:
-                part, time = placement["relaxing"] * stiffness, placement["relaxation_time"]
-                end = assembly.row(_end(joint, number))
-                add_relaxing(assembly, row, end, part, time, context.band[1])
+        felt, springs = dict(zip(some, rows, strict=True)), _springs(placement, joint)
+        along = np.array([sum(share * felt[way] for way, share in pulled) for pulled, _, _ in springs])
+        stiffness = np.array([spring for _, spring, _ in springs])
+        assembly.add_together("stiffness", along, stiffness)
+        assembly.add_together("damping", along, stiffness * np.array([loss for *_, loss in springs]))
+        if where != ALL:
+            ends = np.array([assembly.row(_end(joint, number)) for number in range(len(springs))])
+            part, time = placement["relaxing"] * stiffness, placement["relaxation_time"]
+            add_all_relaxing(assembly, along, ends, part, time, context.band[1])
 
 
 def _extend(draft: Draft, placement: Placement) -> None:

@@ -112,22 +112,24 @@ def _act(assembly: Assembly, placement: Placement) -> None:
     time, planes = placement["damping"] / placement["stiffness"], _planes(placement)
     springs = placement["stiffness"] / bending(placement)[1]
     names = names_of(context, where, len(springs))
+    found: list[tuple[list[tuple[str, float]], float]] = []
     for hinge, spring in enumerate(springs.tolist()):
         own = names[len(planes) * hinge :]
         for ratio, parts in planes:
-            row = np.sum([share * assembly.row(own[plane]) for plane, share in parts], axis=0)
-            assembly.add_spring(row, ratio * spring)
-            assembly.add_damper(row, time * ratio * spring)
+            found.append(([(own[plane], share) for plane, share in parts], ratio * spring))
     for section in sections(context, where, bending(placement)[0]):
-        for name in section.twist:
-            twist = placement["twist_ratio"] * placement["stiffness"] / section.share
-            assembly.add_spring(assembly.row(name), twist)
-            assembly.add_damper(assembly.row(name), time * twist)
+        twist = placement["twist_ratio"] * placement["stiffness"] / section.share if section.twist else 0.0
+        found += [([(name, 1.0)], twist) for name in section.twist]
         for ratio, parts in planes if section.shears else ():
-            row = np.sum([share * assembly.row(section.shears[plane]) for plane, share in parts], axis=0)
-            sliding = ratio * _sliding(placement) / section.share
-            assembly.add_spring(row, sliding)
-            assembly.add_damper(row, time * sliding)
+            along_ways = [(section.shears[plane], share) for plane, share in parts]
+            found.append((along_ways, ratio * _sliding(placement) / section.share))
+    rows = np.zeros((len(found), len(assembly.coordinates)))
+    for number, (parts_of, _) in enumerate(found):
+        for name, share in parts_of:
+            rows[number, assembly.coordinates.index(name)] = share
+    stiffness = np.array([each for _, each in found])
+    assembly.add_together("stiffness", rows, stiffness)
+    assembly.add_together("damping", rows, time * stiffness)
 
 
 def _sliding(placement: Placement) -> float:

@@ -88,7 +88,7 @@ def names_of(context: Context, where: str, count: int) -> list[str]:
     return [f"{where} bend {hinge + 1}.{plane + 1}" for hinge in range(count) for plane in range(planes)]
 
 
-def sections(context: Context, where: str, places: Float[np.ndarray, " hinge"]) -> list[Section]:
+def sections(context: Context, where: str, places: Float[np.ndarray, " hinge"]) -> tuple[Section, ...]:
     """The parts of a link that twist, in space, and those that shear, where its hinges are fixed.
 
     Between places where it is seen it twists evenly, and shears evenly unless it has modes of its own in the
@@ -99,8 +99,14 @@ def sections(context: Context, where: str, places: Float[np.ndarray, " hinge"]) 
         where: the link.
         places: of its hinges, as parts of the length.
     """
+    return _sections(context, where, tuple(places.tolist()))
+
+
+@lru_cache(maxsize=256)
+def _sections(context: Context, where: str, along_it: tuple[float, ...]) -> tuple[Section, ...]:
+    places = np.array(along_it)
     twisting = _twisting(context, where, places)
-    return [*(twisting if planes_of(context) > 1 else ()), *_shearing(context, where, places)]
+    return (*(twisting if planes_of(context) > 1 else ()), *_shearing(context, where, places))
 
 
 def _twisting(context: Context, where: str, places: Float[np.ndarray, " hinge"]) -> list[Section]:

@@ -6,6 +6,7 @@ K (1 + r iωτ/(1 + iωτ)): Zener, Elasticity and Anelasticity of Metals, Unive
 from __future__ import annotations
 
 import numpy as np
+from jaxtyping import Float
 
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import positive
@@ -52,3 +53,26 @@ def add_relaxing(
     assembly.add_spring(row - end, stiffness, *names)
     assembly.add_damper(end, stiffness * time, *names)
     assembly.add_inertia(end, LIGHT * stiffness * time / (2 * np.pi * highest), *names)
+
+
+def add_all_relaxing(
+    assembly: Assembly,
+    rows: Float[np.ndarray, "spring dof"],
+    ends: Float[np.ndarray, "spring dof"],
+    stiffness: Float[np.ndarray, " spring"],
+    time: float,
+    highest: float,
+) -> None:
+    """The same of several that relax in one time; see `add_relaxing`.
+
+    Args:
+        assembly: to which they are added.
+        rows: elongations.
+        ends: of the dampers alone, coordinates of their own.
+        stiffness: of the springs [N/m, N·m/rad].
+        time: in which they relax [s].
+        highest: end of the band [Hz].
+    """
+    assembly.add_together("stiffness", rows - ends, stiffness)
+    assembly.add_together("damping", ends, stiffness * time)
+    assembly.add_together("mass", ends, LIGHT * stiffness * time / (2 * np.pi * highest))

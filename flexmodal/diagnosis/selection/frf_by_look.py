@@ -70,8 +70,11 @@ class FrfsByLook(Data[FittedFrfs]):
         return look is not None and several and look.alone <= SOUND and explains(self, model)
 
     def instead(self, model: FittedFrfs, key: tuple[str, str]) -> list[FittedFrfs]:
-        """See `Data`; what was far behind then stays there, and where nothing is left everything stays."""
-        if self.is_enough(model):
+        """See `Data`; what was far behind then stays there, and where nothing is left everything stays.
+
+        Unless none of its effects is where it is missing without a law.
+        """
+        if self.is_enough(model) and not self.is_contradicted(model):
             return []
         others = self._candidates.considered(model, key, NOT_FAR_BEHIND)[:LIKELY]
         return best_of_each(in_its_stead(self.setup, model, key, others))

@@ -9,7 +9,7 @@ import numpy as np
 
 from flexmodal.diagnosis.disagreement.gaps import left, over_noise
 from flexmodal.diagnosis.lawfree.adjacent import adjacent
-from flexmodal.diagnosis.lawfree.result import CLASSES_OF, PORT_OF, Findings
+from flexmodal.diagnosis.lawfree.result import PORT_OF, Findings
 from flexmodal.diagnosis.search.explanations import (
     FOLLOWED,
     best_of_each,
@@ -19,7 +19,7 @@ from flexmodal.diagnosis.search.explanations import (
 from flexmodal.diagnosis.search.next_level import at_next_level
 from flexmodal.diagnosis.search.set_out import SetOut
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
-from flexmodal.diagnosis.selection.frf_starts import does_more, starts, with_last
+from flexmodal.diagnosis.selection.frf_starts import does_more, nearer, pointed_to, starts, with_last
 from flexmodal.diagnosis.selection.frf_thresholds import (
     ANOTHER,
     EXPLAINED,
@@ -127,10 +127,12 @@ class FrfCandidates(LooksBeside):
         found = self.searched(before, number, look.worth_trying, one_is_enough=alone)
         if look.explains:
             enough = [one for one in found if is_over(one)]
-            keys, followed = self._pointed_to(before, look), FOLLOWED
+            keys, followed = pointed_to(self.setup, before, look), FOLLOWED
             if enough:  # a wider one than there may be need of
                 keys = [key for key in keys if any(does_more(one.key, key) for one in enough)]
                 followed = ONCE_MORE
+            if not any(self._is_enough(one) and look.is_at([one.key]) for one in found):
+                keys += [key for key in nearer(self.setup, before, look) if key not in keys]
             set_out = starts(before, look)
             more = from_each_start(self.setup, before, set_out, keys, is_over, followed)
             found = best_of_each([*found, *more])
@@ -283,15 +285,3 @@ class FrfCandidates(LooksBeside):
             allowed=allowed,
             one_is_enough=one_is_enough,
         )
-
-    def _pointed_to(self, before: FittedFrfs, look: Findings) -> list[tuple[str, str]]:
-        """Further effects whose place and class a look has found: those that it has a class for, and laws."""
-        return [
-            (effect.name, where)
-            for effect in self.setup.effects
-            if (effect.name in CLASSES_OF or effect.law is not None)
-            and not effect.untestable(self.setup.context)
-            for where in effect.places(self.setup.context)
-            if (effect.name, where) not in before.hypothesis.keys
-            and any(one.where == where and one.could_be(effect.name, where) for one in look.found)
-        ]

@@ -1,4 +1,4 @@
-"""Where a search beside a model sets out, and which of what it found stays."""
+"""Where a search beside a model sets out, what it is for, and which of what it found stays."""
 
 from __future__ import annotations
 
@@ -8,9 +8,10 @@ from functools import cache
 
 import numpy as np
 
-from flexmodal.diagnosis.lawfree.result import PORT_OF, Findings, holds
+from flexmodal.diagnosis.lawfree.result import CLASSES_OF, PORT_OF, Findings, holds
 from flexmodal.diagnosis.search.set_out import NEAR_BY, SetOut
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
+from flexmodal.diagnosis.setup import Setup
 
 
 def starts(before: FittedFrfs, look: Findings | None = None) -> SetOut:
@@ -32,6 +33,50 @@ def starts(before: FittedFrfs, look: Findings | None = None) -> SetOut:
         found.append(look.fitted)
         return SetOut(found, cache(lambda effect, where: look.told(effect, where, before.hypothesis.context)))
     return SetOut(found)
+
+
+def pointed_to(setup: Setup, before: FittedFrfs, look: Findings) -> list[tuple[str, str]]:
+    """Further effects whose place and class a look has found: those that it has a class for, and laws.
+
+    Args:
+        setup: what the diagnosis works with.
+        before: the model that one of them may be added to.
+        look: without a law, beside it.
+    """
+    return [
+        key
+        for key in _others(setup, before)
+        if any(one.where == key[1] and one.could_be(*key) for one in look.found)
+    ]
+
+
+def nearer(setup: Setup, before: FittedFrfs, look: Findings) -> list[tuple[str, str]]:
+    """Further effects where a look leaves less than at the simpler place that it found for them.
+
+    Args:
+        setup: what the diagnosis works with.
+        before: the model that one of them may be added to.
+        look: without a law, beside it.
+    """
+    judged = {(one.port, one.where): one.judged for one in look.places}
+    less = {
+        key
+        for one in look.found
+        for key in one.alike
+        if judged.get(key, np.inf) < judged.get((one.port, one.where), 0.0)
+    }
+    return [(name, where) for name, where in _others(setup, before) if (PORT_OF.get(name), where) in less]
+
+
+def _others(setup: Setup, before: FittedFrfs) -> list[tuple[str, str]]:
+    """Effects that a curve or a law can tell, in each of their places, but those that are there."""
+    return [
+        (effect.name, where)
+        for effect in setup.effects
+        if (effect.name in CLASSES_OF or effect.law is not None) and not effect.untestable(setup.context)
+        for where in effect.places(setup.context)
+        if (effect.name, where) not in before.hypothesis.keys
+    ]
 
 
 def with_last(model: FittedFrfs, key: tuple[str, str]) -> FittedFrfs:

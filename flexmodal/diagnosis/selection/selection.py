@@ -145,7 +145,10 @@ class ForwardSelection(Generic[M]):
         """One effect more, where what is left counts as noise and one place explains a good part of it."""
         number = len(self.current.hypothesis.keys)
         models = self.data.besides(self.current, number) if number < MOST else []
-        return len(models) > 1 and self._taken(models, number) is not None
+        if len(models) < 2 or self._taken(models, number) is None:
+            return False
+        self.current = reconsidered(self.data, self.current)
+        return True
 
     def _tried_on(self) -> bool:
         """One effect more of the last comparison that is not sure yet, where it takes a good part.
