@@ -13,7 +13,7 @@ from flexmodal.errors import OutputExists
 
 
 def drawn_elsewhere(diagnosis, path, **_):
-    """In the place of the page, whose pictures take seconds: `test_report.py` draws it, the command all of it."""
+    """In the place of the page, whose pictures take seconds: `test_report.py` draws it, and the command."""
     path.write_text(f"page of {diagnosis.campaign}")
 
 
