@@ -10,16 +10,12 @@ import os
 import re
 import sys
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 
-from . import in_process
-
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
 
-import tour_followed
-from tour_followed import LONG, PAGES, acting, follow
+from tour_followed import PAGES, acting
 from tour_pages import steps
 
 SLOW = {"collisions.md"}
@@ -42,16 +38,11 @@ def searches(page):
 
 
 @pytest.mark.parametrize("page", followed_here())
-def test_the_page_does_what_it_says(page, place, monkeypatch, request):
-    """Short pages have many commands, each of which would spend its time on imports.
-
-    Those that search for postures come last, when another process has compiled what they need.
-    """
+def test_the_page_does_what_it_says(page, followed, request):
+    """Those that search for postures come last, when another process has compiled what they need."""
     if searches(page):
         request.getfixturevalue("descents_on_disk")
-    if page.name not in LONG:
-        monkeypatch.setattr(tour_followed, "subprocess", SimpleNamespace(run=in_process.run))
-    follow(page, place)
+    followed(page)
 
 
 def test_there_is_something_to_run():
