@@ -2,8 +2,10 @@
 
 `--jaxtyping-packages` puts `@jaxtyping.jaxtyped` on every function of the package as it is imported. To check
 each of the million calls of a fit's inner loops takes three quarters of the time of its test and finds little
-that the first calls have not shown, so here each function is checked in the first calls of each test and in
-one of many thereafter.
+that the first calls have not shown, so here each function is checked in the first calls of each module of
+tests and in one of many thereafter. Not in those of each test: checks were a fifth of the time of all tests
+then, and the tests of a module call the same functions with arguments of the same kinds. A test that is about
+a check asks for the fixture `checked`.
 """
 
 import dataclasses
@@ -22,23 +24,38 @@ import pytest
 from beartype import BeartypeConf, beartype
 
 FIRST, THEN = 3, 1000
-"""Calls of a function that are checked in every test; the distance of those that are checked later."""
+"""Calls of a function that are checked in every module of tests; the distance of those checked later."""
 
 _compiling = pytest.StashKey[subprocess.Popen]()
 _MEANWHILE = "FLEXMODAL_TESTS_COMPILING"
 """Variable with the name of a file that is there as long as another process compiles."""
-_test = [0]
-"""Number of the test that runs."""
+_module: list[Any] = [None]
+"""The module whose tests run."""
 _seen: dict[tuple[str, str], list[int]] = {}
-"""Test and number of calls in it, by module and name of the function; closures are counted together."""
+"""Calls until the next check, and checks so far in this module of tests, by module and name of the function;
+closures are counted together."""
 _always = jaxtyping.jaxtyped
 _numbers = beartype(conf=BeartypeConf(is_pep484_tower=True))
 """The checker of types: an int is a float too, in a list as well, of which it looks at one item by chance."""
 
 
+def afresh() -> None:
+    """The next calls of every function are first calls."""
+    for seen in _seen.values():
+        seen[:] = 0, 0
+
+
 @pytest.hookimpl(tryfirst=True)
-def pytest_runtest_setup() -> None:
-    _test[0] += 1
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    if item.path != _module[0]:
+        _module[0] = item.path
+        afresh()
+
+
+@pytest.fixture
+def checked() -> None:
+    """Functions are checked in their first calls of this test, whatever the tests before it have called."""
+    afresh()
 
 
 def sampled(function: Any) -> Any:
@@ -49,11 +66,12 @@ def sampled(function: Any) -> Any:
     @functools.wraps(function)
     def wrapper(*args: Any, **kwargs: Any) -> Any:
         nonlocal checked
-        if seen[0] != _test[0]:
-            seen[:] = _test[0], 0
-        seen[1] += 1
-        if seen[1] > FIRST and seen[1] % THEN:
+        if seen[0] > 0:
+            seen[0] -= 1
             return function(*args, **kwargs)
+        seen[1] += 1
+        if seen[1] >= FIRST:
+            seen[0] = THEN - 1 if seen[1] > FIRST else THEN - FIRST - 1
         if checked is None:
             checked = _always(function, typechecker=_numbers)
         return checked(*args, **kwargs)

@@ -1,6 +1,7 @@
 """The checks of types and shapes that conftest.py puts on the package: there, and by sample."""
 
 from collections.abc import Sequence
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -27,17 +28,19 @@ def sampling(pytestconfig):
     )
 
 
+@pytest.mark.usefixtures("checked")
 def test_a_wrong_shape_is_refused():
     with pytest.raises(TypeCheckError, match="auto_mac"):
         auto_mac(np.ones(3))
 
 
+@pytest.mark.usefixtures("checked")
 def test_a_dataclass_is_checked():
     with pytest.raises(TypeCheckError, match="JointCard"):
         JointCard(stiffness="soft", damping=1.0)
 
 
-def test_first_calls_and_one_of_many_are_checked(sampling):
+def test_first_calls_and_one_of_many_are_checked(sampling, checked):
     function = sampling.sampled(first)
     refused = []
     for call in range(1, 2 * sampling.THEN + 1):
@@ -54,9 +57,31 @@ def test_an_int_is_a_float_too(sampling):
         sampling.sampled(total)(["0", "1"])
 
 
+def refuses(function):
+    try:
+        function(np.ones(2), np.ones(3))
+    except TypeCheckError:
+        return True
+    return False
+
+
+def called_often(sampling):
+    function = sampling.sampled(first)
+    for _ in range(sampling.FIRST + 1):
+        refuses(function)
+    assert not refuses(function)
+    return function
+
+
+def test_each_module_begins_anew(sampling, request):
+    function = called_often(sampling)
+    sampling.pytest_runtest_setup(request.node)
+    assert not refuses(function)
+    sampling.pytest_runtest_setup(SimpleNamespace(path=request.node.path.with_name("test_another.py")))
+    assert refuses(function)
+
+
 @pytest.mark.parametrize("time", [1, 2])
-def test_each_test_begins_anew(time):
-    with pytest.raises(TypeCheckError):
-        auto_mac(np.ones(3))
-    for _ in range(50):
-        auto_mac(np.ones((3, 2)))
+def test_a_test_that_asks_for_it_begins_anew(time, sampling, checked):
+    assert refuses(sampling.sampled(first))
+    called_often(sampling)

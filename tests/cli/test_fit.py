@@ -207,7 +207,10 @@ def test_exit_1_where_no_mode_is_found(cli):
 @pytest.mark.parametrize(
     ("options", "headings"),
     [
-        ((BEAM, "--per", "posture", "--method", "lscf"), ["Measured and synthesised", "Choose the modes"]),
+        (
+            (BEAM, "--per", "posture", "--method", "lscf", "--band", "400:990", "--no-vary"),
+            ["Measured and synthesised", "Choose the modes"],
+        ),
         pytest.param(
             (PLATE, "--band", "110:145", "--at", "126", "--method", "circle"),
             ["Circles", "Coherence"],

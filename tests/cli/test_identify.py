@@ -32,6 +32,7 @@ def folder(tmp_path_factory):
         peaks=(100.0,),
         seed=2,
         record_length=2.0,
+        time=False,
     )
     place = tmp_path_factory.mktemp("identify") / "campaign"
     made.write(place)
@@ -111,7 +112,7 @@ def test_nothing_is_written_over_unasked(cli, folder, identified, tmp_path):
     card.write_text("before", encoding="utf-8")
     cli("identify", folder, "--out", out).refused("robot", "--force")
     assert card.read_text(encoding="utf-8") == "before"
-    assert cli("identify", folder, "--out", out, "--force").status == 0
+    assert cli("identify", folder, "--out", out, "--force", "--kinds", "stiffness").status == 0
     assert "joint" in card.read_text(encoding="utf-8")
 
 

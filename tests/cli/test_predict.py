@@ -12,7 +12,7 @@ POSTURE = "q1=60deg,q2=-70deg,q3=10deg"
 def folder(tmp_path_factory):
     made = simulate(
         flexmodal.load("fanuc_s360"), postures=3, points=2, references=1, trials=2, peaks=(100.0,),
-        band=(2.0, 60.0), record_length=2.0, seed=2, time=False,
+        band=(2.0, 60.0), record_length=1.0, seed=2, time=False,
     )  # fmt: skip
     place = tmp_path_factory.mktemp("predict") / "campaign"
     made.write(place)

@@ -12,12 +12,19 @@ from flexmodal.diagnosis.write import write_diagnosis
 from flexmodal.errors import OutputExists
 
 
-def test_folder(diagnosed, tmp_path):
+def drawn_elsewhere(diagnosis, path, **_):
+    """In the place of the page, whose pictures take seconds: `test_report.py` draws it, and the command."""
+    path.write_text(f"page of {diagnosis.campaign}")
+
+
+def test_folder(diagnosed, tmp_path, monkeypatch):
+    monkeypatch.setattr(write, "write_report", drawn_elsewhere)
     write_diagnosis(diagnosed, tmp_path / "found")
     folder = tmp_path / "found"
     assert sorted(path.name for path in folder.iterdir()) == ["diagnosis.json", "report.html", "robot"]
     found = json.loads((folder / "diagnosis.json").read_text(encoding="utf-8"))
     assert found["verdict"]["effects"] == [["link_flexibility", "link_2"]]
+    assert (folder / "report.html").read_text() == f"page of {diagnosed.campaign}"
     robot = flexmodal.load(folder / "robot" / "robot.toml")
     assert "link_2_bend_1" in robot.pseudo_joints
     assert os.listdir(tmp_path) == ["found"]
@@ -42,8 +49,7 @@ def test_never_over_something(diagnosed, tmp_path):
 
 
 def test_replaces_an_earlier_diagnosis_when_asked(diagnosed, tmp_path, monkeypatch):
-    # the page, whose pictures take seconds, is drawn in test_folder
-    monkeypatch.setattr(write, "write_report", lambda diagnosis, path, **_: path.write_text("page"))
+    monkeypatch.setattr(write, "write_report", drawn_elsewhere)
     folder = tmp_path / "found"
     folder.mkdir()
     (folder / "diagnosis.json").write_text("{}")
@@ -53,7 +59,7 @@ def test_replaces_an_earlier_diagnosis_when_asked(diagnosed, tmp_path, monkeypat
         write_diagnosis(diagnosed, folder)
     write_diagnosis(diagnosed, folder, overwrite=True)
     assert not (folder / "robot" / "old.urdf").exists()
-    assert (folder / "report.html").read_text() == "page"
+    assert (folder / "report.html").read_text() == f"page of {diagnosed.campaign}"
     assert json.loads((folder / "diagnosis.json").read_text(encoding="utf-8"))["format"] == 1
 
 

@@ -10,26 +10,39 @@ import os
 import re
 import sys
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 
-from . import in_process
-
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
 
-import tour_followed
-from tour_followed import LONG, PAGES, acting, follow
+from tour_followed import PAGES, acting
 from tour_pages import steps
 
+SLOW = {"collisions.md"}
+"""Pages that take twenty seconds, for `make slow`; clearances: tests/optimisation, tests/cli."""
 
-@pytest.mark.usefixtures("descents_on_disk")
-@pytest.mark.parametrize("page", acting())
-def test_the_page_does_what_it_says(page, place, monkeypatch):
-    """Short pages have many commands, each of which would spend its time on imports."""
-    if page.name not in LONG:
-        monkeypatch.setattr(tour_followed, "subprocess", SimpleNamespace(run=in_process.run))
-    follow(page, place)
+
+def followed_here():
+    """Pages beside the folders, those that wait for the compiled descents last."""
+    found = []
+    for given in sorted(acting(), key=lambda one: searches(one.values[0])):
+        marks = [pytest.mark.slow] if given.values[0].name in SLOW else given.marks
+        found.append(pytest.param(*given.values, id=given.id, marks=marks))
+    return found
+
+
+def searches(page):
+    """Whether a page searches for postures, which wants the compiled descents."""
+    text = "".join(step.text for step in steps(page) if not step.writes)
+    return re.search(r"\b(optimise|path|studies|collision)", text) is not None
+
+
+@pytest.mark.parametrize("page", followed_here())
+def test_the_page_does_what_it_says(page, followed, request):
+    """Those that search for postures come last, when another process has compiled what they need."""
+    if searches(page):
+        request.getfixturevalue("descents_on_disk")
+    followed(page)
 
 
 def test_there_is_something_to_run():

@@ -7,9 +7,9 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
 
-from tour_followed import acting, follow
+from tour_followed import acting
 
 
 @pytest.mark.parametrize("page", acting("tutorials"))
-def test_the_page_does_what_it_says(page, place):
-    follow(page, place)
+def test_the_page_does_what_it_says(page, followed):
+    followed(page)

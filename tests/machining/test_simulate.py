@@ -41,7 +41,7 @@ def test_the_limit_divides_the_simulated_cuts(benchmark):
     for speed, depth in zip(limits.speed, limits.depth, strict=True):
         for part, grows in ((0.97, False), (1.03, True)):
             done = simulate(
-                tip, cut, float(speed), part * float(depth), periods=160, steps=120, kick=KICK, linear=True
+                tip, cut, float(speed), part * float(depth), periods=160, steps=70, kick=KICK, linear=True
             )
             assert (done.growth(60) > 1) == grows
 
@@ -54,7 +54,7 @@ def test_a_robot_in_time(fanuc, across):
     kick = (1.0, 1.0, 0.0)
     # Six hundred periods of 7.5 ms: slow modes need their time to die away.
     for part, grows in ((0.93, False), (1.07, True)):
-        done = simulate(tip, cut, 4000.0, part * limit, periods=600, steps=60, kick=kick, linear=True)
+        done = simulate(tip, cut, 4000.0, part * limit, periods=600, steps=40, kick=kick, linear=True)
         assert (done.growth(200) > 1) == grows
 
 

@@ -196,7 +196,7 @@ def test_the_local_solver_only_goes_down_and_ends_at_a_minimum(three):
 
 def test_the_cost_is_what_it_says(three):
     problem = straight(three, smoothness=0.3)
-    postures = best_sequence(problem, nodes_of(problem, 10, 3))
+    postures = best_sequence(problem, nodes_of(problem, 6, 3))
     values = problem.values(postures)
     smooth = 0.3 * np.mean(problem.shares(postures) ** 2)
     assert path_cost(problem, postures) == pytest.approx(np.log(values.sum()) + smooth, rel=1e-12)

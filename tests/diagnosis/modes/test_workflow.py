@@ -10,6 +10,7 @@ from flexmodal.campaign import read_campaign, write_campaign
 from flexmodal.diagnosis import diagnose
 from flexmodal.diagnosis.as_json import as_json
 from flexmodal.diagnosis.effects import catalogue
+from flexmodal.diagnosis.search import modal_search
 from flexmodal.diagnosis.selection import asked, variants
 from flexmodal.diagnosis.selection.untestable import of_modes
 from flexmodal.diagnosis.write import write_diagnosis
@@ -180,7 +181,11 @@ def test_postures_that_are_held_out_are_not_fitted(as_believed, rigid):
     assert found.gaps.held_out_before is not None
 
 
-def test_the_command_line_takes_a_folder_of_modes(as_believed, tmp_path):
+def test_the_command_line_takes_a_folder_of_modes(as_believed, tmp_path, monkeypatch):
+    """By one set of beliefs and from few starts: what becomes of several is asked of `diagnose` itself."""
+    monkeypatch.setattr(variants, "VARIANTS", variants.VARIANTS[:1])
+    for name, value in {"QUICK": 2, "NEAR": 2, "FORCED": 1, "CLOSE": 1}.items():
+        monkeypatch.setattr(modal_search, name, value)
     from click.testing import CliRunner
 
     from flexmodal.cli.main import group

@@ -45,9 +45,10 @@ def random_task(rng, n, systems, lines, rows, kind="diagonal"):
 
 @pytest.mark.parametrize("kind", ["diagonal", "symmetric", "addition"])
 @pytest.mark.parametrize(
-    ("n", "systems", "lines", "rows"), [(1, 3, 5, 1), (2, 70, 3, 2), (6, 2, 33, 2), (9, 3, 40, 2)]
+    ("n", "systems", "lines", "rows"), [(1, 3, 5, 1), (2, 70, 3, 2), (4, 2, 33, 2), (9, 3, 40, 2)]
 )
 def test_all_ways_agree(n, systems, lines, rows, kind):
+    """Each size is compiled by itself, the longer the larger it is; nine goes with any size."""
     task, expected = random_task(np.random.default_rng(n), n, systems, lines, rows, kind)
     size = np.max(np.abs(expected), axis=(1, 2), keepdims=True)
     for way in WAYS:
