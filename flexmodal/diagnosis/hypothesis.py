@@ -174,7 +174,7 @@ class Hypothesis:
             law
             for one in self.placed
             if one.effect.law is not None
-            for law in one.effect.law(assembly, self._placement(one, part, values))
+            for law in one.effect.law(assembly.owned(one.label), self._placement(one, part, values))
         ]
         return [tuple(law.of_system(k) for law in found) for k in range(len(part.posture))]
 
@@ -187,7 +187,7 @@ class Hypothesis:
         """
         values = self.space.values(x)
         assembly = self._frame(part, values).assembly
-        return [(assembly, self._placement(one, part, values)) for one in self.placed]
+        return [(assembly.owned(one.label), self._placement(one, part, values)) for one in self.placed]
 
     def _shifts(self, x: np.ndarray, values: Mapping[str, float]) -> list[Shift]:
         _, high = self.space.bounds
@@ -268,7 +268,7 @@ class Hypothesis:
 
     def _act(self, frame: Frame, one: Placed, part: Part, values: Mapping[str, float]) -> Assembly:
         """What an effect puts on the motions, by itself."""
-        assembly = frame.assembly.alike()
+        assembly = frame.assembly.alike().owned(one.label)
         assert one.effect.act is not None
         one.effect.act(assembly, self._placement(one, part, values))
         return assembly

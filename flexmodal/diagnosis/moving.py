@@ -60,7 +60,7 @@ def _moving(context: Context, posture: Int[np.ndarray, " system"], placements: P
     assembly = Assembly(context.stacked.take(posture))
     for effect, placement in placements:
         if effect.shape is not None:
-            effect.shape(assembly, placement)
+            effect.shape(assembly.owned(f"{effect.name}@{placement.where}"), placement)
     return assembly
 
 

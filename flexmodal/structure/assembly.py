@@ -14,14 +14,14 @@ import numpy as np
 from jaxtyping import Float
 
 from flexmodal.structure.arm import Arm, Arms, Body, beyond, carried, crossed, plane_normal
+from flexmodal.structure.coordinates import Coordinates
+from flexmodal.structure.rank_one import Size, rank_one, scaled
 from flexmodal.structure.structure import Structure, changed
 
 KINDS = ("mass", "damping", "stiffness", "loss")
 
 _KEPT = 256
 """Motions of points that an assembly keeps at most."""
-Size = float | Float[np.ndarray, " posture"]
-"""A number, the same in every posture or one for each."""
 
 
 class Assembly:
@@ -32,7 +32,9 @@ class Assembly:
         self.robot = arm.robot
         self.placed = arm.placed
         self.normal = plane_normal(arm.robot)
-        self.coordinates: list[str] = list(arm.robot.joints)
+        self.coordinates = Coordinates(arm.robot.joints)
+        self.owner = ""
+        """Whose coordinates are added and asked for."""
         self.stretch: dict[str, np.ndarray] = {}
         """Rows of what stretches a joint's spring where that is not the joint's own coordinate."""
         self.loss_factor: float = 0.0
@@ -49,7 +51,13 @@ class Assembly:
         other = copy.copy(self)
         other._terms = []
         other.stretch = dict(self.stretch)
-        other.coordinates = list(self.coordinates)
+        other.coordinates = Coordinates(self.coordinates)
+        return other
+
+    def owned(self, owner: str) -> Assembly:
+        """The same structure, as one who puts something on it calls its coordinates."""
+        other = copy.copy(self)
+        other.owner = owner
         return other
 
     @property
@@ -61,14 +69,16 @@ class Assembly:
 
     def add_coordinates(self, names: Sequence[str]) -> slice:
         """New coordinates at the end; returns their place."""
-        start = len(self.coordinates)
-        self.coordinates += names
-        return slice(start, len(self.coordinates))
+        return self.coordinates.add(names, self.owner)
+
+    def number(self, coordinate: str) -> int:
+        """Place of one coordinate."""
+        return self.coordinates.number(coordinate, self.owner)
 
     def row(self, coordinate: str) -> Float[np.ndarray, " dof"]:
         """The row that picks one coordinate."""
         picked = np.zeros(len(self.coordinates))
-        picked[self.coordinates.index(coordinate)] = 1.0
+        picked[self.number(coordinate)] = 1.0
         return picked
 
     def stretch_of(self, joint: str) -> Float[np.ndarray, "*posture dof"]:
@@ -114,8 +124,8 @@ class Assembly:
             joint: which; revolute.
             shift: from its place to the other, world axes [m].
         """
-        self._moved = {}
-        column, child = self.coordinates.index(joint), self.robot.urdf.joint_by_name[joint].child
+        self._moved.clear()
+        column, child = self.number(joint), self.robot.urdf.joint_by_name[joint].child
         less = crossed(self.axes(child) @ self.robot.urdf.joint_by_name[joint].axis, shift)
         for link in beyond(self.robot.urdf, child):
             moved = self._maps[link].copy()
@@ -134,7 +144,7 @@ class Assembly:
             columns: the coordinates.
             motion: of its origin, linear rows first, world axes.
         """
-        self._moved = {}
+        self._moved.clear()
         start = self.origin(link)
         for member in beyond(self.robot.urdf, link):
             wide = self._padded(self._maps[member]).copy()
@@ -158,7 +168,7 @@ class Assembly:
             column: the coordinate.
             motion: of what lies there, at the cut, in the world: how it slides, then how it turns.
         """
-        self._moved = {}
+        self._moved.clear()
         pivot = self.origin(link) + self.axes(link) @ cut
         still = np.zeros((*pivot.shape[:-1], 6, len(self.coordinates)))
         for member in beyond(self.robot.urdf, link):
@@ -188,7 +198,7 @@ class Assembly:
         tags = (mass,) if mass else ()
         shift, turn = motion[..., :3, :], motion[..., 3:, :]
         if np.any(body.mass):
-            self._add("mass", _times(body.mass, np.swapaxes(shift, -1, -2) @ shift), tags)
+            self._add("mass", scaled(np.swapaxes(shift, -1, -2) @ shift, body.mass), tags)
         if body.inertia.any():
             along = np.swapaxes(axes, -1, -2) @ turn  # the turning in the frame of the link
             turned = np.swapaxes(along, -1, -2) @ body.inertia @ along
@@ -202,23 +212,23 @@ class Assembly:
             inertia: its size, the same in every posture or one for each.
             *names: parameters that it is proportional to.
         """
-        self._add("mass", _times(inertia, _outer(row, row)), names)
+        self._add("mass", rank_one(row, row, inertia), names)
 
     def add_spring(self, row: np.ndarray, stiffness: Size, *names: str) -> None:
         """A spring along `row` [N/m, N·m/rad]; see `add_inertia` for the arguments."""
-        self._add("stiffness", _times(stiffness, _outer(row, row)), names)
+        self._add("stiffness", rank_one(row, row, stiffness), names)
 
     def add_damper(self, row: np.ndarray, damping: Size, *names: str) -> None:
         """A damper along `row` [N·s/m, N·m·s/rad]; see `add_inertia` for the arguments."""
-        self._add("damping", _times(damping, _outer(row, row)), names)
+        self._add("damping", rank_one(row, row, damping), names)
 
     def add_loss(self, row: np.ndarray, stiffness: Size, *names: str) -> None:
         """Make springs along `row` hysteretic by `loss_factor`; see `add_inertia` for the arguments."""
-        self._add("loss", _times(stiffness, _outer(row, row)), names)
+        self._add("loss", rank_one(row, row, stiffness), names)
 
     def add_coupling(self, one: np.ndarray, other: np.ndarray, stiffness: Size, *names: str) -> None:
         """An off-diagonal stiffness between two rows [N·m/rad]; see `add_inertia` for the arguments."""
-        self._add("stiffness", _times(stiffness, _outer(one, other) + _outer(other, one)), names)
+        self._add("stiffness", rank_one(one, other, stiffness) + rank_one(other, one, stiffness), names)
 
     def add_together(self, kind: str, rows: np.ndarray, sizes: np.ndarray) -> None:
         """Inertias, dampers or springs along several rows, which no parameter is proportional to.
@@ -288,11 +298,3 @@ class Assembly:
         if not missing:
             return rows
         return np.concatenate([rows, np.zeros((*rows.shape[:-1], missing))], axis=-1)
-
-
-def _times(size: Size, matrix: np.ndarray) -> np.ndarray:
-    return np.asarray(np.asarray(size)[..., None, None] * matrix)
-
-
-def _outer(one: np.ndarray, other: np.ndarray) -> np.ndarray:
-    return np.asarray(one[..., :, None] * other[..., None, :])

@@ -1043,6 +1043,28 @@ def test_a_bearing_whose_tilts_are_not_turned_and_lose_no_more_is_the_narrower_o
     assert np.abs(np.log(np.abs(other / narrow))).max() > 0.1
 
 
+def test_one_bearing_gives_beside_all_of_them(spatial):
+    """Each has coordinates of its own, by the same names: all as stiff as can be leave that of the one."""
+    context, observed, _ = spatial
+    values = {**BEARING, **STAYS}
+    alone = ours(context, observed, "bearing_flexibility", "q3", values)
+    every, one = (Placed(effect_of("bearing_flexibility"), where) for where in ("joints", "q3"))
+    bare = Hypothesis(context, robot_space(context.robot))
+
+    def far(found, expected):
+        return np.linalg.norm(found - expected) / np.linalg.norm(expected)
+
+    for order in ((every, one), (one, every)):
+        hypothesis = bare
+        x = np.zeros(len(bare.base))
+        for placed in order:
+            hypothesis = hypothesis.and_also(placed)
+            given = values if placed is one else {"tilt_factor": 1e4}
+            x = hypothesis.start(placed, given, x)
+        assert far(predict(hypothesis, x, observed), alone) < 0.02
+    assert far(predict(bare, np.zeros(len(bare.base)), observed), alone) > 0.2
+
+
 @pytest.mark.parametrize("joint", ["q1", "q4"])
 def test_a_bearing_relaxes_as_that_of_the_rig(spatial, joint):
     """Maxwell's elements, there as states of the plant, here with an end that is too light to tell."""

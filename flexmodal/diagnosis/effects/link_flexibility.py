@@ -126,7 +126,7 @@ def _act(assembly: Assembly, placement: Placement) -> None:
     rows = np.zeros((len(found), len(assembly.coordinates)))
     for number, (parts_of, _) in enumerate(found):
         for name, share in parts_of:
-            rows[number, assembly.coordinates.index(name)] = share
+            rows[number, assembly.number(name)] = share
     stiffness = np.array([each for _, each in found])
     assembly.add_together("stiffness", rows, stiffness)
     assembly.add_together("damping", rows, time * stiffness)

@@ -164,7 +164,7 @@ def add_hinges(assembly: Assembly, placement: Placement, places: Float[np.ndarra
     assembly.add_coordinates([*names_of(context, where, len(places)), *own])
 
     def cut(name: str, place: float, way: np.ndarray, *, turns: bool) -> None:
-        moved, column = axes @ way, assembly.coordinates.index(name)
+        moved, column = axes @ way, assembly.number(name)
         motion = np.concatenate([np.zeros_like(moved), moved] if turns else [moved, np.zeros_like(moved)], -1)
         assembly.hinge(where, place * length * axis, axis, column, motion)
 

@@ -13,11 +13,11 @@ from flexmodal.diagnosis.lawfree import at_parameters
 from flexmodal.diagnosis.lawfree.at_parameters import AtParameters
 from flexmodal.diagnosis.lawfree.body_ports import BODY, CARRIED, GROUND
 from flexmodal.diagnosis.lawfree.curve import classes_of, curve_of
-from flexmodal.diagnosis.lawfree.elastic_ports import BASE, LINK
+from flexmodal.diagnosis.lawfree.elastic_ports import BASE, BEARING, LINK
 from flexmodal.diagnosis.lawfree.findings import summed_up
 from flexmodal.diagnosis.lawfree.geometries import placed_best
 from flexmodal.diagnosis.lawfree.joint_ports import COUPLING, DAMPING, JOINT, ROD, TORQUE
-from flexmodal.diagnosis.lawfree.kinds import KINDS
+from flexmodal.diagnosis.lawfree.kinds import KINDS, NOTHING
 from flexmodal.diagnosis.lawfree.look import Field
 from flexmodal.diagnosis.lawfree.metric import Metric
 from flexmodal.diagnosis.lawfree.model import PortedModel
@@ -105,6 +105,32 @@ def founded():
 
 def test_derivatives_along_the_axis_of_a_foundation_in_space(founded):
     has_right_derivatives(founded)
+
+
+@pytest.mark.parametrize(
+    ("kind", "effect", "where"),
+    [
+        (BASE, "base_flexibility", "base"),
+        (LINK, "link_flexibility", "link_2"),
+        (BEARING, "bearing_flexibility", "q2"),
+        (JOINT, "servo_compliance", "q2"),
+        (BODY, "local_absorber", "link_2"),
+    ],
+)
+def test_a_port_that_gives_nothing_changes_nothing_in_the_place_of_an_effect(founded, kind, effect, where):
+    """Both have coordinates there: the port's are its own, or a look says nothing of what a law leaves."""
+    bare = founded.root
+    placed = Placed(catalogue()[effect], where)
+    root = bare.and_also(placed)
+    x = root.start(placed, placed.effect.starts(root.context, where)[0], np.zeros(len(bare.space)))
+    model = PortedModel.of([port_of(root, kind, where)], root, founded.observations, founded.lines)
+    plain = PortedModel.of([Port.at(NOTHING, "", root.context)], root, founded.observations, founded.lines)
+    before = AtParameters(plain, x).residual(plain.zero())
+    more = np.concatenate([x, np.zeros(len(model.space) - len(x))])
+    after = AtParameters(model, more)
+    np.testing.assert_allclose(after.residual(model.zero()), before, rtol=1e-7, atol=1e-9)
+    z = model.zero()
+    assert np.abs(after.residual(z + (0.3 + 0.01j)) - before).max() > 1e-3
 
 
 @pytest.mark.parametrize("arm", ["planar", "in space"])
