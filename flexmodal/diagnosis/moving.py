@@ -9,6 +9,7 @@ from jaxtyping import Float, Int
 
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Effect, Placement
+from flexmodal.diagnosis.placed import Placed
 from flexmodal.identification.layout import Part
 from flexmodal.structure import ParameterSpace
 from flexmodal.structure.assembly import Assembly
@@ -60,7 +61,7 @@ def _moving(context: Context, posture: Int[np.ndarray, " system"], placements: P
     assembly = Assembly(context.stacked.take(posture))
     for effect, placement in placements:
         if effect.shape is not None:
-            effect.shape(assembly.owned(f"{effect.name}@{placement.where}"), placement)
+            effect.shape(assembly.owned(Placed(effect, placement.where).label), placement)
     return assembly
 
 

@@ -230,20 +230,19 @@ class Assembly:
         """An off-diagonal stiffness between two rows [N·m/rad]; see `add_inertia` for the arguments."""
         self._add("stiffness", rank_one(one, other, stiffness) + rank_one(other, one, stiffness), names)
 
-    def add_together(self, kind: str, rows: np.ndarray, sizes: np.ndarray) -> None:
-        """Inertias, dampers or springs along several rows, which no parameter is proportional to.
+    def add_together(self, kind: str, rows: np.ndarray, sizes: np.ndarray, *names: str) -> None:
+        """Inertias, dampers or springs along several rows.
 
         Args:
             kind: "mass", "damping" or "stiffness".
-            rows: [row dof] over the coordinates; those added later are 0 in them.
+            rows: [*posture row dof] over the coordinates; those added later are 0 in them.
             sizes: [row] of each; units as in `add_inertia`, `add_damper` and `add_spring`.
+            *names: parameters that all are proportional to.
         """
-        self._add(kind, np.swapaxes(rows, -1, -2) @ (sizes[:, None] * rows), ())
+        self._add(kind, np.swapaxes(rows, -1, -2) @ (sizes[:, None] * rows), names)
 
     def _add(self, kind: str, matrix: np.ndarray, names: tuple[str, ...]) -> None:
         self._terms.append((kind, matrix, names))
-
-    # closing
 
     def summed(self) -> dict[str, Float[np.ndarray, "*posture dof dof"]]:
         """Sum of all terms by kind."""

@@ -118,14 +118,15 @@ def _act(assembly: Assembly, placement: Placement) -> None:
         for ratio, parts in planes:
             found.append(([(own[plane], share) for plane, share in parts], ratio * spring))
     for section in sections(context, where, bending(placement)[0]):
-        twist = placement["twist_ratio"] * placement["stiffness"] / section.share if section.twist else 0.0
-        found += [([(name, 1.0)], twist) for name in section.twist]
-        for ratio, parts in planes if section.shears else ():
-            along_ways = [(section.shears[plane], share) for plane, share in parts]
-            found.append((along_ways, ratio * _sliding(placement) / section.share))
+        twist = [([(name, 1.0)], placement["twist_ratio"] * placement["stiffness"]) for name in section.twist]
+        slides = [
+            ([(section.shears[plane], share) for plane, share in parts], ratio * _sliding(placement))
+            for ratio, parts in (planes if section.shears else ())
+        ]
+        found += [(pulled, spring / section.share) for pulled, spring in (*twist, *slides)]
     rows = np.zeros((len(found), len(assembly.coordinates)))
-    for number, (parts_of, _) in enumerate(found):
-        for name, share in parts_of:
+    for number, (pulled, _) in enumerate(found):
+        for name, share in pulled:
             rows[number, assembly.number(name)] = share
     stiffness = np.array([each for _, each in found])
     assembly.add_together("stiffness", rows, stiffness)

@@ -30,7 +30,7 @@ _Part = tuple[float, tuple[tuple[float, float], ...]]
 SHIFT = "shift"
 """Parameter of the wider law: see `hinges.shifted`."""
 KEPT = 64
-"""Values of means and spreads whose shares are kept."""
+"""Values of means and spreads whose shares are kept, and places of hinges whose sections are."""
 
 
 def bending(placement: Placement) -> tuple[Float[np.ndarray, " hinge"], Float[np.ndarray, " hinge"]]:
@@ -102,7 +102,7 @@ def sections(context: Context, where: str, places: Float[np.ndarray, " hinge"]) 
     return _sections(context, where, tuple(places.tolist()))
 
 
-@lru_cache(maxsize=256)
+@lru_cache(maxsize=KEPT)
 def _sections(context: Context, where: str, along_it: tuple[float, ...]) -> tuple[Section, ...]:
     places = np.array(along_it)
     twisting = _twisting(context, where, places)

@@ -50,20 +50,19 @@ def add_relaxing(
         highest: end of the band [Hz].
         names: parameters of the robot that all of it is proportional to.
     """
-    assembly.add_spring(row - end, stiffness, *names)
-    assembly.add_damper(end, stiffness * time, *names)
-    assembly.add_inertia(end, LIGHT * stiffness * time / (2 * np.pi * highest), *names)
+    add_all_relaxing(assembly, row[..., None, :], end[None], np.array([stiffness]), time, highest, *names)
 
 
 def add_all_relaxing(
     assembly: Assembly,
-    rows: Float[np.ndarray, "spring dof"],
+    rows: Float[np.ndarray, "*posture spring dof"],
     ends: Float[np.ndarray, "spring dof"],
     stiffness: Float[np.ndarray, " spring"],
     time: float,
     highest: float,
+    *names: str,
 ) -> None:
-    """The same of several that relax in one time; see `add_relaxing`.
+    """The same of several that relax in one time.
 
     Args:
         assembly: to which they are added.
@@ -72,7 +71,8 @@ def add_all_relaxing(
         stiffness: of the springs [N/m, N·m/rad].
         time: in which they relax [s].
         highest: end of the band [Hz].
+        names: parameters of the robot that all of it is proportional to.
     """
-    assembly.add_together("stiffness", rows - ends, stiffness)
-    assembly.add_together("damping", ends, stiffness * time)
-    assembly.add_together("mass", ends, LIGHT * stiffness * time / (2 * np.pi * highest))
+    assembly.add_together("stiffness", rows - ends, stiffness, *names)
+    assembly.add_together("damping", ends, stiffness * time, *names)
+    assembly.add_together("mass", ends, LIGHT * stiffness * time / (2 * np.pi * highest), *names)
