@@ -49,8 +49,8 @@ STAGES = {
 }
 """Functions whose own time and that of all they call makes a stage; none of them calls another one."""
 KERNELS = {
-    "solving": ("structure/kernel.py", "solve"),
-    "derivatives": ("structure/kernel.py", "pull"),
+    "solving": ("structure/solve_kernel.py", "solve"),
+    "derivatives": ("structure/slope_kernel.py", "pull"),
     "ports": ("structure/port_kernel.py", ""),
     "time steps": ("time_domain/kernel.py", "integrate"),
 }

@@ -20,7 +20,7 @@ from flexmodal.errors import SingularResponse
 from flexmodal.frf.kernels.compiled import Kernel, together
 from flexmodal.frf.kernels.route import has_numba
 from flexmodal.frf.kernels.worth import is_worth_it
-from flexmodal.structure import kernel
+from flexmodal.structure import slope_kernel, solve_kernel
 from flexmodal.structure.stack import Structures
 from flexmodal.structure.structure import ROUNDING, Axis
 
@@ -50,7 +50,7 @@ class Entries:
 
     @cached_property
     def sides(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """See `kernel.pull`: ∂Z goes with the kind of row of which there are fewer."""
+        """See `slope_kernel.pull`: ∂Z goes with the kind of row of which there are fewer."""
         system, u, v = self.table.T
         v = v + self.rows[0]
         one, other = (u, v) if self.rows[0] < self.rows[1] else (v, u)
@@ -246,7 +246,7 @@ def _pull(
     matrices: np.ndarray, bounds: np.ndarray, kinds: np.ndarray, factors: np.ndarray, y: np.ndarray,
     sides: np.ndarray, first: np.ndarray, entries: np.ndarray, scale: np.ndarray, out: np.ndarray,
 ) -> None:  # fmt: skip
-    """See `kernel.pull`."""
+    """See `slope_kernel.pull`."""
     full, f = y[:, :, :, 0] + 1j * y[:, :, :, 1], factors[:, 0] + 1j * factors[:, 1]
     along = full[sides[:, 0], sides[:, 1]]  # side, dof, line
     owner = np.repeat(np.arange(len(sides)), np.diff(first))
@@ -266,10 +266,13 @@ def _pull(
 @cache
 def _kernels() -> tuple[Kernel, Kernel, Kernel]:
     purpose = "responses of a structure"
+    inner = solve_kernel.ordered, solve_kernel.fill, solve_kernel.back
     return (
-        together(kernel.back, last=kernel.solve, purpose=purpose, seconds=_COMPILATION),
-        together(kernel.push, last=kernel.pull, purpose=purpose, seconds=_COMPILATION, merged=True),
-        together(last=kernel.values, purpose=purpose, seconds=_COMPILATION),
+        together(*inner, last=solve_kernel.solve, purpose=purpose, seconds=_COMPILATION),
+        together(
+            slope_kernel.push, last=slope_kernel.pull, purpose=purpose, seconds=_COMPILATION, merged=True
+        ),
+        together(last=slope_kernel.values, purpose=purpose, seconds=_COMPILATION),
     )
 
 

@@ -696,6 +696,17 @@ def test_hinges_of_a_link_have_the_moments_of_an_even_beam(slender):
         assert np.stack([place**0, place, place**2]) @ weight == pytest.approx([1, 1 / 2, 1 / 3])
 
 
+def test_a_rough_link_has_few_hinges(slender, inside):
+    for context, _, _ in (slender, inside):
+        links = [link for link in context.links if hinges.fixed(context, link) is not None]
+        assert links
+        for link in links:
+            (place, weight), (many, _) = hinges.fixed(context.rough, link), hinges.fixed(context, link)
+            assert len(place) == len(hinges.pieces(context, link)) + 1 < len(many)
+            assert np.all(np.diff(place) > 1e-3)
+            assert np.stack([place**0, place]) @ weight == pytest.approx([1, 1 / 2])
+
+
 @pytest.mark.parametrize("shift", [-0.8, 0.0, 0.5])
 def test_shifted_hinges_stay_in_order_and_in_their_pieces(slender, shift):
     context, _, _ = slender

@@ -7,7 +7,7 @@ import pytest
 
 from flexmodal.errors import Fault, InaccurateModes, InvalidSystem
 from flexmodal.frf.kernels.route import has_numba
-from flexmodal.structure import truncation
+from flexmodal.structure import solve_kernel, truncation
 from flexmodal.structure.assembly import KINDS
 from flexmodal.structure.port import CompliancePort, StiffnessPort
 from flexmodal.structure.solution import Entries, back_solved, solved
@@ -75,6 +75,31 @@ def test_response_rows_are_solved_for_one_after_the_other(structures, compiled):
     for m in range(SYSTEMS):
         truth = np.transpose(structures[m].solve(AXIS)[0], (2, 1, 0))
         np.testing.assert_allclose(found[m], truth, atol=1e-10 * np.abs(truth).max())
+
+
+def test_what_is_linked_to_one_coordinate_goes_first(structures):
+    """The ends of relaxing springs: each acts on one place when it goes, and makes nothing more than zero."""
+    apart = structures.stiffness[0] * np.array([[1, 1, 0, 0, 1], [1, 1, 1, 0, 0], [0, 1, 1, 0, 0],
+                                                [0, 0, 0, 1, 1], [1, 0, 0, 1, 1]])  # fmt: skip
+    order, count = np.empty(DOF, dtype=int), np.empty(DOF, dtype=int)
+    behind, linked = np.empty((DOF, DOF), dtype=int), np.empty((DOF, DOF), dtype=bool)
+    solve_kernel.ordered(apart[None], order, behind, count, linked, np.empty(DOF, dtype=bool))
+    assert order.tolist() == [2, 1, 0, 3, 4], "a chain from c by b, a, e to d; c first, as d is its other end"
+    assert count.tolist() == [1, 1, 1, 1, 0]
+    assert [behind[k, 0] for k in range(4)] == [1, 2, 4, 4]
+
+
+@BOTH_WAYS
+def test_coordinates_that_are_linked_to_few_are_solved_too(structures, compiled):
+    links = np.array([[1, 0, 0, 1, 0], [0, 1, 1, 1, 0], [0, 1, 1, 0, 1], [1, 1, 0, 1, 1], [0, 0, 1, 1, 1]])
+    names = "mass", "damping", "stiffness", "loss"
+    sparse = replace(structures, **{name: getattr(structures, name) * links for name in names})
+    assert np.all(np.linalg.eigvalsh(sparse.stiffness) > 0)
+    found = solved(sparse, AXIS, ENTRIES, compiled=compiled)
+    for m in range(SYSTEMS):
+        own = ENTRIES.table[:, 0] == m
+        value, _ = receptance(sparse[m], AXIS, ENTRIES.table[own, 1:], NAMES)
+        np.testing.assert_allclose(found.value[own], value, rtol=1e-10)
 
 
 @pytest.mark.skipif(not has_numba(), reason="no numba")

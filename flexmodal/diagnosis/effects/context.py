@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -42,6 +42,8 @@ class Context:
     """Typical force peak [N] of each kind of blow that was measured, by its number in `pulses`."""
     every_line: bool = True
     """Whether the whole band was measured, or some modes in it only."""
+    is_rough: bool = False
+    """Whether links that bend have as few hinges as may be, for coarse looks."""
 
     @classmethod
     def of(cls, robot: Robot, observations: Observations) -> Context:
@@ -62,6 +64,11 @@ class Context:
             pulses=pulses(observations),
             peaks={int(n): observations.peak(int(n)) for n in np.unique(observations.level)},
         )
+
+    @cached_property
+    def rough(self) -> Context:
+        """The same for coarse looks."""
+        return self if self.is_rough else replace(self, is_rough=True)
 
     @property
     def middle(self) -> float:

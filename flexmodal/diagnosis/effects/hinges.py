@@ -150,8 +150,9 @@ def fixed(
     whole = 0 if not modes else MANY_IN_SPACE if context.normal is None else MANY_IN_PLANE
     found = []
     for start, end in pairwise(ends):
-        least = 2 + (start <= 0.0) + (end >= 1.0)
-        found.append(quadrature(start, end, max(least, round(whole * (end - start)))))
+        at_ends = (start <= 0.0) + (end >= 1.0)
+        fine = max(2 + at_ends, round(whole * (end - start)))
+        found.append(quadrature(start, end, 1 + at_ends if context.is_rough else fine))
     places, weights = zip(*found, strict=True)
     return np.concatenate(places), np.concatenate(weights)
 

@@ -1,8 +1,6 @@
-"""Loops over systems and lines, compiled by `solution`: solutions by LDLᵀ, and what a parameter pulls there.
+"""Loops over entries and lines, compiled by `solution`: receptances, and what a parameter pulls there.
 
-Plain functions of numbers and arrays. A block of lines is worked on side by side, real and imaginary parts
-apart, so that the innermost loops fill vector registers. The elimination is that of
-`flexmodal.frf.kernels.factor`, back substitution added; where its pivots grow, a line is not trusted.
+Plain functions of numbers and arrays, over blocks of lines as in `solve_kernel`.
 """
 
 from __future__ import annotations
@@ -11,96 +9,7 @@ from typing import no_type_check
 
 import numpy as np
 
-from flexmodal.frf.kernels.factor import GROWTH, SMALLEST_PIVOT
-
-WIDTH = 32
-"""Lines that are worked on side by side: a matrix of them stays in the first- or second-level cache."""
-
-
-@no_type_check  # a checker's wrapper cannot be compiled
-def solve(matrices, rows, wanted, factors, out, trust):
-    """Solve Z y = row for the wanted rows of every system on every line.
-
-    Args:
-        matrices: K, C, M, H of every system, [system, 4, dof, dof].
-        rows: [system, row, dof].
-        wanted: whether a row is, [system, row].
-        factors: 1, s, s², h by real and imaginary part, [4, 2, line].
-        out: y, [system, row, dof, 2, line].
-        trust: filled with what is above 0 where the elimination kept its digits, [system, line].
-    """
-    n, lines = matrices.shape[2], factors.shape[2]
-    z = np.empty((n, n, 2, WIDTH))
-    inverse = np.empty((n, 2, WIDTH))
-    size = np.empty((n, WIDTH))
-    for m in range(len(matrices)):
-        for start in range(0, lines, WIDTH):
-            width = min(WIDTH, lines - start)
-            fr, fi = factors[:, 0, start : start + width], factors[:, 1, start : start + width]
-            sure = trust[m, start : start + width]
-            for i in range(n):
-                for j in range(i, n):
-                    k, c = matrices[m, 0, i, j], matrices[m, 1, i, j]
-                    q, h = matrices[m, 2, i, j], matrices[m, 3, i, j]
-                    x, y = z[i, j, 0], z[i, j, 1]
-                    for p in range(width):
-                        x[p] = k + c * fr[1, p] + q * fr[2, p] + h * fr[3, p]
-                        y[p] = c * fi[1, p] + q * fi[2, p] + h * fi[3, p]
-                    if i == j:
-                        for p in range(width):
-                            size[i, p] = (
-                                abs(k) + abs(c) * (abs(fr[1, p]) + abs(fi[1, p]))
-                                + abs(q) * (abs(fr[2, p]) + abs(fi[2, p]))
-                                + abs(h) * (abs(fr[3, p]) + abs(fi[3, p]))
-                            )  # fmt: skip
-            for p in range(width):
-                sure[p] = 1.0
-            for k in range(n):
-                x, y, a, b = z[k, k, 0], z[k, k, 1], inverse[k, 0], inverse[k, 1]
-                least = SMALLEST_PIVOT**2 if k == n - 1 else 0.0
-                for p in range(width):
-                    square = x[p] * x[p] + y[p] * y[p]
-                    limit = size[k, p] * size[k, p]
-                    a[p], b[p] = x[p] / square, -y[p] / square
-                    sure[p] = min(sure[p], GROWTH**2 * limit - square, square - least * limit)
-                for j in range(k + 1, n):
-                    u, v, f, g = z[k, j, 0], z[k, j, 1], z[j, k, 0], z[j, k, 1]
-                    for p in range(width):
-                        f[p] = u[p] * a[p] - v[p] * b[p]
-                        g[p] = u[p] * b[p] + v[p] * a[p]
-                    for i in range(j, n):
-                        s, t, x, y = z[k, i, 0], z[k, i, 1], z[j, i, 0], z[j, i, 1]
-                        for p in range(width):
-                            x[p] -= f[p] * s[p] - g[p] * t[p]
-                            y[p] -= f[p] * t[p] + g[p] * s[p]
-            for r in range(rows.shape[1]):
-                if wanted[m, r]:
-                    back(z, inverse, rows[m, r], out[m, r, :, :, start : start + width])
-
-
-@no_type_check
-def back(z, inverse, row, out):
-    """Solve for one row on a block of lines: L in the lower half of z, 1/D in `inverse`."""
-    n, width = out.shape[0], out.shape[2]
-    for i in range(n):
-        for p in range(width):
-            out[i, 0, p], out[i, 1, p] = row[i], 0.0
-    for k in range(n):
-        s, t = out[k, 0], out[k, 1]
-        for j in range(k + 1, n):
-            f, g, x, y = z[j, k, 0], z[j, k, 1], out[j, 0], out[j, 1]
-            for p in range(width):
-                x[p] -= f[p] * s[p] - g[p] * t[p]
-                y[p] -= f[p] * t[p] + g[p] * s[p]
-    for k in range(n - 1, -1, -1):
-        x, y, a, b = out[k, 0], out[k, 1], inverse[k, 0], inverse[k, 1]
-        for p in range(width):
-            x[p], y[p] = x[p] * a[p] - y[p] * b[p], x[p] * b[p] + y[p] * a[p]
-        for j in range(k + 1, n):
-            f, g, s, t = z[j, k, 0], z[j, k, 1], out[j, 0], out[j, 1]
-            for p in range(width):
-                x[p] -= f[p] * s[p] - g[p] * t[p]
-                y[p] -= f[p] * t[p] + g[p] * s[p]
+from flexmodal.structure.solve_kernel import WIDTH
 
 
 @no_type_check
