@@ -12,7 +12,9 @@ from flexmodal.diagnosis.effects import Context, catalogue, hinges
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.lawfree.result import Findings
 from flexmodal.diagnosis.placed import Placed
+from flexmodal.diagnosis.search import next_level
 from flexmodal.diagnosis.search.close_fit import fitted_closely
+from flexmodal.diagnosis.search.coarse import Candidate, Look
 from flexmodal.diagnosis.search.next_level import at_next_level
 from flexmodal.diagnosis.search.set_out import SetOut
 from flexmodal.diagnosis.selection import frf_candidates
@@ -49,6 +51,36 @@ def fits(context, observed):
     narrow = root.and_also(Placed(FOUNDATION, "base"))
     begin = narrow.start(narrow.placed[-1], {k: v for k, v in BLOCK.items() if "bolts" not in k}, zero)
     return setup, zero, fitted_closely(setup, narrow, begin)
+
+
+@pytest.mark.parametrize(("beside", "followed"), [((), 3), (("coulomb_friction", "q2"), 1)])
+def test_fewer_starts_are_followed_beside_torques_that_are_integrated(context, monkeypatch, beside, followed):
+    root = Hypothesis(context, robot_space(context.robot))
+    before = root.and_also(Placed(catalogue()[beside[0]], beside[1])) if beside else root
+    narrow = before.and_also(Placed(FOUNDATION, "base"))
+    x, steps = np.zeros(len(narrow.space)), []
+
+    def fitted(one, floor, most):
+        steps.append(most)
+        return Candidate(one.hypothesis, one.x, float(len(steps)))
+
+    look = Mock(spec=Look, fitted=fitted)
+    look.started = lambda hypothesis, starts, floor, most: (
+        [Candidate(hypothesis, x, 0.0) for x in starts[:1]] * most
+    )
+    close = Mock(return_value=[])
+    for name, put in {
+        "look_at": lambda *given: look,
+        "worst_lines": lambda *given: [],
+        "tried_closely": close,
+    }.items():
+        monkeypatch.setattr(next_level, name, put)
+    setup = Mock(spec=Setup, context=context, advance=Mock(), fitted=None, held=np.zeros(1, dtype=bool))
+    model = Mock(spec=FittedFrfs, hypothesis=narrow, x=x, predicted=np.zeros((1, 1)))
+    none = np.zeros(len(before.space))
+    assert at_next_level(setup, model, Mock(spec=SetOut, before=[none], told=lambda *given: []), Mock()) == []
+    assert close.call_count == followed
+    assert len(steps) == {3: 40 + 8 + 5, 1: 8 + 3 + 2}[followed]
 
 
 @pytest.mark.slow

@@ -15,9 +15,12 @@ from flexmodal.diagnosis.search.lines import worst_lines
 from flexmodal.diagnosis.search.set_out import SetOut
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.setup import Setup
+from flexmodal.diagnosis.time_domain.model import has_law
 
 ROUNDS = ((0.2, 0, 40), (0.2, 8, 8), (0.1, 8, 5), (0.03, 8, 3))
 """Model error, steps, and how many starts go on; the last are fitted closely."""
+BESIDE_INTEGRATED = ((0.2, 0, 8), (0.2, 8, 3), (0.1, 8, 2), (0.03, 8, 1))
+"""The same beside torques that are integrated in time: each of their steps takes long."""
 
 
 def at_next_level(
@@ -61,13 +64,14 @@ def _followed(
     is_enough: Callable[[FittedFrfs], bool],
 ) -> list[FittedFrfs]:
     """The best of some starts, fitted closely; none after one that is enough."""
-    todo = seen.started(hypothesis, tried, *ROUNDS[0][::2])
-    for number, (floor, steps, keep) in enumerate(ROUNDS[1:]):
-        setup.advance("fitting a wider law", number / len(ROUNDS))
+    rounds = BESIDE_INTEGRATED if has_law(hypothesis.without(hypothesis.keys[-1])) else ROUNDS
+    todo = seen.started(hypothesis, tried, *rounds[0][::2])
+    for number, (floor, steps, keep) in enumerate(rounds[1:]):
+        setup.advance("fitting a wider law", number / len(rounds))
         todo = sorted((seen.fitted(one, floor, steps) for one in todo), key=lambda one: one.cost)[:keep]
     found: list[FittedFrfs] = []
     for one in todo:
-        setup.advance("fitting a wider law", 1 - 1 / len(ROUNDS))
+        setup.advance("fitting a wider law", 1 - 1 / len(rounds))
         fitted = tried_closely(setup, hypothesis, one.x)
         found += fitted
         if any(is_enough(each) for each in fitted):
