@@ -77,7 +77,7 @@ def fill(matrices, order, behind, count, fr, fi, z, size):
         count: see `ordered`.
         fr: real parts of 1, s, s², h, [4, line].
         fi: imaginary parts.
-        z: upper half in that order, [dof, dof, 2, line]; zeros where there are only zeros are left out.
+        z: its upper half in that order is filled where anything comes to stand, [dof, dof, 2, line].
         size: sum of the absolute values in each diagonal element, [dof, line].
     """
     width = fr.shape[1]

@@ -3,8 +3,9 @@
 A link that is looked at or struck between its ends is cut there: two of Gauss's points in each piece, and at
 either end of the link one more, where a flange gives, are exact for what slow motion shows at the cuts, as
 the moment of a load is linear between them. One with modes of its own in the band has three to five and those
-two, as the bars between them then move as the beam does in its first modes. Their compliance goes with
-exp(r x + q x²) and has any mean and spread that it can have.
+two, as the bars between them then move as the beam does in its first modes. Coarse looks have one in each
+piece beside those at the ends. Their compliance goes with exp(r x + q x²) and has any mean and spread that it
+can have.
 """
 
 from __future__ import annotations
