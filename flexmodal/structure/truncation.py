@@ -19,6 +19,7 @@ from jaxtyping import Bool, Complex
 from scipy.linalg import expm
 
 from flexmodal.modal import NO_MODES
+from flexmodal.structure.definite import is_definite
 from flexmodal.structure.poles import poles
 from flexmodal.structure.solution import Solved, solved
 from flexmodal.structure.stack import Structures
@@ -92,7 +93,7 @@ def missing_of(found: Solved) -> Complex[np.ndarray, "entry line"] | None:
     state = np.zeros((len(many), 2 * n, 2 * n))
     state[:, :n, n:], state[:, n:, :n], state[:, n:, n:] = np.eye(n) * unit, -spring / unit, -damper
     slowest = np.linalg.eigvals(state).real.max(axis=1)
-    if slowest.max() > 0 and not _is_definite(many.mass):
+    if slowest.max() > 0 and not is_definite(many.mass):
         return _one_by_one(found)
     some = (slowest - axis.decay) * length >= np.log(NOTHING)
     if not some.any():
@@ -112,15 +113,6 @@ def missing_of(found: Solved) -> Complex[np.ndarray, "entry line"] | None:
     if axis.power == 2:
         value += np.einsum("en,en->e", rows, v[system, :, k])[:, None] / s**2
     return np.asarray(value * np.exp(-s * length))
-
-
-def _is_definite(mass: np.ndarray) -> bool:
-    """Whether masses are positive definite; what rings up without that has no digits, or is no structure."""
-    try:
-        np.linalg.cholesky(mass)
-    except np.linalg.LinAlgError:
-        return False
-    return True
 
 
 def _viscous(many: Structures, axis: Axis) -> Structures:

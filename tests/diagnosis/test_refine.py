@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import flexmodal
+from flexmodal.diagnosis import hypothesis as hypothesis_module
 from flexmodal.diagnosis.disagreement.gaps import over_noise
 from flexmodal.diagnosis.effects import Context, catalogue
 from flexmodal.diagnosis.effects.dry_friction import EFFECT as FRICTION
@@ -348,3 +349,29 @@ def test_nothing_to_integrate(plain):
         TimeDomainModel(hypothesis)
     with pytest.raises(InvalidRequest, match="no effect"):
         TimeDomainModel(hypothesis_of(plain))
+
+
+def test_parts_of_a_link_with_a_negative_inertia_can_be_integrated(monkeypatch):
+    """Where the inertia of a link is less than its mass would have as a tube; what a record cuts off, too."""
+    robot = flexmodal.load("six_link")
+    campaign = simulate(robot, postures=2, points=2, trials=2, averages=2, seed=3, record_length=4.0).campaign
+    observations = observe(campaign)
+    context, lines = Context.of(robot, observations), np.arange(0, len(observations.axis), 12)
+    bent, torque = (
+        Placed(catalogue()[name], where)
+        for name, where in (("link_flexibility", "link_4"), ("nonlinear_stiffness", "q3"))
+    )
+    linear = Hypothesis(context, robot_space(robot, trust=TRUST)).and_also(bent)
+    light = np.zeros(len(linear.base))
+    light[linear.space.index["inertia.link_4"]] = np.log(0.8)
+    x = linear.start(bent, {"stiffness": 4e5, "damping": 120.0}, light)
+    hypothesis = linear.and_also(torque)
+    start = hypothesis.start(torque, {"change": 0.0}, x)
+    found, _ = TimeDomainModel(hypothesis).receptances(start, observations, lines, slopes=False)
+    expected = np.zeros_like(found)
+    for rows, value, _ in evaluated(linear, x, observations, lines, slopes=False):
+        expected[rows] = value
+    assert np.abs(np.log(found / expected)).max() < 1e-3
+    monkeypatch.setattr(hypothesis_module, "with_inertia", lambda mass: mass)
+    with pytest.raises(SingularResponse, match="not stable"):
+        TimeDomainModel(hypothesis).receptances(start, observations, lines, slopes=False)

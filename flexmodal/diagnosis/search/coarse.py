@@ -74,7 +74,7 @@ class Look:
             floor: model error ε of a residual.
         """
         share = np.full(len(self.some), len(self.apart) / len(self.some))
-        model = TimeDomainModel(_rough(hypothesis), ROUGH, rough=floor >= FROM_STAND_INS)
+        model = TimeDomainModel(with_few_hinges(hypothesis), ROUGH, rough=floor >= FROM_STAND_INS)
         return FrfMisfit(model, self.some, Weighting(floor, self.lines, share))
 
     def constant(self, floor: float) -> float:
@@ -99,7 +99,7 @@ class Look:
             most: how many are kept.
         """
         seen = self.apart if hypothesis.by_force else self.merged
-        misfit = FrfMisfit(_rough(hypothesis), seen, Weighting(floor, self.lines))
+        misfit = FrfMisfit(with_few_hinges(hypothesis), seen, Weighting(floor, self.lines))
         if has_law(hypothesis):
             misfit = self.integrated(hypothesis, floor)
         costs = [misfit.cost(one) for one in starts]
@@ -122,15 +122,19 @@ class Look:
         with_force = one.hypothesis.by_force
         seen, share = (self.apart, None) if with_force else (self.merged, self.share)
         made = fit(
-            _rough(one.hypothesis), seen, one.x, floors=(floor,), steps=steps, lines=self.lines, share=share,
-            apart=False,
+            with_few_hinges(one.hypothesis), seen, one.x, floors=(floor,), steps=steps, lines=self.lines,
+            share=share, apart=False,
         )  # fmt: skip
         more = 0.0 if with_force else self.constant(floor)
         return Candidate(one.hypothesis, made.x, made.cost + more)
 
 
-def _rough(hypothesis: Hypothesis) -> Hypothesis:
-    """The model with as few hinges in its links as may be; its parameters are the same."""
+def with_few_hinges(hypothesis: Hypothesis) -> Hypothesis:
+    """The model with as few hinges in its links as may be; its parameters are the same.
+
+    Args:
+        hypothesis: of any effects.
+    """
     return replace(hypothesis, context=hypothesis.context.rough)
 
 

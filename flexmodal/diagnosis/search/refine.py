@@ -13,7 +13,7 @@ import numpy as np
 from jaxtyping import Complex, Float
 
 from flexmodal.diagnosis.hypothesis import Hypothesis
-from flexmodal.diagnosis.search.coarse import ROUGH, ROUGHLY
+from flexmodal.diagnosis.search.coarse import ROUGH, ROUGHLY, with_few_hinges
 from flexmodal.diagnosis.search.lines import CLOSE, COARSE, some_lines
 from flexmodal.diagnosis.time_domain.model import TimeDomainModel
 from flexmodal.diagnosis.time_domain.secant import fitted_by_secants
@@ -69,7 +69,8 @@ def refined(
         InvalidRequest: no effect of the hypothesis has a law.
     """
     lines = some_lines(observations, CLOSE)
-    rough, model = TimeDomainModel(hypothesis, ROUGH), TimeDomainModel(hypothesis)
+    # In long steps what links bend by in many hinges makes the torques grow without end.
+    rough, model = TimeDomainModel(with_few_hinges(hypothesis), ROUGH), TimeDomainModel(hypothesis)
     first = FrfMisfit(rough, observations, Weighting(FLOORS[0], lines))
     last = FrfMisfit(model, observations, Weighting(FLOORS[1], lines))
     near = fitted_by_secants(first, _start(rough, start, observations), steps=steps, settled=ROUGHLY)
