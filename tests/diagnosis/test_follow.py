@@ -12,7 +12,7 @@ from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.lawfree.result import Findings, Found, PlaceTried
 from flexmodal.diagnosis.names import UNSTRUCTURED
 from flexmodal.diagnosis.outcome import Compared, Gaps, Step
-from flexmodal.diagnosis.selection import frf_by_look, frf_candidates, frf_data
+from flexmodal.diagnosis.selection import frf_by_look, frf_candidates, frf_data, in_its_stead
 from flexmodal.diagnosis.selection.comparison import Comparison
 from flexmodal.diagnosis.selection.data import Data
 from flexmodal.diagnosis.selection.decision import Answer
@@ -21,7 +21,7 @@ from flexmodal.diagnosis.selection.frf_candidates import FrfCandidates
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.selection.frf_data import FrfData
 from flexmodal.diagnosis.selection.frf_starts import does_more, narrowest, nearer
-from flexmodal.diagnosis.selection.in_its_stead import sure_beside
+from flexmodal.diagnosis.selection.in_its_stead import Refits, sure_beside
 from flexmodal.diagnosis.selection.looks_beside import MOST_LOOKS
 from flexmodal.diagnosis.selection.selection import MOST, ForwardSelection
 from flexmodal.diagnosis.setup import Setup
@@ -369,6 +369,7 @@ class Settling(FrfData):
         self._settled, self._root = ((), (), ()), fitted()
         self.taken, self._candidates = share, self
         self.sure, self.takes, self.setup = sure, takes, Mock(spec=Setup, advance=Mock())
+        self._refits = Mock(spec=Refits, instead=lambda model, key, others: [])
 
     def considered(self, model, key):
         return []
@@ -399,7 +400,6 @@ class Settling(FrfData):
 def settling(monkeypatch, sure, **given):
     monkeypatch.setattr(frf_by_look, "sure_beside", lambda key: sure.get(key, 0.3))
     monkeypatch.setattr(frf_by_look, "with_last", lambda model, key: model)
-    monkeypatch.setattr(frf_by_look, "in_its_stead", lambda setup, model, less, others: [])
     return Settling(sure, **given)
 
 
@@ -488,10 +488,44 @@ def test_where_nothing_is_left_no_effect_is_exchanged(monkeypatch, over, met, tr
     place = dict.fromkeys([MASS], Mock(spec=Found)) if met else {}
     data._look = Mock(spec=Findings, explains=True, found=(None,), met=lambda keys: place)
     data._candidates = Mock(spec=FrfCandidates, considered=lambda *given: [other])
-    monkeypatch.setattr(frf_by_look, "in_its_stead", lambda *given: [other])
+    data._refits = Mock(spec=Refits, instead=lambda *given: [other])
     for module in (frf_data, frf_by_look):
         monkeypatch.setattr(module, "over_noise", lambda *given: over)
     assert data.instead(fitted(MASS, DELAY), DELAY) == ([other] if tried else [])
+
+
+@pytest.mark.parametrize(("over", "asked"), [(4.0, [[BASE], []]), (2.5, [[BASE], [BASE]])])
+def test_what_was_far_behind_in_the_stead_of_an_effect_is_not_tried_there_again(monkeypatch, over, asked):
+    other, model = fitted(MASS, BASE), fitted(MASS, DELAY)
+    other.cost, tried = 1.0, Mock(return_value=[other])
+    data = FrfData.__new__(FrfData)
+    data.setup, data.modes = Mock(spec=Setup), None
+    data._candidates = Mock(spec=FrfCandidates, considered=lambda *given: [other])
+    data._refits = Mock(spec=Refits, instead=tried)
+    monkeypatch.setattr(frf_data, "over_noise", lambda setup, one: 2.0)
+    monkeypatch.setattr(frf_by_look, "over_noise", lambda setup, one: over if one is other else 2.0)
+    data.instead(model, DELAY)
+    data.instead(model, DELAY)
+    assert [[one.key for one in call.args[2]] for call in tried.call_args_list] == asked
+
+
+def test_a_model_is_fitted_once_with_an_effect_less_or_another_in_its_stead(monkeypatch):
+    """Not that of before, once another one is asked for."""
+    less, instead = Mock(side_effect=lambda *given: fitted()), Mock(side_effect=lambda *given: [fitted()])
+    monkeypatch.setattr(in_its_stead, "fitted_closely", less)
+    monkeypatch.setattr(in_its_stead, "in_its_stead", instead)
+    refits, models = Refits(Mock(spec=Setup)), [fitted(MASS, DELAY), fitted(MASS, DELAY)]
+    for one in models:
+        one.hypothesis.space.names, one.x = ("mass.link_1", "added_mass@tip.mass"), np.ones(2)
+    others = [
+        Mock(spec=FittedFrfs, hypothesis=Mock(placed=(Mock(effect=DELAY, where=where),))) for where in "ab"
+    ]
+    found = [refits.without(models[0], MASS), refits.instead(models[0], MASS, others)]
+    assert [refits.without(models[0], MASS), refits.instead(models[0], MASS, others)] == found
+    assert refits.instead(models[0], MASS, others[1:]) == found[1][1:]
+    assert (less.call_count, instead.call_count) == (1, 2)
+    assert refits.without(models[1], MASS) is not found[0]
+    assert refits.instead(models[1], DELAY, others) != found[1]
 
 
 @pytest.mark.parametrize(

@@ -103,9 +103,10 @@ def test_what_is_far_behind_is_fitted_with_a_few_steps(monkeypatch, enough):
     assert few == [str(cost) for cost in (costs[1:] if enough else costs[2:])]
 
 
-@pytest.mark.parametrize(("effects", "fits"), [(1, 2), (2, 2), (3, 1)])
-def test_beside_several_effects_nothing_is_fitted_from_the_card_once_more(monkeypatch, effects, fits):
-    """Of a robot that nobody believes; with fewer effects the better one is taken."""
+@pytest.mark.parametrize(("effects", "over", "fits"), [(1, 1.5, 2), (2, 3.9, 2), (1, 4.1, 1), (3, 1.5, 1)])
+def test_beside_several_effects_nothing_is_fitted_from_the_card_once_more(monkeypatch, effects, over, fits):
+    """Nor far from the noise; with fewer effects the better one is taken, of a robot that nobody believes."""
+    monkeypatch.setattr(module, "over_noise", lambda setup, model: over)
     hypothesis = Mock(spec=Hypothesis, placed=(None,) * effects, base=("mass",))
     made = [Mock(spec=FittedFrfs, prior=99.0, cost=cost, x=np.ones(3)) for cost in (2.0, 1.0)]
     closely = Mock(side_effect=[[one] for one in made])

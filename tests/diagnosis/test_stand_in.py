@@ -1,6 +1,7 @@
 """What stands for something without a name predicts postures that no fit has seen, and never pushes."""
 
 from dataclasses import replace
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -12,7 +13,7 @@ from flexmodal.diagnosis.lawfree.result import Findings, Found
 from flexmodal.diagnosis.outcome import Gaps
 from flexmodal.diagnosis.placed import Placed
 from flexmodal.diagnosis.search import close_fit
-from flexmodal.diagnosis.search.close_fit import fitted_closely
+from flexmodal.diagnosis.search.close_fit import LAST, NEAR, fitted_closely, tried_closely
 from flexmodal.diagnosis.search.explanations import explanations, from_each_start
 from flexmodal.diagnosis.search.set_out import SetOut
 from flexmodal.diagnosis.selection.asked import asked_of
@@ -95,6 +96,16 @@ def test_the_words_say_that_nothing_is_named():
     assert "added_mass at link_2 and local_absorber at link_2 stand for it, without being named" in says
     assert "from 0.21 to 0.12" in says
     assert stand_in_words([("added_mass", "link_2")], replace(gaps, held_out_after=None)).endswith("named.")
+
+
+@pytest.mark.parametrize(("over", "floors"), [(9.0, [NEAR]), (1.2, [NEAR, LAST])])
+def test_a_trial_goes_to_its_end_only_near_the_noise(monkeypatch, setup, bare, over, floors):
+    """Where it is far off something else is missing, beside which it is fitted again."""
+    closely = Mock(return_value=bare)
+    monkeypatch.setattr(close_fit, "fitted_closely", closely)
+    monkeypatch.setattr(close_fit, "over_noise", lambda setup, model: over)
+    assert tried_closely(setup, bare.hypothesis, bare.x, near=True) == [bare]
+    assert [call.kwargs["floors"] for call in closely.call_args_list] == floors
 
 
 def test_what_ends_where_there_is_no_model_is_left_out_of_a_search(monkeypatch, setup, bare):

@@ -15,7 +15,7 @@ from flexmodal.diagnosis.effects import catalogue
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.outcome import Gaps, Step
 from flexmodal.diagnosis.placed import Placed
-from flexmodal.diagnosis.search.close_fit import fitted_closely
+from flexmodal.diagnosis.search.close_fit import NEAR, fitted_closely
 from flexmodal.diagnosis.search.coarse import Candidate, look_at
 from flexmodal.diagnosis.search.search import restarted, simpler
 from flexmodal.diagnosis.search.set_out import SetOut
@@ -202,7 +202,7 @@ def test_started_from_everywhere_it_leaves_a_local_minimum():
     beside = seen.fitted(Candidate(hypothesis, hypothesis.start(placed, stiff, card), np.inf), 0.1, 10)
     again = restarted(hypothesis, beside.x, SetOut([card]), seen)
     assert again.cost < 0.5 * beside.cost
-    assert over_noise(setup, fitted_closely(setup, hypothesis, again.x, near=True)) < FLOOR_REACHED
+    assert over_noise(setup, fitted_closely(setup, hypothesis, again.x, floors=NEAR)) < FLOOR_REACHED
 
 
 @pytest.mark.slow
@@ -280,7 +280,7 @@ def test_an_absorber_too_stiff_to_be_told_from_a_mass_is_a_mass(loaded):
     at = fitted_closely(setup, hypothesis, hypothesis.start(placed, start, np.zeros(len(setup.base))))
     (less,) = simpler(hypothesis, at.fitted.x, setup.effects, look_at(setup.fitted))
     assert less.key == ("added_mass", "link_3")
-    assert over_noise(setup, fitted_closely(setup, less.hypothesis, less.x, near=True)) < FLOOR_REACHED
+    assert over_noise(setup, fitted_closely(setup, less.hypothesis, less.x, floors=NEAR)) < FLOOR_REACHED
     assert not simpler(less.hypothesis, less.x, setup.effects, look_at(setup.fitted))
     assert not simpler(hypothesis, at.fitted.x, [absorber], look_at(setup.fitted))
 

@@ -13,13 +13,12 @@ from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.lawfree import screening
 from flexmodal.diagnosis.lawfree.afresh import Again
 from flexmodal.diagnosis.lawfree.kinds import KINDS, NOTHING, RARE, TORQUE
-from flexmodal.diagnosis.lawfree.model import PortedModel
 from flexmodal.diagnosis.lawfree.port import Port, PortKind
-from flexmodal.diagnosis.lawfree.ported_fit import FLOORS, begun, finished, mended, profiled
-from flexmodal.diagnosis.lawfree.profile import SETTLED, Profile
+from flexmodal.diagnosis.lawfree.port_fits import PortFits
+from flexmodal.diagnosis.lawfree.ported_fit import begun, finished, mended
 from flexmodal.diagnosis.lawfree.records import endless, of_first_blow
 from flexmodal.diagnosis.lawfree.related import parts
-from flexmodal.diagnosis.lawfree.sighting import Round, Sighting, Start, carried_over, noise_of
+from flexmodal.diagnosis.lawfree.sighting import Round, Sighting, Start, carried_over
 from flexmodal.diagnosis.search.coarse import Look, look_at
 from flexmodal.identification import Observations
 
@@ -28,33 +27,16 @@ SOUND = 1.6
 effects of the virtual rig, whose true places had 0.6 to 1.5; how sharply was not measured."""
 SEVERAL = 2.0
 """Times `SOUND` that the best leaves beside effects where several are missing, and none is fitted again."""
-LATE = 3.0
-"""Misfit of what is believed up to which ports begin at a small model error: at a large one nothing of what
-is missing is to be seen, and every port goes on."""
 LEADS = 1.4
 """Times by which a port beside effects lowers the misfit, for rare ones not to be tried: of several effects
 each takes a part, and what is rare is tried where none does."""
-STEPS = 20
-"""Most at each model error, for those that go on."""
-PATIENT_STEPS, PATIENT = 100, 5e-5
-"""The same for those that are fitted once more, and what they still have to gain by a step: a foundation in
-space needs some hundred steps."""
+NEAR = 2.0
+"""Times the misfit of the best up to which ports are brought to their ends."""
 
 
 @dataclass(frozen=True, eq=False)
-class Field:
-    """What is looked at: observations to fit and to judge, and the ports that might be in them."""
-
-    root: Hypothesis
-    fitted: Float[np.ndarray, " parameter"]
-    """Its coordinates, re-tuned."""
-    seen: Look
-    away: Look | None
-    ports: tuple[Port, ...]
-    rare: tuple[Port, ...]
-    """Those that are tried where none of these leads on."""
-    torques: tuple[Port, ...]
-    """Those that depend on the blow."""
+class Field(PortFits):
+    """What is looked at, round by round."""
 
     @classmethod
     def of(
@@ -87,23 +69,6 @@ class Field:
             _every([TORQUE], root) if by_force else (),
         )
 
-    @cached_property
-    def bare(self) -> float:
-        """Misfit without any port: a reading that is nothing."""
-        return self.sighted((Port.at(NOTHING, "", self.root.context),)).judged
-
-    @cached_property
-    def _floors(self) -> tuple[float, ...]:
-        """Model errors of the first round: all of them, or a small one where little is missing."""
-        if not self._late:
-            return screening.FLOORS
-        noise = noise_of(self.seen.merged, self.seen.lines)
-        return (min(screening.LATE_FLOOR, screening.LATE_OVER_NOISE * noise),)
-
-    @cached_property
-    def _late(self) -> bool:
-        return self.bare <= LATE
-
     def round(
         self,
         before: Sighting | None = None,
@@ -122,8 +87,9 @@ class Field:
         if ports is None:
             tried = self._torques_that_lead(tried, before)
         found, kept, part = [], [], 1.0 if ports is not None else 0.2
+        roughly = ports is None and bool(self.root.placed)
         for number, port in enumerate(tried, start=1):
-            found.append(self.sighted((port,), before))
+            found.append(self.sighted((port,), before, roughly=roughly))
             advance(part * number / len(tried))
         if ports is None:
             # What depends on force only a torque explains, or a reading; what is left beside effects may not.
@@ -131,9 +97,10 @@ class Field:
             others = [port for port in self.ports if port.kind.reads is not None or not told]
             kept = self._screened(others, before, taken, lambda part: advance(0.2 + 0.4 * part))
         for number, (port, start, _) in enumerate(kept):
-            found.append(self.sighted((port,), before, start))
+            found.append(self.sighted((port,), before, start, roughly=True))
             advance(0.6 + 0.4 * (number + 1) / len(kept))
         if found and ports is None:
+            found = self._ended(found)
             best = min(found, key=lambda one: one.judged)
             found += self._parts_of(best, before, taken | {one.port.key for one in found})
         if ports is None:
@@ -162,6 +129,13 @@ class Field:
         more = self._screened(self.rare, before, taken, lambda part: None)
         rare = [self.sighted((port,), before, start) for port, start, misfit in more if misfit < least]
         return again.better([*better, *rare], {one.port.key for one in better})
+
+    def _ended(self, found: Sequence[Sighting]) -> list[Sighting]:
+        """The best brought to their ends, but where several effects are missing beside others."""
+        least = min(one.judged for one in found)
+        if self.root.placed and least > SEVERAL * SOUND:
+            return list(found)
+        return [self.ended(one) if one.judged <= NEAR * least else one for one in found]
 
     def _leads_on(self, found: Sequence[Sighting], before: Sighting | None) -> bool:
         """Whether a port explains what is missing, or beside effects a good part of it."""
@@ -236,56 +210,6 @@ class Field:
     def _few(self) -> Observations:
         """Some of the observations of each posture."""
         return screening.thinned(self.seen.merged)
-
-    def _model(
-        self, ports: Sequence[Port], observations: Observations, lines: Int[np.ndarray, " line"]
-    ) -> PortedModel:
-        return PortedModel.of(ports, self.root, observations, lines, self.fitted)
-
-    def _seen(self, ports: Sequence[Port], merged: Observations, apart: Observations) -> Observations:
-        return apart if any(port.kind.by_blow for port in ports) else merged
-
-    def sighted(
-        self,
-        ports: tuple[Port, ...],
-        before: Sighting | None = None,
-        start: Start | None = None,
-        *,
-        patient: bool = False,
-    ) -> Sighting:
-        """Ports fitted well and judged.
-
-        Args:
-            ports: which; one after the other where there are several.
-            before: others that are there already.
-            start: parameters and functions of all of these to begin with.
-            patient: whether a descent goes on as long as anything is gained.
-        """
-        *first, port = ports
-        if first:
-            before = self.sighted(tuple(first), before)
-        every = (*(before.ports if before else ()), port)
-        observations, lines = self._seen(every, self.seen.merged, self.seen.apart), self.seen.lines
-        model = self._model(every, observations, lines)
-        noise = noise_of(observations, lines)
-        steps, settled = (PATIENT_STEPS, PATIENT) if patient else (STEPS, SETTLED)
-        floors = (*FLOORS[port.kind is not NOTHING and self._late :], noise)
-        if start is not None and len(start[1]) == model.cells:  # some blows may lack in a part of the data
-            begin = Profile(model, screening.FLOORS[-1], settled=settled)
-            profile, state = finished(begin, begin.state(*start), floors=floors[1:], steps=steps)
-        else:
-            known = None if before is None else carried_over(before, model)
-            profile, state = profiled(model, known, floors=floors, steps=steps, settled=settled)
-        apart = None
-        if self.away is not None and model.cells == 1:
-            other = Profile(self._model(every, self.away.merged, lines), noise)
-            residual = other.state(state.x, state.z).residual
-            apart = float(np.sqrt(other.mean(residual)))
-        dropped = len(observations) - len(model.observations)
-        unknowns = max(len(model.names), dropped) + len(model.space) - len(self.root.space)
-        return Sighting(
-            every, float(np.sqrt(profile.reduced(state.residual))), apart, unknowns, profile, state
-        )
 
 
 def _looked_at(observations: Observations, root: Hypothesis, x: Float[np.ndarray, " parameter"]) -> Look:

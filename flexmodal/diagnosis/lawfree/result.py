@@ -15,7 +15,8 @@ from flexmodal.diagnosis.effects.free_function import FreeFunction
 from flexmodal.diagnosis.search.set_out import Start
 
 NEAR = 2.5
-"""Times the misfit of the best port, up to which an effect at another one is still fitted."""
+"""Times the misfit of the best port, up to which an effect at another one is still fitted; but none at one
+that leaves more than nothing does, if any leaves less."""
 PORT_OF: Mapping[str, str] = {
     "joint_coupling": "coupling",
     "structural_damping": "damping",
@@ -220,7 +221,8 @@ class Findings:
             return True
         if len(self.found) > 1:
             return False
-        limit = NEAR * self.places[0].judged
+        best = self.places[0].judged
+        limit = min(NEAR * best, self.alone) if best < self.alone else NEAR * best
         return any((one.port, one.where) == (port, where) and one.judged <= limit for one in self.places)
 
     def is_at(self, keys: Sequence[tuple[str, str]]) -> bool:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from jaxtyping import Float
 
+from flexmodal.diagnosis.disagreement.gaps import over_noise
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.search.lines import CLOSE, some_lines
 from flexmodal.diagnosis.search.refine import STEPS as REFINED
@@ -14,11 +15,15 @@ from flexmodal.diagnosis.setup import Setup
 from flexmodal.diagnosis.time_domain.model import has_law
 from flexmodal.errors import SingularResponse
 from flexmodal.identification import Observations, fit, predict
+from flexmodal.identification.frf_fit import FINE
 
-FAR, NEAR = (0.2, 0.05, 0.01), (0.05, 0.01)
-"""Model errors of a fit that starts from afar, and from nearby."""
+FAR, NEAR, LAST = (0.2, 0.05, 0.01), (0.05, 0.01), (0.01,)
+"""Model errors of a fit that starts from afar, from nearby, and from where one has come to."""
 STEPS = 25
 """Most at each of them."""
+FAR_OFF, ROUGHLY = 4.0, 1e-4
+"""Distance over noise from which a trial is not brought to its end, and what a step still has to gain then:
+something else is missing there, and what is found is fitted again beside it."""
 
 
 def fitted_closely(
@@ -26,8 +31,9 @@ def fitted_closely(
     hypothesis: Hypothesis,
     start: Float[np.ndarray, " parameter"],
     *,
-    near: bool = False,
+    floors: tuple[float, ...] = FAR,
     steps: int = STEPS,
+    settled: float = FINE,
     fitted_to: Observations | None = None,
 ) -> FittedFrfs:
     """Fit a hypothesis closely; torques that are not linear are integrated in time.
@@ -36,8 +42,9 @@ def fitted_closely(
         setup: what the diagnosis works with.
         hypothesis: what is fitted.
         start: where the fit sets out.
-        near: whether that is near its end.
+        floors: model errors, lowered one after the other.
         steps: most at each model error.
+        settled: a step that changes the cost relatively by less is the last, where nothing is integrated.
         fitted_to: by default the observations that are not held out.
     """
     few, every = setup.fitted if fitted_to is None else fitted_to, setup.observations
@@ -45,7 +52,7 @@ def fitted_closely(
         close = refined(hypothesis, start, few, steps=min(steps, REFINED))
         return fitted_model(hypothesis, close.fitted, every, predict(close.model, close.x, every))
     lines = some_lines(few, CLOSE)
-    fitted = fit(hypothesis, few, start, floors=NEAR if near else FAR, lines=lines, steps=steps)
+    fitted = fit(hypothesis, few, start, floors=floors, lines=lines, steps=steps, settled=settled)
     return fitted_model(hypothesis, fitted, every)
 
 
@@ -57,7 +64,9 @@ def tried_closely(
     near: bool = False,
     steps: int = STEPS,
 ) -> list[FittedFrfs]:
-    """The same of a trial; none where the fit comes to where there is no model, as beside torques that push.
+    """The same of a trial, which goes to its end only where that is near the noise.
+
+    None where the fit comes to where there is no model, as beside torques that push.
 
     Args:
         setup: what the diagnosis works with.
@@ -67,6 +76,10 @@ def tried_closely(
         steps: most at each model error.
     """
     try:
-        return [fitted_closely(setup, hypothesis, start, near=near, steps=steps)]
+        floors = NEAR if near else FAR
+        made = fitted_closely(setup, hypothesis, start, floors=floors, steps=steps, settled=ROUGHLY)
+        if not has_law(hypothesis) and over_noise(setup, made) <= FAR_OFF:
+            made = fitted_closely(setup, hypothesis, made.x, floors=LAST, steps=steps)
+        return [made]
     except (np.linalg.LinAlgError, SingularResponse):
         return []

@@ -9,7 +9,7 @@ import numpy as np
 from flexmodal.diagnosis.disagreement.gaps import over_noise
 from flexmodal.diagnosis.effects import Effect
 from flexmodal.diagnosis.placed import Placed
-from flexmodal.diagnosis.search.close_fit import tried_closely
+from flexmodal.diagnosis.search.close_fit import FAR_OFF, tried_closely
 from flexmodal.diagnosis.search.coarse import Candidate, Look, look_at
 from flexmodal.diagnosis.search.lines import worst_lines
 from flexmodal.diagnosis.search.search import candidates, come_nearer, narrowed, restarted, simpler
@@ -158,7 +158,8 @@ def fitted_believably(setup: Setup, one: Candidate) -> list[FittedFrfs]:
     """Once more from the card where a robot is come to that nobody believes, for one as good may be nearer.
 
     What an effect and the robot's parameters do alike is settled by these beliefs alone, and slowly. Beside
-    several effects, whose own parameters count as much, nothing is fitted twice.
+    several effects, whose own parameters count as much, nothing is fitted twice, nor what is far from the
+    noise: there it is what else is missing that drives the robot away.
 
     Args:
         setup: what the diagnosis works with.
@@ -168,8 +169,9 @@ def fitted_believably(setup: Setup, one: Candidate) -> list[FittedFrfs]:
         The better one; none where there is no model.
     """
     found = tried_closely(setup, one.hypothesis, one.x, near=True)
-    near_by = len(one.hypothesis.placed) > NEAR_BY
-    if not found or near_by or has_law(one.hypothesis) or found[0].prior < BEYOND_BELIEF:
+    if not found or len(one.hypothesis.placed) > NEAR_BY or has_law(one.hypothesis):
+        return found
+    if found[0].prior < BEYOND_BELIEF or over_noise(setup, found[0]) > FAR_OFF:
         return found
     start = found[0].x.copy()
     start[: len(one.hypothesis.base)] = 0.0

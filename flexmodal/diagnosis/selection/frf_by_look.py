@@ -29,7 +29,7 @@ from flexmodal.diagnosis.selection.frf_thresholds import (
     SURE,
     least_share,
 )
-from flexmodal.diagnosis.selection.in_its_stead import in_its_stead, sure_beside
+from flexmodal.diagnosis.selection.in_its_stead import Refits, sure_beside
 from flexmodal.diagnosis.setup import Setup
 from flexmodal.diagnosis.time_limit import OutOfTime
 
@@ -40,6 +40,9 @@ class FrfsByLook(Data[FittedFrfs]):
     setup: Setup
     _candidates: FrfCandidates
     _look: LawFree
+    _refits: Refits
+    _far: frozenset[tuple[tuple[str, str], tuple[str, str]]] = frozenset()
+    """Effects and others that were far behind in their stead."""
     _settled: tuple[tuple[tuple[str, str], ...], tuple[tuple[str, str], ...], tuple[str, ...]] = (), (), ()
 
     @property
@@ -76,8 +79,11 @@ class FrfsByLook(Data[FittedFrfs]):
         """
         if self.is_enough(model) and not self.is_contradicted(model):
             return []
-        others = self._candidates.considered(model, key, NOT_FAR_BEHIND)[:LIKELY]
-        return best_of_each(in_its_stead(self.setup, model, key, others))
+        likely = self._candidates.considered(model, key, NOT_FAR_BEHIND)[:LIKELY]
+        found = self._refits.instead(model, key, [one for one in likely if (key, one.key) not in self._far])
+        far = NOT_FAR_BEHIND * over_noise(self.setup, model)
+        self._far |= {(key, one.key) for one in found if over_noise(self.setup, one) > far}
+        return best_of_each(found)
 
     def leads_on(self, model: FittedFrfs) -> bool:
         """See `Data`."""
@@ -151,7 +157,7 @@ class FrfsByLook(Data[FittedFrfs]):
         less = self.without(model, key)
         if self.share(less, model) < MOST_OF_REST:
             return 0.0
-        others = in_its_stead(self.setup, model, key, self._candidates.considered(model, key)[:IN_STEAD])
+        others = self._refits.instead(model, key, self._candidates.considered(model, key)[:IN_STEAD])
         return sure_beside(self.compare([less, with_last(model, key), *others]))
 
     def standing(self, model: FittedFrfs) -> tuple[tuple[tuple[str, str], ...], tuple[str, ...]]:

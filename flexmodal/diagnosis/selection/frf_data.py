@@ -42,6 +42,7 @@ from flexmodal.diagnosis.selection.frf_thresholds import (
     reached,
     takes_enough,
 )
+from flexmodal.diagnosis.selection.in_its_stead import Refits
 from flexmodal.diagnosis.selection.stand_in import stand_in, stands_in
 from flexmodal.diagnosis.setup import Setup
 from flexmodal.identification import gap, predict, uncertainty
@@ -72,6 +73,7 @@ class FrfData(FrfsByLook):
         """Whether FRFs change with the force of the blow."""
         self._candidates = FrfCandidates(setup, self._root, with_force=self.force > Answer.NO)
         self._look = self._candidates.looks.one
+        self._refits = Refits(setup)
 
     @property
     def root(self) -> FittedFrfs:
@@ -152,9 +154,7 @@ class FrfData(FrfsByLook):
 
     def without(self, model: FittedFrfs, key: tuple[str, str]) -> FittedFrfs:
         """See `Data`."""
-        prefix = "{}@{}.".format(*key)
-        kept = [not name.startswith(prefix) for name in model.hypothesis.space.names]
-        return fitted_closely(self.setup, model.hypothesis.without(key), model.x[np.array(kept)])
+        return self._refits.without(model, key)
 
     def worth(self, before: FittedFrfs, after: FittedFrfs, number: int) -> Answer:
         """Of the sum of squares; the first effect from the data, or from parameters beyond belief.

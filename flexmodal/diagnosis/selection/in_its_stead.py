@@ -18,14 +18,75 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from flexmodal.diagnosis.search.close_fit import tried_closely
+from flexmodal.diagnosis.effects import Effect
+from flexmodal.diagnosis.search.close_fit import fitted_closely, tried_closely
 from flexmodal.diagnosis.selection.comparison import Comparison
 from flexmodal.diagnosis.selection.confidence import ALONE, PIECES, figures_of, probabilities
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.setup import Setup
 
+Key = tuple[str, str]
+"""Name and place of an effect."""
+
 A_FEW = 8
 """Steps of a fit at each model error: what is in the effect's place is near its end."""
+
+
+class Refits:
+    """Fits of one model with an effect less, or with another one in its stead, each made once.
+
+    They are asked for when effects are reconsidered, when it is asked which are sure, and when needless ones
+    go.
+    """
+
+    def __init__(self, setup: Setup) -> None:
+        """Nothing is fitted yet.
+
+        Args:
+            setup: what the diagnosis works with.
+        """
+        self.setup = setup
+        self._model: FittedFrfs | None = None
+        self._less: dict[Key, FittedFrfs] = {}
+        self._instead: dict[tuple[Key, Effect, str], list[FittedFrfs]] = {}
+
+    def without(self, model: FittedFrfs, key: Key) -> FittedFrfs:
+        """The model without one of its effects, fitted again.
+
+        Args:
+            model: with the effect.
+            key: its name and place.
+        """
+        self._of(model)
+        if key not in self._less:
+            prefix = "{}@{}.".format(*key)
+            kept = [not name.startswith(prefix) for name in model.hypothesis.space.names]
+            less = model.hypothesis.without(key)
+            self._less[key] = fitted_closely(self.setup, less, model.x[np.array(kept)])
+        return self._less[key]
+
+    def instead(self, model: FittedFrfs, key: Key, others: Sequence[FittedFrfs]) -> list[FittedFrfs]:
+        """The model with other effects in place of one, fitted again.
+
+        Args:
+            model: with the effect.
+            key: its name and place.
+            others: models whose last effects are put in its place.
+        """
+        self._of(model)
+        found = []
+        for other in others:
+            law = other.hypothesis.placed[-1]
+            told = key, law.effect, law.where
+            if told not in self._instead:
+                self._instead[told] = in_its_stead(self.setup, model, key, [other])
+            found += self._instead[told]
+        return found
+
+    def _of(self, model: FittedFrfs) -> None:
+        """What is known of another model goes."""
+        if model is not self._model:
+            self._model, self._less, self._instead = model, {}, {}
 
 
 def in_its_stead(

@@ -121,6 +121,19 @@ def test_what_is_far_is_not_tried_and_others_always_are(look):
     assert look.worth_trying("somebody_elses_effect", "anywhere")
 
 
+@pytest.mark.parametrize(
+    ("leaves", "tried"), [((6.0, 9.9), True), ((6.0, 10.1), False), ((10.5, 10.9), True)]
+)
+def test_what_leaves_more_than_nothing_does_is_not_tried_unless_everything_does(leaves, tried):
+    """The robot alone leaves 10."""
+    kinds = ("torque", "q4"), ("body", "link_2")
+    places = tuple(PlaceTried(*kind, "", one, None, 2) for kind, one in zip(kinds, leaves, strict=True))
+    torque = Found("torque", "q4", "a torque", 10.0, (kinds[0],), None, ())
+    assert (
+        Findings(10.0, 6.0, places, (torque,), False, True, "").worth_trying("added_mass", "link_2") is tried
+    )
+
+
 def test_every_effect_of_the_catalogue_has_a_port_and_classes_there_are(context):
     kinds = {kind.name: kind for kind in (*KINDS, TORQUE)}
     assert set(PORT_OF) == set(catalogue())

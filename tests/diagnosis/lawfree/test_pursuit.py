@@ -73,12 +73,23 @@ class Screened(Given):
     def __init__(self, placed, best, ports=(ONE,), torques=(), firsts=(10.0, 1.0)):
         super().__init__(ports, {frozenset({"q1"}): best, frozenset({"q1+q2"}): 5.0})
         root = Mock(spec=Hypothesis, placed=placed, context=Mock(spec=Context))
-        rest = {"rare": (PAIR,), "torques": torques, "root": root, "asked": [], "firsts": firsts}
+        rest = {
+            "rare": (PAIR,),
+            "torques": torques,
+            "root": root,
+            "asked": [],
+            "brought": [],
+            "firsts": firsts,
+        }
         for name, value in rest.items():
             object.__setattr__(self, name, value)
 
-    def sighted(self, ports, before=None, start=None, *, patient=False):
+    def sighted(self, ports, before=None, start=None, *, patient=False, roughly=False):
         return super().sighted(ports, before)
+
+    def ended(self, one):
+        self.brought.append(one.port)
+        return one
 
     def _screened(self, ports, before, taken, advance):
         self.asked.extend(ports)
@@ -94,6 +105,17 @@ def test_rare_ports_are_tried_where_no_other_leads_on(placed, best, tried):
     field = Screened(placed, best)
     field.round()
     assert (PAIR in field.asked) is tried
+
+
+@pytest.mark.parametrize(
+    ("placed", "best", "ended"),
+    [((), 1.5, [ONE]), ((), 5.0, [ONE, OTHER]), (("an effect",), 3.0, [ONE]), (("an effect",), 3.3, [])],
+)
+def test_those_near_the_best_are_brought_to_their_ends(placed, best, ended):
+    """The other one leaves 9; beside effects none, where several more are missing."""
+    field = Screened(placed, best, ports=(ONE, OTHER))
+    field.round()
+    assert field.brought == ended
 
 
 @pytest.mark.parametrize(
