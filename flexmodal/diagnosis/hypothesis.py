@@ -21,7 +21,6 @@ from flexmodal.identification.layout import Part, unmeasured
 from flexmodal.identification.model import Group
 from flexmodal.structure import ParameterSpace
 from flexmodal.structure.assembly import KINDS, Assembly
-from flexmodal.structure.definite import with_inertia
 from flexmodal.structure.frame import Frame, proportional
 from flexmodal.structure.stack import Structures, joined
 from flexmodal.structure.structure import Structure
@@ -241,7 +240,7 @@ class Hypothesis:
             found.append(differences(shift, change, total["mass"].shape))
         return Structures(
             coordinates=tuple(frame.assembly.coordinates),
-            mass=with_inertia(total["mass"]),
+            mass=total["mass"],
             damping=total["damping"],
             stiffness=total["stiffness"],
             loss=total["loss"],

@@ -53,6 +53,7 @@ def built(context: Context, base: ParameterSpace, part: Part, placements: Placem
         card=np.array([parameter.card for parameter in base]),
         response=part.seen(seen),
         reference=part.hit(hit),
+        is_cut=bool(taken),
     )
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from jaxtyping import Float
 
-LEAST = 1e-12
-"""Inertia at least of a direction that had none or less, over the largest."""
+ROUNDING = 1e-10
+"""Of eigenvalues, over the largest: what is not farther below 0 is none."""
 
 
 def is_definite(mass: Float[np.ndarray, "*system dof dof"]) -> bool:
@@ -23,11 +23,11 @@ def is_definite(mass: Float[np.ndarray, "*system dof dof"]) -> bool:
 
 
 def with_inertia(mass: Float[np.ndarray, "system dof dof"]) -> Float[np.ndarray, "system dof dof"]:
-    """Masses with an inertia in every direction: a negative one becomes as large a positive one.
+    """Masses with a negative inertia in no direction: it becomes as large a positive one.
 
     A part of a link that bends may have a small negative one, where the inertia of the link is less than its
     mass would have if it were spread along it. Far below the poles that come of it receptances are the same
-    either way, but motion in time has no end where it is negative.
+    either way, but motion in time has no end where it is negative. Coordinates without any mass stay so.
 
     Args:
         mass: of several structures, symmetric; the same object where nothing is negative.
@@ -35,6 +35,6 @@ def with_inertia(mass: Float[np.ndarray, "system dof dof"]) -> Float[np.ndarray,
     if is_definite(mass):
         return mass
     values, vectors = np.linalg.eigh(mass)
-    most = np.max(values, axis=-1, keepdims=True)
-    made = np.where(values > 0, values, np.maximum(np.abs(values), LEAST * most))
-    return np.asarray((vectors * made[:, None]) @ np.swapaxes(vectors, 1, 2))
+    if (values >= -ROUNDING * values[:, -1:]).all():
+        return mass
+    return np.asarray((vectors * np.abs(values)[:, None]) @ np.swapaxes(vectors, 1, 2))

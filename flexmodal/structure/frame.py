@@ -15,6 +15,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from flexmodal.structure.assembly import KINDS, Assembly
+from flexmodal.structure.definite import with_inertia
 from flexmodal.structure.stack import Slopes, joined
 
 MOST_KEPT = 256e6
@@ -49,6 +50,8 @@ class Frame:
     """Their values there."""
     response: Float[np.ndarray, "system response dof"]
     reference: Float[np.ndarray, "system reference dof"]
+    is_cut: bool = False
+    """Whether the body of a link is shared out between several parts, whose inertia may come out negative."""
 
     @cached_property
     def size(self) -> int:
@@ -84,7 +87,8 @@ class Frame:
         for kind, terms in self.terms.items():
             grown, shape = np.exp(log @ terms.share), terms.matrices.shape[1:]
             flat = terms.matrices.reshape(len(grown), int(np.prod(shape)))
-            total[kind] = (grown @ flat).reshape(shape)[self.posture]
+            found = (grown @ flat).reshape(shape)
+            total[kind] = (with_inertia(found) if self.is_cut and kind == "mass" else found)[self.posture]
             if terms.moved.size:
                 along = (terms.share[terms.moved] * grown) @ flat
                 slopes[kind] = (terms.moved, along.reshape(-1, *shape)[:, self.posture])

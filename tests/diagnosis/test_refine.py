@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 import flexmodal
-from flexmodal.diagnosis import hypothesis as hypothesis_module
 from flexmodal.diagnosis.disagreement.gaps import over_noise
 from flexmodal.diagnosis.effects import Context, catalogue
 from flexmodal.diagnosis.effects.dry_friction import EFFECT as FRICTION
@@ -28,7 +27,7 @@ from flexmodal.identification import fit, gap, observe, predict
 from flexmodal.identification.frf_fit import FrfMisfit, Weighting
 from flexmodal.identification.model import evaluated
 from flexmodal.rig import simulate
-from flexmodal.structure import robot_space
+from flexmodal.structure import frame, robot_space
 
 TRUST = {"stiffness": 0.08, "damping": 0.08, "mass": 0.08, "inertia": 0.08}
 SEEN = {}
@@ -372,6 +371,6 @@ def test_parts_of_a_link_with_a_negative_inertia_can_be_integrated(monkeypatch):
     for rows, value, _ in evaluated(linear, x, observations, lines, slopes=False):
         expected[rows] = value
     assert np.abs(np.log(found / expected)).max() < 1e-3
-    monkeypatch.setattr(hypothesis_module, "with_inertia", lambda mass: mass)
+    monkeypatch.setattr(frame, "with_inertia", lambda mass: mass)
     with pytest.raises(SingularResponse, match="not stable"):
         TimeDomainModel(hypothesis).receptances(start, observations, lines, slopes=False)
