@@ -20,7 +20,7 @@ class Again:
     """Fits the best of a round once more."""
 
     fits: Callable[..., Sighting]
-    """Ports fitted well and judged, see `look.Field.sighted`."""
+    """Ports fitted well and judged, see `port_fits.PortFits.sighted`."""
     context: Context
     before: Sighting | None
     """Ports that are there already."""

@@ -69,7 +69,7 @@ def refined(
         InvalidRequest: no effect of the hypothesis has a law.
     """
     lines = some_lines(observations, CLOSE)
-    # In long steps what links bend by in many hinges makes the torques grow without end.
+    # Long steps are rough anyway, and so are the links.
     rough, model = TimeDomainModel(with_few_hinges(hypothesis), ROUGH), TimeDomainModel(hypothesis)
     first = FrfMisfit(rough, observations, Weighting(FLOORS[0], lines))
     last = FrfMisfit(model, observations, Weighting(FLOORS[1], lines))
