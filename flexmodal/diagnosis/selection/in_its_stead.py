@@ -89,9 +89,7 @@ class Refits:
             self._model, self._less, self._instead = model, {}, {}
 
 
-def in_its_stead(
-    setup: Setup, model: FittedFrfs, key: tuple[str, str], others: Sequence[FittedFrfs]
-) -> list[FittedFrfs]:
+def in_its_stead(setup: Setup, model: FittedFrfs, key: Key, others: Sequence[FittedFrfs]) -> list[FittedFrfs]:
     """A model with other effects in place of one, fitted again.
 
     Args:
