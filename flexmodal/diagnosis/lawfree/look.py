@@ -31,7 +31,8 @@ LEADS = 1.4
 """Times by which a port beside effects lowers the misfit, for rare ones not to be tried: of several effects
 each takes a part, and what is rare is tried where none does."""
 NEAR = 2.0
-"""Times the misfit of the best up to which ports are brought to their ends."""
+"""Times the misfit of the best up to which ports are brought to their ends; far more than rough fits differ
+from ends, and not tuned."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,8 +122,7 @@ class Field(PortFits):
             taken: kinds and places of these.
             least: reduced χ² of the best in the first round.
         """
-        most = SEVERAL * SOUND if self.root.placed else np.inf
-        again = Again(self.sighted, self.root.context, before, most)
+        again = Again(self.sighted, self.root.context, before, self._most)
         better = again.better(found)
         if not self.rare or self._leads_on(better, before):
             return better
@@ -133,9 +133,14 @@ class Field(PortFits):
     def _ended(self, found: Sequence[Sighting]) -> list[Sighting]:
         """The best brought to their ends, but where several effects are missing beside others."""
         least = min(one.judged for one in found)
-        if self.root.placed and least > SEVERAL * SOUND:
+        if least > self._most:
             return list(found)
         return [self.ended(one) if one.judged <= NEAR * least else one for one in found]
+
+    @property
+    def _most(self) -> float:
+        """Misfit of the best up to which it pays to fit on; beside effects more are missing beyond it."""
+        return SEVERAL * SOUND if self.root.placed else np.inf
 
     def _leads_on(self, found: Sequence[Sighting], before: Sighting | None) -> bool:
         """Whether a port explains what is missing, or beside effects a good part of it."""

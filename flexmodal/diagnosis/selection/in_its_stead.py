@@ -79,7 +79,7 @@ class Refits:
             law = other.hypothesis.placed[-1]
             told = key, law.effect, law.where
             if told not in self._instead:
-                self._instead[told] = in_its_stead(self.setup, model, key, [other])
+                self._instead[told] = in_its_stead(self.setup, model, key, other)
             found += self._instead[told]
         return found
 
@@ -89,23 +89,20 @@ class Refits:
             self._model, self._less, self._instead = model, {}, {}
 
 
-def in_its_stead(setup: Setup, model: FittedFrfs, key: Key, others: Sequence[FittedFrfs]) -> list[FittedFrfs]:
-    """A model with other effects in place of one, fitted again.
+def in_its_stead(setup: Setup, model: FittedFrfs, key: Key, other: FittedFrfs) -> list[FittedFrfs]:
+    """A model with another effect in place of one, fitted again; none where there is no such model.
 
     Args:
         setup: what the diagnosis works with.
         model: with the effect.
         key: its name and place.
-        others: models whose last effects are put in its place.
+        other: model whose last effect is put in its place.
     """
     now = dict(zip(model.hypothesis.space.names, model.x.tolist(), strict=True))
-    less, found = model.hypothesis.without(key), []
-    for other in others:
-        hypothesis = less.and_also(other.hypothesis.placed[-1])
-        own = dict(zip(other.hypothesis.space.names, other.x.tolist(), strict=True))
-        start = np.array([now.get(name, own.get(name, 0.0)) for name in hypothesis.space.names])
-        found += tried_closely(setup, hypothesis, start, near=True, steps=A_FEW)
-    return found
+    own = dict(zip(other.hypothesis.space.names, other.x.tolist(), strict=True))
+    hypothesis = model.hypothesis.without(key).and_also(other.hypothesis.placed[-1])
+    start = np.array([now.get(name, own.get(name, 0.0)) for name in hypothesis.space.names])
+    return tried_closely(setup, hypothesis, start, near=True, steps=A_FEW)
 
 
 def sure_beside(comparison: Comparison[FittedFrfs]) -> float:
