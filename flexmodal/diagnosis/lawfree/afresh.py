@@ -12,7 +12,7 @@ from flexmodal.diagnosis.lawfree.sighting import Sighting
 NEARLY, AFRESH = 1.0, 2
 """Where none comes that near to nothing, so many of the best are fitted once more, from the beginning."""
 WITHIN = 2.0
-"""Times the misfit of the best up to which others of them are."""
+"""Times the misfit of the best, fitted once more itself, up to which others of them are."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,11 +37,11 @@ class Again:
         order = sorted(found, key=lambda one: one.judged)
         if not order or not NEARLY < order[0].judged <= self.most:
             return order
-        limit = WITHIN * order[0].judged
-        again = [
-            self._one(one) if one.port.key not in known and one.judged <= limit else one
-            for one in order[:AFRESH]
-        ]
+        again: list[Sighting] = []
+        for one in order[:AFRESH]:
+            least = min((better.judged for better in again), default=one.judged)
+            pays = one.port.key not in known and one.judged <= WITHIN * least
+            again.append(self._one(one) if pays else one)
         return sorted([*again, *order[AFRESH:]], key=lambda one: one.judged)
 
     def _one(self, one: Sighting) -> Sighting:

@@ -71,7 +71,7 @@ class Screened(Given):
     round = Field.round
 
     def __init__(self, placed, best, ports=(ONE,), torques=(), firsts=(10.0, 1.0)):
-        super().__init__(ports, {frozenset({"q1"}): best, frozenset({"q1+q2"}): 5.0})
+        super().__init__(ports, {frozenset({"q1"}): best, frozenset({"q1+q2"}): 5.5})
         root = Mock(spec=Hypothesis, placed=placed, context=Mock(spec=Context))
         rest = {
             "rare": (PAIR,),
@@ -98,10 +98,10 @@ class Screened(Given):
 
 @pytest.mark.parametrize(
     ("placed", "best", "tried"),
-    [((), 1.5, False), ((), 7.0, True), (("an effect",), 7.0, False), (("an effect",), 7.3, True)],
+    [((), 3.3, False), ((), 3.4, True), (("an effect",), 7.0, False), (("an effect",), 7.3, True)],
 )
 def test_rare_ports_are_tried_where_no_other_leads_on(placed, best, tried):
-    """Of 10 without any; beside effects a port that takes three tenths of it leads on."""
+    """Of 10 without any a port leads on that takes two thirds, beside effects three tenths."""
     field = Screened(placed, best)
     field.round()
     assert (PAIR in field.asked) is tried
@@ -109,10 +109,16 @@ def test_rare_ports_are_tried_where_no_other_leads_on(placed, best, tried):
 
 @pytest.mark.parametrize(
     ("placed", "best", "ended"),
-    [((), 1.5, [ONE]), ((), 5.0, [ONE, OTHER]), (("an effect",), 3.0, [ONE]), (("an effect",), 3.3, [])],
+    [
+        ((), 1.5, [ONE]),
+        ((), 4.6, [ONE, OTHER]),
+        ((), 5.1, []),
+        (("an effect",), 3.0, [ONE]),
+        (("an effect",), 3.3, []),
+    ],
 )
 def test_those_near_the_best_are_brought_to_their_ends(placed, best, ended):
-    """The other one leaves 9; beside effects none, where several more are missing."""
+    """The other one leaves 9 of 10; none where several are missing."""
     field = Screened(placed, best, ports=(ONE, OTHER))
     field.round()
     assert field.brought == ended
@@ -122,18 +128,32 @@ def test_those_near_the_best_are_brought_to_their_ends(placed, best, ended):
     ("placed", "best", "again"),
     [
         ((), 0.9, 0),
-        ((), 7.0, 2),
+        ((), 4.9, 2),
+        ((), 5.1, 0),
         (("an effect",), 3.0, 1),
         (("an effect",), 3.5, 0),
         (("an effect",), 0.9, 0),
     ],
 )
-def test_what_leaves_too_much_beside_effects_is_not_fitted_once_more(placed, best, again):
-    """Where one place would not be enough, patience is not rewarded; alone it may be."""
+def test_what_leaves_too_much_is_not_fitted_once_more(placed, best, again):
+    """Where one place would not be enough, patience is not rewarded: alone where it leaves half of 10."""
     field = Screened(placed, best)
     with patch.object(Again, "_one", side_effect=lambda one: one) as afresh:
         field.round()
     assert afresh.call_count == again
+
+
+@pytest.mark.parametrize(("improved", "again"), [(3.0, 2), (2.0, 1)])
+def test_the_second_is_fitted_once_more_where_it_is_near_the_first_that_was(improved, again):
+    """The first one leaves 4, and then so much; the second leaves 5."""
+    first, better, second = (
+        Sighting((port,), misfit, None, 1, PROFILE, STATE)
+        for port, misfit in ((ONE, 4.0), (ONE, improved), (OTHER, 5.0))
+    )
+    with patch.object(Again, "_one", side_effect=[better, second]) as afresh:
+        found = Again(Mock(spec=Field.sighted), Mock(spec=Context), None, 10.0).better([second, first])
+    assert afresh.call_count == again
+    assert [one.judged for one in found] == [improved, 5.0]
 
 
 @pytest.mark.parametrize(("rare", "found"), [(9.9, True), (10.1, False)])
