@@ -26,6 +26,8 @@ class Again:
     """Ports that are there already."""
     most: float
     """Misfit of the best up to which it pays."""
+    passed: Collection[str] = ()
+    """Kinds of port that are not fitted once more."""
 
     def better(self, found: Sequence[Sighting], known: Collection[tuple[str, str]] = ()) -> list[Sighting]:
         """All in order, those that were fitted once more by what that came to.
@@ -41,6 +43,7 @@ class Again:
         for one in order[:AFRESH]:
             least = min((better.judged for better in again), default=one.judged)
             pays = one.port.key not in known and one.judged <= WITHIN * least
+            pays = pays and one.port.kind.name not in self.passed
             again.append(self._one(one) if pays else one)
         return sorted([*again, *order[AFRESH:]], key=lambda one: one.judged)
 

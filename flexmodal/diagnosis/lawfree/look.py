@@ -12,6 +12,7 @@ from jaxtyping import Float, Int
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.lawfree import screening
 from flexmodal.diagnosis.lawfree.afresh import Again
+from flexmodal.diagnosis.lawfree.elastic_ports import LINK
 from flexmodal.diagnosis.lawfree.kinds import KINDS, NOTHING, RARE, TORQUE
 from flexmodal.diagnosis.lawfree.port import Port, PortKind
 from flexmodal.diagnosis.lawfree.port_fits import PortFits
@@ -30,6 +31,9 @@ SEVERAL = 2.0
 only if it does not lower the misfit `HALVED` times either. Of ten looked-at campaigns whose best did not,
 one gained more than a hundredth: a foundation in space, 11.7 to 10.7."""
 HALVED = 2.0
+SLOW = frozenset({LINK.name})
+"""Kinds of port that are not fitted once more beside effects: two links took 77 of the 148 s of a look beside
+three, and none came nearer by a hundredth. Without effects one did."""
 LEADS, LEADS_ALONE = 1.4, 3.0
 """Times by which a port lowers the misfit for rare ones not to be tried, beside effects and where there are
 none yet: of several effects each takes a part, and what is rare is tried where none does. The second is not
@@ -126,7 +130,7 @@ class Field(PortFits):
             taken: kinds and places of these.
             least: reduced χ² of the best in the first round.
         """
-        again = Again(self.sighted, self.root.context, before, self._most)
+        again = Again(self.sighted, self.root.context, before, self._most, SLOW if self.root.placed else ())
         better = again.better(found)
         if not self.rare or self._leads_on(better, before):
             return better

@@ -7,6 +7,7 @@ import pytest
 from flexmodal.diagnosis.effects import Context
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.lawfree.afresh import Again
+from flexmodal.diagnosis.lawfree.elastic_ports import LINK
 from flexmodal.diagnosis.lawfree.joint_ports import COUPLING, JOINT
 from flexmodal.diagnosis.lawfree.kinds import TORQUE
 from flexmodal.diagnosis.lawfree.look import Field
@@ -138,6 +139,16 @@ def test_those_near_the_best_are_brought_to_their_ends(placed, best, ended):
 def test_what_leaves_too_much_is_not_fitted_once_more(placed, best, again):
     """Where one place would not be enough, patience is not rewarded: alone where it leaves half of 10."""
     field = Screened(placed, best)
+    with patch.object(Again, "_one", side_effect=lambda one: one) as afresh:
+        field.round()
+    assert afresh.call_count == again
+
+
+@pytest.mark.parametrize(("placed", "again"), [((), 2), (("an effect",), 1)])
+def test_a_link_is_not_fitted_once_more_beside_effects(placed, again):
+    """With its many hinges it takes most of a look's time and gains nothing; what is next to it is."""
+    field = Screened(placed, 3.0, ports=(Port(LINK, "q1", ("bending",)), OTHER))
+    object.__setattr__(field, "misfits", {frozenset({"q1"}): 3.0, frozenset({"q2"}): 3.1})
     with patch.object(Again, "_one", side_effect=lambda one: one) as afresh:
         field.round()
     assert afresh.call_count == again
