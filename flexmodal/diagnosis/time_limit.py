@@ -9,7 +9,8 @@ from contextlib import contextmanager
 from flexmodal.errors import Fault, InvalidRequest
 
 FOR_EFFECTS = 0.85
-"""Part of the time in which effects are added to several; the rest is for asking which of them are sure."""
+"""Part of the time in which effects are added to several. The rest is for asking which of them are sure, and
+there even if what was cut off has lasted longer: a fit is not cut off in its midst."""
 
 
 class OutOfTime(Exception):
@@ -32,13 +33,17 @@ class TimeLimit:
         """Whether something was cut off."""
 
     @contextmanager
-    def counting(self, part: float = 1.0) -> Iterator[None]:
+    def counting(self, part: float = 1.0, *, at_least: float = 0.0) -> Iterator[None]:
         """What is done here is cut off when a part of the time is up.
 
         Args:
             part: of all the time.
+            at_least: part of it from now on that there is in any case, however late it has become.
         """
-        self._until = None if self.seconds is None else self._start + part * self.seconds
+        if self.seconds is not None:
+            self._until = self._start + part * self.seconds
+            if at_least:
+                self._until = max(self._until, self._clock() + at_least * self.seconds)
         try:
             yield
         finally:

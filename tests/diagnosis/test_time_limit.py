@@ -38,6 +38,21 @@ class Slow(World):
         return self.pointed(before, number)
 
 
+def test_what_comes_late_has_its_part_in_any_case():
+    """From when it begins; nobody else has any more."""
+    clock = Clock()
+    limit = TimeLimit(10.0, clock)
+    clock.now += 12.0
+    with limit.counting(at_least=0.15):
+        clock.now += 1.4
+        limit.check()
+        clock.now += 0.2
+        with pytest.raises(OutOfTime):
+            limit.check()
+    with limit.counting(), pytest.raises(OutOfTime):
+        limit.check()
+
+
 @pytest.mark.parametrize("seconds", [None, 100.0])
 def test_time_that_nothing_counts_does_not_run_out(seconds):
     clock = Clock()
@@ -95,6 +110,26 @@ def test_of_several_those_that_are_sure_stand_when_the_time_is_up(seconds, sure,
     assert selection.rounds, "what the verdict goes by"
     further = () if selection.furthest is None else selection.furthest.keys
     assert further == ((BASE, MASS) if not said and seconds > 1 / FOR_EFFECTS else ())
+
+
+def test_which_effects_are_sure_is_asked_even_if_a_look_has_lasted_too_long():
+    """The third one lasts ten times as long as there is time."""
+
+    class Late(Slow):
+        def pointed(self, before, number):
+            self.clock.now += 100.0 if number == 2 else 0.0
+            return super().pointed(before, number)
+
+        def settles(self, model):
+            self.clock.now += 1.0
+            self.limit.check()
+            return super().settles(model)
+
+    world = Late(left_of_three, 10.0, True)
+    selection = Kept(world, world.limit)
+    selection.run()
+    assert world.limit.was_hit
+    assert steps(selection) == [BASE, MASS]
 
 
 def test_those_that_were_asked_for_in_time_are_sure(monkeypatch):

@@ -80,7 +80,7 @@ class ForwardSelection(Generic[M]):
         kept = self._state
         ended, named = self._pursued()
         if not ended and named is None:
-            with self.limit.counting():
+            with self.limit.counting(at_least=1 - FOR_EFFECTS):
                 self.sure = self.data.settles(self.current)
         if not ended and not self.sure:
             self.furthest = None if named else self.current
