@@ -42,9 +42,8 @@ class Again:
         again: list[Sighting] = []
         for one in order[:AFRESH]:
             least = min((better.judged for better in again), default=one.judged)
-            pays = one.port.key not in known and one.judged <= WITHIN * least
-            pays = pays and one.port.kind.name not in self.passed
-            again.append(self._one(one) if pays else one)
+            passed = one.port.key in known or one.port.kind.name in self.passed
+            again.append(one if passed or one.judged > WITHIN * least else self._one(one))
         return sorted([*again, *order[AFRESH:]], key=lambda one: one.judged)
 
     def _one(self, one: Sighting) -> Sighting:

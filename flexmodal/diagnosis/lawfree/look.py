@@ -139,7 +139,7 @@ class Field(PortFits):
         return again.better([*better, *rare], {one.port.key for one in better})
 
     def _ended(self, found: Sequence[Sighting]) -> list[Sighting]:
-        """The best brought to their ends, but where several effects are missing beside others."""
+        """The best brought to their ends, but where several effects are missing."""
         least = min(one.judged for one in found)
         if least > self._most:
             return list(found)
