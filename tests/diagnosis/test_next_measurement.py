@@ -104,7 +104,7 @@ def test_everything_that_could_be_measured_is_there(observed, hinged):
     assert locked == [(joint,) for joint in root.context.joints]
     assert {name for _, masses in bench.fixtures for name in masses} == {point.name for point in bench.points}
     levels = bench.levels(by_force=True)
-    planned, there = bench.planned(observed.postures[0], bench.rows[:2], levels)
+    planned, there = bench.planned([(observed.postures[0], bench.rows[:2])], levels)
     assert len(planned) == 2 * len(levels)
     peaks = [planned.peak(number) for number in levels]
     assert peaks[-1] == pytest.approx(3 * max(peaks[:-1])) == bench.peak(levels[-1])

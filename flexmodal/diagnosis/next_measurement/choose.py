@@ -22,7 +22,7 @@ from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.names import NONE
 from flexmodal.diagnosis.next_measurement.information import Predicted, doubt_left
 from flexmodal.diagnosis.next_measurement.refit import At, not_made_up_for
-from flexmodal.diagnosis.next_measurement.setups import Bench, postures_to_try
+from flexmodal.diagnosis.next_measurement.setups import Bench, Plan, postures_to_try
 from flexmodal.diagnosis.outcome import NextMeasurement
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.identification import Observations
@@ -39,6 +39,8 @@ CLOSER = 3
 NO_DOUBT = 1e-3
 """Expected doubt that nobody would pay more for: what costs more, a lock or a mass, is left out then, and
 what hides least of the arm is measured."""
+TOGETHER = 8
+"""Postures that are looked at together: bounds the memory for many places in each."""
 REFITTED = 3
 """Explanations that are fitted to each other."""
 
@@ -106,29 +108,33 @@ def next_among_records(
     by_force = any(one.hypothesis.by_force for one in models)
     levels = bench.levels(by_force=by_force)
 
-    def seen(posture: CampaignPosture, rows: Sequence[tuple[Place, Place]]) -> list[Option]:
-        if not rows:
-            return []
-        planned, there = bench.planned(posture, rows, levels)
-        found = [_seen(one, there, planned, lines) for one in models]
-        peaks = [planned.peak(int(level)) for level in planned.level]
-        told = [(u, v) for u, v in rows for _ in levels]
-        return _options(posture, told, peaks, found, models, noise)
+    def seen(plans: Sequence[Plan]) -> list[Option]:
+        options, full = list[Option](), [plan for plan in plans if plan[1]]
+        for begin in range(0, len(full), TOGETHER):
+            some = full[begin : begin + TOGETHER]
+            planned, there = bench.planned(some, levels)
+            found = [_seen(one, there, planned, lines) for one in models]
+            for number, (posture, rows) in enumerate(some):
+                here = planned.posture == number
+                peaks = [planned.peak(int(level)) for level in planned.level[here]]
+                told = [(u, v) for u, v in rows for _ in levels]
+                options += _options(posture, told, peaks, [one.keeping(here) for one in found], models, noise)
+        return options
 
-    plain: list[Option] = []
-    for q in postures_to_try(bench.context, seed):
-        posture = _standing(bench.context, q)
-        plain += seen(posture, _not_measured(bench, posture, bench.rows))
-    elsewhere: list[Option] = []
-    for option in _best(plain, CLOSER):
-        elsewhere += seen(option.posture, bench.other_rows)
-    for own in bench.context.postures:
-        elsewhere += seen(own, _not_measured(bench, own, bench.other_rows))
-    held: list[Option] = []
-    for option in _best([*plain, *elsewhere], CLOSER):
-        for locked, masses in bench.fixtures:
-            there = replace(option.posture, locked=locked, masses=masses)
-            held += seen(there, [(option.response, option.reference)])
+    def not_measured(posture: CampaignPosture, rows: Sequence[tuple[Place, Place]]) -> Plan:
+        return posture, _not_measured(bench, posture, rows)
+
+    standing = [_standing(bench.context, q) for q in postures_to_try(bench.context, seed)]
+    plain = seen([not_measured(posture, bench.rows) for posture in standing])
+    elsewhere = seen([(option.posture, bench.other_rows) for option in _best(plain, CLOSER)])
+    elsewhere += seen([not_measured(own, bench.other_rows) for own in bench.context.postures])
+    held = seen(
+        [
+            (replace(option.posture, locked=locked, masses=masses), [(option.response, option.reference)])
+            for option in _best([*plain, *elsewhere], CLOSER)
+            for locked, masses in bench.fixtures
+        ]
+    )
     new = {point.id: point.name for point in bench.new}
     judged: list[Option] = []
     for kind in (plain, elsewhere, held):
@@ -145,7 +151,7 @@ def _refitted(option: Option, bench: Bench, models: Sequence[Sure], lines: slice
         for number in bench.levels(by_force=any(one.hypothesis.by_force for one in models))
         if math.isclose(bench.peak(number), option.force_peak)
     )
-    planned, there = bench.planned(option.posture, [(option.response, option.reference)], [level])
+    planned, there = bench.planned([(option.posture, [(option.response, option.reference)])], [level])
 
     def at(one: Sure) -> At:
         moved = Hypothesis(there, one.hypothesis.base, one.hypothesis.placed)

@@ -21,11 +21,11 @@ tell the explanations apart: the pair that is hardest to tell rules it.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
-from jaxtyping import Complex, Float
+from jaxtyping import Bool, Complex, Float
 
 from flexmodal.identification.frf_fit import residual
 
@@ -38,6 +38,10 @@ class Predicted:
     slopes: Complex[np.ndarray, "parameter row line"]
     """Of ln(value)."""
     covariance: Float[np.ndarray, "parameter parameter"]
+
+    def keeping(self, some: Bool[np.ndarray, " row"]) -> Predicted:
+        """For some of the measurements."""
+        return replace(self, value=self.value[some], slopes=self.slopes[:, some])
 
 
 def information(one: Predicted, other: Predicted, noise: float) -> Float[np.ndarray, " row"]:

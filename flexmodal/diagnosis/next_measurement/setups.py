@@ -21,6 +21,8 @@ BOLTED = 0.05
 HARDER = 3.0
 """Times the hardest blow so far that a blow of another kind has, where explanations depend on the force."""
 _WIDEST = np.radians(150)
+Plan = tuple[CampaignPosture, Sequence[tuple[Place, Place]]]
+"""A posture, with what is locked and bolted on, and pairs of response and reference."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,14 +106,11 @@ class Bench:
             return seen.peak(level)
         return HARDER * max(seen.peak(number) for number in range(len(seen.levels)))
 
-    def planned(
-        self, posture: CampaignPosture, rows: Sequence[tuple[Place, Place]], levels: Sequence[int]
-    ) -> tuple[Observations, Context]:
-        """Observations of a posture in which nothing is measured yet, and the context of their effects.
+    def planned(self, plans: Sequence[Plan], levels: Sequence[int]) -> tuple[Observations, Context]:
+        """Observations of postures in which nothing is measured yet, and the context of their effects.
 
         Args:
-            posture: with what is locked and bolted on.
-            rows: pairs of response and reference.
+            plans: postures, and pairs of response and reference in each.
             levels: see `levels`.
         """
         seen, campaign = self.observations, self.observations.campaign
@@ -128,15 +127,21 @@ class Bench:
             shorter = pulses[hardest].length * HARDER ** (-1 / 6)  # Hertz's contact; see `pulse`
             pulses, peaks[len(groups) - 1] = (*pulses, Pulse(peak, shorter)), peak
         points = (*campaign.points, *self.new)
-        table = np.array([(*u, *v, level) for u, v in rows for level in levels])
+        numbered = enumerate(
+            (posture for posture, _ in plans), start=1
+        )  # one may be there with several locks
+        postures = tuple(replace(posture, id=k, name=f"planned_{k}") for k, posture in numbered)
+        table = np.array(
+            [(*u, *v, level, k) for k, (_, rows) in enumerate(plans) for u, v in rows for level in levels]
+        )
         shape = len(table), seen.value.shape[1]
         planned = replace(
             seen,
             campaign=replace(
-                campaign, points=points, postures=(posture,), trials=trials, frfs=None, blows=(), modes=None
+                campaign, points=points, postures=postures, trials=trials, frfs=None, blows=(), modes=None
             ),
-            postures=(posture,),
-            posture=np.zeros(len(table), dtype=int),
+            postures=postures,
+            posture=table[:, 5],
             response=table[:, :2],
             reference=table[:, 2:4],
             level=table[:, 4],
@@ -147,7 +152,7 @@ class Bench:
             variance=np.zeros(shape),
             used=np.ones(shape, dtype=bool),
         )
-        there = replace(self.context, postures=(posture,), points=points, pulses=pulses, peaks=peaks)
+        there = replace(self.context, postures=postures, points=points, pulses=pulses, peaks=peaks)
         return planned, there
 
 
