@@ -34,6 +34,7 @@ MASS, DELAY, PLAY, LINK, BASE = (
     ("base", "e"),
 )
 FEET = ("base_flexibility", "base")
+PLAYS = ("nonlinear_stiffness", "q3")
 EVERY = (MASS, DELAY, PLAY, LINK, BASE, ("spare", "f"), ("spare", "g"))
 NOISE = 1.0
 
@@ -755,20 +756,34 @@ def test_beside_the_same_effects_is_searched_again_only_from_nearer(monkeypatch,
     [
         (0.4, True, [("local_absorber", "link_3")]),
         (0.2, False, [("local_absorber", "link_3")]),
-        (0.2, True, [FEET, ("local_absorber", "link_3"), ("joint_coupling", "q1+q2")]),
+        (
+            0.2,
+            True,
+            [
+                FEET,
+                ("coulomb_friction", "q1"),
+                ("local_absorber", "link_3"),
+                PLAYS,
+                ("joint_coupling", "q1+q2"),
+            ],
+        ),
     ],
     ids=["one takes a good part", "nothing is there yet", "neither"],
 )
 def test_where_none_takes_a_good_part_beside_effects_what_a_look_puts_first_and_wider_laws_are_tried(
     monkeypatch, takes, beside, expected
 ):
-    """Of the two best places that have an effect, and of those near that have a wider law."""
+    """Of the two best places that have an effect, and of those near that have a wider law.
+
+    In the order of the places, one law more that depends on the blow, from what the look tells.
+    """
+    forced = PLAYS, ("coulomb_friction", "q1")
     over = {FEET: 8.0, ("local_absorber", "link_3"): 7.7, ("joint_coupling", "q1+q2"): 20.0}
-    asked, widened = [], []
+    asked, widened, told = [], [], Mock()
 
     def model(key, over, level=None):
         one = fitted(DELAY, key)
-        one.hypothesis.placed[-1].effect = Mock(next_level=level)
+        one.hypothesis.placed[-1].effect = Mock(next_level=level, by_force=key in forced)
         one.over = one.cost = over
         return one
 
@@ -778,23 +793,27 @@ def test_where_none_takes_a_good_part_beside_effects_what_a_look_puts_first_and_
         return [model(key, over[key], "wide") for key in asked]
 
     def at_next_level(setup, one, set_out, is_enough):
+        assert set_out.told is told
         widened.append(one.key)
-        return [model(one.key, 5.4)]
+        return [model(one.key, 5.4 if one.key == FEET else 7.6)]
 
     monkeypatch.setattr(frf_candidates, "over_noise", lambda setup, one: one.over)
     monkeypatch.setattr(frf_candidates, "left", lambda setup, before, one: 1 - takes)
     monkeypatch.setattr(frf_candidates, "at_next_level", at_next_level)
+    monkeypatch.setattr(frf_candidates, "starts", lambda *given: Mock(told=told))
     candidates = FrfCandidates.__new__(FrfCandidates)
     candidates.setup, candidates.searched = Mock(spec=Setup), searched
     ports = ("blows", "tip"), ("base", "base"), ("ground", "a"), ("coupling", "q1+q2"), ("body", "link_3")
-    places = [Mock(spec=PlaceTried, port=port, where=where) for port, where in ports]
-    first = model(("local_absorber", "link_3"), 7.7)
+    ports = *ports, ("torque", "q1"), ("torque", "q3")
+    places = [Mock(spec=PlaceTried, port=at[0], where=at[1], judged=k) for k, at in enumerate(ports)]
+    first = [model(("local_absorber", "link_3"), 7.7)]
+    first += [model(key, 7.8, "wide") for key in forced] if takes < 0.33 and beside else []
     before = fitted(DELAY) if beside else fitted()
-    found = candidates._with_wider_laws(before, 1, [first], Mock(spec=Findings, places=places))
+    found = candidates._with_wider_laws(before, 1, first, Mock(spec=Findings, places=places))
     assert [one.key for one in found] == expected
     more = takes < 0.33 and beside
     assert asked == ([FEET, ("joint_coupling", "q1+q2")] if more else [])
-    assert widened == ([FEET] if more else [])
+    assert widened == ([FEET, ("coulomb_friction", "q1")] if more else [])
 
 
 def is_over(model):

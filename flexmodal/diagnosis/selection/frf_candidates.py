@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Sequence
 from functools import cached_property
 
 import numpy as np
@@ -155,11 +155,23 @@ class FrfCandidates(LooksBeside):
         kinds = set(PORT_OF.values())
         best = [(one.port, one.where) for one in look.places if one.port in kinds][:LIKELY]
         found = self._also_at(before, number, found, best)
+        told = SetOut([], starts(before, look).told)
+        near = self._likely_wider(found, look)
+        wider = [more for one in near for more in at_next_level(self.setup, one, told, self._is_enough)]
+        return best_of_each([*found, *wider])
+
+    def _likely_wider(self, found: Sequence[FittedFrfs], look: Findings) -> list[FittedFrfs]:
+        """Of models that are not far behind those with a wider law, in the order of their places without one.
+
+        The best of those that depend on the blow besides: a function free for every blow leaves less anyway.
+        """
         least = min((over_noise(self.setup, one) for one in found), default=0.0)
         able = [one for one in found if one.hypothesis.placed[-1].effect.next_level is not None]
-        near = [one for one in able if over_noise(self.setup, one) <= NOT_FAR_BEHIND * least][:LIKELY]
-        wider = [more for one in near for more in at_next_level(self.setup, one, SetOut([]), self._is_enough)]
-        return best_of_each([*found, *wider])
+        near = [one for one in able if over_noise(self.setup, one) <= NOT_FAR_BEHIND * least]
+        judged = {(one.port, one.where): one.judged for one in look.places}
+        near.sort(key=lambda one: judged.get((PORT_OF.get(one.key[0], ""), one.key[1]), np.inf))
+        forced = [one for one in near if one.hypothesis.placed[-1].effect.by_force]
+        return [*[one for one in near if one not in forced][:LIKELY], *forced[:1]]
 
     def _elsewhere(
         self, before: FittedFrfs, number: int, found: list[FittedFrfs], look: Findings

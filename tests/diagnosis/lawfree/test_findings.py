@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from flexmodal.diagnosis.effects import catalogue
+from flexmodal.diagnosis.effects.free_function import FreeFunction
 from flexmodal.diagnosis.lawfree.as_json import look_json
 from flexmodal.diagnosis.lawfree.kinds import KINDS, TORQUE
 from flexmodal.diagnosis.lawfree.port import Port
@@ -132,6 +133,33 @@ def test_what_leaves_more_than_nothing_does_is_not_tried_unless_everything_does(
     assert (
         Findings(10.0, 6.0, places, (torque,), False, True, "").worth_trying("added_mass", "link_2") is tried
     )
+
+
+@pytest.mark.parametrize(
+    ("leaves", "found", "tells"),
+    [(7.9, "torque", True), (8.1, "torque", False), (9.9, "base", True)],
+    ids=["gains by itself", "hardly gains", "is what was found"],
+)
+def test_a_place_tells_where_fits_set_out_even_beside_one_that_leaves_less(context, leaves, found, tells):
+    """The robot alone leaves 10."""
+    fitted = np.array([0.1])
+    free = FreeFunction(np.array([10.0]), np.array([[1e-6 + 0j]]), {}, fitted)
+    kinds = ("torque", "q4"), ("base", "base")
+    places = (
+        PlaceTried(*kinds[0], "", 6.0, None, 9),
+        PlaceTried(*kinds[1], "", leaves, leaves, 36, free),
+    )
+    at = next(kind for kind in kinds if kind[0] == found)
+    look = Findings(10.0, 6.0, places, (Found(*at, "", 10.0, (at,), None, ()),), False, True, "")
+
+    def told(context, where, free):
+        return [{"mass": 2.0}, {"mass": 3.0}]
+
+    effect = replace(catalogue()["base_flexibility"], told=told)
+    expected = [({"mass": 2.0}, fitted), ({"mass": 3.0}, fitted)] if tells else []
+    assert look.told(effect, "base", context) == expected
+    assert bool(replace(look, explains=True).told(effect, "base", context)) is (found == "base")
+    assert look.told(replace(effect, told=None), "base", context) == []
 
 
 def test_every_effect_of_the_catalogue_has_a_port_and_classes_there_are(context):
