@@ -3,9 +3,12 @@
 `--jaxtyping-packages` puts `@jaxtyping.jaxtyped` on every function of the package as it is imported. To check
 each of the million calls of a fit's inner loops takes three quarters of the time of its test and finds little
 that the first calls have not shown, so here each function is checked in the first calls of each module of
-tests and in one of many thereafter. Not in those of each test: checks were a fifth of the time of all tests
-then, and the tests of a module call the same functions with arguments of the same kinds. A test that is about
-a check asks for the fixture `checked`.
+tests. Not in those of each test: checks were a fifth of the time of all tests then, and the tests of a module
+call the same functions with arguments of the same kinds. A test that is about a check asks for the fixture
+`checked`.
+
+A wrapper that only counts was another twelfth. So a function that was checked gets its own code back, in the
+place of code that calls the check.
 """
 
 import dataclasses
@@ -16,15 +19,17 @@ import subprocess
 import sys
 import tempfile
 import time
+import warnings
 from pathlib import Path
+from types import CodeType, FunctionType
 from typing import Any
 
 import jaxtyping
 import pytest
 from beartype import BeartypeConf, beartype
 
-FIRST, THEN = 3, 1000
-"""Calls of a function that are checked in every module of tests; the distance of those checked later."""
+FIRST = 3
+"""Calls of a function that are checked in every module of tests."""
 
 _compiling = pytest.StashKey[subprocess.Popen]()
 _MEANWHILE = "FLEXMODAL_TESTS_COMPILING"
@@ -32,8 +37,13 @@ _MEANWHILE = "FLEXMODAL_TESTS_COMPILING"
 _module: list[Any] = [None]
 """The module whose tests run."""
 _seen: dict[tuple[str, str], list[int]] = {}
-"""Calls until the next check, and checks so far in this module of tests, by module and name of the function;
-closures are counted together."""
+"""Checks so far in this module of tests, by module and name of the function; those of closures together."""
+_sampled: dict[Any, CodeType] = {}
+"""Functions, and the code with which they are checked."""
+_ANOTHER = "another function"
+with warnings.catch_warnings():
+    warnings.simplefilter("ignore", SyntaxWarning)  # for a constant that is called
+    _CALL: CodeType = eval(f"lambda *args, **kwargs: {_ANOTHER!r}(*args, **kwargs)").__code__
 _always = jaxtyping.jaxtyped
 _numbers = beartype(conf=BeartypeConf(is_pep484_tower=True))
 """The checker of types: an int is a float too, in a list as well, of which it looks at one item by chance."""
@@ -42,7 +52,9 @@ _numbers = beartype(conf=BeartypeConf(is_pep484_tower=True))
 def afresh() -> None:
     """The next calls of every function are first calls."""
     for seen in _seen.values():
-        seen[:] = 0, 0
+        seen[0] = 0
+    for function, checking in _sampled.items():
+        function.__code__ = checking
 
 
 @pytest.hookimpl(tryfirst=True)
@@ -59,24 +71,48 @@ def checked() -> None:
 
 
 def sampled(function: Any) -> Any:
-    """The function, checked in some of its calls; it is wrapped for the check when that is first needed."""
-    seen = _seen.setdefault((function.__module__, function.__qualname__), [0, 0])
+    """The function, checked in its first calls; one that is made anew again and again is so in a wrapper."""
+    seen = _seen.setdefault((function.__module__, function.__qualname__), [0])
+    passing = "<locals>" in function.__qualname__
+    if function in _sampled or (passing and seen[0] >= FIRST):
+        return function
+    code, defaults = function.__code__, function.__defaults__
+    own = FunctionType(code, function.__globals__, function.__name__, defaults, function.__closure__)
+    vars(own).update(vars(function))
+    for name in ("__module__", "__qualname__", "__doc__", "__annotations__", "__kwdefaults__"):
+        setattr(own, name, getattr(function, name))
     checked = None
 
-    @functools.wraps(function)
-    def wrapper(*args: Any, **kwargs: Any) -> Any:
+    @functools.wraps(own)
+    def check(*args: Any, **kwargs: Any) -> Any:
         nonlocal checked
-        if seen[0] > 0:
-            seen[0] -= 1
-            return function(*args, **kwargs)
-        seen[1] += 1
-        if seen[1] >= FIRST:
-            seen[0] = THEN - 1 if seen[1] > FIRST else THEN - FIRST - 1
+        seen[0] += 1
+        if seen[0] >= FIRST and not passing:
+            function.__code__ = code
+        elif seen[0] > FIRST:
+            return own(*args, **kwargs)
         if checked is None:
-            checked = _always(function, typechecker=_numbers)
+            checked = _always(own, typechecker=_numbers)
         return checked(*args, **kwargs)
 
-    return wrapper
+    if passing:
+        return check
+    function.__wrapped__ = own
+    function.__code__ = _calling(check, code)
+    _sampled[function] = function.__code__
+    return function
+
+
+def _calling(check: Any, code: CodeType) -> CodeType:
+    """The code of a function that calls another one in its stead."""
+    return _CALL.replace(
+        co_consts=tuple(check if one == _ANOTHER else one for one in _CALL.co_consts),
+        co_freevars=code.co_freevars,
+        co_name=code.co_name,
+        co_qualname=code.co_qualname,
+        co_filename=code.co_filename,
+        co_firstlineno=code.co_firstlineno,
+    )
 
 
 def jaxtyped(*, typechecker: Any) -> Any:

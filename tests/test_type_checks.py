@@ -1,5 +1,6 @@
 """The checks of types and shapes that conftest.py puts on the package: there, and by sample."""
 
+import inspect
 from collections.abc import Sequence
 from types import SimpleNamespace
 
@@ -13,6 +14,26 @@ from flexmodal.modal.mac import auto_mac
 
 def first(x: Float[np.ndarray, " n"], y: Float[np.ndarray, " n"]) -> float:
     return x[0]
+
+
+OWN = first.__code__
+
+
+def made_anew():
+    def third(x: Float[np.ndarray, " n"], y: Float[np.ndarray, " n"]) -> float:
+        return x[0]
+
+    return third
+
+
+class Shared:
+    @staticmethod
+    def second(x: Float[np.ndarray, " n"], y: Float[np.ndarray, " n"]) -> float:
+        return x[0]
+
+    def few(self, most: int):
+        for number in range(most):
+            yield super().__format__("") and str(number)
 
 
 def total(x: Sequence[float]) -> float:
@@ -40,15 +61,32 @@ def test_a_dataclass_is_checked():
         JointCard(stiffness="soft", damping=1.0)
 
 
-def test_first_calls_and_one_of_many_are_checked(sampling, checked):
-    function = sampling.sampled(first)
-    refused = []
-    for call in range(1, 2 * sampling.THEN + 1):
-        try:
-            function(np.ones(2), np.ones(3))
-        except TypeCheckError:
-            refused.append(call)
-    assert refused == [*range(1, sampling.FIRST + 1), sampling.THEN, 2 * sampling.THEN]
+@pytest.mark.parametrize("function", [first, Shared.second, made_anew()])
+def test_first_calls_are_checked(function, sampling, checked):
+    function = sampling.sampled(function)
+    refused = [refuses(function) for _ in range(2 * sampling.FIRST)]
+    assert refused == [True] * sampling.FIRST + [False] * sampling.FIRST
+
+
+def test_what_is_made_anew_is_checked_as_often_as_if_it_were_not(sampling, checked):
+    refused = [refuses(sampling.sampled(made_anew())) for _ in range(2 * sampling.FIRST)]
+    assert refused == [True] * sampling.FIRST + [False] * sampling.FIRST
+
+
+def test_a_function_that_was_checked_is_itself_again(sampling, checked):
+    assert sampling.sampled(first) is first
+    for _ in range(sampling.FIRST):
+        assert first.__code__ is not OWN
+        assert list(inspect.signature(first).parameters) == ["x", "y"]
+        refuses(first)
+    assert first.__code__ is OWN
+    assert first(np.ones(1), y=np.ones(1)) == 1
+
+
+def test_a_generator_and_one_with_super_are_checked_too(sampling):
+    few = sampling.sampled(Shared.few)
+    for _ in range(2 * sampling.FIRST):
+        assert list(few(Shared(), 2)) == ["0", "1"]
 
 
 def test_an_int_is_a_float_too(sampling):
