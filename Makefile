@@ -3,7 +3,7 @@
 # make docs    build the documentation as a site, in site/
 # make tour    act a newcomer in an empty environment: README and tutorials to the letter; some minutes
 # make distribution  wheel and sdist in clean environments, for each Python there is, and with the oldest dependencies
-# make slow    run the tests that take half a minute each and more
+# make slow    run the tests that compute for two seconds and more, but those of a main job
 # make check   ruff, mypy, import-linter, and what is in the wheel
 # make tables  remake the tables in docs/
 # make pictures  redraw the pictures of docs/optimisation.md and docs/machining.md; some minutes

@@ -109,6 +109,7 @@ def test_a_missing_a_cut_and_a_spoilt_chunk_are_computed_again(whole, grid, tmp_
 
 
 @pytest.mark.parametrize("moment", [0.3, pytest.param(0.6, marks=pytest.mark.slow)])
+@pytest.mark.slow
 def test_killed_and_called_again_it_is_the_same(whole, grid, tmp_path, moment):
     """SIGKILL once a part of the chunks stands; a chunk that stands is whole."""
     path = tmp_path / "grid.zarr"
@@ -174,6 +175,7 @@ def test_sizes_are_looked_at_before_anything_is_made(six_link, tmp_path):
         Sample(six_link, 10**13, whole_range(six_link))
 
 
+@pytest.mark.slow
 def test_a_sample_is_the_same_whatever_the_chunks(six_link, tmp_path):
     points = Sample(six_link, 2500, whole_range(six_link), seed=3)
     every = points.values((slice(0, 2500),))

@@ -141,6 +141,7 @@ def test_another_robot_is_refused(atlas):
         check_robot(atlas, flexmodal.load("fanuc_s360"))
 
 
+@pytest.mark.slow
 def test_the_map_counts_every_posture_and_shows_the_best(atlas, tmp_path):
     found = workspace_map(atlas, Task(band=(5.0, 5.0)), cells=20)
     assert found.plane == "xz"

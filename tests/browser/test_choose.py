@@ -270,6 +270,7 @@ def test_print_keeps_the_pictures_and_leaves_the_tools(tab):
     assert tab.locator(".live .curves").first.is_visible()
 
 
+@pytest.mark.slow
 def test_narrow_screens_scroll_the_pictures_alone(browser, page):
     with live.opened(browser, page, ready=READY, width=390, height=800) as tab:
         assert tab.evaluate("document.documentElement.scrollWidth") <= 390

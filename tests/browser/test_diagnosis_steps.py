@@ -133,6 +133,7 @@ def test_names_of_a_diagnosis_harm_nothing(browser, diagnosed, tmp_path):
         assert tab.evaluate("document.documentElement.scrollWidth <= innerWidth")
 
 
+@pytest.mark.slow
 def test_each_effect_is_a_step(diagnosed):
     (first,) = diagnosed.steps
     second = replace(first, effect="added_mass", where="link_3", confidence=0.99)

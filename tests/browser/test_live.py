@@ -340,6 +340,7 @@ def test_a_served_page_shows_pythons_curve(browser, arm):
         close_all()
 
 
+@pytest.mark.slow
 def test_a_warning_goes_with_another_address(arm):
     said = []
     where = {"open_browser": False, "announce": said.append, "block": False, "host": "127.0.0.2"}

@@ -262,6 +262,7 @@ def test_links_stand_where_python_puts_them(tab):
         assert _off(found, wanted) < 1e-8  # three.js keeps turns as quaternions
 
 
+@pytest.mark.slow
 def test_an_arm_that_branches_is_moved_too(browser, tmp_path):
     robot = branching(tmp_path)
     page = show_robot(robot, robot.posture({}), out=tmp_path / "page.html", announce=lambda _: None)

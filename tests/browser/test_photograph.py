@@ -28,6 +28,7 @@ def pixels(image):
     return np.asarray(image.convert("RGB")).astype(int)
 
 
+@pytest.mark.slow
 def test_a_picture_shows_the_arm_and_its_curve(arm, tmp_path):
     out = tmp_path / "arm.png"
     show_robot(arm, arm.posture("configuration_1"), frequency=9.0, out=out, announce=lambda _: None)
@@ -124,6 +125,7 @@ def test_without_a_browser_it_says_what_is_missing(arm, tmp_path, monkeypatch):
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.slow
 def test_a_cell_of_a_notebook_shows_the_same_view(arm, tmp_path):
     view = CellView(live_scene(arm, arm.posture("configuration_1")))
     page = tmp_path / "notebook.html"

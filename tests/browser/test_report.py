@@ -97,6 +97,7 @@ def test_looks_as_it_should(browser, report, kind, width):
     assert orange.sum() > 200  # the place that is marked
 
 
+@pytest.mark.slow
 def test_prints(browser, report):
     pages, size = browser.printed(report)
     assert 3 <= pages <= 12

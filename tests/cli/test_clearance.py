@@ -15,6 +15,7 @@ def card(cli, tmp_path):
 ASKED = ("--hold", "0.5,0.1,0.3", "--frequency", "20", "--starts", "2")
 
 
+@pytest.mark.slow
 def test_obstacles_of_a_card_are_kept_away_from(cli, card):
     found = cli("optimise", card, *ASKED, "--json").json()["collisions"]
     assert found["checked"] is True

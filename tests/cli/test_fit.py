@@ -173,6 +173,7 @@ def test_what_is_odd_about_the_data_is_said(cli):
     assert "5 blows in all" in said[0]
 
 
+@pytest.mark.slow
 def test_choices_of_the_analyst_can_be_made_by_hand(cli):
     options = ("--band", "110:145", "--at", "126", "--json")
     (varied,) = cli("fit", PLATE, *options).json()["modes"]
@@ -218,6 +219,7 @@ def test_exit_1_where_no_mode_is_found(cli):
         ),
     ],
 )
+@pytest.mark.slow
 def test_one_page_with_every_picture(cli, tmp_path, options, headings):
     page = tmp_path / "fit.html"
     assert cli("fit", *options, "--out", page).status == 0

@@ -19,6 +19,7 @@ def folder(tmp_path_factory):
     return place
 
 
+@pytest.mark.slow
 def test_table_verdict_and_page(cli, folder, tmp_path):
     ran = cli(
         "predict", "fanuc_s360", "--campaign", folder, "--posture", POSTURE, "--out", tmp_path / "p.html"
@@ -32,6 +33,7 @@ def test_table_verdict_and_page(cli, folder, tmp_path):
     assert (tmp_path / "p.html").read_text(encoding="utf-8").count("<svg") == 2
 
 
+@pytest.mark.slow
 def test_json_and_csv_are_what_the_schema_and_the_header_say(cli, valid, folder, tmp_path):
     words = ("predict", folder / "robot" / "robot.toml", "--campaign", folder, "--posture", "configuration_1")
     asked = ("--poor-card", "--method", "hybrid", "--json", "--out", tmp_path / "p.csv")

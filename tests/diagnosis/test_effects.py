@@ -999,6 +999,7 @@ def test_unknown_effects_are_named_all_at_once():
     assert "local_absorber" in str(error.value)
 
 
+@pytest.mark.slow
 def test_a_structure_seen_anywhere_is_that_of_the_observations(hinged, observed):
     _, _, hypothesis, after = hinged
     places = [(int(n), int(d)) for n, d in np.unique(observed.response, axis=0)]

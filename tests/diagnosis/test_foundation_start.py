@@ -74,6 +74,7 @@ def laid(context):
     return free, truth
 
 
+@pytest.mark.slow
 def test_a_foundation_is_found_beside_the_compliances_that_are_its_own(context):
     free, truth = laid(context)
     told = EFFECT.told(context, "base", free)
@@ -135,6 +136,7 @@ def test_where_nobody_says_how_well_they_are_known_nothing_is_told(context):
     assert EFFECT.told(context, "base", FreeFunction(free.frequency, free.value, {}, free.fitted)) == []
 
 
+@pytest.mark.slow
 def test_functions_of_which_only_some_combinations_are_known_tell_starts_too(context):
     """Few points see few ways of moving; a function that nobody saw, and lines of very unequal weight."""
     free, _ = laid(context)

@@ -50,6 +50,7 @@ def test_other_postures_under_the_same_numbers_are_others(context, observed):
     np.testing.assert_allclose(predict(hypothesis, x, observed), before, rtol=1e-10)
 
 
+@pytest.mark.slow
 def test_derivatives_after_a_look_are_those_without_one(context, observed):
     """A fit asks for derivatives where it has just looked at the cost: of motions, of springs, of sensors."""
     hypothesis = Hypothesis(context, robot_space(context.robot))

@@ -94,6 +94,7 @@ def law_hidden(request):
     return request.param, hypothesis, by_describing_functions(hypothesis)
 
 
+@pytest.mark.slow
 def test_recovers_the_law_down_to_the_noise(law_hidden):
     key, hypothesis, before = law_hidden
     observations = SEEN[hypothesis.context]

@@ -53,6 +53,7 @@ def bare(setup):
     return fitted_closely(setup, Hypothesis(setup.context, setup.base), np.zeros(len(setup.base)))
 
 
+@pytest.mark.slow
 def test_at_its_place_it_brings_unseen_postures_nearer(setup, bare):
     found = stand_in(setup, looked("link_3"), bare, starts, with_force=False)
     assert found is not None
@@ -108,6 +109,7 @@ def test_a_trial_goes_to_its_end_only_near_the_noise(monkeypatch, setup, bare, o
     assert [call.kwargs["floors"] for call in closely.call_args_list] == floors
 
 
+@pytest.mark.slow
 def test_what_ends_where_there_is_no_model_is_left_out_of_a_search(monkeypatch, setup, bare):
     """Torques that push make an integration grow without end; the other explanations remain."""
 

@@ -85,6 +85,7 @@ def test_exponential_and_logarithm_are_right_to_the_last_digits():
         assert exponential(-1e5) == pytest.approx(np.exp(-700.0), rel=1e-15)
 
 
+@pytest.mark.slow
 def test_friction_loses_what_the_closed_form_says():
     torque, amplitude, presliding = 0.7, 3e-3, np.array([300.0, 900.0, 9000.0])
     way = -amplitude * np.cos(np.linspace(0, 10 * np.pi, 25_001))
@@ -99,6 +100,7 @@ def test_friction_loses_what_the_closed_form_says():
         assert np.pi * amplitude**2 * loss == pytest.approx(loop, rel=2e-3)  # 32 points of a half turn
 
 
+@pytest.mark.slow
 def test_a_stand_in_loses_what_the_loop_does():
     torque, amplitude = 0.7, 3e-3
     way = -amplitude * np.cos(np.linspace(0, 10 * np.pi, 25_001))

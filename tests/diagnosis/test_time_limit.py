@@ -156,6 +156,7 @@ def test_what_is_no_time_is_refused(within):
         limit_of(within)
 
 
+@pytest.mark.slow
 def test_a_diagnosis_without_time_says_where_it_looked_and_that_it_was_cut_off():
     found = diagnose(*campaign("added_mass@link_3", postures=3, points=3, trials=2), within=1e-3)
     assert found.verdict.effects[0][0] == "unknown"

@@ -100,6 +100,7 @@ def test_one_level_of_force_leaves_friction_untestable(clean):
     ("hidden", "answer"),
     [((), Answer.NO), pytest.param(("joint_coupling@q1+q2",), Answer.YES, marks=pytest.mark.slow)],
 )
+@pytest.mark.slow
 def test_a_coupling_of_nothing_is_no_coupling(hidden, answer):
     """Its block could bring the card's damping back to what is believed, with nothing off its diagonal."""
     measured, robot = campaign(*hidden, points=3, trials=2)
@@ -138,6 +139,7 @@ def test_one_posture_holds_nothing_out():
     assert found.verdict.effects == (("sensor_gain", "location_1"),)
 
 
+@pytest.mark.slow
 def test_friction_shows_in_the_levels_of_force(clean):
     assert force_dependence(observe(clean[0])) < 1.4
     rubbing, _ = campaign("coulomb_friction@q2", height=8.0)
@@ -268,6 +270,7 @@ def test_an_exchange_that_does_not_help_is_taken_back(loaded):
     assert selection.steps == []
 
 
+@pytest.mark.slow
 def test_an_absorber_too_stiff_to_be_told_from_a_mass_is_a_mass(loaded):
     """Its rigid limit is looked at from where the fit of the absorber ended."""
     setup = prepare(

@@ -47,6 +47,7 @@ def _draws(truth: Truth, axis: np.ndarray, seed: int, *, known: bool, count: int
     [("variance", REPEATS, 0.99), pytest.param("logarithmic", 3 * REPEATS, 0.995, marks=pytest.mark.slow)],
 )
 @pytest.mark.parametrize("known", [True, False], ids=["noise known", "noise unknown"])
+@pytest.mark.slow
 def test_least_squares(known: bool, weighting: str, count: int, most: float) -> None:
     truth = real_modes([20.0, 24.0, 40.0], [0.04, 0.03, 0.1], np.array([[1.0, 0.8 + 0.3j, 1.2]]))
     draws = _draws(truth, np.linspace(5, 60, 220), 5, known=known, count=count)
@@ -59,6 +60,7 @@ def test_least_squares(known: bool, weighting: str, count: int, most: float) -> 
 
 @pytest.mark.parametrize("known", [True, False], ids=["noise known", "noise unknown"])
 @pytest.mark.parametrize("method", ["circle", "peaks"])
+@pytest.mark.slow
 def test_readings(one_mode: Truth, method: str, known: bool) -> None:
     hits = []
     for draw in _draws(one_mode, np.linspace(40, 65, 120), 6, known=known):

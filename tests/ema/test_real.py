@@ -53,6 +53,7 @@ def test_the_plate_like_for_like() -> None:
 
 
 @pytest.mark.parametrize(("mode", "lighter"), [(2, 0.25), pytest.param(4, 0.08, marks=pytest.mark.slow)])
+@pytest.mark.slow
 def test_ripples_make_lscf_find_less_damping_than_there_is(
     monkeypatch: pytest.MonkeyPatch, mode: int, lighter: float
 ) -> None:

@@ -66,6 +66,7 @@ def test_real_peaks_have_a_mode_or_a_reason(
         assert silent(one.modes) == []
 
 
+@pytest.mark.slow
 def test_the_plate_has_its_modes_in_any_band() -> None:
     """Ripples made peaks that crowded the third and the fifth mode out, without a word."""
     campaign = read_campaign(REAL / "mssp_plate_sweep")

@@ -79,6 +79,7 @@ def test_nothing_is_found_in_noise() -> None:
         assert choose_peaks(Measured(AXIS, value)) == ()
 
 
+@pytest.mark.slow
 def test_a_mode_that_the_whole_band_drives_away_is_fitted_alone() -> None:
     """Heavy modes at and below the first line leave no room for a light one in a fit of the band."""
     amplitude = np.array([[40.0, 60.0, 50.0, 0.4], [30.0, -50.0, 40.0, -0.6], [20.0, 30.0, -45.0, 0.5]])
@@ -91,6 +92,7 @@ def test_a_mode_that_the_whole_band_drives_away_is_fitted_alone() -> None:
     assert all(mode.damping_ratio == pytest.approx(0.02, rel=0.25) for mode in light)
 
 
+@pytest.mark.slow
 def test_what_a_band_of_its_own_leaves_out_does_not_bend_its_mode() -> None:
     """With stiffness and mass lines alone all eight dampings were 0.7 % off, beyond their intervals."""
     amplitude = np.array([[40.0, 60.0, 50.0, 0.4], [30.0, -50.0, 40.0, -0.6], [20.0, 30.0, -45.0, 0.5]])

@@ -23,6 +23,7 @@ def held(mode: ModeEstimate, true: tuple[float, float, float]) -> tuple[np.ndarr
     return away <= mode.reach(), away <= 1.96 * mode.by_noise
 
 
+@pytest.mark.slow
 def test_a_neighbour_pulls_a_circle_further_than_noise_says() -> None:
     truth = real_modes([30.0, 50.0, 80.0], [0.03] * 3, np.array([[1.0, 1.0, 1.0]]))
     true = (50.0, 0.03, abs(truth.residue[0, 1]))
@@ -35,6 +36,7 @@ def test_a_neighbour_pulls_a_circle_further_than_noise_says() -> None:
     assert np.all(whole >= 0.9)
 
 
+@pytest.mark.slow
 def test_residual_terms_matter_where_a_mode_lies_beyond_the_band() -> None:
     truth = real_modes([51.0, 66.0], [0.04, 0.03], np.array([[1.0, 1.5]]))
     true = (51.0, 0.04, abs(truth.residue[0, 0]))
@@ -49,6 +51,7 @@ def test_residual_terms_matter_where_a_mode_lies_beyond_the_band() -> None:
     assert np.all(whole >= 0.9)
 
 
+@pytest.mark.slow
 def test_a_strong_neighbour_beyond_the_band_takes_more_than_two_residual_terms() -> None:
     """U and L of any phase do not stand for a mode 6 Hz above the last line; a term more of each does."""
     truth = real_modes([51.0, 66.0], [0.04, 0.03], np.array([[1.0, 1.5]]))

@@ -44,6 +44,7 @@ def by_hand(seen, number, others, pick):
     return np.sqrt(total / weight)
 
 
+@pytest.mark.slow
 def test_the_mean_and_the_nearest_are_what_a_plain_loop_gives(seen):
     found = baselines(seen, np.array(seen.value))
     for number, one in enumerate(found.each):

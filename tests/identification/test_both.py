@@ -72,6 +72,7 @@ def test_sums_of_squares_add_and_the_prior_counts_once(problem):
         )
 
 
+@pytest.mark.slow
 def test_together_they_tell_more_than_each_alone(problem, tested_twice, fanuc, rig, tmp_path):
     expected = problem.identifiability.expected
     for source in ("frf", "modes"):

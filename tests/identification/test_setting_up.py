@@ -103,6 +103,7 @@ def test_what_was_off_is_found_and_parameters_are_those_of_a_careful_test(made):
     assert abs(left[1] - left[0]) < 0.2 * (left[2] - left[0])
 
 
+@pytest.mark.slow
 def test_what_lies_far_outside_is_told_or_left_to_an_effect(made):
     seen, robot = made
     gain = next(one for one in nuisances_of(seen) if one.kind == "sensor gain")
@@ -117,6 +118,7 @@ def test_what_lies_far_outside_is_told_or_left_to_an_effect(made):
     assert all(one.nuisance.kind == "posture" or not one.is_far for one in kept.found)
 
 
+@pytest.mark.slow
 def test_what_is_held_out_moves_nothing(made):
     seen, robot = made
     off, _ = spoilt(seen, 1.0)

@@ -92,6 +92,7 @@ def test_a_moved_pivot_leaves_obstacles_where_they_are(fanuc, tmp_path):
     assert new.obstacles["spindle"].xyz != carried.xyz
 
 
+@pytest.mark.slow
 def test_pseudo_joint_and_payload_are_found(fanuc, tmp_path):
     truth = {"position.rho": 0.06, f"payload.{fanuc.tool}": 0.25, "stiffness.rho": 2.1e5}
     real = flexmodal.load(write_improved(fanuc, truth, tmp_path / "robot", source="a test"))

@@ -51,6 +51,7 @@ def outcome(made, guessed):
     return identify(made.campaign, guessed, source="frf", trust=POOR)
 
 
+@pytest.mark.slow
 def test_the_answer_is_found_where_a_descent_from_the_card_is_lost(evidence, outcome, made, robot):
     straight = evidence.fit()
     assert evidence.over_noise(evidence.predicted(straight.x)) > 2
@@ -62,6 +63,7 @@ def test_the_answer_is_found_where_a_descent_from_the_card_is_lost(evidence, out
             assert abs(np.log(one.value / true)) < 0.3
 
 
+@pytest.mark.slow
 def test_each_stage_is_told_with_its_gap_and_the_share_it_took(outcome, tmp_path):
     stages = outcome.stages
     assert [one.name for one in stages] == [CARD, SCALE, JOINTS, MASSES]
@@ -85,6 +87,7 @@ def test_a_card_that_is_trusted_is_fitted_straight(made, robot, evidence):
     assert is_poor(guessed.evidence)  # as flexmodal card new writes it
 
 
+@pytest.mark.slow
 def test_it_is_never_worse_than_straight(made, robot):
     """From a card that is nearly right, where there is nothing to look for."""
     near = build_identification(made.campaign, robot, source="frf", trust=POOR).evidence

@@ -59,6 +59,7 @@ def test_its_model_is_the_robots_and_its_derivatives_are_right(fanuc, near):
         np.testing.assert_allclose(middle.log_frequency_slope[k], numeric, atol=1e-7, err_msg=space.names[k])
 
 
+@pytest.mark.slow
 def test_stages_come_closer_than_the_table_they_begin_at(measured, fanuc, near):
     stages = eigenvalue_method(measured, fanuc, near, [TWO, FOUR])
     assert [stage.postures for stage in stages] == [TWO, FOUR]

@@ -20,6 +20,7 @@ CUTS = {
 
 
 @pytest.mark.parametrize("name", CUTS)
+@pytest.mark.slow
 def test_against_the_simulated_cut(benchmark, name):
     """The last tooth period of a stable cut, teeth and chips one by one."""
     cut, tip = benchmark(axes="xyz" if "axial" in name else "xy", **CUTS[name], **FED, **EDGE)

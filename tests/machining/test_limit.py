@@ -26,6 +26,7 @@ def test_against_a_dense_search(two_modes):
     assert frequency == pytest.approx(lines[dense.argmin()], abs=0.02)
 
 
+@pytest.mark.slow
 def test_no_speed_is_unstable_below_it(two_modes):
     """The determinant at three quarters of the depth never encircles the origin at any tooth period."""
     cut, tip = two_modes

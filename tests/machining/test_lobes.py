@@ -139,6 +139,7 @@ def test_two_routes_to_the_interrupted_cut(benchmark, name):
     np.testing.assert_allclose(by_harmonics.chatter_frequency, in_time.chatter_frequency, rtol=3e-3)
 
 
+@pytest.mark.slow
 def test_a_face_mill_that_bends_along_its_axis():
     """Approach 45°: the axial deflection changes the chip, three axes take part; time against harmonics."""
     modes = (
@@ -187,6 +188,7 @@ def test_the_three_on_a_robot(fanuc, across):
     assert found["zero-order"].chatter_frequency[0] < 100 < found["zero-order"].chatter_frequency[-1]
 
 
+@pytest.mark.slow
 def test_peaks_and_dips_are_sharpened(benchmark):
     cut, tip = benchmark()
     found = stability_lobes(tip, cut)

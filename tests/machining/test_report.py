@@ -123,6 +123,7 @@ def test_the_picture_names_its_axes(one):
     assert any("configuration_1" in text for text in found)
 
 
+@pytest.mark.slow
 def test_pictures_of_every_kind(one, several, fanuc, fed, benchmark, tmp_path):
     cut, tip = benchmark(immersion=0.05, axes="xy")
     speeds = np.array([18000.0, 19000.0, 20000.0, 21000.0])

@@ -34,6 +34,7 @@ def test_growth_is_the_largest_multiplier(benchmark, name):
     assert found.growth(60) == pytest.approx(expected, abs=3e-3)
 
 
+@pytest.mark.slow
 def test_the_limit_divides_the_simulated_cuts(benchmark):
     """3 % below the depth of the lobes a kick dies away, 3 % above it grows: bisected in time, so to say."""
     cut, tip = benchmark(immersion=0.5, milling="up", axes="xy")
@@ -46,6 +47,7 @@ def test_the_limit_divides_the_simulated_cuts(benchmark):
             assert (done.growth(60) > 1) == grows
 
 
+@pytest.mark.slow
 def test_a_robot_in_time(fanuc, across):
     """The arm alone, at a speed where its 57 Hz mode chatters."""
     cut = across()
@@ -58,6 +60,7 @@ def test_a_robot_in_time(fanuc, across):
         assert (done.growth(200) > 1) == grows
 
 
+@pytest.mark.slow
 def test_chatter_is_bounded_because_teeth_leave_the_cut(benchmark):
     cut, tip = benchmark(feed_per_tooth=1e-4, depth=1e-3)
     bounded = simulate(tip, cut, 5000.0, 1e-3, periods=200, steps=120)
@@ -71,6 +74,7 @@ def test_chatter_is_bounded_because_teeth_leave_the_cut(benchmark):
     assert np.any(np.all(bounded.force == 0, axis=1))  # in the air
 
 
+@pytest.mark.slow
 def test_a_stable_cut_settles(benchmark):
     cut, tip = benchmark(feed_per_tooth=1e-4, depth=1e-4)
     done = simulate(tip, cut, 5000.0, 1e-4, periods=250, steps=120)

@@ -135,6 +135,7 @@ def table_of(tip, frequency, form="receptance"):
     "form",
     ["receptance", *(pytest.param(form, marks=pytest.mark.slow) for form in ("mobility", "inertance"))],
 )
+@pytest.mark.slow
 def test_a_table_gives_the_lobes_of_its_model(benchmark, tmp_path, form):
     """Written as flexmodal frf writes it, read back as a measured spindle, in any form."""
     cut, tip = benchmark(axes="xy", immersion=0.5)

@@ -43,6 +43,7 @@ def test_every_optimum_is_clear_and_holds(problem, outcome):
     assert outcome.nearest[0] >= problem.clearance.distance
 
 
+@pytest.mark.slow
 def test_without_it_the_elbow_is_in_the_table(problem):
     loose = optimise(replace(problem, clearance=None), starts=16, seed=0, way="plain")
     distance, names = problem.clearance.scene.nearest(problem.robot.at(loose.best.posture))
@@ -127,6 +128,7 @@ def test_a_path_keeps_clear(arm):
     assert found.nearest[0] <= clearance.scene.nearest(judged.at[0].posed(found.postures[0]))[0]
 
 
+@pytest.mark.slow
 def test_self_motion_is_not_drawn_through_the_table(problem, outcome):
     from flexmodal.optimisation.pictures.plot import _value
 

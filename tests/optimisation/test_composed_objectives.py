@@ -272,6 +272,7 @@ def test_a_certain_robot_is_its_own_sample(arm):
 
 
 @pytest.mark.usefixtures("types_unchecked")
+@pytest.mark.slow
 def test_the_robust_posture_is_the_better_one_over_the_sample(arm):
     """From the same starts: judged by the sample, the posture found by the sample wins."""
     sample, hold = sample_robots(arm, 6, stiffness=0.3, seed=5), Hold.at(arm, (-2.0, 2.0))

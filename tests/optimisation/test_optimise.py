@@ -215,6 +215,7 @@ def fanuc_on_paper(angles: np.ndarray, frequency: float) -> float:
     return float(abs(row @ np.linalg.solve(dynamic, row)))
 
 
+@pytest.mark.slow
 def test_family_against_a_dense_scan(fanuc):
     family = fanuc.family("second_link_horizontal")
     for frequency in (0.0, 8.0, 51.0):

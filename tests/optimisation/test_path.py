@@ -98,6 +98,7 @@ def test_dynamic_programming_against_enumeration(three, way, seed):
 
 
 @pytest.mark.parametrize("way", [pytest.param("sum", marks=pytest.mark.slow), "worst"])
+@pytest.mark.slow
 def test_as_good_as_a_dense_scan_of_the_self_motion(three, way):
     """Dynamic programming over 3000 postures a point, written out here, is not better than the plan."""
     problem = straight(three, way=way, smoothness=0.0)
@@ -122,6 +123,7 @@ def test_as_good_as_a_dense_scan_of_the_self_motion(three, way):
     assert np.all(problem.shares(outcome.postures) <= 1)
 
 
+@pytest.mark.slow
 def test_hold_limits_and_speeds_are_kept(three):
     """Speeds so low that they are in the way all along; the greedy sequence pays for its start."""
     tight = straight(three, 6, way="worst", speed=np.array([0.025, 0.04, 0.1]))
@@ -194,6 +196,7 @@ def test_the_local_solver_only_goes_down_and_ends_at_a_minimum(three):
                 assert path_cost(problem, np.array(near)) >= best - 1e-5
 
 
+@pytest.mark.slow
 def test_the_cost_is_what_it_says(three):
     problem = straight(three, smoothness=0.3)
     postures = best_sequence(problem, nodes_of(problem, 6, 3))

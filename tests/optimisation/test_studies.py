@@ -63,6 +63,7 @@ def test_postures(name):
         assert found.best <= 1e-14  # the arm stands along the force
 
 
+@pytest.mark.slow
 def test_sweeps():
     """Against a scan, and the sums over poles against the numbers printed for 1000 Hz."""
     study = shipped_studies()["sweep_58"]

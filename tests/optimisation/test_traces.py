@@ -45,6 +45,7 @@ def test_a_value_to_be_large_is_shown_as_itself(arm, held):
     assert np.all(np.diff(trace.objective) >= 0)
 
 
+@pytest.mark.slow
 def test_a_stretched_arm_is_led_off(arm, held):
     """Stretched along the way to the target no first step leads there: a small kick does."""
     stretched = arm.posture({"q1": np.radians(135)})

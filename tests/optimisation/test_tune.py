@@ -359,6 +359,7 @@ def test_gradient_of_posture_with_frequency_free(robots, name):
 
 
 @pytest.mark.usefixtures("types_unchecked")
+@pytest.mark.slow
 def test_posture_and_frequency_together_beat_either(arm):
     (z,) = directions("tool:+z")
     hold, band = Hold.at(arm, (-2.0, 2.0)), (0.5, 4.0)

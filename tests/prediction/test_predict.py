@@ -54,6 +54,7 @@ def found(problem, every):
     return solve_prediction(problem, every.postures[5].q)
 
 
+@pytest.mark.slow
 def test_it_is_nearer_than_what_needs_no_model_and_than_physics_alone(judged, problem):
     seen, value, _ = judged
     gaps = {name: gap(seen, each).value for name, each in value.items()}

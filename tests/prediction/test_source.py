@@ -111,6 +111,7 @@ def test_what_it_cannot_know_is_refused(source, problem, fanuc, every):
         PredictedReceptances(problem, "guess")
 
 
+@pytest.mark.slow
 def test_data_alone_is_said_where_no_physics_fits(every, fanuc, problem):
     """Angles of other postures: the model fits nothing, and what predicts knows no physics."""
     alone = PredictedReceptances(problem, "nearest")

@@ -155,6 +155,7 @@ def test_friction_damps_weak_blows_more(bench, hidden, stand):
 
 
 @pytest.mark.parametrize("change", [0.4, -0.4])
+@pytest.mark.slow
 def test_nonlinear_stiffness_follows_its_backbone(change, bars, stand, hidden):
     """Small swings of a cubic spring: ω² = k/I (1 + ¾ a (A/q_r)²); the law levels off only at A ≈ q_r."""
     bench = stand(bars(damping=0.0), references=["tip:+z"])

@@ -299,6 +299,7 @@ def test_another_integrator_agrees_on_every_form(name, stand, hidden):
     "name",
     ["coulomb_friction:iwan", *(pytest.param(name, marks=pytest.mark.slow) for name in FORMS)],
 )
+@pytest.mark.slow
 def test_compiled_and_plain_loops_agree_on_every_form(name, stand, hidden, monkeypatch):
     pytest.importorskip("numba")
     from flexmodal.rig.integration import nonlinear
@@ -328,6 +329,7 @@ def test_marching_a_linear_plant_is_the_exact_propagation(stand):
     np.testing.assert_allclose(again, exact, atol=1e-9 * np.abs(exact).max())
 
 
+@pytest.mark.slow
 def test_compiled_and_plain_loops_agree(stand, hidden, monkeypatch):
     pytest.importorskip("numba")
     from flexmodal.rig.integration import nonlinear

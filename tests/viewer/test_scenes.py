@@ -388,6 +388,7 @@ def test_payload_is_json_and_always_the_same(outcome, six_link):
     assert all(path.startswith("/flexmodal/") for path in drawn)
 
 
+@pytest.mark.slow
 def test_meshes_of_several_arms_are_stored_once():
     from flexmodal.model import load
 

@@ -68,6 +68,7 @@ def test_blows_of_other_force_become_those_of_the_first(struck):
     np.testing.assert_allclose(found.value[seen.level == 0], linear.value[seen.level == 0], rtol=1e-12)
 
 
+@pytest.mark.slow
 def test_beside_a_torque_a_look_finds_what_is_missing_besides(struck):
     """Not the torque itself, which its stand-in stands for badly."""
     bent, x, seen = struck

@@ -79,6 +79,7 @@ def test_a_peak_from_anywhere_has_the_density_of_that_many_peaks():
     assert density == pytest.approx(0.7, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_the_evidence_is_that_of_importance_sampling(explained_by, as_believed):
     """Laplace's integral against a sum over draws from a wider bell around the same place."""
     explanation = explained_by()

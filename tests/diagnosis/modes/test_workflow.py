@@ -181,6 +181,7 @@ def test_postures_that_are_held_out_are_not_fitted(as_believed, rigid):
     assert found.gaps.held_out_before is not None
 
 
+@pytest.mark.slow
 def test_the_command_line_takes_a_folder_of_modes(as_believed, tmp_path, monkeypatch):
     """By one set of beliefs and from few starts: what becomes of several is asked of `diagnose` itself."""
     monkeypatch.setattr(variants, "VARIANTS", variants.VARIANTS[:1])

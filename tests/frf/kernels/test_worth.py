@@ -81,6 +81,7 @@ def test_a_loop_of_calls_comes_to_the_kernel(monkeypatch, is_stored, price):
     assert (bought + 1) * a_call == pytest.approx(price, abs=a_call)
 
 
+@pytest.mark.slow
 def test_a_short_call_neither_takes_the_kernel_nor_counts(monkeypatch):
     monkeypatch.setattr("flexmodal.frf.kernels.compiled.Kernel.is_stored", lambda _: True)
     assert {choose(task(route.WORTH_A_CALL - 1), None).way for _ in range(100_000)} == {"LAPACK"}
