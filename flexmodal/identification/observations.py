@@ -75,6 +75,9 @@ class Observations:
     """Whether nothing but how neighbouring lines disagree says how noisy they are."""
     cut_slopes: bool = True
     """See `Axis`."""
+    endless: bool = False
+    """Whether what is linear is taken as if records lasted until all is still. A joint that sticks stays away
+    from where it was: what is integrated in time has records as they are."""
 
     @cached_property
     def axis(self) -> Axis:
@@ -85,11 +88,17 @@ class Observations:
     @cached_property
     def layout(self) -> Layout:
         """Which of them share structures and receptances."""
-        axes = tuple(zip(self.decays, self.lengths, strict=True))
+        lengths = (0.0,) * len(self.lengths) if self.endless else self.lengths
+        axes = tuple(zip(self.decays, lengths, strict=True))
         return Layout(self.posture, self.response, self.reference, self.level, axes)
 
     def axis_of(self, level: int) -> Axis:
         """The lines for one kind of blow."""
+        recorded = self.recorded(level)
+        return replace(recorded, length=0.0) if self.endless else recorded
+
+    def recorded(self, level: int) -> Axis:
+        """The same with the length of the records, whatever is linear."""
         return replace(
             self.axis,
             decay=self.decays[level],
@@ -131,12 +140,12 @@ class Observations:
 
 
 def unlimited(observations: Observations) -> Observations:
-    """As if every record lasted until all is still: nothing is cut off.
+    """As if every record lasted until all is still: of what is linear nothing is cut off.
 
     Args:
         observations: of a campaign.
     """
-    return replace(observations, lengths=(0.0,) * len(observations.lengths))
+    return replace(observations, endless=True)
 
 
 def observe(campaign: Campaign, *, bare: bool = False) -> Observations:

@@ -69,7 +69,7 @@ def endless(observations: Observations, root: Hypothesis, x: Float[np.ndarray, "
         root: the robot.
         x: its coordinates, re-tuned.
     """
-    if not any(observations.lengths):
+    if observations.endless or not any(observations.lengths):
         return observations
     whole = unlimited(observations)
     cut = residual(predict(root, x, observations), predict(root, x, whole))

@@ -135,7 +135,7 @@ class TimeDomainModel:
         values, pulses = self.space.values(x), self.hypothesis.context.pulses
         found = []
         for group in self.linear.groups(x, observations, slopes=False):
-            part, axis = group.part, observations.axis_of(group.part.level).take(lines)
+            part, axis = group.part, observations.recorded(group.part.level).take(lines)
             log = None if group.reading is None else group.reading(axis)[0]
             key = part.level, *_bytes_of(group.structures)
             if key not in known:

@@ -43,12 +43,21 @@ def random_task(rng, n, systems, lines, rows, kind="diagonal"):
     return task, expected
 
 
-@pytest.mark.parametrize("kind", ["diagonal", "symmetric", "addition"])
+SIZES = (1, 3, 5, 1), (2, 70, 3, 2), (4, 2, 33, 2), (9, 3, 40, 2)
+LATER = (1, "symmetric"), (1, "addition"), (2, "diagonal"), (2, "symmetric"), (4, "diagonal"), (4, "addition")
+"""For `make slow`: each size and kind is compiled by itself, some seconds for each."""
+
+
 @pytest.mark.parametrize(
-    ("n", "systems", "lines", "rows"), [(1, 3, 5, 1), (2, 70, 3, 2), (4, 2, 33, 2), (9, 3, 40, 2)]
+    ("n", "systems", "lines", "rows", "kind"),
+    [
+        pytest.param(*size, kind, marks=[pytest.mark.slow] if (size[0], kind) in LATER else [])
+        for size in SIZES
+        for kind in ("diagonal", "symmetric", "addition")
+    ],
 )
 def test_all_ways_agree(n, systems, lines, rows, kind):
-    """Each size is compiled by itself, the longer the larger it is; nine goes with any size."""
+    """Of four sizes, the last of which goes with any size."""
     task, expected = random_task(np.random.default_rng(n), n, systems, lines, rows, kind)
     size = np.max(np.abs(expected), axis=(1, 2), keepdims=True)
     for way in WAYS:
