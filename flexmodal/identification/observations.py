@@ -99,13 +99,8 @@ class Observations:
 
     def recorded(self, level: int) -> Axis:
         """The same with the length of the records, whatever is linear."""
-        return replace(
-            self.axis,
-            decay=self.decays[level],
-            length=self.lengths[level],
-            power=self.power,
-            cut_slopes=self.cut_slopes,
-        )
+        decay, length = self.decays[level], self.lengths[level]
+        return replace(self.axis, decay=decay, length=length, power=self.power, cut_slopes=self.cut_slopes)
 
     def peak(self, level: int) -> float:
         """Typical force peak of a kind of blow [N]."""

@@ -1,4 +1,4 @@
-"""A joint that sticks stays away from where it was, in records at whose end the robot itself would be at rest."""
+"""A joint that sticks stays away from where it was, in records at whose end a robot alone is at rest."""
 
 from dataclasses import replace
 
@@ -21,7 +21,7 @@ LAW = {"torque": 21.7, "presliding_stiffness": 1.48e5}
 
 @pytest.fixture(scope="module")
 def tested():
-    """Without noise or scatter, the robot as its card has it."""
+    """Without noise or scatter."""
     robot = flexmodal.load("fanuc_s360")
     hide = [Hide("coulomb_friction", "q2", LAW)]
     return flexmodal.simulate(
