@@ -43,6 +43,8 @@ SHARES = {
 }  # fmt: skip
 """Of each target: calls of whole commands take ten times as long as a reader."""
 KEPT = ROOT / "build" / "fuzz.jsonl"
+_limited = [False]
+"""Whether the input that is asked has a limit of time."""
 
 
 def ask(target: str, first: int, count: int, answer: Path) -> None:
@@ -71,14 +73,12 @@ def _asked(target: str, first: int, count: int, home: Path) -> dict[str, Any]:
         folder.mkdir(exist_ok=True)
         begun = time.process_time()
         try:
-            signal.setitimer(signal.ITIMER_PROF, SECONDS)
-            signal.setitimer(signal.ITIMER_REAL, 10 * SECONDS)
+            _limit(SECONDS)
             counts[one(target, SEED, number, folder)] += 1
         except BaseException:
             failures.append(f"{target} {number}:\n{traceback.format_exc(limit=-6)[-4000:]}")
         finally:
-            signal.setitimer(signal.ITIMER_PROF, 0)
-            signal.setitimer(signal.ITIMER_REAL, 0)
+            _limit(0)
         slowest = max(slowest, time.process_time() - begun)
         if target in ("campaign", "arguments"):
             shutil.rmtree(folder, ignore_errors=True)
@@ -161,7 +161,18 @@ def _resident() -> int:
     return 0
 
 
+def _limit(seconds: float) -> None:
+    """So much processor time from now, or ten times as long by the clock; 0 for as long as it takes."""
+    _limited[0] = seconds > 0
+    signal.setitimer(signal.ITIMER_PROF, seconds)
+    signal.setitimer(signal.ITIMER_REAL, 10 * seconds)
+
+
 def _out_of_time(*_: object) -> None:
+    """Once: where there is little processor time to be had both limits are met together."""
+    if not _limited[0]:
+        return
+    _limit(0)
     raise TimeoutError(f"still at it after {SECONDS} s of processor time, or ten times as long by the clock")
 
 

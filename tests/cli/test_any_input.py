@@ -2,6 +2,7 @@
 
 import json
 import random
+import signal
 import sys
 import tempfile
 from dataclasses import replace
@@ -140,6 +141,18 @@ def test_a_process_that_dies_and_one_that_hangs_are_failures(fuzz, monkeypatch, 
     assert hung.startswith("urdf 5:")
     assert "still at it" in hung
     assert by_target["urdf"]["ends"] == {"accepted": 2}
+
+
+def test_both_limits_of_time_together_are_one(fuzz) -> None:  # type: ignore[no-untyped-def]
+    """On a busy machine that of the clock is met while the other one is told."""
+    fuzz._limit(100)
+    try:
+        with pytest.raises(TimeoutError, match="still at it"):
+            fuzz._out_of_time()
+        fuzz._out_of_time()
+        assert signal.getitimer(signal.ITIMER_PROF)[0] == signal.getitimer(signal.ITIMER_REAL)[0] == 0
+    finally:
+        fuzz._limit(0)
 
 
 def test_numbers_repeat(fuzz) -> None:  # type: ignore[no-untyped-def]
