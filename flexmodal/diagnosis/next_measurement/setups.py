@@ -127,10 +127,9 @@ class Bench:
             shorter = pulses[hardest].length * HARDER ** (-1 / 6)  # Hertz's contact; see `pulse`
             pulses, peaks[len(groups) - 1] = (*pulses, Pulse(peak, shorter)), peak
         points = (*campaign.points, *self.new)
-        numbered = enumerate(
-            (posture for posture, _ in plans), start=1
-        )  # one may be there with several locks
-        postures = tuple(replace(posture, id=k, name=f"planned_{k}") for k, posture in numbered)
+        postures = tuple(  # named anew, for one may be there several times with other locks
+            replace(posture, id=k, name=f"planned_{k}") for k, (posture, _) in enumerate(plans, start=1)
+        )
         table = np.array(
             [(*u, *v, level, k) for k, (_, rows) in enumerate(plans) for u, v in rows for level in levels]
         )
