@@ -98,7 +98,7 @@ def test_one_level_of_force_leaves_friction_untestable(clean):
 
 @pytest.mark.parametrize(
     ("hidden", "answer"),
-    [((), Answer.NO), pytest.param(("joint_coupling@q1+q2",), Answer.YES, marks=pytest.mark.slow)],
+    [((), Answer.NO), (("joint_coupling@q1+q2",), Answer.YES)],
 )
 @pytest.mark.slow
 def test_a_coupling_of_nothing_is_no_coupling(hidden, answer):
