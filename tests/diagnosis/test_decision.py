@@ -156,7 +156,7 @@ def test_at_the_border_of_belief_it_is_explained_and_told(over, confidence, roun
 
 @pytest.mark.parametrize(
     ("over", "confidence", "explained"),
-    [(1.1, 1e-20, True), (1.3, 1e-20, False), (1.8, 1e-20, False), (1.8, 0.3, True)],
+    [(1.1, 1e-20, True), (1.3, 1e-20, False), (1.8, 1e-20, False), (1.3, 0.3, True)],
 )
 def test_what_is_hardly_more_than_impossible_has_to_reach_the_noise(over, confidence, explained):
     gaps = Gaps(1.0, 0.1, None, None, 0.1)
@@ -189,12 +189,15 @@ def test_of_several_effects_all_of_them_take_their_parts():
         Step("added_mass", where, {}, {}, {}, 0.83, gaps, (), share=one) for where, one in shares.items()
     )
     facts = Facts(
-        steps, {"added_mass": "a mass"}, gaps, 1.49, Answer.YES, {}, open_=False, place="tip",
+        steps, {"added_mass": "a mass"}, gaps, 1.3, Answer.YES, {}, open_=False, place="tip",
         standing=(("added_mass", "link_3"),), share=0.17,
     )  # fmt: skip
-    found = verdict(facts)
+    found, every = verdict(facts), tuple(("added_mass", where) for where in shares)
     assert found.explained
-    assert found.effects == tuple(("added_mass", where) for where in shares)
+    assert found.effects == every
+    more = verdict(replace(facts, over_noise=1.49))
+    assert more.effects == (*every, ("unknown", "tip"))
+    assert more.share == pytest.approx(0.99)
 
 
 @pytest.mark.parametrize("rounding", LAST_DIGIT)
@@ -272,17 +275,43 @@ def test_rivals_are_tied_and_make_predictions():
 @pytest.mark.parametrize(
     ("over", "rest"), [(MIDDLE * FLOOR_REACHED, 1.0), (MIDDLE * EXPLAINED, LEFT / 2), (1.7, MIDDLE * LEFT)]
 )
-def test_the_border_of_the_noise_is_explained_and_told(over, rest, rounding):
+def test_at_the_border_of_the_noise_it_is_undecided(over, rest, rounding):
     assert at_the_noise(over + rounding, rest + rounding) is Answer.UNDECIDED
+
+
+def _one_step(over, reached, share=0.99):
     step = Step("added_mass", "link_2", {}, {}, {}, 0.9, Gaps(1.0, 1.0, None, None, 1.0), ())
-    facts = Facts(
-        (step,), {"added_mass": "a mass"}, step.gaps, over, Answer.UNDECIDED, {}, open_=False, place="link_2"
+    return Facts(
+        (step,),
+        {"added_mass": "a mass"},
+        step.gaps,
+        over,
+        reached,
+        {},
+        open_=False,
+        place="link_2",
+        share=share,
     )
-    found = verdict(facts)
+
+
+def test_the_border_of_the_noise_is_explained_and_told():
+    found = verdict(_one_step(MIDDLE * FLOOR_REACHED, Answer.UNDECIDED))
     assert found.explained
     assert found.effects == (("added_mass", "link_2"),)
     assert found.undecided == (BORDER,)
     assert BORDER in found.says
+
+
+@pytest.mark.parametrize(("over", "noise"), [(0.98 * FLOOR_REACHED, True), (1.02 * FLOOR_REACHED, False)])
+def test_what_a_strong_effect_leaves_above_the_noise_is_unknown_beside_it(over, noise):
+    """Another machine on the same floor passed for a foundation that took 99 % and left 1.5 noise floors."""
+    found = verdict(_one_step(over, Answer.YES))
+    assert found.explained is noise
+    assert found.effects == (
+        (("added_mass", "link_2"),) if noise else (("added_mass", "link_2"), ("unknown", "link_2"))
+    )
+    assert (found.remaining is None) is noise
+    assert ("takes 99 %" in found.says) is not noise
 
 
 def test_beyond_the_border_nothing_is_explained():

@@ -2,12 +2,13 @@
 
 Explained is what is noise. Where the data have a noise floor it decides; where the scatter is inferred along
 nothing may be left that gains enough, and nothing that is tied. A mode that was measured and that the model
-lacks leaves it open in any case. Where a floor shows that the model is not there, the name of its effect
-stands only if a law-free look points to the same place and class and the effect takes the larger part of the
-disagreement; what remains is told as unknown beside it, at the places to which the look points besides, or
-where the disagreement is largest. The only effect that would be is not named where it is hardly possible:
-far from the card, or less plausible than another. Where there is no floor, what was added stands beside what
-is left.
+lacks leaves it open in any case. What effects leave above the noise that take all but a little is told as
+unknown beside them: their law is not quite what is there. Where a floor shows that the model is not there,
+the name of its effect stands only if a law-free look points to the same place and class and the effect takes
+the larger part of the disagreement; what remains is told as unknown beside it, at the places to which the
+look points besides, or where the disagreement is largest. The only effect that would be is not named where it
+is hardly possible: far from the card, or less plausible than another. Where there is no floor, what was added
+stands beside what is left.
 """
 
 from __future__ import annotations
@@ -18,13 +19,20 @@ from dataclasses import replace
 from flexmodal.diagnosis.names import UNKNOWN
 from flexmodal.diagnosis.outcome import Remaining, Step, Verdict
 from flexmodal.diagnosis.selection.decision import Answer, hardly_possible, reaches
-from flexmodal.diagnosis.selection.frf_thresholds import CLOSE, LARGER_PART, LARGER_PART_MARGIN
+from flexmodal.diagnosis.selection.frf_thresholds import (
+    CLOSE,
+    LARGER_PART,
+    LARGER_PART_MARGIN,
+    at_the_noise,
+)
 from flexmodal.diagnosis.verdict.facts import Facts
 from flexmodal.diagnosis.verdict.frf_words import frf_words
 from flexmodal.diagnosis.verdict.modal_words import modal_words
 
 CLOSE_MARGIN = 0.01
 """Of the distance from the noise that is clearly nothing but noise."""
+NOTHING_TAKEN = 1.0
+"""Part of the disagreement that is left where no effect is strong."""
 DOUBTFUL = "Whether what was found is believable enough to explain what it does is undecided."
 BORDER = "How far the model is from the measurements lies at the border of what counts as noise."
 
@@ -37,6 +45,8 @@ def verdict(facts: Facts) -> Verdict:
     doubted = _doubted(facts)
     explained = explained and doubted < Answer.YES
     added = tuple((step.effect, step.where) for step in facts.steps)
+    if explained and added and _leaves_more_than_noise(facts):
+        explained, facts = False, replace(facts, standing=added, share=_share_of_all(facts))
     hardly = _hardly_alone(facts) if floor and not explained else Answer.NO
     if hardly is Answer.YES:
         facts = replace(facts, standing=())
@@ -56,6 +66,18 @@ def verdict(facts: Facts) -> Verdict:
         remaining = Remaining(facts.over_noise, (*facts.lacking_at, facts.place)[0], facts.kind)
     named = effects if sure or explained else ((UNKNOWN, facts.place),)
     return Verdict(named, explained, says, undecided, share, remaining, cut_off=bool(facts.cut_off))
+
+
+def _leaves_more_than_noise(facts: Facts) -> bool:
+    over = facts.over_noise
+    return over is not None and at_the_noise(over, NOTHING_TAKEN) is Answer.NO
+
+
+def _share_of_all(facts: Facts) -> float | None:
+    """What all effects take, where it is known of some of them only what these do."""
+    if 0 < len(facts.standing) < len(facts.steps):
+        return sum(step.share or 0.0 for step in facts.steps)
+    return facts.share
 
 
 def _doubted(facts: Facts) -> Answer:
