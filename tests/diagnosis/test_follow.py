@@ -12,7 +12,7 @@ from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.lawfree.result import Findings, Found, PlaceTried
 from flexmodal.diagnosis.names import UNSTRUCTURED
 from flexmodal.diagnosis.outcome import Compared, Gaps, Step
-from flexmodal.diagnosis.selection import frf_by_look, frf_candidates, frf_data, in_its_stead
+from flexmodal.diagnosis.selection import frf_by_look, frf_candidates, frf_data, frf_starts, in_its_stead
 from flexmodal.diagnosis.selection.comparison import Comparison
 from flexmodal.diagnosis.selection.data import Data
 from flexmodal.diagnosis.selection.decision import Answer
@@ -25,6 +25,7 @@ from flexmodal.diagnosis.selection.in_its_stead import Refits, sure_beside
 from flexmodal.diagnosis.selection.looks_beside import MOST_LOOKS
 from flexmodal.diagnosis.selection.selection import MOST, ForwardSelection
 from flexmodal.diagnosis.setup import Setup
+from flexmodal.diagnosis.time_limit import OutOfTime
 
 MASS, DELAY, PLAY, LINK, BASE = (
     ("added_mass", "a"),
@@ -655,8 +656,14 @@ def test_effects_at_rest_are_asked_which_are_sure():
     assert [one.confidence for one in selection.steps] == [0.83, 0.83]
 
 
-@pytest.mark.parametrize("explained", [False, True])
-def test_every_place_is_tried_only_beside_what_does_not_count_as_explained(monkeypatch, explained):
+@pytest.mark.parametrize(
+    ("explained", "number", "leaves", "everywhere"),
+    [(False, 1, 0.3, True), (True, 1, 0.3, False), (False, 2, 0.3, False), (False, 2, 0.6, True)],
+)
+def test_every_place_is_tried_only_beside_what_does_not_count_as_explained(
+    monkeypatch, explained, number, leaves, everywhere
+):
+    """Nor beside several effects where what was found takes half of what they leave."""
     look, tried = Mock(spec=Findings, explains=True, needed=True), []
     data = FrfData.__new__(FrfData)
     data.setup, data.asked, data._root = Mock(spec=Setup), None, fitted()
@@ -670,8 +677,9 @@ def test_every_place_is_tried_only_beside_what_does_not_count_as_explained(monke
     monkeypatch.setattr(frf_data, "over_noise", lambda setup, model: 1.8)
     monkeypatch.setattr(frf_data, "explains", lambda data, model: explained)
     monkeypatch.setattr(frf_data, "best_of_each", list)
-    assert [one.hypothesis.keys for one in data.pointed(fitted(MASS), 1)] == [(MASS,), (MASS, DELAY)]
-    assert tried == ([] if explained else [1])
+    monkeypatch.setattr(frf_data, "left", lambda *given: leaves)
+    assert [one.hypothesis.keys for one in data.pointed(fitted(MASS), number)] == [(MASS,), (MASS, DELAY)]
+    assert tried == ([number] if everywhere else [])
 
 
 @pytest.mark.parametrize(
@@ -728,6 +736,32 @@ def test_fits_start_from_elsewhere_only_where_one_place_explains(monkeypatch, pl
     candidates.at_places(root, 0, look, lambda model: False)
     candidates.everywhere(root, 1)
     assert seen == [expected, False]
+
+
+@pytest.mark.parametrize("beside", [True, False])
+def test_beside_effects_what_was_found_in_time_goes_on(monkeypatch, beside):
+    """Of what comes after a search nothing but better fits is expected."""
+
+    def cut_off(*given):
+        raise OutOfTime
+
+    found, before = [fitted(DELAY, MASS)], fitted(DELAY) if beside else fitted()
+    before.cost = 1.0
+    monkeypatch.setattr(frf_candidates, "explanations", lambda *given, **more: found)
+    monkeypatch.setattr(frf_candidates, "from_each_start", cut_off)
+    monkeypatch.setattr(frf_candidates, "starts", lambda *given: None)
+    monkeypatch.setattr(frf_candidates, "pointed_to", lambda *given: [])
+    monkeypatch.setattr(frf_candidates, "nearer", lambda *given: [])
+    monkeypatch.setattr(frf_candidates, "over_noise", lambda *given: 9.0)
+    candidates = FrfCandidates(Mock(spec=Setup, effects=(), advance=Mock()), fitted(), with_force=False)
+    alone = Mock(spec=Found, alike=())
+    look = Mock(spec=Findings, explains=True, found=(alone,), needed=True, fitted=None, left=1.0, places=())
+    candidates.looks = Mock(one=look)
+    if beside:
+        assert candidates.at_places(before, 1, look, is_over) == found
+    else:
+        with pytest.raises(OutOfTime):
+            candidates.at_places(before, 0, look, is_over)
 
 
 @pytest.mark.parametrize(("cost", "again"), [(1.0, False), (1.2, False), (0.9, True)])
@@ -797,7 +831,7 @@ def test_where_none_takes_a_good_part_beside_effects_what_a_look_puts_first_and_
         widened.append(one.key)
         return [model(one.key, 5.4 if one.key == FEET else 7.6)]
 
-    monkeypatch.setattr(frf_candidates, "over_noise", lambda setup, one: one.over)
+    monkeypatch.setattr(frf_starts, "over_noise", lambda setup, one: one.over)
     monkeypatch.setattr(frf_candidates, "left", lambda setup, before, one: 1 - takes)
     monkeypatch.setattr(frf_candidates, "at_next_level", at_next_level)
     monkeypatch.setattr(frf_candidates, "starts", lambda *given: Mock(told=told))

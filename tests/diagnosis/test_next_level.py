@@ -18,9 +18,9 @@ from flexmodal.diagnosis.search.coarse import Candidate, Look
 from flexmodal.diagnosis.search.next_level import at_next_level
 from flexmodal.diagnosis.search.set_out import SetOut
 from flexmodal.diagnosis.selection import frf_candidates
-from flexmodal.diagnosis.selection.frf_candidates import LAW_LEAVES, FrfCandidates
+from flexmodal.diagnosis.selection.frf_candidates import FrfCandidates
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
-from flexmodal.diagnosis.selection.frf_thresholds import FLOOR_REACHED
+from flexmodal.diagnosis.selection.frf_thresholds import FLOOR_REACHED, LAW_LEAVES
 from flexmodal.diagnosis.setup import Setup
 from flexmodal.identification import observe, predict
 from flexmodal.rig import simulate

@@ -213,7 +213,7 @@ class Findings:
         return self.found[0].where
 
     def worth_trying(self, effect: str, where: str) -> bool:
-        """Whether an effect is to be fitted at a place at all.
+        """Whether an effect is to be fitted at a place; while several are missing, against those held out too.
 
         Args:
             effect: its name; those that no port stands for are tried always.
@@ -224,9 +224,10 @@ class Findings:
             return True
         if len(self.found) > 1:
             return False
-        best = self.places[0].judged
+        best, key = self.places[0].judged, (port, where)
         limit = min(NEAR * best, self.alone) if best < self.alone else NEAR * best
-        return any((one.port, one.where) == (port, where) and one.judged <= limit for one in self.places)
+        here = [one for one in self.places if (one.port, one.where) == key]
+        return any(one.judged <= limit or (not self.explains and one.misfit <= best) for one in here)
 
     def is_at(self, keys: Sequence[tuple[str, str]]) -> bool:
         """Whether it points to the place of one of some effects, as far as it can tell places apart.

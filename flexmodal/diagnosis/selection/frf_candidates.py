@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Iterator
+from contextlib import nullcontext, suppress
 from functools import cached_property
 
 import numpy as np
@@ -19,27 +20,30 @@ from flexmodal.diagnosis.search.explanations import (
 from flexmodal.diagnosis.search.next_level import at_next_level
 from flexmodal.diagnosis.search.set_out import SetOut
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
-from flexmodal.diagnosis.selection.frf_starts import does_more, nearer, pointed_to, starts, with_last
+from flexmodal.diagnosis.selection.frf_starts import (
+    does_more,
+    likely_wider,
+    nearer,
+    pointed_to,
+    starts,
+    with_last,
+)
 from flexmodal.diagnosis.selection.frf_thresholds import (
     ANOTHER,
     EXPLAINED,
     FLOOR_REACHED,
+    HALF,
+    HARDLY,
+    LAW_LEAVES,
     LIKELY,
-    NOT_FAR_BEHIND,
+    NEARER,
+    ONCE_MORE,
 )
 from flexmodal.diagnosis.selection.looks_beside import LooksBeside, laws_of
 from flexmodal.diagnosis.setup import Setup
+from flexmodal.diagnosis.time_limit import OutOfTime
 
-ONCE_MORE = 2
-"""Starts of an effect that are followed closely where another one that can do more is enough."""
-HALF = 0.5
-"""Part of the disagreement above the noise that a law leaves at most, for no wider one to be tried."""
-HARDLY = 0.03
-"""The same of an effect whose law is all but right: what is left may be due to it, not to something else."""
-LAW_LEAVES = 2.0
-"""Times what a place with free functions leaves from which an effect in it has too narrow a law."""
-NEARER = 0.999
-"""Part of the cost that a model may have for another search beside the same effects to be worth it."""
+Judge = Callable[[FittedFrfs], bool]
 
 
 class FrfCandidates(LooksBeside):
@@ -73,7 +77,7 @@ class FrfCandidates(LooksBeside):
         before: FittedFrfs,
         number: int,
         look: Findings,
-        is_over: Callable[[FittedFrfs], bool],
+        is_over: Judge,
         *,
         only_met: bool = False,
     ) -> list[FittedFrfs]:
@@ -100,7 +104,7 @@ class FrfCandidates(LooksBeside):
             self._placed[key] = before.cost, known
         return known
 
-    def does(self, model: FittedFrfs, look: Findings, is_over: Callable[[FittedFrfs], bool]) -> bool:
+    def does(self, model: FittedFrfs, look: Findings, is_over: Judge) -> bool:
         """Whether nothing else has to be looked for, or what one of several effects leaves is not due to it.
 
         Args:
@@ -120,11 +124,18 @@ class FrfCandidates(LooksBeside):
         found = self.searched(before, number, allowed, one_is_enough=len(look.found) == 1)
         return self._at_next_levels(before, found, look) if len(look.found) == 1 else found
 
-    def _at_places(
-        self, before: FittedFrfs, number: int, look: Findings, is_over: Callable[[FittedFrfs], bool]
-    ) -> list[FittedFrfs]:
+    def _at_places(self, before: FittedFrfs, number: int, look: Findings, is_over: Judge) -> list[FittedFrfs]:
         alone = look.explains and len(look.found) == 1
         found = self.searched(before, number, look.worth_trying, one_is_enough=alone)
+        with suppress(OutOfTime) if found and before.hypothesis.placed else nullcontext():  # better than none
+            for further in self._further(before, number, found, look, is_over):
+                found = further
+        return found
+
+    def _further(
+        self, before: FittedFrfs, number: int, found: list[FittedFrfs], look: Findings, is_over: Judge
+    ) -> Iterator[list[FittedFrfs]]:
+        """With more from other starts, by wider laws and in other places, one after the other."""
         if look.explains:
             enough = [one for one in found if is_over(one)]
             keys, followed = pointed_to(self.setup, before, look), FOLLOWED
@@ -133,14 +144,13 @@ class FrfCandidates(LooksBeside):
                 followed = ONCE_MORE
             if not any(self._is_enough(one) and look.is_at([one.key]) for one in found):
                 keys += [key for key in nearer(self.setup, before, look) if key not in keys]
-            set_out = starts(before, look)
-            more = from_each_start(self.setup, before, set_out, keys, is_over, followed)
-            found = best_of_each([*found, *more])
+            more = from_each_start(self.setup, before, starts(before, look), keys, is_over, followed)
+            yield (found := best_of_each([*found, *more]))
         if len(look.found) == 1:
-            found = self._at_next_levels(before, found, look)
-        found = self._elsewhere(before, number, found, look) if alone else found
-        found = self._at_last(before, found)
-        return self._with_wider_laws(before, number, found, look)
+            yield (found := self._at_next_levels(before, found, look))
+            yield (found := self._elsewhere(before, number, found, look) if look.explains else found)
+        yield (found := self._at_last(before, found))
+        yield self._with_wider_laws(before, number, found, look)
 
     def _with_wider_laws(
         self, before: FittedFrfs, number: int, found: list[FittedFrfs], look: Findings
@@ -156,22 +166,9 @@ class FrfCandidates(LooksBeside):
         best = [(one.port, one.where) for one in look.places if one.port in kinds][:LIKELY]
         found = self._also_at(before, number, found, best)
         told = SetOut([], starts(before, look).told)
-        near = self._likely_wider(found, look)
+        near = likely_wider(self.setup, found, look)
         wider = [more for one in near for more in at_next_level(self.setup, one, told, self._is_enough)]
         return best_of_each([*found, *wider])
-
-    def _likely_wider(self, found: Sequence[FittedFrfs], look: Findings) -> list[FittedFrfs]:
-        """Of models that are not far behind those with a wider law, in the order of their places without one.
-
-        The best of those that depend on the blow besides: a function free for every blow leaves less anyway.
-        """
-        least = min((over_noise(self.setup, one) for one in found), default=0.0)
-        able = [one for one in found if one.hypothesis.placed[-1].effect.next_level is not None]
-        near = [one for one in able if over_noise(self.setup, one) <= NOT_FAR_BEHIND * least]
-        judged = {(one.port, one.where): one.judged for one in look.places}
-        near.sort(key=lambda one: judged.get((PORT_OF.get(one.key[0], ""), one.key[1]), np.inf))
-        forced = [one for one in near if one.hypothesis.placed[-1].effect.by_force]
-        return [*[one for one in near if one not in forced][:LIKELY], *forced[:1]]
 
     def _elsewhere(
         self, before: FittedFrfs, number: int, found: list[FittedFrfs], look: Findings

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import nullcontext, suppress
 from dataclasses import replace
 from typing import Any
 
@@ -36,6 +37,7 @@ from flexmodal.diagnosis.selection.frf_thresholds import (
     FLOOR_REACHED,
     FORCE,
     FORCE_MARGIN,
+    HALF,
     NOTHING_HIDDEN,
     THERE,
     THERE_MARGIN,
@@ -45,6 +47,7 @@ from flexmodal.diagnosis.selection.frf_thresholds import (
 from flexmodal.diagnosis.selection.in_its_stead import Refits
 from flexmodal.diagnosis.selection.stand_in import stand_in, stands_in
 from flexmodal.diagnosis.setup import Setup
+from flexmodal.diagnosis.time_limit import OutOfTime
 from flexmodal.identification import gap, predict, uncertainty
 from flexmodal.identification.baselines import Baselines
 
@@ -94,7 +97,8 @@ class FrfData(FrfsByLook):
     def pointed(self, before: FittedFrfs, number: int) -> list[FittedFrfs]:
         """See `Data`; everywhere where one place explains what is left and no effect does that there.
 
-        Not everywhere beside a model that counts as explained anyway.
+        Not everywhere beside a model that counts as explained anyway, nor beside several effects where one
+        more takes half of what these leave. If time is up meanwhile, what was found before goes on.
         Beside a model that is named, or so strong that it would be, only what such a place stands for: its
         law may be to blame. Nothing where that of its effect took everything.
         """
@@ -109,8 +113,10 @@ class FrfData(FrfsByLook):
         if named:
             return [before, *found]
         done = any(self._candidates.does(one, look, self.is_over) for one in found)
+        done = done or (number > 1 and any(left(self.setup, before, one) <= HALF for one in found))
         if look.explains and not explains(self, before) and not done:
-            found = best_of_each([*found, *self._candidates.everywhere(before, number)])
+            with suppress(OutOfTime) if found else nullcontext():  # what was found goes on
+                found = best_of_each([*found, *self._candidates.everywhere(before, number)])
         found = narrowest(found, self.is_enough)
         return [before, *found, *([] if number else [unstructured_mode(self.setup, before)])]
 

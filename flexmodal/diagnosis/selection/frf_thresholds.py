@@ -33,6 +33,16 @@ none takes a good part, how many are, and of how many places that do best withou
 CLEARLY = 2.0
 """Times by which the misfits of all other places have to exceed that of a single effect with its function
 free, for it to be named where it leaves more than noise."""
+ONCE_MORE = 2
+"""Starts of an effect that are followed closely where another one that can do more is enough."""
+HALF = 0.5
+"""Part of the disagreement above the noise that a law leaves at most, for no wider one to be tried."""
+HARDLY = 0.03
+"""The same of an effect whose law is all but right: what is left may be due to it, not to something else."""
+LAW_LEAVES = 2.0
+"""Times what a place with free functions leaves from which an effect in it has too narrow a law."""
+NEARER = 0.999
+"""Part of the cost that a model may have for another search beside the same effects to be worth it."""
 NOTHING_LEFT = 0.8
 """Misfit of one place without a law beside which no second effect is looked for; 0.6 if perfect. Of 27
 campaigns with two to five effects that were looked at, three came to that; none of their second effects was

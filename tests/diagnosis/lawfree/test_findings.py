@@ -123,6 +123,21 @@ def test_what_is_far_is_not_tried_and_others_always_are(look):
 
 
 @pytest.mark.parametrize(
+    ("misfit", "explains", "expected"), [(3.6, False, True), (4.3, False, False), (3.6, True, False)]
+)
+def test_a_place_that_only_those_held_out_speak_against_is_tried_while_several_are_missing(
+    misfit, explains, expected
+):
+    """An absorber beside a friction: its function takes most where it is fitted, and misleads elsewhere."""
+    best = PlaceTried("torque", "q2", "a torque", 4.2, None, 9)
+    body = PlaceTried("body", "link_4", "a body", misfit, 7.6, 5)
+    found = Found("torque", "q2", "a torque", 5.4, (("torque", "q2"),), None, ())
+    look = Findings(5.4, 4.2, (best, body), (found,), explains, True, "")
+    assert look.worth_trying("local_absorber", "link_4") is expected
+    assert not look.worth_trying("local_absorber", "link_3")
+
+
+@pytest.mark.parametrize(
     ("leaves", "tried"), [((6.0, 9.9), True), ((6.0, 10.1), False), ((10.5, 10.9), True)]
 )
 def test_what_leaves_more_than_nothing_does_is_not_tried_unless_everything_does(leaves, tried):

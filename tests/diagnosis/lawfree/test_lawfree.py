@@ -296,7 +296,7 @@ def test_where_a_step_overshoots_a_line_is_damped_until_it_does_not(root, observ
 
     def descended(z, some):
         profile = Profile(replace(model, lines=model.lines[some]), 0.05, settled=0.0)
-        return profile.descended(profile.state(x, z[..., some]), 12, held=True).z
+        return profile.descended(profile.state(x, z[..., some]), 20, held=True).z
 
     found, every = descended(far, others), descended(far, slice(None))
     np.testing.assert_allclose(every[..., others], found, rtol=1e-6)
