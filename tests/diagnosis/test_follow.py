@@ -156,6 +156,17 @@ def test_what_was_considered_comes_in_place_of_an_earlier_effect_that_does_worse
     assert selection.data.looked == [(), (LINK,)]
 
 
+@pytest.mark.parametrize(
+    ("overs", "expected"), [((1.1, 1.2, 1.3, 1.4), 3), ((1.2, 3.0), 1), ((3.0, 4.0), 1), ((), 0)]
+)
+def test_how_sure_one_is_is_asked_beside_those_that_were_near_or_the_nearest(monkeypatch, overs, expected):
+    data, asked = settling(monkeypatch, {MASS: 0.83}), []
+    data.near = [(fitted(BASE), over) for over in overs]
+    data._refits.instead = lambda model, key, others: asked.extend(others) or []
+    assert data.surely(fitted(MASS, DELAY), MASS) == 0.83
+    assert asked == [one for one, _ in data.near[:expected]]
+
+
 def test_only_what_was_not_far_behind_is_tried_in_its_stead(monkeypatch):
     """In the last search where the effect was found; what the model has anyway is not."""
     over = {MASS: 4.0, BASE: 6.0, LINK: 11.0, DELAY: 5.0, PLAY: 3.0}
@@ -368,13 +379,13 @@ class Settling(FrfData):
     """What each effect takes of what the others leave, and how sure it is."""
 
     def __init__(self, sure, takes=0.9, share=0.95):
-        self._settled, self._root = ((), (), ()), fitted()
+        self._settled, self._root, self.near = ((), (), ()), fitted(), []
         self.taken, self._candidates = share, self
         self.sure, self.takes, self.setup = sure, takes, Mock(spec=Setup, advance=Mock())
         self._refits = Mock(spec=Refits, instead=lambda model, key, others: [])
 
-    def considered(self, model, key):
-        return []
+    def considered(self, model, key, within=np.inf):
+        return [one for one, over in self.near if over <= within]
 
     def looked(self, model):
         return Mock(place="tip")

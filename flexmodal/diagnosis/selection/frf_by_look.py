@@ -157,7 +157,9 @@ class FrfsByLook(Data[FittedFrfs]):
         less = self.without(model, key)
         if self.share(less, model) < MOST_OF_REST:
             return 0.0
-        others = self._refits.instead(model, key, self._candidates.considered(model, key)[:IN_STEAD])
+        near = self._candidates.considered(model, key, NOT_FAR_BEHIND)[:IN_STEAD]
+        likely = near or self._candidates.considered(model, key)[:1]
+        others = self._refits.instead(model, key, likely)
         return sure_beside(self.compare([less, with_last(model, key), *others]))
 
     def standing(self, model: FittedFrfs) -> tuple[tuple[tuple[str, str], ...], tuple[str, ...]]:

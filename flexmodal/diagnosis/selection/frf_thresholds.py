@@ -23,9 +23,10 @@ ALL_BUT_LITTLE = 0.97
 """The same where the curve is of no class that is known, so that it speaks for no effect."""
 MOST_OF_REST, SURE, IN_STEAD = 0.6, 0.8, 3
 """Part of what the others leave above the noise that one of several effects takes to be named whatever else
-is missing, its confidence among what else might be in its place, and how many of those are fitted. Of the
-effects in the models of 18 campaigns that were looked at, all with more than noise left, 34 that are there
-took 0.36 to 0.998; eight that are not took at most 0.50, or were not so sure."""
+is missing, its confidence among what else might be in its place, and how many of those are fitted at most:
+what was not far behind when it was added, or else the nearest. Of the effects in the models of 18 campaigns
+that were looked at, all with more than noise left, 34 that are there took 0.36 to 0.998; eight that are not
+took at most 0.50, or were not so sure."""
 NOT_FAR_BEHIND, LIKELY = 1.5, 2
 """Times what an effect left when it was added that another one left, to be tried in its place once others are
 there, and how many of these are. Likewise times the least that any leaves, to be tried with a wider law where
