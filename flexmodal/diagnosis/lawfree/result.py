@@ -213,7 +213,7 @@ class Findings:
         return self.found[0].where
 
     def worth_trying(self, effect: str, where: str) -> bool:
-        """Whether an effect is to be fitted at a place; of several, against postures held out too.
+        """Whether an effect is to be fitted at a place; if none explains all, those held out do not bar it.
 
         Args:
             effect: its name; those that no port stands for are tried always.

@@ -37,7 +37,8 @@ free, for it to be named where it leaves more than noise."""
 ONCE_MORE = 2
 """Starts of an effect that are followed closely where another one that can do more is enough."""
 HALF = 0.5
-"""Part of the disagreement above the noise that a law leaves at most, for no wider one to be tried."""
+"""Part of the disagreement above the noise that a law leaves at most, for no wider one to be tried, and
+beside several effects nothing elsewhere."""
 HARDLY = 0.03
 """The same of an effect whose law is all but right: what is left may be due to it, not to something else."""
 LAW_LEAVES = 2.0
