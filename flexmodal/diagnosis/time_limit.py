@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
 
 from flexmodal.errors import Fault, InvalidRequest
 
@@ -77,6 +77,15 @@ class TimeLimit:
         if not self.was_hit or self.seconds is None:
             return ()
         return (f"Looking was cut off after {self.seconds:g} s: with more time more may be named.",)
+
+
+def cut_short(allowed: object) -> AbstractContextManager[None]:
+    """What is done here ends where time is up, and all goes on with what was found by then.
+
+    Args:
+        allowed: whether it does; else whoever counts the time is told, as everywhere.
+    """
+    return suppress(OutOfTime) if allowed else nullcontext()
 
 
 def limit_of(within: float | None) -> TimeLimit:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator
-from contextlib import nullcontext, suppress
 from functools import cached_property
 
 import numpy as np
@@ -41,9 +40,10 @@ from flexmodal.diagnosis.selection.frf_thresholds import (
 )
 from flexmodal.diagnosis.selection.looks_beside import LooksBeside, laws_of
 from flexmodal.diagnosis.setup import Setup
-from flexmodal.diagnosis.time_limit import OutOfTime
+from flexmodal.diagnosis.time_limit import cut_short
 
 Judge = Callable[[FittedFrfs], bool]
+"""Whether nothing else has to be looked for beside a model."""
 
 
 class FrfCandidates(LooksBeside):
@@ -127,7 +127,7 @@ class FrfCandidates(LooksBeside):
     def _at_places(self, before: FittedFrfs, number: int, look: Findings, is_over: Judge) -> list[FittedFrfs]:
         alone = look.explains and len(look.found) == 1
         found = self.searched(before, number, look.worth_trying, one_is_enough=alone)
-        with suppress(OutOfTime) if found and before.hypothesis.placed else nullcontext():  # better than none
+        with cut_short(found and before.hypothesis.placed):  # one of several more is better than none
             for further in self._further(before, number, found, look, is_over):
                 found = further
         return found
@@ -148,7 +148,8 @@ class FrfCandidates(LooksBeside):
             yield (found := best_of_each([*found, *more]))
         if len(look.found) == 1:
             yield (found := self._at_next_levels(before, found, look))
-            yield (found := self._elsewhere(before, number, found, look) if look.explains else found)
+            if look.explains:
+                yield (found := self._elsewhere(before, number, found, look))
         yield (found := self._at_last(before, found))
         yield self._with_wider_laws(before, number, found, look)
 

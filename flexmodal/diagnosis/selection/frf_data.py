@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from contextlib import nullcontext, suppress
 from dataclasses import replace
 from typing import Any
 
@@ -47,7 +46,7 @@ from flexmodal.diagnosis.selection.frf_thresholds import (
 from flexmodal.diagnosis.selection.in_its_stead import Refits
 from flexmodal.diagnosis.selection.stand_in import stand_in, stands_in
 from flexmodal.diagnosis.setup import Setup
-from flexmodal.diagnosis.time_limit import OutOfTime
+from flexmodal.diagnosis.time_limit import cut_short
 from flexmodal.identification import gap, predict, uncertainty
 from flexmodal.identification.baselines import Baselines
 
@@ -112,10 +111,13 @@ class FrfData(FrfsByLook):
         found = self._candidates.at_places(before, number, look, self.is_over, only_met=named)
         if named:
             return [before, *found]
-        done = any(self._candidates.does(one, look, self.is_over) for one in found)
-        done = done or (number > 1 and any(left(self.setup, before, one) <= HALF for one in found))
+        done = any(
+            self._candidates.does(one, look, self.is_over)
+            or (number > 1 and left(self.setup, before, one) <= HALF)
+            for one in found
+        )
         if look.explains and not explains(self, before) and not done:
-            with suppress(OutOfTime) if found else nullcontext():  # what was found goes on
+            with cut_short(found):
                 found = best_of_each([*found, *self._candidates.everywhere(before, number)])
         found = narrowest(found, self.is_enough)
         return [before, *found, *([] if number else [unstructured_mode(self.setup, before)])]

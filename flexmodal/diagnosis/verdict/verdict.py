@@ -21,9 +21,9 @@ from flexmodal.diagnosis.outcome import Remaining, Step, Verdict
 from flexmodal.diagnosis.selection.decision import Answer, hardly_possible, reaches
 from flexmodal.diagnosis.selection.frf_thresholds import (
     CLOSE,
+    FLOOR_REACHED,
     LARGER_PART,
     LARGER_PART_MARGIN,
-    at_the_noise,
 )
 from flexmodal.diagnosis.verdict.facts import Facts
 from flexmodal.diagnosis.verdict.frf_words import frf_words
@@ -31,8 +31,6 @@ from flexmodal.diagnosis.verdict.modal_words import modal_words
 
 CLOSE_MARGIN = 0.01
 """Of the distance from the noise that is clearly nothing but noise."""
-NOTHING_TAKEN = 1.0
-"""Part of the disagreement that is left where no effect is strong."""
 DOUBTFUL = "Whether what was found is believable enough to explain what it does is undecided."
 BORDER = "How far the model is from the measurements lies at the border of what counts as noise."
 
@@ -45,7 +43,7 @@ def verdict(facts: Facts) -> Verdict:
     doubted = _doubted(facts)
     explained = explained and doubted < Answer.YES
     added = tuple((step.effect, step.where) for step in facts.steps)
-    if explained and added and _leaves_more_than_noise(facts):
+    if explained and added and facts.over_noise is not None and facts.over_noise > FLOOR_REACHED:
         explained, facts = False, replace(facts, standing=added, share=_share_of_all(facts))
     hardly = _hardly_alone(facts) if floor and not explained else Answer.NO
     if hardly is Answer.YES:
@@ -66,11 +64,6 @@ def verdict(facts: Facts) -> Verdict:
         remaining = Remaining(facts.over_noise, (*facts.lacking_at, facts.place)[0], facts.kind)
     named = effects if sure or explained else ((UNKNOWN, facts.place),)
     return Verdict(named, explained, says, undecided, share, remaining, cut_off=bool(facts.cut_off))
-
-
-def _leaves_more_than_noise(facts: Facts) -> bool:
-    over = facts.over_noise
-    return over is not None and at_the_noise(over, NOTHING_TAKEN) is Answer.NO
 
 
 def _share_of_all(facts: Facts) -> float | None:
