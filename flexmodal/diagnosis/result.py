@@ -23,6 +23,7 @@ from flexmodal.diagnosis.verdict.beyond import beyond_words
 from flexmodal.diagnosis.verdict.facts import Facts
 from flexmodal.diagnosis.verdict.frf_words import stand_in_words
 from flexmodal.diagnosis.verdict.undecided import refused_words, undecided_words
+from flexmodal.diagnosis.verdict.unlike import unlike
 from flexmodal.diagnosis.verdict.verdict import verdict
 from flexmodal.identification.setting_up import far_words
 
@@ -122,8 +123,8 @@ def facts_of(selection: ForwardSelection[M], found: Conclusion[M], modal: Findin
         found: its first and last models on everything that was measured.
         modal: what measured modes say besides.
     """
-    data, first = selection.data, selection.rounds[0].comparison
-    standing, lacking_at = data.standing(selection.current)
+    data, first, last = selection.data, selection.rounds[0].comparison, selection.current
+    standing, lacking_at = data.standing(last)
     share = data.share(selection.root, found.after)
     if standing and len(standing) < len(selection.steps):
         share = sum(one.share or 0.0 for one in selection.steps if (one.effect, one.where) in standing)
@@ -133,11 +134,12 @@ def facts_of(selection: ForwardSelection[M], found: Conclusion[M], modal: Findin
         gaps=found.gaps,
         over_noise=found.over_noise,
         reached=found.reached,
-        lacking=dict(modal.left) if modal is not None else data.lacking(selection.current),
+        lacking=dict(modal.left) if modal is not None else data.lacking(last),
         open_=not selection.steps and any_gains(first) is Answer.YES,
         standing=standing,
         lacking_at=lacking_at,
-        contradicted=data.is_contradicted(selection.current),
+        contradicted=data.is_contradicted(last),
+        unlike=unlike(last.hypothesis, last.x, data.covariance(last)),
         kind=found.remaining[0].kind if found.remaining else "",
         share=share,
         look=data.look,

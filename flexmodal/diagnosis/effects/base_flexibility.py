@@ -19,6 +19,7 @@ import numpy as np
 
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Effect, Level, Placement, positive, signed
+from flexmodal.diagnosis.effects.floor import SAYS, floor_like
 from flexmodal.diagnosis.effects.foundation import (
     Spring,
     centre_of,
@@ -228,6 +229,14 @@ def _bolted_extend(draft: Draft, placement: Placement) -> None:
     draft.attach(block, _own_body(placement, mass_centre(placement)), name="foundation_mass")
 
 
+def _floor_like(context: Context, values: Mapping[str, float]) -> float:
+    return floor_like(context, values, _parameters(context, "base"))
+
+
+def _bolted_floor_like(context: Context, values: Mapping[str, float]) -> float:
+    return floor_like(context, values, _bolted_parameters(context, "base"), bolts_of)
+
+
 BOLTED = Effect(
     name="base_flexibility",
     says="the foundation gives way",
@@ -238,6 +247,8 @@ BOLTED = Effect(
     shape=_bolted_shape,
     act=_bolted_act,
     extend=_bolted_extend,
+    unlike=_bolted_floor_like,
+    unlike_says=SAYS,
 )
 EFFECT = replace(
     BOLTED,
@@ -246,5 +257,6 @@ EFFECT = replace(
     shape=_shape,
     act=_act,
     extend=_extend,
+    unlike=_floor_like,
     next_level=Level(BOLTED, _bolted_starts),
 )

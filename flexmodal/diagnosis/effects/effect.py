@@ -118,6 +118,11 @@ class Effect:
     """The parameter at whose upper bound it comes down to these, if there is one."""
     made_by: Sequence[str] = ()
     """What is reported of it, one of which has to differ from nothing, for it to be this effect at all."""
+    unlike: Callable[[Context, Mapping[str, float]], float] | None = None
+    """By its parameters, how far it goes beyond what bears its name: from 0 on it is something else, whatever
+    its law explains."""
+    unlike_says: str = ""
+    """What it does then, for people."""
     next_level: Level | None = None
     """A wider law under the same name, fitted where this one leaves something at its place."""
     variants: Sequence[str] = ()

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from jaxtyping import Complex, Float, Int
@@ -85,15 +86,19 @@ class FoundationLaw:
         self.powers = np.stack([np.ones_like(omega) + 0j, 1j * omega, -(omega**2) + 0j])
         self.back, self.pairs = back, pairs
         self.motion = motions(context.normal)[1]
-        none = np.zeros(len(space))
         self._moving = [k for k, one in enumerate(space) if not one.log]
-        known = self.bodies(none)
-        shares = [np.zeros((len(one.value), len(space))) for one in known]
-        for k in range(len(space)):
+
+    @cached_property
+    def _shares(self) -> list[Float[np.ndarray, "term parameter"]]:
+        """Derivatives of the logarithms of each body's values."""
+        count = len(self.space)
+        known = self.bodies(np.zeros(count))
+        shares = [np.zeros((len(one.value), count)) for one in known]
+        for k in range(count):
             if k not in self._moving:
-                for share, here, there in zip(shares, known, self.bodies(_unit(k, len(space))), strict=True):
+                for share, here, there in zip(shares, known, self.bodies(_unit(k, count)), strict=True):
                     share[:, k] = np.log(there.value / here.value)
-        self._shares = shares
+        return shares
 
     def bodies(self, x: Float[np.ndarray, " parameter"]) -> list[Terms]:
         """The foundation, and what is bolted to it.

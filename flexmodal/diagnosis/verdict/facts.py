@@ -9,6 +9,7 @@ from flexmodal.diagnosis.findings import Findings
 from flexmodal.diagnosis.lawfree.result import Findings as LawFree
 from flexmodal.diagnosis.outcome import Gaps, Step
 from flexmodal.diagnosis.selection.decision import Answer
+from flexmodal.diagnosis.verdict.unlike import Unlike
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,6 +45,8 @@ class Facts:
     """Places of what is missing besides."""
     contradicted: bool = False
     """Whether several effects stand for what one place explains at which none of them sits."""
+    unlike: tuple[Unlike, ...] = ()
+    """Effects that do what nothing of their name does, or may."""
     kind: str = ""
     """Of the region that disagrees most at the end."""
     share: float | None = None

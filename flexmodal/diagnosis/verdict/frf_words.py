@@ -82,9 +82,8 @@ def _contradicted(facts: Facts) -> str:
 
 
 def _unknown(facts: Facts) -> str:
-    near = ""
-    if facts.steps:
-        last = facts.steps[-1]
+    near, strange = "", [one.key for one in facts.unlike]
+    if facts.steps and (last := facts.steps[-1]) and (last.effect, last.where) not in strange:
         near = f" Nearest comes {last.effect} at {last.where}, which is not enough."
     modes = ""
     if facts.lacking:

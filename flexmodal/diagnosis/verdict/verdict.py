@@ -28,6 +28,7 @@ from flexmodal.diagnosis.selection.frf_thresholds import (
 from flexmodal.diagnosis.verdict.facts import Facts
 from flexmodal.diagnosis.verdict.frf_words import frf_words
 from flexmodal.diagnosis.verdict.modal_words import modal_words
+from flexmodal.diagnosis.verdict.unlike import Unlike
 
 CLOSE_MARGIN = 0.01
 """Of the distance from the noise that is clearly nothing but noise."""
@@ -45,13 +46,17 @@ def verdict(facts: Facts) -> Verdict:
     added = tuple((step.effect, step.where) for step in facts.steps)
     if explained and added and facts.over_noise is not None and facts.over_noise > FLOOR_REACHED:
         explained, facts = False, replace(facts, standing=added, share=_share_of_all(facts))
+    strange = tuple(one for one in facts.unlike if floor and one.answer is Answer.YES)
+    if strange:
+        facts = _without(facts, strange, added if explained else facts.standing)
+        explained = False
     hardly = _hardly_alone(facts) if floor and not explained else Answer.NO
     if hardly is Answer.YES:
         facts = replace(facts, standing=())
     sure = added if explained or not floor else facts.standing
     besides = () if explained or not floor else facts.lacking_at or (facts.place,)
     effects = (*sure, *((UNKNOWN, where) for where in besides))
-    undecided = (*facts.undecided, *facts.cut_off)
+    undecided = (*facts.undecided, *_doubts(facts, sure), *facts.cut_off)
     if explained and facts.reached is Answer.UNDECIDED:
         undecided = (*undecided, BORDER)
     if hardly is Answer.UNDECIDED or (explained and doubted is Answer.UNDECIDED):
@@ -64,6 +69,26 @@ def verdict(facts: Facts) -> Verdict:
         remaining = Remaining(facts.over_noise, (*facts.lacking_at, facts.place)[0], facts.kind)
     named = effects if sure or explained else ((UNKNOWN, facts.place),)
     return Verdict(named, explained, says, undecided, share, remaining, cut_off=bool(facts.cut_off))
+
+
+def _without(facts: Facts, strange: Sequence[Unlike], named: Sequence[tuple[str, str]]) -> Facts:
+    """Some effects no longer named, their places unknown."""
+    keys, places = [one.key for one in strange], [one.key[1] for one in strange]
+    stay = tuple(key for key in named if key not in keys)
+    shares = [step.share or 0.0 for step in facts.steps if (step.effect, step.where) in stay]
+    lacking = tuple(dict.fromkeys([*places, *facts.lacking_at]))
+    return replace(facts, standing=stay, lacking_at=lacking, place=places[0], share=sum(shares))
+
+
+def _doubts(facts: Facts, named: Sequence[tuple[str, str]]) -> tuple[str, ...]:
+    """What some effects do, or may do, that nothing of their name does."""
+    found = []
+    for one in facts.unlike:
+        if one.answer is Answer.YES and one.key not in named:
+            found.append(f"No name for {one.key[1]}: {one.says}.")
+        elif one.answer is Answer.UNDECIDED and one.key in named:
+            found.append(f"Whether {one.key[0]} at {one.key[1]} is the name for it is undecided: {one.says}.")
+    return tuple(found)
 
 
 def _share_of_all(facts: Facts) -> float | None:
