@@ -55,7 +55,7 @@ def test_the_lesser_of_two_ratios_counts(context, effect):
 
 
 def test_a_heavy_floor_counts_by_what_it_does_in_the_band(context):
-    """By hand: one mass on each of the springs. At rest it is far softer level than upright, in the band less."""
+    """By hand, one mass on each spring: at rest far softer level than upright, in the band not."""
     length, both = foundation.length_of(context), 1 if context.normal is not None else 2
     upright, level, tilt, mass, radius = 1e-9, 1e-4, 2e-10, 1e5, 0.2 * length
     values = springs_alone(context, EFFECT, upright, level, tilt)

@@ -96,7 +96,7 @@ def _words(look: LawFree, found: tuple[Found, ...]) -> str:
             which = "it" if len(found) == 1 else f"{one.port}@{one.where}"
             says.append(f"These data cannot tell {which} from {', '.join(others)}.")
         if one.classes:
-            says.append(f"{subject} has the form of this class: {one.classes[0].says}.")
+            says.append(f"{subject} is of this class: {one.classes[0].name}.")
         elif one.curve is not None:
             says.append(f"{subject} is of no class that is known here.")
     return " ".join(says)

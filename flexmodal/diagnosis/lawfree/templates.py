@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import Complex, Float
 
 from flexmodal.diagnosis.lawfree.port import Port
+from flexmodal.report.words import minus
 
 Grid = Callable[[Float[np.ndarray, " line"]], Float[np.ndarray, " value"]]
 
@@ -44,9 +45,10 @@ class Template:
         """
         parts = []
         for name, row in zip(names, linear.tolist(), strict=True):
-            values = ", ".join(symbol.format(value) for symbol, value in zip(self.symbols, row, strict=True))
-            parts.append(f"{name} {values}" if len(names) > 1 else values)
-        tail = f"; {self.at.format(*at)}" if at else ""
+            values = (symbol.format(value) for symbol, value in zip(self.symbols, row, strict=True))
+            told = minus(", ".join(values))
+            parts.append(f"{name} {told}" if len(names) > 1 else told)
+        tail = f"; {minus(self.at.format(*at))}" if at else ""
         return f"{self.name}: {'; '.join(parts)}{tail}" + (f" [{unit}]" if unit else "")
 
 
