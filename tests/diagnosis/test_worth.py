@@ -5,6 +5,7 @@ from unittest.mock import Mock
 import numpy as np
 import pytest
 
+from flexmodal.campaign import Campaign, Tolerance
 from flexmodal.diagnosis.effects import catalogue
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.placed import Placed
@@ -32,4 +33,27 @@ def test_a_damper_between_two_joints_is_a_coupling_however_little_its_spring_is_
     covariance[spring, time] = covariance[time, spring] = together * 0.04 * 0.8
     data = FrfData.__new__(FrfData)
     data.covariance = lambda model: covariance
-    assert data._is_there(Mock(spec=FittedFrfs, hypothesis=hypothesis, x=x)) is expected
+    model = Mock(spec=FittedFrfs, hypothesis=hypothesis, x=x)
+    assert data._is_there(model, [placed.key]) is expected
+    assert data._is_there(model, [("added_mass", "link_2")]) is Answer.YES
+
+
+def test_a_mass_is_needed_beside_a_coupling_that_is_none(context):
+    """Which was added last does not matter, but what one model has and the other has not."""
+    mass = Placed(catalogue()["added_mass"], "link_2")
+    coupling = Placed(catalogue()["joint_coupling"], "q1+q3")
+    bare = Hypothesis(context, robot_space(context.robot))
+    both = bare.and_also(mass).and_also(coupling)
+    before = np.zeros(len(bare.and_also(mass).space))
+    start = both.start(coupling, {"coupling": 0.0, "damping_time": 1e-2}, before)
+    data = FrfData.__new__(FrfData)
+    data.covariance = lambda model: np.eye(len(model.x))
+    data.campaign = Mock(spec=Campaign, tolerance=Mock(spec=Tolerance, is_exact=True))
+
+    def fitted(hypothesis, cost):
+        x = start if hypothesis is both else np.zeros(len(hypothesis.space))
+        return Mock(spec=FittedFrfs, hypothesis=hypothesis, x=x, costs=np.array([cost]), prior=0.0)
+
+    whole = fitted(both, 1.0)
+    assert data.worth(fitted(bare.and_also(coupling), 50.0), whole, 1) is Answer.YES
+    assert data.worth(fitted(bare.and_also(mass), 50.0), whole, 1) is Answer.NO

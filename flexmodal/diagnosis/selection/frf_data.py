@@ -171,20 +171,22 @@ class FrfData(FrfsByLook):
         """
         if not self.campaign.tolerance.is_exact and self.is_enough(before):
             return Answer.NO
-        there = Answer.YES if after is before else self._is_there(after)
+        there = self._is_there(
+            after, [key for key in after.hypothesis.keys if key not in before.hypothesis.keys]
+        )
         taken = float(1 - after.costs.sum() / max(before.costs.sum(), 1e-300))
         return min(there, takes_enough(taken, before.prior / 2, after.prior / 2, number))
 
-    def _is_there(self, model: FittedFrfs) -> Answer:
-        """Whether what makes the last effect differs from nothing: a coupling of 0 re-tunes either joint."""
-        hypothesis = model.hypothesis
-        made_by = hypothesis.placed[-1].effect.made_by if hypothesis.placed else ()
-        if not made_by:
-            return Answer.YES
-        key, covariance = hypothesis.keys[-1], self.covariance(model)
-        values, _, errors = effect_parameters(hypothesis, key, model.x, covariance)
-        far = max(abs(values[name]) / max(errors[name], 1e-300) for name in made_by)
-        return reaches(far, THERE, THERE_MARGIN)
+    def _is_there(self, model: FittedFrfs, added: Sequence[tuple[str, str]]) -> Answer:
+        """Whether what makes some effects differs from nothing: a coupling of 0 re-tunes either joint."""
+        hypothesis, found = model.hypothesis, Answer.YES
+        for placed in hypothesis.placed:
+            made_by = placed.effect.made_by if placed.key in added else ()
+            if made_by:
+                values, _, errors = effect_parameters(hypothesis, placed.key, model.x, self.covariance(model))
+                far = max(abs(values[name]) / max(errors[name], 1e-300) for name in made_by)
+                found = min(found, reaches(far, THERE, THERE_MARGIN))
+        return found
 
     def is_enough(self, model: FittedFrfs) -> bool:
         """Whether it reaches the noise, and every mode has a partner."""
