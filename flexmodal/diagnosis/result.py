@@ -140,6 +140,7 @@ def facts_of(selection: ForwardSelection[M], found: Conclusion[M], modal: Findin
         lacking_at=lacking_at,
         contradicted=data.is_contradicted(last),
         unlike=unlike(last.hypothesis, last.x, data.covariance(last)),
+        comes_close=any(one.effect.comes_close for one in last.hypothesis.placed),
         kind=found.remaining[0].kind if found.remaining else "",
         share=share,
         look=data.look,

@@ -200,6 +200,18 @@ def test_of_several_effects_all_of_them_take_their_parts():
     assert more.share == pytest.approx(0.99)
 
 
+@pytest.mark.parametrize(
+    ("over", "comes_close", "explained"),
+    [(1.27, True, False), (1.27, False, True), (CLOSE, True, True), (1.14, True, True)],
+)
+def test_what_leaves_nothing_where_it_is_right_has_to_come_closer(over, comes_close, explained):
+    """Play was called a spring that is not straight, with 1.27 noise floors left."""
+    facts = replace(_one_step(over, Answer.YES), comes_close=comes_close)
+    found, name = verdict(facts), ("added_mass", "link_2")
+    assert found.explained is explained
+    assert found.effects == ((name,) if explained else (name, ("unknown", "link_2")))
+
+
 @pytest.mark.parametrize("rounding", LAST_DIGIT)
 def test_at_the_border_of_the_larger_part_it_is_explained_and_told(rounding):
     gaps = Gaps(1.0, 0.1, None, None, 0.1)

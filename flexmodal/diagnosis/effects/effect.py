@@ -123,6 +123,8 @@ class Effect:
     its law explains."""
     unlike_says: str = ""
     """What it does then, for people."""
+    comes_close: bool = False
+    """Whether its law follows all that bears its name so closely that what it leaves is something else."""
     next_level: Level | None = None
     """A wider law under the same name, fitted where this one leaves something at its place."""
     variants: Sequence[str] = ()

@@ -119,6 +119,7 @@ CURVE = Effect(
     act=_stiffen,
     law=_spring,
     variants=("blow",),
+    comes_close=True,
     untestable=one_level,
     physical=_hardening_physical,
     units={"cubic_stiffness": "N·m/rad³"},

@@ -47,6 +47,8 @@ class Facts:
     """Whether several effects stand for what one place explains at which none of them sits."""
     unlike: tuple[Unlike, ...] = ()
     """Effects that do what nothing of their name does, or may."""
+    comes_close: bool = False
+    """Whether one of the effects has a law that leaves next to nothing where it is right."""
     kind: str = ""
     """Of the region that disagrees most at the end."""
     share: float | None = None
