@@ -125,9 +125,6 @@ def facts_of(selection: ForwardSelection[M], found: Conclusion[M], modal: Findin
     """
     data, first, last = selection.data, selection.rounds[0].comparison, selection.current
     standing, lacking_at = data.standing(last)
-    share = data.share(selection.root, found.after)
-    if standing and len(standing) < len(selection.steps):
-        share = sum(one.share or 0.0 for one in selection.steps if (one.effect, one.where) in standing)
     return Facts(
         steps=tuple(selection.steps),
         says={effect.name: effect.says for effect in data.effects},
@@ -142,7 +139,7 @@ def facts_of(selection: ForwardSelection[M], found: Conclusion[M], modal: Findin
         unlike=unlike(last.hypothesis, last.x, data.covariance(last)),
         comes_close=any(one.effect.comes_close for one in last.hypothesis.placed),
         kind=found.remaining[0].kind if found.remaining else "",
-        share=share,
+        share=data.share(selection.root, found.after),
         look=data.look,
         place=data.place(found.after, modal),
         untestable=tuple(data.untestable),

@@ -190,11 +190,15 @@ def test_of_several_effects_all_of_them_take_their_parts():
     )
     facts = Facts(
         steps, {"added_mass": "a mass"}, gaps, 1.3, Answer.YES, {}, open_=False, place="tip",
-        standing=(("added_mass", "link_3"),), share=0.17,
+        standing=(("added_mass", "link_3"),), share=0.99,
     )  # fmt: skip
     found, every = verdict(facts), tuple(("added_mass", where) for where in shares)
     assert found.explained
     assert found.effects == every
+    assert found.share == pytest.approx(0.99)
+    apart = verdict(replace(facts, reached=Answer.NO, over_noise=3.0))
+    assert apart.effects == (("added_mass", "link_3"), ("unknown", "tip"))
+    assert apart.share == pytest.approx(0.17)
     more = verdict(replace(facts, over_noise=1.49))
     assert more.effects == (*every, ("unknown", "tip"))
     assert more.share == pytest.approx(0.99)

@@ -52,7 +52,7 @@ class Facts:
     kind: str = ""
     """Of the region that disagrees most at the end."""
     share: float | None = None
-    """Part of the disagreement above the noise that the effects take; None where that has no figure."""
+    """Part of the disagreement above the noise that all effects take; None where that has no figure."""
     look: LawFree | None = None
     """What was found without a law."""
     modal: Findings | None = None

@@ -46,7 +46,7 @@ def verdict(facts: Facts) -> Verdict:
     explained = explained and doubted < Answer.YES
     added = tuple((step.effect, step.where) for step in facts.steps)
     if explained and added and _leaves_some(facts):
-        explained, facts = False, replace(facts, standing=added, share=_share_of_all(facts))
+        explained, facts = False, replace(facts, standing=added)
     strange = tuple(one for one in facts.unlike if floor and one.answer is Answer.YES)
     if strange:
         facts = _without(facts, strange, added if explained else facts.standing)
@@ -55,6 +55,7 @@ def verdict(facts: Facts) -> Verdict:
     if hardly is Answer.YES:
         facts = replace(facts, standing=())
     sure = added if explained or not floor else facts.standing
+    facts = replace(facts, share=_share(facts, sure))
     besides = () if explained or not floor else facts.lacking_at or (facts.place,)
     effects = (*sure, *((UNKNOWN, where) for where in besides))
     undecided = (*facts.undecided, *_doubts(facts, sure), *facts.cut_off)
@@ -64,21 +65,19 @@ def verdict(facts: Facts) -> Verdict:
         undecided = (*undecided, DOUBTFUL)
     words = frf_words if facts.modal is None else modal_words
     says = " ".join(part for part in (*words(facts, explained=explained), *undecided) if part)
-    share = facts.share if sure else None
     remaining = None
     if not explained and facts.over_noise is not None:
         remaining = Remaining(facts.over_noise, (*facts.lacking_at, facts.place)[0], facts.kind)
     named = effects if sure or explained else ((UNKNOWN, facts.place),)
-    return Verdict(named, explained, says, undecided, share, remaining, cut_off=bool(facts.cut_off))
+    return Verdict(named, explained, says, undecided, facts.share, remaining, cut_off=bool(facts.cut_off))
 
 
 def _without(facts: Facts, strange: Sequence[Unlike], named: Sequence[tuple[str, str]]) -> Facts:
     """Some effects no longer named, their places unknown."""
     keys, places = [one.key for one in strange], [one.key[1] for one in strange]
     stay = tuple(key for key in named if key not in keys)
-    shares = [step.share or 0.0 for step in facts.steps if (step.effect, step.where) in stay]
     lacking = tuple(dict.fromkeys([*places, *facts.lacking_at]))
-    return replace(facts, standing=stay, lacking_at=lacking, place=places[0], share=sum(shares))
+    return replace(facts, standing=stay, lacking_at=lacking, place=places[0])
 
 
 def _doubts(facts: Facts, named: Sequence[tuple[str, str]]) -> tuple[str, ...]:
@@ -103,11 +102,12 @@ def _leaves_some(facts: Facts) -> bool:
     return over is not None and (close or over > FLOOR_REACHED)
 
 
-def _share_of_all(facts: Facts) -> float | None:
-    """What all effects take, where it is known of some of them only what these do."""
-    if 0 < len(facts.standing) < len(facts.steps):
-        return sum(step.share or 0.0 for step in facts.steps)
-    return facts.share
+def _share(facts: Facts, named: Sequence[tuple[str, str]]) -> float | None:
+    """What those that are named take."""
+    if len(named) == len(facts.steps):
+        return facts.share if named else None
+    shares = [step.share or 0.0 for step in facts.steps if (step.effect, step.where) in named]
+    return sum(shares) if shares else None
 
 
 def _doubted(facts: Facts) -> Answer:

@@ -234,8 +234,9 @@ def test_a_single_effect_that_is_hardly_possible_is_not_named_whatever_it_takes(
     """A bearing passed for a foundation that took 99 % with parameters far from the card."""
     (step,) = facts.steps
     there = (("link_flexibility", "link_2"),)
-    other = replace(step, effect="added_mass", where="link_1", confidence=0.9)  # which does not stand
-    says = verdict(replace(facts, steps=(replace(step, confidence=confidence), other), standing=there))
+    link = replace(step, confidence=confidence, share=0.94)
+    other = replace(step, effect="added_mass", where="link_1", confidence=0.9, share=0.05)  # does not stand
+    says = verdict(replace(facts, steps=(link, other), standing=there, share=0.99))
     assert says.effects == ((*there, ("unknown", "link_2")) if named else (("unknown", "link_2"),))
     assert (says.share is not None) is named
     assert ("takes 94" in says.says) is named
