@@ -132,3 +132,9 @@ def test_what_may_be_a_floor_keeps_its_name_and_is_told():
     assert found.effects == (KEY,)
     assert found.explained
     assert SAYS in found.undecided[0]
+
+
+def test_where_nothing_says_where_noise_begins_it_keeps_its_name_and_is_told():
+    found = told(Answer.YES, over=None)
+    assert found.effects == (KEY,)
+    assert SAYS in found.undecided[0]

@@ -84,9 +84,9 @@ def _doubts(facts: Facts, named: Sequence[tuple[str, str]]) -> tuple[str, ...]:
     """What some effects do, or may do, that nothing of their name does."""
     found = []
     for one in facts.unlike:
-        if one.answer is Answer.YES and one.key not in named:
+        if one.key not in named and one.answer is Answer.YES:
             found.append(f"No name for {one.key[1]}: {one.says}.")
-        elif one.answer is Answer.UNDECIDED and one.key in named:
+        elif one.key in named:  # at the limit, or where nothing says where noise begins
             found.append(f"Whether {one.key[0]} at {one.key[1]} is the name for it is undecided: {one.says}.")
     return tuple(found)
 
