@@ -58,6 +58,15 @@ def context(observed):
     return Context.of(flexmodal.load("fanuc_s360_rigid_link"), observed)
 
 
+@pytest.fixture(scope="module", params=["fanuc_s360", "six_axis"])
+def either_context(request):
+    """Of a robot in a plane and of one in space, in one posture."""
+    robot = flexmodal.load(request.param)
+    posture = {"fanuc_s360": "configuration_1", "six_axis": "work"}[request.param]
+    made = simulate(robot, postures=[posture], points=2, trials=2, averages=2, seed=3, record_length=1.0)
+    return Context.of(robot, observe(made.campaign))
+
+
 @pytest.fixture(scope="session")
 def hinged(context, observed):
     """The robot with the hinge, fitted: hypothesis and fit, and the re-tuned robot before it."""

@@ -5,9 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-import flexmodal
 from flexmodal.diagnosis.effects import base_flexibility, foundation
-from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.floor import OVER_LEVEL, SAYS, UPRIGHT
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.outcome import Gaps, Step
@@ -16,20 +14,15 @@ from flexmodal.diagnosis.selection.decision import Answer
 from flexmodal.diagnosis.verdict.facts import Facts
 from flexmodal.diagnosis.verdict.unlike import Unlike, unlike
 from flexmodal.diagnosis.verdict.verdict import verdict
-from flexmodal.identification import observe
-from flexmodal.rig import simulate
 from flexmodal.structure import ParameterSpace
 
 EFFECT, BOLTED = base_flexibility.EFFECT, base_flexibility.BOLTED
 KEY = ("base_flexibility", "base")
 
 
-@pytest.fixture(scope="module", params=["fanuc_s360", "six_axis"])
-def context(request):
-    robot = flexmodal.load(request.param)
-    posture = {"fanuc_s360": "configuration_1", "six_axis": "work"}[request.param]
-    made = simulate(robot, postures=[posture], points=2, trials=2, averages=2, seed=3, record_length=1.0)
-    return Context.of(robot, observe(made.campaign))
+@pytest.fixture(scope="module")
+def context(either_context):
+    return either_context
 
 
 def springs_alone(context, effect, upright, level, tilt):

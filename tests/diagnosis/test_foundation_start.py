@@ -3,14 +3,10 @@
 import numpy as np
 import pytest
 
-import flexmodal
 from flexmodal.diagnosis.effects import base_flexibility, foundation
-from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Placement
 from flexmodal.diagnosis.effects.foundation_law import FoundationLaw
 from flexmodal.diagnosis.effects.free_function import FreeFunction
-from flexmodal.identification import observe
-from flexmodal.rig import simulate
 from flexmodal.structure import ParameterSpace
 from flexmodal.structure.assembly import Assembly
 
@@ -18,12 +14,9 @@ EFFECT = base_flexibility.EFFECT
 UP = np.array([0.0, 0.0, 1.0])
 
 
-@pytest.fixture(scope="module", params=["fanuc_s360", "six_axis"])
-def context(request):
-    robot = flexmodal.load(request.param)
-    posture = {"fanuc_s360": "configuration_1", "six_axis": "work"}[request.param]
-    made = simulate(robot, postures=[posture], points=2, trials=2, averages=2, seed=3, record_length=1.0)
-    return Context.of(robot, observe(made.campaign))
+@pytest.fixture(scope="module")
+def context(either_context):
+    return either_context
 
 
 def compliance(context, frequency, springs, dampers, centre, mass, inertia, mass_centre):
