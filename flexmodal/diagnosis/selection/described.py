@@ -13,9 +13,7 @@ from flexmodal.diagnosis.names import NONE, UNSTRUCTURED
 from flexmodal.diagnosis.outcome import Compared, Step
 from flexmodal.diagnosis.selection.comparison import Comparison, M
 from flexmodal.diagnosis.selection.data import Data
-
-STEP = 1e-5
-"""Of the differences along parameters."""
+from flexmodal.diagnosis.selection.standard_errors import with_errors
 
 
 def step_of(data: Data[M], root: M, comparison: Comparison[M], chosen: int) -> Step:
@@ -103,11 +101,7 @@ def effect_parameters(
         return {k: v for k, v in found.items() if k in own or "." not in k}
 
     here = physical(x)
-    middle = np.array(list(here.values()))
-    slopes = np.array(
-        [(np.array(list(physical(x + STEP * unit).values())) - middle) / STEP for unit in np.eye(len(x))]
-    ).T
-    errors = np.sqrt(np.maximum(np.einsum("pi,ij,pj->p", slopes, covariance, slopes), 0.0))
+    _, errors = with_errors(lambda at: np.array(list(physical(at).values())), x, covariance)
     units = {name: placed.effect.units.get(name, own.get(name, "")) for name in here}
     return dict(here), units, dict(zip(here, errors.tolist(), strict=True))
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,11 +10,10 @@ from jaxtyping import Float
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.placed import Placed
 from flexmodal.diagnosis.selection.decision import Answer, reaches
+from flexmodal.diagnosis.selection.standard_errors import with_errors
 
 SURE, MARGIN = 2.0, 0.1
 """Standard errors by which a figure goes beyond its limit at least, and the margin besides [1]: 10 %."""
-STEP = 1e-4
-"""Of the differences along coordinates."""
 
 
 @dataclass(frozen=True)
@@ -50,17 +48,17 @@ def unlike(
 
 
 def _beyond(hypothesis: Hypothesis, placed: Placed, x: np.ndarray, covariance: np.ndarray) -> float | None:
-    """Lower end of how far, by finite differences; None of effects that have no such figure."""
+    """Lower end of how far; None of effects that have no such figure."""
     measure = placed.effect.unlike
     if measure is None:
         return None
 
-    def at(moved: np.ndarray) -> float:
-        values: Mapping[str, float] = hypothesis.values_of(placed, hypothesis.space.values(moved))
-        return measure(hypothesis.context, values)
+    def at(moved: np.ndarray) -> Float[np.ndarray, " one"]:
+        values = hypothesis.values_of(placed, hypothesis.space.values(moved))
+        return np.array([measure(hypothesis.context, values)])
 
-    here = at(x)
+    (here,) = at(x).tolist()
     if not np.isfinite(here) or here < -MARGIN:
-        return here
-    slope = np.array([(at(x + STEP * unit) - here) / STEP for unit in np.eye(len(x))])
-    return here - SURE * float(np.sqrt(max(slope @ covariance @ slope, 0.0)))
+        return float(here)
+    _, (error,) = with_errors(at, x, covariance)
+    return float(here - SURE * error)
