@@ -93,6 +93,8 @@ class Field(PortFits):
         """
         taken = {port.key for port in before.ports} if before else set()
         tried = [port for port in (self.torques if ports is None else ports) if port.key not in taken]
+        if before is not None and not self._leaves_enough(before):
+            tried = [port for port in tried if not port.kind.by_blow]
         if ports is None:
             tried = self._torques_that_lead(tried, before)
         found, kept, part = [], [], 1.0 if ports is not None else 0.2
@@ -190,6 +192,15 @@ class Field(PortFits):
             advance(0.7 + 0.3 * (number + 1) / len(going))
         first.sort(key=lambda one: one[0])
         return [(port, *ends[port.key]) for port in screening.kept(first, without)]
+
+    def _leaves_enough(self, before: Sighting) -> bool:
+        """Whether one function more leaves a third of what was read of every blow to judge at least."""
+        model = before.profile.model
+        if model.cells == 1:
+            return True
+        torques = sum(len(port.names) for port in before.ports if port.kind.by_blow)
+        read = float(np.median(np.bincount(model.cell)))
+        return 3 * (torques + 1) <= 2 * read
 
     def _torques_that_lead(self, torques: list[Port], before: Sighting | None) -> list[Port]:
         """The few that do best by a look at some postures and lines: each has many functions."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from jaxtyping import Complex, Float, Int
+from jaxtyping import Bool, Complex, Float, Int
 
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.lawfree.port import Port
@@ -80,6 +80,13 @@ class PortedModel:
         """The functions of each port."""
         ends = np.cumsum([len(port.names) for port in self.ports]).tolist()
         return tuple(slice(end - len(port.names), end) for end, port in zip(ends, self.ports, strict=True))
+
+    @cached_property
+    def common(self) -> Bool[np.ndarray, " function"]:
+        """Functions that all cells share, where there are several: those of ports that no blow changes."""
+        several = self.cells > 1
+        each = [np.full(len(port.names), several and not port.kind.by_blow) for port in self.ports]
+        return np.concatenate(each)
 
     @cached_property
     def _keyed(self) -> tuple[Int[np.ndarray, "cell key"], Int[np.ndarray, " observation"]]:

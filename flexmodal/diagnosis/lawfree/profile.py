@@ -19,10 +19,11 @@ from jaxtyping import Bool, Complex, Float
 
 from flexmodal.diagnosis.lawfree.at_parameters import AtParameters
 from flexmodal.diagnosis.lawfree.beginning import origin
+from flexmodal.diagnosis.lawfree.elimination import Damping, stepped
 from flexmodal.diagnosis.lawfree.equations import Equations, products
 from flexmodal.diagnosis.lawfree.model import PortedModel, Unknown
 from flexmodal.errors import SingularResponse
-from flexmodal.identification.descent import robust, robust_weight, short_step
+from flexmodal.identification.descent import robust, robust_weight
 from flexmodal.identification.frf_fit import Weighting, square
 
 RIDGE = 1e-3
@@ -33,8 +34,6 @@ FIRST, LAST = 1e-3, 1e4
 """Damping of the first step, and where a descent gives up."""
 SETTLED = 5e-4
 """Relative change of the cost by a step that ends a descent."""
-Damping = tuple[float, Float[np.ndarray, "cell each"]]
-"""Of the parameters, and of the functions line by line: where a step overshoots it bars no other's way."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,7 +105,7 @@ class Profile:
 
     def judged(self, state: State) -> State:
         """A state of the same model at this model error."""
-        ridge = RIDGE * float(np.sum(np.abs(state.z) ** 2))
+        ridge = float(np.sum(self._ridge[:, None] * np.abs(state.z) ** 2))
         misfit = self.misfit(state.residual)
         believed = float(np.sum(self.model.space.precision * (state.x - self.origin) ** 2))
         cost = misfit + max(1.0, 2 * misfit / self._spare) * believed + ridge
@@ -154,7 +153,9 @@ class Profile:
     def _spare(self) -> float:
         """The number of real values less that of the unknown ones."""
         lines = 1 if self.pooled else len(self.model.lines)
-        unknown = 2 * self.model.cells * len(self.model.names) * lines + len(self.model.space)
+        common = int(np.count_nonzero(self.model.common))
+        functions = self.model.cells * (len(self.model.names) - common) + common
+        unknown = 2 * functions * lines + len(self.model.space)
         return max(self._values - unknown, 0.05 * self._values, 1.0)
 
     @cached_property
@@ -184,7 +185,7 @@ class Profile:
     def by_line(
         self, residual: Complex[np.ndarray, "observation line"], z: Unknown
     ) -> Float[np.ndarray, "cell line"]:
-        """Robust sum of squares of each line, with the prior of its functions.
+        """Robust sum of squares of each line, with the prior of its functions; of all cells that share any.
 
         Args:
             residual: there.
@@ -192,7 +193,15 @@ class Profile:
         """
         each = self._each(residual)
         sums = np.array([each[rows].sum(axis=0) for rows in self._cells])
-        return np.asarray(sums + RIDGE * np.sum(np.abs(z) ** 2, axis=1))
+        sums += np.sum(self._ridge[:, None] * np.abs(z) ** 2, axis=1)
+        if self.model.common.any():  # a line of a common function is the same line in all cells
+            return np.broadcast_to(sums.sum(axis=0), sums.shape)
+        return np.asarray(sums)
+
+    @cached_property
+    def _ridge(self) -> Float[np.ndarray, " function"]:
+        """`RIDGE` of each function in each cell; of one that all cells share its part."""
+        return RIDGE / np.where(self.model.common, self.model.cells, 1)
 
     def equations(self, state: State, *, held: bool = False) -> Equations:
         """Normal equations.
@@ -213,10 +222,11 @@ class Profile:
             products(along[rows], r[rows], parameters[:, rows], pooled=self.pooled) for rows in self._cells
         ]
         zz, zp, z = (np.stack(parts) for parts in zip(*found, strict=True))
+        ridge = lines * self._ridge[self.still :]
         return Equations(
-            zz + lines * RIDGE * np.eye(zz.shape[-1]),
+            zz + np.diag(ridge),
             zp,
-            z + lines * RIDGE * np.swapaxes(own, 1, 2),
+            z + ridge * np.swapaxes(own, 1, 2),
             flat @ flat.T,
             flat @ pull,
         )
@@ -276,24 +286,12 @@ class Profile:
             damping: part of the diagonals that is added, of the parameters and of each line's functions.
             prior: precision of the parameters.
         """
-        diagonal = np.einsum("clff->clf", equations.zz).real
-        zz = equations.zz + damping[1][..., None, None] * diagonal[..., None] * np.eye(equations.zz.shape[-1])
-        solved = np.linalg.solve(zz, np.concatenate([equations.zp, equations.z[..., None]], axis=-1))
-        step, along = np.zeros(len(state.x)), np.zeros(state.z.shape, dtype=complex)
-        if not len(equations.p):
-            along[:, self.still :] = -np.swapaxes(solved[..., -1], 1, 2)
-            return step, along
+        some = slice(len(equations.p))  # none where they are held
         low, high = self.model.space.bounds
-        pull = equations.p + prior * (state.x - self.origin)
-        free = ~(((state.x <= low) & (pull > 0)) | ((state.x >= high) & (pull < 0)))
-        schur = (
-            equations.pp
-            + np.diag(prior)
-            - np.einsum("clfp,clfq->pq", equations.zp.conj(), solved[..., :-1]).real
+        known = np.diag(prior[some]), (prior * (state.x - self.origin))[some]
+        bound = (state.x <= low)[some], (state.x >= high)[some]
+        step, every = np.zeros(len(state.x)), np.zeros(state.z.shape, dtype=complex)
+        step[some], every[:, self.still :] = stepped(
+            equations, damping, known, bound, self.model.common[self.still :]
         )
-        right = pull - np.einsum("clfp,clf->p", equations.zp.conj(), solved[..., -1]).real
-        schur = schur + np.diag(damping[0] * np.diag(schur) + 1e-12)
-        if free.any():
-            step[free] = short_step(schur[np.ix_(free, free)], right[free])
-        along[:, self.still :] = -np.swapaxes(solved[..., -1] + solved[..., :-1] @ step, 1, 2)
-        return step, along
+        return step, every
