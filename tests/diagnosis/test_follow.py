@@ -524,8 +524,8 @@ def test_what_was_far_behind_in_the_stead_of_an_effect_is_not_tried_there_again(
 
 def test_a_model_is_fitted_once_with_an_effect_less_or_another_in_its_stead(monkeypatch):
     """Not that of before, once another one is asked for."""
-    less, instead = Mock(side_effect=lambda *given: fitted()), Mock(side_effect=lambda *given: [fitted()])
-    monkeypatch.setattr(in_its_stead, "fitted_closely", less)
+    less, instead = Mock(side_effect=lambda *given: [fitted()]), Mock(side_effect=lambda *given: [fitted()])
+    monkeypatch.setattr(in_its_stead, "tried_closely", less)
     monkeypatch.setattr(in_its_stead, "in_its_stead", instead)
     refits, models = Refits(Mock(spec=Setup)), [fitted(MASS, DELAY), fitted(MASS, DELAY)]
     for one in models:

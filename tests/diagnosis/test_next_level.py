@@ -53,8 +53,17 @@ def fits(context, observed):
     return setup, zero, fitted_closely(setup, narrow, begin)
 
 
-@pytest.mark.parametrize(("beside", "followed"), [((), 3), (("coulomb_friction", "q2"), 1)])
-def test_fewer_starts_are_followed_beside_torques_that_are_integrated(context, monkeypatch, beside, followed):
+@pytest.mark.parametrize(
+    ("beside", "straight", "followed", "coarse"),
+    [
+        ((), False, 3, 40 + 8 + 5),
+        (("coulomb_friction", "q2"), False, 1, 8 + 3 + 2),
+        (("coulomb_friction", "q2"), True, 1, 40 + 8 + 5),
+    ],
+)
+def test_fewer_starts_are_followed_beside_torques_that_are_integrated(
+    context, monkeypatch, beside, straight, followed, coarse
+):
     root = Hypothesis(context, robot_space(context.robot))
     before = root.and_also(Placed(catalogue()[beside[0]], beside[1])) if beside else root
     narrow = before.and_also(Placed(FOUNDATION, "base"))
@@ -64,23 +73,19 @@ def test_fewer_starts_are_followed_beside_torques_that_are_integrated(context, m
         steps.append(most)
         return Candidate(one.hypothesis, one.x, float(len(steps)))
 
-    look = Mock(spec=Look, fitted=fitted)
+    look = Mock(spec=Look, fitted=fitted, integrates=lambda hypothesis: bool(beside) and not straight)
     look.started = lambda hypothesis, starts, floor, most: (
         [Candidate(hypothesis, x, 0.0) for x in starts[:1]] * most
     )
     close = Mock(return_value=[])
-    for name, put in {
-        "look_at": lambda *given: look,
-        "worst_lines": lambda *given: [],
-        "tried_closely": close,
-    }.items():
-        monkeypatch.setattr(next_level, name, put)
+    monkeypatch.setattr(next_level, "seen_beside", lambda *given, by_force: look)
+    monkeypatch.setattr(next_level, "tried_closely", close)
     setup = Mock(spec=Setup, context=context, advance=Mock(), fitted=None, held=np.zeros(1, dtype=bool))
     model = Mock(spec=FittedFrfs, hypothesis=narrow, x=x, predicted=np.zeros((1, 1)))
     none = np.zeros(len(before.space))
     assert at_next_level(setup, model, Mock(spec=SetOut, before=[none], told=lambda *given: []), Mock()) == []
     assert close.call_count == followed
-    assert len(steps) == {3: 40 + 8 + 5, 1: 8 + 3 + 2}[followed]
+    assert len(steps) == coarse
 
 
 @pytest.mark.slow

@@ -9,7 +9,6 @@ from flexmodal.diagnosis.effects import catalogue
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.placed import Placed
 from flexmodal.diagnosis.search import explanations as module
-from flexmodal.diagnosis.search import search
 from flexmodal.diagnosis.search.coarse import Candidate, Look, look_at
 from flexmodal.diagnosis.search.explanations import A_FEW, BEHIND, FAR_BEHIND, explanations
 from flexmodal.diagnosis.search.lines import WORST, some_lines, worst_lines
@@ -86,7 +85,7 @@ def test_what_is_far_behind_is_fitted_with_a_few_steps(monkeypatch, enough):
         ]
 
     for name, value in {
-        "look_at": lambda *given: None, "worst_lines": lambda *given: None, "candidates": lambda *given: [],
+        "seen_beside": lambda *given: Mock(spec=Look, straight=False), "candidates": lambda *given: [],
         "narrowed": lambda found, seen, advance: finalists, "tried_closely": closely,
         "over_noise": lambda setup, model: 1.0 if enough else 9.0, "has_law": lambda hypothesis: False,
         "simpler": lambda *given: [],
@@ -129,13 +128,12 @@ def test_beside_effects_one_effect_does_not_take_all_places_among_the_best(sever
 
 
 @pytest.mark.parametrize(("law", "kept"), [(True, "bca"), (False, "bcdef")])
-def test_what_was_best_before_any_fit_is_fitted_closely_where_fits_are_slow(monkeypatch, law, kept):
+def test_what_was_best_before_any_fit_is_fitted_closely_where_fits_are_slow(law, kept):
     """Six effects of which the first is the last one after a few steps; by integrated torques three go on."""
-    monkeypatch.setattr(search, "has_law", lambda hypothesis: law)
     begun = [
         Candidate(Mock(spec=Hypothesis, keys=[(name, "q1")], placed=(None,)), np.zeros(1), float(cost))
         for cost, name in enumerate("abcdef")
     ]
-    look = Mock(spec=Look)
+    look = Mock(spec=Look, integrates=lambda hypothesis: law)
     look.fitted = lambda one, floor, steps: Candidate(one.hypothesis, one.x, one.cost or 9.0)
     assert "".join(one.key[0] for one in narrowed(begun, look)) == kept

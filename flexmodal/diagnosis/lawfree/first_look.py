@@ -10,13 +10,14 @@ from flexmodal.diagnosis.disagreement.compare import force_dependence
 from flexmodal.diagnosis.lawfree.findings import summed_up
 from flexmodal.diagnosis.lawfree.look import Field
 from flexmodal.diagnosis.lawfree.pursuit import LawFree, alone, pursued
-from flexmodal.diagnosis.lawfree.records import of_first_blow, straightened
+from flexmodal.diagnosis.lawfree.records import of_first_blow
 from flexmodal.diagnosis.lawfree.result import Findings
 from flexmodal.diagnosis.selection.decision import Answer, reaches
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.selection.frf_thresholds import FORCE, FORCE_MARGIN
 from flexmodal.diagnosis.setup import Setup
 from flexmodal.diagnosis.time_domain.model import has_law
+from flexmodal.diagnosis.time_domain.straightened import straightened
 from flexmodal.identification import Observations
 
 

@@ -2,8 +2,7 @@
 
 What the end of a record cuts off follows from the poles, which a free function of frequency does not have. It
 is taken from the re-tuned robot, whose own is of the right size without being right: measurements are divided
-by it, and twice its size counts as noise. What torques that are integrated in time do beyond their stand-ins
-at one amplitude is taken from the model that has them, likewise.
+by it, and twice its size counts as noise.
 """
 
 from __future__ import annotations
@@ -11,7 +10,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from jaxtyping import Complex, Float
+from jaxtyping import Float
 
 from flexmodal.diagnosis.disagreement.compare import but_for_the_blow
 from flexmodal.diagnosis.hypothesis import Hypothesis
@@ -21,27 +20,6 @@ from flexmodal.identification.frf_fit import residual
 _UNSURE = 2.0
 """Standard deviation of what is cut off, over its size by the re-tuned robot; 0.9 to 2 on a six-link arm
 whose first link bends, from the lowest line to the highest."""
-_MOST_BEYOND = 5.0
-"""ln of what torques do beyond their stand-ins, from which nothing is taken out: one of them is nothing."""
-
-
-def straightened(
-    observations: Observations,
-    root: Hypothesis,
-    x: Float[np.ndarray, " parameter"],
-    predicted: Complex[np.ndarray, "observation line"],
-) -> Observations:
-    """Observations as if the stand-ins of torques that are integrated were what they stand for.
-
-    Args:
-        observations: as measured.
-        root: the robot with such torques.
-        x: its coordinates.
-        predicted: receptances of the same with those torques integrated [m/N].
-    """
-    beyond = residual(predicted, predict(root, x, observations))
-    known = np.abs(beyond) < _MOST_BEYOND
-    return replace(observations, value=observations.value * np.exp(-np.where(known, beyond, 0.0)))
 
 
 def of_first_blow(

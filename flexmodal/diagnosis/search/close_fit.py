@@ -9,7 +9,7 @@ from flexmodal.diagnosis.disagreement.gaps import over_noise
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.search.lines import CLOSE, some_lines
 from flexmodal.diagnosis.search.refine import STEPS as REFINED
-from flexmodal.diagnosis.search.refine import refined
+from flexmodal.diagnosis.search.refine import Rounds, refined
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs, fitted_model
 from flexmodal.diagnosis.setup import Setup
 from flexmodal.diagnosis.time_domain.model import has_law
@@ -45,12 +45,14 @@ def fitted_closely(
         start: where the fit sets out.
         floors: model errors, lowered one after the other.
         steps: most at each model error.
-        settled: a step that changes the cost relatively by less is the last, where nothing is integrated.
+        settled: a step that changes the cost relatively by less is the last; where torques are integrated
+            `ROUGHLY` leaves the last round out.
         fitted_to: by default the observations that are not held out.
     """
     few, every = setup.fitted if fitted_to is None else fitted_to, setup.observations
     if has_law(hypothesis):
-        close = refined(hypothesis, start, few, steps=min(steps, REFINED))
+        rounds = Rounds.LAST if floors == LAST else Rounds.ROUGH if settled == ROUGHLY else Rounds.BOTH
+        close = refined(hypothesis, start, few, steps=min(steps, REFINED), rounds=rounds)
         return fitted_model(hypothesis, close.fitted, every, predict(close.model, close.x, every))
     lines = some_lines(few, CLOSE)
     fitted = fit(hypothesis, few, start, floors=floors, lines=lines, steps=steps, settled=settled)
@@ -79,7 +81,7 @@ def tried_closely(
     try:
         floors = NEAR if near else FAR
         made = fitted_closely(setup, hypothesis, start, floors=floors, steps=steps, settled=ROUGHLY)
-        if not has_law(hypothesis) and over_noise(setup, made) <= FAR_OFF:
+        if over_noise(setup, made) <= FAR_OFF:
             made = fitted_closely(setup, hypothesis, made.x, floors=LAST, steps=steps)
         return [made]
     except (np.linalg.LinAlgError, SingularResponse):

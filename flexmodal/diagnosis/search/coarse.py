@@ -58,6 +58,16 @@ class Look:
     owner: Int[np.ndarray, " apart"]
     """The merged observation of each."""
     lines: Int[np.ndarray, " line"]
+    straight: bool = False
+    """Whether torques count as their stand-ins, as in observations that are straightened."""
+
+    def integrates(self, hypothesis: Hypothesis) -> bool:
+        """Whether torques of a hypothesis are integrated in time.
+
+        Args:
+            hypothesis: of any effects.
+        """
+        return not self.straight and has_law(hypothesis)
 
     @cached_property
     def some(self) -> Observations:
@@ -100,7 +110,7 @@ class Look:
         """
         seen = self.apart if hypothesis.by_force else self.merged
         misfit = FrfMisfit(with_few_hinges(hypothesis), seen, Weighting(floor, self.lines))
-        if has_law(hypothesis):
+        if self.integrates(hypothesis):
             misfit = self.integrated(hypothesis, floor)
         costs = [misfit.cost(one) for one in starts]
         best = [k for k in np.argsort(costs, kind="stable")[:most] if np.isfinite(costs[k])]
@@ -114,7 +124,7 @@ class Look:
             floor: model error ε of a residual.
             steps: of the fit, at most.
         """
-        if has_law(one.hypothesis):
+        if self.integrates(one.hypothesis):
             near = fitted_by_secants(
                 self.integrated(one.hypothesis, floor), one.x, steps=steps, settled=ROUGHLY
             )

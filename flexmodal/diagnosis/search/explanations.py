@@ -9,9 +9,9 @@ import numpy as np
 from flexmodal.diagnosis.disagreement.gaps import over_noise
 from flexmodal.diagnosis.effects import Effect
 from flexmodal.diagnosis.placed import Placed
+from flexmodal.diagnosis.search.beside import seen_beside
 from flexmodal.diagnosis.search.close_fit import FAR_OFF, tried_closely
-from flexmodal.diagnosis.search.coarse import Candidate, Look, look_at
-from flexmodal.diagnosis.search.lines import worst_lines
+from flexmodal.diagnosis.search.coarse import Candidate, Look
 from flexmodal.diagnosis.search.search import candidates, come_nearer, narrowed, restarted, simpler
 from flexmodal.diagnosis.search.set_out import NEAR_BY, SetOut
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
@@ -61,11 +61,11 @@ def explanations(
             get there are started from elsewhere.
     """
     advance(0.0)
-    seen = look_at(setup.fitted, worst_lines(setup.fitted, before.predicted[~setup.held]))
-    finalists: list[Candidate] = []
-    for some, most in _kinds(setup.effects, with_force=with_force):
-        found = candidates(before.hypothesis, set_out, some, seen, allowed)
-        near = narrowed(found, seen, lambda part: advance(0.6 * part))[:most]
+    seen, finalists = seen_beside(setup, before), list[Candidate]()
+    for some, most, by_force in _kinds(setup.effects, with_force=with_force):
+        look = seen_beside(setup, before, by_force=True) if by_force and seen.straight else seen
+        found = candidates(before.hypothesis, set_out, some, look, allowed)
+        near = narrowed(found, look, lambda part: advance(0.6 * part))[:most]
         far = INTEGRATED_FAR * near[0].cost if near and has_law(near[0].hypothesis) else np.inf
         finalists += [one for one in near if one.cost <= far]
     looked = _looked_at(setup, finalists, enough, lambda part: advance(0.6 + 0.3 * part))
@@ -99,12 +99,13 @@ def from_each_start(
         is_enough: whether a fit leaves nothing, so that no other start is followed.
         followed: how many starts of each are fitted closely at most.
     """
-    seen = look_at(setup.fitted, worst_lines(setup.fitted, before.predicted[~setup.held]))
+    plain, integrated = seen_beside(setup, before), seen_beside(setup, before, by_force=True)
     effects, found = {effect.name: effect for effect in setup.effects}, []
     for name, where in keys:
         placed = Placed(effects[name], where)
         hypothesis = before.hypothesis.and_also(placed)
         tried = [one for some in set_out.starts(hypothesis) for one in some]
+        seen = integrated if placed.effect.by_force else plain
         some = seen.started(hypothesis, tried, FIRST_FLOOR, followed)
         near = come_nearer(some, seen) if has_law(hypothesis) else some
         for number, one in enumerate(near):
@@ -128,11 +129,11 @@ def best_of_each(looked: Sequence[FittedFrfs]) -> list[FittedFrfs]:
     return list(best.values())
 
 
-def _kinds(effects: Sequence[Effect], *, with_force: bool) -> list[tuple[list[Effect], int]]:
-    """Effects that depend on the blow apart from the others, and how many of each are looked at closely."""
+def _kinds(effects: Sequence[Effect], *, with_force: bool) -> list[tuple[list[Effect], int, bool]]:
+    """Effects that depend on the blow, at last, apart from the others, and how many are looked at closely."""
     by_force = [effect for effect in effects if effect.by_force]
     others = [effect for effect in effects if not effect.by_force]
-    return [(others, FINALISTS), (by_force if with_force else [], INTEGRATED)]
+    return [(others, FINALISTS, False), (by_force if with_force else [], INTEGRATED, True)]
 
 
 def _looked_at(

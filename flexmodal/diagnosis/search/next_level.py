@@ -9,9 +9,9 @@ from jaxtyping import Float
 
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.placed import Placed
+from flexmodal.diagnosis.search.beside import seen_beside
 from flexmodal.diagnosis.search.close_fit import tried_closely
-from flexmodal.diagnosis.search.coarse import Look, look_at
-from flexmodal.diagnosis.search.lines import worst_lines
+from flexmodal.diagnosis.search.coarse import Look
 from flexmodal.diagnosis.search.set_out import SetOut
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.setup import Setup
@@ -20,7 +20,8 @@ from flexmodal.diagnosis.time_domain.model import has_law
 ROUNDS = ((0.2, 0, 40), (0.2, 8, 8), (0.1, 8, 5), (0.03, 8, 3))
 """Model error, steps, and how many starts go on; the last are fitted closely."""
 BESIDE_INTEGRATED = ((0.2, 0, 8), (0.2, 8, 3), (0.1, 8, 2), (0.03, 8, 1))
-"""The same beside torques that are integrated in time: each of their steps takes long."""
+"""The same for torques beside others that are integrated in time too: each of their steps takes long. Beside
+such torques one start alone is fitted closely."""
 
 
 def at_next_level(
@@ -47,7 +48,7 @@ def at_next_level(
     before = [model.x[: -len(own)], *set_out.before]
     placed = hypothesis.placed[-1]
     told = [hypothesis.start(placed, *one) for one in set_out.told(level.effect, narrow.where)]
-    seen = look_at(setup.fitted, worst_lines(setup.fitted, model.predicted[~setup.held]))
+    seen = seen_beside(setup, model, by_force=narrow.effect.by_force)
     found = _followed(setup, seen, hypothesis, told, is_enough)
     if any(is_enough(one) for one in found):
         return found
@@ -64,13 +65,14 @@ def _followed(
     is_enough: Callable[[FittedFrfs], bool],
 ) -> list[FittedFrfs]:
     """The best of some starts, fitted closely; none after one that is enough."""
-    rounds = BESIDE_INTEGRATED if has_law(hypothesis.without(hypothesis.keys[-1])) else ROUNDS
+    beside = hypothesis.without(hypothesis.keys[-1])
+    rounds = BESIDE_INTEGRATED if seen.integrates(beside) else ROUNDS
     todo = seen.started(hypothesis, tried, *rounds[0][::2])
     for number, (floor, steps, keep) in enumerate(rounds[1:]):
         setup.advance("fitting a wider law", number / len(rounds))
         todo = sorted((seen.fitted(one, floor, steps) for one in todo), key=lambda one: one.cost)[:keep]
     found: list[FittedFrfs] = []
-    for one in todo:
+    for one in todo[:1] if has_law(beside) else todo:
         setup.advance("fitting a wider law", 1 - 1 / len(rounds))
         fitted = tried_closely(setup, hypothesis, one.x)
         found += fitted

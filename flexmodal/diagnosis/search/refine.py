@@ -8,6 +8,7 @@ coarse steps of time at first.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from enum import Enum
 
 import numpy as np
 from jaxtyping import Complex, Float
@@ -28,6 +29,16 @@ STEPS = 30
 """Most in each round."""
 SETTLED = 1e-3
 """A step that changes the cost relatively by less is the last."""
+
+
+class Rounds(Enum):
+    """Of a fit."""
+
+    BOTH = "both"
+    ROUGH = "rough"
+    """The first alone, with long steps of time at the larger model error."""
+    LAST = "last"
+    """The other alone."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,6 +67,7 @@ def refined(
     observations: Observations,
     *,
     steps: int = STEPS,
+    rounds: Rounds = Rounds.BOTH,
 ) -> Refined:
     """Fit once more, the torques of effects with a `law` integrated in time.
 
@@ -64,18 +76,26 @@ def refined(
         start: where the fit sets out.
         observations: what is fitted.
         steps: most in each round.
+        rounds: which; after the rough one alone the derivatives at its end are rough too.
 
     Raises:
         InvalidRequest: no effect of the hypothesis has a law.
     """
     lines = some_lines(observations, CLOSE)
     # Long steps are rough anyway, and so are the links.
-    rough, model = TimeDomainModel(with_few_hinges(hypothesis), ROUGH), TimeDomainModel(hypothesis)
-    first = FrfMisfit(rough, observations, Weighting(FLOORS[0], lines))
-    last = FrfMisfit(model, observations, Weighting(FLOORS[1], lines))
-    near = fitted_by_secants(first, _start(rough, start, observations), steps=steps, settled=ROUGHLY)
-    made = fitted_by_secants(last, near.x, steps=steps, settled=SETTLED)
-    made = replace(made, steps=near.steps + made.steps)
+    coarse, model = TimeDomainModel(with_few_hinges(hypothesis), ROUGH), TimeDomainModel(hypothesis)
+    x, taken = start, 0
+    if rounds is not Rounds.LAST:
+        first = FrfMisfit(coarse, observations, Weighting(FLOORS[0], lines))
+        near = fitted_by_secants(first, _start(coarse, start, observations), steps=steps, settled=ROUGHLY)
+        x, taken = near.x, near.steps
+    if rounds is Rounds.ROUGH:
+        last = FrfMisfit(replace(model, rough=True), observations, Weighting(FLOORS[1], lines))
+        made = FrfFit(x, last.cost(x), last, converged=False, steps=taken)
+    else:
+        last = FrfMisfit(model, observations, Weighting(FLOORS[1], lines))
+        made = fitted_by_secants(last, x, steps=steps, settled=SETTLED)
+        made = replace(made, steps=taken + made.steps)
     return Refined(model, made, predict(model, made.x, observations))
 
 

@@ -20,7 +20,6 @@ from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.placed import Placed
 from flexmodal.diagnosis.search.coarse import Candidate, Look
 from flexmodal.diagnosis.search.set_out import SetOut
-from flexmodal.diagnosis.time_domain.model import has_law
 
 STARTS = 2
 """Starts that are kept for each effect and place."""
@@ -83,7 +82,7 @@ def narrowed(
         look: the coarse look.
         advance: called with the part that is done.
     """
-    slow = [one for one in found if has_law(one.hypothesis)]
+    slow = [one for one in found if look.integrates(one.hypothesis)]
     todo = sorted(slow, key=lambda one: one.cost)[:INTEGRATED_MOST] if slow else list(found)
     rounds = INTEGRATED_ROUNDS if slow else ROUNDS
     first = todo[0].key if slow else None

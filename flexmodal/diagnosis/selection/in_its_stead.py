@@ -61,8 +61,9 @@ class Refits:
         if key not in self._less:
             prefix = "{}@{}.".format(*key)
             kept = [not name.startswith(prefix) for name in model.hypothesis.space.names]
-            less = model.hypothesis.without(key)
-            self._less[key] = fitted_closely(self.setup, less, model.x[np.array(kept)])
+            less, start = model.hypothesis.without(key), model.x[np.array(kept)]
+            found = tried_closely(self.setup, less, start)
+            self._less[key] = found[0] if found else fitted_closely(self.setup, less, start)
         return self._less[key]
 
     def instead(self, model: FittedFrfs, key: Key, others: Sequence[FittedFrfs]) -> list[FittedFrfs]:

@@ -12,12 +12,13 @@ from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.lawfree.first_look import LooksWithoutLaw
 from flexmodal.diagnosis.lawfree.kinds import SENSOR, TORQUE
 from flexmodal.diagnosis.lawfree.look import Field
-from flexmodal.diagnosis.lawfree.records import of_first_blow, straightened
+from flexmodal.diagnosis.lawfree.records import of_first_blow
 from flexmodal.diagnosis.lawfree.screening import TORQUES
 from flexmodal.diagnosis.placed import Placed
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.setup import Setup
 from flexmodal.diagnosis.time_domain.model import TimeDomainModel
+from flexmodal.diagnosis.time_domain.straightened import straightened
 from flexmodal.identification import observe, predict, unlimited
 from flexmodal.rig import simulate
 from flexmodal.structure import robot_space
