@@ -11,7 +11,7 @@ from flexmodal.diagnosis.effects import Context, catalogue
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.outcome import Compared, Diagnosis, Gaps, NextMeasurement, Region, Step, Verdict
 from flexmodal.diagnosis.placed import Placed
-from flexmodal.identification import fit, gap, observe, predict, uncertainty
+from flexmodal.identification import fit, gap, observe, predict, uncertainty, unlimited
 from flexmodal.rig import Hide, simulate
 from flexmodal.structure import robot_space
 
@@ -153,3 +153,13 @@ def diagnosed(context, observed, hinged):
         verdict=Verdict((KEY,), True, "Link 2 bends."),
         untestable={"coulomb_friction": "one level of force only"},
     )  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def softly_struck():
+    """FRFs of the S-360 in two postures at two levels of force, as if records lasted until all is still."""
+    campaign = simulate(
+        flexmodal.load("fanuc_s360"), postures=2, points=2, references=1, trials=4, averages=2, seed=5,
+        band=(2.0, 60.0), record_length=2.0,
+    ).campaign  # fmt: skip
+    return unlimited(observe(campaign))

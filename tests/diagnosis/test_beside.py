@@ -18,9 +18,8 @@ from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.setup import Setup
 from flexmodal.diagnosis.time_domain.model import TimeDomainModel
 from flexmodal.diagnosis.time_domain.straightened import straightened
-from flexmodal.identification import observe, predict, unlimited
+from flexmodal.identification import predict
 from flexmodal.identification.frf_fit import FrfMisfit, Weighting
-from flexmodal.rig import simulate
 from flexmodal.structure import robot_space
 
 pytestmark = pytest.mark.usefixtures("one_loop")
@@ -32,15 +31,6 @@ def with_effect(root, name, where, values, x):
     placed = Placed(catalogue()[name], where)
     hypothesis = root.and_also(placed)
     return hypothesis, hypothesis.start(hypothesis.placed[-1], values, x)
-
-
-@pytest.fixture(scope="module")
-def struck():
-    campaign = simulate(
-        flexmodal.load("fanuc_s360"), postures=2, points=2, references=1, trials=4, averages=2, seed=5,
-        band=(2.0, 60.0), record_length=2.0,
-    ).campaign  # fmt: skip
-    return unlimited(observe(campaign))
 
 
 def carrying(seen, mass):
@@ -59,14 +49,14 @@ def carrying(seen, mass):
 
 
 @pytest.fixture(scope="module")
-def heavier(struck):
-    return carrying(struck, MASS["mass"])
+def heavier(softly_struck):
+    return carrying(softly_struck, MASS["mass"])
 
 
 @pytest.mark.parametrize("mass", [0.3, 6.0])
-def test_what_is_linear_is_looked_for_without_integrations(struck, monkeypatch, mass):
+def test_what_is_linear_is_looked_for_without_integrations(softly_struck, monkeypatch, mass):
     """Less is left there by measurements as they are, or straightened, whichever a look takes."""
-    setup, model, both, true = carrying(struck, mass)
+    setup, model, both, true = carrying(softly_struck, mass)
     look = seen_beside(setup, model)
     monkeypatch.setattr(coarse, "TimeDomainModel", Mock(side_effect=AssertionError("nothing is integrated")))
     straight = straightened(setup.fitted, model.hypothesis, model.x, model.predicted)

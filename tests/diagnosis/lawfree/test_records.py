@@ -19,8 +19,7 @@ from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.setup import Setup
 from flexmodal.diagnosis.time_domain.model import TimeDomainModel
 from flexmodal.diagnosis.time_domain.straightened import straightened
-from flexmodal.identification import observe, predict, unlimited
-from flexmodal.rig import simulate
+from flexmodal.identification import predict
 from flexmodal.structure import robot_space
 
 pytestmark = pytest.mark.usefixtures("one_loop")
@@ -28,13 +27,9 @@ SPRING = {"change": -0.5, "deflection": 2e-4}
 
 
 @pytest.fixture(scope="module")
-def struck():
+def struck(softly_struck):
     """A robot with a spring that softens: its hypothesis, coordinates, and what is measured without noise."""
-    campaign = simulate(
-        flexmodal.load("fanuc_s360"), postures=2, points=2, references=1, trials=4, averages=2, seed=5,
-        band=(2.0, 60.0), record_length=2.0,
-    ).campaign  # fmt: skip
-    seen = unlimited(observe(campaign))
+    seen = softly_struck
     context = Context.of(flexmodal.load("fanuc_s360"), seen)
     root = Hypothesis(context, robot_space(context.robot))
     bent = root.and_also(Placed(catalogue()["nonlinear_stiffness"], "q2"))
