@@ -167,24 +167,6 @@ def test_what_is_hardly_more_than_impossible_has_to_reach_the_noise(over, confid
     assert found.effects == ((("added_mass", "link_3"),) if explained else (("unknown", "link_1"),))
 
 
-@pytest.mark.parametrize(("confidence", "named"), [(0.005, False), (0.03, True)])
-def test_of_several_one_that_is_hardly_possible_has_no_name(confidence, named):
-    """Its place is unknown; the other one keeps its own."""
-    gaps, keys = Gaps(1.0, 0.1, None, None, 0.1), (("local_absorber", "link_3"), ("added_mass", "link_1"))
-    steps = tuple(
-        Step(*key, {}, {}, {}, sure, gaps, (), share=0.4)
-        for key, sure in zip(keys, (confidence, 0.95), strict=True)
-    )
-    says = {effect: effect for effect, _ in keys}
-    facts = Facts(
-        steps, says, gaps, 1.9, Answer.NO, {}, open_=False, place="q1", standing=keys, share=0.8,
-    )  # fmt: skip
-    found = verdict(facts)
-    assert found.effects == ((*keys, ("unknown", "q1")) if named else (keys[1], ("unknown", "link_3")))
-    assert ("No name for link_3: local_absorber there is hardly possible." in found.says) is not named
-    assert found.share == pytest.approx(0.8 if named else 0.4)
-
-
 @pytest.mark.parametrize(
     ("over", "share", "explained"),
     [(1.1, 0.1, True), (1.3, 0.44, False), (1.3, 0.56, True), (1.8, 0.3, False), (1.3, None, True)],

@@ -7,8 +7,9 @@ unknown beside them: their law is not quite what is there; so is what springs th
 above a closer limit. Where a floor shows that the model is not there, the name of its effect stands only if a
 law-free look points to the same place and class and the effect takes the larger part of the disagreement;
 what remains is told as unknown beside it, at the places to which the look points besides, or where the
-disagreement is largest. An effect is not named there that is hardly possible: far from the card, or less
-plausible than another. Where there is no floor, what was added stands beside what is left.
+disagreement is largest. The only effect that would be is not named where it
+is hardly possible: far from the card, or less plausible than another. Where there is no floor, what was added
+stands beside what is left.
 """
 
 from __future__ import annotations
@@ -28,6 +29,7 @@ from flexmodal.diagnosis.selection.frf_thresholds import (
 from flexmodal.diagnosis.verdict.facts import Facts
 from flexmodal.diagnosis.verdict.frf_words import frf_words
 from flexmodal.diagnosis.verdict.modal_words import modal_words
+from flexmodal.diagnosis.verdict.unlike import Unlike
 
 CLOSE_MARGIN = 0.01
 """Of the distance from the noise that is clearly nothing but noise."""
@@ -47,19 +49,16 @@ def verdict(facts: Facts) -> Verdict:
         explained, facts = False, replace(facts, standing=added)
     strange = tuple(one for one in facts.unlike if floor and one.answer is Answer.YES)
     if strange:
-        named = added if explained else facts.standing
-        facts, explained = _without(facts, [one.key for one in strange], named), False
+        facts = _without(facts, strange, added if explained else facts.standing)
+        explained = False
     hardly = _hardly_alone(facts) if floor and not explained else Answer.NO
-    faint = _faint(facts) if floor and not explained else ()
     if hardly is Answer.YES:
         facts = replace(facts, standing=())
-    elif faint:
-        facts = _without(facts, faint, facts.standing)
     sure = added if explained or not floor else facts.standing
     facts = replace(facts, share=_share(facts, sure))
     besides = () if explained or not floor else facts.lacking_at or (facts.place,)
     effects = (*sure, *((UNKNOWN, where) for where in besides))
-    undecided = (*facts.undecided, *_doubts(facts, sure), *_faintly(faint), *facts.cut_off)
+    undecided = (*facts.undecided, *_doubts(facts, sure), *facts.cut_off)
     if explained and facts.reached is Answer.UNDECIDED:
         undecided = (*undecided, BORDER)
     if hardly is Answer.UNDECIDED or (explained and doubted is Answer.UNDECIDED):
@@ -73,9 +72,9 @@ def verdict(facts: Facts) -> Verdict:
     return Verdict(named, explained, says, undecided, facts.share, remaining, cut_off=bool(facts.cut_off))
 
 
-def _without(facts: Facts, keys: Sequence[tuple[str, str]], named: Sequence[tuple[str, str]]) -> Facts:
+def _without(facts: Facts, strange: Sequence[Unlike], named: Sequence[tuple[str, str]]) -> Facts:
     """Some effects no longer named, their places unknown."""
-    places = [where for _, where in keys]
+    keys, places = [one.key for one in strange], [one.key[1] for one in strange]
     stay = tuple(key for key in named if key not in keys)
     lacking = tuple(dict.fromkeys([*places, *facts.lacking_at]))
     return replace(facts, standing=stay, lacking_at=lacking, place=places[0])
@@ -128,19 +127,6 @@ def _hardly_alone(facts: Facts) -> Answer:
     """Whether the only effect that stands is hardly possible."""
     steps = [step for step in facts.steps if (step.effect, step.where) in facts.standing]
     return _hardly(steps) if len(steps) == 1 else Answer.NO
-
-
-def _faint(facts: Facts) -> tuple[tuple[str, str], ...]:
-    """Those of several that stand that are hardly possible, each for itself."""
-    keys = [
-        (step.effect, step.where) for step in facts.steps if hardly_possible(step.confidence) is Answer.YES
-    ]
-    return tuple(key for key in keys if key in facts.standing and len(facts.standing) > 1)
-
-
-def _faintly(faint: Sequence[tuple[str, str]]) -> tuple[str, ...]:
-    """What is said of them."""
-    return tuple(f"No name for {where}: {effect} there is hardly possible." for effect, where in faint)
 
 
 def _hardly(steps: Sequence[Step]) -> Answer:
