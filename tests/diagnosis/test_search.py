@@ -85,7 +85,7 @@ def test_what_is_far_behind_is_fitted_with_a_few_steps(monkeypatch, enough):
         ]
 
     for name, value in {
-        "seen_beside": lambda *given: Mock(spec=Look, straight=False), "candidates": lambda *given: [],
+        "both_beside": lambda *given: (Mock(spec=Look),) * 2, "candidates": lambda *given: [],
         "narrowed": lambda found, seen, advance: finalists, "tried_closely": closely,
         "over_noise": lambda setup, model: 1.0 if enough else 9.0, "has_law": lambda hypothesis: False,
         "simpler": lambda *given: [],

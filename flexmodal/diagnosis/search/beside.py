@@ -42,6 +42,17 @@ def seen_beside(setup: Setup, model: FittedFrfs, *, by_force: bool = False) -> L
     return within if _left(within, model) < NEARER * _left(beyond, model) else beyond
 
 
+def both_beside(setup: Setup, model: FittedFrfs) -> tuple[Look, Look]:
+    """The looks for what is linear and for what depends on the blow; one where they are the same.
+
+    Args:
+        setup: what the diagnosis works with.
+        model: that something is added to.
+    """
+    plain = seen_beside(setup, model)
+    return plain, seen_beside(setup, model, by_force=True) if plain.straight else plain
+
+
 def _left(look: Look, model: FittedFrfs) -> float:
     """Sum of squares of a model with stand-ins."""
     return FrfMisfit(model.hypothesis, look.apart, Weighting(MODEL_ERROR, look.lines)).cost(model.x)

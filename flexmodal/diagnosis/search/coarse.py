@@ -59,7 +59,7 @@ class Look:
     """The merged observation of each."""
     lines: Int[np.ndarray, " line"]
     straight: bool = False
-    """Whether torques count as their stand-ins, as in observations that are straightened."""
+    """Whether torques count as their stand-ins at one amplitude, and nothing is integrated."""
 
     def integrates(self, hypothesis: Hypothesis) -> bool:
         """Whether torques of a hypothesis are integrated in time.

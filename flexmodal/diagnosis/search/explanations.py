@@ -9,7 +9,7 @@ import numpy as np
 from flexmodal.diagnosis.disagreement.gaps import over_noise
 from flexmodal.diagnosis.effects import Effect
 from flexmodal.diagnosis.placed import Placed
-from flexmodal.diagnosis.search.beside import seen_beside
+from flexmodal.diagnosis.search.beside import both_beside
 from flexmodal.diagnosis.search.close_fit import FAR_OFF, tried_closely
 from flexmodal.diagnosis.search.coarse import Candidate, Look
 from flexmodal.diagnosis.search.search import candidates, come_nearer, narrowed, restarted, simpler
@@ -61,9 +61,9 @@ def explanations(
             get there are started from elsewhere.
     """
     advance(0.0)
-    seen, finalists = seen_beside(setup, before), list[Candidate]()
-    for some, most, by_force in _kinds(setup.effects, with_force=with_force):
-        look = seen_beside(setup, before, by_force=True) if by_force and seen.straight else seen
+    finalists, both = list[Candidate](), both_beside(setup, before)
+    seen = both[0]
+    for (some, most), look in zip(_kinds(setup.effects, with_force=with_force), both, strict=True):
         found = candidates(before.hypothesis, set_out, some, look, allowed)
         near = narrowed(found, look, lambda part: advance(0.6 * part))[:most]
         far = INTEGRATED_FAR * near[0].cost if near and has_law(near[0].hypothesis) else np.inf
@@ -99,7 +99,7 @@ def from_each_start(
         is_enough: whether a fit leaves nothing, so that no other start is followed.
         followed: how many starts of each are fitted closely at most.
     """
-    plain, integrated = seen_beside(setup, before), seen_beside(setup, before, by_force=True)
+    plain, integrated = both_beside(setup, before)
     effects, found = {effect.name: effect for effect in setup.effects}, []
     for name, where in keys:
         placed = Placed(effects[name], where)
@@ -129,11 +129,11 @@ def best_of_each(looked: Sequence[FittedFrfs]) -> list[FittedFrfs]:
     return list(best.values())
 
 
-def _kinds(effects: Sequence[Effect], *, with_force: bool) -> list[tuple[list[Effect], int, bool]]:
-    """Effects that depend on the blow, at last, apart from the others, and how many are looked at closely."""
+def _kinds(effects: Sequence[Effect], *, with_force: bool) -> list[tuple[list[Effect], int]]:
+    """Effects that depend on the blow after all others, and how many of each are looked at closely."""
     by_force = [effect for effect in effects if effect.by_force]
     others = [effect for effect in effects if not effect.by_force]
-    return [(others, FINALISTS, False), (by_force if with_force else [], INTEGRATED, True)]
+    return [(others, FINALISTS), (by_force if with_force else [], INTEGRATED)]
 
 
 def _looked_at(

@@ -2,8 +2,9 @@
 
 Every hypothesis starts at the card, not at the re-tuned robot: re-tuning without the effect runs away from
 the truth. Rounds of more steps with fewer candidates follow one another (successive halving). Torques that
-are not linear are integrated in time from the first look on: describing functions too often name the wrong
-law.
+are not linear and are looked for are integrated in time from the first look on: describing functions too
+often name the wrong law. What is linear is looked for beside the stand-ins of those that are there
+(`beside`).
 """
 
 from __future__ import annotations
