@@ -186,9 +186,9 @@ class Stuck(World):
         super().__init__(lambda keys: 10.0 if LINK in keys else 100.0)
         self.takes, self.wide = takes, None
 
-    def wider(self, model):
+    def wider(self, model, keys):
         self.wide = Model(model.keys)
-        return [self.wide] if LINK in model.keys else []
+        return [self.wide] if LINK in keys else []
 
     def share(self, first, last):
         if last is not self.wide:
@@ -979,6 +979,25 @@ def test_what_is_doubted_is_fitted_afresh_beside_the_others():
     assert selection.follow()
     assert selection.current.keys == (DELAY, MASS)
     assert isinstance(selection.current, Afresh)
+
+
+class TooNarrow(Doubting):
+    """Fitted afresh it is the same; with a wider law it is not."""
+
+    def pointed(self, before, number):
+        return World.pointed(self, before, number)
+
+    def wider(self, model, keys):
+        self.widened = keys
+        return [Afresh(model.keys)]
+
+
+def test_what_is_doubted_gets_a_wider_law_where_it_is_the_same_again():
+    selection = Selection(TooNarrow())
+    assert selection.follow()
+    assert set(selection.current.keys) == {DELAY, MASS}
+    assert isinstance(selection.current, Afresh)
+    assert selection.data.widened == [MASS]
 
 
 def step_of(confidence, ties):

@@ -154,7 +154,8 @@ def test_each_effect_gets_its_wider_law_from_where_the_joint_fit_is(fits, monkey
         frf_candidates, "at_next_level", lambda setup, one, *more: tried.append(one) or [narrow]
     )
     candidates = FrfCandidates(setup, narrow, with_force=False)
-    assert candidates.wider(joint) == [narrow]
+    assert candidates.wider(joint, [mass.key]) == []
+    assert candidates.wider(joint, joint.hypothesis.keys) == [narrow]
     assert [one.key for one in tried] == [("base_flexibility", "base")]
     assert [one.hypothesis.keys for one in tried] == [(mass.key, ("base_flexibility", "base"))]
     assert tried[0].hypothesis.space.values(tried[0].x) == both.space.values(x)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 from jaxtyping import Bool, Complex, Float
@@ -29,6 +30,9 @@ _BESIDE: tuple[tuple[float | None, float | None], ...] = (
 _STIFF, _NOTHING = 1e3, 0.003
 """Stiffness across, over that along, of a mass that is free along one direction; the other mass if there is
 none, over the first."""
+_ROLLS = (0.0, np.pi / 4, np.pi / 2, 3 * np.pi / 4)
+"""Of the second direction about the first: from the first of them the nearest is not found where the second
+lies across the link, for nothing tells to which side to roll."""
 _LOSSES = (0.02, 0.1)
 NEAR = 0.15
 """Distance of lines from a frequency that are looked at together: a logarithm."""
@@ -161,8 +165,10 @@ def told_by(
 def _wider(first: Float[np.ndarray, " unknown"]) -> list[Float[np.ndarray, " unknown"]]:
     """With a second mass, or with the first free along two directions."""
     found = []
-    for faster, across in _BESIDE:
+    for (faster, across), roll in product(_BESIDE, _ROLLS if len(first) > 7 else (0.0,)):
         x = first.copy()
+        if len(first) > 7:
+            x[5] = roll
         if across is not None:
             x[-3] = np.log(across)
         if faster is not None:

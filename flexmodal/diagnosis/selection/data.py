@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import Any, Generic
 
 import numpy as np
@@ -72,8 +72,13 @@ class Data(ABC, Generic[M]):
         """
         return []
 
-    def wider(self, model: M) -> list[M]:
-        """A model with a wider law for each of its effects that has one, in turn; the best first."""
+    def wider(self, model: M, keys: Collection[tuple[str, str]]) -> list[M]:
+        """A model with a wider law for some of its effects that have one, in turn; the best first.
+
+        Args:
+            model: with effects.
+            keys: names and places of the ones.
+        """
         return []
 
     def doubted(self, model: M) -> tuple[str, str] | None:

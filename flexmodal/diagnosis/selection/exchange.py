@@ -5,6 +5,8 @@ What was added while others were missing may have taken up what was due to these
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 from flexmodal.diagnosis.selection.comparison import M
 from flexmodal.diagnosis.selection.data import Data
 
@@ -54,14 +56,15 @@ def looked_for_again(data: Data[M], model: M, key: tuple[str, str]) -> M:
     return comparison.models[other] if better else model
 
 
-def widened(data: Data[M], model: M) -> M:
+def widened(data: Data[M], model: M, keys: Collection[tuple[str, str]]) -> M:
     """With a wider law for one of several effects: with too narrow a one the others fit what it leaves.
 
     Args:
         data: that it is fitted to.
         model: with effects.
+        keys: names and places of those that it is tried for.
     """
-    return next((one for one in data.wider(model) if takes(data, model, one, NEARER)), model)
+    return next((one for one in data.wider(model, keys) if takes(data, model, one, NEARER)), model)
 
 
 def exchanged(data: Data[M], model: M) -> M:

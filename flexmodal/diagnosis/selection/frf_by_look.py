@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from contextlib import suppress
 
 from flexmodal.diagnosis.disagreement.gaps import left, over_noise
@@ -63,9 +63,9 @@ class FrfsByLook(Data[FittedFrfs]):
         """See `Data`."""
         return self._candidates.doubted(model)
 
-    def wider(self, model: FittedFrfs) -> list[FittedFrfs]:
+    def wider(self, model: FittedFrfs, keys: Collection[tuple[str, str]]) -> list[FittedFrfs]:
         """See `Data`."""
-        return [] if self.is_enough(model) else self._candidates.wider(model)
+        return [] if self.is_enough(model) else self._candidates.wider(model, keys)
 
     def is_at_rest(self, model: FittedFrfs) -> bool:
         """See `Data`: they count as explaining everything, and by a look beside them nothing is missing."""

@@ -225,14 +225,15 @@ class FrfCandidates(LooksBeside):
         wider = at_next_level(self.setup, best, SetOut([]), self._is_enough)
         return best_of_each([*found, *(one for one in wider if self._is_enough(one))])
 
-    def wider(self, model: FittedFrfs) -> list[FittedFrfs]:
-        """The model with the next level of each of its effects, in turn, fitted closely; the best first.
+    def wider(self, model: FittedFrfs, keys: Collection[tuple[str, str]]) -> list[FittedFrfs]:
+        """The model with the next level of some of its effects, in turn, fitted closely; the best first.
 
         Args:
             model: with effects.
+            keys: names and places of the ones.
         """
-        keys = [one.key for one in model.hypothesis.placed if one.effect.next_level is not None]
-        turned = [with_last(model, key) for key in keys]
+        able = [one.key for one in model.hypothesis.placed if one.effect.next_level is not None]
+        turned = [with_last(model, key) for key in able if key in keys]
         every = [
             more for one in turned for more in at_next_level(self.setup, one, SetOut([]), self._is_enough)
         ]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from contextlib import suppress
 from itertools import pairwise
 from typing import Any, Generic
@@ -121,21 +121,23 @@ class ForwardSelection(Generic[M]):
     def _follow_on(self) -> bool:
         """One effect more where the data point, or another one in place of one that is there."""
         doubted = self.data.doubted(self.current)
-        if doubted is not None and self._bettered(looked_for_again(self.data, self.current, doubted)):
-            return True
+        if doubted is not None:
+            again = self._bettered(looked_for_again(self.data, self.current, doubted))
+            if again or self._widened([doubted]):
+                return True
         if self.data.is_at_rest(self.current):
             return False
         before, many = self._state, len(self.current.hypothesis.keys)
         models = self.data.pointed(self.current, many) if many < MOST else []
         if len(models) < 2 or not (self._taken(models, 0) or self._tried_on()):
-            wider = self._bettered(widened(self.data, self.current))
+            wider = self._widened(self.current.hypothesis.keys)
             return wider or self._bettered(exchanged(self.data, self.current))
         self.current = reconsidered(self.data, self.current)
         much = takes(self.data, before[0], self.current, MUCH)
         if many > 1 and not much and not self.data.leads_on(self.current):
             further, self._state, better = self._state, before, False
             try:
-                better = self._bettered(widened(self.data, self.current))
+                better = self._widened(self.current.hypothesis.keys)
             finally:
                 if not better:
                     self._state = further
@@ -163,6 +165,10 @@ class ForwardSelection(Generic[M]):
         self.current, self.refused = comparison.models[best], []
         self.steps.append(self.describe(comparison, best))
         return True
+
+    def _widened(self, keys: Collection[tuple[str, str]]) -> bool:
+        """A wider law for one of some effects, if that does better."""
+        return self._bettered(widened(self.data, self.current, keys))
 
     def _bettered(self, other: M) -> bool:
         """Whether a model is another one than the present, whose place it takes."""
