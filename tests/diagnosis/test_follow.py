@@ -6,6 +6,7 @@ from unittest.mock import Mock
 import numpy as np
 import pytest
 
+from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Effect
 from flexmodal.diagnosis.effects.free_function import FreeFunction
 from flexmodal.diagnosis.hypothesis import Hypothesis
@@ -497,9 +498,10 @@ def test_where_nothing_is_left_no_effect_is_exchanged(monkeypatch, over, met, tr
     other = fitted(MASS, BASE)
     other.cost = 1.0
     data = FrfData.__new__(FrfData)
-    data.setup, data.modes = Mock(spec=Setup, held=np.zeros(1, dtype=bool)), None
+    data.setup, data.modes = Mock(spec=Setup, held=np.zeros(1, dtype=bool), context=Mock(spec=Context)), None
     place = dict.fromkeys([MASS], Mock(spec=Found)) if met else {}
-    data._look = Mock(spec=Findings, explains=True, found=(None,), met=lambda keys: place)
+    found = Mock(spec=Found, port="body", where="elsewhere")
+    data._look = Mock(spec=Findings, explains=True, found=(found,), met=lambda keys: place)
     data._candidates = Mock(spec=FrfCandidates, considered=lambda *given: [other])
     data._refits = Mock(spec=Refits, instead=lambda *given: [other])
     for module in (frf_data, frf_by_look):

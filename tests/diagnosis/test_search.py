@@ -63,6 +63,26 @@ def test_some_start_of_an_absorber_is_nearer_than_none(context, observed, mass):
     assert 0.1 < best["mass"] / mass < 10
 
 
+def test_some_start_of_a_stiff_loop_is_nearer_than_none(context, observed):
+    """The rotor swings above the band: what is left of it there is a spring in series and its loss."""
+    observations, high = observed, context.band[1]
+    servo = catalogue()["servo_compliance"]
+    placed = Placed(servo, "q2")
+    root = Hypothesis(context, robot_space(context.robot))
+    hypothesis = root.and_also(placed)
+    zero = np.zeros(len(root.space))
+    k = float(context.robot.joints["q2"].stiffness)
+    true = {"gain": 50 * k, "frequency": 1.4 * high, "damping_ratio": 0.3}
+    there = np.log(predict(hypothesis, hypothesis.start(placed, true, zero), observations))
+
+    def far(value):
+        return float(np.sum(np.abs(np.log(value) - there) ** 2))
+
+    starts = servo.starts(context, "q2")
+    costs = [far(predict(hypothesis, hypothesis.start(placed, one, zero), observations)) for one in starts]
+    assert min(costs) < 0.5 * far(predict(root, zero, observations))
+
+
 @pytest.mark.parametrize("enough", [False, True])
 def test_what_is_far_behind_is_fitted_with_a_few_steps(monkeypatch, enough):
     """And less far once an explanation is enough: it can hardly come to be the best any more."""

@@ -57,3 +57,25 @@ def test_a_mass_is_needed_beside_a_coupling_that_is_none(context):
     whole = fitted(both, 1.0)
     assert data.worth(fitted(bare.and_also(coupling), 50.0), whole, 1) is Answer.YES
     assert data.worth(fitted(bare.and_also(mass), 50.0), whole, 1) is Answer.NO
+
+
+def test_what_re_tunes_a_joint_is_not_compared_with_what_is_missing(context):
+    """Its evidence may be the best, and it would keep all others from being added."""
+    bare = Hypothesis(context, robot_space(context.robot))
+    data = FrfData.__new__(FrfData)
+
+    def covariance(model):
+        loose = [name.endswith((".damping_time", ".inertia")) for name in model.hypothesis.space.names]
+        return np.diag(np.where(loose, 25.0, 1e-4))
+
+    data.covariance = covariance
+
+    def fitted(effect, where, values):
+        hypothesis = bare.and_also(Placed(catalogue()[effect], where))
+        x = hypothesis.start(hypothesis.placed[-1], values, np.zeros(len(bare.space)))
+        return Mock(spec=FittedFrfs, hypothesis=hypothesis, x=x, key=(effect, where))
+
+    none = fitted("joint_coupling", "q1+q2", {"coupling": 0.0, "damping_time": 1e-9})
+    some = fitted("joint_coupling", "q2+q3", {"coupling": 0.2})
+    mass = fitted("added_mass", "link_2", {})
+    assert data._that_are([none, some, mass]) == [some, mass]

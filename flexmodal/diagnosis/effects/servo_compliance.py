@@ -50,7 +50,8 @@ def _starts(context: Context, where: str) -> list[Mapping[str, float]]:
     k = float(context.robot.joints[where].stiffness)
     low, high = context.band
     grid = np.geomspace(max(3 * low, 0.04 * high), 0.6 * high, 4)
-    return [{"gain": gain * k, "frequency": float(f)} for f in grid for gain in (0.03, 0.5, 4.0)]
+    soft = [{"gain": gain * k, "frequency": float(f)} for f in grid for gain in (0.03, 0.5, 4.0)]
+    return [*soft, {"gain": 40.0 * k, "frequency": 1.5 * high}]
 
 
 def loop(k: float, gain: float, frequency: float, ratio: float) -> tuple[float, float]:

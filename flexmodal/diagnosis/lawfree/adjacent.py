@@ -2,11 +2,16 @@
 
 The function of one is free in every line and takes up most of what the other does, so that a look that has
 come to the noise at one of them need not have tried the other. A law of one does not pass for the other's.
+And what two joints' coupling holds: its functions do all that sits in either of them, or on what they alone
+move.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from flexmodal.diagnosis.effects.context import Context
+from flexmodal.diagnosis.lawfree.result import PORT_OF
 from flexmodal.structure.arm import beyond
 
 _BASE = ("base", "base")
@@ -23,6 +28,29 @@ def adjacent(context: Context, port: str, where: str) -> frozenset[tuple[str, st
     touching = [pair for joint in context.joints for pair in _at(context, joint)]
     here = (port, where)
     return frozenset(one for pair in touching if here in pair for one in pair if one != here)
+
+
+def within(context: Context, keys: Sequence[tuple[str, str]], port: str, where: str) -> bool:
+    """Whether effects sit in the joints of a coupling, or on bodies that nothing else moves.
+
+    Args:
+        context: of the diagnosis.
+        keys: names and places of the effects.
+        port: kind of a port; none but a coupling's holds others.
+        where: its place.
+    """
+    return port == "coupling" and all(
+        PORT_OF.get(name) in ("joint", "body") and set(_moving(context, place)) <= set(where.split("+"))
+        for name, place in keys
+    )
+
+
+def _moving(context: Context, place: str) -> list[str]:
+    """A joint, or the joints that move a link."""
+    urdf = context.robot.urdf
+    if place in context.joints:
+        return [place]
+    return [joint for joint in context.joints if place in beyond(urdf, urdf.joint_by_name[joint].child)]
 
 
 def _at(context: Context, joint: str) -> list[tuple[tuple[str, str], tuple[str, str]]]:

@@ -6,6 +6,7 @@ from collections.abc import Collection, Mapping
 from contextlib import suppress
 
 from flexmodal.diagnosis.disagreement.gaps import left, over_noise
+from flexmodal.diagnosis.lawfree.adjacent import within
 from flexmodal.diagnosis.lawfree.look import SOUND
 from flexmodal.diagnosis.lawfree.result import PORT_OF
 from flexmodal.diagnosis.lawfree.result import Findings as LawFree
@@ -184,10 +185,15 @@ class FrfsByLook(Data[FittedFrfs]):
         return self.place(model, None) if beside is None else beside.place
 
     def is_contradicted(self, model: FittedFrfs) -> bool:
-        """See `Data`; by what was held out too. Effects that no port stands for are taken at their word."""
+        """See `Data`; by what was held out too. Effects that no port stands for are taken at their word.
+
+        So are those that all sit where the function of two coupled joints does what they do.
+        """
         keys, held = model.hypothesis.keys, self.setup.held
         known = all(name in PORT_OF for name, _ in keys)
         if not keys or not known or not self.look.explains or self.look.met(keys):
+            return False
+        if any(within(self.setup.context, keys, one.port, one.where) for one in self.look.found):
             return False
         fails = held.any() and over_noise(self.setup, model, held) > EXPLAINED
         return len(keys) > len(self.look.found) or bool(fails)

@@ -119,7 +119,7 @@ class FrfData(FrfsByLook):
         if look.explains and not explains(self, before) and not done:
             with cut_short(found):
                 found = best_of_each([*found, *self._candidates.everywhere(before, number)])
-        found = narrowest(found, self.is_enough)
+        found = narrowest(self._that_are(found), self.is_enough)
         return [before, *found, *([] if number else [unstructured_mode(self.setup, before)])]
 
     def besides(self, before: FittedFrfs, number: int) -> list[FittedFrfs]:
@@ -152,7 +152,7 @@ class FrfData(FrfsByLook):
             found = self._candidates.searched(before, number, self.look.worth_trying)
         else:
             found = self._candidates.everywhere(before, number)
-        found = narrowest(found, self.is_enough)
+        found = narrowest(self._that_are(found), self.is_enough)
         return [before, *found, unstructured_mode(self.setup, before)]
 
     def compare(self, models: Sequence[FittedFrfs]) -> Comparison[FittedFrfs]:
@@ -176,6 +176,10 @@ class FrfData(FrfsByLook):
         )
         taken = float(1 - after.costs.sum() / max(before.costs.sum(), 1e-300))
         return min(there, takes_enough(taken, before.prior / 2, after.prior / 2, number))
+
+    def _that_are(self, found: Sequence[FittedFrfs]) -> list[FittedFrfs]:
+        """Models whose last effect is not nothing: what re-tunes a joint says nothing of what is missing."""
+        return [one for one in found if self._is_there(one, [one.key]) > Answer.NO]
 
     def _is_there(self, model: FittedFrfs, added: Sequence[tuple[str, str]]) -> Answer:
         """Whether what makes some effects differs from nothing: a coupling of 0 re-tunes either joint."""

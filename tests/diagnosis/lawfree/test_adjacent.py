@@ -1,8 +1,8 @@
-"""Places that give nearly alike: which ports touch which."""
+"""Places that give nearly alike: which ports touch which, and what a coupling of two joints holds."""
 
 import pytest
 
-from flexmodal.diagnosis.lawfree.adjacent import adjacent
+from flexmodal.diagnosis.lawfree.adjacent import adjacent, within
 
 
 @pytest.mark.parametrize(
@@ -20,3 +20,22 @@ from flexmodal.diagnosis.lawfree.adjacent import adjacent
 def test_a_foundation_touches_the_first_bearing_and_a_link_those_at_its_ends(context, here, touching):
     assert context.joints == ("q1", "q2", "q3")
     assert adjacent(context, *here) == touching
+
+
+SERVO, ABSORBER, MASS = "servo_compliance", "local_absorber", "added_mass"
+
+
+@pytest.mark.parametrize(
+    ("keys", "where", "inside"),
+    [
+        ([(ABSORBER, "link_1"), (SERVO, "q3")], "q1+q3", True),
+        ([(ABSORBER, "link_1"), (SERVO, "q3")], "q1+q2", False),
+        ([(MASS, "link_2"), (SERVO, "q2")], "q1+q2", True),  # both joints move the second link, and no other
+        ([(MASS, "link_3"), (SERVO, "q2")], "q1+q2", False),
+        ([("bearing_flexibility", "q1"), (SERVO, "q2")], "q1+q2", False),
+        ([("sensor_gain", "tip"), (SERVO, "q2")], "q1+q2", False),
+    ],
+)
+def test_a_coupling_holds_what_its_joints_alone_move(context, keys, where, inside):
+    assert within(context, keys, "coupling", where) is inside
+    assert not within(context, keys, "link", where)
