@@ -83,6 +83,14 @@ def test_a_no_and_a_yes_lie_two_margins_apart(gain, expected):
     assert chosen(compared(gain)) == expected
 
 
+def test_what_takes_too_little_does_not_bar_what_takes_enough():
+    """However much evidence it has, as a torque that passes for a trifle of every line."""
+    found = compared(20.0, 40.0)
+    assert choice(found, None, [Answer.YES, Answer.YES, Answer.NO]) == Choice(1)
+    assert choice(found, None, [Answer.YES, Answer.YES, Answer.UNDECIDED]) == Choice(None, (2,))
+    assert choice(found, None, [Answer.YES, Answer.NO, Answer.NO]) == Choice(None)
+
+
 def test_what_is_vouched_for_comes_first_if_it_gains_anything():
     """Of several effects each alone may take little; another that takes more may sit in a wrong place."""
     found = compared(2.0, 40.0)

@@ -117,7 +117,9 @@ def choice(
     vouched: Sequence[bool] = (),
     plausible: Mapping[int, float] | None = None,
 ) -> Choice:
-    """The best model that has a structure, if it gains enough; where effects were named, the first that does.
+    """The best model that has a structure and takes enough away, if it gains enough.
+
+    Where effects were named, the first that does.
 
     What was named with its place only has to gain more than a tie. Where settings are sets of beliefs, and
     nothing was named, whatever is tied with the best keeps it from being added. What is vouched for comes
@@ -142,6 +144,7 @@ def choice(
     if asked is None:
         if comparison.beliefs and len(comparison.tied) > 1:
             return Choice(None)
+        ranked = [k for k in ranked if worth[k] > Answer.NO]
         ranked = [*_plainer(comparison, ranked[0]), ranked[0]] if ranked else []
     open_ = []
     for k in ranked:
