@@ -10,10 +10,19 @@ from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Effect
 from flexmodal.diagnosis.effects.free_function import FreeFunction
 from flexmodal.diagnosis.hypothesis import Hypothesis
+from flexmodal.diagnosis.lawfree.first_look import LooksWithoutLaw
 from flexmodal.diagnosis.lawfree.result import Findings, Found, PlaceTried
 from flexmodal.diagnosis.names import UNSTRUCTURED
 from flexmodal.diagnosis.outcome import Compared, Gaps, Step
-from flexmodal.diagnosis.selection import frf_by_look, frf_candidates, frf_data, frf_starts, in_its_stead
+from flexmodal.diagnosis.selection import (
+    frf_by_look,
+    frf_candidates,
+    frf_data,
+    frf_starts,
+    in_its_stead,
+    looks_beside,
+    searches_beside,
+)
 from flexmodal.diagnosis.selection.comparison import Comparison
 from flexmodal.diagnosis.selection.data import Data
 from flexmodal.diagnosis.selection.decision import Answer
@@ -714,6 +723,28 @@ def test_beside_a_strong_effect_only_what_one_other_place_stands_for_is_tried(ex
     assert data.pointed(before, 1) == ([before, met] if tried else [before])
 
 
+@pytest.mark.parametrize(
+    ("key", "hinted"),
+    [(MASS, ["rod"]), (("joint_coupling", "q1+q2"), ["body"]), (DELAY, ["rod", "body"])],
+)
+def test_what_did_best_alone_is_tried_at_once_beside_effects_elsewhere(monkeypatch, key, hinted):
+    """A rod is rare, and what is no rod may do well enough for none to be tried."""
+    made = []
+
+    def looks(setup, model, by_force, advance, hinted):
+        made.append(hinted)
+        return Mock(spec=LooksWithoutLaw, one=Mock(spec=Findings), depends_on_force=False)
+
+    monkeypatch.setattr(looks_beside, "LooksWithoutLaw", looks)
+    candidates = FrfCandidates.__new__(FrfCandidates)
+    candidates.setup, candidates.root, candidates.with_force = Mock(spec=Setup, advance=Mock()), None, False
+    first, second = (Mock(spec=Found, alike=alike) for alike in ((("rod", "q1+q2"), ("body", "a")), ()))
+    candidates.looks = Mock(one=Mock(spec=Findings, found=(first, second)))
+    candidates._beside, candidates._order, candidates._forced = {}, {}, {}
+    candidates.look_beside(fitted(key))
+    assert [[port for port, _ in one] for one in made] == [hinted]
+
+
 def test_so_many_looks_and_no_more():
     candidates = FrfCandidates.__new__(FrfCandidates)
     candidates.root = fitted()
@@ -736,19 +767,19 @@ def test_fits_start_from_elsewhere_only_where_one_place_explains(monkeypatch, pl
         seen.append(one_is_enough)
         return []
 
-    monkeypatch.setattr(frf_candidates, "explanations", searched)
+    monkeypatch.setattr(searches_beside, "explanations", searched)
     monkeypatch.setattr(frf_candidates, "from_each_start", lambda *given: [])
     bare = Mock(base=(), placed=(), keys=())
     root = Mock(spec=FittedFrfs, hypothesis=bare, x=np.zeros(0), cost=1.0)
     candidates = FrfCandidates(Mock(spec=Setup, effects=(), advance=Mock()), root, with_force=False)
-    one = Mock(spec=Found, alike=())
+    one = Mock(spec=Found, port="joint", where="q1", alike=(), has=lambda *key: False)
     look = Mock(
         spec=Findings, explains=explains, found=(one,) * places, needed=True, fitted=None, left=1.0, places=()
     )
     candidates.looks = Mock(one=look)
     candidates.at_places(root, 0, look, lambda model: False)
     candidates.everywhere(root, 1)
-    assert seen == [expected, False]
+    assert seen == [expected, *([False] if places == 1 else []), False]
 
 
 @pytest.mark.parametrize("beside", [True, False])
@@ -760,14 +791,15 @@ def test_beside_effects_what_was_found_in_time_goes_on(monkeypatch, beside):
 
     found, before = [fitted(DELAY, MASS)], fitted(DELAY) if beside else fitted()
     before.cost = 1.0
-    monkeypatch.setattr(frf_candidates, "explanations", lambda *given, **more: found)
+    monkeypatch.setattr(searches_beside, "explanations", lambda *given, **more: found)
     monkeypatch.setattr(frf_candidates, "from_each_start", cut_off)
-    monkeypatch.setattr(frf_candidates, "starts", lambda *given: None)
+    for module in (frf_candidates, searches_beside):
+        monkeypatch.setattr(module, "starts", lambda *given: None)
     monkeypatch.setattr(frf_candidates, "pointed_to", lambda *given: [])
     monkeypatch.setattr(frf_candidates, "nearer", lambda *given: [])
     monkeypatch.setattr(frf_candidates, "over_noise", lambda *given: 9.0)
     candidates = FrfCandidates(Mock(spec=Setup, effects=(), advance=Mock()), fitted(), with_force=False)
-    alone = Mock(spec=Found, alike=())
+    alone = Mock(spec=Found, port="body", where=MASS[1], alike=(), has=lambda *key: True)
     look = Mock(spec=Findings, explains=True, found=(alone,), needed=True, fitted=None, left=1.0, places=())
     candidates.looks = Mock(one=look)
     if beside:
@@ -785,7 +817,7 @@ def test_beside_the_same_effects_is_searched_again_only_from_nearer(monkeypatch,
         made.append(given[1])
         return [Mock(spec=FittedFrfs, key=("added_mass", str(len(made))), cost=1.0)]
 
-    monkeypatch.setattr(frf_candidates, "explanations", searched)
+    monkeypatch.setattr(searches_beside, "explanations", searched)
     monkeypatch.setattr(frf_candidates, "left", lambda *given: 1.0)
     first, other = (
         Mock(spec=FittedFrfs, hypothesis=Mock(base=(), placed=(), keys=keys), x=np.zeros(0), cost=each)

@@ -17,7 +17,7 @@ from flexmodal.diagnosis.search.close_fit import fitted_closely
 from flexmodal.diagnosis.search.coarse import Candidate, Look
 from flexmodal.diagnosis.search.next_level import at_next_level
 from flexmodal.diagnosis.search.set_out import SetOut
-from flexmodal.diagnosis.selection import frf_candidates
+from flexmodal.diagnosis.selection import frf_candidates, searches_beside
 from flexmodal.diagnosis.selection.frf_candidates import FrfCandidates
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.selection.frf_thresholds import FLOOR_REACHED, LAW_LEAVES
@@ -26,6 +26,8 @@ from flexmodal.identification import observe, predict
 from flexmodal.rig import simulate
 from flexmodal.structure import robot_space
 
+BASE = Mock(port="base", where="base", alike=(), has=lambda *key: key == ("base_flexibility", "base"))
+"""What a look found."""
 LINK = catalogue()["link_flexibility"]
 FOUNDATION = catalogue()["base_flexibility"]
 BLOCK = {
@@ -169,14 +171,14 @@ def test_wider_laws_are_tried_where_the_law_is_to_blame(fits, monkeypatch, part,
     """At the place that a look points to, if free functions leave much less there."""
     setup, _, narrow = fits
     wider = Mock(spec=FittedFrfs, key=narrow.key, cost=narrow.cost / 2)
-    monkeypatch.setattr(frf_candidates, "explanations", lambda *given, **more: [narrow])
+    monkeypatch.setattr(searches_beside, "explanations", lambda *given, **more: [narrow])
     monkeypatch.setattr(frf_candidates, "at_next_level", lambda *given: [wider])
     monkeypatch.setattr(frf_candidates, "left", lambda *given: 1.0)
     bare = Mock(base=(), placed=(), keys=())
     root = Mock(spec=FittedFrfs, hypothesis=bare, x=np.zeros(0), cost=1.0)
     candidates = FrfCandidates(setup, root, with_force=False)
     look = Mock(
-        spec=Findings, explains=False, found=(None,), needed=False, fitted=None,
+        spec=Findings, explains=False, found=(BASE,), needed=False, fitted=None,
         left=part * over_noise(setup, narrow) / LAW_LEAVES,
         met=lambda keys: {keys[0]: None} if met else {},
     )  # fmt: skip
@@ -198,10 +200,73 @@ def test_a_law_that_takes_too_little_where_one_place_explains_it_is_widened(
     root = Mock(spec=FittedFrfs, hypothesis=Mock(base=(), placed=(), keys=()), x=np.zeros(0), cost=1.0)
     candidates = FrfCandidates(setup, root, with_force=False)
     look = Mock(
-        spec=Findings, explains=explains, found=(None,), needed=False, fitted=None,
+        spec=Findings, explains=explains, found=(BASE,), needed=False, fitted=None,
         left=over_noise(setup, narrow), met=lambda keys: {keys[0]: None},
     )  # fmt: skip
     assert candidates._at_next_levels(root, [narrow], look) == [wider if tried else narrow]
+
+
+@pytest.mark.parametrize(("port", "tried"), [("rod", True), ("coupling", False)])
+def test_no_narrow_law_is_enough_where_only_wide_ones_do_what_was_found(fits, monkeypatch, port, tried):
+    """Others may leave as little as the functions of a rod do while more is missing, but are none."""
+    setup, _, narrow = fits
+    wider = Mock(spec=FittedFrfs, key=narrow.key, cost=narrow.cost / 2)
+    monkeypatch.setattr(frf_candidates, "at_next_level", lambda *given: [wider])
+    root = Mock(spec=FittedFrfs, hypothesis=Mock(base=(), placed=(), keys=()), x=np.zeros(0), cost=1.0)
+    candidates = FrfCandidates(setup, root, with_force=False)
+    candidates._is_enough = lambda model: False
+    look = Mock(
+        spec=Findings, explains=False, found=(Mock(port=port),), needed=False, fitted=None,
+        left=over_noise(setup, narrow), met=lambda keys: {keys[0]: None},
+    )  # fmt: skip
+    assert candidates._at_next_levels(root, [narrow], look) == [wider if tried else narrow]
+
+
+@pytest.mark.parametrize(("there", "searches"), [(True, 1), (False, 2)])
+def test_what_sits_where_a_look_points_is_tried_though_others_leave_it_behind(
+    fits, monkeypatch, there, searches
+):
+    setup, _, narrow = fits
+    other = Mock(spec=FittedFrfs, key=("bearing_flexibility", "q1"), cost=narrow.cost / 2)
+    asked = []
+
+    def looked_for(*given, allowed, **more):
+        asked.append(allowed)
+        return [narrow] if there or len(asked) > 1 else [other]
+
+    monkeypatch.setattr(searches_beside, "explanations", looked_for)
+    root = Mock(spec=FittedFrfs, hypothesis=Mock(base=(), placed=(), keys=()), x=np.zeros(0), cost=1.0)
+    candidates = FrfCandidates(setup, root, with_force=False)
+    look = Mock(spec=Findings, explains=True, found=(BASE,), needed=False, fitted=None)
+    candidates.looks = Mock(one=look)
+    found = candidates.pointed_at(root, 0, look, one_is_enough=False)
+    assert found == ([narrow] if there else [other, narrow])
+    assert len(asked) == searches
+    assert there or (asked[1](*narrow.key) and not asked[1](*other.key))
+
+
+@pytest.mark.parametrize(
+    ("explains", "near", "tried"), [(False, True, True), (False, False, False), (True, True, False)]
+)
+def test_a_foundation_is_tried_where_the_first_bearing_may_be_it(fits, monkeypatch, explains, near, tried):
+    """With its many functions free it may do worse than nothing on the postures held out."""
+    setup, _, narrow = fits
+    asked = []
+    monkeypatch.setattr(
+        searches_beside, "explanations", lambda *given, allowed, **more: asked.append(allowed) or [narrow]
+    )
+    root = Mock(spec=FittedFrfs, hypothesis=Mock(base=(), placed=(), keys=()), x=np.zeros(0), cost=1.0)
+    candidates = FrfCandidates(setup, root, with_force=False)
+    look = Mock(
+        spec=Findings, explains=explains, found=(BASE,), needed=False, fitted=None,
+        worth_trying=lambda effect, where: where == "q1",
+        is_near=lambda port, where: near and (port, where) == ("bearing", "q1"),
+    )  # fmt: skip
+    candidates.looks = Mock(one=look)
+    candidates.pointed_at(root, 0, look, one_is_enough=False)
+    assert asked[0]("base_flexibility", "base") is tried
+    assert asked[0]("bearing_flexibility", "q1")
+    assert not asked[0]("bearing_flexibility", "q2")
 
 
 @pytest.mark.parametrize(
@@ -237,7 +302,7 @@ def test_where_others_leave_less_than_what_was_found_all_starts_are_followed(
     setup, _, narrow = fits
     followed = []
     monkeypatch.setattr(frf_candidates, "left", lambda *given: 1.0)
-    monkeypatch.setattr(frf_candidates, "explanations", lambda *given, **more: [narrow])
+    monkeypatch.setattr(searches_beside, "explanations", lambda *given, **more: [narrow])
     monkeypatch.setattr(frf_candidates, "from_each_start", lambda *given: followed.extend(given[3]) or [])
     monkeypatch.setattr(frf_candidates, "pointed_to", lambda *given: [])
     monkeypatch.setattr(frf_candidates, "nearer", lambda *given: [("bearing_flexibility", "q1")])
@@ -257,7 +322,7 @@ def test_no_law_is_widened_where_another_one_of_the_place_is_wide_enough(fits, m
     """A sensor that leans leaves three times as much there as one that reads too much."""
     setup, _, narrow = fits
     close = replace(narrow, key=("sensor_gain", "tip"), predicted=setup.observations.value)
-    monkeypatch.setattr(frf_candidates, "explanations", lambda *given, **more: [close, narrow])
+    monkeypatch.setattr(searches_beside, "explanations", lambda *given, **more: [close, narrow])
     monkeypatch.setattr(frf_candidates, "at_next_level", Mock(side_effect=AssertionError("widened")))
     monkeypatch.setattr(frf_candidates, "left", lambda *given: 1.0)
     bare = Mock(base=(), placed=(), keys=())
@@ -265,7 +330,7 @@ def test_no_law_is_widened_where_another_one_of_the_place_is_wide_enough(fits, m
     candidates = FrfCandidates(setup, root, with_force=False)
     candidates._is_enough = lambda model: False
     look = Mock(
-        spec=Findings, explains=False, found=(None,), needed=False, fitted=None,
+        spec=Findings, explains=False, found=(BASE,), needed=False, fitted=None,
         left=0.1 * over_noise(setup, narrow), met=lambda keys: {keys[0]: None},
     )  # fmt: skip
     candidates.looks = Mock(one=look)
@@ -295,7 +360,7 @@ def test_places_that_leave_less_than_the_law_are_tried(fits, monkeypatch, explai
         searched.append(allowed)
         return [other if allowed("bearing_flexibility", "q1") else narrow]
 
-    monkeypatch.setattr(frf_candidates, "explanations", looked_for)
+    monkeypatch.setattr(searches_beside, "explanations", looked_for)
     monkeypatch.setattr(frf_candidates, "from_each_start", lambda *given: [])
     monkeypatch.setattr(frf_candidates, "left", lambda *given: 1.0)
     bare = Mock(base=(), placed=(), keys=())
@@ -303,7 +368,8 @@ def test_places_that_leave_less_than_the_law_are_tried(fits, monkeypatch, explai
     candidates = FrfCandidates(setup, root, with_force=False)
     over = over_noise(setup, narrow)
     look = Mock(
-        spec=Findings, explains=explains, found=(Mock(port=port, where="base", alike=()),), needed=False,
+        spec=Findings, explains=explains, needed=False,
+        found=(Mock(port=port, where="base", alike=(), has=BASE.has),),
         fitted=None, left=0.5, met=lambda keys: {},
         places=(Mock(port="bearing", where="q1", judged=judged * over),),
         worth_trying=lambda effect, where: effect == "base_flexibility",

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from flexmodal.diagnosis.effects.context import Context
-from flexmodal.diagnosis.lawfree.result import PORT_OF
+from flexmodal.diagnosis.lawfree.effects_at import PORT_OF
 from flexmodal.structure.arm import beyond
 
 _BASE = ("base", "base")

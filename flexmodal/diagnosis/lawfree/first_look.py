@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -33,6 +33,8 @@ class LooksWithoutLaw:
     """Whether FRFs change with the force of the blow."""
     advance: Callable[[str, float], None]
     """Called with what is being done and the part of it that is done."""
+    hinted: Collection[tuple[str, str]] = ()
+    """Kinds and places of rare ports that are tried with the others."""
 
     @cached_property
     def _seen(self) -> Observations:
@@ -55,7 +57,8 @@ class LooksWithoutLaw:
         held = self.setup.held
         away = self._seen.keeping(held) if held.any() else None
         fitted = self._seen.keeping(~held)
-        return Field.of(self.root.hypothesis, self.root.x, fitted, away, by_force=self.depends_on_force)
+        root, by_force = self.root, self.depends_on_force
+        return Field.of(root.hypothesis, root.x, fitted, away, by_force=by_force, hinted=self.hinted)
 
     @cached_property
     def _alone(self) -> LawFree:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -57,6 +57,7 @@ class Field(PortFits):
         *,
         by_force: bool = False,
         kinds: Sequence[PortKind] = KINDS,
+        hinted: Collection[tuple[str, str]] = (),
     ) -> Field:
         """Lay it out.
 
@@ -67,14 +68,16 @@ class Field(PortFits):
             held: observations of other postures that judge; None where there are none.
             by_force: whether FRFs change with the force of the blow; torques that do so are tried then.
             kinds: sorts of ports.
+            hinted: kinds and places of rare ones that are tried with the others.
         """
+        rare = _every(RARE if kinds is KINDS else (), root)
         return cls(
             root,
             x,
             _looked_at(fitted, root, x),
             None if held is None or not len(held) else _looked_at(held, root, x),
-            _every(kinds, root),
-            _every(RARE if kinds is KINDS else (), root),
+            (*_every(kinds, root), *(port for port in rare if port.key in hinted)),
+            tuple(port for port in rare if port.key not in hinted),
             _every([TORQUE], root) if by_force else (),
         )
 

@@ -11,9 +11,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from flexmodal.diagnosis.lawfree.effects_at import holds
 from flexmodal.diagnosis.lawfree.look import SOUND, Field
 from flexmodal.diagnosis.lawfree.port import Port
-from flexmodal.diagnosis.lawfree.result import holds
 from flexmodal.diagnosis.lawfree.screening import ALIKE
 from flexmodal.diagnosis.lawfree.sighting import Round, Sighting
 

@@ -12,6 +12,7 @@ from scipy.optimize import linear_sum_assignment
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Effect
 from flexmodal.diagnosis.effects.free_function import FreeFunction
+from flexmodal.diagnosis.lawfree.effects_at import CLASSES_OF, PORT_OF, holds
 from flexmodal.diagnosis.search.set_out import Start
 
 NEAR = 2.5
@@ -20,51 +21,6 @@ that leaves more than nothing does, if any leaves less."""
 TELLS = 1.25
 """Times by which a place lowers the misfit at least to tell where a law's fits set out, where another one is
 found and does not explain all; not tuned, 1.5 for the one foundation that was looked at."""
-PORT_OF: Mapping[str, str] = {
-    "joint_coupling": "coupling",
-    "structural_damping": "damping",
-    "base_flexibility": "base",
-    "bearing_flexibility": "bearing",
-    "link_flexibility": "link",
-    "added_mass": "body",
-    "local_absorber": "body",
-    "servo_compliance": "joint",
-    "sensor_mass": "carried",
-    "sensor_gain": "sensor",
-    "time_delay": "sensor",
-    "sensor_misalignment": "channel",
-    "coulomb_friction": "torque",
-    "nonlinear_stiffness": "torque",
-}
-"""The kind of port that each effect of the catalogue sits at."""
-_WIDER = {"channel": "sensor", "blows": "hammer", "coupling": "joint", "rod": "coupling"}
-"""Kinds of port that can do whatever one of another kind in the same place can."""
-_ELASTIC = ("spring", "spring and damper", "spring with constant loss", "spring, damper and mass")
-CLASSES_OF: Mapping[str, tuple[str, ...]] = {
-    "joint_coupling": (
-        "spring",
-        "spring and damper",
-        "relaxation",
-        "something in series, with a resonance of its own",
-    ),
-    "structural_damping": ("constant loss", "relaxation", "fractional loss", "row of relaxations"),
-    "base_flexibility": _ELASTIC,
-    "bearing_flexibility": _ELASTIC,
-    "link_flexibility": _ELASTIC,
-    "added_mass": ("mass",),
-    "local_absorber": ("resonance",),
-    "servo_compliance": ("resonance", "something in series, with a resonance of its own", "relaxation"),
-    "sensor_mass": ("mass", "resonance", "spring, damper and mass"),
-    "sensor_gain": (
-        "gain",
-        "gain and phase",
-        "gain with a power of frequency",
-        "high pass and gain",
-        "resonance of its mount and gain",
-    ),
-    "time_delay": ("delay", "gain and delay", "low pass and gain", "all-pass and gain"),
-}
-"""The classes that its curve can be of; effects that are not listed have no common curve to be of a class."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -222,8 +178,15 @@ class Findings:
         port = PORT_OF.get(effect)
         if port is None or any(one.has(effect, where) or one.bears(effect, where) for one in self.found):
             return True
-        if len(self.found) > 1:
-            return False
+        return len(self.found) == 1 and self.is_near(port, where)
+
+    def is_near(self, port: str, where: str) -> bool:
+        """Whether a place does about as well as the best, or as well on the postures fitted.
+
+        Args:
+            port: its kind.
+            where: the place.
+        """
         best, key = self.places[0].judged, (port, where)
         limit = min(NEAR * best, self.alone) if best < self.alone else NEAR * best
         here = [one for one in self.places if (one.port, one.where) == key]
@@ -287,14 +250,3 @@ class Findings:
             for k, m in zip(rows.tolist(), columns.tolist(), strict=True)
             if can[k, m] > 0
         }
-
-
-def holds(wide: tuple[str, str], narrow: tuple[str, str]) -> bool:
-    """Whether a port is the same as another, or can do whatever it can.
-
-    Args:
-        wide: kind and place of the port that may do more.
-        narrow: the same of the other.
-    """
-    same = narrow[1] in (wide[1], *wide[1].split("+"))
-    return wide == narrow or (_WIDER.get(wide[0]) == narrow[0] and same)

@@ -7,8 +7,8 @@ from contextlib import suppress
 
 from flexmodal.diagnosis.disagreement.gaps import left, over_noise
 from flexmodal.diagnosis.lawfree.adjacent import within
+from flexmodal.diagnosis.lawfree.effects_at import PORT_OF
 from flexmodal.diagnosis.lawfree.look import SOUND
-from flexmodal.diagnosis.lawfree.result import PORT_OF
 from flexmodal.diagnosis.lawfree.result import Findings as LawFree
 from flexmodal.diagnosis.search.explanations import best_of_each
 from flexmodal.diagnosis.selection.confidence import explains

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator
-from functools import cached_property
 
 import numpy as np
 
 from flexmodal.diagnosis.disagreement.gaps import left, over_noise
 from flexmodal.diagnosis.lawfree.adjacent import adjacent
-from flexmodal.diagnosis.lawfree.result import PORT_OF, Findings
+from flexmodal.diagnosis.lawfree.effects_at import PORT_OF, WIDE
+from flexmodal.diagnosis.lawfree.result import Findings
 from flexmodal.diagnosis.search.explanations import (
     FOLLOWED,
     best_of_each,
-    explanations,
     from_each_start,
 )
 from flexmodal.diagnosis.search.next_level import at_next_level
@@ -38,7 +37,8 @@ from flexmodal.diagnosis.selection.frf_thresholds import (
     NEARER,
     ONCE_MORE,
 )
-from flexmodal.diagnosis.selection.looks_beside import LooksBeside, laws_of
+from flexmodal.diagnosis.selection.looks_beside import laws_of
+from flexmodal.diagnosis.selection.searches_beside import SearchesBeside
 from flexmodal.diagnosis.setup import Setup
 from flexmodal.diagnosis.time_limit import cut_short
 
@@ -46,8 +46,8 @@ Judge = Callable[[FittedFrfs], bool]
 """Whether nothing else has to be looked for beside a model."""
 
 
-class FrfCandidates(LooksBeside):
-    """Searches beside a model, where looks point; those beside the re-tuned robot are done once."""
+class FrfCandidates(SearchesBeside):
+    """Where looks point, by wider laws too; what was found beside the same effects before holds."""
 
     def __init__(self, setup: Setup, root: FittedFrfs, *, with_force: bool) -> None:
         """Nothing is looked at yet.
@@ -126,7 +126,7 @@ class FrfCandidates(LooksBeside):
 
     def _at_places(self, before: FittedFrfs, number: int, look: Findings, is_over: Judge) -> list[FittedFrfs]:
         alone = look.explains and len(look.found) == 1
-        found = self.searched(before, number, look.worth_trying, one_is_enough=alone)
+        found = self.pointed_at(before, number, look, one_is_enough=alone)
         with cut_short(found and before.hypothesis.placed):  # one of several more is better than none
             for further in self._further(before, number, found, look, is_over):
                 found = further
@@ -165,7 +165,7 @@ class FrfCandidates(LooksBeside):
             return found
         kinds = set(PORT_OF.values())
         best = [(one.port, one.where) for one in look.places if one.port in kinds][:LIKELY]
-        found = self._also_at(before, number, found, best)
+        found = self.also_at(before, number, found, best)
         told = SetOut([], starts(before, look).told)
         near = likely_wider(self.setup, found, look)
         wider = [more for one in near for more in at_next_level(self.setup, one, told, self._is_enough)]
@@ -184,18 +184,7 @@ class FrfCandidates(LooksBeside):
             return found
         others = {(one.port, one.where) for one in look.places if one.judged < least}
         others |= adjacent(self.setup.context, look.found[0].port, look.found[0].where)
-        return self._also_at(before, number, found, others)
-
-    def _also_at(
-        self, before: FittedFrfs, number: int, found: list[FittedFrfs], ports: Collection[tuple[str, str]]
-    ) -> list[FittedFrfs]:
-        """With those effects at some ports, by kind and place, that were not found yet."""
-        known = {one.key for one in found}
-
-        def allowed(effect: str, where: str) -> bool:
-            return (effect, where) not in known and (PORT_OF.get(effect), where) in ports
-
-        return best_of_each([*found, *self.searched(before, number, allowed)]) if ports else found
+        return self.also_at(before, number, found, others)
 
     def _at_next_levels(
         self, before: FittedFrfs, found: list[FittedFrfs], look: Findings
@@ -203,13 +192,15 @@ class FrfCandidates(LooksBeside):
         """Wider laws too, where every effect in the place that the look points to leaves more by its law.
 
         More than noise, and more than the functions of that place leave when they are free, or most of what
-        is missing: where that is little, it is less than several times the noise to begin with.
+        is missing: where that is little, it is less than several times the noise to begin with. No narrow law
+        is enough where the place is one that only wide ones have.
         """
         if any(self._is_enough(one) for one in found):
             return found
         least = LAW_LEAVES * look.left
         places = [one for one in found if look.met([one.key])]
         does = [one for one in places if not look.explains or left(self.setup, before, one) <= HALF]
+        does = [] if look.found[0].port in WIDE else does
         if any(over_noise(self.setup, one) <= least for one in does):
             return found
         set_out = starts(before, look)
@@ -255,44 +246,3 @@ class FrfCandidates(LooksBeside):
 
     def _is_enough(self, model: FittedFrfs) -> bool:
         return over_noise(self.setup, model) <= FLOOR_REACHED
-
-    def everywhere(self, before: FittedFrfs, number: int) -> list[FittedFrfs]:
-        """The finalists of a search for every effect in every place.
-
-        Args:
-            before: the model that something is added to.
-            number: how many effects it has.
-        """
-        return self._first if before is self.root else self.searched(before, number)
-
-    @cached_property
-    def _first(self) -> list[FittedFrfs]:
-        return self.searched(self.root, 0)
-
-    def searched(
-        self,
-        before: FittedFrfs,
-        number: int,
-        allowed: Callable[[str, str], bool] = lambda effect, where: True,
-        *,
-        one_is_enough: bool = False,
-    ) -> list[FittedFrfs]:
-        """The finalists of a search for some effects in some places.
-
-        Args:
-            before: the model that something is added to.
-            number: how many effects it has.
-            allowed: names and places that are tried; all by default.
-            one_is_enough: whether one effect explains everything, as far as a look without a law can say.
-        """
-        doing = f"looking for {'an effect' if not number else 'another effect'}"
-        return explanations(
-            self.setup,
-            before,
-            starts(before, self.looks.one if before is self.root else self.looked(before)),
-            with_force=self.depends_on_force(before),
-            enough=FLOOR_REACHED,
-            advance=lambda part: self.setup.advance(doing, part),
-            allowed=allowed,
-            one_is_enough=one_is_enough,
-        )

@@ -9,7 +9,8 @@ from functools import cache
 import numpy as np
 
 from flexmodal.diagnosis.disagreement.gaps import over_noise
-from flexmodal.diagnosis.lawfree.result import CLASSES_OF, PORT_OF, Findings, holds
+from flexmodal.diagnosis.lawfree.effects_at import CLASSES_OF, PORT_OF, holds
+from flexmodal.diagnosis.lawfree.result import Findings
 from flexmodal.diagnosis.search.set_out import NEAR_BY, SetOut
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.selection.frf_thresholds import LIKELY, NOT_FAR_BEHIND

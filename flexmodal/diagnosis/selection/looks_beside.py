@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
+from flexmodal.diagnosis.lawfree.effects_at import PORT_OF, holds
 from flexmodal.diagnosis.lawfree.first_look import LooksWithoutLaw
 from flexmodal.diagnosis.lawfree.result import Findings
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
@@ -44,11 +47,18 @@ class LooksBeside:
             return self.looks.one
         found = self.looked(model)
         if found is None:
-            looks = LooksWithoutLaw(self.setup, model, self.with_force, self.setup.advance)
+            there = {(PORT_OF.get(name, ""), where) for name, where in model.hypothesis.keys}
+            hinted = [one for one in self._best_alone if not any(holds(one, known) for known in there)]
+            looks = LooksWithoutLaw(self.setup, model, self.with_force, self.setup.advance, hinted)
             found, key = looks.one, laws_of(model)
             self._beside[key], self._order[key] = found, model.hypothesis.space.names
             self._forced[key] = looks.depends_on_force
         return found
+
+    @property
+    def _best_alone(self) -> Sequence[tuple[str, str]]:
+        """What does best beside the re-tuned robot: what is rare is tried at once beside others then too."""
+        return [key for one in self.looks.one.found[:1] for key in one.alike]
 
     def can_look(self, model: FittedFrfs) -> bool:
         """Whether a look beside a model is known, or few enough were taken that another one may be.

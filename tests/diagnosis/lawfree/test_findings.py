@@ -9,9 +9,10 @@ import pytest
 from flexmodal.diagnosis.effects import catalogue
 from flexmodal.diagnosis.effects.free_function import FreeFunction
 from flexmodal.diagnosis.lawfree.as_json import look_json
+from flexmodal.diagnosis.lawfree.effects_at import CLASSES_OF, PORT_OF
 from flexmodal.diagnosis.lawfree.kinds import KINDS, TORQUE
 from flexmodal.diagnosis.lawfree.port import Port
-from flexmodal.diagnosis.lawfree.result import CLASSES_OF, PORT_OF, Class, Curve, Findings, Found, PlaceTried
+from flexmodal.diagnosis.lawfree.result import Class, Curve, Findings, Found, PlaceTried
 from flexmodal.diagnosis.lawfree.templates import templates_for
 from flexmodal.diagnosis.outcome import Gaps, Remaining, Step
 from flexmodal.diagnosis.report.free_look import look_parts

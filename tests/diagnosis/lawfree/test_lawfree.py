@@ -324,6 +324,15 @@ def test_one_place_that_is_enough_stays_alone(root, hinged, observed, found):
     assert pursued(field, found) is found
 
 
+def test_a_rare_port_that_is_hinted_at_is_tried_with_the_others(root, hinged, observed):
+    plain, hinted = (
+        Field.of(root, hinged[1].x, observed, None, hinted=keys) for keys in ((), [("rod", "q1+q3")])
+    )
+    assert ("rod", "q1+q3") in [port.key for port in plain.rare]
+    assert [port.key for port in hinted.ports] == [*(port.key for port in plain.ports), ("rod", "q1+q3")]
+    assert len(hinted.rare) == len(plain.rare) - 1
+
+
 def test_the_class_is_read_off_the_curve(root, hinged, observed):
     """A bending link is a spring with a little damping, as stiff as the parametric fit has it."""
     port = Port.at(LINK, "link_2", root.context)
