@@ -140,7 +140,7 @@ class FrfCandidates(SearchesBeside):
             enough = [one for one in found if is_over(one)]
             keys, followed = pointed_to(self.setup, before, look), FOLLOWED
             if enough:  # a wider one than there may be need of
-                keys = [key for key in keys if any(does_more(one.key, key) for one in enough)]
+                keys = [key for key in keys if any(self._is_plainer(key, one.key) for one in enough)]
                 followed = ONCE_MORE
             if not any(self._is_enough(one) and look.is_at([one.key]) for one in found):
                 keys += [key for key in nearer(self.setup, before, look) if key not in keys]
@@ -152,6 +152,12 @@ class FrfCandidates(SearchesBeside):
                 yield (found := self._elsewhere(before, number, found, look))
         yield (found := self._at_last(before, found))
         yield self._with_wider_laws(before, number, found, look)
+
+    def _is_plainer(self, one: tuple[str, str], other: tuple[str, str]) -> bool:
+        """Whether an effect can do no more than another one, or has fewer parameters."""
+        effects = {effect.name: effect for effect in self.setup.effects}
+        own, others = (len(effects[name].parameters(self.setup.context, at)) for name, at in (one, other))
+        return does_more(other, one) or own < others
 
     def _with_wider_laws(
         self, before: FittedFrfs, number: int, found: list[FittedFrfs], look: Findings
