@@ -318,6 +318,48 @@ def test_where_others_leave_less_than_what_was_found_all_starts_are_followed(
     assert followed == ([("bearing_flexibility", "q1")] if tried else [])
 
 
+@pytest.mark.parametrize(
+    ("one", "other", "plainer"),
+    [
+        (("servo_compliance", "q1"), ("base_flexibility", "base"), True),
+        (("base_flexibility", "base"), ("servo_compliance", "q1"), False),
+        (("local_absorber", "link_3"), ("local_absorber", "link_2"), False),
+    ],
+)
+def test_a_plainer_effect_has_fewer_parameters(fits, one, other, plainer):
+    setup, _, narrow = fits
+    given = Mock(spec=Setup, effects=tuple(catalogue().values()), context=setup.context, advance=Mock())
+    assert FrfCandidates(given, narrow, with_force=False)._is_plainer(one, other) is plainer
+
+
+@pytest.mark.parametrize(
+    ("key", "tried"), [(("servo_compliance", "q1"), True), (("local_absorber", "link_3"), False)]
+)
+def test_beside_what_is_enough_a_plainer_effect_at_the_place_found_is_followed(fits, monkeypatch, key, tried):
+    """A foundation passed for a motor, whose fit had come to another minimum."""
+    setup, _, narrow = fits
+    enough, followed = replace(narrow, key=("sensor_gain", "tip")), []
+    monkeypatch.setattr(frf_candidates, "left", lambda *given: 0.0)
+    monkeypatch.setattr(searches_beside, "explanations", lambda *given, **more: [enough])
+    monkeypatch.setattr(frf_candidates, "from_each_start", lambda *given: followed.extend(given[3]) or [])
+    monkeypatch.setattr(frf_candidates, "pointed_to", lambda *given: [key])
+    given = Mock(
+        spec=Setup, effects=tuple(catalogue().values()), context=setup.context, advance=Mock(),
+        observations=setup.observations, held=setup.held,
+    )  # fmt: skip
+    bare = Mock(base=(), placed=(), keys=())
+    root = Mock(spec=FittedFrfs, hypothesis=bare, x=np.zeros(0), cost=1.0)
+    candidates = FrfCandidates(given, root, with_force=False)
+    candidates._is_enough = lambda model: True
+    look = Mock(
+        spec=Findings, explains=True, found=(BASE,), needed=False, fitted=None, left=1e9,
+        is_at=lambda keys: True,
+    )  # fmt: skip
+    candidates.looks = Mock(one=look)
+    candidates.at_places(root, 0, look, lambda one: True)
+    assert followed == ([key] if tried else [])
+
+
 def test_no_law_is_widened_where_another_one_of_the_place_is_wide_enough(fits, monkeypatch):
     """A sensor that leans leaves three times as much there as one that reads too much."""
     setup, _, narrow = fits
