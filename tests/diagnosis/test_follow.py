@@ -518,6 +518,26 @@ def test_where_nothing_is_left_no_effect_is_exchanged(monkeypatch, over, met, tr
     assert data.instead(fitted(MASS, DELAY), DELAY) == ([other] if tried else [])
 
 
+@pytest.mark.parametrize(
+    ("keys", "over", "contradicted"),
+    [
+        ([("local_absorber", "link_1"), ("servo_compliance", "q3")], 1.1, False),
+        ([("local_absorber", "link_1"), ("servo_compliance", "q3")], 2.5, True),
+        ([("local_absorber", "link_2"), ("servo_compliance", "q3")], 1.1, True),
+        ([("servo_compliance", "q3")], 1.1, False),
+        ([("servo_compliance", "q3")], 2.5, True),
+    ],
+)
+def test_a_coupling_does_not_contradict_effects_in_its_joints(monkeypatch, context, keys, over, contradicted):
+    """Unless they fail on what was held out."""
+    monkeypatch.setattr(frf_by_look, "over_noise", lambda *given: over)
+    data = FrfData.__new__(FrfData)
+    data.setup = Mock(spec=Setup, held=np.ones(1, dtype=bool), context=context)
+    found = Mock(spec=Found, port="coupling", where="q1+q3")
+    data._look = Mock(spec=Findings, explains=True, found=(found,), met=lambda keys: {})
+    assert data.is_contradicted(fitted(*keys)) is contradicted
+
+
 @pytest.mark.parametrize(("over", "asked"), [(4.0, [[BASE], []]), (2.5, [[BASE], [BASE]])])
 def test_what_was_far_behind_in_the_stead_of_an_effect_is_not_tried_there_again(monkeypatch, over, asked):
     other, model = fitted(MASS, BASE), fitted(MASS, DELAY)

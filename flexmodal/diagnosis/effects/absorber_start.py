@@ -30,6 +30,8 @@ _BESIDE: tuple[tuple[float | None, float | None], ...] = (
 _STIFF, _NOTHING = 1e3, 0.003
 """Stiffness across, over that along, of a mass that is free along one direction; the other mass if there is
 none, over the first."""
+_IN_SPACE, _ROLL = 9, 5
+"""How many values an absorber has where it may be turned any way, and which of them is its roll."""
 _ROLLS = (0.0, np.pi / 4, np.pi / 2, 3 * np.pi / 4)
 """Of the second direction about the first: from the first of them the nearest is not found where the second
 lies across the link, for nothing tells to which side to roll."""
@@ -165,10 +167,11 @@ def told_by(
 def _wider(first: Float[np.ndarray, " unknown"]) -> list[Float[np.ndarray, " unknown"]]:
     """With a second mass, or with the first free along two directions."""
     found = []
-    for (faster, across), roll in product(_BESIDE, _ROLLS if len(first) > 7 else (0.0,)):
+    in_space = len(first) == _IN_SPACE
+    for (faster, across), roll in product(_BESIDE, _ROLLS if in_space else (0.0,)):
         x = first.copy()
-        if len(first) > 7:
-            x[5] = roll
+        if in_space:
+            x[_ROLL] = roll
         if across is not None:
             x[-3] = np.log(across)
         if faster is not None:

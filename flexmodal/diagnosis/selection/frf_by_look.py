@@ -187,16 +187,15 @@ class FrfsByLook(Data[FittedFrfs]):
     def is_contradicted(self, model: FittedFrfs) -> bool:
         """See `Data`; by what was held out too. Effects that no port stands for are taken at their word.
 
-        So are those that all sit where the function of two coupled joints does what they do.
+        Several that all sit where the function of two coupled joints does what they do are no more than it.
         """
         keys, held = model.hypothesis.keys, self.setup.held
         known = all(name in PORT_OF for name, _ in keys)
         if not keys or not known or not self.look.explains or self.look.met(keys):
             return False
-        if any(within(self.setup.context, keys, one.port, one.where) for one in self.look.found):
-            return False
         fails = held.any() and over_noise(self.setup, model, held) > EXPLAINED
-        return len(keys) > len(self.look.found) or bool(fails)
+        held_by = any(within(self.setup.context, keys, one.port, one.where) for one in self.look.found)
+        return bool(fails) or (len(keys) > len(self.look.found) and not held_by)
 
     def share(self, first: FittedFrfs, last: FittedFrfs) -> float:
         """See `Data`."""
