@@ -199,6 +199,15 @@ def test_a_rod_between_two_links_is_that_of_the_rig(request, arm, where):
     np.testing.assert_allclose(found, other, rtol=1e-6, atol=1e-9 * np.abs(other).max())
 
 
+def test_springs_and_rods_follow_what_bears_their_names_closely():
+    """Play passes for a spring that is not straight, and a hose to a hook in the world for a rod."""
+    every = catalogue()
+    close = {name for name, effect in every.items() if effect.comes_close}
+    wide = {name for name, one in every.items() if one.next_level and one.next_level.effect.comes_close}
+    assert close == {"nonlinear_stiffness"}
+    assert wide == {"nonlinear_stiffness", "joint_coupling"}
+
+
 def test_a_rod_sets_out_from_the_cranks_and_the_stiffness_of_a_free_law(bench):
     context, observed, _ = bench
     effect, where = effect_of("joint_coupling" + NEXT), "q1+q2"

@@ -181,5 +181,6 @@ ROD = Effect(
     told=_told,
     act=_act,
     extend=_extend,
+    comes_close=True,
 )
 LEVEL = Level(ROD, lambda context, where, values: _starts(context, where))
