@@ -602,17 +602,23 @@ def test_what_may_hide_in_the_noise_is_tried_at_the_place_a_look_finds(
     assert data.besides(before, 1) == ([before, met] if tried else [])
 
 
-def test_where_no_effect_stands_for_what_hides_those_are_tried_that_leave_nothing(monkeypatch):
-    look = Mock(spec=Findings, left=0.7, explains=True, is_at=lambda keys: False)
+@pytest.mark.parametrize("stands", [True, False])
+def test_where_no_effect_stands_for_what_was_found_those_are_tried_that_leave_nothing(stands):
+    """Something between a link and its surroundings is no effect, and a mass on it does as well."""
     before, near, far = fitted(MASS), fitted(MASS, DELAY), fitted(MASS, BASE)
-    data = FrfData.__new__(FrfData)
-    data.setup, data.asked = Mock(spec=Setup), None
-    data._candidates = Mock(
-        spec=FrfCandidates, can_look=lambda model: True, look_beside=lambda model: look,
-        at_places=lambda *given, only_met: [], searched=lambda *given: [near, far],
-    )  # fmt: skip
-    monkeypatch.setattr(frf_data, "over_noise", lambda setup, model: 1.05 if model is near else 1.2)
-    assert data.besides(before, 1) == [before, near]
+    before.cost, asked = 1.0, []
+    first = Mock(spec=Found, could_be=lambda effect, where: False)
+    look = Mock(spec=Findings, found=(first, first), worth_trying=lambda effect, where: effect == DELAY[0])
+
+    def searched(before, number, allowed, **more):
+        asked.append(allowed(*DELAY))
+        return [near, far] if stands or len(asked) > 1 else []
+
+    candidates = FrfCandidates(Mock(spec=Setup, advance=Mock()), fitted(), with_force=False)
+    candidates.searched = searched
+    found = candidates.at_places(before, 1, look, lambda model: model is near, only_met=True)
+    assert found == ([near, far] if stands else [near])
+    assert asked == [False, *([] if stands else [True])]
 
 
 @pytest.mark.parametrize(

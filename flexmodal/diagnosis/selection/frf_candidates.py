@@ -98,7 +98,7 @@ class FrfCandidates(SearchesBeside):
         cost, known = self._placed.get(key, (np.inf, []))
         if before.cost < NEARER * cost:
             if only_met:
-                known = self._met(before, number, look)
+                known = self._met(before, number, look, is_over)
             else:
                 known = self._at_places(before, number, look, lambda one: self.does(one, look, is_over))
             self._placed[key] = before.cost, known
@@ -115,13 +115,19 @@ class FrfCandidates(SearchesBeside):
         several = look.explains and len(model.hypothesis.keys) > 1
         return is_over(model) or (several and over_noise(self.setup, model) <= LAW_LEAVES * look.left)
 
-    def _met(self, before: FittedFrfs, number: int, look: Findings) -> list[FittedFrfs]:
-        """Effects at the places that were found alone, of the classes of their curves."""
+    def _met(self, before: FittedFrfs, number: int, look: Findings, is_over: Judge) -> list[FittedFrfs]:
+        """Effects at the places that were found alone, of the classes of their curves.
+
+        Where none stands for what was found there, those of other kinds that do nearly as well without a law,
+        if they leave nothing with theirs.
+        """
 
         def allowed(effect: str, where: str) -> bool:
             return any(one.could_be(effect, where) for one in look.found)
 
         found = self.searched(before, number, allowed, one_is_enough=len(look.found) == 1)
+        if not found:
+            return [one for one in self.searched(before, number, look.worth_trying) if is_over(one)]
         return self._at_next_levels(before, found, look) if len(look.found) == 1 else found
 
     def _at_places(self, before: FittedFrfs, number: int, look: Findings, is_over: Judge) -> list[FittedFrfs]:

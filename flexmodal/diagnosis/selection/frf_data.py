@@ -123,20 +123,13 @@ class FrfData(FrfsByLook):
         return [before, *found, *([] if number else [unstructured_mode(self.setup, before)])]
 
     def besides(self, before: FittedFrfs, number: int) -> list[FittedFrfs]:
-        """See `Data`: at one other place that leaves nothing without a law, so that no law is to blame.
-
-        Where no effect stands for what was found there, those of other kinds that do nearly as well without
-        a law, if they leave nothing with theirs.
-        """
+        """See `Data`: at one other place that leaves nothing without a law, so that no law is to blame."""
         if self._is_close(before) or self.asked is not None or not self._candidates.can_look(before):
             return []
         look = self._candidates.look_beside(before)
         if not look.explains or look.left > NEARLY or look.is_at(before.hypothesis.keys):
             return []
         found = self._candidates.at_places(before, number, look, self._is_close, only_met=True)
-        if not found:
-            others = self._candidates.searched(before, number, look.worth_trying)
-            found = [one for one in others if self._is_close(one)]
         return [before, *found]
 
     def _is_close(self, model: FittedFrfs) -> bool:
