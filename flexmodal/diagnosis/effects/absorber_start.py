@@ -30,8 +30,8 @@ _BESIDE: tuple[tuple[float | None, float | None], ...] = (
 _STIFF, _NOTHING = 1e3, 0.003
 """Stiffness across, over that along, of a mass that is free along one direction; the other mass if there is
 none, over the first."""
-_IN_SPACE, _ROLL = 9, 5
-"""How many values an absorber has where it may be turned any way, and which of them is its roll."""
+_ROLL = 5
+"""Number of the roll among the unknowns, in space."""
 _ROLLS = (0.0, np.pi / 4, np.pi / 2, 3 * np.pi / 4)
 """Of the second direction about the first: from the first of them the nearest is not found where the second
 lies across the link, for nothing tells to which side to roll."""
@@ -160,14 +160,14 @@ def told_by(
     simple = np.array([name not in ("roll", "across_ratio", "other", "other_ratio") for name in names])
     tried = [laid.nearest(start, simple, FEW) for start in _starts(laid)]
     first = laid.nearest(min(tried, key=lambda one: one[0])[1], simple, MANY)[1]
-    wider = [laid.nearest(start, np.ones_like(simple), MANY) for start in _wider(first)]
+    wider = [laid.nearest(start, np.ones_like(simple), MANY) for start in _wider(first, laid.angles)]
     return [_values(names, turned, x) for x in (first, min(wider, key=lambda one: one[0])[1])]
 
 
-def _wider(first: Float[np.ndarray, " unknown"]) -> list[Float[np.ndarray, " unknown"]]:
+def _wider(first: Float[np.ndarray, " unknown"], angles: int) -> list[Float[np.ndarray, " unknown"]]:
     """With a second mass, or with the first free along two directions."""
     found = []
-    in_space = len(first) == _IN_SPACE
+    in_space = angles == 3
     for (faster, across), roll in product(_BESIDE, _ROLLS if in_space else (0.0,)):
         x = first.copy()
         if in_space:

@@ -23,8 +23,8 @@ PORT_OF: Mapping[str, str] = {
 """The kind of port that each effect of the catalogue sits at."""
 _WIDER = {"channel": "sensor", "blows": "hammer", "coupling": "joint", "rod": "coupling"}
 """Kinds of port that can do whatever one of another kind in the same place can."""
-WIDE = frozenset({"rod"})
-"""Kinds of port at which the narrow law of no effect does what the port can, but a wider one."""
+WIDE = {wide for wide, held in _WIDER.items() if wide not in PORT_OF.values() and held in PORT_OF.values()}
+"""Kinds of port that do what the narrow law of an effect cannot, but a wider one can: a rod."""
 _ELASTIC = ("spring", "spring and damper", "spring with constant loss", "spring, damper and mass")
 CLASSES_OF: Mapping[str, tuple[str, ...]] = {
     "joint_coupling": (

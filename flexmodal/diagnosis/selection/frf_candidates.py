@@ -212,8 +212,7 @@ class FrfCandidates(SearchesBeside):
         least = LAW_LEAVES * look.left
         places = [one for one in found if look.met([one.key])]
         does = [one for one in places if not look.explains or left(self.setup, before, one) <= HALF]
-        does = [] if look.found[0].port in WIDE else does
-        if any(over_noise(self.setup, one) <= least for one in does):
+        if look.found[0].port not in WIDE and any(over_noise(self.setup, one) <= least for one in does):
             return found
         set_out = starts(before, look)
         wider = [more for one in places for more in at_next_level(self.setup, one, set_out, self._is_enough)]

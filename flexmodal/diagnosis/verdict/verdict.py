@@ -3,13 +3,13 @@
 Explained is what is noise. Where the data have a noise floor it decides; where the scatter is inferred along
 nothing may be left that gains enough, and nothing that is tied. A mode that was measured and that the model
 lacks leaves it open in any case. What effects leave above the noise that take all but a little is told as
-unknown beside them: their law is not quite what is there; so is what springs that are not straight leave
-above a closer limit. Where a floor shows that the model is not there, the name of its effect stands only if a
-law-free look points to the same place and class and the effect takes the larger part of the disagreement;
-what remains is told as unknown beside it, at the places to which the look points besides, or where the
-disagreement is largest. The only effect that would be is not named where it
-is hardly possible: far from the card, or less plausible than another. Where there is no floor, what was added
-stands beside what is left.
+unknown beside them: their law is not quite what is there; so is what springs that are not straight and rods
+leave above a closer limit. Where a floor shows that the model is not there, the name of its effect stands
+only if a law-free look points to the same place and class and the effect takes the larger part of the
+disagreement; what remains is told as unknown beside it, at the places to which the look points besides, or
+where the disagreement is largest. The only effect that would be is not named where it is hardly possible: far
+from the card, or less plausible than another. Where there is no floor, what was added stands beside what is
+left.
 """
 
 from __future__ import annotations
