@@ -24,13 +24,13 @@ def origin(model: PortedModel) -> Float[np.ndarray, " parameter"]:
 
 
 def beginnings(model: PortedModel) -> list[Float[np.ndarray, " parameter"]]:
-    """The origin; beside effects that are named also the robot as fitted with these.
+    """The origin; the robot as it was fitted too, where that is known.
 
     Args:
         model: with its ports.
     """
     x = origin(model)
-    if model.fitted is None or not model.root.placed:
+    if model.fitted is None:
         return [x]
     other = x.copy()
     other[: len(model.fitted)] = model.fitted

@@ -38,8 +38,8 @@ class PortFits:
     """What is looked at: observations to fit and to judge, and the ports that might be in them."""
 
     root: Hypothesis
-    fitted: Float[np.ndarray, " parameter"]
-    """Its coordinates, re-tuned."""
+    fitted: Float[np.ndarray, " parameter"] | None
+    """Its coordinates, re-tuned; None where fits set out at the card."""
     seen: Look
     away: Look | None
     ports: tuple[Port, ...]
