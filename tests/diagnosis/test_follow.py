@@ -123,7 +123,7 @@ class Selection(ForwardSelection):
         effect, where = comparison.models[chosen].key
         return Step(effect, where, {}, {}, {}, 0.95, Mock(spec=Gaps), (), ties=(("spare", "f"),))
 
-    def compared(self, comparison, number):
+    def _compared(self, comparison, number):
         return Mock(spec=Compared)
 
 
@@ -1085,6 +1085,42 @@ class Tied(World):
 
     def surely(self, model, key):
         return self.again
+
+
+class Rivalled(World):
+    """Every effect was tied with one that is not there, and that may be more plausible beside the others."""
+
+    more = 0.0
+
+    def instead(self, model, key, *, anyway=False):
+        rest = tuple(one for one in model.keys if one != key)
+        return [Model((*rest, ("spare", name))) for name in "gf"] if anyway and key == DELAY else []
+
+    def plausible(self, comparison):
+        return {
+            k: self.more * (one.key == ("spare", "f")) + 2 * self.more * (one.key == ("spare", "g"))
+            for k, one in enumerate(comparison.models)
+            if self.is_enough(one)
+        }
+
+
+@pytest.mark.parametrize(("more", "expected"), [(0.0, DELAY), (3.0, DELAY), (9.0, ("spare", "f"))])
+def test_what_was_tied_with_an_effect_takes_its_place_if_it_is_clearly_more_plausible_there(more, expected):
+    """Only what was tied: another one that was looked at besides is not."""
+    hidden = [MASS, expected]
+
+    def left(keys):
+        others = keys - {MASS, DELAY, ("spare", "f"), ("spare", "g")}
+        does = [MASS in keys, bool(keys & {DELAY, ("spare", "f"), ("spare", "g")})]
+        return NOISE / 2 + 20 * (2 - sum(does)) + len(others) + 0.01 * (DELAY not in keys)
+
+    selection = Selection(Rivalled(left))
+    selection.data.more = more
+    assert selection.follow()
+    assert set(steps(selection)) == {MASS, DELAY}
+    selection.drop_needless()
+    assert set(steps(selection)) == set(hidden)
+    assert set(selection.current.keys) == set(hidden)
 
 
 @pytest.mark.parametrize(("again", "ties"), [(0.96, ()), (0.5, (("spare", "f"),)), (None, (("spare", "f"),))])

@@ -85,12 +85,13 @@ class Data(ABC, Generic[M]):
         """Of several effects one whose fit a look without a law speaks against, if there is one."""
         return None
 
-    def instead(self, model: M, key: tuple[str, str]) -> list[M]:
+    def instead(self, model: M, key: tuple[str, str], *, anyway: bool = False) -> list[M]:
         """With what was considered in place of one of several effects, beside those that came since.
 
         Args:
             model: with effects.
             key: name and place of the one.
+            anyway: whether also where nothing is left.
         """
         return []
 

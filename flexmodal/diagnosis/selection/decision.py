@@ -8,7 +8,7 @@ seeds apart from those of the published exam.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 from typing import Generic
@@ -174,6 +174,22 @@ def _plausible_first(ranked: list[int], plausible: Mapping[int, float]) -> tuple
     return ranked, first if answer is Answer.UNDECIDED else None
 
 
+def comes_before(plausible: Mapping[int, float], number: int, others: Collection[int]) -> int | None:
+    """Of others that explain everything, the one most plausible, if it clearly is more so than a model.
+
+    Args:
+        plausible: of those of a comparison that explain everything [nat].
+        number: of the model.
+        others: numbers of those that may come before it.
+    """
+    able = [k for k in others if k in plausible]
+    if not able or number not in plausible:
+        return None
+    first = max(able, key=lambda k: plausible[k])
+    more = reaches(plausible[first] - plausible[number], MORE_PLAUSIBLE, MARGIN)
+    return first if more is Answer.YES else None
+
+
 def is_idle(plausible: Mapping[int, float]) -> bool:
     """Whether a model explains everything without its last effect too, and is clearly more plausible so.
 
@@ -181,9 +197,7 @@ def is_idle(plausible: Mapping[int, float]) -> bool:
         plausible: of a comparison of the model without the effect, 0, and with it, 1; those that explain
             everything [nat].
     """
-    if not {0, 1} <= set(plausible):
-        return False
-    return reaches(plausible[0] - plausible[1], MORE_PLAUSIBLE, MARGIN) is Answer.YES
+    return comes_before(plausible, 1, [0]) is not None
 
 
 def _plainer(comparison: Comparison[M], first: int) -> list[int]:

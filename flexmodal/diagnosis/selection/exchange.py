@@ -7,8 +7,10 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
-from flexmodal.diagnosis.selection.comparison import M
+from flexmodal.diagnosis.outcome import Step
+from flexmodal.diagnosis.selection.comparison import Comparison, M
 from flexmodal.diagnosis.selection.data import Data
+from flexmodal.diagnosis.selection.decision import comes_before
 
 NEARER = 0.1
 """Part of what is left above the noise that another model has to take to be better."""
@@ -79,3 +81,24 @@ def exchanged(data: Data[M], model: M) -> M:
         if other is not model:
             return other
     return model
+
+
+def of_the_tied(data: Data[M], comparison: Comparison[M], step: Step) -> Comparison[M] | None:
+    """What was tied with one of several effects, where it is clearly more plausible beside the others.
+
+    Args:
+        data: that models are fitted to.
+        comparison: of a model without the effect and with it.
+        step: the effect, and what it was tied with when it was added.
+
+    Returns:
+        The model without the effect, and with the other one in its place.
+    """
+    if not step.ties:
+        return None
+    less, model = comparison.models
+    others = data.instead(model, (step.effect, step.where), anyway=True)
+    tied = [one for one in others if one.key in step.ties]
+    every = data.compare([less, model, *tied])
+    found = comes_before(data.plausible(every), 1, range(2, len(every.models)))
+    return None if found is None else data.compare([less, every.models[found]])

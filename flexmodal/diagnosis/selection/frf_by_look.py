@@ -73,12 +73,12 @@ class FrfsByLook(Data[FittedFrfs]):
         look, several = self._candidates.looked(model), len(model.hypothesis.keys) > 1
         return look is not None and several and look.alone <= SOUND and explains(self, model)
 
-    def instead(self, model: FittedFrfs, key: tuple[str, str]) -> list[FittedFrfs]:
+    def instead(self, model: FittedFrfs, key: tuple[str, str], *, anyway: bool = False) -> list[FittedFrfs]:
         """See `Data`; what was far behind then stays there, and where nothing is left everything stays.
 
         Unless none of its effects is where it is missing without a law.
         """
-        if self.is_enough(model) and not self.is_contradicted(model):
+        if not anyway and self.is_enough(model) and not self.is_contradicted(model):
             return []
         likely = self._candidates.considered(model, key, NOT_FAR_BEHIND)[:LIKELY]
         found = self._refits.instead(model, key, [one for one in likely if (key, one.key) not in self._far])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from contextlib import suppress
+from dataclasses import replace
 from itertools import pairwise
 from typing import Any, Generic
 
@@ -22,7 +23,14 @@ from flexmodal.diagnosis.selection.decision import (
     rivals,
 )
 from flexmodal.diagnosis.selection.described import beside_others, in_figures, step_of, untied
-from flexmodal.diagnosis.selection.exchange import exchanged, looked_for_again, reconsidered, takes, widened
+from flexmodal.diagnosis.selection.exchange import (
+    exchanged,
+    looked_for_again,
+    of_the_tied,
+    reconsidered,
+    takes,
+    widened,
+)
 from flexmodal.diagnosis.time_limit import FOR_EFFECTS, OutOfTime, TimeLimit
 
 MOST = 5
@@ -203,7 +211,7 @@ class ForwardSelection(Generic[M]):
         if found.number is not None or (not self.steps and any_gains(comparison) > Answer.NO):
             self.rivals = rivals(comparison, found.number, self.data.alike)
         if found.number is None:
-            self.refused = [self.compared(comparison, k) for k in comparison.order]
+            self.refused = [self._compared(comparison, k) for k in comparison.order]
             return None
         self.current = comparison.models[found.number]
         known = among_vouched(comparison, found.number, self.data.vouches, self.data.compare)
@@ -246,9 +254,16 @@ class ForwardSelection(Generic[M]):
                 self.steps[self.steps.index(step)] = self._beside_others(step, comparison)
 
     def _beside_others(self, step: Step, comparison: Comparison[M]) -> Step:
-        """One of several effects, as sure as it is beside the others and what it was tied with alone."""
+        """One of several effects, as sure as it is beside the others and what it was tied with alone.
+
+        Where one of these is clearly more plausible beside the others it takes the effect's place.
+        """
         sure = float(self.data.confidences(comparison, 1)[1])
         told = beside_others(step, sure, self.current.hypothesis.keys)
+        other = of_the_tied(self.data, comparison, told)
+        if other is not None:
+            self.current = other.models[1]
+            return replace(self.describe(other, 1), gaps=step.gaps, share=step.share)
         again = self.data.surely(self.current, (step.effect, step.where)) if told.ties else None
         return untied(step, min(sure, again)) if again is not None and again > step.confidence else told
 
@@ -280,11 +295,5 @@ class ForwardSelection(Generic[M]):
         """
         return step_of(self.data, self.root, comparison, chosen)
 
-    def compared(self, comparison: Comparison[M], number: int) -> Compared:
-        """A model of a comparison, in figures.
-
-        Args:
-            comparison: of several models.
-            number: which of them.
-        """
+    def _compared(self, comparison: Comparison[M], number: int) -> Compared:
         return in_figures(self.data, comparison, number)
