@@ -101,8 +101,7 @@ class Field(PortFits):
             ports: those that are tried, all of them fitted well; everything that might be there by default.
             advance: called with the part that is done.
         """
-        taken = {port.key for port in before.ports} if before else set()
-        tried = [port for port in (self.torques if ports is None else ports) if port.key not in taken]
+        tried = self._possible(self.torques if ports is None else ports, before)
         if before is not None and not self._leaves_enough(before):
             tried = [port for port in tried if not port.kind.by_blow]
         if ports is None:
@@ -116,37 +115,34 @@ class Field(PortFits):
             # What depends on force only a torque explains, or a reading; what is left beside effects may not.
             told = not self.root.placed and any(one.judged <= SOUND for one in found)
             others = [port for port in self.ports if port.kind.reads is not None or not told]
-            kept = self._screened(others, before, taken, lambda part: advance(0.2 + 0.4 * part))
+            kept = self._screened(others, before, lambda part: advance(0.2 + 0.4 * part))
         for number, (port, start, _) in enumerate(kept):
             found.append(self.sighted((port,), before, start, roughly=True))
             advance(0.6 + 0.4 * (number + 1) / len(kept))
         if found and ports is None:
             found = self._ended(found)
             best = min(found, key=lambda one: one.judged)
-            found += self._parts_of(best, before, taken | {one.port.key for one in found})
+            found += self._parts_of(best, before, {one.port.key for one in found})
         if ports is None:
-            found = self._seen_through(
-                found, before, taken, min((misfit for *_, misfit in kept), default=np.inf)
-            )
+            found = self._seen_through(found, before, min((misfit for *_, misfit in kept), default=np.inf))
         found = [one for one in found if np.isfinite(one.judged)] or found
         return Round(tuple(sorted(found, key=lambda one: one.judged)))
 
     def _seen_through(
-        self, found: Sequence[Sighting], before: Sighting | None, taken: set[tuple[str, str]], least: float
+        self, found: Sequence[Sighting], before: Sighting | None, least: float
     ) -> list[Sighting]:
         """The best fitted once more; rare ports too, where these do not lead on.
 
         Args:
             found: of a round.
             before: ports that are there already.
-            taken: kinds and places of these.
             least: reduced χ² of the best in the first round.
         """
         again = Again(self.sighted, self.root.context, before, self._most, SLOW if self.root.placed else ())
         better = again.better(found)
         if not self.rare or self._leads_on(better, before):
             return better
-        more = self._screened(self.rare, before, taken, lambda part: None)
+        more = self._screened(self.rare, before, lambda part: None)
         rare = [self.sighted((port,), before, start) for port, start, misfit in more if misfit < least]
         return again.better([*better, *rare], {one.port.key for one in better})
 
@@ -172,23 +168,22 @@ class Field(PortFits):
     def _parts_of(
         self, one: Sighting, before: Sighting | None, known: set[tuple[str, str]]
     ) -> list[Sighting]:
-        """Narrower ports that one holds, but those that are known."""
-        begins = parts(one, self.root.context)
-        return [self.sighted((port,), before, start) for port, start in begins if port.key not in known]
+        """Narrower ports that one holds, but those that are known or there already."""
+        begins = [pair for pair in parts(one, self.root.context) if pair[0].key not in known]
+        new = self._possible([port for port, _ in begins], before)
+        return [self.sighted((port,), before, start) for port, start in begins if port in new]
 
     def _screened(
         self,
         ports: Sequence[Port],
         before: Sighting | None,
-        taken: set[tuple[str, str]],
         advance: Callable[[float], None],
     ) -> list[tuple[Port, Start, float]]:
         """Those of some ports that go on, after a look at a part of the lines, where that ended, and how."""
         begins: list[tuple[Port, screening.Fit]] = []
-        for number, port in enumerate(ports):
-            if port.key not in taken:
-                begins.append((port, self._begun(port, before, roughly=True)))
-            advance(0.7 * (number + 1) / len(ports))
+        for number, port in enumerate(possible := self._possible(ports, before)):
+            begins.append((port, self._begun(port, before, roughly=True)))
+            advance(0.7 * (number + 1) / len(possible))
         begins = screening.with_places(
             begins, self.root.context, lambda port: self._begun(port, before, roughly=False)
         )
@@ -202,6 +197,22 @@ class Field(PortFits):
             advance(0.7 + 0.3 * (number + 1) / len(going))
         first.sort(key=lambda one: one[0])
         return [(port, *ends[port.key]) for port in screening.kept(first, without)]
+
+    def _possible(self, ports: Sequence[Port], before: Sighting | None) -> list[Port]:
+        """Those that are not there already, and of those that leave observations out any that leave some.
+
+        To fit, roughly too, and to judge: what leaves nothing explains everything.
+        """
+        there = before.ports if before else ()
+        taken = {port.key for port in there}
+
+        def leaves_some(port: Port) -> bool:
+            every = [self._few, self.seen.merged, *([] if self.away is None else [self.away.merged])]
+            models = [self._model((*there, port), some, self.seen.lines) for some in every]
+            return all(len(model.observations) for model in models)
+
+        new = [port for port in ports if port.key not in taken]
+        return [port for port in new if not port.kind.drops or leaves_some(port)]
 
     def _leaves_enough(self, before: Sighting) -> bool:
         """Whether one function more leaves a third of what was read of every blow to judge at least."""

@@ -180,6 +180,22 @@ def test_joints_of_the_best_mechanism_are_tried_too(root, hinged, observed):
     assert joints == set(best.split("+"))
 
 
+def test_what_would_leave_nothing_to_fit_or_to_judge_is_not_tried(root, hinged, observed):
+    """A sensor that is left out explains all that it has read: where that is everything it says nothing."""
+    first, second = list(dict.fromkeys(observed.response[:, 0].tolist()))[:2]
+    every, one = observed.response[:, 0], observed.keeping(observed.response[:, 0] == first)
+    two = observed.keeping((every == first) | (every == second))
+    names = {number: root.context.point(number).name for number in (first, second)}
+    channels = [port_of(root, CHANNEL, names[number]) for number in (first, second)]
+    x = hinged[1].x[: len(root.space)]
+    assert Field.of(root, x, one, None)._possible(channels, None) == channels[1:]
+    assert Field.of(root, x, two, None)._possible(channels, None) == channels
+    assert Field.of(root, x, two, one)._possible(channels, None) == channels[1:]
+    field = Field.of(root, x, two, None, kinds=[CHANNEL])
+    found = field.sighted((channels[0],))
+    assert not field.round(found, channels).sightings
+
+
 def has_right_derivatives(model):
     """Against central differences."""
     x, z = somewhere(model)

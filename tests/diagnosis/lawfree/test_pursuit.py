@@ -92,7 +92,7 @@ class Screened(Given):
         self.brought.append(one.port)
         return one
 
-    def _screened(self, ports, before, taken, advance):
+    def _screened(self, ports, before, advance):
         self.asked.extend(ports)
         return [(port, None, self.firsts[port is PAIR]) for port in ports]
 
