@@ -3,15 +3,21 @@
 The score of a hypothesis is the logarithm of its evidence by Laplace's method on the postures it was fitted
 to, plus the log-likelihood of the postures held out:
 
-    S = −κ/2s² (C_fitted + C_held out) − ½ xᵀPx − ½ ln det(I + P⁻¹A κ/s²),
+    S = −κ/2s² (C_fitted + C_held out) − ½ xᵀPx + ½ Δ − ½ ln det(I + P⁻¹A κ/s²),
 
 C the robust sums of squares, x the parameters from the middle of their prior, P its precision, A the
 curvature. Naive sums would give probabilities of 0 or 1 even where they are wrong: residuals of neighbouring
 lines are alike as soon as a model is a little off. So κ = 1/(1 + 2Σρ) discounts them by the autocorrelation ρ
-of the best hypothesis' residuals, and s² ≥ 1 is its reduced sum of squares. Probabilities come from these
-scores under the Bayesian bootstrap (Rubin, Ann. Statist. 9, 1981) over clusters — everything between one
-response and one hammer point in one posture —, as pseudo-BMA+ does (Yao, Vehtari, Simpson and Gelman,
-Bayesian Analysis 13, 2018).
+of the best hypothesis' residuals, and s² ≥ 1 is its reduced sum of squares. Where C counts for so little,
+x lies nearer to belief than where the fit ended, in which n of the N lines count in full: of t C + xᵀPx,
+t = κ/s², the least is below that by
+
+    Δ = (1 − t N/n)² xᵀP (P + tA)⁻¹ Px,
+
+as the slope of the sum of squares is that of the prior, reversed, where the fit ended. Probabilities come
+from these scores under the Bayesian bootstrap (Rubin, Ann. Statist. 9, 1981) over clusters — everything
+between one response and one hammer point in one posture —, as pseudo-BMA+ does (Yao, Vehtari, Simpson and
+Gelman, Bayesian Analysis 13, 2018).
 """
 
 from __future__ import annotations
@@ -59,6 +65,10 @@ class FittedFrfs:
     """For every observation, on all lines."""
     prior: float
     """What the prior adds to the sum of squares."""
+    curvature: Float[np.ndarray, "parameter parameter"] | None = None
+    """P^−½ A P^−½ of all lines; None of a model that does not exist there."""
+    share: float = 1.0
+    """All lines over those that were fitted."""
 
     @property
     def x(self) -> Float[np.ndarray, " parameter"]:
@@ -69,6 +79,19 @@ class FittedFrfs:
     def cost(self) -> float:
         """Sum of squares of the fit, the prior's among them."""
         return self.fitted.cost
+
+    def nearer(self, temper: float) -> float:
+        """Δ: by how much a part of the sum of squares and the prior together are less at their own least.
+
+        Args:
+            temper: the part, of all lines.
+        """
+        if self.curvature is None:
+            return 0.0
+        precision = np.maximum(self.hypothesis.space.precision, 1e-12)
+        off = np.sqrt(np.where(self.x == 0, 0.0, precision)) * self.x
+        back = np.linalg.solve(np.eye(len(off)) + temper * self.curvature, off)
+        return float((1 - temper * self.share) ** 2 * off @ back)
 
 
 def fitted_model(
@@ -91,8 +114,8 @@ def fitted_model(
     root = np.sqrt(precision)
     share = len(observations.axis) / max(len(fitted.weighing.lines), 1)
     curvature = fitted.normal.curvature * share / np.outer(root, root)
-    occam = np.inf  # of a model that does not exist there
-    if np.isfinite(curvature).all():
+    occam, exists = np.inf, bool(np.isfinite(curvature).all())
+    if exists:
         sign, log = np.linalg.slogdet(np.eye(len(root)) + curvature)
         occam = 0.5 * float(log) if sign > 0 else np.inf
     return FittedFrfs(
@@ -105,6 +128,8 @@ def fitted_model(
         parameters=len(hypothesis.space),
         predicted=value,
         prior=prior_cost(hypothesis.space, fitted.x),
+        curvature=curvature if exists else None,
+        share=share,
     )
 
 
@@ -147,7 +172,7 @@ def compare_models(
     lines = max(int(observations.used.sum()), 1)
     temper = kept / max(1.0, totals[best] / lines)
     costs = np.array([one.costs for one in models]) * temper / 2
-    occam = np.array([_tempered(one, temper) + one.prior / 2 for one in models])
+    occam = np.array([_tempered(one, temper) + (one.prior - one.nearer(temper)) / 2 for one in models])
     draws = np.random.default_rng(seed).dirichlet(np.ones(costs.shape[1]), DRAWS) * costs.shape[1]
     drawn = -costs @ draws.T - occam[:, None]
     return Comparison(models, -costs.sum(axis=1) - occam, drawn, MISSED)
