@@ -94,11 +94,11 @@ def of_the_tied(data: Data[M], comparison: Comparison[M], step: Step) -> Compari
     Returns:
         The model without the effect, and with the other one in its place.
     """
-    if not step.ties:
-        return None
     less, model = comparison.models
-    others = data.instead(model, (step.effect, step.where), anyway=True)
+    others = data.instead(model, (step.effect, step.where), anyway=True) if step.ties else []
     tied = [one for one in others if one.key in step.ties]
+    if not tied:
+        return None
     every = data.compare([less, model, *tied])
     found = comes_before(data.plausible(every), 1, range(2, len(every.models)))
     return None if found is None else data.compare([less, every.models[found]])
