@@ -20,15 +20,18 @@ def line():
     jacobian, y = rng.normal(size=(12, 3)), 5 * rng.normal(size=12)
     share = 2.0
     x = np.linalg.solve(jacobian.T @ jacobian + share * np.diag(PRECISION), jacobian.T @ y)
-    root = np.sqrt(PRECISION)
     hypothesis = Mock(spec=Hypothesis, space=SimpleNamespace(precision=PRECISION))
     model = Mock(
         spec=FittedFrfs,
         hypothesis=hypothesis,
         x=x,
-        fitted=Mock(spec=FrfFit),
-        curvature=jacobian.T @ jacobian / np.outer(root, root),
-        share=share,
+        occam=1.0,
+        predicted=np.zeros((1, 8)),
+        fitted=Mock(
+            spec=FrfFit,
+            normal=SimpleNamespace(curvature=jacobian.T @ jacobian / share),
+            weighing=SimpleNamespace(lines=np.arange(4)),
+        ),
     )
     return model, jacobian, y
 
@@ -56,5 +59,5 @@ def test_a_parameter_that_nobody_doubts_adds_nothing(line):
 
 def test_a_model_that_does_not_exist_has_no_other_least(line):
     model, *_ = line
-    model.curvature = None
+    model.occam = np.inf
     assert FittedFrfs.nearer(model, 0.1) == 0.0

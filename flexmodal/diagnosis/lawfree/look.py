@@ -78,15 +78,15 @@ class Field(PortFits):
         rare = _every(RARE if kinds is KINDS else (), root)
         field = cls(
             root,
-            x if root.placed else None,
+            x,
             _looked_at(fitted, root, x),
             None if held is None or not len(held) else _looked_at(held, root, x),
             (*_every(kinds, root), *(port for port in rare if port.key in hinted)),
             tuple(port for port in rare if port.key not in hinted),
             _every([TORQUE], root) if by_force else (),
         )
-        tuned = replace(field, fitted=x)
-        return field if root.placed or field.bare < FAR * tuned.bare else tuned
+        card = replace(field, fitted=None)
+        return field if root.placed or card.bare >= FAR * field.bare else card
 
     def round(
         self,
@@ -181,7 +181,8 @@ class Field(PortFits):
     ) -> list[tuple[Port, Start, float]]:
         """Those of some ports that go on, after a look at a part of the lines, where that ended, and how."""
         begins: list[tuple[Port, screening.Fit]] = []
-        for number, port in enumerate(possible := self._possible(ports, before)):
+        possible = self._possible(ports, before)
+        for number, port in enumerate(possible):
             begins.append((port, self._begun(port, before, roughly=True)))
             advance(0.7 * (number + 1) / len(possible))
         begins = screening.with_places(

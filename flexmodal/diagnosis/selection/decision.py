@@ -167,8 +167,7 @@ def _plausible_first(ranked: list[int], plausible: Mapping[int, float]) -> tuple
     able = [k for k in ranked if k in plausible]
     if not able or able[0] != ranked[0]:
         return ranked, None
-    first = max(able, key=lambda k: plausible[k])
-    answer = reaches(plausible[first] - plausible[ranked[0]], MORE_PLAUSIBLE, MARGIN)
+    first, answer = _most_plausible(plausible, ranked[0], able)
     if answer is Answer.YES:
         return [first, *(k for k in ranked if k != first)], None
     return ranked, first if answer is Answer.UNDECIDED else None
@@ -185,9 +184,16 @@ def comes_before(plausible: Mapping[int, float], number: int, others: Collection
     able = [k for k in others if k in plausible]
     if not able or number not in plausible:
         return None
-    first = max(able, key=lambda k: plausible[k])
-    more = reaches(plausible[first] - plausible[number], MORE_PLAUSIBLE, MARGIN)
-    return first if more is Answer.YES else None
+    first, answer = _most_plausible(plausible, number, able)
+    return first if answer is Answer.YES else None
+
+
+def _most_plausible(
+    plausible: Mapping[int, float], number: int, others: Collection[int]
+) -> tuple[int, Answer]:
+    """Of others the one most plausible, and whether it clearly is more so than a model."""
+    first = max(others, key=lambda k: plausible[k])
+    return first, reaches(plausible[first] - plausible[number], MORE_PLAUSIBLE, MARGIN)
 
 
 def is_idle(plausible: Mapping[int, float]) -> bool:

@@ -65,10 +65,6 @@ class FittedFrfs:
     """For every observation, on all lines."""
     prior: float
     """What the prior adds to the sum of squares."""
-    curvature: Float[np.ndarray, "parameter parameter"] | None = None
-    """P^−½ A P^−½ of all lines; None of a model that does not exist there."""
-    share: float = 1.0
-    """All lines over those that were fitted."""
 
     @property
     def x(self) -> Float[np.ndarray, " parameter"]:
@@ -86,12 +82,24 @@ class FittedFrfs:
         Args:
             temper: the part, of all lines.
         """
-        if self.curvature is None:
+        if not np.isfinite(self.occam):  # there is no such model
             return 0.0
-        precision = np.maximum(self.hypothesis.space.precision, 1e-12)
-        off = np.sqrt(np.where(self.x == 0, 0.0, precision)) * self.x
-        back = np.linalg.solve(np.eye(len(off)) + temper * self.curvature, off)
-        return float((1 - temper * self.share) ** 2 * off @ back)
+        share = _share(self.fitted, self.predicted.shape[1])
+        root = np.sqrt(_precision(self.hypothesis))
+        off = np.where(self.x == 0, 0.0, root) * self.x
+        curvature = self.fitted.normal.curvature * share / np.outer(root, root)
+        back = np.linalg.solve(np.eye(len(off)) + temper * curvature, off)
+        return float((1 - temper * share) ** 2 * off @ back)
+
+
+def _share(fitted: FrfFit, lines: int) -> float:
+    """All lines over those that were fitted, N/n."""
+    return lines / max(len(fitted.weighing.lines), 1)
+
+
+def _precision(hypothesis: Hypothesis) -> Float[np.ndarray, " parameter"]:
+    """Of the prior, and a little where there is none."""
+    return np.maximum(hypothesis.space.precision, 1e-12)
 
 
 def fitted_model(
@@ -110,12 +118,11 @@ def fitted_model(
     """
     value = predict(hypothesis, fitted.x, observations) if predicted is None else predicted
     costs = cluster_costs(observations, value, fitted.weighing.floor)
-    precision = np.maximum(hypothesis.space.precision, 1e-12)
-    root = np.sqrt(precision)
-    share = len(observations.axis) / max(len(fitted.weighing.lines), 1)
+    root = np.sqrt(_precision(hypothesis))
+    share = _share(fitted, len(observations.axis))
     curvature = fitted.normal.curvature * share / np.outer(root, root)
-    occam, exists = np.inf, bool(np.isfinite(curvature).all())
-    if exists:
+    occam = np.inf  # of a model that does not exist there
+    if np.isfinite(curvature).all():
         sign, log = np.linalg.slogdet(np.eye(len(root)) + curvature)
         occam = 0.5 * float(log) if sign > 0 else np.inf
     return FittedFrfs(
@@ -128,8 +135,6 @@ def fitted_model(
         parameters=len(hypothesis.space),
         predicted=value,
         prior=prior_cost(hypothesis.space, fitted.x),
-        curvature=curvature if exists else None,
-        share=share,
     )
 
 
