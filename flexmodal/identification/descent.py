@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
 from flexmodal.structure.parameter import ParameterSpace
 
@@ -58,10 +58,14 @@ def descend(
     *,
     most: int,
     settled: float,
+    near: float = 0.0,
     hold: Mapping[str, float] | None = None,
     advance: Callable[[int, float], None] = lambda step, cost: None,
 ) -> Descent:
     """Go down from x; coordinates that push against a bound are held.
+
+    A cost of ten thousands of lines hardly changes along what the prior alone holds; there only `near` tells
+    that a descent is at its end.
 
     Args:
         space: with bounds and priors.
@@ -70,21 +74,18 @@ def descend(
         x: where to begin.
         most: steps.
         settled: a step that changes the cost relatively by less is the last.
+        near: if above 0, it ends where Newton's step is shorter instead, in standard errors.
         hold: coordinates that stay where they are put, by name.
         advance: called after each step with its number and the cost.
     """
-    low, high = (bound.copy() for bound in space.bounds)
-    x = np.array(x, dtype=float)
-    for name, value in (hold or {}).items():
-        k = space.index[name]
-        x[k] = low[k] = high[k] = value
+    x, low, high = _begun(space, x, hold or {})
     prior = np.diag(space.precision)
     normal, damping = equations(x), FIRST
     for taken in range(1, most + 1):
         free = ~(((x <= low) & (normal.gradient > 0)) | ((x >= high) & (normal.gradient < 0)))
-        if not free.any():
-            return Descent(x, normal.cost, taken, True)
         hessian = normal.curvature + prior
+        if not free.any() or (near and _is_near(hessian, normal.gradient, free, near)):
+            return Descent(x, normal.cost, taken - 1, True)
         found, first = None, damping
         while found is None and damping < LAST:
             step = np.zeros(len(x))
@@ -94,7 +95,7 @@ def descend(
             value = cost(trial)
             if np.isfinite(value) and value < normal.cost:
                 found = trial
-            elif _promised(step, normal.gradient, hessian) < VAIN * settled * normal.cost:
+            elif _promised(step, normal.gradient, hessian) < VAIN * (near**2 or settled * normal.cost):
                 break
             else:
                 damping = max(damping, AGAIN) * HARDER
@@ -103,10 +104,38 @@ def descend(
         gained = (normal.cost - value) / max(normal.cost, 1e-300)
         x, damping = found, damping / 5 if damping == first else damping
         advance(taken, value)
-        if gained < settled or taken == most:
-            return Descent(x, value, taken, gained < settled)
+        ended = gained < settled and not near
+        if ended or taken == most:
+            return Descent(x, value, taken, ended)
         normal = equations(x)
     return Descent(x, normal.cost, most, False)
+
+
+def _begun(
+    space: ParameterSpace, x: Float[np.ndarray, " parameter"], hold: Mapping[str, float]
+) -> tuple[Float[np.ndarray, " parameter"], ...]:
+    """Where to begin, and lower and upper bounds, which hold what stays."""
+    low, high = (bound.copy() for bound in space.bounds)
+    x = np.array(x, dtype=float)
+    for name, value in hold.items():
+        k = space.index[name]
+        x[k] = low[k] = high[k] = value
+    return x, low, high
+
+
+def _is_near(
+    hessian: Float[np.ndarray, "parameter parameter"],
+    gradient: Float[np.ndarray, " parameter"],
+    free: Bool[np.ndarray, " parameter"],
+    near: float,
+) -> bool:
+    """Whether Newton's step is short where the inverse of the curvature is the covariance.
+
+    Then no coordinate is farther from the minimum in its standard errors (Boyd and Vandenberghe, Convex
+    Optimization, 2004, 9.5).
+    """
+    pull = gradient[free]
+    return float(pull @ np.linalg.lstsq(hessian[np.ix_(free, free)], pull, rcond=None)[0]) < near**2
 
 
 def _promised(

@@ -229,6 +229,7 @@ def fit(
     steps: int = STEPS,
     apart: bool = True,
     settled: float = FINE,
+    near: float = 0.0,
     hold: Mapping[str, float] | None = None,
     advance: Callable[[int, float], None] = lambda step, cost: None,
 ) -> FrfFit:
@@ -245,6 +246,7 @@ def fit(
         steps: most at each floor.
         apart: end with what each observation adds to the curvature, as `uncertainty` needs it.
         settled: a step that changes the cost relatively by less ends the last round.
+        near: if above 0, the last round goes on until Newton's step is shorter, in standard errors.
         hold: coordinates that stay where they are put, by name.
         advance: called after each step with its number and the cost.
     """
@@ -263,6 +265,7 @@ def fit(
             x,
             most=steps,
             settled=settled if number == len(floors) - 1 else SETTLED,
+            near=near if number == len(floors) - 1 else 0.0,
             hold=hold,
             advance=lambda step, cost, before=total: advance(before + step, cost),  # type: ignore[misc]
         )

@@ -353,10 +353,11 @@ def test_what_an_effect_takes_away_has_a_margin_too(number, share, rounding):
     assert takes_enough(share - margin, 0.0, 0.0, number) is Answer.NO
 
 
-def test_a_first_effect_may_bring_parameters_back_instead():
+@pytest.mark.parametrize("number", [0, 1])
+def test_an_effect_may_bring_parameters_back_instead(number):
     gained = SIGNIFICANT + 1.1 * MARGIN
-    assert takes_enough(0.0, gained, 0.0, 0) is Answer.YES
-    assert takes_enough(0.0, gained, 0.0, 1) is Answer.NO
+    assert takes_enough(0.0, gained, 0.0, number) is Answer.YES
+    assert takes_enough(0.0, SIGNIFICANT - 1.1 * MARGIN, 0.0, number) is Answer.NO
 
 
 def test_an_effect_beside_which_parameters_stay_beyond_belief_brings_nothing_back():

@@ -9,9 +9,12 @@ from flexmodal.campaign import Campaign, Tolerance
 from flexmodal.diagnosis.effects import catalogue
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.placed import Placed
+from flexmodal.diagnosis.selection import frf_data
 from flexmodal.diagnosis.selection.decision import Answer
+from flexmodal.diagnosis.selection.frf_candidates import FrfCandidates
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.selection.frf_data import FrfData
+from flexmodal.diagnosis.setup import Setup
 from flexmodal.structure import robot_space
 
 
@@ -38,7 +41,7 @@ def test_a_damper_between_two_joints_is_a_coupling_however_little_its_spring_is_
     assert data._is_there(model, [("added_mass", "link_2")]) is Answer.YES
 
 
-def test_a_mass_is_needed_beside_a_coupling_that_is_none(context):
+def test_a_mass_is_needed_beside_a_coupling_that_is_none(monkeypatch, context):
     """Which was added last does not matter, but what one model has and the other has not."""
     mass = Placed(catalogue()["added_mass"], "link_2")
     coupling = Placed(catalogue()["joint_coupling"], "q1+q3")
@@ -48,6 +51,8 @@ def test_a_mass_is_needed_beside_a_coupling_that_is_none(context):
     start = both.start(coupling, {"coupling": 0.0, "damping_time": 1e-2}, before)
     data = FrfData.__new__(FrfData)
     data.covariance = lambda model: np.eye(len(model.x))
+    data.setup = Mock(spec=Setup)
+    monkeypatch.setattr(frf_data, "over_noise", lambda setup, model: 5.0)
     data.campaign = Mock(spec=Campaign, tolerance=Mock(spec=Tolerance, is_exact=True))
 
     def fitted(hypothesis, cost):
@@ -79,3 +84,61 @@ def test_what_re_tunes_a_joint_is_not_compared_with_what_is_missing(context):
     some = fitted("joint_coupling", "q2+q3", {"coupling": 0.2})
     mass = fitted("added_mass", "link_2", {})
     assert data._that_are([none, some, mass]) == [some, mass]
+
+
+@pytest.fixture
+def coupled(context):
+    """A robot with two coupled joints whose parameters are some standard deviations off, by name."""
+    hypothesis = Hypothesis(context, robot_space(context.robot))
+    hypothesis = hypothesis.and_also(Placed(catalogue()["joint_coupling"], "q1+q3"))
+    space = hypothesis.space
+
+    def made(**off):
+        x = np.zeros(len(space))
+        for name, deviations in off.items():
+            k = space.index[name.replace("__", ".")]
+            x[k] = deviations / np.sqrt(space.precision[k])
+        prior = float(np.sum(space.precision * x**2))
+        return Mock(spec=FittedFrfs, hypothesis=hypothesis, x=x, prior=prior, costs=np.array([1.0]))
+
+    return made
+
+
+@pytest.mark.parametrize(
+    ("off", "tried"),
+    [
+        ({"mass__link_2": 4.0, "inertia__link_2": -4.0}, True),
+        ({"mass__link_2": 2.0, "inertia__link_2": -2.0}, False),
+        ({"stiffness__q1": 4.0, "damping__q1": -4.0}, False),
+        ({"mass__link_2": 4.0, "stiffness__q1": 9.0}, False),
+    ],
+    ids=["links beyond belief", "links off", "joints beyond belief", "joints more so"],
+)
+def test_a_mass_is_looked_for_where_those_of_links_are_beyond_belief(monkeypatch, coupled, off, tried):
+    """At the noise nothing points to it: what the card has of the links took it over."""
+    before, more = coupled(**off), Mock(spec=FittedFrfs)
+    data, asked = FrfData.__new__(FrfData), []
+
+    def searched(before, number, allowed):
+        asked.extend(name for name in catalogue() if allowed(name, "link_1"))
+        return [more]
+
+    data.setup, data.asked = Mock(spec=Setup), None
+    data._candidates = Mock(spec=FrfCandidates, searched=searched)
+    monkeypatch.setattr(frf_data, "over_noise", lambda setup, model: 1.0)
+    assert data.besides(before, 1) == ([before, more] if tried else [])
+    assert asked == (["added_mass"] if tried else [])
+
+
+@pytest.mark.parametrize(("over", "expected"), [(1.05, Answer.YES), (1.6, Answer.NO)])
+def test_what_brings_the_card_back_is_worth_it_where_nothing_else_is_missing(
+    monkeypatch, coupled, over, expected
+):
+    """Where more is, parameters are beyond belief for its sake."""
+    data = FrfData.__new__(FrfData)
+    data.setup, data.modes = Mock(spec=Setup), None
+    data.campaign = Mock(spec=Campaign, tolerance=Mock(spec=Tolerance, is_exact=True))
+    monkeypatch.setattr(frf_data, "over_noise", lambda setup, model: over)
+    before, after = coupled(mass__link_2=6.0), coupled(mass__link_2=1.0)
+    assert data.worth(before, after, 1) is expected
+    assert data.worth(before, after, 0) is Answer.YES

@@ -59,3 +59,24 @@ def test_damping_that_was_needed_stays():
     found = descend(space(), bowl.equations, bowl.cost, np.array([0.1, -0.1]), most=12, settled=1e-9)
     np.testing.assert_allclose(found.x, 0.0, atol=1e-3)
     assert len(bowl.asked) <= 15
+
+
+def test_what_hardly_matters_is_followed_to_the_minimum_if_that_is_asked_for():
+    """Valleys of 30 000 and of 1: a step along the other is worth less than a millionth of the cost."""
+    stiff = np.diag([3e4, 1.0])
+    away = np.array([1e-4, 0.3])
+
+    def cost(x):
+        return 2e4 + float(x @ stiff @ x)
+
+    def equations(x):
+        none = np.zeros((0, 2))
+        return Normal(cost(x), cost(x), 0.5 * stiff @ x, stiff, none, np.zeros(0), None)  # half of every step
+
+    wide = ParameterSpace(tuple(Parameter(name, "", 0.0, 1e6, log=False) for name in ("a", "b")))
+    rough = descend(wide, equations, cost, away, most=40, settled=1e-6)
+    close = descend(wide, equations, cost, away, most=40, settled=1e-6, near=0.02)
+    assert abs(rough.x[1]) > 0.05
+    assert close.converged
+    assert abs(close.x[1]) < 0.04
+    assert close.steps > rough.steps

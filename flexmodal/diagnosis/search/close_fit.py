@@ -21,6 +21,8 @@ FAR, NEAR, LAST = (0.2, 0.05, 0.01), (0.05, 0.01), (0.01,)
 """Model errors of a fit that starts from afar, from nearby, and from where one has come to."""
 STEPS = 25
 """Most at each of them."""
+AT_LAST = 0.02
+"""Distance from the minimum at which a fit to everything ends [standard errors]."""
 FAR_OFF, ROUGHLY = 4.0, 1e-4
 """Distance over noise from which a trial is not brought to its end, and what a step still has to gain then:
 something else is missing there, and what is found is fitted again beside it. Of 32 fits beyond that in five
@@ -35,6 +37,7 @@ def fitted_closely(
     floors: tuple[float, ...] = FAR,
     steps: int = STEPS,
     settled: float = FINE,
+    near: float = 0.0,
     fitted_to: Observations | None = None,
 ) -> FittedFrfs:
     """Fit a hypothesis closely; torques that are not linear are integrated in time.
@@ -47,6 +50,7 @@ def fitted_closely(
         steps: most at each model error.
         settled: a step that changes the cost relatively by less is the last; where torques are integrated
             `ROUGHLY` leaves the last round out.
+        near: if above 0, a linear model's fit goes on until Newton's step is shorter, in standard errors.
         fitted_to: by default the observations that are not held out.
     """
     few, every = setup.fitted if fitted_to is None else fitted_to, setup.observations
@@ -55,7 +59,7 @@ def fitted_closely(
         close = refined(hypothesis, start, few, steps=min(steps, REFINED), rounds=rounds)
         return fitted_model(hypothesis, close.fitted, every, predict(close.model, close.x, every))
     lines = some_lines(few, CLOSE)
-    fitted = fit(hypothesis, few, start, floors=floors, lines=lines, steps=steps, settled=settled)
+    fitted = fit(hypothesis, few, start, floors=floors, lines=lines, steps=steps, settled=settled, near=near)
     return fitted_model(hypothesis, fitted, every)
 
 
@@ -86,3 +90,23 @@ def tried_closely(
         return [made]
     except (np.linalg.LinAlgError, SingularResponse):
         return []
+
+
+def fitted_to_everything(setup: Setup, model: FittedFrfs) -> FittedFrfs:
+    """A model fitted to what was held out too, close to the minimum along what hardly matters as well.
+
+    From where it is and from afar, the nearer of the two: to all postures the least may be another one. What
+    is integrated in time from afar alone.
+
+    Args:
+        setup: what the diagnosis works with.
+        model: fitted to what is not held out.
+    """
+    floors = (FAR,) if has_law(model.hypothesis) else (FAR, LAST)
+    found = [
+        fitted_closely(
+            setup, model.hypothesis, model.x, floors=one, near=AT_LAST, fitted_to=setup.observations
+        )
+        for one in floors
+    ]
+    return min(found, key=lambda one: one.fitted.cost)

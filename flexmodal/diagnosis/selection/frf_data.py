@@ -14,10 +14,11 @@ from flexmodal.diagnosis.disagreement.gaps import gap_of, gaps_of, left, over_no
 from flexmodal.diagnosis.findings import Findings, ModesSeen
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.lawfree.afresh import NEARLY
+from flexmodal.diagnosis.lawfree.effects_at import CLASSES_OF
 from flexmodal.diagnosis.lawfree.look import SOUND
 from flexmodal.diagnosis.next_measurement.choose import next_among_fits
 from flexmodal.diagnosis.outcome import Gaps, NextMeasurement
-from flexmodal.diagnosis.search.close_fit import fitted_closely
+from flexmodal.diagnosis.search.close_fit import fitted_closely, fitted_to_everything
 from flexmodal.diagnosis.search.explanations import best_of_each
 from flexmodal.diagnosis.search.modal_search import unmatched
 from flexmodal.diagnosis.search.unstructured import unstructured_mode
@@ -49,6 +50,9 @@ from flexmodal.diagnosis.setup import Setup
 from flexmodal.diagnosis.time_limit import cut_short
 from flexmodal.identification import gap, predict, uncertainty
 from flexmodal.identification.baselines import Baselines
+
+MASSES, MASS = ("mass.", "inertia."), ("mass",)
+"""What the names of the parameters of links begin with, and the classes of what is but a mass."""
 
 
 class FrfData(FrfsByLook):
@@ -123,13 +127,33 @@ class FrfData(FrfsByLook):
         return [before, *found, *([] if number else [unstructured_mode(self.setup, before)])]
 
     def besides(self, before: FittedFrfs, number: int) -> list[FittedFrfs]:
-        """See `Data`: at one other place that leaves nothing without a law, so that no law is to blame."""
-        if self._is_close(before) or self.asked is not None or not self._candidates.can_look(before):
+        """See `Data`: at one other place that leaves nothing without a law, so that no law is to blame.
+
+        Or on any link where masses are beyond belief: a body that is not told may hide in those of the card.
+        """
+        if self.asked is not None:
             return []
+        if self._is_close(before) or not self._candidates.can_look(before):
+            return self._hidden(before, number)
         look = self._candidates.look_beside(before)
         if not look.explains or look.left > NEARLY or look.is_at(before.hypothesis.keys):
-            return []
+            return self._hidden(before, number)
         found = self._candidates.at_places(before, number, look, self._is_close, only_met=True)
+        return [before, *found]
+
+    def _hidden(self, before: FittedFrfs, number: int) -> list[FittedFrfs]:
+        """A model with a mass more, if those of its links are so far off that they may stand for it.
+
+        If they are all right their sum is χ² of as many degrees of freedom.
+        """
+        space = before.hypothesis.space
+        links = [k for name, k in space.index.items() if name.startswith(MASSES)]
+        far = float(np.sum(space.precision[links] * before.x[links] ** 2 - 1)) / 2
+        if takes_enough(0.0, before.prior / 2, before.prior / 2 - far, number) is Answer.NO:
+            return []
+        found = self._candidates.searched(
+            before, number, lambda effect, where: CLASSES_OF.get(effect) == MASS
+        )
         return [before, *found]
 
     def _is_close(self, model: FittedFrfs) -> bool:
@@ -158,8 +182,9 @@ class FrfData(FrfsByLook):
         return self._refits.without(model, key)
 
     def worth(self, before: FittedFrfs, after: FittedFrfs, number: int) -> Answer:
-        """Of the sum of squares; the first effect from the data, or from parameters beyond belief.
+        """Of the sum of squares; from the data, or from parameters beyond belief.
 
+        From these, beside others, only where the others are enough: what is missing takes them there.
         What lies within tolerances is one error for all lines, however much evidence that looks like.
         """
         if not self.campaign.tolerance.is_exact and self.is_enough(before):
@@ -168,7 +193,9 @@ class FrfData(FrfsByLook):
             after, [key for key in after.hypothesis.keys if key not in before.hypothesis.keys]
         )
         taken = float(1 - after.costs.sum() / max(before.costs.sum(), 1e-300))
-        return min(there, takes_enough(taken, before.prior / 2, after.prior / 2, number))
+        back = number == 0 or self.is_enough(before)
+        far = (before.prior / 2, after.prior / 2) if back else (0.0, 0.0)
+        return min(there, takes_enough(taken, *far, number))
 
     def _that_are(self, found: Sequence[FittedFrfs]) -> list[FittedFrfs]:
         """Models whose last effect is not nothing: what re-tunes a joint says nothing of what is missing."""
@@ -212,8 +239,7 @@ class FrfData(FrfsByLook):
         setup.advance("fitting everything once more", 0.0)
         apart, before, after = gaps_of(setup, first, last), first, last
         if again and setup.held.any():
-            after = fitted_closely(setup, last.hypothesis, last.x, fitted_to=every)
-            before = fitted_closely(setup, first.hypothesis, first.x, fitted_to=every)
+            before, after = (fitted_to_everything(setup, one) for one in (first, last))
         gaps = gaps_of(setup, before, after, gap(every, self.believed).value)
         over = over_noise(setup, after)
         seen = every if again else setup.fitted

@@ -108,11 +108,10 @@ def takes_enough(taken: float, before: float, after: float, number: int) -> Answ
     Args:
         taken: part of the sum of squares.
         before: −ln of the parameters' prior without it, up to a constant: how far they are from belief [nat].
-        after: the same with it; the first effect need not take much if that gains enough.
+        after: the same with it; an effect need not take much if that gains enough.
         number: how many effects were added before.
     """
-    if number:
-        return reaches(taken, ANOTHER, ANOTHER_MARGIN)
     part = 1 - after / before if before > 0 else 0.0
     back = reaches(before - after, SIGNIFICANT, MARGIN), reaches(part, FROM_BEYOND, FROM_BEYOND_MARGIN)
-    return max(reaches(taken, WORTH, WORTH_MARGIN), min(back))
+    least = (ANOTHER, ANOTHER_MARGIN) if number else (WORTH, WORTH_MARGIN)
+    return max(reaches(taken, *least), min(back))
