@@ -27,6 +27,7 @@ from flexmodal.diagnosis.selection.comparison import Comparison
 from flexmodal.diagnosis.selection.data import Data
 from flexmodal.diagnosis.selection.decision import Answer
 from flexmodal.diagnosis.selection.described import beside_others
+from flexmodal.diagnosis.selection.exchange import without
 from flexmodal.diagnosis.selection.frf_candidates import FrfCandidates
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.selection.frf_data import FrfData
@@ -214,12 +215,55 @@ def test_a_wider_law_is_tried_where_nothing_leads_on(takes, found):
     assert set(steps(selection)) == found
 
 
+class Narrow(World):
+    """Two effects in the stead of what one does alone by a wide law; `close` where both leave hardly more."""
+
+    def __init__(self, close, alone):
+        super().__init__(lambda keys: {0: 40.0, 1: 3.0 if alone else 30.0, 2: 3.0, 3: 1.0}[len(keys)])
+        self.close, self.widened = close, []
+
+    def is_close(self, model):
+        return self.close
+
+    def wider(self, model, keys):
+        self.widened.append(tuple(keys))
+        wide = Model(model.keys)
+        self.wide = wide
+        return [wide]
+
+    def share(self, first, last):
+        return 0.9 if last is getattr(self, "wide", None) else super().share(first, last)
+
+
+@pytest.mark.parametrize("close", [True, False])
+def test_a_wider_law_of_one_may_do_what_another_one_was_taken_for(close):
+    data = Narrow(close, alone=True)
+    less = without(data, Model((MASS, DELAY, PLAY)), PLAY)
+    assert less.keys == (MASS, DELAY)
+    assert (less is getattr(data, "wide", None)) is not close
+    assert data.widened == ([] if close else [(MASS, DELAY)])
+
+
+def test_what_takes_most_itself_is_no_remainder_of_a_law():
+    data = Narrow(close=False, alone=False)
+    data.left = lambda keys: 30.0 if PLAY not in keys else 1.0
+    data._root = Model(())
+    assert without(data, Model((MASS, DELAY, PLAY)), PLAY).keys == (MASS, DELAY)
+    assert data.widened == []
+
+
+def test_beside_one_other_effect_no_law_is_widened():
+    data = Narrow(close=False, alone=True)
+    assert without(data, Model((MASS, DELAY)), DELAY).keys == (MASS,)
+    assert data.widened == []
+
+
 class Border(World):
     """A tenth of the noise is clear; besides, the data point to what they are told."""
 
     def besides(self, before, number):
         clear = self.left(frozenset(before.keys)) <= 0.1 * NOISE
-        return [] if clear else self.pointed(before, number)
+        return [] if clear else World.pointed(self, before, number)
 
 
 class Beside(Border):
@@ -239,6 +283,28 @@ def test_what_hides_in_the_noise_may_show_what_the_first_effect_was_taken_for():
     selection = Selection(Beside(lambda keys: left.get(keys, 40.0)))
     assert selection.follow()
     assert set(steps(selection)) == {BASE, MASS}
+
+
+class Searched(Border):
+    """Where no look points anywhere, and a search finds the first effect."""
+
+    def pointed(self, before, number):
+        return [before]
+
+    def candidates(self, before, number):
+        return World.pointed(self, before, number)
+
+
+@pytest.mark.parametrize("first", [0.9, 3.0])
+def test_what_hides_in_the_noise_is_looked_for_beside_what_a_search_found_too(first):
+    def left(keys):
+        if not keys:
+            return 40.0
+        return {True: first, False: 20.0}[MASS in keys] * (0.5 if BASE in keys else 1.0)
+
+    selection = Selection(Searched(left))
+    selection.run()
+    assert set(selection.current.keys) >= ({MASS, BASE} if first < NOISE else {MASS})
 
 
 def test_nearer_than_what_was_found_is_what_it_cannot_be_told_from_and_leaves_less():
@@ -608,8 +674,13 @@ def test_where_no_effect_stands_for_what_was_found_those_are_tried_that_leave_no
     """Something between a link and its surroundings is no effect, and a mass on it does as well."""
     before, near, far = fitted(MASS), fitted(MASS, DELAY), fitted(MASS, BASE)
     before.cost, asked = 1.0, []
-    first = Mock(spec=Found, could_be=lambda effect, where: False)
-    look = Mock(spec=Findings, found=(first, first), worth_trying=lambda effect, where: effect == DELAY[0])
+    first = Mock(spec=Found, port="body", could_be=lambda effect, where: False)
+    look = Mock(
+        spec=Findings,
+        explains=True,
+        found=(first, first),
+        worth_trying=lambda effect, where: effect == DELAY[0],
+    )
 
     def searched(before, number, allowed, **more):
         asked.append(allowed(*DELAY))
@@ -799,7 +870,7 @@ def test_fits_start_from_elsewhere_only_where_one_place_explains(monkeypatch, pl
     bare = Mock(base=(), placed=(), keys=())
     root = Mock(spec=FittedFrfs, hypothesis=bare, x=np.zeros(0), cost=1.0)
     candidates = FrfCandidates(Mock(spec=Setup, effects=(), advance=Mock()), root, with_force=False)
-    one = Mock(spec=Found, port="joint", where="q1", alike=(), has=lambda *key: False)
+    one = Mock(spec=Found, port="link", where="1", alike=(), has=lambda *key: False)
     look = Mock(
         spec=Findings, explains=explains, found=(one,) * places, needed=True, fitted=None, left=1.0, places=()
     )

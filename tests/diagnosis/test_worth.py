@@ -41,6 +41,17 @@ def test_a_damper_between_two_joints_is_a_coupling_however_little_its_spring_is_
     assert data._is_there(model, [("added_mass", "link_2")]) is Answer.YES
 
 
+def test_an_idler_alone_is_no_coupling(context):
+    """It swings by a spring between the joints: where there is none it is something else that resounds."""
+    bare = Hypothesis(context, robot_space(context.robot))
+    placed = Placed(catalogue()["joint_coupling"], "q1+q3")
+    hypothesis = bare.and_also(placed)
+    x = hypothesis.start(placed, {"coupling": 0.0, "inertia": 1.0}, np.zeros(len(bare.space)))
+    data = FrfData.__new__(FrfData)
+    data.covariance = lambda model: np.eye(len(model.x)) * 1e-6
+    assert data._is_there(Mock(spec=FittedFrfs, hypothesis=hypothesis, x=x), [placed.key]) is Answer.NO
+
+
 def test_a_mass_is_needed_beside_a_coupling_that_is_none(monkeypatch, context):
     """Which was added last does not matter, but what one model has and the other has not."""
     mass = Placed(catalogue()["added_mass"], "link_2")

@@ -143,6 +143,6 @@ EFFECT = Effect(
     physical=_physical,
     extend=_extend,
     units={"stiffness": "N·m/rad", "damping": "N·m·s/rad"},
-    made_by=("coupling", "damping", "inertia"),
+    made_by=("coupling", "damping"),
     next_level=LEVEL,
 )

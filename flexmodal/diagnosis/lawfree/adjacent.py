@@ -33,6 +33,8 @@ def adjacent(context: Context, port: str, where: str) -> frozenset[tuple[str, st
 def within(context: Context, keys: Sequence[tuple[str, str]], port: str, where: str) -> bool:
     """Whether effects sit in the joints of a coupling, or on bodies that nothing else moves.
 
+    A torque that such a function holds does not change with the force of the blow: what rubs sticks.
+
     Args:
         context: of the diagnosis.
         keys: names and places of the effects.
@@ -40,7 +42,8 @@ def within(context: Context, keys: Sequence[tuple[str, str]], port: str, where: 
         where: its place.
     """
     return port == "coupling" and all(
-        PORT_OF.get(name) in ("joint", "body") and set(_moving(context, place)) <= set(where.split("+"))
+        PORT_OF.get(name) in ("joint", "torque", "body")
+        and set(_moving(context, place)) <= set(where.split("+"))
         for name, place in keys
     )
 

@@ -4,23 +4,21 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection, Mapping, Sequence
-from typing import Any, Generic
+from typing import Generic
 
 import numpy as np
 from jaxtyping import Float
 
 from flexmodal.campaign import Campaign
 from flexmodal.diagnosis.effects import Context, Effect
-from flexmodal.diagnosis.findings import Findings, ModesSeen
 from flexmodal.diagnosis.lawfree.result import Findings as LawFree
-from flexmodal.diagnosis.outcome import Gaps, NextMeasurement
+from flexmodal.diagnosis.outcome import Gaps
 from flexmodal.diagnosis.selection.comparison import Comparison, M
-from flexmodal.diagnosis.selection.conclusion import Conclusion
-from flexmodal.diagnosis.selection.decision import Answer, Asked, Round
-from flexmodal.identification.baselines import Baselines
+from flexmodal.diagnosis.selection.decision import Answer, Asked
+from flexmodal.diagnosis.selection.told_data import ToldData
 
 
-class Data(ABC, Generic[M]):
+class Data(ToldData[M], ABC, Generic[M]):
     """FRFs, modes, or both, as forward selection sees them."""
 
     campaign: Campaign
@@ -139,6 +137,10 @@ class Data(ABC, Generic[M]):
     def is_enough(self, model: M) -> bool:
         """Whether nothing is left to be explained."""
 
+    def is_close(self, model: M) -> bool:
+        """Whether clearly nothing is left to be explained."""
+        return self.is_enough(model)
+
     def is_over(self, model: M) -> bool:
         """Whether no further effect is looked for."""
         return self.is_enough(model) or self.is_named(model)
@@ -220,69 +222,6 @@ class Data(ABC, Generic[M]):
     def covariance(self, model: M) -> Float[np.ndarray, "parameter parameter"]:
         """Of the coordinates of its hypothesis."""
 
-    @abstractmethod
-    def conclude(self, first: M, last: M, *, again: bool) -> Conclusion[M]:
-        """Look at two models once more, on everything that was measured.
-
-        Args:
-            first: the robot re-tuned.
-            last: the final model.
-            again: whether there is time to fit them again to what was held out, too.
-        """
-
-    @abstractmethod
-    def place(self, model: M, findings: Findings | None) -> str:
-        """Where something sits that has no name.
-
-        Args:
-            model: the final one.
-            findings: what measured modes say.
-        """
-
-    def findings(
-        self, rounds: Sequence[Round[M]], current: M, compared: tuple[M, M] | None
-    ) -> Findings | None:
-        """What measured modes say besides; None where FRFs decide.
-
-        Args:
-            rounds: every comparison.
-            current: the final model.
-            compared: it, or the best, and what it is tied with.
-        """
-        return None
-
-    def modes_seen(self, first: M, last: M, conclusion: Conclusion[M]) -> ModesSeen | None:
-        """Modes that were measured beside what decides; None where there are none.
-
-        Args:
-            first: the robot re-tuned, to what was not held out.
-            last: the final model, likewise.
-            conclusion: both, fitted to everything.
-        """
-        return None
-
-    def stand_in(self, model: M, further: M | None, *, search: bool) -> M | None:
-        """What predicts better though it has no name: for the improved robot alone.
-
-        Args:
-            model: the final one.
-            further: one that was come to on the way, with effects that are not sure; None if there is none.
-            search: whether there is time to look for one.
-        """
-        return None
-
-    def baselines(self, model: M) -> Baselines | None:
-        """What needs no model, beside one on the postures held out; None where there is no such thing."""
-        return None
-
-    @abstractmethod
-    def next_measurement(self, models: Sequence[tuple[M, float]]) -> NextMeasurement:
-        """What would tell models apart best.
-
-        Args:
-            models: two fitted models or more with their weights, the two that are told first.
-        """
-
     def alike(self, one: M, other: M) -> bool:
         """Whether two models explain as much of what can be counted.
 
@@ -291,7 +230,3 @@ class Data(ABC, Generic[M]):
             other: another.
         """
         return True
-
-    def shown(self, conclusion: Conclusion[M]) -> dict[str, Any]:
-        """Fields of a diagnosis that data of this kind alone have."""
-        return {}

@@ -14,6 +14,9 @@ from flexmodal.diagnosis.selection.decision import comes_before
 
 NEARER = 0.1
 """Part of what is left above the noise that another model has to take to be better."""
+FEW, MOST = 2, 0.5
+"""Effects from which a wider law of one may do what a further one does, and part of the disagreement that
+they have to take without that one: what takes most itself is no remainder of a law."""
 
 
 def takes(data: Data[M], first: M, last: M, part: float) -> bool:
@@ -81,6 +84,23 @@ def exchanged(data: Data[M], model: M) -> M:
         if other is not model:
             return other
     return model
+
+
+def without(data: Data[M], model: M, key: tuple[str, str]) -> M:
+    """A model with one effect less, and with a wider law for another one where that leaves less than it does.
+
+    What a narrow law leaves may have been taken for one effect more.
+
+    Args:
+        data: that it is fitted to.
+        model: with effects.
+        key: name and place of the one.
+    """
+    less = data.without(model, key)
+    keys, share = less.hypothesis.keys, data.share(data.root, less)
+    if len(keys) < FEW or data.is_close(model) or share is None or share < MOST:
+        return less
+    return next((one for one in data.wider(less, keys) if takes(data, model, one, NEARER)), less)
 
 
 def of_the_tied(data: Data[M], comparison: Comparison[M], step: Step) -> Comparison[M] | None:

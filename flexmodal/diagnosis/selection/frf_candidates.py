@@ -35,6 +35,7 @@ from flexmodal.diagnosis.selection.frf_thresholds import (
     LAW_LEAVES,
     LIKELY,
     NEARER,
+    NOTHING_HIDDEN,
     ONCE_MORE,
 )
 from flexmodal.diagnosis.selection.looks_beside import laws_of
@@ -44,6 +45,8 @@ from flexmodal.diagnosis.time_limit import cut_short
 
 Judge = Callable[[FittedFrfs], bool]
 """Whether nothing else has to be looked for beside a model."""
+RUBS = "coulomb_friction"
+"""The effect that is linear where it does not slide."""
 
 
 class FrfCandidates(SearchesBeside):
@@ -127,8 +130,10 @@ class FrfCandidates(SearchesBeside):
 
         found = self.searched(before, number, allowed, one_is_enough=len(look.found) == 1)
         if not found:
-            return [one for one in self.searched(before, number, look.worth_trying) if is_over(one)]
-        return self._at_next_levels(before, found, look) if len(look.found) == 1 else found
+            found = [one for one in self.searched(before, number, look.worth_trying) if is_over(one)]
+        elif len(look.found) == 1:
+            found = self._at_next_levels(before, found, look)
+        return self._stuck(before, number, found, look)
 
     def _at_places(self, before: FittedFrfs, number: int, look: Findings, is_over: Judge) -> list[FittedFrfs]:
         alone = look.explains and len(look.found) == 1
@@ -156,6 +161,7 @@ class FrfCandidates(SearchesBeside):
             yield (found := self._at_next_levels(before, found, look))
             if look.explains:
                 yield (found := self._elsewhere(before, number, found, look))
+        yield (found := self._stuck(before, number, found, look))
         yield (found := self._at_last(before, found))
         yield self._with_wider_laws(before, number, found, look)
 
@@ -197,6 +203,26 @@ class FrfCandidates(SearchesBeside):
         others = {(one.port, one.where) for one in look.places if one.judged < least}
         others |= adjacent(self.setup.context, look.found[0].port, look.found[0].where)
         return self.also_at(before, number, found, others)
+
+    def _stuck(
+        self, before: FittedFrfs, number: int, found: list[FittedFrfs], look: Findings
+    ) -> list[FittedFrfs]:
+        """With friction that hardly slides, at a joint whose function explains everything and no law does.
+
+        FRFs do not change with the force of the blow then, so that nothing asked for friction.
+        """
+        if not look.explains or len(look.found) != 1 or self.depends_on_force(before):
+            return found
+        joint = look.found[0].where
+        if look.found[0].port != "joint":
+            return found
+        here = [one for one in found if one.key[1] == joint]
+        if any(over_noise(self.setup, one) <= NOTHING_HIDDEN for one in here):
+            return found
+        rubs = self.searched(
+            before, number, lambda name, where: (name, where) == (RUBS, joint), by_force=True
+        )
+        return best_of_each([*found, *rubs])
 
     def _at_next_levels(
         self, before: FittedFrfs, found: list[FittedFrfs], look: Findings

@@ -133,12 +133,12 @@ class FrfData(FrfsByLook):
         """
         if self.asked is not None:
             return []
-        if self._is_close(before) or not self._candidates.can_look(before):
+        if self.is_close(before) or not self._candidates.can_look(before):
             return self._hidden(before, number)
         look = self._candidates.look_beside(before)
         if not look.explains or look.left > NEARLY or look.is_at(before.hypothesis.keys):
             return self._hidden(before, number)
-        found = self._candidates.at_places(before, number, look, self._is_close, only_met=True)
+        found = self._candidates.at_places(before, number, look, self.is_close, only_met=True)
         return [before, *found]
 
     def _hidden(self, before: FittedFrfs, number: int) -> list[FittedFrfs]:
@@ -155,9 +155,6 @@ class FrfData(FrfsByLook):
             before, number, lambda effect, where: CLASSES_OF.get(effect) == MASS
         )
         return [before, *found]
-
-    def _is_close(self, model: FittedFrfs) -> bool:
-        return over_noise(self.setup, model) <= NOTHING_HIDDEN
 
     def candidates(self, before: FittedFrfs, number: int) -> list[FittedFrfs]:
         """The finalists of a search, and a mode with no structure last.
@@ -215,6 +212,10 @@ class FrfData(FrfsByLook):
     def is_enough(self, model: FittedFrfs) -> bool:
         """Whether it reaches the noise, and every mode has a partner."""
         return over_noise(self.setup, model) <= FLOOR_REACHED and not self.lacking(model)
+
+    def is_close(self, model: FittedFrfs) -> bool:
+        """Whether it is where no further effect hides in the noise."""
+        return over_noise(self.setup, model) <= NOTHING_HIDDEN
 
     def lacking(self, model: FittedFrfs) -> Mapping[int, float]:
         """See `Data`."""

@@ -94,6 +94,7 @@ class SearchesBeside(LooksBeside):
         allowed: Callable[[str, str], bool] = lambda effect, where: True,
         *,
         one_is_enough: bool = False,
+        by_force: bool = False,
     ) -> list[FittedFrfs]:
         """The finalists of a search for some effects in some places.
 
@@ -102,13 +103,14 @@ class SearchesBeside(LooksBeside):
             number: how many effects it has.
             allowed: names and places that are tried; all by default.
             one_is_enough: whether one effect explains everything, as far as a look without a law can say.
+            by_force: whether those that depend on the force of the blow are tried where FRFs do not, too.
         """
         doing = f"looking for {'an effect' if not number else 'another effect'}"
         return explanations(
             self.setup,
             before,
             starts(before, self.looks.one if before is self.root else self.looked(before)),
-            with_force=self.depends_on_force(before),
+            with_force=by_force or self.depends_on_force(before),
             enough=FLOOR_REACHED,
             advance=lambda part: self.setup.advance(doing, part),
             allowed=allowed,

@@ -30,6 +30,7 @@ from flexmodal.diagnosis.selection.exchange import (
     reconsidered,
     takes,
     widened,
+    without,
 )
 from flexmodal.diagnosis.time_limit import FOR_EFFECTS, OutOfTime, TimeLimit
 
@@ -108,8 +109,8 @@ class ForwardSelection(Generic[M]):
                     sure = self.data.is_named(self.current) or self.data.dominates(self.current)
                     named = self._state if sure else None
             with self.limit.counting(FOR_EFFECTS):
-                while ended and self._besides():
-                    pass
+                if ended:
+                    self._besides()
         return ended, named
 
     def search(self) -> None:
@@ -121,6 +122,7 @@ class ForwardSelection(Generic[M]):
                 break
         if self.pair is not None and not self.data.is_over(self.current):
             self.exchange(self.pair)
+        self._besides()
 
     def step(self, number: int) -> Step | None:
         """One effect more, if one is needed."""
@@ -151,14 +153,13 @@ class ForwardSelection(Generic[M]):
                     self._state = further
         return True
 
-    def _besides(self) -> bool:
-        """One effect more, where what is left counts as noise and one place explains a good part of it."""
-        number = len(self.current.hypothesis.keys)
-        models = self.data.besides(self.current, number) if number < MOST else []
-        if len(models) < 2 or self._taken(models, number) is None:
-            return False
-        self.current = reconsidered(self.data, self.current)
-        return True
+    def _besides(self) -> None:
+        """Effects where what is left counts as noise and one place explains a good part of it."""
+        while self.data.is_enough(self.current) and 0 < (number := len(self.current.hypothesis.keys)) < MOST:
+            models = self.data.besides(self.current, number)
+            if len(models) < 2 or self._taken(models, number) is None:
+                return
+            self.current = reconsidered(self.data, self.current)
 
     def _tried_on(self) -> bool:
         """One effect more of the last comparison that is not sure yet, where it takes a good part.
@@ -244,7 +245,7 @@ class ForwardSelection(Generic[M]):
         for number, step in enumerate(list(self.steps)):
             if len(self.steps) == 1 or self.sure:
                 break
-            less = self.data.without(self.current, (step.effect, step.where))
+            less = without(self.data, self.current, (step.effect, step.where))
             comparison = self.data.compare([less, self.current])
             idle = is_idle(self.data.plausible(comparison))
             if idle or self._chosen(comparison, number).number is None:

@@ -34,6 +34,7 @@ SERVO, ABSORBER, MASS = "servo_compliance", "local_absorber", "added_mass"
         ([(MASS, "link_3"), (SERVO, "q2")], "q1+q2", False),
         ([("bearing_flexibility", "q1"), (SERVO, "q2")], "q1+q2", False),
         ([("sensor_gain", "tip"), (SERVO, "q2")], "q1+q2", False),
+        ([(ABSORBER, "link_1"), ("coulomb_friction", "q3")], "q1+q3", True),  # what rubs sticks
     ],
 )
 def test_a_coupling_holds_what_its_joints_alone_move(context, keys, where, inside):
