@@ -282,6 +282,29 @@ def test_rough_derivatives_are_those_of_the_stand_ins_but_along_laws(plain):
     assert np.median(near) < 0.4 * np.median(np.abs(exact[k] / value)), "of use to a fit"
 
 
+def test_where_a_stand_in_has_no_receptance_nothing_is_known_of_its_derivatives(plain, monkeypatch):
+    """A spring that pushes: elsewhere they are as before, and none of them is no number."""
+    hypothesis = hypothesis_of(plain, "coulomb_friction@q2", "added_mass@link_3")
+    lines, x = np.arange(3, 190, 40), at(hypothesis, torque=0.5, presliding_stiffness=1e5)
+    model = TimeDomainModel(hypothesis, rough=True)
+    _, whole = model.receptances(x, SEEN[hypothesis.context], lines, slopes=True)
+
+    def some_lost(*given, **more):
+        for rows, value, changes in evaluated(*given, **more):
+            lost = value.copy()
+            lost[..., 1] = np.nan
+            yield rows, lost, changes
+
+    monkeypatch.setattr("flexmodal.diagnosis.time_domain.model.evaluated", some_lost)
+    _, found = model.receptances(x, SEEN[hypothesis.context], lines, slopes=True)
+    assert np.isfinite(found).all()
+    law = np.array([name.startswith("coulomb_friction@q2.") for name in hypothesis.space.names])
+    kept = np.arange(len(lines)) != 1
+    np.testing.assert_array_equal(found[..., kept], whole[..., kept])
+    np.testing.assert_array_equal(found[law], whole[law])
+    assert not found[~law][..., 1].any()
+
+
 def test_what_outgrows_every_number_is_no_model(plain, monkeypatch):
     hypothesis = hypothesis_of(plain, "coulomb_friction@q2")
     model, lines = TimeDomainModel(hypothesis), np.arange(0, 190, 30)

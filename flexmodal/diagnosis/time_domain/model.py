@@ -111,11 +111,15 @@ class TimeDomainModel:
     def _of_stand_ins(
         self, x: np.ndarray, observations: Observations, lines: slice | np.ndarray
     ) -> Complex[np.ndarray, "parameter observation line"]:
-        """Derivatives of ln α along all parameters, of the hypothesis with its stand-ins."""
+        """Derivatives of ln α along all parameters, of the stand-ins; 0 where these have no receptance.
+
+        A spring that pushes may have none at its amplitude, and a motion all the same.
+        """
         shape = len(x), len(observations), len(observations.axis.take(lines))
         found = np.zeros(shape, dtype=complex)
         for some, value, changes in evaluated(self.hypothesis, x, observations, lines, slopes=True):
-            found[:, some] = changes / np.where(value == 0, np.inf, value)
+            known = np.isfinite(value) & (value != 0)
+            found[:, some] = np.where(known, changes, 0.0) / np.where(known, value, 1.0)
         return found
 
     def _steps(self, observations: Observations) -> Steps:
