@@ -17,6 +17,7 @@ from flexmodal.diagnosis.provenance import provenance
 from flexmodal.diagnosis.selection.comparison import M
 from flexmodal.diagnosis.selection.conclusion import Conclusion
 from flexmodal.diagnosis.selection.decision import Answer, any_gains
+from flexmodal.diagnosis.selection.described import as_found_last
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.selection.selection import ForwardSelection
 from flexmodal.diagnosis.verdict.beyond import beyond_words
@@ -62,7 +63,9 @@ def diagnosis_of(
         remaining=found.remaining,
         stand_in=nameless,
         baselines=data.baselines(last),
-        steps=tuple(one for one in selection.steps if (one.effect, one.where) in says.effects),
+        steps=tuple(
+            as_found_last(one, found) for one in selection.steps if (one.effect, one.where) in says.effects
+        ),
         verdict=says,
         next_measurement=data.next_measurement(standing) if len(standing) > 1 else None,
         untestable=data.untestable,

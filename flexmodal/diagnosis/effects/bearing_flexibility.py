@@ -32,6 +32,7 @@ from flexmodal.diagnosis.effects.bearing import (
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Effect, Level, Placement, positive, signed
 from flexmodal.diagnosis.effects.relaxation import HELD, RELAXING, add_all_relaxing, relaxation
+from flexmodal.diagnosis.effects.relaxation import PART as RELAXATION_PART
 from flexmodal.diagnosis.improved.draft import Draft
 from flexmodal.structure import Parameter
 from flexmodal.structure.assembly import Assembly
@@ -189,5 +190,6 @@ WIDE = Effect(
     shape=_shape,
     act=_act,
     extend=_extend,
+    parts=(RELAXATION_PART,),
 )
 EFFECT = replace(WIDE, parameters=_parameters, next_level=Level(WIDE, _wide_starts))

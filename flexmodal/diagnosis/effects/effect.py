@@ -118,6 +118,9 @@ class Effect:
     """The parameter at whose upper bound it comes down to these, if there is one."""
     made_by: Sequence[str] = ()
     """What is reported of it, one of which has to differ from nothing, for it to be this effect at all."""
+    parts: Sequence[Sequence[str]] = ()
+    """Parameters of parts of it that are next to nothing at the middle of their priors: there they are told
+    where the data gain hardly anything by a part, for then they have many minima that nothing tells apart."""
     unlike: Callable[[Context, Mapping[str, float]], float] | None = None
     """By its parameters, how far it goes beyond what bears its name: from 0 on it is something else, whatever
     its law explains."""

@@ -18,6 +18,7 @@ import numpy as np
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Effect, Placement, positive, signed
 from flexmodal.diagnosis.effects.relaxation import HELD as RELAXATION_HELD
+from flexmodal.diagnosis.effects.relaxation import PART as RELAXATION_PART
 from flexmodal.diagnosis.effects.relaxation import RELAXING, add_relaxing, relaxation
 from flexmodal.diagnosis.effects.rod import LEVEL, pairs
 from flexmodal.diagnosis.improved.draft import Draft
@@ -144,5 +145,6 @@ EFFECT = Effect(
     extend=_extend,
     units={"stiffness": "N·m/rad", "damping": "N·m·s/rad"},
     made_by=("coupling", "damping"),
+    parts=(("inertia", "frequency", "damping_ratio", "ratio"), (*RELAXATION_PART, "ratio")),
     next_level=LEVEL,
 )

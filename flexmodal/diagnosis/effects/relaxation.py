@@ -19,6 +19,8 @@ RELAXING = 0.4
 """Part that relaxes over what stays, from which some fits start; from none it is not found."""
 HELD = 0.02
 """Part of the stiffness that relaxes from which it is told that no file holds it."""
+PART = ("relaxing", "relaxation_time")
+"""The parameters of what relaxes."""
 
 
 def relaxation(context: Context) -> tuple[Parameter, Parameter]:

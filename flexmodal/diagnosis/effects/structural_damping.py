@@ -17,6 +17,7 @@ import numpy as np
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Effect, Placement, positive
 from flexmodal.diagnosis.effects.relaxation import HELD, add_relaxing, relaxation
+from flexmodal.diagnosis.effects.relaxation import PART as RELAXATION_PART
 from flexmodal.diagnosis.improved.draft import Draft
 from flexmodal.structure import Parameter
 from flexmodal.structure.assembly import Assembly
@@ -86,4 +87,5 @@ EFFECT = Effect(
     shape=_shape,
     act=_act,
     extend=_extend,
+    parts=(RELAXATION_PART,),
 )

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 from jaxtyping import Float
 
@@ -23,6 +25,8 @@ STEPS = 25
 """Most at each of them."""
 AT_LAST = 0.02
 """Distance from the minimum at which a fit to everything ends [standard errors]."""
+IDLE = 10.0
+"""What a part of an effect has to take off the cost, twice −ln of the posterior, not to count as nothing."""
 FAR_OFF, ROUGHLY = 4.0, 1e-4
 """Distance over noise from which a trial is not brought to its end, and what a step still has to gain then:
 something else is missing there, and what is found is fitted again beside it. Of 32 fits beyond that in five
@@ -38,6 +42,7 @@ def fitted_closely(
     steps: int = STEPS,
     settled: float = FINE,
     near: float = 0.0,
+    hold: Mapping[str, float] | None = None,
     fitted_to: Observations | None = None,
 ) -> FittedFrfs:
     """Fit a hypothesis closely; torques that are not linear are integrated in time.
@@ -51,6 +56,7 @@ def fitted_closely(
         settled: a step that changes the cost relatively by less is the last; where torques are integrated
             `ROUGHLY` leaves the last round out.
         near: if above 0, a linear model's fit goes on until Newton's step is shorter, in standard errors.
+        hold: coordinates of a linear model that stay where they are put, by name.
         fitted_to: by default the observations that are not held out.
     """
     few, every = setup.fitted if fitted_to is None else fitted_to, setup.observations
@@ -59,7 +65,9 @@ def fitted_closely(
         close = refined(hypothesis, start, few, steps=min(steps, REFINED), rounds=rounds)
         return fitted_model(hypothesis, close.fitted, every, predict(close.model, close.x, every))
     lines = some_lines(few, CLOSE)
-    fitted = fit(hypothesis, few, start, floors=floors, lines=lines, steps=steps, settled=settled, near=near)
+    fitted = fit(
+        hypothesis, few, start, floors=floors, lines=lines, steps=steps, settled=settled, near=near, hold=hold
+    )
     return fitted_model(hypothesis, fitted, every)
 
 
@@ -102,11 +110,38 @@ def fitted_to_everything(setup: Setup, model: FittedFrfs) -> FittedFrfs:
         setup: what the diagnosis works with.
         model: fitted to what is not held out.
     """
-    floors = (FAR,) if has_law(model.hypothesis) else (FAR, LAST)
+    every = setup.observations
+    if has_law(model.hypothesis):
+        return fitted_closely(setup, model.hypothesis, model.x, near=AT_LAST, fitted_to=every)
     found = [
-        fitted_closely(
-            setup, model.hypothesis, model.x, floors=one, near=AT_LAST, fitted_to=setup.observations
-        )
-        for one in floors
+        fitted_closely(setup, model.hypothesis, model.x, floors=one, near=AT_LAST, fitted_to=every)
+        for one in (FAR, LAST)
     ]
-    return min(found, key=lambda one: one.fitted.cost)
+    return _without_idle_parts(setup, min(found, key=lambda one: one.fitted.cost))
+
+
+def _without_idle_parts(setup: Setup, model: FittedFrfs) -> FittedFrfs:
+    """With those parts of its effects at nothing that take hardly anything: all of them, or one by one."""
+    parts = [
+        dict.fromkeys((f"{placed.label}.{name}" for name in part), 0.0)
+        for placed in model.hypothesis.placed
+        for part in placed.effect.parts
+    ]
+    limit = model.fitted.cost + IDLE
+
+    def with_held(found: FittedFrfs, hold: Mapping[str, float]) -> FittedFrfs:
+        made = fitted_closely(
+            setup, found.hypothesis, found.x,
+            floors=LAST, near=AT_LAST, hold=hold, fitted_to=setup.observations,
+        )  # fmt: skip
+        return made if made.fitted.cost < limit else found
+
+    held: dict[str, float] = {name: 0.0 for part in parts for name in part}
+    found = with_held(model, held) if parts else model
+    if found is not model or len(parts) < 2:
+        return found
+    held = {}
+    for part in parts:
+        further = with_held(found, {**held, **part})
+        held, found = ({**held, **part}, further) if further is not found else (held, found)
+    return found

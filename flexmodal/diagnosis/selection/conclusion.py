@@ -22,10 +22,15 @@ class Conclusion(Generic[M]):
     gaps: Gaps
     disagreement: tuple[Region, ...]
     remaining: tuple[Region, ...]
-    deviation: Float[np.ndarray, " parameter"]
-    """Standard errors of the last model's coordinates."""
+    covariance: Float[np.ndarray, "parameter parameter"]
+    """Of the last model's coordinates."""
     over_noise: float | None
     """Distance of the last model from the measurement, over that of the noise; None where scatter is inferred
     along, so that there is no such figure."""
     reached: Answer
     """Whether that is noise."""
+
+    @property
+    def deviation(self) -> Float[np.ndarray, " parameter"]:
+        """Standard errors of the last model's coordinates."""
+        return np.sqrt(np.maximum(np.diag(self.covariance), 0.0))

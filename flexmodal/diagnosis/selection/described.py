@@ -12,6 +12,7 @@ from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.names import NONE, UNSTRUCTURED
 from flexmodal.diagnosis.outcome import Compared, Step
 from flexmodal.diagnosis.selection.comparison import Comparison, M
+from flexmodal.diagnosis.selection.conclusion import Conclusion
 from flexmodal.diagnosis.selection.data import Data
 from flexmodal.diagnosis.selection.standard_errors import with_errors
 
@@ -75,6 +76,20 @@ def untied(step: Step, sure: float) -> Step:
     rest = (1 - sure) / max(1 - step.confidence, 1e-12)
     others = tuple(replace(one, confidence=min(one.confidence * rest, 1 - sure)) for one in step.alternatives)
     return replace(step, ties=(), confidence=sure, alternatives=others)
+
+
+def as_found_last(step: Step, conclusion: Conclusion[M]) -> Step:
+    """The same with its parameters where the last model has them: when it was added others were missing.
+
+    Args:
+        step: as it was added.
+        conclusion: with the last model, fitted to everything.
+    """
+    last, key = conclusion.after, (step.effect, step.where)
+    if key not in last.hypothesis.keys:
+        return step
+    parameters, units, errors = effect_parameters(last.hypothesis, key, last.x, conclusion.covariance)
+    return replace(step, parameters=parameters, units=units, uncertainty=errors)
 
 
 def effect_parameters(

@@ -244,11 +244,11 @@ class FrfData(FrfsByLook):
         gaps = gaps_of(setup, before, after, gap(every, self.believed).value)
         over = over_noise(setup, after)
         seen = every if again else setup.fitted
-        sure = uncertainty(after.hypothesis.space, after.fitted.normal, seen)
+        sure = uncertainty(after.hypothesis.space, after.fitted.normal, seen).covariance
         return Conclusion(
             before, after,
             replace(gaps, held_out_before=apart.held_out_before, held_out_after=apart.held_out_after),
-            disagreement(every, before.predicted), disagreement(every, after.predicted), sure.deviation, over,
+            disagreement(every, before.predicted), disagreement(every, after.predicted), sure, over,
             reached(over, left(setup, first, after), Answer.NO if after.hypothesis.by_force else self.force),
         )  # fmt: skip
 

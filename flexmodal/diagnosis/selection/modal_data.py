@@ -190,10 +190,9 @@ class ModalData(Data[FittedModes]):
         """Every fit has seen everything but what was held out."""
         card = replace(first.fit, x=np.zeros(len(first.fit.x)))  # which may be far off and have the modes
         believed = gap_of_errors(errors(restricted(card, self.whole, COARSE[0])))
-        deviation = np.sqrt(np.maximum(np.diag(last.covariance), 0.0))
         return Conclusion(
             first, last, replace(self.gaps(first, last), believed=believed),
-            regions(self.everywhere(first.fit)), regions(self.everywhere(last.fit)), deviation, None,
+            regions(self.everywhere(first.fit)), regions(self.everywhere(last.fit)), last.covariance, None,
             Answer.YES,
         )  # fmt: skip
 
