@@ -72,6 +72,7 @@ class Step:
     effect: str
     where: str
     parameters: Mapping[str, float]
+    """In a diagnosis those of the final model, fitted to everything; until then of when it was added."""
     units: Mapping[str, str]
     uncertainty: Mapping[str, float]
     """Standard errors."""

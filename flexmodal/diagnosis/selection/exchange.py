@@ -14,9 +14,9 @@ from flexmodal.diagnosis.selection.decision import comes_before
 
 NEARER = 0.1
 """Part of what is left above the noise that another model has to take to be better."""
-FEW, MOST = 2, 0.5
-"""Effects from which a wider law of one may do what a further one does, and part of the disagreement that
-they have to take without that one: what takes most itself is no remainder of a law."""
+FEW, WITHOUT = 2, 0.5
+"""How many effects there are at least beside one that may be due to the narrow law of another one, and what
+part of the disagreement they take without it: what takes more than they do is no remainder of a law."""
 
 
 def takes(data: Data[M], first: M, last: M, part: float) -> bool:
@@ -98,7 +98,7 @@ def without(data: Data[M], model: M, key: tuple[str, str]) -> M:
     """
     less = data.without(model, key)
     keys, share = less.hypothesis.keys, data.share(data.root, less)
-    if len(keys) < FEW or data.is_close(model) or share is None or share < MOST:
+    if len(keys) < FEW or data.is_close(model) or share is None or share < WITHOUT:
         return less
     return next((one for one in data.wider(less, keys) if takes(data, model, one, NEARER)), less)
 
