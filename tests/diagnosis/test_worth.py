@@ -118,27 +118,29 @@ def coupled(context):
 @pytest.mark.parametrize(
     ("off", "tried"),
     [
-        ({"mass__link_2": 4.0, "inertia__link_2": -4.0}, True),
-        ({"mass__link_2": 2.0, "inertia__link_2": -2.0}, False),
-        ({"stiffness__q1": 4.0, "damping__q1": -4.0}, False),
-        ({"mass__link_2": 4.0, "stiffness__q1": 9.0}, False),
+        ({"mass__link_2": 4.0, "inertia__link_2": -4.0}, ["added_mass"]),
+        ({"mass__link_2": 2.0, "inertia__link_2": -2.0}, []),
+        ({"stiffness__q1": 4.0, "stiffness__q2": -4.0}, []),
+        ({"mass__link_2": 4.0, "stiffness__q1": 9.0}, []),
+        ({"damping__q1": -5.0, "damping__q2": -5.0}, ["structural_damping"]),
+        ({"damping__q1": -9.0, "mass__link_2": 5.0}, ["structural_damping"]),
     ],
-    ids=["links beyond belief", "links off", "joints beyond belief", "joints more so"],
+    ids=["links beyond belief", "links off", "springs beyond belief", "springs more so", "damping", "damping more so"],
 )
-def test_a_mass_is_looked_for_where_those_of_links_are_beyond_belief(monkeypatch, coupled, off, tried):
-    """At the noise nothing points to it: what the card has of the links took it over."""
+def test_what_the_card_took_over_is_looked_for_where_it_is_beyond_belief(monkeypatch, coupled, off, tried):
+    """At the noise nothing points to it."""
     before, more = coupled(**off), Mock(spec=FittedFrfs)
     data, asked = FrfData.__new__(FrfData), []
 
     def searched(before, number, allowed):
-        asked.extend(name for name in catalogue() if allowed(name, "link_1"))
+        asked.extend(sorted(name for name in catalogue() if allowed(name, "link_1")))
         return [more]
 
     data.setup, data.asked = Mock(spec=Setup), None
     data._candidates = Mock(spec=FrfCandidates, searched=searched)
     monkeypatch.setattr(frf_data, "over_noise", lambda setup, model: 1.0)
     assert data.besides(before, 1) == ([before, more] if tried else [])
-    assert asked == (["added_mass"] if tried else [])
+    assert asked == tried
 
 
 @pytest.mark.parametrize(("over", "expected"), [(1.05, Answer.YES), (1.6, Answer.NO)])

@@ -14,7 +14,6 @@ from flexmodal.diagnosis.disagreement.gaps import gap_of, gaps_of, left, over_no
 from flexmodal.diagnosis.findings import Findings, ModesSeen
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.lawfree.afresh import NEARLY
-from flexmodal.diagnosis.lawfree.effects_at import CLASSES_OF
 from flexmodal.diagnosis.lawfree.look import SOUND
 from flexmodal.diagnosis.next_measurement.choose import next_among_fits
 from flexmodal.diagnosis.outcome import Gaps, NextMeasurement
@@ -51,8 +50,11 @@ from flexmodal.diagnosis.time_limit import cut_short
 from flexmodal.identification import gap, predict, uncertainty
 from flexmodal.identification.baselines import Baselines
 
-MASSES, MASS = ("mass.", "inertia."), ("mass",)
-"""What the names of the parameters of links begin with, and the classes of what is but a mass."""
+HIDES: Mapping[tuple[str, ...], tuple[str, ...]] = {
+    ("mass.", "inertia."): ("added_mass",),
+    ("damping.",): ("structural_damping",),
+}
+"""What the names of parameters of the card begin with, and the effects that they may take over."""
 
 
 class FrfData(FrfsByLook):
@@ -129,7 +131,7 @@ class FrfData(FrfsByLook):
     def besides(self, before: FittedFrfs, number: int) -> list[FittedFrfs]:
         """See `Data`: at one other place that leaves nothing without a law, so that no law is to blame.
 
-        Or on any link where masses are beyond belief: a body that is not told may hide in those of the card.
+        Or what may hide in the card, where its masses or its damping are beyond belief.
         """
         if self.asked is not None:
             return []
@@ -142,19 +144,19 @@ class FrfData(FrfsByLook):
         return [before, *found]
 
     def _hidden(self, before: FittedFrfs, number: int) -> list[FittedFrfs]:
-        """A model with a mass more, if those of its links are so far off that they may stand for it.
+        """A model with what the card's masses or its damping may have taken over, if they are far enough off.
 
-        If they are all right their sum is χ² of as many degrees of freedom.
+        If they are all right the sum of their squares is χ² of as many degrees of freedom.
         """
-        space = before.hypothesis.space
-        links = [k for name, k in space.index.items() if name.startswith(MASSES)]
-        far = float(np.sum(space.precision[links] * before.x[links] ** 2 - 1)) / 2
-        if takes_enough(0.0, before.prior / 2, before.prior / 2 - far, number) is Answer.NO:
+        space, wanted = before.hypothesis.space, set[str]()
+        for begin, names in HIDES.items():
+            some = [k for name, k in space.index.items() if name.startswith(begin)]
+            far = float(np.sum(space.precision[some] * before.x[some] ** 2 - 1)) / 2
+            if takes_enough(0.0, before.prior / 2, before.prior / 2 - far, number) > Answer.NO:
+                wanted |= set(names)
+        if not wanted:
             return []
-        found = self._candidates.searched(
-            before, number, lambda effect, where: CLASSES_OF.get(effect) == MASS
-        )
-        return [before, *found]
+        return [before, *self._candidates.searched(before, number, lambda name, _: name in wanted)]
 
     def candidates(self, before: FittedFrfs, number: int) -> list[FittedFrfs]:
         """The finalists of a search, and a mode with no structure last.
