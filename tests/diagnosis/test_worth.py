@@ -125,7 +125,14 @@ def coupled(context):
         ({"damping__q1": -5.0, "damping__q2": -5.0}, ["structural_damping"]),
         ({"damping__q1": -9.0, "mass__link_2": 5.0}, ["structural_damping"]),
     ],
-    ids=["links beyond belief", "links off", "springs beyond belief", "springs more so", "damping", "damping more so"],
+    ids=[
+        "links beyond belief",
+        "links off",
+        "springs beyond belief",
+        "springs more so",
+        "damping",
+        "damping more so",
+    ],
 )
 def test_what_the_card_took_over_is_looked_for_where_it_is_beyond_belief(monkeypatch, coupled, off, tried):
     """At the noise nothing points to it."""
