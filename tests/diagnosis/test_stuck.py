@@ -5,14 +5,15 @@ from unittest.mock import Mock
 import numpy as np
 import pytest
 
+from flexmodal.diagnosis.effects import catalogue
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.lawfree.result import Findings, Found
 from flexmodal.diagnosis.selection import frf_candidates, searches_beside
-from flexmodal.diagnosis.selection.frf_candidates import RUBS, FrfCandidates
+from flexmodal.diagnosis.selection.frf_candidates import FrfCandidates
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.setup import Setup
 
-MOTOR = ("servo_compliance", "q2")
+RUBS, MOTOR = "coulomb_friction", ("servo_compliance", "q2")
 
 
 @pytest.mark.parametrize(
@@ -40,7 +41,9 @@ def test_friction_is_tried_where_a_joint_explains_everything_and_no_law_there_do
     monkeypatch.setattr(frf_candidates, "over_noise", lambda setup, model: over)
     bare = Mock(spec=Hypothesis, base=(), placed=(), keys=())
     root = Mock(spec=FittedFrfs, hypothesis=bare, x=np.zeros(0), cost=9.0)
-    candidates = FrfCandidates(Mock(spec=Setup, advance=Mock()), root, with_force=force)
+    candidates = FrfCandidates(
+        Mock(spec=Setup, effects=tuple(catalogue().values()), advance=Mock()), root, with_force=force
+    )
     found = [Mock(spec=FittedFrfs, key=(MOTOR[0], where), cost=2.0)]
     look = Mock(
         spec=Findings, explains=explains, found=(Mock(spec=Found, port=port, where="q2"),), needed=False

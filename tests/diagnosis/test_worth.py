@@ -144,6 +144,7 @@ def test_what_the_card_took_over_is_looked_for_where_it_is_beyond_belief(monkeyp
         return [more]
 
     data.setup, data.asked = Mock(spec=Setup), None
+    data.effects = tuple(catalogue().values())
     data._candidates = Mock(spec=FrfCandidates, searched=searched)
     monkeypatch.setattr(frf_data, "over_noise", lambda setup, model: 1.0)
     assert data.besides(before, 1) == ([before, more] if tried else [])

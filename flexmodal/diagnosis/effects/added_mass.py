@@ -137,5 +137,6 @@ EFFECT = Effect(
     act=_act,
     physical=_physical,
     extend=_extend,
+    hides_in=("mass.", "inertia."),
     units={"x": "m", "y": "m", "z": "m"},
 )

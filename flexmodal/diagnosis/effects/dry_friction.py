@@ -177,5 +177,6 @@ BRISTLES = Effect(
     physical=lambda context, where, values: {
         name: values[name] for name in (*_FRICTION, *_SLOW, _LAG) if name in values
     },
+    sticks=True,
 )
 EFFECT = replace(BRISTLES, parameters=_friction_parameters, next_level=Level(BRISTLES, _bristle_starts))

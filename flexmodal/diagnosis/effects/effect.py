@@ -118,6 +118,10 @@ class Effect:
     """The parameter at whose upper bound it comes down to these, if there is one."""
     made_by: Sequence[str] = ()
     """What is reported of it, one of which has to differ from nothing, for it to be this effect at all."""
+    hides_in: tuple[str, ...] = ()
+    """What the names of the robot's own parameters begin with that may take it over, beside others."""
+    sticks: bool = False
+    """Whether it is linear, though it depends on the blow, where blows are too weak for it to slide."""
     parts: Sequence[Sequence[str]] = ()
     """Parameters of parts of it that are next to nothing at the middle of their priors: there they are told
     where the data gain hardly anything by a part, for then they have many minima that nothing tells apart."""

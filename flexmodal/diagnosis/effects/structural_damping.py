@@ -87,5 +87,6 @@ EFFECT = Effect(
     shape=_shape,
     act=_act,
     extend=_extend,
+    hides_in=("damping.",),
     parts=(RELAXATION_PART,),
 )

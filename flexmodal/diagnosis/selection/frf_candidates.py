@@ -45,8 +45,6 @@ from flexmodal.diagnosis.time_limit import cut_short
 
 Judge = Callable[[FittedFrfs], bool]
 """Whether nothing else has to be looked for beside a model."""
-RUBS = "coulomb_friction"
-"""The effect that is linear where it does not slide."""
 
 
 class FrfCandidates(SearchesBeside):
@@ -219,8 +217,9 @@ class FrfCandidates(SearchesBeside):
         here = [one for one in found if one.key[1] == joint]
         if any(over_noise(self.setup, one) <= NOTHING_HIDDEN for one in here):
             return found
+        able = {effect.name for effect in self.setup.effects if effect.sticks}
         rubs = self.searched(
-            before, number, lambda name, where: (name, where) == (RUBS, joint), by_force=True
+            before, number, lambda name, where: name in able and where == joint, by_force=True
         )
         return best_of_each([*found, *rubs])
 

@@ -11,6 +11,7 @@ from jaxtyping import Float
 
 from flexmodal.diagnosis.disagreement.compare import disagreement, force_dependence, worst_point
 from flexmodal.diagnosis.disagreement.gaps import gap_of, gaps_of, left, over_noise
+from flexmodal.diagnosis.effects import Effect
 from flexmodal.diagnosis.findings import Findings, ModesSeen
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.lawfree.afresh import NEARLY
@@ -49,12 +50,6 @@ from flexmodal.diagnosis.setup import Setup
 from flexmodal.diagnosis.time_limit import cut_short
 from flexmodal.identification import gap, predict, uncertainty
 from flexmodal.identification.baselines import Baselines
-
-HIDES: Mapping[tuple[str, ...], tuple[str, ...]] = {
-    ("mass.", "inertia."): ("added_mass",),
-    ("damping.",): ("structural_damping",),
-}
-"""What the names of parameters of the card begin with, and the effects that they may take over."""
 
 
 class FrfData(FrfsByLook):
@@ -148,12 +143,14 @@ class FrfData(FrfsByLook):
 
         If they are all right the sum of their squares is χ² of as many degrees of freedom.
         """
-        space, wanted = before.hypothesis.space, set[str]()
-        for begin, names in HIDES.items():
-            some = [k for name, k in space.index.items() if name.startswith(begin)]
+        space = before.hypothesis.space
+
+        def hidden(effect: Effect) -> bool:
+            some = [k for name, k in space.index.items() if name.startswith(effect.hides_in)]
             far = float(np.sum(space.precision[some] * before.x[some] ** 2 - 1)) / 2
-            if takes_enough(0.0, before.prior / 2, before.prior / 2 - far, number) > Answer.NO:
-                wanted |= set(names)
+            return takes_enough(0.0, before.prior / 2, before.prior / 2 - far, number) > Answer.NO
+
+        wanted = {effect.name for effect in self.effects if effect.hides_in and hidden(effect)}
         if not wanted:
             return []
         return [before, *self._candidates.searched(before, number, lambda name, _: name in wanted)]
