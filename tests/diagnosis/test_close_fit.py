@@ -57,6 +57,33 @@ def test_parts_that_take_hardly_anything_are_told_as_nothing(monkeypatch, contex
     assert found.short == held
 
 
+@pytest.mark.parametrize(
+    ("far", "near", "found", "fits"),
+    [(50.0, 10.0, 50.0, 1), (52.0, 10.0, 52.0, 1), (90.0, 51.0, 51.0, 2), (90.0, 95.0, 90.0, 2)],
+)
+def test_what_is_integrated_in_time_does_not_end_farther_off_than_it_was(
+    monkeypatch, context, far, near, found, fits
+):
+    """The prior counts: the model as it was leaves 40 and is 12 from belief."""
+    hypothesis, made = hypothesis_of(context, ("coulomb_friction", "q1")), []
+
+    def fitted(setup, hypothesis, start, *, floors, near=None, fitted_to=None):
+        made.append(floors)
+        return costing(far if floors == FAR else left_near)
+
+    def costing(cost):
+        return Mock(spec=FittedFrfs, costs=np.array([cost - 2, 1.0]), prior=1.0, hypothesis=hypothesis)
+
+    left_near = near
+    monkeypatch.setattr(close_fit, "fitted_closely", fitted)
+    model = Mock(
+        spec=FittedFrfs, hypothesis=hypothesis, x=np.zeros(3), costs=np.array([30.0, 10.0]), prior=12.0
+    )
+    last = fitted_to_everything(Mock(spec=Setup, observations=None), model)
+    assert last.costs.sum() + last.prior == found
+    assert made == [FAR, LAST][:fits]
+
+
 def test_parts_are_parameters_of_their_effects(context):
     for effect in catalogue().values():
         for where in effect.places(context)[:1]:

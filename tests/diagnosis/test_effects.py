@@ -424,6 +424,40 @@ def test_a_mass_that_is_long_is_a_row_of_masses(standing):
     np.testing.assert_allclose(found, expected, rtol=5e-3, atol=1e-4 * np.abs(expected).max())
 
 
+def test_a_disc_turned_as_it_likes_is_that_of_the_rig(standing):
+    """It spreads by m r²/4 across its axis, and along it hardly at all."""
+    context, observed, stand = standing
+    from flexmodal.diagnosis.effects.added_mass import place_on
+
+    where = context.links[1]
+    axis = along(context, where)[1]
+    first, *_ = sides(context, where, axis)
+    normal, radius = np.array([2.0, -1.0, 2.0]) / 3, 0.5
+    own = np.stack([axis, first, np.cross(axis, first)]) @ normal
+    thin = np.log(1e-3)  # of the spread along the axis over that across it
+    grown = thin * np.outer(own, own)
+    grown, size = grown - grown[2, 2] * np.eye(3), radius**2 / 2 * np.exp(grown[2, 2])
+    values = {
+        "mass": 3.0, "along": 0.6, "beside": 0.05, "above": -0.02, "gyration": np.sqrt(size),
+        "length_ratio": np.exp(grown[0, 0] / 2), "side_ratio": np.exp(grown[1, 1] / 2),
+        "length_side_lean": grown[0, 1], "length_across_lean": grown[0, 2], "side_across_lean": grown[1, 2],
+        "mount_frequency": 500 * context.band[1],
+    }  # fmt: skip
+    disc = {
+        "mass": 3.0, **dict(zip("xyz", place_on(context, where, values).tolist(), strict=True)),
+        **dict(zip(("ax", "ay", "az"), normal.tolist(), strict=True)), "radius": radius,
+    }  # fmt: skip
+    expected = theirs(observed, stand, "added_mass", where, disc, form="disc")
+    found = ours(context, observed, "added_mass", where, values)
+    np.testing.assert_allclose(found, expected, rtol=5e-3, atol=1e-4 * np.abs(expected).max())
+    straight = {
+        **values,
+        **dict.fromkeys(("length_side_lean", "length_across_lean", "side_across_lean"), 0.0),
+    }
+    apart = np.abs(ours(context, observed, "added_mass", where, straight) - expected)
+    assert np.any(apart > 0.05 * np.abs(expected) + 1e-3 * np.abs(expected).max())
+
+
 APART = (
     *("across_ratio", "stiffness", "other", "other_ratio", "across_x", "across_y", "across_z"),
     *("relaxing", "relaxation_time"),

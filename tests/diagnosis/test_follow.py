@@ -578,9 +578,10 @@ def test_where_nothing_is_left_no_effect_is_exchanged(monkeypatch, over, met, tr
     found = Mock(spec=Found, port="body", where="elsewhere")
     data._look = Mock(spec=Findings, explains=True, found=(found,), met=lambda keys: place)
     data._candidates = Mock(spec=FrfCandidates, considered=lambda *given: [other])
-    data._refits = Mock(spec=Refits, instead=lambda *given: [other])
+    less = fitted(MASS)
+    data._refits = Mock(spec=Refits, instead=lambda *given: [other], without=lambda *given: less)
     for module in (frf_data, frf_by_look):
-        monkeypatch.setattr(module, "over_noise", lambda *given: over)
+        monkeypatch.setattr(module, "over_noise", lambda setup, model, *given: 9.0 if model is less else over)
     assert data.instead(fitted(MASS, DELAY), DELAY) == ([other] if tried else [])
 
 
@@ -596,12 +597,31 @@ def test_where_nothing_is_left_no_effect_is_exchanged(monkeypatch, over, met, tr
 )
 def test_a_coupling_does_not_contradict_effects_in_its_joints(monkeypatch, context, keys, over, contradicted):
     """Unless they fail on what was held out."""
-    monkeypatch.setattr(frf_by_look, "over_noise", lambda *given: over)
+    assert contradicts(monkeypatch, context, keys, over, over_without=9.0) is contradicted
+
+
+def contradicts(monkeypatch, context, keys, over, over_without):
+    """Whether one place, a coupling, speaks against some effects; how far they are, and each without one."""
+    model = fitted(*keys)
+    for module in (frf_data, frf_by_look):
+        monkeypatch.setattr(
+            module, "over_noise", lambda setup, one, *given: over if one is model else over_without
+        )
     data = FrfData.__new__(FrfData)
     data.setup = Mock(spec=Setup, held=np.ones(1, dtype=bool), context=context)
+    data.modes, data._refits = None, Mock(spec=Refits, without=lambda *given: fitted())
     found = Mock(spec=Found, port="coupling", where="q1+q3")
     data._look = Mock(spec=Findings, explains=True, found=(found,), met=lambda keys: {})
-    assert data.is_contradicted(fitted(*keys)) is contradicted
+    return data.is_contradicted(model)
+
+
+@pytest.mark.parametrize(("over_without", "contradicted"), [(1.3, False), (1.5, True)])
+def test_what_was_found_where_the_others_were_enough_does_not_contradict(
+    monkeypatch, context, over_without, contradicted
+):
+    """A foundation that leaves 1.2 times the noise is named; a mass found in the rest takes no name away."""
+    keys = [("base_flexibility", "base"), ("added_mass", "link_2")]
+    assert contradicts(monkeypatch, context, keys, 1.06, over_without) is contradicted
 
 
 @pytest.mark.parametrize(("over", "asked"), [(4.0, [[BASE], []]), (2.5, [[BASE], [BASE]])])

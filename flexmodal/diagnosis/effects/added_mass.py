@@ -1,12 +1,14 @@
 """A payload, motor or tool that the card lacks: a compact mass on a link, on its axis or beside it.
 
-In space it may be a disc or a rod, longer along the link or to a side. What holds it may give, alike in every
-direction, so little that it swings beyond the band only; what swings within is an absorber.
+In space it may be a disc or a rod, turned as it likes: its tensor of inertia is any that a body has. What
+holds it may give, alike in every direction, so little that it swings beyond the band only; what swings
+within is an absorber.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -21,6 +23,8 @@ LOWEST = 1.15
 """Of the band's end, above which a mass swings on what holds it."""
 RIGID = 8.0
 """Likewise, above which files hold the mass as rigid."""
+RATIOS, LEANS = ("length_ratio", "side_ratio"), ("length_side_lean", "length_across_lean", "side_across_lean")
+"""In space, spreads of the mass along the link and to a side over that across both; and how it leans."""
 LOSS = 0.03
 """Damping ratio of that, which is not to be seen so far below."""
 
@@ -36,7 +40,8 @@ def _parameters(context: Context, where: str) -> tuple[Parameter, ...]:
     ]
     if context.normal is None:
         found.append(signed("above", "m", 0.06, -0.5, 0.5))
-        found += [positive(name, "", 1.0, 0.5, 0.05, 20.0) for name in ("length_ratio", "side_ratio")]
+        found += [positive(name, "", 1.0, 0.5, 0.05, 20.0) for name in RATIOS]
+        found += [signed(name, "", 0.7, -6.0, 6.0) for name in LEANS]
     return tuple(found)
 
 
@@ -56,22 +61,21 @@ def place_on(context: Context, where: str, values: Mapping[str, float]) -> np.nd
     return place
 
 
-def _turning(placement: Placement) -> list[tuple[np.ndarray, float]]:
-    """Axes through the mass centre, in the frame of the link, and the moments of inertia about them [kg·m²].
+def _body(placement: Placement, place: np.ndarray) -> Body:
+    """The mass with its moments of inertia tr(S) − S [kg·m²], of its spreads S = m r²/2 exp A.
 
-    Each is the sum of the mass's spreads along the two others, so that some body has them.
+    A is symmetric along the link, to a side and across both, so that some body has them: twice the logarithms
+    of the ratios are on its diagonal, beside it how the mass leans.
     """
     _, axis = along(placement.context, placement.where)
     first, *_ = sides(placement.context, placement.where, axis)
-    ways = [axis, first, np.cross(axis, first)]
-    ratios = (placement.values.get("length_ratio", 1.0), placement.values.get("side_ratio", 1.0), 1.0)
-    spread = placement["mass"] * placement["gyration"] ** 2 / 2 * np.array(ratios) ** 2
-    return list(zip(ways, (spread.sum() - spread).tolist(), strict=True))
-
-
-def _body(placement: Placement, place: np.ndarray) -> Body:
-    inertia = np.sum([size * np.outer(way, way) for way, size in _turning(placement)], axis=0)
-    return Body(placement["mass"], place, inertia)
+    ways, grown = np.stack([axis, first, np.cross(axis, first)], axis=1), np.zeros((3, 3))
+    grown[[0, 1], [0, 1]] = [2 * np.log(placement.values.get(name, 1.0)) for name in RATIOS]
+    grown[[1, 2, 2], [0, 0, 1]] = [placement.values.get(name, 0.0) for name in LEANS]
+    sizes, turned = np.linalg.eigh(grown)
+    ways = ways @ turned
+    spread = placement["mass"] * placement["gyration"] ** 2 / 2 * (ways * np.exp(sizes)) @ ways.T
+    return Body(placement["mass"], place, np.trace(spread) * np.eye(3) - spread)
 
 
 def _ways(context: Context, where: str) -> list[np.ndarray]:
@@ -90,7 +94,8 @@ def _shape(assembly: Assembly, placement: Placement) -> None:
 
 def _act(assembly: Assembly, placement: Placement) -> None:
     context, where, mass = placement.context, placement.where, placement["mass"]
-    motion = assembly.motion(where, place_on(context, where, placement.values))
+    place = place_on(context, where, placement.values)
+    motion = assembly.motion(where, place)
     axes, own = assembly.axes(where), 2 * np.pi * placement["mount_frequency"]
     for name, way in zip(_coordinates(context, where), _ways(context, where), strict=True):
         row = assembly.row(name)
@@ -98,8 +103,7 @@ def _act(assembly: Assembly, placement: Placement) -> None:
         assembly.add_inertia(carried + row, mass)
         assembly.add_spring(row, mass * own**2)
         assembly.add_damper(row, 2 * LOSS * mass * own)
-    for way, size in _turning(placement):
-        assembly.add_inertia(np.sum((axes @ way)[..., :, None] * motion[..., 3:, :], axis=-2), size)
+    assembly.add_body(where, replace(_body(placement, place), mass=0.0))
 
 
 def _physical(context: Context, where: str, values: Mapping[str, float]) -> dict[str, float]:

@@ -104,20 +104,28 @@ def fitted_to_everything(setup: Setup, model: FittedFrfs) -> FittedFrfs:
     """A model fitted to what was held out too, close to the minimum along what hardly matters as well.
 
     From where it is and from afar, the nearer of the two: to all postures the least may be another one. What
-    is integrated in time from afar alone.
+    is integrated in time takes long, and is fitted from where it is only where from afar it comes to what is
+    worse than it was.
 
     Args:
         setup: what the diagnosis works with.
         model: fitted to what is not held out.
     """
-    every = setup.observations
+
+    def again(floors: tuple[float, ...]) -> FittedFrfs:
+        return fitted_closely(
+            setup, model.hypothesis, model.x, floors=floors, near=AT_LAST, fitted_to=setup.observations
+        )
+
     if has_law(model.hypothesis):
-        return fitted_closely(setup, model.hypothesis, model.x, near=AT_LAST, fitted_to=every)
-    found = [
-        fitted_closely(setup, model.hypothesis, model.x, floors=one, near=AT_LAST, fitted_to=every)
-        for one in (FAR, LAST)
-    ]
-    return _without_idle_parts(setup, min(found, key=lambda one: one.fitted.cost))
+        far = again(FAR)
+        return far if _posterior(far) <= _posterior(model) else min(far, again(LAST), key=_posterior)
+    return _without_idle_parts(setup, min(again(FAR), again(LAST), key=lambda one: one.fitted.cost))
+
+
+def _posterior(model: FittedFrfs) -> float:
+    """Twice −ln of the posterior on all postures, up to a constant."""
+    return float(model.costs.sum()) + model.prior
 
 
 def _without_idle_parts(setup: Setup, model: FittedFrfs) -> FittedFrfs:

@@ -188,6 +188,7 @@ class FrfsByLook(Data[FittedFrfs]):
         """See `Data`; by what was held out too. Effects that no port stands for are taken at their word.
 
         Several that all sit where the function of two coupled joints does what they do are no more than it.
+        What was found where the others were enough already does not count among them.
         """
         keys, held = model.hypothesis.keys, self.setup.held
         known = all(name in PORT_OF for name, _ in keys)
@@ -195,7 +196,10 @@ class FrfsByLook(Data[FittedFrfs]):
             return False
         fails = held.any() and over_noise(self.setup, model, held) > EXPLAINED
         held_by = any(within(self.setup.context, keys, one.port, one.where) for one in self.look.found)
-        return bool(fails) or (len(keys) > len(self.look.found) and not held_by)
+        if fails or held_by or len(keys) <= len(self.look.found):
+            return bool(fails)
+        needed = [key for key in keys if not self.is_enough(self.without(model, key))]
+        return len(needed) > len(self.look.found)
 
     def share(self, first: FittedFrfs, last: FittedFrfs) -> float:
         """See `Data`."""
