@@ -73,8 +73,8 @@ def _body(placement: Placement, place: np.ndarray) -> Body:
     grown[[0, 1], [0, 1]] = [2 * np.log(placement.values.get(name, 1.0)) for name in RATIOS]
     grown[[1, 2, 2], [0, 0, 1]] = [placement.values.get(name, 0.0) for name in LEANS]
     sizes, turned = np.linalg.eigh(grown)
-    ways = ways @ turned
-    spread = placement["mass"] * placement["gyration"] ** 2 / 2 * (ways * np.exp(sizes)) @ ways.T
+    root = ways @ turned * np.exp(sizes / 2)  # its square is symmetric to the last digit
+    spread = placement["mass"] * placement["gyration"] ** 2 / 2 * (root @ root.T)
     return Body(placement["mass"], place, np.trace(spread) * np.eye(3) - spread)
 
 
