@@ -13,8 +13,10 @@ import flexmodal
 from flexmodal.campaign import write_campaign
 from flexmodal.errors import InvalidRequest
 from flexmodal.model import Robot
-from flexmodal.rig import EFFECTS, FORMS, ParameterError, draw_scenario, simulate
+from flexmodal.rig import EFFECTS, FORMS, ParameterError, Scenario, Truth, draw_scenario, simulate
 from flexmodal.rig.arms import draw_arm
+from flexmodal.rig.hammer_test import Conduct
+from flexmodal.rig.hidden.retuned import retuned_heights
 from flexmodal.rig.positions import choose_points
 from flexmodal.rig.result import RigResult
 from flexmodal.rig.robot_folder import write_robot
@@ -94,17 +96,34 @@ def _pose(
             if number == _SEEDS_TRIED - 1:
                 raise
     truth.parent.mkdir(parents=True, exist_ok=True)
-    result.truth.write(truth)
+    told = _retuned(question, result) if simulated is simulate else result.truth
+    told.write(truth)
     write_campaign(result.campaign, folder)
     write_robot(result.robot, folder, result.plan.postures, result.plan.points)
 
 
-def _simulated(question: Question, robot: Robot, simulated: Callable[..., RigResult]) -> RigResult:
-    count = len(question.effects)
+def _retuned(question: Question, result: RigResult) -> Truth:
+    """What is hidden, with how high each effect stands when all else is re-tuned."""
+    truth = result.truth
+    if not result.hidden:
+        return truth
+    drawn = replace(question, seed=truth.seed)
+    error = parameter_error(drawn, _scenario(drawn, result.robot).parameter_error)
+    sizes = error if isinstance(error, ParameterError) else ParameterError.all(error)
+    conduct = Conduct(truth.noise, truth.scatter, truth.seed)
+    heights = retuned_heights(result.stand, result.hidden, conduct, sizes)
+    effects = (replace(one, retuned=high) for one, high in zip(truth.effects, heights, strict=True))
+    return replace(truth, effects=tuple(effects))
+
+
+def _scenario(question: Question, robot: Robot) -> Scenario:
     points = min(POINTS, len(robot.points))
-    scenario = draw_scenario(
-        robot, question.seed, count=count, effects=question.effects or None, points=points
-    )
+    effects = question.effects or None
+    return draw_scenario(robot, question.seed, count=len(question.effects), effects=effects, points=points)
+
+
+def _simulated(question: Question, robot: Robot, simulated: Callable[..., RigResult]) -> RigResult:
+    points, scenario = min(POINTS, len(robot.points)), _scenario(question, robot)
     forms = dict(zip(question.effects, question.forms, strict=False))
     return simulated(
         robot,

@@ -21,6 +21,9 @@ PHYSICS = {
     "looked": "The virtual rig, effects in forms that were looked at while tuning, on random arms and",
     "sealed": "The virtual rig, effects in forms that nobody looked at while tuning, on random arms and",
 }
+TELLS = 0.1
+"""Height with all else re-tuned, over the noise of one record, below which a campaign does not tell of an
+effect."""
 TABLES = Path(__file__).parents[1] / "docs" / "tables"
 
 
@@ -38,6 +41,9 @@ def judged(result: dict) -> dict:
         "forms": [e.get("form", "own") for e in truth["effect"]],
         "said": said,
         "heights": [e.get("times_noise_floor", float("nan")) for e in truth["effect"]],
+        "retuned": [
+            e["times_noise_floor_retuned"] for e in truth["effect"] if "times_noise_floor_retuned" in e
+        ],
         "over": gap["after"] / gap["noise_floor"],
         "before": gap["before"] / gap["noise_floor"],
         "seconds": answer["seconds"],
@@ -84,6 +90,21 @@ def report(
 def _share(rows: list[dict], key: str) -> str:
     right = sum(bool(row[key]) for row in rows)
     return f"{right} of {len(rows)} ({100 * right / max(len(rows), 1):.0f} %)"
+
+
+def _that_tell(single: list[dict], pairs: list[dict]) -> list[str]:
+    """The same of those that are there to be seen once all else is re-tuned."""
+    lines = []
+    for what, rows in (("one effect hidden", single), ("two effects hidden", pairs)):
+        known = [r for r in rows if r["retuned"]]
+        able = [r for r in known if min(r["retuned"]) >= TELLS]
+        if known:
+            each = "each " if rows is pairs else ""
+            lines.append(
+                f"| {what}, {each}{TELLS:g} noise floors or more with all else re-tuned: named | – | "
+                f"{_share(able, 'effect')} |"
+            )
+    return lines
 
 
 def _noise(rows: list[dict]) -> str:
@@ -157,6 +178,7 @@ def _page(rows: list[dict], asked: int, seed: int, engine: str, within: float | 
         f"| outside the catalogue: recognised as unknown | ≥ 90 % | {_share(outside, 'effect')} |",
         f"| two effects hidden: both effects | ≥ 85 % | {_share(pairs, 'effect')} |",
         f"| two effects hidden: both with their places | – | {_share(pairs, 'place')} |",
+        *_that_tell(single, pairs),
         f"| three to five effects hidden: all of them | – | {_share(several, 'effect')} |",
         *names_of(several),
         f"| something hidden: explained to the noise | ≥ 85 % | {_noise(single + pairs + several)} |",

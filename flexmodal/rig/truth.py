@@ -26,6 +26,8 @@ class HiddenEffect:
     height: float | None
     """Over the noise floor; None where it was not asked for."""
     catalogued: bool
+    retuned: float | None = None
+    """Height that is left when all else is re-tuned; None where that was not asked for."""
 
 
 @dataclass(frozen=True)
@@ -55,6 +57,8 @@ class Truth:
             }
             if effect.height is not None:
                 entry["times_noise_floor"] = effect.height
+            if effect.retuned is not None:
+                entry["times_noise_floor_retuned"] = effect.retuned
             entry["parameters"] = dict(effect.parameters)
             entry["units"] = dict(effect.units)
             effects.append(entry)
@@ -78,6 +82,7 @@ class Truth:
                 {str(name): float(value) for name, value in one["parameters"].items()},
                 {str(name): str(unit) for name, unit in one["units"].items()},
                 float(one["severity"]), one.get("times_noise_floor"), bool(one["catalogued"]),
+                one.get("times_noise_floor_retuned"),
             )
             for one in table["effect"]
         )  # fmt: skip

@@ -12,8 +12,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from jaxtyping import Bool, Complex
 
-from flexmodal.campaign import CampaignPosture, is_coherent
+from flexmodal.campaign import CampaignPosture, Trial, is_coherent
 from flexmodal.rig.clean import strike_all_points
 from flexmodal.rig.effects import Site, Stand
 from flexmodal.rig.effects.effect import Effect, Parameters
@@ -158,21 +159,39 @@ def _log_ratio(one: np.ndarray, other: np.ndarray) -> np.ndarray:
 
 
 def _linear(stand: Stand, hidden: Sequence[Hidden], floor: Floor) -> np.ndarray:
+    plain, spoilt = (predicted(stand, items, floor) for items in ([], hidden))
+    usable = usable_lines(floor) & (np.abs(plain) > 0) & (np.abs(spoilt) > 0)
+    return _log_ratio(spoilt[usable], plain[usable])
+
+
+def usable_lines(floor: Floor) -> Bool[np.ndarray, "posture reference point axis line"]:
+    """Those that are coherent enough in every trial.
+
+    Args:
+        floor: the noise.
+    """
+    return np.asarray(floor.keep.all(axis=1))
+
+
+def predicted(
+    stand: Stand, hidden: Sequence[Hidden], floor: Floor
+) -> Complex[np.ndarray, "posture reference point axis line"]:
+    """Inertance as the sensors would tell it, without noise or scatter.
+
+    Args:
+        stand: the true robot and its plan.
+        hidden: effects put in, linear ones.
+        floor: postures and lines to take it on.
+    """
     plan = stand.plan
     frequency = np.fft.rfftfreq(plan.analyser.samples, plan.analyser.interval)[floor.lines]
-    ratios = []
-    for posture, keep in zip(floor.postures, floor.keep, strict=True):
-        usable = keep.all(axis=0)  # reference, point, axis, line
-        plain, spoilt = (_predicted(stand, posture, items, frequency) for items in ([], hidden))
-        usable &= (np.abs(plain) > 0) & (np.abs(spoilt) > 0)
-        ratios.append(_log_ratio(spoilt[usable], plain[usable]))
-    return np.concatenate(ratios)
+    return np.stack([_predicted(stand, posture, hidden, frequency) for posture in floor.postures])
 
 
 def _predicted(
     stand: Stand, posture: CampaignPosture, hidden: Sequence[Hidden], frequency: np.ndarray
 ) -> np.ndarray:
-    """Inertance [reference, point, axis, line] as the sensors would tell it."""
+    """The same in one posture [reference, point, axis, line]."""
     plan = stand.plan
     mounted = sensors(stand, hidden)
     shared = None if any(s.weighs for s in mounted.values()) else build(stand, posture, hidden)
@@ -188,18 +207,51 @@ def _predicted(
     return np.stack(by_point, axis=1)
 
 
+def struck_numbers(floor: Floor) -> list[int]:
+    """Which of the floor's postures are struck: the first and the last.
+
+    Args:
+        floor: the noise.
+    """
+    return sorted({0, len(floor.postures) - 1})
+
+
+def struck(
+    stand: Stand, hidden: Sequence[Hidden], floor: Floor
+) -> Complex[np.ndarray, "posture trial reference point axis line"]:
+    """The same by blows: one of each level, all points at once, in the first and last of the postures.
+
+    Args:
+        stand: the true robot and its plan.
+        hidden: effects put in.
+        floor: postures and lines to take it on.
+    """
+    trials = list(_levels(stand).values())
+    return np.stack(
+        [
+            strike_all_points(stand, floor.postures[k], hidden, trials)[..., floor.lines]
+            for k in struck_numbers(floor)
+        ]
+    )
+
+
+def usable_blows(stand: Stand, floor: Floor) -> Bool[np.ndarray, "posture trial reference point axis line"]:
+    """Lines of those that are coherent enough.
+
+    Args:
+        stand: with its plan.
+        floor: the noise.
+    """
+    numbers = [stand.plan.trials.index(trial) for trial in _levels(stand).values()]
+    return np.asarray(floor.keep[struck_numbers(floor)][:, numbers])
+
+
+def _levels(stand: Stand) -> dict[float, Trial]:
+    """The first trial of each typical peak."""
+    return {trial.force_peak: trial for trial in reversed(stand.plan.trials)}
+
+
 def _struck(stand: Stand, hidden: Sequence[Hidden], floor: Floor) -> np.ndarray:
-    """The same by blows: one of each level, all points at once, in the first and last of the postures."""
-    plan = stand.plan
-    levels = {trial.force_peak: trial for trial in reversed(plan.trials)}
-    numbers = [plan.trials.index(trial) for trial in levels.values()]
-    ratios = []
-    for k in sorted({0, len(floor.postures) - 1}):
-        posture = floor.postures[k]
-        plain, spoilt = (
-            strike_all_points(stand, posture, items, list(levels.values()))[..., floor.lines]
-            for items in ([], hidden)
-        )
-        usable = floor.keep[k][numbers] & (np.abs(plain) > 0) & (np.abs(spoilt) > 0)
-        ratios.append(_log_ratio(spoilt[usable], plain[usable]))
-    return np.concatenate(ratios)
+    plain, spoilt = (struck(stand, items, floor) for items in ([], hidden))
+    usable = usable_blows(stand, floor) & (np.abs(plain) > 0) & (np.abs(spoilt) > 0)
+    return _log_ratio(spoilt[usable], plain[usable])
