@@ -92,7 +92,7 @@ def _share(rows: list[dict], key: str) -> str:
     return f"{right} of {len(rows)} ({100 * right / max(len(rows), 1):.0f} %)"
 
 
-def _that_tell(single: list[dict], pairs: list[dict]) -> list[str]:
+def that_tell(single: list[dict], pairs: list[dict]) -> list[str]:
     """The same of those that are there to be seen once all else is re-tuned."""
     lines = []
     for what, rows in (("one effect hidden", single), ("two effects hidden", pairs)):
@@ -178,7 +178,7 @@ def _page(rows: list[dict], asked: int, seed: int, engine: str, within: float | 
         f"| outside the catalogue: recognised as unknown | ≥ 90 % | {_share(outside, 'effect')} |",
         f"| two effects hidden: both effects | ≥ 85 % | {_share(pairs, 'effect')} |",
         f"| two effects hidden: both with their places | – | {_share(pairs, 'place')} |",
-        *_that_tell(single, pairs),
+        *that_tell(single, pairs),
         f"| three to five effects hidden: all of them | – | {_share(several, 'effect')} |",
         *names_of(several),
         f"| something hidden: explained to the noise | ≥ 85 % | {_noise(single + pairs + several)} |",

@@ -3,6 +3,7 @@
 import hashlib
 import importlib.util
 import sys
+import tomllib
 from collections import Counter
 from dataclasses import replace
 from pathlib import Path
@@ -104,3 +105,27 @@ def test_tables_count_what_was_named():
     counts = exam_forms.at_once(rows)
     assert "| 2 | 1 | 0 | 0 | 1 of 2 | 0 |" in counts
     assert "| 3 | 1 | 0 | 0 | 2 of 3 | 1 |" in counts
+
+
+def test_effects_that_re_tuning_takes_up_are_told_apart():
+    """Of three pairs one has an effect that no measurement tells of; the page counts without it too."""
+    load("exam_lawfree")
+    report = load("exam_report")
+    pairs = [
+        {"retuned": [3.0, 0.02], "effect": False},
+        {"retuned": [3.0, 0.2], "effect": True},
+        {"retuned": [0.4, 7.0], "effect": False},
+        {"retuned": [], "effect": True},
+    ]
+    (line,) = report.that_tell([{"retuned": [], "effect": True}], pairs)
+    assert line.startswith(
+        "| two effects hidden, each 0.1 noise floors or more with all else re-tuned: named "
+    )
+    assert line.endswith("| 1 of 2 (50 %) |")
+
+
+def test_the_truth_of_other_forms_tells_how_high_an_effect_stands_re_tuned(tmp_path):
+    question = next(q for q in exam_plan.plan(8, forms="looked") if q.kind == "single")
+    exam_question.pose(question, tmp_path / "campaign", tmp_path / "truth.toml")
+    (hidden,) = tomllib.loads((tmp_path / "truth.toml").read_text(encoding="utf-8"))["effect"]
+    assert 0 < hidden["times_noise_floor_retuned"] < 1.2 * hidden["times_noise_floor"]
