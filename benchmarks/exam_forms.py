@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections import Counter, defaultdict
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 from exam_question import ARM, NAMED, OUTSIDE, ROBOTS, WHICH, Question
@@ -84,6 +85,37 @@ def by_form(rows: list[dict]) -> list[str]:
         told = ", ".join(f"{what} ({count})" for what, count in wrong.most_common())
         share = f"{100 * named / len(some):.0f} %"
         lines.append(f"| {name} | {form} | {named}/{len(some)} | {placed}/{len(some)} | {share} | {told} |")
+    return lines
+
+
+EDGES = (0.0, 0.1, 0.3, 1.0, 3.0)
+"""Heights with all else re-tuned, over the noise of one record, from which effects are counted together."""
+
+
+def by_height(rows: list[dict]) -> list[str]:
+    """A table of all hidden effects that have a name: how many are named in their place, by what is left."""
+    known = [
+        (height, where in row["said"], len(row["hidden"]) > 1)
+        for row in rows
+        if row["kind"] in ("single", "pair", "several") and row["retuned"]
+        for where, height in zip(row["hidden"], row["retuned"], strict=True)
+    ]
+    if not known:
+        return []
+    lines = [
+        "",
+        "How high an effect stands once the robot's parameters and the numbers of what else is hidden are",
+        "fitted to it, over the noise of one record:",
+        "",
+        "| height re-tuned | alone: named in its place | beside others |",
+        "|---|---:|---:|",
+    ]
+    for low, high in pairwise((*EDGES, float("inf"))):
+        some = [(named, beside) for height, named, beside in known if low <= height < high]
+        alone = [named for named, beside in some if not beside]
+        other = [named for named, beside in some if beside]
+        what = f"{low:g} to {high:g}" if high < float("inf") else f"{low:g} and more"
+        lines.append(f"| {what} | {sum(alone)} of {len(alone)} | {sum(other)} of {len(other)} |")
     return lines
 
 

@@ -8,7 +8,7 @@ from collections import Counter, defaultdict
 from pathlib import Path
 
 import numpy as np
-from exam_forms import at_once, by_form
+from exam_forms import at_once, by_form, by_height
 from exam_lawfree import law_free
 from exam_question import NAMED, OUTSIDE, ROBOTS
 
@@ -216,7 +216,17 @@ def _page(rows: list[dict], asked: int, seed: int, engine: str, within: float | 
         told = [", ".join(f"{e} {w}" for e, w in some) or "nothing" for some in (r["hidden"], r["said"])]
         lines.append(f"| {r['robot']} | {told[0]} | {told[1]} | {r['over']:.2f} |")
     if any(form != "own" for r in single for form in r["forms"]):
-        lines += ["", "## By form", "", *by_form(rows), "", "## Several at once", "", *at_once(rows)]
+        lines += [
+            "",
+            "## By form",
+            "",
+            *by_form(rows),
+            "",
+            "## Several at once",
+            "",
+            *at_once(rows),
+            *by_height(rows),
+        ]
     lines += law_free(single)
     lines += ["", "## Confusion", "", "Rows: hidden, one effect; columns: the first effect named.", ""]
     lines += _confusion(single + nothing + outside)

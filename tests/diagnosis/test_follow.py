@@ -1196,9 +1196,21 @@ class Rivalled(World):
         }
 
 
-@pytest.mark.parametrize(("more", "expected"), [(0.0, DELAY), (3.0, DELAY), (9.0, ("spare", "f"))])
-def test_what_was_tied_with_an_effect_takes_its_place_if_it_is_clearly_more_plausible_there(more, expected):
-    """Only what was tied: another one that was looked at besides is not."""
+@pytest.mark.parametrize(
+    ("more", "confidence", "expected"),
+    [
+        (0.0, 0.95, DELAY),
+        (3.0, 0.95, DELAY),
+        (9.0, 0.95, ("spare", "f")),
+        (9.0, 0.6, ("spare", "f")),
+        (9.0, 0.4, ("spare", "g")),
+        (0.0, 0.4, DELAY),
+    ],
+)
+def test_what_was_tied_with_an_effect_takes_its_place_if_it_is_clearly_more_plausible_there(
+    more, confidence, expected
+):
+    """Only what was tied, not another one that was looked at; unless the effect is less sure than not."""
     hidden = [MASS, expected]
 
     def left(keys):
@@ -1210,6 +1222,7 @@ def test_what_was_tied_with_an_effect_takes_its_place_if_it_is_clearly_more_plau
     selection.data.more = more
     assert selection.follow()
     assert set(steps(selection)) == {MASS, DELAY}
+    selection.steps[:] = [replace(step, confidence=confidence) for step in selection.steps]
     selection.drop_needless()
     assert set(steps(selection)) == set(hidden)
     assert set(selection.current.keys) == set(hidden)

@@ -124,6 +124,25 @@ def test_effects_that_re_tuning_takes_up_are_told_apart():
     assert line.endswith("| 1 of 2 (50 %) |")
 
 
+def test_effects_are_counted_by_what_re_tuning_leaves_of_them():
+    mass, lag, play = ("added_mass", "a"), ("time_delay", "b"), ("clearance", "c")
+    rows = [
+        {"kind": "pair", "hidden": [mass, lag], "said": [lag], "retuned": [0.05, 7.0]},
+        {"kind": "single", "hidden": [mass], "said": [mass], "retuned": [0.4]},
+        {"kind": "single", "hidden": [mass], "said": [lag], "retuned": [0.9]},
+        {"kind": "outside", "hidden": [play], "said": [], "retuned": [0.9]},
+    ]
+    found = exam_forms.by_height(rows)
+    assert [
+        line for line in found if "of" in line and "0 of 0 | 0 of 0" not in line and line[:3] != "How"
+    ] == [
+        "| 0 to 0.1 | 0 of 0 | 0 of 1 |",
+        "| 0.3 to 1 | 1 of 2 | 0 of 0 |",
+        "| 3 and more | 0 of 0 | 1 of 1 |",
+    ]
+    assert exam_forms.by_height([{**row, "retuned": []} for row in rows]) == []
+
+
 def test_the_truth_of_other_forms_tells_how_high_an_effect_stands_re_tuned(tmp_path):
     question = next(q for q in exam_plan.plan(8, forms="looked") if q.kind == "single")
     exam_question.pose(question, tmp_path / "campaign", tmp_path / "truth.toml")

@@ -18,6 +18,9 @@ FEW, WITHOUT = 2, 0.5
 """How many effects there are at least beside one that may be due to the narrow law of another one, and what
 part of the disagreement they take without it: what takes more than they do is no remainder of a law."""
 
+EVEN = 0.5
+"""Confidence below which an effect is less sure than not."""
+
 
 def takes(data: Data[M], first: M, last: M, part: float) -> bool:
     """Whether a model takes so much of what another one leaves above the noise.
@@ -106,6 +109,8 @@ def without(data: Data[M], model: M, key: tuple[str, str]) -> M:
 def of_the_tied(data: Data[M], comparison: Comparison[M], step: Step) -> Comparison[M] | None:
     """What was tied with one of several effects, where it is clearly more plausible beside the others.
 
+    Of one that is less sure than not anything that was considered where it was looked for.
+
     Args:
         data: that models are fitted to.
         comparison: of a model without the effect and with it.
@@ -115,8 +120,9 @@ def of_the_tied(data: Data[M], comparison: Comparison[M], step: Step) -> Compari
         The model without the effect, and with the other one in its place.
     """
     less, model = comparison.models
-    others = data.instead(model, (step.effect, step.where), anyway=True) if step.ties else []
-    tied = [one for one in others if one.key in step.ties]
+    doubtful = step.confidence < EVEN
+    others = data.instead(model, (step.effect, step.where), anyway=True) if step.ties or doubtful else []
+    tied = [one for one in others if doubtful or one.key in step.ties]
     if not tied:
         return None
     every = data.compare([less, model, *tied])
