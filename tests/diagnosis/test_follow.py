@@ -10,6 +10,7 @@ from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Effect
 from flexmodal.diagnosis.effects.free_function import FreeFunction
 from flexmodal.diagnosis.hypothesis import Hypothesis
+from flexmodal.diagnosis.lawfree.effects_at import PORT_OF
 from flexmodal.diagnosis.lawfree.first_look import LooksWithoutLaw
 from flexmodal.diagnosis.lawfree.result import Findings, Found, PlaceTried
 from flexmodal.diagnosis.names import UNSTRUCTURED
@@ -47,6 +48,7 @@ MASS, DELAY, PLAY, LINK, BASE = (
 )
 FEET = ("base_flexibility", "base")
 PLAYS = ("nonlinear_stiffness", "q3")
+RODS = ("joint_coupling", "q2+q3")
 EVERY = (MASS, DELAY, PLAY, LINK, BASE, ("spare", "f"), ("spare", "g"))
 NOISE = 1.0
 
@@ -600,8 +602,8 @@ def test_a_coupling_does_not_contradict_effects_in_its_joints(monkeypatch, conte
     assert contradicts(monkeypatch, context, keys, over, over_without=9.0) is contradicted
 
 
-def contradicts(monkeypatch, context, keys, over, over_without):
-    """Whether one place, a coupling, speaks against some effects; how far they are, and each without one."""
+def contradicts(monkeypatch, context, keys, over, over_without, found=("coupling", "q1+q3")):
+    """Whether one place speaks against some effects; how far they are, and each without one."""
     model = fitted(*keys)
     for module in (frf_data, frf_by_look):
         monkeypatch.setattr(
@@ -610,9 +612,54 @@ def contradicts(monkeypatch, context, keys, over, over_without):
     data = FrfData.__new__(FrfData)
     data.setup = Mock(spec=Setup, held=np.ones(1, dtype=bool), context=context)
     data.modes, data._refits = None, Mock(spec=Refits, without=lambda *given: fitted())
-    found = Mock(spec=Found, port="coupling", where="q1+q3")
-    data._look = Mock(spec=Findings, explains=True, found=(found,), met=lambda keys: {})
+    place = Mock(spec=Found, port=found[0], where=found[1])
+    data._look = Mock(spec=Findings, explains=True, found=(place,), met=lambda keys: {})
     return data.is_contradicted(model)
+
+
+@pytest.mark.parametrize(
+    ("keys", "over", "contradicted"),
+    [
+        ([("servo_compliance", "q1"), ("link_flexibility", "link_1")], 1.05, False),
+        (
+            [("servo_compliance", "q1"), ("link_flexibility", "link_1")],
+            1.2,
+            True,
+        ),  # a law of it may do better
+        ([("servo_compliance", "q2"), ("link_flexibility", "link_1")], 1.05, True),
+        ([("servo_compliance", "q1"), ("added_mass", "link_3")], 1.05, True),
+    ],
+)
+def test_a_foundation_does_not_contradict_what_sits_in_the_joint_on_it(
+    monkeypatch, context, keys, over, contradicted
+):
+    """Its function does what these do together; where they leave nothing they are no more than it."""
+    found = contradicts(monkeypatch, context, keys, over, 9.0, ("base", "base"))
+    assert found is contradicted
+
+
+@pytest.mark.parametrize(
+    ("key", "asked", "tried"),
+    [
+        (FEET, None, {("servo_compliance", "q1"), ("bearing_flexibility", "q1")}),
+        (FEET, {"base_flexibility": ("base",)}, set()),
+        (("bearing_flexibility", "q1"), None, set()),
+    ],
+)
+def test_in_the_stead_of_a_foundation_what_sits_in_the_first_joint_is_tried(context, key, asked, tried):
+    every = [
+        *(("servo_compliance", f"q{k}") for k in (1, 2)), *(("bearing_flexibility", f"q{k}") for k in (1, 2)),
+        ("coulomb_friction", "q1"), ("link_flexibility", "link_1"), FEET,
+    ]  # fmt: skip
+
+    def also_at(less, number, found, ports):
+        assert (number, found) == (1, [])
+        return [fitted(MASS, one) for one in every if (PORT_OF[one[0]], one[1]) in ports]
+
+    data = FrfData.__new__(FrfData)
+    data.setup, data.asked = Mock(spec=Setup, context=context), asked
+    data._candidates = Mock(spec=FrfCandidates, also_at=also_at)
+    assert {one.key for one in data.plainer(fitted(MASS), key)} == tried
 
 
 @pytest.mark.parametrize(("over_without", "contradicted"), [(1.3, False), (1.5, True)])
@@ -959,6 +1006,7 @@ def test_beside_the_same_effects_is_searched_again_only_from_nearer(monkeypatch,
             [
                 FEET,
                 ("coulomb_friction", "q1"),
+                RODS,
                 ("local_absorber", "link_3"),
                 PLAYS,
                 ("joint_coupling", "q1+q2"),
@@ -972,10 +1020,12 @@ def test_where_none_takes_a_good_part_beside_effects_what_a_look_puts_first_and_
 ):
     """Of the two best places that have an effect, and of those near that have a wider law.
 
-    In the order of the places, one law more that depends on the blow, from what the look tells.
+    In the order of the places, one law more that depends on the blow, from what the look tells. And of the
+    best coupling, wherever it is: no function of one line tells of a rod.
     """
     forced = PLAYS, ("coulomb_friction", "q1")
     over = {FEET: 8.0, ("local_absorber", "link_3"): 7.7, ("joint_coupling", "q1+q2"): 20.0}
+    over[RODS] = 12.5
     asked, widened, told = [], [], Mock()
 
     def model(key, over, level=None):
@@ -985,9 +1035,9 @@ def test_where_none_takes_a_good_part_beside_effects_what_a_look_puts_first_and_
         return one
 
     def searched(before, number, allowed):
-        every = [*over, ("joint_coupling", "q2+q3"), ("added_mass", "link_3")]
+        every = [*over, ("added_mass", "link_3")]
         asked.extend(key for key in every if allowed(*key))
-        return [model(key, over[key], "wide") for key in asked]
+        return [model(key, over[key], "wide") for key in sorted(asked, key=lambda one: over[one])]
 
     def at_next_level(setup, one, set_out, is_enough):
         assert set_out.told is told
@@ -999,7 +1049,9 @@ def test_where_none_takes_a_good_part_beside_effects_what_a_look_puts_first_and_
     monkeypatch.setattr(frf_candidates, "at_next_level", at_next_level)
     monkeypatch.setattr(frf_candidates, "starts", lambda *given: Mock(told=told))
     candidates = FrfCandidates.__new__(FrfCandidates)
-    candidates.setup, candidates.searched = Mock(spec=Setup), searched
+    coupling = Mock(spec=Effect, places=lambda context: ("q1+q2", "q2+q3"))
+    coupling.name = "joint_coupling"
+    candidates.setup, candidates.searched = Mock(spec=Setup, effects=[coupling], context=None), searched
     ports = ("blows", "tip"), ("base", "base"), ("ground", "a"), ("coupling", "q1+q2"), ("body", "link_3")
     ports = *ports, ("torque", "q1"), ("torque", "q3")
     places = [Mock(spec=PlaceTried, port=at[0], where=at[1], judged=k) for k, at in enumerate(ports)]
@@ -1009,8 +1061,8 @@ def test_where_none_takes_a_good_part_beside_effects_what_a_look_puts_first_and_
     found = candidates._with_wider_laws(before, 1, first, Mock(spec=Findings, places=places))
     assert [one.key for one in found] == expected
     more = takes < 0.33 and beside
-    assert asked == ([FEET, ("joint_coupling", "q1+q2")] if more else [])
-    assert widened == ([FEET, ("coulomb_friction", "q1")] if more else [])
+    assert asked == ([FEET, ("joint_coupling", "q1+q2"), RODS] if more else [])
+    assert widened == ([FEET, ("coulomb_friction", "q1"), RODS] if more else [])
 
 
 def is_over(model):

@@ -2,6 +2,7 @@
 
 The function of one is free in every line and takes up most of what the other does, so that a look that has
 come to the noise at one of them need not have tried the other. A law of one does not pass for the other's.
+A foundation's functions do what the joints on it and the links that these carry do, as they turn with them.
 And what two joints' coupling holds: its functions do all that sits in either of them, or on what they alone
 move.
 """
@@ -46,6 +47,18 @@ def within(context: Context, keys: Sequence[tuple[str, str]], port: str, where: 
         and set(_moving(context, place)) <= set(where.split("+"))
         for name, place in keys
     )
+
+
+def on_base(context: Context) -> frozenset[tuple[str, str]]:
+    """Kinds and places of ports in the joints that stand on the base, and of the links that these carry.
+
+    Args:
+        context: of the diagnosis.
+    """
+    standing = [joint for joint in context.joints if any(_BASE in pair for pair in _at(context, joint))]
+    kinds = ("bearing", "joint", "torque")
+    carried = [("link", context.robot.urdf.joint_by_name[joint].child) for joint in standing]
+    return frozenset([*((kind, joint) for kind in kinds for joint in standing), *carried])
 
 
 def _moving(context: Context, place: str) -> list[str]:

@@ -25,6 +25,10 @@ _WIDER = {"channel": "sensor", "blows": "hammer", "coupling": "joint", "rod": "c
 """Kinds of port that can do whatever one of another kind in the same place can."""
 WIDE = {wide for wide, held in _WIDER.items() if wide not in PORT_OF.values() and held in PORT_OF.values()}
 """Kinds of port that do what the narrow law of an effect cannot, but a wider one can: a rod."""
+HELD_BY_WIDE = {_WIDER[wide] for wide in WIDE}
+"""Kinds whose effects have such a wider law."""
+DOES_MUCH = ("base",)
+"""Kinds of port whose effects can do what many plainer ones do that touch them."""
 _ELASTIC = ("spring", "spring and damper", "spring with constant loss", "spring, damper and mass")
 CLASSES_OF: Mapping[str, tuple[str, ...]] = {
     "joint_coupling": (

@@ -153,6 +153,15 @@ class Data(ToldData[M], ABC, Generic[M]):
         """Whether its one effect is sure though far more than noise is left."""
         return False
 
+    def plainer(self, less: M, key: tuple[str, str]) -> list[M]:
+        """A model without one of its effects, with what is plainer and touches its place in its stead.
+
+        Args:
+            less: the model without it.
+            key: its name and place; only of one that can do what many plainer ones do.
+        """
+        return []
+
     def is_contradicted(self, model: M) -> bool:
         """Whether several effects stand for what one place explains at which none of them sits."""
         return False

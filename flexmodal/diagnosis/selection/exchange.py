@@ -109,7 +109,8 @@ def without(data: Data[M], model: M, key: tuple[str, str]) -> M:
 def of_the_tied(data: Data[M], comparison: Comparison[M], step: Step) -> Comparison[M] | None:
     """What was tied with one of several effects, where it is clearly more plausible beside the others.
 
-    Of one that is less sure than not anything that was considered where it was looked for.
+    Of one that is less sure than not anything that was considered where it was looked for; of one that can do
+    much, what is plainer and touches its place.
 
     Args:
         data: that models are fitted to.
@@ -123,6 +124,7 @@ def of_the_tied(data: Data[M], comparison: Comparison[M], step: Step) -> Compari
     doubtful = step.confidence < EVEN
     others = data.instead(model, (step.effect, step.where), anyway=True) if step.ties or doubtful else []
     tied = [one for one in others if doubtful or one.key in step.ties]
+    tied += data.plainer(less, (step.effect, step.where))
     if not tied:
         return None
     every = data.compare([less, model, *tied])

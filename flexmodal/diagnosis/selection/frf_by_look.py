@@ -6,8 +6,8 @@ from collections.abc import Collection, Mapping
 from contextlib import suppress
 
 from flexmodal.diagnosis.disagreement.gaps import left, over_noise
-from flexmodal.diagnosis.lawfree.adjacent import within
-from flexmodal.diagnosis.lawfree.effects_at import PORT_OF
+from flexmodal.diagnosis.lawfree.adjacent import on_base, within
+from flexmodal.diagnosis.lawfree.effects_at import DOES_MUCH, PORT_OF
 from flexmodal.diagnosis.lawfree.look import SOUND
 from flexmodal.diagnosis.lawfree.result import Findings as LawFree
 from flexmodal.diagnosis.search.explanations import best_of_each
@@ -85,6 +85,13 @@ class FrfsByLook(Data[FittedFrfs]):
         far = NOT_FAR_BEHIND * over_noise(self.setup, model)
         self._far |= {(key, one.key) for one in found if over_noise(self.setup, one) > far}
         return best_of_each(found)
+
+    def plainer(self, less: FittedFrfs, key: tuple[str, str]) -> list[FittedFrfs]:
+        """See `Data`: in a foundation's stead what sits in the joints on it, whose turns it can do."""
+        if PORT_OF.get(key[0]) not in DOES_MUCH or self.asked is not None:
+            return []
+        rigid = {one for one in on_base(self.setup.context) if one[0] in ("joint", "bearing")}
+        return self._candidates.also_at(less, len(less.hypothesis.keys), [], rigid)
 
     def leads_on(self, model: FittedFrfs) -> bool:
         """See `Data`."""
@@ -187,8 +194,9 @@ class FrfsByLook(Data[FittedFrfs]):
     def is_contradicted(self, model: FittedFrfs) -> bool:
         """See `Data`; by what was held out too. Effects that no port stands for are taken at their word.
 
-        Several that all sit where the function of two coupled joints does what they do are no more than it.
-        What was found where the others were enough already does not count among them.
+        Several that all sit where the function of two coupled joints does what they do are no more than it,
+        and those in the joints on a foundation no more than its function, if they leave nothing. What was
+        found where the others were enough already does not count among them.
         """
         keys, held = model.hypothesis.keys, self.setup.held
         known = all(name in PORT_OF for name, _ in keys)
@@ -196,6 +204,8 @@ class FrfsByLook(Data[FittedFrfs]):
             return False
         fails = held.any() and over_noise(self.setup, model, held) > EXPLAINED
         held_by = any(within(self.setup.context, keys, one.port, one.where) for one in self.look.found)
+        if self.is_close(model) and any(one.port in DOES_MUCH for one in self.look.found):
+            held_by |= {(PORT_OF[name], where) for name, where in keys} <= on_base(self.setup.context)
         if fails or held_by or len(keys) <= len(self.look.found):
             return bool(fails)
         needed = [key for key in keys if not self.is_enough(self.without(model, key))]

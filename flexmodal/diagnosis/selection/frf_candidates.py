@@ -8,7 +8,7 @@ import numpy as np
 
 from flexmodal.diagnosis.disagreement.gaps import left, over_noise
 from flexmodal.diagnosis.lawfree.adjacent import adjacent
-from flexmodal.diagnosis.lawfree.effects_at import PORT_OF, WIDE
+from flexmodal.diagnosis.lawfree.effects_at import HELD_BY_WIDE, PORT_OF, WIDE
 from flexmodal.diagnosis.lawfree.result import Findings
 from flexmodal.diagnosis.search.explanations import (
     FOLLOWED,
@@ -175,17 +175,26 @@ class FrfCandidates(SearchesBeside):
         """With effects at places that do best without a law, and wider laws, where none takes a good part.
 
         Beside effects while several are missing: a narrow law may take nothing where a wide one takes most,
-        of a foundation on bolts or of a rod.
+        of a foundation on bolts or of a rod. Of a rod whose ratio changes with the posture no function tells
+        the joints either: the best coupling gets its wider law.
         """
         if not before.hypothesis.placed or any(left(self.setup, before, one) < 1 - ANOTHER for one in found):
             return found
         kinds = set(PORT_OF.values())
         best = [(one.port, one.where) for one in look.places if one.port in kinds][:LIKELY]
-        found = self.also_at(before, number, found, best)
+        found = self.also_at(before, number, found, [*best, *self._that_hide])
         told = SetOut([], starts(before, look).told)
         near = likely_wider(self.setup, found, look)
+        hidden = [one for one in found if (PORT_OF.get(one.key[0]), one.key[1]) in self._that_hide]
+        near += [one for one in hidden[:1] if one not in near]
         wider = [more for one in near for more in at_next_level(self.setup, one, told, self._is_enough)]
         return best_of_each([*found, *wider])
+
+    @property
+    def _that_hide(self) -> list[tuple[str, str]]:
+        """Kinds and places of ports whose effects have a wider law that no port of one function shows."""
+        effects = [effect for effect in self.setup.effects if PORT_OF.get(effect.name) in HELD_BY_WIDE]
+        return [(PORT_OF[one.name], where) for one in effects for where in one.places(self.setup.context)]
 
     def _elsewhere(
         self, before: FittedFrfs, number: int, found: list[FittedFrfs], look: Findings

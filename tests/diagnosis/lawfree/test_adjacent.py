@@ -2,7 +2,7 @@
 
 import pytest
 
-from flexmodal.diagnosis.lawfree.adjacent import adjacent, within
+from flexmodal.diagnosis.lawfree.adjacent import adjacent, on_base, within
 
 
 @pytest.mark.parametrize(
@@ -20,6 +20,10 @@ from flexmodal.diagnosis.lawfree.adjacent import adjacent, within
 def test_a_foundation_touches_the_first_bearing_and_a_link_those_at_its_ends(context, here, touching):
     assert context.joints == ("q1", "q2", "q3")
     assert adjacent(context, *here) == touching
+
+
+def test_on_the_base_stand_the_first_joint_and_the_link_that_it_carries(context):
+    assert on_base(context) == {("bearing", "q1"), ("joint", "q1"), ("torque", "q1"), ("link", "link_1")}
 
 
 SERVO, ABSORBER, MASS = "servo_compliance", "local_absorber", "added_mass"
