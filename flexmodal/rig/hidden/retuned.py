@@ -141,13 +141,12 @@ def _iterated(tuned: _Tuned, target: np.ndarray, usable: np.ndarray, floor: Floo
 
     change = np.zeros(len(tuned.deviation))
     left = off(change)
-    usable[usable] = np.isfinite(left)
-    left = left[np.isfinite(left)]
+    usable, left = usable.copy(), left[able := np.isfinite(left)]
+    usable[usable] = able
     for _ in range(STEPS):
-        slopes = tuned.slopes(change, floor)[:, usable]
-        step = _step(slopes, left, change, tuned.deviation, floor.height)
-        tried = (change + part * step for part in PARTS)
-        found = next(((one, off(one)) for one in tried if size(off(one)) < size(left)), None)
+        step = _step(tuned.slopes(change, floor)[:, usable], left, change, tuned.deviation, floor.height)
+        tried = ((one, off(one)) for one in (change + part * step for part in PARTS))
+        found = next(((one, rest) for one, rest in tried if size(rest) < size(left)), None)
         if found is None:
             break
         change, left = found
