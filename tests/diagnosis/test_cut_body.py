@@ -102,3 +102,17 @@ def test_a_link_that_stands_across_the_plane_does_not_bend(context, monkeypatch)
             lambda context, one: (1.0, upright) if one == link else others(context, one),
         )
         assert link not in link_flexibility.EFFECT.places(context)
+
+
+def test_between_two_hinges_in_one_place_there_is_nothing(context):
+    """Where a wider law moves hinges they may meet; it had ended in a division by nothing."""
+    placement = placed(context)
+    for body in bodies(context, placement.where):
+        parts, whole = cut(placement, body, np.array([0.1, 0.45, 0.45, 0.8]))
+        expected, other = cut(placement, body, PLACES)
+        assert (parts[2].body.mass, parts[2].turning) == (0.0, 0.0)
+        assert not parts[2].body.inertia.any()
+        for one, same in zip([*parts[:2], *parts[3:]], expected, strict=True):
+            assert one.body.mass == pytest.approx(same.body.mass)
+            assert one.body.centre == pytest.approx(same.body.centre)
+        assert whole == pytest.approx(other, abs=1e-12)

@@ -65,6 +65,8 @@ def cut(
 ) -> tuple[list[Part], Float[np.ndarray, "3 3"]]:
     """Parts of a link between its hinges, and the inertia of all their rods about its mass centre.
 
+    Between two hinges in one place there is no mass.
+
     Args:
         placement: of the effect; its place is the link.
         body: of the whole link.
@@ -82,11 +84,12 @@ def cut(
             about_centre.between(*_of(about_centre, start, stop))
         ]
         mass = sum(rod.mass for rod in some)
-        centre = sum((rod.mass / mass * _middle(rod, axis) for rod in some), np.zeros(3))
+        middle = (start + stop) / 2 * end * axis
+        centre = sum((rod.mass / mass * _middle(rod, axis) for rod in some), np.zeros(3)) if mass else middle
         inertia = _inertia(some, axis, centre)
         whole += inertia + mass * _about(centre - body.centre)
         turning = spread * (stop - start) + (1 - spread) * mass / body.mass
-        parts.append(Part((start + stop) / 2 * end * axis, Body(mass, centre, inertia), turning))
+        parts.append(Part(middle, Body(mass, centre, inertia), turning))
     return parts, whole
 
 
