@@ -19,7 +19,8 @@ PHYSICS = {
     "rig": "The virtual rig on",
     "mujoco": "Motion integrated by MuJoCo, of",
     "looked": "The virtual rig, effects in forms that were looked at while tuning, on random arms and",
-    "sealed": "The virtual rig, effects in forms that nobody looked at while tuning, on random arms and",
+    "sealed": "The virtual rig, effects in the sealed forms, which were looked into only where they went "
+    "wrong on earlier seeds, on random arms and",
 }
 TELLS = 0.1
 """Height with all else re-tuned, over the noise of one record, below which a campaign does not tell of an
