@@ -96,13 +96,12 @@ def _share(rows: list[dict], key: str) -> str:
 def that_tell(single: list[dict], pairs: list[dict]) -> list[str]:
     """The same of those that are there to be seen once all else is re-tuned."""
     lines = []
-    for what, rows in (("one effect hidden", single), ("two effects hidden", pairs)):
+    for what, rows in (("one effect hidden,", single), ("two effects hidden, each", pairs)):
         known = [r for r in rows if r["retuned"]]
         able = [r for r in known if min(r["retuned"]) >= TELLS]
         if known:
-            each = "each " if rows is pairs else ""
             lines.append(
-                f"| {what}, {each}{TELLS:g} noise floors or more with all else re-tuned: named | – | "
+                f"| {what} {TELLS:g} noise floors or more with all else re-tuned: named | – | "
                 f"{_share(able, 'effect')} |"
             )
     return lines

@@ -23,10 +23,10 @@ LOWEST = 1.15
 """Of the band's end, above which a mass swings on what holds it."""
 RIGID = 8.0
 """Likewise, above which files hold the mass as rigid."""
-RATIOS, LEANS = ("length_ratio", "side_ratio"), ("length_side_lean", "length_across_lean", "side_across_lean")
-"""In space, spreads of the mass along the link and to a side over that across both; and how it leans."""
 LOSS = 0.03
 """Damping ratio of that, which is not to be seen so far below."""
+RATIOS, LEANS = ("length_ratio", "side_ratio"), ("length_side_lean", "length_across_lean", "side_across_lean")
+"""In space, spreads of the mass along the link and to a side over that across both; and how it leans."""
 
 
 def _parameters(context: Context, where: str) -> tuple[Parameter, ...]:

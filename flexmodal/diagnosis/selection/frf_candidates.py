@@ -185,7 +185,7 @@ class FrfCandidates(SearchesBeside):
         found = self.also_at(before, number, found, [*best, *self._that_hide])
         told = SetOut([], starts(before, look).told)
         near = likely_wider(self.setup, found, look)
-        hidden = [one for one in found if (PORT_OF.get(one.key[0]), one.key[1]) in self._that_hide]
+        hidden = [one for one in found if PORT_OF.get(one.key[0]) in HELD_BY_WIDE]
         near += [one for one in hidden[:1] if one not in near]
         wider = [more for one in near for more in at_next_level(self.setup, one, told, self._is_enough)]
         return best_of_each([*found, *wider])
