@@ -1,7 +1,7 @@
 """The sealed exam of the diagnosis: simulated campaigns with effects hidden in them.
 
     python benchmarks/exam.py [--engine rig|mujoco] [--forms own|looked|sealed] [--seed N] [--folder DIR]
-        [--workers N] [--most N] [--scheduler ADDRESS]
+        [--postures N] [--workers N] [--most N] [--scheduler ADDRESS]
 
 Goes on where it was stopped; on this machine's cores, or on the workers of a Dask scheduler that see the same
 folders. The candidate is a process of its own that is given the campaign's folder; what
@@ -18,10 +18,11 @@ import shutil
 import subprocess
 import sys
 import tomllib
+from dataclasses import replace
 from pathlib import Path
 
 from exam_plan import plan
-from exam_question import ENGINES, WHICH, Question
+from exam_question import ENGINES, POSTURES, WHICH, Question
 from exam_report import report
 from spreading import add_options, pieces
 
@@ -38,9 +39,9 @@ def ask(question: Question, folder: Path, engine: str, forms: str, within: float
             shutil.rmtree(campaign, ignore_errors=True)
             truth.unlink(missing_ok=True)
             poser = Path(__file__).parent / "exam_plan.py"
-            seed = folder.name.split("-")[-1]
-            given = (engine, forms, seed, question.name)
-            call([sys.executable, str(poser), *given, str(campaign), str(truth)])
+            seed = folder.name.split("-")[-1].partition("x")[0]
+            given = (engine, forms, seed, question.name, str(campaign), str(truth))
+            call([sys.executable, str(poser), *given, str(question.postures)])
         candidate = Path(__file__).parent / "exam_candidate.py"
         limit = [] if within is None else [str(within)]
         call([sys.executable, str(candidate), str(campaign), str(answer), *limit])
@@ -65,6 +66,7 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=None, help="by default that of the table")
     parser.add_argument("--folder", type=Path, default=Path("exam"))
     parser.add_argument("--within", type=float, default=None, help="seconds for each; by default no limit")
+    parser.add_argument("--postures", type=int, default=POSTURES, help="of each campaign")
     parser.add_argument("--most", type=int, default=None, help="only so many questions")
     add_options(parser)
     given = parser.parse_args()
@@ -73,16 +75,17 @@ def main() -> None:
     kind = given.engine if given.forms == "own" else f"{given.engine}-{given.forms}"
     name = given.engine if given.forms == "own" else given.forms
     seed = PUBLISHED[name] if given.seed is None else given.seed
-    folder = given.folder / f"{kind}-{seed}"
+    usual = given.postures == POSTURES
+    folder = given.folder / (f"{kind}-{seed}" if usual else f"{kind}-{seed}x{given.postures}")
     for part in ("campaigns", "truth", "answers"):
         (folder / part).mkdir(parents=True, exist_ok=True)
-    every = plan(seed, given.engine, given.forms)
+    every = [replace(one, postures=given.postures) for one in plan(seed, given.engine, given.forms)]
     questions = {question.name: question for question in every[: given.most]}
     if given.one:
         ask(questions[given.one], folder, given.engine, given.forms, given.within)
         return
     options = ["--engine", given.engine, "--forms", given.forms, "--seed", str(seed)]
-    options += ["--folder", os.path.abspath(given.folder)]
+    options += ["--postures", str(given.postures), "--folder", os.path.abspath(given.folder)]
     options += [] if given.within is None else ["--within", str(given.within)]
     found = {}
     asked = pieces("exam.py", questions, options, scheduler=given.scheduler, workers=given.workers)
@@ -91,7 +94,7 @@ def main() -> None:
             found[one] = ask(questions[one], folder, given.engine, given.forms, given.within)
             print(f"{number}/{len(questions)}", line(found[one]), flush=True)
     done = [found[one] for one in questions if one in found]
-    report(done, len(every), seed, name, given.within, published=seed == PUBLISHED[name])
+    report(done, len(every), seed, name, given.within, published=usual and seed == PUBLISHED[name])
 
 
 def line(result: dict[str, object]) -> str:

@@ -7,6 +7,7 @@ in `exam_forms`, are on arms drawn at random besides.
 from __future__ import annotations
 
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -53,6 +54,7 @@ def _mujoco() -> list[tuple[str, tuple[str, ...]]]:
 
 
 if __name__ == "__main__":
-    _engine, _forms, _seed, _name, _folder, _truth = sys.argv[1:]
+    _engine, _forms, _seed, _name, _folder, _truth, *_postures = sys.argv[1:]
     _question = next(one for one in plan(int(_seed), _engine, _forms) if one.name == _name)
+    _question = replace(_question, postures=int(_postures[0])) if _postures else _question
     pose(_question, Path(_folder), Path(_truth), _engine)

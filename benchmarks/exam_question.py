@@ -50,6 +50,7 @@ class Question:
     """Of each effect; the rig's own if none are named."""
     arm: int = 0
     """Seed of a drawn arm."""
+    postures: int = POSTURES
 
 
 def find_robot(question: Question, folder: Path) -> Robot:
@@ -127,7 +128,7 @@ def _simulated(question: Question, robot: Robot, simulated: Callable[..., RigRes
     forms = dict(zip(question.effects, question.forms, strict=False))
     return simulated(
         robot,
-        postures=POSTURES,
+        postures=question.postures,
         points=points,
         hide=[replace(item, form=forms.get(item.effect, "own")) for item in scenario.hide],
         parameter_error=parameter_error(question, scenario.parameter_error),

@@ -60,6 +60,7 @@ def judged(result: dict) -> dict:
         "tied": [tuple(tie) for ties in answer["ties"] for tie in ties],
         "baselines": answer.get("baselines"),
         "look": answer.get("look") or [],
+        "postures": question.postures,
     }
     if question.kind == "outside":
         row["effect"] = row["place"] = "unknown" in names
@@ -163,10 +164,10 @@ def _page(rows: list[dict], asked: int, seed: int, engine: str, within: float | 
         "# The sealed exam of the diagnosis",
         "",
         f"Made by `make exam` on {datetime.date.today()}, seed {seed}: {len(rows)} of {asked} campaigns "
-        f"answered. {PHYSICS[engine]} {', '.join(ROBOTS)}: 5 postures, up to 5 points, 2 hammer "
-        "points, two levels of force with a repeat each, 1 % noise; parameters of the robot 2 to 8 % off; "
-        "effects 3 to 30 times the noise floor before re-tuning. The code was tuned on other seeds. *Effect* "
-        "asks for the right set of names, *effect and place* for the right places too."
+        f"answered. {PHYSICS[engine]} {', '.join(ROBOTS)}: {rows[0]['postures']} postures, up to 5 points, "
+        "2 hammer points, two levels of force with a repeat each, 1 % noise; parameters of the robot 2 to "
+        "8 % off; effects 3 to 30 times the noise floor before re-tuning. The code was tuned on other seeds. "
+        "*Effect* asks for the right set of names, *effect and place* for the right places too."
         + cut
         + (stopped if len(rows) < asked else ""),
         "",

@@ -49,6 +49,17 @@ def within(context: Context, keys: Sequence[tuple[str, str]], port: str, where: 
     )
 
 
+def between(context: Context, where: str) -> frozenset[tuple[str, str]]:
+    """Kind and place of the port of the link that the joints of a coupling hold between them, if they do.
+
+    Args:
+        context: of the diagnosis.
+        where: place of the coupling.
+    """
+    ends = [{key for pair in _at(context, joint) for key in pair} for joint in where.split("+")]
+    return frozenset(key for key in set.intersection(*ends) if key[0] == "link")
+
+
 def on_base(context: Context) -> frozenset[tuple[str, str]]:
     """Kinds and places of ports in the joints that stand on the base, and of the links that these carry.
 
