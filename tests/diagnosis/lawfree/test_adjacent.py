@@ -2,7 +2,7 @@
 
 import pytest
 
-from flexmodal.diagnosis.lawfree.adjacent import adjacent, on_base, within
+from flexmodal.diagnosis.lawfree.adjacent import adjacent, between, on_base, within
 
 
 @pytest.mark.parametrize(
@@ -24,6 +24,13 @@ def test_a_foundation_touches_the_first_bearing_and_a_link_those_at_its_ends(con
 
 def test_on_the_base_stand_the_first_joint_and_the_link_that_it_carries(context):
     assert on_base(context) == {("bearing", "q1"), ("joint", "q1"), ("torque", "q1"), ("link", "link_1")}
+
+
+@pytest.mark.parametrize(
+    ("coupled", "link"), [("q1+q2", {("link", "link_1")}), ("q2+q3", {("link", "link_2")}), ("q1+q3", set())]
+)
+def test_two_joints_in_a_row_hold_a_link_between_them(context, coupled, link):
+    assert between(context, coupled) == link
 
 
 SERVO, ABSORBER, MASS = "servo_compliance", "local_absorber", "added_mass"

@@ -9,7 +9,7 @@ import pytest
 import flexmodal
 from flexmodal.diagnosis.effects import Context, catalogue, rod
 from flexmodal.diagnosis.hypothesis import Hypothesis
-from flexmodal.diagnosis.lawfree import at_parameters
+from flexmodal.diagnosis.lawfree import at_parameters, screening
 from flexmodal.diagnosis.lawfree.at_parameters import AtParameters
 from flexmodal.diagnosis.lawfree.body_ports import BODY, CARRIED, GROUND
 from flexmodal.diagnosis.lawfree.curve import classes_of, curve_of
@@ -178,6 +178,19 @@ def test_joints_of_the_best_mechanism_are_tried_too(root, hinged, observed):
     best = next(one.port.where for one in tried if one.port.kind is COUPLING)
     joints = {one.port.where for one in tried if one.port.kind is JOINT}
     assert joints == set(best.split("+"))
+
+
+def test_the_link_between_two_coupled_joints_is_tried_beside_their_coupling(
+    root, hinged, observed, monkeypatch
+):
+    """Its many hinges come near slowly, so that a first look of few steps may leave it out."""
+    kept = screening.kept
+    only = [COUPLING.name]
+    monkeypatch.setattr(screening, "kept", lambda *a: [port for port in kept(*a) if port.kind.name in only])
+    tried = Field.of(root, hinged[1].x, observed, None, kinds=[COUPLING, LINK]).round().sightings
+    judged = {one.port.key: one.judged for one in tried}
+    assert {where for kind, where in judged if kind == "link"} == {"link_2"}
+    assert judged["link", "link_2"] < 1.1 * judged["coupling", "q2+q3"] < 1.6
 
 
 def test_what_would_leave_nothing_to_fit_or_to_judge_is_not_tried(root, hinged, observed):
