@@ -106,20 +106,52 @@ def test_what_is_far_behind_is_fitted_with_a_few_steps(monkeypatch, enough):
 
     for name, value in {
         "both_beside": lambda *given: (Mock(spec=Look),) * 2, "candidates": lambda *given: [],
-        "narrowed": lambda found, seen, advance: finalists, "tried_closely": closely,
+        "narrowed": lambda found, seen, advance, *, late: finalists, "tried_closely": closely,
         "over_noise": lambda setup, model: 1.0 if enough else 9.0, "has_law": lambda hypothesis: False,
         "simpler": lambda *given: [],
     }.items():  # fmt: skip
         monkeypatch.setattr(module, name, value)
     nothing = np.zeros(0, dtype=bool)
     setup = Mock(spec=Setup, effects=[], fitted=None, held=nothing)
-    before = Mock(spec=FittedFrfs, predicted=nothing, hypothesis=None)
+    before = Mock(spec=FittedFrfs, predicted=nothing, hypothesis=Mock(placed=(finalists[0],)))
     explanations(
         setup, before, SetOut([]), with_force=False, enough=1.4,
         advance=lambda part: None, one_is_enough=False,
     )  # fmt: skip
     few = [where for where, most in taken[:3] if most == A_FEW]
     assert few == [str(cost) for cost in (costs[1:] if enough else costs[2:])]
+
+
+@pytest.mark.parametrize(
+    ("placed", "over", "late"), [((), 1.3, True), ((), 1.5, False), (("effect",), 1.3, False)]
+)
+def test_beside_a_robot_that_counts_as_explained_small_errors_count_from_the_first_round_on(
+    monkeypatch, placed, over, late
+):
+    """And fits set out from it: it has not run away from the truth as one does that lacks much."""
+    told = {}
+
+    def seen(root, set_out, *given):
+        told["start"] = set_out.before
+        return []
+
+    def narrowed(found, look, advance, *, late):
+        told["late"] = late
+        return []
+
+    for name, value in {
+        "both_beside": lambda *given: (Mock(spec=Look),) * 2, "candidates": seen, "narrowed": narrowed,
+        "over_noise": lambda setup, model: over,
+    }.items():  # fmt: skip
+        monkeypatch.setattr(module, name, value)
+    card, fitted, looked = np.zeros(2), np.ones(2), np.full(2, 2.0)
+    before = Mock(spec=FittedFrfs, hypothesis=Mock(placed=placed), x=fitted)
+    explanations(
+        Mock(spec=Setup, effects=[]), before, SetOut([card, looked]), with_force=False, enough=1.4,
+        advance=lambda part: None, one_is_enough=False,
+    )  # fmt: skip
+    assert told["late"] is late
+    assert [one.tolist() for one in told["start"]] == [(fitted if late else card).tolist(), [2.0, 2.0]]
 
 
 @pytest.mark.parametrize(("effects", "over", "fits"), [(1, 1.5, 2), (2, 3.9, 2), (1, 4.1, 1), (3, 1.5, 1)])

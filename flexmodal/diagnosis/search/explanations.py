@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -62,10 +63,12 @@ def explanations(
     """
     advance(0.0)
     finalists, both = list[Candidate](), both_beside(setup, before)
-    seen = both[0]
+    seen, late = both[0], not before.hypothesis.placed and over_noise(setup, before) <= enough
+    if late:  # it has not run away from the truth
+        set_out = replace(set_out, before=[before.x, *set_out.before[1:]])
     for (some, most), look in zip(_kinds(setup.effects, with_force=with_force), both, strict=True):
         found = candidates(before.hypothesis, set_out, some, look, allowed)
-        near = narrowed(found, look, lambda part: advance(0.6 * part))[:most]
+        near = narrowed(found, look, lambda part: advance(0.6 * part), late=late)[:most]
         far = INTEGRATED_FAR * near[0].cost if near and has_law(near[0].hypothesis) else np.inf
         finalists += [one for one in near if one.cost <= far]
     looked = _looked_at(setup, finalists, enough, lambda part: advance(0.6 + 0.3 * part))

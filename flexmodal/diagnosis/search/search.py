@@ -26,6 +26,9 @@ STARTS = 2
 """Starts that are kept for each effect and place."""
 ROUNDS = ((0.2, 3, 20), (0.1, 5, 10), (0.03, 8, 5))
 """Model error, steps, and how many candidates go on."""
+LATE_ROUNDS = ((0.03, 3, 20), (0.02, 5, 10), (0.01, 8, 5))
+"""The same beside a robot that counts as explained: at a large model error nothing shows of what is missing
+there."""
 ALIKE = 2
 """Places of one effect beside others that are fitted closely, if there is anything else."""
 INTEGRATED_MOST = 12
@@ -71,7 +74,11 @@ def candidates(
 
 
 def narrowed(
-    found: Sequence[Candidate], look: Look, advance: Callable[[float], None] = lambda part: None
+    found: Sequence[Candidate],
+    look: Look,
+    advance: Callable[[float], None] = lambda part: None,
+    *,
+    late: bool = False,
 ) -> list[Candidate]:
     """The candidates that do best, one for each effect and place, the best first.
 
@@ -82,10 +89,11 @@ def narrowed(
         found: candidates that are not fitted yet.
         look: the coarse look.
         advance: called with the part that is done.
+        late: whether the robot alone counts as explained.
     """
     slow = [one for one in found if look.integrates(one.hypothesis)]
     todo = sorted(slow, key=lambda one: one.cost)[:INTEGRATED_MOST] if slow else list(found)
-    rounds = INTEGRATED_ROUNDS if slow else ROUNDS
+    rounds = INTEGRATED_ROUNDS if slow else LATE_ROUNDS if late else ROUNDS
     first = todo[0].key if slow else None
     for round_number, (floor, steps, keep) in enumerate(rounds):
         done = []
