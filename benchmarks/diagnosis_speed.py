@@ -30,9 +30,8 @@ CAMPAIGNS = (
     ("friction", "fanuc_s360", ("coulomb_friction",), 6),
 )
 """Name, robot, hidden effects, seed; 5 postures × 5 points × 2 references × 2 levels."""
-MANY = ("foundation", "nothing", "coupled", "standard", "absorber")
-"""Campaigns that are asked with many postures too."""
 POSTURES, MANY_POSTURES = 5, 22
+"""The second for diagnoses that are asked once more, of the same robots and effects."""
 SAME = 1e-2
 """Relative difference of gaps up to which two answers are the same."""
 TASKS = ("diagnose", "identify")
@@ -164,7 +163,7 @@ def compare(
         seen = ask(HERE, "diagnose", folder, "--profile")
         shares = [*dict(seen["stages"]).values(), *dict(seen["kernels"]).values()]  # type: ignore[call-overload]
         parts.append([name, *(f"{100 * share:.0f}" for share in shares)])
-    many = [with_many(one, against, scratch) for one in campaigns if one[0] in MANY]
+    many = [with_many(one, against, scratch) for one in campaigns]
     point = cost_of_a_point()
     found = ", ".join(f"{task} {statistics.median(some):.1f}" for task, some in ratios.items())
     header = ["campaign", *STAGES, *KERNELS]
