@@ -150,7 +150,8 @@ def compare(
     rows: list[list[str]] = []
     parts: list[list[str]] = []
     ratios: dict[str, list[float]] = {task: [] for task in TASKS}
-    times: list[float] = []
+    few: list[float] = []
+    many: list[float] = []
     for name, robot, hidden, seed in campaigns:
         folder = simulated(robot, hidden, seed, scratch / name, POSTURES)
         for task in TASKS:
@@ -158,19 +159,23 @@ def compare(
                 in_turn(task, folder, against, 1)
             here, there, same = in_turn(task, folder, against, rounds)
             ratios[task].append(there / here)
-            times += [here] if task == "diagnose" else []
+            few += [here] if task == "diagnose" else []
             rows.append(row_of(f"{name}: {task}", here, there, same))
         seen = ask(HERE, "diagnose", folder, "--profile")
         shares = [*dict(seen["stages"]).values(), *dict(seen["kernels"]).values()]  # type: ignore[call-overload]
         parts.append([name, *(f"{100 * share:.0f}" for share in shares)])
-    many = [with_many(one, against, scratch) for one in campaigns]
+    for name, robot, hidden, seed in campaigns:  # once, for the other checkout may take many minutes
+        folder = simulated(robot, hidden, seed, scratch / f"{name}_many", MANY_POSTURES)
+        here, there, same = in_turn("diagnose", folder, against, 1)
+        many.append(here)
+        rows.append(row_of(f"{name}, {MANY_POSTURES} postures: diagnose", here, there, same))
     point = cost_of_a_point()
     found = ", ".join(f"{task} {statistics.median(some):.1f}" for task, some in ratios.items())
     header = ["campaign", *STAGES, *KERNELS]
     end = [
-        f"Median of the diagnoses {statistics.median(times):.1f} s. Median ratio: {found}.",
-        f"With {MANY_POSTURES} postures {median_now(many):.1f} s. Kernel: {1e6 * point:.2f} µs for a system",
-        "of six coordinates on each line, with 17 rows and 30 receptances.",
+        f"Median of the diagnoses {statistics.median(few):.1f} s. Median ratio: {found}.",
+        f"With {MANY_POSTURES} postures {statistics.median(many):.1f} s. Kernel: {1e6 * point:.2f} µs",
+        "for a system of six coordinates on each line, with 17 rows and 30 receptances.",
         "",
         "Where the time of a diagnosis goes, % under the profiler, by stage and by compiled kernel. What the",
         "kernels take is the limit that no code around them could go below.",
@@ -186,16 +191,9 @@ def compare(
         f"imports, in another checkout and in this one; interleaved, medians of {rounds}; whether both "
         "answered the same (effects and places, gap to 1 %; of an identification, the held-out gap to 1 %).",
         ["campaign", "before", "now", "× faster", "same answer"],
-        [*rows, *many],
+        rows,
         "\n".join(end),
     )
-
-
-def with_many(one: tuple[str, str, tuple[str, ...], int], against: Path | None, scratch: Path) -> list[str]:
-    """The row of a campaign of many postures; asked once, for the other checkout may take many minutes."""
-    name, robot, hidden, seed = one
-    folder = simulated(robot, hidden, seed, scratch / f"{name}_many", MANY_POSTURES)
-    return row_of(f"{name}, {MANY_POSTURES} postures: diagnose", *in_turn("diagnose", folder, against, 1))
 
 
 def row_of(what: str, here: float, there: float, same: bool) -> list[str]:
@@ -203,11 +201,6 @@ def row_of(what: str, here: float, there: float, same: bool) -> list[str]:
     row = [what, f"{there:.2f}", f"{here:.2f}", f"{there / here:.1f}", "yes" if same else "no"]
     print(row, flush=True)
     return row
-
-
-def median_now(rows: list[list[str]]) -> float:
-    """The median of the time [s] that this checkout took, of rows of the table."""
-    return statistics.median(float(row[2]) for row in rows) if rows else float("nan")
 
 
 def cost_of_a_point() -> float:

@@ -39,7 +39,7 @@ def ask(question: Question, folder: Path, engine: str, forms: str, within: float
             shutil.rmtree(campaign, ignore_errors=True)
             truth.unlink(missing_ok=True)
             poser = Path(__file__).parent / "exam_plan.py"
-            seed = folder.name.split("-")[-1].partition("x")[0]
+            seed = folder.name.split("-")[-1]
             given = (engine, forms, seed, question.name, str(campaign), str(truth))
             call([sys.executable, str(poser), *given, str(question.postures)])
         candidate = Path(__file__).parent / "exam_candidate.py"
@@ -76,7 +76,7 @@ def main() -> None:
     name = given.engine if given.forms == "own" else given.forms
     seed = PUBLISHED[name] if given.seed is None else given.seed
     usual = given.postures == POSTURES
-    folder = given.folder / (f"{kind}-{seed}" if usual else f"{kind}-{seed}x{given.postures}")
+    folder = given.folder / (f"{kind}-{seed}" if usual else f"{kind}-{given.postures}_postures-{seed}")
     for part in ("campaigns", "truth", "answers"):
         (folder / part).mkdir(parents=True, exist_ok=True)
     every = [replace(one, postures=given.postures) for one in plan(seed, given.engine, given.forms)]

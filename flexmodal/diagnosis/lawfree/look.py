@@ -36,8 +36,8 @@ HALVED = 2.0
 FAR = 2.0
 """Times that the robot leaves more from its card than from where it was fitted, for ports to set out there
 too. Not tuned: of one looked-at campaign with a link that bends 2.6 times. Always setting out there, a
-foundation that radiates ended in a worse minimum. So they do where fits begin at a small model error, to
-which the card is far: with 22 postures a link that bends was not among the places at all."""
+foundation that radiates ended in a worse minimum. Where fits begin at a small model error ports do set
+out there always, as the card is far: with 22 postures a link that bends was not among the places at all."""
 SLOW = frozenset({LINK.name})
 """Kinds of port that are not fitted once more beside effects: two links took 77 of the 148 s of a look beside
 three, and none came nearer by a hundredth. Without effects one did."""
