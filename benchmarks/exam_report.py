@@ -14,13 +14,18 @@ from exam_question import NAMED, OUTSIDE, ROBOTS
 
 from flexmodal.files import whole_file
 
-FILES = {"rig": "exam", "mujoco": "exam_mujoco", "looked": "exam_looked", "sealed": "exam_sealed"}
+FILES = {
+    "rig": "exam", "mujoco": "exam_mujoco", "looked": "exam_looked", "sealed": "exam_sealed",
+    "unseen": "exam_unseen",
+}  # fmt: skip
 PHYSICS = {
     "rig": "The virtual rig on",
     "mujoco": "Motion integrated by MuJoCo, of",
     "looked": "The virtual rig, effects in forms that were looked at while tuning, on random arms and",
     "sealed": "The virtual rig, effects in the sealed forms, which were looked into only where they went "
     "wrong on earlier seeds, on random arms and",
+    "unseen": "The virtual rig, effects in forms that were written once the diagnosis was done, on random "
+    "arms and",
 }
 TELLS = 0.1
 """Height with all else re-tuned, over the noise of one record, below which a campaign does not tell of an

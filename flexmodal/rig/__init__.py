@@ -6,6 +6,7 @@ from flexmodal.rig.effects import EFFECTS as EFFECTS
 from flexmodal.rig.forms import FORMS as FORMS
 from flexmodal.rig.forms import LOOKED_AT as LOOKED_AT
 from flexmodal.rig.forms import SEALED as SEALED
+from flexmodal.rig.forms import UNSEEN as UNSEEN
 from flexmodal.rig.hidden.hide import Hide as Hide
 from flexmodal.rig.hidden.hide import hide_places as hide_places
 from flexmodal.rig.hidden.scenario import Scenario as Scenario

@@ -10,7 +10,7 @@ import pytest
 import flexmodal
 from flexmodal.campaign import read_campaign
 from flexmodal.errors import InvalidRequest
-from flexmodal.rig import EFFECTS, FORMS, LOOKED_AT, SEALED, Hide, hide_places, simulate
+from flexmodal.rig import EFFECTS, FORMS, LOOKED_AT, SEALED, UNSEEN, Hide, hide_places, simulate
 from flexmodal.rig.effects.effect import OWN
 from flexmodal.rig.forms import find
 from flexmodal.rig.hammer_test import Conduct
@@ -55,21 +55,24 @@ def drawn(stand, key: str, seed: int = 1):
     return effect, Site(stand, where, effect.draw(stand, where, np.random.default_rng(seed)))
 
 
-def test_every_form_is_either_looked_at_or_sealed():
-    listed = [f"{name}:{form}" for table in (LOOKED_AT, SEALED) for name in table for form in table[name]]
+TABLES = {"looked at": LOOKED_AT, "sealed": SEALED, "unseen": UNSEEN}
+
+
+def test_every_form_is_in_one_table():
+    listed = [f"{name}:{form}" for table in TABLES.values() for name in table for form in table[name]]
     assert sorted(listed) == sorted(OTHERS)
     assert all(find(*key.split(":")).source for key in OTHERS)
 
 
 def test_the_page_lists_every_form():
     page = (Path(__file__).parents[2] / "docs" / "rig.md").read_text(encoding="utf-8")
-    for word, table in (("looked at", LOOKED_AT), ("sealed", SEALED)):
+    for word, table in TABLES.items():
         for name, forms in table.items():
             for form in forms:
                 effect = FORMS[name][form]
                 row = f"| `{name}` | `{form}` | {word} | {effect.says} | {effect.source} |"
                 assert row in page, f"to be added to docs/rig.md: {row}"
-    assert page.count("| looked at |") + page.count("| sealed |") == len(OTHERS)
+    assert sum(page.count(f"| {word} |") for word in TABLES) == len(OTHERS)
 
 
 ONE_EACH = {key.split(":")[0]: key for key in OTHERS}

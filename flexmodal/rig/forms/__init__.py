@@ -1,7 +1,7 @@
 """Every effect in several physical forms, and which of them may be looked at when a diagnosis is tuned.
 
 `FORMS[name]["own"]` is the effect as the rig has always had it. Forms of one effect share its name, and
-nothing of their laws. Those `SEALED` are for the exam alone.
+nothing of their laws. Those `SEALED` and `UNSEEN` are for exams alone.
 """
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ from __future__ import annotations
 from flexmodal.rig.effects import EFFECTS, Effect
 from flexmodal.rig.forms import (
     added_mass,
+    base_carriage,
     base_flexibility,
     bearing_flexibility,
     coulomb_friction,
@@ -16,6 +17,7 @@ from flexmodal.rig.forms import (
     link_flexibility,
     local_absorber,
     nonlinear_stiffness,
+    sensor_alignment,
     sensor_mass,
     sensors,
     servo_compliance,
@@ -27,7 +29,7 @@ FORMS: dict[str, dict[str, Effect]] = {name: {effect.form: effect} for name, eff
 for _room in (
     link_flexibility, base_flexibility, servo_compliance, structural_damping, coulomb_friction,
     nonlinear_stiffness, joint_coupling, added_mass, local_absorber, sensor_mass, sensors,
-    bearing_flexibility,
+    sensor_alignment, bearing_flexibility, base_carriage,
 ):  # fmt: skip
     for _effect in _room.FORMS:
         FORMS[_effect.name][_effect.form] = _effect
@@ -66,6 +68,23 @@ SEALED: dict[str, tuple[str, ...]] = {
     "bearing_flexibility": ("housing", "relaxing"),
 }
 """Forms of the exam: whoever tunes a diagnosis leaves them alone."""
+UNSEEN: dict[str, tuple[str, ...]] = {
+    "link_flexibility": ("stepped", "flanges"),
+    "base_flexibility": ("carriage",),
+    "servo_compliance": ("link_side",),
+    "structural_damping": ("two_peaks", "geared"),
+    "coulomb_friction": ("segalman",),
+    "nonlinear_stiffness": ("s_shaped", "stop"),
+    "joint_coupling": ("differential",),
+    "added_mass": ("duct",),
+    "local_absorber": ("whip",),
+    "sensor_mass": ("bracket",),
+    "sensor_gain": ("amplifier",),
+    "time_delay": ("anti_alias",),
+    "sensor_misalignment": ("cross_axis",),
+    "bearing_flexibility": ("bolts",),
+}
+"""Forms that were written when the diagnosis was done, and nobody had seen it meet them."""
 
 
 def find(name: str, form: str = "own") -> Effect:

@@ -1,4 +1,4 @@
-"""Other things a card may lack: a point, two points, a disc, a body on a soft stalk, a rod."""
+"""Other things a card may lack: a point, two points, a disc, a body on a soft stalk, a rod, a duct."""
 
 from __future__ import annotations
 
@@ -34,6 +34,22 @@ def _draw_two(stand: Stand, where: str, random: np.random.Generator) -> dict[str
 def _act_two(assembly: PlantAssembly, site: Site) -> None:
     assembly.add_body(site.where, site.vector("x", "y", "z"), site["mass"] * (1 - site["share"]))
     assembly.add_body(site.where, site.vector("x2", "y2", "z2"), site["mass"] * site["share"])
+
+
+def _draw_duct(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
+    """A duct beside a link from somewhere near its root to somewhere near its far end."""
+    mass, beside = OWN.draw(stand, where, random)["mass"], float(random.uniform(-0.15, 0.15))
+    ends = [on_link(stand, where, random.uniform(*span), beside) for span in ((0.0, 0.25), (0.75, 1.0))]
+    names = ("x", "y", "z", "x2", "y2", "z2")
+    return {"mass": mass, **dict(zip(names, map(float, np.concatenate(ends)), strict=True))}
+
+
+def _act_duct(assembly: PlantAssembly, site: Site) -> None:
+    """A thin line of mass from one place to the other."""
+    start, end = site.vector("x", "y", "z"), site.vector("x2", "y2", "z2")
+    along = end - start
+    inertia = site["mass"] / 12 * (along @ along * np.eye(3) - np.outer(along, along))
+    assembly.add_body(site.where, (start + end) / 2, site["mass"], inertia)
 
 
 def _direction(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
@@ -133,4 +149,13 @@ STALK: Effect = replace(
     act=_act_stalk,
 )
 
-FORMS = (POINT, TWO, DISC, ROD, STALK)
+DUCT: Effect = replace(
+    POINT,
+    form="duct",
+    says="a cable duct along a link",
+    units={**_PLACE, "x2": "m", "y2": "m", "z2": "m, of its other end"},
+    draw=_draw_duct,
+    act=_act_duct,
+)
+
+FORMS = (POINT, TWO, DISC, ROD, STALK, DUCT)

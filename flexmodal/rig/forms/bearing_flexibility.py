@@ -1,4 +1,4 @@
-"""Other bearings that give: two rows of rolling elements, a housing stiffer one way, a seat that relaxes."""
+"""Other bearings that give: two rows of rollers, a housing softer one way, a seat that relaxes, bolts."""
 
 from __future__ import annotations
 
@@ -11,6 +11,9 @@ from flexmodal.rig.effects.bearing_flexibility import draw_springs, rows
 from flexmodal.rig.effects.effect import Effect, Parameters, Site, Stand, divided, positive
 from flexmodal.rig.plant.assembly import PlantAssembly
 from flexmodal.rig.plant.plant import Branch
+
+BOLTS = 8
+"""Of a ring."""
 
 
 def _draw_rows(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
@@ -84,6 +87,33 @@ def _act_relaxing(assembly: PlantAssembly, site: Site) -> None:
         assembly.branches.append(Branch(row, site["relaxing"] * stiffness, site["time"]))
 
 
+def _draw_bolts(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
+    """A ring that would tilt as the rig's own bearing does if all its bolts were tight."""
+    drawn, radius = draw_springs(stand, where, random), float(random.uniform(0.05, 0.15))
+    return {
+        "bolt_stiffness": 2 * drawn["tilt_stiffness"] / (BOLTS * radius**2),
+        "radius": radius,
+        "shear": float(random.uniform(0.3, 1.0)),
+        "loose": float(random.integers(2, 5)),
+        "tightness": float(random.uniform(0.1, 0.5)),
+        "angle": float(random.uniform(0, 2 * np.pi)),
+        "damping_time": drawn["damping_time"],
+    }
+
+
+def _act_bolts(assembly: PlantAssembly, site: Site) -> None:
+    """A bolt at angle φ stretches by z + r (rx sin φ − ry cos φ); some next to one another are loose."""
+    x, y, z, rx, ry = rows(assembly, site)
+    radius, time = site["radius"], site["damping_time"]
+    for number in range(BOLTS):
+        angle = site["angle"] + 2 * np.pi * number / BOLTS
+        spring = site["bolt_stiffness"] * (site["tightness"] if number < site["loose"] else 1.0)
+        stretched = z + radius * (np.sin(angle) * rx - np.cos(angle) * ry)
+        assembly.add_spring(stretched, spring, spring * time)
+        for row in (x, y):
+            assembly.add_spring(row, site["shear"] * spring, site["shear"] * spring * time)
+
+
 def _check(*names: str) -> Effect:
     def check(parameters: Parameters) -> str | None:
         return OWN.check(parameters) or positive(*names)(parameters)
@@ -123,4 +153,19 @@ RELAXING: Effect = replace(
     act=_act_relaxing,
 )
 
-FORMS = (ROWS, HOUSING, RELAXING)
+RING: Effect = replace(
+    _check("radius", "shear", "tightness"),
+    form="bolts",
+    says="a bearing whose ring is bolted on, some of the bolts loose",
+    source="springs on a circle, summed; Ibrahim and Pettit, J. Sound and Vibration 279 (2005) 857",
+    units={
+        "bolt_stiffness": "N/m, along the bolt", "radius": "m, of their circle", "shear": "over along",
+        "loose": "how many of eight", "tightness": "stiffness of a loose one over a tight one",
+        "angle": "rad, of the first loose one", "damping_time": "damping over stiffness, s",
+    },
+    draw=_draw_bolts,
+    scaled=divided("bolt_stiffness"),
+    act=_act_bolts,
+)  # fmt: skip
+
+FORMS = (ROWS, HOUSING, RELAXING, RING)

@@ -90,6 +90,18 @@ def _act_iwan(assembly: PlantAssembly, site: Site) -> None:
         _element(assembly, site, SLIDER, stiffness, site["torque"] * (2 * number + 1) / SLIDERS**2)
 
 
+def _draw_segalman(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
+    return {**_draw_presliding(stand, where, random), "exponent": float(random.uniform(-0.7, -0.2))}
+
+
+def _act_segalman(assembly: PlantAssembly, site: Site) -> None:
+    """Sliders alike in stiffness whose limits φ come as often as φ^χ: many slip early, few late."""
+    parts = ((np.arange(SLIDERS) + 0.5) / SLIDERS) ** (1 / (1 + site["exponent"]))
+    for part in parts / parts.sum():
+        stiffness = site["presliding_stiffness"] / SLIDERS
+        _element(assembly, site, SLIDER, stiffness, site["torque"] * float(part))
+
+
 def _act_bouc_wen(assembly: PlantAssembly, site: Site) -> None:
     _element(assembly, site, BOUC_WEN, site["presliding_stiffness"], site["torque"])
 
@@ -159,4 +171,15 @@ BOUC_WEN_MODEL: Effect = replace(
     act=_act_bouc_wen,
 )
 
-FORMS = (TANH, IWAN, STRIBECK_CURVE, LUGRE_MODEL, BOUC_WEN_MODEL)
+SEGALMAN: Effect = replace(
+    IWAN,
+    form="segalman",
+    says="springs that slip one after the other, most of them early",
+    source="Segalman, Journal of Applied Mechanics 72 (2005) 752, without what slips last at once",
+    units={**IWAN.units, "exponent": "χ, of how often a limit comes"},
+    draw=_draw_segalman,
+    check=each(within(exponent=(-0.95, 0.0)), positive("torque", "presliding_stiffness")),
+    act=_act_segalman,
+)
+
+FORMS = (TANH, IWAN, STRIBECK_CURVE, LUGRE_MODEL, BOUC_WEN_MODEL, SEGALMAN)

@@ -1,4 +1,4 @@
-"""Other mechanisms that tie two joints: a spring over a ratio, damped, through an idler, a belt, a rod."""
+"""Other mechanisms that tie two joints: a spring over a ratio, damped, an idler, a belt, a rod, meshes."""
 
 from __future__ import annotations
 
@@ -81,6 +81,24 @@ def _act_idler(assembly: PlantAssembly, site: Site) -> None:
     assembly.add_inertia(idler, site["inertia"])
     for row in (assembly.row(one) - idler, idler - site["ratio"] * assembly.row(other)):
         assembly.add_spring(row, site["stiffness"], site["damping"])
+
+
+def _draw_differential(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
+    drawn = _draw_ratio(stand, where, random)
+    return {
+        "stiffness": drawn["stiffness"],
+        "ratio": abs(drawn["ratio"]),
+        "second": float(np.exp(random.uniform(np.log(0.15), np.log(0.6)))),
+        "loss": float(random.uniform(1e-4, 1e-3)),
+    }
+
+
+def _act_differential(assembly: PlantAssembly, site: Site) -> None:
+    """Two bevel gears: one mesh gives with q_A + r q_B, the other with q_A − r q_B."""
+    one, other = map(assembly.row, site.where.split("+"))
+    for sign, part in ((1.0, 1.0), (-1.0, site["second"])):
+        spring = part * site["stiffness"]
+        assembly.add_spring(one + sign * site["ratio"] * other, spring, site["loss"] * spring)
 
 
 def _neighbours(robot: Robot, points: Sequence[CampaignPoint]) -> tuple[str, ...]:
@@ -185,4 +203,19 @@ ROD: Effect = replace(
     act=_act_rod,
 )  # fmt: skip
 
-FORMS = (RATIO, IDLER, DAMPED, BELT, ROD)
+DIFFERENTIAL: Effect = replace(
+    RATIO,
+    form="differential",
+    says="a differential whose two meshes give differently",
+    source="Tsai, Robot Analysis, Wiley 1999, chapter 7, bevel-gear wrists: KᵀSK with two springs",
+    units={
+        **_RATIO,
+        "second": "stiffness of the second mesh over the first",
+        "loss": "damper over spring, s",
+    },
+    draw=_draw_differential,
+    check=positive("stiffness", "ratio", "second"),
+    act=_act_differential,
+)
+
+FORMS = (RATIO, IDLER, DAMPED, BELT, ROD, DIFFERENTIAL)

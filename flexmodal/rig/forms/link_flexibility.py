@@ -1,4 +1,4 @@
-"""Other links that bend: on one hinge, tapered, at the flange, with shear, twisting, in stiff pieces."""
+"""Other links that bend: on a hinge, tapered, stepped, at flanges, with shear, twisting, in stiff pieces."""
 
 from __future__ import annotations
 
@@ -98,9 +98,27 @@ def _shape_pieces(assembly: PlantAssembly, site: Site) -> None:
     _give(assembly, site, site["stiffness"] / 3, made)
 
 
-def _beam(site: Site, length: float, plane: int, **others: float) -> Beam:
+def _shape_flanges(assembly: PlantAssembly, site: Site) -> None:
+    def made(length: float, plane: int) -> Flexure:
+        spring = site["stiffness"] * (site["ratio"] if plane else 1.0)
+        return Hinges(length, ((1 - FLANGE) * length, FLANGE * length), (spring, spring * site["far"]))
+
+    _give(assembly, site, site["stiffness"], made)
+
+
+def _beam(
+    site: Site, length: float, plane: int, step: tuple[float, float] = (1.0, 1.0), **others: float
+) -> Beam:
     rigidity = site["bending_stiffness"] * (site["ratio"] if plane else 1.0)
-    return Beam(length, rigidity, _mass(site) / length, **others)
+    return Beam(length, rigidity, _mass(site) / length, step=step, **others)
+
+
+def _shape_stepped(assembly: PlantAssembly, site: Site) -> None:
+    length, _ = span(site.where, site.stand)
+    _give(
+        assembly, site, 3 * site["bending_stiffness"] / length,
+        lambda length, plane: _beam(site, length, plane, (site["place"], site["outer"])),
+    )  # fmt: skip
 
 
 def _shape_tapered(assembly: PlantAssembly, site: Site) -> None:
@@ -220,4 +238,24 @@ PIECEWISE: Effect = replace(
     shape=_shape_pieces,
 )
 
-FORMS = (HINGE, TAPERED, FLANGED, TIMOSHENKO, TWISTING, PIECEWISE)
+STEPPED: Effect = replace(
+    OWN,
+    form="stepped",
+    says="two tubes one after the other, the outer one softer",
+    source="Géradin and Rixen, Mechanical Vibrations, 3rd ed., section 5.3, in two steps",
+    units={**_BEAM, "place": "of the step, over the length", "outer": "EI beyond it over that before"},
+    draw=_with(place=(0.3, 0.7), outer=(0.15, 0.5)),
+    check=_checking("bending_stiffness", place=(0.0, 1.0), outer=(0.01, 10.0)),
+    shape=_shape_stepped,
+)
+FLANGES: Effect = replace(
+    FLANGED,
+    form="flanges",
+    says="both flanges of a link tilt, the far one more or less than the near one",
+    units={**_SPRING, "far": "spring of the far flange over that of the near one"},
+    draw=drawing(_draw_spring, far=(0.4, 2.5)),
+    check=_checking("stiffness", far=(0.05, 20.0)),
+    shape=_shape_flanges,
+)
+
+FORMS = (HINGE, TAPERED, FLANGED, TIMOSHENKO, TWISTING, PIECEWISE, STEPPED, FLANGES)

@@ -1,4 +1,4 @@
-"""Other resilient things on a link: free two ways, a pendulum, two of them, one on rubber."""
+"""Other resilient things on a link: free two ways, a pendulum, two of them, one on rubber, a whip."""
 
 from __future__ import annotations
 
@@ -87,6 +87,33 @@ def _act_rubber(assembly: PlantAssembly, site: Site) -> None:
     assembly.branches.append(Branch(own, strength * static, 1 / omega))
 
 
+WHIP = ((1.0, 0.6131, 0.7265), (6.2669, 0.1883, 0.2092))
+"""Of the first two modes of a clamped, uniform beam: frequency over the first, part of the mass, and how high
+that is over the length."""
+
+
+def _act_whip(assembly: PlantAssembly, site: Site) -> None:
+    """A thin beam clamped to the link, free both ways across; what two modes leave is stiff.
+
+    Mass and first moment are the beam's.
+    """
+    one, up = _ways(assembly, site)
+    axes, place, mass = assembly.orientation(site.where), site.vector("x", "y", "z"), site["mass"]
+    left = 1 - sum(part for _, part, _ in WHIP)
+    height = (0.5 - sum(part * high for _, part, high in WHIP)) / left
+
+    def moved(over: float) -> np.ndarray:
+        return assembly.motion(site.where, place + over * site["length"] * (axes.T @ up))[:3]
+
+    assembly.add_inertia(up @ moved(0.0), mass)
+    for side in (one, np.cross(one, up))[: 1 if assembly.normal is not None else 2]:
+        assembly.add_inertia(side @ moved(height), left * mass)
+        for times, part, high in WHIP:
+            (own,) = _coordinates(assembly, 1)
+            assembly.add_inertia(side @ moved(high) + own, part * mass)
+            _spring(assembly, own, part * mass, times * site["frequency"], site["damping_ratio"])
+
+
 def _draw_rubber(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
     drawn = drawing(OWN.draw, relaxing=(0.1, 0.6))(stand, where, random)
     del drawn["damping_ratio"]
@@ -143,4 +170,15 @@ RUBBER: Effect = replace(
     act=_act_rubber,
 )
 
-FORMS = (TWO_WAY, PENDULUM, TWIN, RUBBER)
+WHIPPING: Effect = replace(
+    OWN,
+    form="whip",
+    says="a thin beam that stands on the link: an antenna, a lance, a bundle of hoses",
+    source="Géradin and Rixen, Mechanical Vibrations, 3rd ed., section 4.3 (clamped beam, effective masses)",
+    units={**OWN.units, "length": "m"},
+    draw=drawing(OWN.draw, length=(0.1, 0.4)),
+    check=each(positive("length"), _check_own),
+    act=_act_whip,
+)
+
+FORMS = (TWO_WAY, PENDULUM, TWIN, RUBBER, WHIPPING)

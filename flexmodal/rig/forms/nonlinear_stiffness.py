@@ -1,4 +1,4 @@
-"""Other springs that are not straight: cubic, in steps, levelling off, exponential, with play, leaning.
+"""Other springs that are not straight: cubic, in steps, levelling off, exponential, leaning, with play.
 
 All act beside the joint's own spring; the whole stays a spring that pushes back at every deflection.
 """
@@ -89,6 +89,19 @@ def _act_leaning(assembly: PlantAssembly, site: Site) -> None:
     _element(assembly, site, POLYNOMIAL, 3 * cubic * site["load"] * site["deflection"], cubic)
 
 
+def _act_s_shaped(assembly: PlantAssembly, site: Site) -> None:
+    """A part of the spring levels off, and a cubic one comes in at six of its deflections."""
+    part, at = site["change"] * _stiffness(site), site["deflection"]
+    _element(assembly, site, SATURATING, part * at, at, -part)
+    _element(assembly, site, POLYNOMIAL, 0.0, part / (6 * at) ** 2)
+
+
+def _act_stop(assembly: PlantAssembly, site: Site) -> None:
+    """A second spring from a deflection on, both ways."""
+    step, at = site["change"] * _stiffness(site), site["deflection"]
+    _element(assembly, site, PIECEWISE, step, at, 0.0, 3 * at)
+
+
 def _draw_leaning(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
     sign = 1.0 if random.uniform() < 0.5 else -1.0
     drawn = _drawing((0.2, 0.6), (0.5, 1.0))(stand, where, random)
@@ -153,6 +166,16 @@ PLAY = _form(
     _act_play,
     change=(0.2, 0.5), deflection=(0.05, 0.3), most=0.85, means="part of the stiffness missing in the middle",
 )  # fmt: skip
+S_SHAPED = _form(
+    "s_shaped", "a spring that softens first and hardens then",
+    "the sum of two that Nayfeh and Mook have (Nonlinear Oscillations, Wiley 1979, chapter 4)", _act_s_shaped,
+    change=(0.3, 0.6), deflection=(0.1, 0.35), most=0.85, means="part of the stiffness that levels off",
+)  # fmt: skip
+STOP = _form(
+    "stop", "a second spring that comes in at a deflection, both ways",
+    "Shaw and Holmes, J. Sound and Vibration 90 (1983) 129, on piecewise linear oscillators", _act_stop,
+    change=(0.5, 2.0), deflection=(0.2, 0.5), most=8.0, means="stiffness of the second spring over the first",
+)  # fmt: skip
 LEANING: Effect = replace(
     CUBIC,
     form="leaning",
@@ -168,4 +191,4 @@ LEANING: Effect = replace(
     act=_act_leaning,
 )
 
-FORMS = (CUBIC, WIND_UP, PLAY, LEVELLING, EXPONENTIAL, LEANING)
+FORMS = (CUBIC, WIND_UP, PLAY, LEVELLING, EXPONENTIAL, LEANING, S_SHAPED, STOP)

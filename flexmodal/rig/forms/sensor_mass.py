@@ -61,6 +61,25 @@ def _sprung(assembly: PlantAssembly, point: CampaignPoint, site: Site) -> None:
         assembly.add_spring(own, site["mass"] * omega**2, 2 * site["damping_ratio"] * site["mass"] * omega)
 
 
+def _bracket(assembly: PlantAssembly, point: CampaignPoint, site: Site) -> None:
+    """The mass is off the surface on a bracket that bends both ways; along itself the bracket is stiff."""
+    out = _outward(assembly, point, site)
+    axes = assembly.orientation(point.link)
+    carried = assembly.motion(point.link, np.array(point.xyz) + site["height"] * out)[:3]
+    names = ["bracket 1", "bracket 2"]
+    assembly.add_coordinates(names)
+    omega = 2 * np.pi * site["frequency"]
+    assembly.add_inertia((axes @ out) @ carried, site["mass"])
+    for name, side in zip(names, across(out, None), strict=True):
+        own, row = assembly.row(name), (axes @ side) @ carried
+        assembly.add_inertia(np.pad(row, (0, len(own) - len(row))) + own, site["mass"])
+        assembly.add_spring(own, site["mass"] * omega**2, 2 * site["damping_ratio"] * site["mass"] * omega)
+
+
+def _draw_bracket(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
+    return {**_draw_sprung(stand, where, random), "height": float(random.uniform(0.03, 0.1))}
+
+
 def _draw_sprung(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
     drawn = drawing(OWN.draw, damping_ratio=(0.02, 0.1))(stand, where, random)
     return {**drawn, "frequency": float(random.uniform(1.5, 4.0) * stand.plan.band[1])}
@@ -118,4 +137,15 @@ DRAGGED: Effect = replace(
     sense=_everywhere(_dragging),
 )
 
-FORMS = (BLOCK, CABLE, SPRUNG, DRAGGED)
+BRACKET: Effect = replace(
+    SPRUNG,
+    form="bracket",
+    says="a sensor on a bracket that bends",
+    source="ISO 5348, mechanical mounting of accelerometers; Den Hartog, as sprung",
+    units={**SPRUNG.units, "height": "m"},
+    draw=_draw_bracket,
+    check=positive("mass", "frequency", "height"),
+    sense=_everywhere(_bracket),
+)
+
+FORMS = (BLOCK, CABLE, SPRUNG, DRAGGED, BRACKET)

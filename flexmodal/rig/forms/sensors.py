@@ -1,4 +1,4 @@
-"""Other ways for a sensor to weigh, to read wrongly, to lag and to look askew."""
+"""Other ways for a sensor to read wrongly and to lag."""
 
 from __future__ import annotations
 
@@ -10,20 +10,16 @@ import numpy as np
 from flexmodal.rig.effects.effect import (
     Draw,
     Effect,
-    Parameters,
     Site,
-    Stand,
     divided,
     drawing,
+    each,
     multiplied,
     positive,
     within,
 )
-from flexmodal.rig.effects.sensors import SENSOR_GAIN, SENSOR_MISALIGNMENT, TIME_DELAY
-from flexmodal.rig.plant.geometry import turn
+from flexmodal.rig.effects.sensors import SENSOR_GAIN, TIME_DELAY
 from flexmodal.rig.sensing import Filter, Sensor
-
-_AXIS = {"ax": "", "ay": "", "az": "unit vector, in the frame of the link"}
 
 
 def _filtering(made: Callable[[Site], Filter]) -> Callable[[dict[str, Sensor], Site], None]:
@@ -58,6 +54,14 @@ def _coupled(site: Site) -> Filter:
     """iω τ/(1 + iω τ): a charge amplifier or a coupling capacitor."""
     corner = 2 * np.pi * site["corner"]
     return lambda omega: 1j * omega / (corner + 1j * omega)
+
+
+def _second_order(site: Site) -> Filter:
+    """(1 + e) s²/(s² + √2 ω_c s + ω_c²)."""
+    corner = 2 * np.pi * site["corner"]
+    return lambda omega: (
+        -(1 + site["error"]) * omega**2 / (corner**2 - omega**2 + 1j * np.sqrt(2) * corner * omega)
+    )
 
 
 def _resonant(site: Site) -> Filter:
@@ -111,6 +115,17 @@ MOUNTED: Effect = replace(
     check=positive("resonance", "damping_ratio"),
     sense=_filtering(_resonant),
 )
+AMPLIFIER: Effect = replace(
+    AC_COUPLED,
+    form="amplifier",
+    says="a sensor on an amplifier with a wrong gain and a high-pass of second order",
+    units={"corner": "Hz", "error": "relative"},
+    draw=_over_band("corner", 0.01, 0.05, error=(-0.2, 0.2)),
+    scaled=multiplied("corner", "error"),
+    most=lambda parameters: min(10.0, 0.7 / max(abs(parameters["error"]), 1e-9)),
+    check=each(positive("corner"), within(error=(-0.9, 9.0))),
+    sense=_filtering(_second_order),
+)
 
 # a reading that comes late
 
@@ -126,6 +141,18 @@ def _all_pass(site: Site) -> Filter:
 def _bessel(site: Site) -> Filter:
     """3/(3 + 3 s τ + (s τ)²), of flat delay τ."""
     return lambda omega: 3 / (3 + 3j * omega * site["time"] - (omega * site["time"]) ** 2)
+
+
+def _anti_alias(site: Site) -> Filter:
+    """Butterworth's of order 4: its delay at low frequencies is 2 (cos π/8 + cos 3π/8)/ω_c."""
+    damped = 2 * np.cos(np.pi * np.array([1, 3]) / 8)
+    corner = damped.sum() / site["time"]
+
+    def told(omega: np.ndarray) -> np.ndarray:
+        s = 1j * omega / corner
+        return 1 / np.prod([s**2 + part * s + 1 for part in damped], axis=0)
+
+    return told
 
 
 def _hold(site: Site) -> Filter:
@@ -160,94 +187,9 @@ HELD = _late(
     "Åström and Wittenmark, Computer-Controlled Systems, 3rd ed., Prentice-Hall 1997 (zero-order hold)",
     _hold, 2.0,
 )  # fmt: skip
-
-# a sensor that looks elsewhere
-
-
-def _mix(sensors: dict[str, Sensor], site: Site) -> None:
-    """Each axis feels a part of the one that a quarter turn brings onto it, and loses nothing."""
-    axis = site.vector("ax", "ay", "az")
-    quarter = turn(axis, np.pi / 2) - np.outer(axis, axis)
-    sensors[site.where].turned = (np.eye(3) + site["angle"] * quarter) @ sensors[site.where].turned
-
-
-def _stand_off(sensors: dict[str, Sensor], site: Site) -> None:
-    sensor, axis = sensors[site.where], site.vector("ax", "ay", "az")
-    sensor.turned = turn(axis, site["angle"]) @ sensor.turned
-    sensor.offset = sensor.offset + site.vector("x", "y", "z")
-
-
-def _draw_stand_off(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
-    """A block that is 10 to 40 mm high, on a surface that slopes."""
-    off = random.standard_normal(3)
-    off *= random.uniform(0.01, 0.04) / np.linalg.norm(off)
-    place = dict(zip("xyz", map(float, off), strict=True))
-    return {**SENSOR_MISALIGNMENT.draw(stand, where, random), **place}
-
-
-def _lean(sensors: dict[str, Sensor], site: Site) -> None:
-    link = next(point.link for point in site.stand.plan.points if point.name == site.where)
-    axis, normal = site.vector("ax", "ay", "az"), site.stand.normal
-    axis = axis if normal is None else np.sign(site.stand.normal_in(link) @ axis) * normal
-    sensors[site.where].leaning = turn(axis, site["angle"]) @ sensors[site.where].leaning
-
-
-def _skew(sensors: dict[str, Sensor], site: Site) -> None:
-    """The three axes turn by different angles: they are no longer square to one another."""
-    axis = site.vector("ax", "ay", "az")
-    parts = (1.0, site["second"], site["third"])
-    columns = [turn(axis, site["angle"] * part)[:, k] for k, part in enumerate(parts)]
-    sensors[site.where].turned = np.stack(columns, axis=1) @ sensors[site.where].turned
-
-
-def _draw_skew(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
-    others = drawing(second=(0.3, 1.2), third=(0.3, 1.2))(stand, where, random)
-    return {**SENSOR_MISALIGNMENT.draw(stand, where, random), **others}
-
-
-def _least(parameters: Parameters) -> float:
-    return 1.0 / max(abs(parameters["angle"]), 1e-9)
-
-
-CROSS: Effect = replace(
-    SENSOR_MISALIGNMENT,
-    form="cross",
-    says="a sensor that also feels what goes across its axis",
-    source="ISO 16063-31, transverse sensitivity",
-    units={"angle": "transverse over axial sensitivity", **_AXIS},
-    most=_least,
-    sense=_mix,
-)
-STAND_OFF: Effect = replace(
-    SENSOR_MISALIGNMENT,
-    form="stand_off",
-    says="a sensor on a block, askew and off its point",
-    source="ISO 5348, mechanical mounting of accelerometers",
-    units={**SENSOR_MISALIGNMENT.units, "x": "m", "y": "m", "z": "m, off the point"},
-    draw=_draw_stand_off,
-    sense=_stand_off,
-)
-LEANING: Effect = replace(
-    SENSOR_MISALIGNMENT,
-    form="leaning",
-    says="a sensor set up by eye anew in each posture, leaning alike in the world",
-    source="Ewins, Modal Testing, 2nd ed., section 3.5 (attachment and location of transducers)",
-    sense=_lean,
-)
-SKEWED: Effect = replace(
-    SENSOR_MISALIGNMENT,
-    form="skewed",
-    says="a sensor whose axes are not square to one another",
-    source="ISO 16063-31, transverse sensitivity, of three axes in one housing",
-    units={
-        **SENSOR_MISALIGNMENT.units,
-        "second": "turn of the second axis, relative",
-        "third": "of the third",
-    },
-    draw=_draw_skew,
-    sense=_skew,
-)
-
-FORMS = (
-    INVERTED, AGED, AC_COUPLED, MOUNTED, LOW_PASS, ALL_PASS, BESSEL, HELD, CROSS, STAND_OFF, LEANING, SKEWED,
+ANTI_ALIAS = _late(
+    "anti_alias", "a sensor behind an anti-aliasing filter of fourth order that the others lack", _FILTERS,
+    _anti_alias, 1.0,
 )  # fmt: skip
+
+FORMS = (INVERTED, AGED, AC_COUPLED, MOUNTED, AMPLIFIER, LOW_PASS, ALL_PASS, BESSEL, HELD, ANTI_ALIAS)

@@ -1,4 +1,4 @@
-"""Other ways for the motor side to move: held by its brake, on two loops, late, behind its current loop.
+"""Other ways for the motor side to move: held by its brake, on two loops, late, by current, on two encoders.
 
 As in the rig's own form the joint's spring and damper go from link to rotor. Severity s divides the gains by
 s. A loop stiffer than drawn takes its times along, by √s; a softer one keeps them, since the joint's spring
@@ -107,6 +107,20 @@ def _act_current(assembly: PlantAssembly, site: Site) -> None:
     assembly.feedbacks.append(Feedback(motor, motor, a, b, b_rate, c, 0.0, brake))
 
 
+def _act_link_side(assembly: PlantAssembly, site: Site) -> None:
+    """A part of the proportional gain works on the angle of the link, which is read through a low-pass."""
+    motor, link = _rotor(assembly, site), assembly.row(site.where)
+    time, part = site["filter_time"], site["link_side"] * site["proportional_gain"]
+    assembly.add_spring(motor, site["proportional_gain"] - part, site["derivative_gain"])
+    a, b = np.array([[-1 / time]]), np.array([part / time])
+    assembly.feedbacks.append(Feedback(link, motor, a, b, np.zeros(1), np.ones(1)))
+
+
+def _scaled_link_side(parameters: Parameters, s: float) -> dict[str, float]:
+    """However stiff, such a loop lets the rotor turn against the link: below 1 its part falls too."""
+    return _scaled(parameters, s) | {"link_side": parameters["link_side"] * min(s, 1.0)}
+
+
 def _checking(**most: float) -> Check:
     """Times stay below a part of T_D = K_D/K_P, beyond which the loop may ring up."""
 
@@ -176,4 +190,17 @@ CURRENT: Effect = replace(
     active=True,
 )
 
-FORMS = (BRAKE, CASCADE, DELAYED, CURRENT)
+LINK_SIDE: Effect = replace(
+    OWN,
+    form="link_side",
+    says="the motor on a loop that reads the angle of the link too",
+    source="De Luca and Book, Springer Handbook of Robotics, 2nd ed. 2016, chapter 11",
+    units={**_LOOP, "link_side": "part of the gain that works on the link's angle", "filter_time": "s"},
+    draw=_drawing((0.5, 0.9), link_side=(0.05, 0.2), filter_time=(0.02, 0.1)),
+    scaled=_scaled_link_side,
+    check=each(within(link_side=(0.0, 0.5)), _checking(filter_time=0.15)),
+    act=_act_link_side,
+    active=True,
+)
+
+FORMS = (BRAKE, CASCADE, DELAYED, CURRENT, LINK_SIDE)

@@ -96,6 +96,32 @@ def zener(loss: float, frequency: float, band: tuple[float, float]) -> Series:
     return Series(1.0, np.array([strength]), np.array([time])).scaled_at(middle(band))
 
 
+def two_peaks(loss: float, low: float, apart: float, second: float, band: tuple[float, float]) -> Series:
+    """Two Maxwell elements beside the spring, whose loss factor at its largest is given.
+
+    Args:
+        loss: the largest in the band.
+        low: where the first relaxes, as a part of the way through the band on a logarithmic scale.
+        apart: how much further the second does.
+        second: its strength over the first.
+        band: of the campaign [Hz].
+    """
+    start, wide = np.log(2 * np.pi * band[0]), np.log(band[1] / band[0])
+    times = np.exp(-(start + wide * np.array([low, low + apart])))
+    omega = 2 * np.pi * np.geomspace(*band, 60)
+
+    def made(size: float) -> Series:
+        return Series(1.0, size * np.array([1.0, second]), times)
+
+    def over(size: float) -> float:
+        value = made(size).modulus(omega)
+        return float((value.imag / value.real).max()) - loss
+
+    from scipy.optimize import brentq
+
+    return made(float(brentq(over, 0.0, 1e3))).scaled_at(middle(band))
+
+
 def fractional(loss: float, order: float, band: tuple[float, float]) -> Series:
     """Kelvin and Voigt with a derivative of order α: 1 + c (iω)^α.
 
@@ -219,4 +245,31 @@ BY_JOINT = _form(
     {"spread": (0.5, 1.2), "phase": (0.0, 2 * np.pi)}, {"spread": (0.0, 3.0)},
 )  # fmt: skip
 
-FORMS = (POWER_LAW, ZENER, PRONY, FRACTIONAL, BY_JOINT)
+TWO_PEAKS = _form(
+    "two_peaks",
+    "two relaxations far apart, each with its own peak of loss",
+    "Nowick and Berry, Anelastic Relaxation in Crystalline Solids, Academic Press 1972",
+    lambda site, joint: two_peaks(
+        site["loss_factor"], site["low"], site["apart"], site["second"], site.stand.plan.band
+    ),
+    {
+        "low": "first peak, as part of the band's logarithm", "apart": "second peak, likewise from there",
+        "second": "strength over the first",
+    },
+    {"low": (0.05, 0.35), "apart": (0.4, 0.6), "second": (0.4, 2.0)},
+    {"low": (-1.0, 2.0), "apart": (0.0, 2.0), "second": (0.0, 20.0)},
+)  # fmt: skip
+GEARED = _form(
+    "geared",
+    "a constant loss factor in some joints, none in the others",
+    "Ewins, Modal Testing, 2nd ed., section 2.4, as by_joint; some joints have gears and others none",
+    lambda site, joint: fitted(
+        lambda omega: np.full(
+            len(omega), site["loss_factor"] if np.sin(site["phase"] + 2.399963 * joint) > 0 else 1e-4
+        ),
+        site.stand.plan.band, 9, 4.0,
+    ),
+    {"phase": "rad, says which"}, {"phase": (0.0, 2 * np.pi)}, {},
+)  # fmt: skip
+
+FORMS = (POWER_LAW, ZENER, PRONY, FRACTIONAL, BY_JOINT, TWO_PEAKS, GEARED)

@@ -36,6 +36,8 @@ class Beam:
     """μ [kg/m], 0 or more"""
     taper: float = 0.0
     """By how much EI falls from the clamp to the far end, relative; in steps, one an element."""
+    step: tuple[float, float] = (1.0, 1.0)
+    """From which part of the length on EI is how many times that before; at the end of an element."""
     shear: float = 0.0
     """12 EI/(κ G A) [m²]: Timoshenko's beam, the elements of Przemieniecki (Theory of Matrix Structural
     Analysis, section 5.6) with Φ = shear/h²."""
@@ -47,7 +49,9 @@ class Beam:
     @property
     def _rigidities(self) -> Float[np.ndarray, " element"]:
         """EI of each element over that at the clamp."""
-        return 1 - self.taper * (np.arange(ELEMENTS) + 0.5) / ELEMENTS
+        middle = (np.arange(ELEMENTS) + 0.5) / ELEMENTS
+        place, ratio = self.step
+        return (1 - self.taper * middle) * np.where(middle > place, ratio, 1.0)
 
     @cached_property
     def stiffness(self) -> Float[np.ndarray, "node node"]:
