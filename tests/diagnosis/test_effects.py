@@ -18,6 +18,7 @@ from flexmodal.diagnosis.effects.sensors import mounted
 from flexmodal.diagnosis.effects.servo_compliance import loop, loop_stiffness
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.placed import Placed
+from flexmodal.diagnosis.time_domain.law import KNEE
 from flexmodal.errors import InvalidRequest
 from flexmodal.identification import observe, predict, unlimited
 from flexmodal.identification.model import evaluated
@@ -70,12 +71,13 @@ def ours(context, observed, effect, where, values):
     return predict(hypothesis, x, observed)
 
 
-def theirs(observations, stand, effect, where, values, form="own", more=()):
-    """The same from the plant that the rig strikes, with more of the same kind in the same place."""
+def theirs(observations, stand, effect, where, values, form="own", more=(), beside=()):
+    """The same from the plant that the rig strikes, with more of the same kind in its place, or of others."""
     value = np.zeros(observations.value.shape, dtype=complex)
     frequency = observations.axis.frequency
     for number, posture in enumerate(observations.postures):
-        sites = [(FORMS[effect][form], Site(stand, where, one)) for one in (values, *more)]
+        every = [*((effect, form, one) for one in (values, *more)), *beside]
+        sites = [(FORMS[name][kind], Site(stand, where, one)) for name, kind, one in every]
         plant = build(stand, posture, sites)
         for row in np.flatnonzero(observations.posture == number):
             places = []
@@ -509,6 +511,37 @@ def test_an_absorber_is_free_two_ways(bench):
     np.testing.assert_allclose(one_way, plain, rtol=3e-3, atol=1e-3 * np.abs(plain).max())
 
 
+@pytest.mark.parametrize(("arm", "turns"), [("bench", {}), ("standing", {"turn": 0.3, "roll": 0.8})])
+def test_an_absorber_with_a_further_mode_on_a_foot_is_that_of_the_rig(request, arm, turns):
+    """Two masses that are free two ways and a point, the last two where the first one stands."""
+    context, observed, stand = request.getfixturevalue(arm)
+    where, effect = context.links[1], effect_of("local_absorber" + NEXT)
+    values = {
+        "mass": 6.0, "frequency": 21.0, "damping_ratio": 0.06, "along": 0.7, "beside": 0.05, "angle": 0.4,
+        "across_ratio": 1.0, "other": 1e-6, "other_ratio": 5.0, **LASTING, **turns,
+        "further": 0.3, "further_ratio": 2.5, "foot": 0.2, "below": 0.12,
+    }  # fmt: skip
+    if turns:  # the second direction is where the rig has it
+        values["above"] = -0.03
+        level, upright = (
+            effect.physical(context, where, {**values, "roll": roll}) for roll in (0.0, np.pi / 2)
+        )
+        (rig, *_) = across(np.array([level[f"d{k}"] for k in "xyz"]), None)
+        parts = [rig @ [one[f"across_{k}"] for k in "xyz"] for one in (upright, level)]
+        values["roll"] = float(np.arctan2(*parts))
+    physical = effect.physical(context, where, values)
+    first, second = (np.array([physical[f"{name}{k}"] for k in "xyz"]) for name in ("d", "across_"))
+    least = np.cross(first, second) if turns else second
+    low = dict(zip("xyz", [physical[k] for k in "xyz"] - 0.12 * least, strict=True))
+    one = {name: physical[name] for name in ("mass", "frequency", "damping_ratio", *"xyz", "dx", "dy", "dz")}
+    one["second"] = 1.0
+    other = {**one, **low, "mass": 0.3 * 6.0, "frequency": 2.5 * 21.0}
+    foot = ("added_mass", "point", {**low, "mass": 0.2 * 6.0})
+    expected = theirs(observed, stand, "local_absorber", where, one, "two_way", (other,), (foot,))
+    found = ours(context, observed, "local_absorber" + NEXT, where, values)
+    np.testing.assert_allclose(found, expected, rtol=1e-3, atol=1e-4 * np.abs(expected).max())
+
+
 def test_part_of_an_absorbers_spring_relaxes_as_rubber_does(bench):
     context, observed, stand = bench
     where, effect = "link_2", catalogue()["local_absorber"]
@@ -581,21 +614,25 @@ def carried_by_the_rig(observations, stand, form, values):
     return value
 
 
-FAR = {"mount_frequency": 5e3, "mount_damping_ratio": 0.05, "high_pass": 1e-4}
+FAR = {"mount_frequency": 5e3, "mount_damping_ratio": 0.05, "high_pass": 1e-4, "high_pass_order": 0.0}
 
 
-def amplified(frequency, mount_frequency, mount_damping_ratio, high_pass):
-    """What a sensor makes of a motion: a mount of second order, a high pass of first."""
+def amplified(frequency, mount_frequency, mount_damping_ratio, high_pass, high_pass_order):
+    """What a sensor makes of a motion: a mount of second order, and a high pass."""
     s, own = 2j * np.pi * frequency, 2 * np.pi * mount_frequency
     mount = own**2 / (s**2 + 2 * mount_damping_ratio * own * s + own**2)
-    return mount * s / (s + 2 * np.pi * high_pass)
+    corner = 2 * np.pi * high_pass
+    return mount * s**2 / (s**2 + corner * s + high_pass_order * corner**2)
 
 
-def test_the_mount_of_a_sensor_resonates_and_its_amplifier_passes_what_is_high(bench):
+@pytest.mark.parametrize("order", [0.0, 0.5])
+def test_the_mount_of_a_sensor_resonates_and_its_amplifier_passes_what_is_high(bench, order):
     context, observed, _ = bench
     where = context.sensors[0]
     here = observed.response[:, 0] == next(p.id for p in observed.campaign.points if p.name == where)
-    mount = {"mount_frequency": 40.0, "mount_damping_ratio": 0.03, "high_pass": 2.0}
+    mount = {
+        "mount_frequency": 40.0, "mount_damping_ratio": 0.03, "high_pass": 2.0, "high_pass_order": order,
+    }  # fmt: skip
     plain, other = (
         ours(context, observed, "sensor_gain", where, {"gain": 1.3, **values}) for values in (FAR, mount)
     )
@@ -868,6 +905,7 @@ def test_a_link_with_modes_of_its_own_shears_where_it_lags_behind_its_ends():
         *sorted(set(catalogue()) - {"coulomb_friction", "nonlinear_stiffness"}),
         "base_flexibility" + NEXT,
         "joint_coupling" + NEXT,
+        "local_absorber" + NEXT,
         "sensor_mass" + NEXT,
         "servo_compliance" + NEXT,
     ],
@@ -956,12 +994,11 @@ def test_a_spring_has_as_many_laws_whatever_its_cubic_part(bench, cubic):
     """Systems that are integrated side by side, along differences too, have the same number of them."""
     context = bench[0]
     effect, where = effect_of("nonlinear_stiffness" + NEXT), context.joints[0]
-    values = {"change": 0.3, "deflection": 1e-3, "wound": 0.1, "cubic": cubic, "load": 0.2}
+    values = {"change": 0.3, "deflection": 1e-3, "wound": 0.1, "softness": 0.4, "cubic": cubic, "load": 0.2}
     assembly = Mock(spec=Assembly, stretch_of=lambda joint: np.eye(3)[0])
     first, second = effect.law(assembly, Placement.still(context, where, values))
-    narrow = {name: values[name] for name in ("change", "deflection", "wound")}
-    (alone,) = effect_of("nonlinear_stiffness").law(assembly, Placement.still(context, where, narrow))
-    assert alone.parameters == first.parameters
+    assert first.kind == KNEE
+    assert first.parameters[1::3] == pytest.approx((1e-3, 4e-4))
     size = cubic * nonlinear_stiffness.FAR**2 * context.robot.joints[where].stiffness
     assert second.parameters[0] == pytest.approx(size)
 

@@ -1204,6 +1204,61 @@ def test_what_is_doubted_gets_a_wider_law_where_it_is_the_same_again():
     assert selection.data.widened == [MASS]
 
 
+class Short(World):
+    """One effect, in whose place a look finds all that its narrow law leaves; a mass there does half of it."""
+
+    def __init__(self, found):
+        super().__init__(self.rest)
+        self.found = found
+
+    def rest(self, keys):
+        return NOISE / 2 if {LINK, MASS} <= set(keys) else 1000.0 - 900 * (LINK in keys) - 50 * (MASS in keys)
+
+    def falls_short(self, model):
+        return LINK if self.found and model.keys == (LINK,) and not isinstance(model, Afresh) else None
+
+    def wider(self, model, keys):
+        return [Afresh(model.keys)] if LINK in keys else []
+
+    def of(self, model):
+        return NOISE / 2 if isinstance(model, Afresh) else self.rest(set(model.keys))
+
+    def is_enough(self, model):
+        return self.of(model) <= NOISE
+
+    def share(self, first, last):
+        return 1 - self.of(last) / self.of(first)
+
+
+@pytest.mark.parametrize(("found", "keys"), [(True, (LINK,)), (False, (LINK, MASS))])
+def test_one_effect_gets_its_wider_law_before_another_one_in_its_place(found, keys):
+    """Of a thin beam that swings on a link an absorber and a mass had been named."""
+    selection = Selection(Short(found))
+    assert selection.follow()
+    assert selection.current.keys == keys
+    assert isinstance(selection.current, Afresh) == found
+
+
+@pytest.mark.parametrize(
+    ("keys", "takes", "explains", "at", "short"),
+    [
+        ([MASS], 0.3, True, True, MASS), ([MASS], 0.6, True, True, None), ([MASS], 0.3, False, True, None),
+        ([MASS], 0.3, True, False, None), ([MASS, DELAY], 0.3, True, True, None),
+    ],
+)  # fmt: skip
+def test_one_effect_falls_short_where_all_that_is_left_is_in_its_place(
+    monkeypatch, keys, takes, explains, at, short
+):
+    place = Mock(spec=Found, has=lambda *key: at)
+    look = Mock(spec=Findings, needed=True, explains=explains, found=(place,))
+    data = FrfData.__new__(FrfData)
+    data.setup, data._root = Mock(spec=Setup), fitted()
+    data.is_enough = data.is_alone = lambda model: False
+    data._candidates = Mock(spec=FrfCandidates, can_look=lambda model: True, look_beside=lambda model: look)
+    monkeypatch.setattr(frf_by_look, "left", lambda *given: takes)
+    assert data.falls_short(fitted(*keys)) == short
+
+
 def step_of(confidence, ties):
     other = Compared("play", "c", 1.0, None, -1.0, 0.4, 2)
     return Step("added_mass", "a", {}, {}, {}, confidence, Mock(spec=Gaps), (other,), ties)

@@ -8,9 +8,18 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from flexmodal.diagnosis.effects.dry_friction import dahl, levelling
-from flexmodal.diagnosis.effects.nonlinear_stiffness import FAR, hardened
+from flexmodal.diagnosis.effects.nonlinear_stiffness import AS_NARROW, FAR, bent, hardened
 from flexmodal.diagnosis.time_domain.integration import Steps, Struck, integrate, loop_of, torques
-from flexmodal.diagnosis.time_domain.law import FRICTION, HARDENING, SLOW, friction, hardening, slow_friction
+from flexmodal.diagnosis.time_domain.law import (
+    FRICTION,
+    HARDENING,
+    KNEE,
+    SLOW,
+    friction,
+    hardening,
+    knee,
+    slow_friction,
+)
 from flexmodal.diagnosis.time_domain.law_kernel import exponential, logarithm
 from flexmodal.diagnosis.time_domain.numpy_form import law as law_of_blows
 from flexmodal.diagnosis.time_domain.pulse import Pulse, haversine, usual
@@ -138,7 +147,7 @@ def test_friction_is_exact_at_any_step_while_the_direction_holds():
     ("kind", "parameters"),
     [(FRICTION, (0.7, 900.0, 1.0, 0.0, 1.0, 0.0)), (FRICTION, (0.7, 300.0, 0.3, 0.0, 1.0, 0.0)),
      (FRICTION, (0.7, 900.0, 1.5, 0.0, 1.0, 0.0)), (HARDENING, (-300.0, 1e-3, 0.0, 0.0, 0.0, 0.0)),
-     (HARDENING, (500.0, 1e-3, 7e-4, 40.0, 0.0, 0.0))],
+     (HARDENING, (500.0, 1e-3, 7e-4, 40.0, 0.0, 0.0)), (KNEE, (500.0, 6e-4, 3e-4, 40.0, 2e-4, 0.0))],
 )  # fmt: skip
 @pytest.mark.parametrize("new", [-1e-3, 4e-4, 1.2e-3])
 def test_slope_of_a_law_is_its_derivative(kind, parameters, new):
@@ -181,6 +190,47 @@ def test_a_spring_with_a_cubic_part_under_load_is_what_it_says_within_some_defle
     u = np.array([-1.5, -0.3, 0.0, 0.4, 2.0])
     torque = [law(HARDENING, given, 0.0, bend * one, 0.0)[0] for one in u]
     np.testing.assert_allclose(torque, k * bend * c * (u**3 + 3 * load * u**2), rtol=0.02, atol=1e-3)
+
+
+def test_a_sharp_knee_is_a_stop():
+    """Nothing before its deflection, and the second spring beyond it, whatever the first one is."""
+    given = np.array(knee(FIRST, 500.0, 1e-3, 1e-4, 0.0, 800.0).parameters)
+    q = np.array([-4e-3, -1e-3, -5e-4, 0.0, 9e-4, 3e-3])
+    torque = [law(KNEE, given, 0.0, one, 0.0)[0] for one in q]
+    np.testing.assert_allclose(torque, 500 * np.sign(q) * np.maximum(np.abs(q) - 1e-3, 0), atol=1e-4)
+
+
+@pytest.mark.parametrize("wound", [0.0, 7e-4, -2e-3])
+def test_a_knee_has_the_stiffness_of_the_card_where_it_rests(wound):
+    given = np.array(knee(FIRST, 500.0, 1e-3, 0.6, wound, 800.0).parameters)
+    assert law(KNEE, given, 0.0, 0.0, 0.0) == pytest.approx((0.0, 0.0), abs=1e-10)
+    far = law(KNEE, given, 0.0, 100.0, 0.0)[1]
+    if wound == 0.0:
+        assert far == pytest.approx(500.0, rel=1e-6)
+    felt = np.array([law(KNEE, given, 0.0, one, 0.0)[0] for one in np.linspace(-3e-3, 3e-3, 7)])
+    np.testing.assert_allclose(felt, bending(given, np.linspace(-3e-3, 3e-3, 7)), rtol=1e-9, atol=1e-12)
+
+
+def test_a_round_knee_is_the_narrower_law_but_for_little():
+    change, bend, soft = AS_NARROW
+    narrow = np.array(hardening(FIRST, 500.0, 1e-3).parameters)
+    wide = np.array(knee(FIRST, 500.0 * change, 1e-3 * bend, soft, 0.0, 800.0).parameters)
+    q = np.linspace(0.0, 4e-3, 200)
+    one, other = (
+        [law(kind, p, 0.0, each, 0.0)[0] for each in q] for kind, p in ((HARDENING, narrow), (KNEE, wide))
+    )
+    assert np.std(np.subtract(one, other)) < 0.006 * np.sqrt(np.mean(np.square(one)))
+
+
+@pytest.mark.parametrize("softness", [0.05, 0.7])
+def test_the_stand_in_of_a_knee_is_its_first_harmonic(softness):
+    amplitude, wound, at = 2.3e-3, 4e-4, 1e-3
+    phase = np.linspace(0, 2 * np.pi, 20001)[1:]
+    given = np.array(knee(FIRST, 500.0, at, softness, wound, 800.0).parameters)
+    torque = np.array([law(KNEE, given, 0.0, one, 0.0)[0] for one in amplitude * np.cos(phase)])
+    first = 2 * np.mean(torque * np.cos(phase)) / amplitude - given[3]
+    seen = given[0] * bent(np.array([amplitude / at]), softness, wound / at)[0]
+    assert seen == pytest.approx(first, rel=2e-3)
 
 
 @pytest.mark.parametrize("speed", [1e-4, 0.05, 3.0])
@@ -334,6 +384,16 @@ def histories(one, fineness):
     return steps, torque, last
 
 
+def bending(parameters, q):
+    """A knee as the difference of two roots that its derivation begins with."""
+    top, at, wound, linear, over, _ = parameters
+
+    def torque(u):
+        return u + (np.sqrt((u - at) ** 2 + over**2) - np.sqrt((u + at) ** 2 + over**2)) / 2
+
+    return top * (torque(q + wound) - torque(wound)) + linear * q
+
+
 def integrated(laws, end, tolerance=1e-10):
     """The same blow by an adaptive Runge–Kutta method; torques of friction are states of their own."""
     rubbing = [one for one in laws if one.kind == FRICTION]
@@ -360,6 +420,8 @@ def integrated(laws, end, tolerance=1e-10):
                 now, rest = (one.row @ q + wound) / deflection, wound / deflection
                 torque = top * deflection * (now**3 / (1 + now**2) - rest**3 / (1 + rest**2))
                 force = force - one.row * (torque + linear * (one.row @ q))
+            if one.kind == KNEE:
+                force = force - one.row * bending(one.parameters, one.row @ q)
         return np.concatenate([v, inverse @ force, rates])
 
     start = np.zeros(4 + len(rubbing))
@@ -375,6 +437,9 @@ LAWS = {
     "bristles that damp": (friction(FIRST, 3.0, 3e4, 1.0, 0.0, 1.0, 3e-3),),
     "slow friction": (slow_friction(FIRST, 3.0, 0.02),),
     "both kinds of friction": (friction(FIRST, 2.0, 3e4), slow_friction(FIRST, 1.5, 0.3)),
+    "two sliders": (friction(FIRST, 2.0, 3e4), slow_friction(FIRST, 1.5, 0.3), friction(FIRST, 4.0, 9e3)),
+    "knee": (knee(FIRST, 9e3, 1.5e-3, 0.3, 0.0, 9e3),),
+    "knee, wound up": (knee(FIRST, -4e3, 1.5e-3, 1.0, 1e-3, 9e3),),
     "wound up": (hardening(FIRST, 6e3, 2e-3, 1e-3, 9e3),),
     "both": (hardening(np.array([-1.0, 1.0]), 3e3, 2e-3), friction(FIRST, 3.0, 3e4)),
 }

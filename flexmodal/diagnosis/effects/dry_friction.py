@@ -1,7 +1,9 @@
 """Joints with dry friction, by describing functions (`nonlinear_stiffness`) and as torques in time.
 
 At the next level what sticks damps as it bends: bristles with a stiffness and a damping (LuGre, Canudas de
-Wit, Olsson, Åström and Lischinsky, IEEE Trans. Automatic Control 40, 1995).
+Wit, Olsson, Åström and Lischinsky, IEEE Trans. Automatic Control 40, 1995). And there is a second sliding
+element beside the first, of other limit and stiffness: the smallest of Iwan's models of sliders that slip one
+after the other (Journal of Applied Mechanics 33, 1966).
 """
 
 from __future__ import annotations
@@ -85,6 +87,8 @@ def _closing(
 _FRICTION = ("torque", "presliding_stiffness", "exponent", "stiction", "stribeck_speed")
 _SLOW = ("slow_torque", "slow_speed")
 _LAG = "bristle_time"
+_SECOND = ("second_torque", "second_stiffness")
+"""Of the second sliding element, over those of the first."""
 _SPEED = 0.7
 """Of the largest speed of a swing, where friction takes most of its energy."""
 
@@ -96,6 +100,9 @@ def _rub(assembly: Assembly, placement: Placement) -> None:
     stiffness, loss = dahl(amplitude, limit, bristles, exponent)
     turned = omega * placement.values.get(_LAG, 0.0)
     stiffness, loss = stiffness - turned * loss, loss + turned * stiffness
+    if _SECOND[0] in placement.values:
+        later = dahl(amplitude, torque * placement[_SECOND[0]], bristles * placement[_SECOND[1]], exponent)
+        stiffness, loss = stiffness + later[0], loss + later[1]
     row = assembly.stretch_of(placement.where)
     assembly.add_spring(row, stiffness)
     assembly.add_damper(row, loss / omega)
@@ -115,11 +122,15 @@ def levelling(speed: Float[np.ndarray, "*many"], torque: float, slow: float) -> 
     return np.asarray(2 / len(PHASE) * torque * np.sum(felt * wave, axis=-1) / most)
 
 
-def _rubbing(assembly: Assembly, placement: Placement) -> tuple[Law, Law]:
+def _rubbing(assembly: Assembly, placement: Placement) -> tuple[Law, ...]:
     row = assembly.stretch_of(placement.where)
     torque, bristles, exponent, stiction, speed = (placement[name] for name in _FRICTION)
     hysteretic = friction(row, torque, bristles, exponent, stiction, speed, placement.values.get(_LAG, 0.0))
-    return hysteretic, slow_friction(row, *(placement[name] for name in _SLOW))
+    slow = slow_friction(row, *(placement[name] for name in _SLOW))
+    if _SECOND[0] not in placement.values:
+        return hysteretic, slow
+    second = friction(row, torque * placement[_SECOND[0]], bristles * placement[_SECOND[1]], exponent)
+    return hysteretic, slow, second
 
 
 def _friction_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
@@ -153,7 +164,12 @@ def _friction_starts(context: Context, where: str) -> list[Mapping[str, float]]:
 def _bristle_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
     low, high = (1 / (2 * np.pi * edge) for edge in context.band[::-1])
     centre = 0.1 * float(np.sqrt(low * high))
-    return (*_friction_parameters(context, where), positive(_LAG, "s", centre, 2.0, 1e-3 * low, high))
+    return (
+        *_friction_parameters(context, where),
+        positive(_LAG, "s", centre, 2.0, 1e-3 * low, high),
+        positive(_SECOND[0], "of the first", 0.1, 2.0, 1e-4, 100.0),
+        positive(_SECOND[1], "of the first", 0.3, 1.5, 1e-3, 100.0),
+    )
 
 
 def _bristle_starts(context: Context, where: str, values: Mapping[str, float]) -> list[Mapping[str, float]]:
@@ -161,7 +177,13 @@ def _bristle_starts(context: Context, where: str, values: Mapping[str, float]) -
     slow = 1 / (2 * np.pi * float(np.sqrt(context.band[0] * context.band[1])))
     loose = {**values, "slow_torque": 0.01 * values["torque"]}
     stiff = {**loose, "presliding_stiffness": 3 * values["presliding_stiffness"]}
-    return [{**one, _LAG: share * slow} for one in (values, loose, stiff) for share in (0.03, 0.3, 1.0)]
+    none = dict(zip(_SECOND, (1e-3, 0.1), strict=True))
+    found = [
+        {**one, **none, _LAG: share * slow} for one in (values, loose, stiff) for share in (0.03, 0.3, 1.0)
+    ]
+    second = [(0.1, 1.0), (0.3, 0.3), (1.0, 0.3), (3.0, 0.5), (10.0, 1.0)]
+    held = {**loose, _LAG: 1e-3 * slow}
+    return [*found, *({**held, **dict(zip(_SECOND, each, strict=True))} for each in second)]
 
 
 BRISTLES = Effect(
@@ -175,7 +197,7 @@ BRISTLES = Effect(
     variants=("blow",),
     untestable=one_level,
     physical=lambda context, where, values: {
-        name: values[name] for name in (*_FRICTION, *_SLOW, _LAG) if name in values
+        name: values[name] for name in (*_FRICTION, *_SLOW, _LAG, *_SECOND) if name in values
     },
     sticks=True,
 )

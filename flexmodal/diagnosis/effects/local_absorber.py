@@ -5,18 +5,23 @@ mass is free along one. There may be another mass at the same place that swings 
 alone; where it weighs next to nothing there is none. Part of the first spring may relax, as that of rubber: a
 Maxwell element beside it, a standard linear solid's (Zener, Elasticity and Anelasticity of Metals, University
 of Chicago Press 1948).
+
+At the next level a further part of it swings faster, alike along both directions, on a foot that does not: a
+clamped beam has modes beyond its first ones, and what holds a spring is fixed to the link.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
+from jaxtyping import Float
 
 from flexmodal.diagnosis.effects.absorber_start import told_by, ways_of
 from flexmodal.diagnosis.effects.added_mass import place_on
 from flexmodal.diagnosis.effects.context import Context
-from flexmodal.diagnosis.effects.effect import Effect, Placement, along, positive, sides, signed
+from flexmodal.diagnosis.effects.effect import Effect, Level, Placement, along, positive, sides, signed
 from flexmodal.diagnosis.effects.free_function import FreeFunction
 from flexmodal.diagnosis.effects.relaxation import HELD, add_relaxing
 from flexmodal.diagnosis.improved.draft import Draft
@@ -29,8 +34,12 @@ HIGHEST = 1.15
 
 COORDINATES = ("", " across", " other", " relaxing")
 """What the mass does along its directions, what another one does along the second, and what relaxes."""
+FURTHER_COORDINATES = (" further", " further across")
 NOTHING = 0.01
-"""Mass of the other one, over that of the first, which is left out of files."""
+"""Mass of the other one, or of the further one, over that of the first, which is left out of files."""
+FURTHER, FASTER, FOOT, BELOW = "further", "further_ratio", "foot", "below"
+"""What the wider law has besides: a mass over the first, its frequency over that of the first, a mass that
+does not swing, over the first, and how far the first stands off from them where it gives least."""
 
 
 def _parameters(context: Context, where: str) -> tuple[Parameter, ...]:
@@ -53,6 +62,24 @@ def _parameters(context: Context, where: str) -> tuple[Parameter, ...]:
         turns = (signed(name, "rad", 2.0, -3.2, 3.2) for name in ("turn", "roll"))
         found += [signed("above", "m", 0.06, -0.5, 0.5), *turns]
     return tuple(found)
+
+
+def _wide_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
+    return (
+        *_parameters(context, where),
+        positive(FURTHER, "of the mass", 0.1, 1.5, 1e-4, 5.0),
+        positive(FASTER, "of the frequency", 10.0, 1.0, 1.2, 300.0),
+        positive(FOOT, "of the mass", 0.03, 1.5, 1e-5, 5.0),
+        signed(BELOW, "m", 0.1, -0.5, 0.5),
+    )
+
+
+def _wide_starts(context: Context, where: str, values: Mapping[str, float]) -> list[Mapping[str, float]]:
+    """From where the narrower law was, with and without its other mass, and free along both directions."""
+    alone = {**values, "other": 1e-3}
+    both = {**alone, "across_ratio": 1.0}
+    further = [{FURTHER: part, FASTER: ratio} for part in (0.1, 0.4, 1.0) for ratio in (6.0, 30.0)]
+    return [{**one, **more} for one in (values, alone, both) for more in further]
 
 
 def _starts(context: Context, where: str) -> list[Mapping[str, float]]:
@@ -104,6 +131,11 @@ def _shape(assembly: Assembly, placement: Placement) -> None:
     assembly.add_coordinates([f"{placement.where} absorber{name}" for name in COORDINATES])
 
 
+def _wide_shape(assembly: Assembly, placement: Placement) -> None:
+    names = (*COORDINATES, *FURTHER_COORDINATES)
+    assembly.add_coordinates([f"{placement.where} absorber{name}" for name in names])
+
+
 def _act(assembly: Assembly, placement: Placement) -> None:
     values, where = placement.values, placement.where
     axes = assembly.axes(where)
@@ -112,9 +144,21 @@ def _act(assembly: Assembly, placement: Placement) -> None:
     carried = [np.sum(way[..., :, None] * motion, axis=-2) for way in ways]
     own, across, other, relaxing = (assembly.row(f"{where} absorber{name}") for name in COORDINATES)
     mass = values["mass"]
-    for body, swung in ((mass, (own, across, 0.0)), (values["other"] * mass, (0.0, other, 0.0))):
+    still = np.zeros_like(own)
+    for body, swung in ((mass, (own, across, still)), (values["other"] * mass, (still, other, still))):
         for moves, row in zip(carried, swung, strict=True):
             assembly.add_inertia(moves + row, body)
+    if FURTHER in values:
+        body, faster = values[FURTHER] * mass, 2 * np.pi * values["frequency"] * values[FASTER]
+        rows = [assembly.row(f"{where} absorber{name}") for name in FURTHER_COORDINATES]
+        low = assembly.motion(where, _below(placement.context, where, values))[..., :3, :]
+        for way, row in zip(ways, (*rows, still), strict=True):
+            stands = np.sum(way[..., :, None] * low, axis=-2)
+            assembly.add_inertia(stands + row, body)
+            assembly.add_inertia(stands, values[FOOT] * mass)
+        for row in rows:
+            assembly.add_spring(row, body * faster**2)
+            assembly.add_damper(row, 2 * values["damping_ratio"] * body * faster)
     for row, spring in zip((own, across, other), _springs(values), strict=True):
         assembly.add_spring(row, spring[0])
         assembly.add_damper(row, spring[1])
@@ -122,12 +166,18 @@ def _act(assembly: Assembly, placement: Placement) -> None:
     add_relaxing(assembly, own, relaxing, relaxes, time, placement.context.band[1])
 
 
+def _below(context: Context, where: str, values: Mapping[str, float]) -> Float[np.ndarray, " 3"]:
+    """Where the further mass sits, in the frame of the link [m]."""
+    least = _ways(context, where, values)[1 if context.normal is not None else 2]
+    return np.asarray(place_on(context, where, values) - values[BELOW] * least)
+
+
 def _physical(context: Context, where: str, values: Mapping[str, float]) -> dict[str, float]:
     x, y, z = place_on(context, where, values).tolist()
     first, second = (way.tolist() for way in _ways(context, where, values)[:2])
     ways = dict(zip(("dx", "dy", "dz", "across_x", "across_y", "across_z"), [*first, *second], strict=True))
     where_and_how = {"along", "beside", "above", "angle", "turn", "roll"}
-    own = [parameter.name for parameter in _parameters(context, where)]
+    own = [one.name for one in _wide_parameters(context, where) if one.name in values]
     kept = {name: values[name] for name in own if name not in where_and_how}
     return {**kept, "stiffness": _springs(values)[0][0], "x": x, "y": y, "z": z, **ways}
 
@@ -146,6 +196,21 @@ def _extend(draft: Draft, placement: Placement) -> None:
         part = Body(values["other"] * values["mass"], place, np.zeros((3, 3)))
         (joint,) = draft.attach(placement.where, part, name=f"{name}_other", slides=(second,))
         draft.flexible(joint, *apart)
+    if values.get(FURTHER, 0.0) > NOTHING:
+        weight = values[FURTHER] * values["mass"]
+        faster = 2 * np.pi * values["frequency"] * values[FASTER]
+        low = _below(placement.context, placement.where, values)
+        part = Body(weight, low, np.zeros((3, 3)))
+        spring = (weight * faster**2, 2 * values["damping_ratio"] * weight * faster)
+        for joint in draft.attach(placement.where, part, name=f"{name}_further", slides=(first, second)):
+            draft.flexible(joint, *spring)
+    if values.get(FOOT, 0.0) > NOTHING:
+        part = Body(
+            values[FOOT] * values["mass"],
+            _below(placement.context, placement.where, values),
+            np.zeros((3, 3)),
+        )
+        draft.attach(placement.where, part, name=f"{name}_foot")
     if values["relaxing"] > HELD:
         draft.notes.append(
             f"the files have the spring of {name} and lack what relaxes: {values['relaxing']:.3g} of its "
@@ -153,14 +218,14 @@ def _extend(draft: Draft, placement: Placement) -> None:
         )
 
 
-EFFECT = Effect(
+WIDE = Effect(
     name="local_absorber",
     says="something resilient is attached to the link",
     places=lambda context: context.links,
-    parameters=_parameters,
+    parameters=_wide_parameters,
     starts=_starts,
     told=_told,
-    shape=_shape,
+    shape=_wide_shape,
     act=_act,
     simpler={"added_mass": ("mass", "along", "beside", "above")},
     limit="frequency",
@@ -168,3 +233,4 @@ EFFECT = Effect(
     extend=_extend,
     units={"stiffness": "N/m", "x": "m", "y": "m", "z": "m"},
 )
+EFFECT = replace(WIDE, parameters=_parameters, shape=_shape, next_level=Level(WIDE, _wide_starts))

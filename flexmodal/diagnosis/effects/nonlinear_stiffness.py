@@ -16,8 +16,8 @@ from jaxtyping import Float
 
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Effect, Level, Placement, positive, signed
-from flexmodal.diagnosis.effects.swing import PHASE, one_level, swing_of, typical
-from flexmodal.diagnosis.time_domain.law import Law, hardening
+from flexmodal.diagnosis.effects.swing import PHASE, largest, one_level, swing_of, typical
+from flexmodal.diagnosis.time_domain.law import KNEE, Law, hardening, knee
 from flexmodal.structure import Parameter
 from flexmodal.structure.assembly import Assembly
 
@@ -37,9 +37,28 @@ def hardened(amplitude: Float[np.ndarray, "*many"], wound: float = 0.0) -> Float
     return np.asarray(2 / len(PHASE) * np.sum(u**3 / (1 + u**2) * wave, axis=-1) / a)
 
 
-_CUBIC, _LOAD = "cubic", "load"
-"""What the wider law has besides: torque of a cubic spring over that of the linear one at the deflection, and
-how many deflections a load has moved it."""
+def bent(amplitude: Float[np.ndarray, "*many"], softness: float, wound: float) -> Float[np.ndarray, "*many"]:
+    """The same for a knee: part of A that an amplitude sees.
+
+    Args:
+        amplitude: over the deflection of the knee.
+        softness: over how many deflections it is rounded.
+        wound: elongation about which it swings, over the deflection.
+    """
+    a, wave = np.maximum(amplitude, 1e-4), np.cos(PHASE)
+    u = wound + a[..., None] * wave
+    torque = u * (1 - 2 / (np.hypot(u - 1, softness) + np.hypot(u + 1, softness)))
+    return np.asarray(2 / len(PHASE) * np.sum(torque * wave, axis=-1) / a)
+
+
+_SOFTNESS, _CUBIC, _LOAD = "softness", "cubic", "load"
+"""What the wider law has besides: over how many deflections its knee is rounded; torque of a cubic spring
+over that of the linear one at the deflection, and how many deflections a load has moved it."""
+AS_NARROW = (1.10, 0.47, 0.66)
+"""Change and deflection of a knee over those of the narrower law that it is nearest to, within 0.6 % of its
+torque up to four of its deflections; and its softness."""
+SHARP = 0.1
+"""Softness of a stop."""
 FAR = 30.0
 """Deflections of a spring that is all but cubic within some of them."""
 
@@ -53,25 +72,27 @@ def _stiffness(placement: Placement) -> float:
 
 def _spring(assembly: Assembly, placement: Placement) -> tuple[Law, ...]:
     deflection, stiffness = placement["deflection"], _stiffness(placement)
-    law = hardening(
-        assembly.stretch_of(placement.where),
-        placement["change"] * stiffness,
-        deflection,
-        placement["wound"] * deflection,
-        stiffness,
-    )
+    row, more = assembly.stretch_of(placement.where), placement["change"] * stiffness
+    wound = placement["wound"] * deflection
     if _CUBIC not in placement.values:
-        return (law,)
+        return (hardening(row, more, deflection, wound, stiffness),)
     cubic = placement[_CUBIC]  # a law is there even if it is nothing: systems have as many laws each
     far, load = FAR * deflection, placement[_LOAD] * deflection
-    return law, hardening(law.row, cubic * FAR**2 * stiffness, far, load)
+    return (
+        knee(row, more, deflection, placement[_SOFTNESS], wound, stiffness),
+        hardening(row, cubic * FAR**2 * stiffness, far, load),
+    )
 
 
 def _stiffen(assembly: Assembly, placement: Placement) -> None:
     swing = swing_of(placement)[0]
     for law in _spring(assembly, placement):
-        top, bend, wound, at_rest, *_ = law.parameters
-        assembly.add_spring(law.row, top * hardened(swing / bend, wound / bend) + at_rest)
+        top, bend, wound, at_rest, over, _ = law.parameters
+        if law.kind == KNEE:
+            seen = bent(swing / bend, over / bend, wound / bend)
+        else:
+            seen = hardened(swing / bend, wound / bend)
+        assembly.add_spring(law.row, top * seen + at_rest)
 
 
 def _hardening_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
@@ -84,26 +105,45 @@ def _hardening_parameters(context: Context, where: str) -> tuple[Parameter, ...]
 
 
 def _curve_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
+    size, _ = typical(context, where)
     return (
-        *_hardening_parameters(context, where),
+        signed("change", "", 3.0, -0.85, 20.0),
+        positive("deflection", "rad", size, 1.5, size / 100, size * 100),
+        *_hardening_parameters(context, where)[2:],
+        positive(_SOFTNESS, "of the deflection", 0.5, 1.5, 0.01, 30.0),
         signed(_CUBIC, "", 1.0, -0.3, 10.0),
         signed(_LOAD, "of the deflection", 0.5, -4.0, 4.0),
     )
 
 
 def _curve_starts(context: Context, where: str, values: Mapping[str, float]) -> list[Mapping[str, float]]:
-    """From where the narrower law was, and a cubic spring nearly alone."""
-    size = typical(context, where)[0]
-    found = [{**values, _CUBIC: cubic, _LOAD: load} for cubic in (0.02, 0.2) for load in (-0.5, 0.0, 0.5)]
-    alone = {"change": 0.01, "deflection": 2 * size, "wound": 0.0}
-    return [*found, *({**alone, _CUBIC: 1.0, _LOAD: load} for load in (-0.5, 0.0, 0.5))]
+    """From where the narrower law was, a cubic spring nearly alone, and stops."""
+    size, (change, bend, soft) = typical(context, where)[0], AS_NARROW
+    near = {
+        "change": float(np.clip(values["change"] * change, -0.8, 5.5)),
+        "deflection": values["deflection"] * bend,
+        "wound": float(np.clip(values["wound"] / bend, -3.9, 3.9)),
+        _SOFTNESS: soft,
+    }
+    found = [{**near, _CUBIC: cubic, _LOAD: load} for cubic in (0.005, 0.05) for load in (-0.5, 0.0, 0.5)]
+    alone = {"change": 0.01, "deflection": 2 * size, "wound": 0.0, _SOFTNESS: soft}
+    found += [{**alone, _CUBIC: 1.0, _LOAD: load} for load in (-0.5, 0.0, 0.5)]
+    stop = {"wound": 0.0, _SOFTNESS: SHARP, _CUBIC: 0.0, _LOAD: 0.0}
+    sizes, most = (-0.6, 0.7, 2.5, 7.0), largest(context, where)
+    stops = [
+        {**stop, "change": c, "deflection": part * most} for c in sizes for part in (0.15, 0.3, 0.5, 0.8)
+    ]
+    return [*found, *stops]
 
 
 def _hardening_physical(context: Context, where: str, values: Mapping[str, float]) -> dict[str, float]:
     k = values.get(f"stiffness.{where}", float(context.robot.joints[where].stiffness))
-    told = {name: values[name] for name in ("change", "deflection", "wound", _CUBIC, _LOAD) if name in values}
-    cubic = values["change"] + values.get(_CUBIC, 0.0)
-    return {**told, "cubic_stiffness": cubic * k / values["deflection"] ** 2}
+    named = ("change", "deflection", "wound", _SOFTNESS, _CUBIC, _LOAD)
+    told = {name: values[name] for name in named if name in values}
+    soft, bend = values.get(_SOFTNESS), values["deflection"]
+    begins = 1.0 if soft is None else soft**2 / (2 * (1 + soft**2) ** 2)
+    cubic = values["change"] * begins + values.get(_CUBIC, 0.0)
+    return {**told, "cubic_stiffness": cubic * k / bend**2}
 
 
 CURVE = Effect(

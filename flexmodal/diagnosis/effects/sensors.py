@@ -42,18 +42,24 @@ MOUNTS = 8
 """Frequencies of a mount from which fits start, over the band and somewhat beyond."""
 CORNERS = (0.3, 1.0, 4.0)
 """Corners of a high pass from which fits start, over the lowest line."""
+BUTTERWORTH = 0.5
+"""How much of second order Butterworth's filter has."""
 
 
 def _gain(placement: Placement, axis: Axis) -> np.ndarray:
-    """A factor of either sign, a weak power of frequency, a mount that resonates, and a high pass."""
+    """A factor of either sign, a weak power of frequency, a mount that resonates, and a high pass.
+
+    The high pass is 1/(1 + a + p a²) with a = ω_c/s, of first order with p = 0.
+    """
     gain = placement["gain"]
     s = np.where(axis.frequency > 0, axis.s, 1j * MIDDLE)
     size = np.log(max(abs(gain), LEAST_GAIN)) + (1j * np.pi if gain < 0 else 0.0)
     slope = placement["exponent"] * np.log(s / (1j * MIDDLE))
     mount = s / (2 * np.pi * placement["mount_frequency"])
     resonance = np.log(1 + 2 * placement["mount_damping_ratio"] * mount + mount**2)
-    corner = np.log1p(2 * np.pi * placement["high_pass"] / s)
-    return np.asarray(size + slope - resonance - corner, dtype=complex)
+    corner = 2 * np.pi * placement["high_pass"] / s
+    passed = np.log1p(corner + placement["high_pass_order"] * corner**2)
+    return np.asarray(size + slope - resonance - passed, dtype=complex)
 
 
 def _gain_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
@@ -68,6 +74,7 @@ def _gain_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
         positive("mount_frequency", "Hz", 30 * high, 1.5, low, 1e3 * high),
         positive("mount_damping_ratio", "", 0.05, 0.8, 1e-3, 0.35),
         positive("high_pass", "Hz", 1e-3 * low, 2.0, 1e-5 * low, 10 * high),
+        signed("high_pass_order", "", 0.3, 0.0, 2.25),
     )
 
 
@@ -81,6 +88,7 @@ def _gain_starts(context: Context, where: str) -> list[Mapping[str, float]]:
         *({"gain": 1.0, "mount_frequency": one} for one in mounts),
         *({"gain": 1.0, "high_pass": share * low} for share in CORNERS),
         {"gain": 1.0, "high_pass": high},
+        *({"gain": 1.0, "high_pass": share * low, "high_pass_order": BUTTERWORTH} for share in CORNERS[:2]),
     ]
 
 

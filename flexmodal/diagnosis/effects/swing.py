@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import product
 
 import numpy as np
 from jaxtyping import Float
@@ -97,6 +98,20 @@ def typical(context: Context, where: str) -> tuple[float, float]:
     found = [(one.amplitude, one.amplitude * one.omega) for one in every]
     size, speed = np.exp(np.mean(np.log(np.maximum(found, 1e-300)), axis=0)).tolist()
     return size, speed
+
+
+def largest(context: Context, where: str) -> float:
+    """The largest swing of a joint under any blow of the campaign [rad].
+
+    Args:
+        context: the believed robot and the test.
+        where: the joint.
+    """
+    postures = range(len(context.arms))
+    return max(
+        swings(context, posture, reference, level)[where].amplitude
+        for posture, level, reference in product(postures, context.levels, context.references)
+    )
 
 
 def one_level(context: Context) -> str | None:

@@ -83,6 +83,10 @@ class Data(ToldData[M], ABC, Generic[M]):
         """Of several effects one whose fit a look without a law speaks against, if there is one."""
         return None
 
+    def falls_short(self, model: M) -> tuple[str, str] | None:
+        """The only effect of a model, where a look without a law finds all that is left in its own place."""
+        return None
+
     def instead(self, model: M, key: tuple[str, str], *, anyway: bool = False) -> list[M]:
         """With what was considered in place of one of several effects, beside those that came since.
 

@@ -20,6 +20,7 @@ from flexmodal.diagnosis.selection.frf_thresholds import (
     ALL_BUT_LITTLE,
     CLEARLY,
     EXPLAINED,
+    HALF,
     IN_STEAD,
     LARGER_PART,
     LIKELY,
@@ -63,6 +64,20 @@ class FrfsByLook(Data[FittedFrfs]):
     def doubted(self, model: FittedFrfs) -> tuple[str, str] | None:
         """See `Data`."""
         return self._candidates.doubted(model)
+
+    def falls_short(self, model: FittedFrfs) -> tuple[str, str] | None:
+        """See `Data`; of one that takes the larger part alone, and whose place did not do so before."""
+        keys = model.hypothesis.keys
+        little = len(keys) == 1 and left(self.setup, self.root, model) <= HALF
+        if (
+            not little
+            or self.is_enough(model)
+            or self.is_alone(model)
+            or not self._candidates.can_look(model)
+        ):
+            return None
+        look = self._candidates.look_beside(model)
+        return keys[0] if look.needed and look.explains and look.found[0].has(*keys[0]) else None
 
     def wider(self, model: FittedFrfs, keys: Collection[tuple[str, str]]) -> list[FittedFrfs]:
         """See `Data`."""

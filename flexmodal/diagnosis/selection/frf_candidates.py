@@ -241,7 +241,7 @@ class FrfCandidates(SearchesBeside):
         is missing: where that is little, it is less than several times the noise to begin with. No narrow law
         is enough where the place is one that only wide ones have.
         """
-        if any(self._is_enough(one) for one in found):
+        if any(self._is_enough(one) and left(self.setup, before, one) <= HALF for one in found):
             return found
         least = LAW_LEAVES * look.left
         places = [one for one in found if look.met([one.key])]

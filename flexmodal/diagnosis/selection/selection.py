@@ -130,11 +130,11 @@ class ForwardSelection(Generic[M]):
 
     def _follow_on(self) -> bool:
         """One effect more where the data point, or another one in place of one that is there."""
-        doubted = self.data.doubted(self.current)
-        if doubted is not None:
-            again = self._bettered(looked_for_again(self.data, self.current, doubted))
-            if again or self._widened([doubted]):
-                return True
+        doubted, short = self.data.doubted(self.current), self.data.falls_short(self.current)
+        if doubted is not None and self._bettered(looked_for_again(self.data, self.current, doubted)):
+            return True
+        if any(self._widened([key]) for key in (doubted, short) if key is not None):
+            return True
         if self.data.is_at_rest(self.current):
             return False
         before, many = self._state, len(self.current.hypothesis.keys)

@@ -249,7 +249,10 @@ def loop_of(struck: Sequence[Struck], steps: Steps, compiled: bool | None = None
 
 @cache
 def _kernel() -> Kernel:
-    laws = (law_kernel.hardened, law_kernel.slow, law_kernel.limits, law_kernel.rubbed, law_kernel.stuck_of)
+    laws = (
+        law_kernel.hardened, law_kernel.knee, law_kernel.slow, law_kernel.limits, law_kernel.rubbed,
+        law_kernel.stuck_of,
+    )  # fmt: skip
     newton = (
         settle_kernel.torques_of, settle_kernel.correct, settle_kernel.correct_one, settle_kernel.correct_two,
         settle_kernel.take, settle_kernel.settle,

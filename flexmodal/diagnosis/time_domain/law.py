@@ -1,10 +1,11 @@
 """Torques that depend on how far a joint has moved, and on the way there.
 
-Three laws, all zero at rest:
+Four laws, all zero at rest:
 
     dry friction (Dahl, AFOSR report 0158, 1968)    dT/dq = σ (1 − (T/T_c) sgn q̇)ⁱ,
     friction that is viscous when slow              T = T_v tanh(q̇/v_t)  (Andersson and others, 2007),
-    spring that hardens or softens                  T = a k q u²/(1 + u²),  u = q/q_r, beside k q.
+    spring that hardens or softens                  T = a k q u²/(1 + u²),  u = q/q_r, beside k q,
+    spring with another slope beyond a deflection   T = A q (1 − 2 d/(√((q − d)² + e²) + √((q + d)² + e²))).
 
 The exponent i says how friction goes over from its spring to sliding: 0 at once, as Jenkins's element does,
 1 little by little. Friction is integrated over the distance moved in a step, which is exact while the
@@ -16,7 +17,8 @@ direction and the speed hold and stays bounded by T_c at any step. What it slips
 may damp as it bends, T + τ dT/dt: bristles with a stiffness σ and a damping σ τ (LuGre, Canudas de Wit,
 Olsson, Åström and Lischinsky, IEEE Trans. Automatic Control 40, 1995). A spring may be loaded at rest, so
 that it is wound up by u₀ about which it is not odd: the torque is then the difference
-from that at rest, and k stays the stiffness there.
+from that at rest, and k stays the stiffness there. The last law is a knee at d, both ways, rounded over e:
+nothing before d and A beyond for e = 0, a cubic spring where e is large.
 """
 
 from __future__ import annotations
@@ -26,7 +28,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float
 
-HARDENING, FRICTION, SLOW = 0, 1, 2
+HARDENING, FRICTION, SLOW, KNEE = 0, 1, 2, 3
 """Codes of the laws in the kernels."""
 
 
@@ -39,7 +41,7 @@ class Law:
     kind: int
     parameters: tuple[float, float, float, float, float, float]
     """Of friction T_c, σ, i, r, v_s, τ; of a spring a k, q_r, q_r u₀, the linear part on top, and nothing;
-    of what is viscous when slow T_v, v_t, and nothing."""
+    of what is viscous when slow T_v, v_t, and nothing; of a knee A, d, u₀, the linear part, e, nothing."""
 
     def of_system(self, k: int) -> Law:
         """In one of the systems, if its row is not the same in all."""
@@ -103,3 +105,33 @@ def hardening(
         return Law(row, HARDENING, (stiffness, deflection, wound, -stiffness * part, 0.0, 0.0))
     scale = 1 / (1 + stiffness / at_rest * part)
     return Law(row, HARDENING, (scale * stiffness, deflection, wound, (scale - 1) * at_rest, 0.0, 0.0))
+
+
+def knee(
+    row: Float[np.ndarray, "*system dof"],
+    stiffness: float,
+    deflection: float,
+    softness: float,
+    wound: float,
+    at_rest: float,
+) -> Law:
+    """What a spring that has another slope beyond a deflection has beyond a linear one.
+
+    Args:
+        row: elongation by the coordinates.
+        stiffness: that comes on top far out; negative if the spring softens [N·m/rad].
+        deflection: d [rad].
+        softness: over how many deflections the knee is rounded, e/d; above 0.
+        wound: how far a load has wound it up at rest [rad].
+        at_rest: stiffness about the point of rest, as of `hardening` [N·m/rad].
+    """
+    round_off = float(np.hypot(1.0, softness))
+    top, begins = stiffness * round_off, 1 - 1 / round_off  # slope of the law at no load over A
+    ends = [
+        (wound + way * deflection) / np.hypot(wound + way * deflection, softness * deflection)
+        for way in (-1, 1)
+    ]
+    rise = top * (1 + (ends[0] - ends[1]) / 2 - begins)
+    scale = 1 / (1 + rise / at_rest)
+    linear = -scale * top * begins + (scale - 1) * at_rest
+    return Law(row, KNEE, (scale * top, deflection, wound, linear, softness * deflection, 0.0))

@@ -103,6 +103,26 @@ def hardened(w):
 
 
 @no_type_check
+def knee(w):
+    """Torques of a spring that has another slope beyond a deflection, and their slopes.
+
+    Args:
+        w: see `hardened`.
+    """
+    end, guess, slope = w[END], w[GUESS], w[SLOPE]
+    stiffness, bend, wound, linear = w[GIVEN], w[GIVEN + 1], w[GIVEN + 2], w[GIVEN + 3]
+    over = w[GIVEN + 4]
+    for b in range(len(end)):
+        d, e, rest, now = bend[b], over[b] * over[b], wound[b], end[b] + wound[b]
+        low, high = rest - d, rest + d
+        held = rest * (1.0 - 2.0 * d / (np.sqrt(low * low + e) + np.sqrt(high * high + e)))
+        low, high = now - d, now + d
+        near, far = np.sqrt(low * low + e), np.sqrt(high * high + e)
+        guess[b] = stiffness[b] * (now * (1.0 - 2.0 * d / (near + far)) - held) + linear[b] * end[b]
+        slope[b] = stiffness[b] * (1.0 + 0.5 * (low / near - high / far)) + linear[b]
+
+
+@no_type_check
 def slow(w):
     """Torques of friction that is viscous when slow, and their slopes.
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from jaxtyping import Float, Int
 
-from flexmodal.diagnosis.time_domain.law import FRICTION, HARDENING, SLOW
+from flexmodal.diagnosis.time_domain.law import FRICTION, HARDENING, KNEE, SLOW
 from flexmodal.diagnosis.time_domain.settle_kernel import CLOSE, ROUNDS, STUBBORN
 
 
@@ -98,6 +98,9 @@ def law(
         part = ratio / (1 + ratio)
         torque = p[:, 0] * ((new + p[:, 2]) * part - p[:, 2] * rest / (1 + rest)) + p[:, 3] * new
         return torque, p[:, 0] * part * (3 + ratio) / (1 + ratio) + p[:, 3]
+    if kind == KNEE:
+        (held, _), (torque, slope) = _bent(p, p[:, 2]), _bent(p, new + p[:, 2])
+        return p[:, 0] * (torque - held) + p[:, 3] * new, p[:, 0] * slope + p[:, 3]
     moved = new - old
     most = p[:, 0] * (1 + p[:, 3] * np.exp(-((moved / p[:, 4]) ** 2)))
     limit = np.where(moved >= 0, most, -most)
@@ -111,3 +114,12 @@ def law(
         slope = np.where(size > 0, p[:, 1] * size ** p[:, 2], 0.0)
     sign = np.sign(share)
     return limit - limit * sign * size, np.maximum(sign * slope, 0.0)
+
+
+def _bent(
+    p: Float[np.ndarray, "blow 6"], u: Float[np.ndarray, " blow"]
+) -> tuple[Float[np.ndarray, " blow"], Float[np.ndarray, " blow"]]:
+    """Of a knee at elongations from no load the torque over A, and its slope."""
+    low, high = u - p[:, 1], u + p[:, 1]
+    near, far = np.hypot(low, p[:, 4]), np.hypot(high, p[:, 4])
+    return u * (1 - 2 * p[:, 1] / (near + far)), 1 + (low / near - high / far) / 2

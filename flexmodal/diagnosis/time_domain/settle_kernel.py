@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import no_type_check
 
-from flexmodal.diagnosis.time_domain.law import FRICTION, HARDENING
+from flexmodal.diagnosis.time_domain.law import FRICTION, HARDENING, KNEE
 from flexmodal.diagnosis.time_domain.law_kernel import (
     END,
     FOUND,
@@ -13,6 +13,7 @@ from flexmodal.diagnosis.time_domain.law_kernel import (
     SIZE,
     SLOPE,
     hardened,
+    knee,
     limits,
     rubbed,
     slow,
@@ -40,6 +41,8 @@ def torques_of(kinds, w):
         elif kinds[one] == FRICTION:
             limits(w[one])
             rubbed(w[one])
+        elif kinds[one] == KNEE:
+            knee(w[one])
         else:
             slow(w[one])
 

@@ -115,11 +115,12 @@ def two_peaks(loss: float, low: float, apart: float, second: float, band: tuple[
 
     def over(size: float) -> float:
         value = made(size).modulus(omega)
-        return float((value.imag / value.real).max()) - loss
+        return float((value.imag / value.real).max()) - abs(loss)
 
     from scipy.optimize import brentq
 
-    return made(float(brentq(over, 0.0, 1e3))).scaled_at(middle(band))
+    size = float(np.sign(loss)) * float(brentq(over, 0.0, 1e3))
+    return made(size).scaled_at(middle(band))
 
 
 def fractional(loss: float, order: float, band: tuple[float, float]) -> Series:
