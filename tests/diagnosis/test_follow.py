@@ -1205,7 +1205,7 @@ def test_what_is_doubted_gets_a_wider_law_where_it_is_the_same_again():
 
 
 class Short(World):
-    """One effect, in whose place a look finds all that its narrow law leaves; a mass there does half of it."""
+    """One effect, in whose place a look finds all that its narrow law leaves; a mass besides does it too."""
 
     def __init__(self, found):
         super().__init__(self.rest)
