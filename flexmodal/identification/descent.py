@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Float, Int
 
 from flexmodal.structure.parameter import ParameterSpace
 
@@ -38,6 +38,21 @@ class Normal:
     """Σ w |r|² of each observation."""
     blocks: Float[np.ndarray, "observation parameter parameter"] | None
     """What each observation adds to the curvature; None where nobody asked."""
+
+    def ordered(self, order: Int[np.ndarray, " parameter"]) -> Normal:
+        """The same with the parameters in another order.
+
+        Args:
+            order: number of each parameter among those here.
+        """
+        square = np.ix_(order, order)
+        return replace(
+            self,
+            gradient=self.gradient[order],
+            curvature=self.curvature[square],
+            scores=self.scores[:, order],
+            blocks=None if self.blocks is None else self.blocks[:, order][:, :, order],
+        )
 
 
 @dataclass(frozen=True, eq=False)

@@ -205,6 +205,8 @@ class FrfFit:
     steps: int
     apart: bool = True
     """Whether the normal equations are with what each observation adds to the curvature."""
+    known: Normal | None = None
+    """Normal equations, where the parameters are in another order than the model's."""
 
     @property
     def weighing(self) -> Weighting:
@@ -214,7 +216,7 @@ class FrfFit:
     @cached_property
     def normal(self) -> Normal:
         """Normal equations there."""
-        return self.misfit.equations(self.x, apart=self.apart)
+        return self.known or self.misfit.equations(self.x, apart=self.apart)
 
 
 def fit(

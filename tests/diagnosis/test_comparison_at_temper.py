@@ -6,9 +6,14 @@ from unittest.mock import Mock
 import numpy as np
 import pytest
 
+from flexmodal.diagnosis.effects import catalogue
 from flexmodal.diagnosis.hypothesis import Hypothesis
-from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
-from flexmodal.identification.frf_fit import FrfFit
+from flexmodal.diagnosis.placed import Placed
+from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs, fitted_model
+from flexmodal.diagnosis.selection.frf_starts import with_last
+from flexmodal.identification import fit
+from flexmodal.identification.frf_fit import FrfFit, normal_equations
+from flexmodal.structure import robot_space
 
 PRECISION = np.array([4.0, 1.0, 0.25])
 
@@ -61,3 +66,21 @@ def test_a_model_that_does_not_exist_has_no_other_least(line):
     model, *_ = line
     model.occam = np.inf
     assert FittedFrfs.nearer(model, 0.1) == 0.0
+
+
+def test_a_model_with_another_effect_last_is_the_same_model(context, observed):
+    """Its normal equations are those of the parameters in their new order, not of the old model at them."""
+    hypothesis = Hypothesis(context, robot_space(context.robot))
+    for name, where in (("added_mass", context.links[-1]), ("servo_compliance", context.joints[0])):
+        hypothesis = hypothesis.and_also(Placed(catalogue()[name], where))
+    fitted = fit(hypothesis, observed, floors=(0.2,), steps=2, stride=8)
+    model = fitted_model(hypothesis, fitted, observed)
+    turned = with_last(model, model.hypothesis.keys[0])
+    assert turned.hypothesis.keys == model.hypothesis.keys[::-1]
+    assert not np.array_equal(turned.x, model.x)
+    again = normal_equations(turned.hypothesis, turned.x, observed, fitted.weighing, apart=fitted.apart)
+    for name in ("gradient", "curvature", "scores"):
+        own, size = getattr(turned.fitted.normal, name), np.abs(getattr(again, name)).max()
+        np.testing.assert_allclose(own, getattr(again, name), rtol=1e-6, atol=1e-8 * size)
+    for temper in (0.01, 1.0):
+        assert turned.nearer(temper) == pytest.approx(model.nearer(temper), rel=1e-9)

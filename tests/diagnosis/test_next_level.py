@@ -150,7 +150,8 @@ def test_each_effect_gets_its_wider_law_from_where_the_joint_fit_is(fits, monkey
     mass = Placed(catalogue()["added_mass"], setup.context.links[-1])
     both = narrow.hypothesis.and_also(mass)
     x = both.start(mass, {"mass": 2.0}, narrow.x)
-    joint = replace(narrow, key=mass.key, hypothesis=both, fitted=replace(narrow.fitted, x=x))
+    misfit = replace(narrow.fitted.misfit, model=both)
+    joint = replace(narrow, key=mass.key, hypothesis=both, fitted=replace(narrow.fitted, x=x, misfit=misfit))
     tried = []
     monkeypatch.setattr(
         frf_candidates, "at_next_level", lambda setup, one, *more: tried.append(one) or [narrow]

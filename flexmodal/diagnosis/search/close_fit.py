@@ -81,7 +81,7 @@ def tried_closely(
 ) -> list[FittedFrfs]:
     """The same of a trial, which goes to its end only where that is near the noise.
 
-    None where the fit comes to where there is no model, or none nearby, as beside torques that push.
+    None where the fit comes to where there is no model, as beside torques that push.
 
     Args:
         setup: what the diagnosis works with.
@@ -95,7 +95,7 @@ def tried_closely(
         made = fitted_closely(setup, hypothesis, start, floors=floors, steps=steps, settled=ROUGHLY)
         if over_noise(setup, made) <= FAR_OFF:
             made = fitted_closely(setup, hypothesis, made.x, floors=LAST, steps=steps)
-        return [made] if np.isfinite(made.fitted.normal.curvature).all() else []
+        return [made]
     except (np.linalg.LinAlgError, SingularResponse):
         return []
 

@@ -91,8 +91,9 @@ def with_last(model: FittedFrfs, key: tuple[str, str]) -> FittedFrfs:
     """
     placed = next(one for one in model.hypothesis.placed if one.key == key)
     hypothesis = model.hypothesis.without(key).and_also(placed)
-    x = model.x[[model.hypothesis.space.index[name] for name in hypothesis.space.names]]
-    return replace(model, key=key, hypothesis=hypothesis, fitted=replace(model.fitted, x=x))
+    order = np.array([model.hypothesis.space.index[name] for name in hypothesis.space.names])
+    fitted = replace(model.fitted, x=model.x[order], known=model.fitted.normal.ordered(order))
+    return replace(model, key=key, hypothesis=hypothesis, fitted=fitted)
 
 
 def does_more(one: tuple[str, str], other: tuple[str, str]) -> bool:
