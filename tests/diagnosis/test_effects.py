@@ -686,6 +686,25 @@ def test_a_sensor_lags_by_a_low_pass_of_second_order(bench):
         np.testing.assert_allclose(found, np.broadcast_to(product / twice, found.shape), rtol=1e-9)
 
 
+def test_two_low_passes_are_a_filter_of_fourth_order(bench):
+    """Butterworth's, by its polynomial."""
+    context, observed, _ = bench
+    where, time = context.sensors[0], 1.5e-3
+    here = observed.response[:, 0] == next(p.id for p in observed.campaign.points if p.name == where)
+    slow, fast = 2 * np.cos(np.pi * np.array([1, 3]) / 8)
+    rest = {"delay": 0.0, "all_pass_time": 1e-6, "averaged_over": 1e-6}
+    found = ours(context, observed, "time_delay" + NEXT, where, {
+        **rest, "time_constant": slow * time, "second_order": 1 / slow**2,
+        "further_time": fast * time, "further_order": 1 / fast**2,
+    })  # fmt: skip
+    plain = ours(context, observed, "sensor_gain", where, {"gain": 1.0, **FAR})
+    s = 2j * np.pi * observed.axis.frequency
+    late = 1 / np.polyval([1, 2.6131259, 3.4142136, 2.6131259, 1], s * time)
+    late = late / amplified(observed.axis.frequency, **FAR)
+    np.testing.assert_allclose(found[here] / plain[here], np.broadcast_to(late, found[here].shape), rtol=2e-3)
+    np.testing.assert_allclose(found[~here], plain[~here], rtol=1e-12)
+
+
 def test_a_gain_has_either_sign_and_may_change_with_frequency(bench):
     context, observed, _ = bench
     where = context.sensors[0]
@@ -908,6 +927,7 @@ def test_a_link_with_modes_of_its_own_shears_where_it_lags_behind_its_ends():
         "local_absorber" + NEXT,
         "sensor_mass" + NEXT,
         "servo_compliance" + NEXT,
+        "time_delay" + NEXT,
     ],
 )
 def test_derivatives_are_those_of_central_differences(bench, effect):

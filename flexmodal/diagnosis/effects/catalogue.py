@@ -13,6 +13,7 @@ from flexmodal.diagnosis.effects import (
     link_flexibility,
     local_absorber,
     nonlinear_stiffness,
+    sensor_delay,
     sensor_mass,
     sensors,
     servo_compliance,
@@ -35,7 +36,7 @@ OWN = (
     local_absorber.EFFECT,
     sensor_mass.EFFECT,
     sensors.SENSOR_GAIN,
-    sensors.SENSOR_DELAY,
+    sensor_delay.EFFECT,
     sensors.SENSOR_MISALIGNMENT,
 )
 GROUP = "flexmodal.effects"

@@ -1,4 +1,4 @@
-"""What sensors do to a measurement: they read too much, lag, look askew."""
+"""What sensors do to a measurement: they read too much, look askew."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from jaxtyping import Float
 
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Effect, Level, Placement, along, positive, sides, signed
+from flexmodal.diagnosis.effects.sensor_delay import BUTTERWORTH
 from flexmodal.structure import Parameter
 from flexmodal.structure.assembly import Assembly
 from flexmodal.structure.structure import Axis
@@ -42,8 +43,6 @@ MOUNTS = 8
 """Frequencies of a mount from which fits start, over the band and somewhat beyond."""
 CORNERS = (0.3, 1.0, 4.0)
 """Corners of a high pass from which fits start, over the lowest line."""
-BUTTERWORTH = 0.5
-"""How much of second order Butterworth's filter has."""
 
 
 def _gain(placement: Placement, axis: Axis) -> np.ndarray:
@@ -99,64 +98,6 @@ SENSOR_GAIN = Effect(
     parameters=_gain_parameters,
     starts=_gain_starts,
     read=_gain,
-)
-
-
-DELAYS = (1e-4, 1e-3, 2e-3, 4e-3, 7e-3, 0.011, 0.016)
-"""Where fits start [s]: phases beyond half a turn are told apart by these only."""
-
-
-LAGS = (1e-5, 1e-3, 6e-3)
-"""Time constants from which fits start [s]; the first is none to speak of."""
-FILTERS, BESSEL = (1e-3, 3e-3, 8e-3), 1 / 3
-"""Times of a low pass of second order from which fits start [s], and how much of second order it has there:
-1/3 is Bessel's, 1/2 Butterworth's."""
-TURNS = (3e-3, 8e-3, 0.02)
-"""Times of an all-pass from which fits start [s]: its phase bends where a delay's goes on."""
-
-
-AVERAGED = (1e-3, 3e-3, 5e-3, 7e-3, 0.01, 0.014)
-"""Times over which a sensor averages, from which fits start [s]."""
-LEAST = 1e-6
-"""Size of the average of a whole period, which is nothing."""
-
-
-def _lag(placement: Placement, axis: Axis) -> np.ndarray:
-    """A pure delay behind a low pass up to second order, an all-pass, and an average over a time.
-
-    The low pass is 1/(1 + sT + q s²T²), of first order with q = 0.
-
-    The average, or a value held for as long: (1 − e^{−sT})/(sT) (Åström and Wittenmark, Computer-Controlled
-    Systems, Prentice-Hall 1997).
-    """
-    low, turn = axis.s * placement["time_constant"], axis.s * placement["all_pass_time"] / 2
-    low = low + placement["second_order"] * low**2
-    x = axis.s * placement["averaged_over"]
-    small = np.abs(x) < LEAST
-    mean = np.where(small, 1.0, -np.expm1(-x) / np.where(small, 1.0, x))
-    mean = np.where(np.abs(mean) < LEAST, LEAST, mean)
-    lag = -axis.s * placement["delay"] - np.log1p(low) + np.log1p(-turn) - np.log1p(turn)
-    return np.asarray(lag + np.log(mean))
-
-
-SENSOR_DELAY = Effect(
-    name="time_delay",
-    says="a sensor lags",
-    places=lambda context: context.sensors,
-    parameters=lambda context, where: (
-        signed("delay", "s", 5e-3, -0.03, 0.03),
-        positive("time_constant", "s", 1e-5, 2.5, 1e-6, 0.1),
-        signed("second_order", "", 0.3, 0.0, 2.25),
-        positive("all_pass_time", "s", 1e-5, 2.5, 1e-6, 0.1),
-        positive("averaged_over", "s", 1e-5, 2.5, 1e-6, 0.05),
-    ),
-    starts=lambda context, where: [
-        *({"delay": delay, "time_constant": lag} for delay in (0.0, *DELAYS) for lag in LAGS),
-        *({"delay": 0.0, "time_constant": time, "second_order": BESSEL} for time in FILTERS),
-        *({"delay": 0.0, "all_pass_time": turn} for turn in TURNS),
-        *({"delay": 0.0, "averaged_over": time} for time in AVERAGED),
-    ],
-    read=_lag,
 )
 
 
