@@ -6,12 +6,16 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+from flexmodal.diagnosis.joint_laws import joint_laws
 from flexmodal.diagnosis.lawfree.as_json import look_json
 from flexmodal.diagnosis.outcome import Diagnosis, Gaps, NextMeasurement, Region, Remaining, Step
+from flexmodal.diagnosis.time_domain.swung import Swung
 from flexmodal.errors import FlexmodalError
 from flexmodal.identification.as_json import baselines_json
 
 FORMAT = 1
+_EVERY = 4
+"""Step of a swing, of which so many are told."""
 
 
 def as_json(diagnosis: Diagnosis) -> dict[str, Any]:
@@ -22,13 +26,14 @@ def as_json(diagnosis: Diagnosis) -> dict[str, Any]:
     Raises:
         FlexmodalError: a number that has to be there is not finite.
     """
+    swings = dict(joint_laws(diagnosis))
     return {
         "format": FORMAT,
         "campaign": diagnosis.campaign,
         "robot": diagnosis.robot,
         "gap": {"believed": _known(diagnosis.gaps.believed), **_gap(diagnosis.gaps)},
         "disagreement": [_region(rank, one) for rank, one in enumerate(diagnosis.disagreement, start=1)],
-        "steps": [_step(step) for step in diagnosis.steps],
+        "steps": [_step(step, swings.get((step.effect, step.where))) for step in diagnosis.steps],
         "verdict": {
             "effects": [list(key) for key in diagnosis.verdict.effects],
             "explained": bool(diagnosis.verdict.explained),
@@ -86,7 +91,7 @@ def _region(rank: int, region: Region) -> dict[str, Any]:
     }
 
 
-def _step(step: Step) -> dict[str, Any]:
+def _step(step: Step, swing: Swung | None) -> dict[str, Any]:
     return {
         "effect": step.effect,
         "where": step.where,
@@ -105,7 +110,20 @@ def _step(step: Step) -> dict[str, Any]:
             for one in step.alternatives
         ],
         "gap": _gap(step.gaps),
+        "swing": None if swing is None else _swing(swing),
     }
+
+
+def _swing(swing: Swung) -> dict[str, list[float]]:
+    """A joint swung to and fro: stiffness and loss by amplitude, and the torque in the largest swing."""
+    found = {
+        "amplitude": swing.amplitude,
+        "stiffness": swing.stiffness,
+        "loss_factor": swing.loss_factor,
+        "deflection": swing.deflection[-1, ::_EVERY],
+        "torque": swing.torque[-1, ::_EVERY],
+    }
+    return {name: [_number(name, value) for value in values.tolist()] for name, values in found.items()}
 
 
 def _next(measurement: NextMeasurement | None) -> dict[str, Any] | None:

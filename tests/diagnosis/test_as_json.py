@@ -13,7 +13,7 @@ GAP = {"before", "after", "held_out_before", "held_out_after", "noise_floor"}
 TOP = {"format", "campaign", "robot", "gap", "disagreement", "steps", "verdict", "warnings"}
 TOP |= {"next_measurement", "law_free", "stand_in", "baselines", "set_up"}
 REGION = {"rank", "posture", "response", "reference", "trial", "band", "share", "kind", "says"}
-STEP = {"effect", "where", "parameters", "uncertainty", "confidence", "share", "alternatives", "gap"}
+STEP = {"effect", "where", "parameters", "uncertainty", "confidence", "share", "alternatives", "swing", "gap"}
 
 
 def plain(diagnosis):

@@ -9,6 +9,7 @@ from flexmodal.diagnosis.names import UNKNOWN
 from flexmodal.diagnosis.outcome import Diagnosis
 from flexmodal.diagnosis.report.arm_picture import draw_arm
 from flexmodal.diagnosis.report.free_look import look_parts
+from flexmodal.diagnosis.report.joint_pictures import joint_parts
 from flexmodal.diagnosis.report.modal_pictures import RETUNED, draw_frequencies
 from flexmodal.diagnosis.report.modal_tables import SUMMARY, mode_table, summary_rows
 from flexmodal.diagnosis.report.pictures import draw_descent, draw_map, draw_pair, telling_rows
@@ -60,6 +61,7 @@ def frf_sections(diagnosis: Diagnosis) -> list[Section]:
         *look,
         Section("Measured and modelled", _pairs(diagnosis)),
         *([] if diagnosis.modes is None else [Section("Modes", _modes(diagnosis, diagnosis.modes))]),
+        *([Section("In the joints", joints)] if (joints := joint_parts(diagnosis)) else []),
         Section("What was compared", _compared(diagnosis)),
         Section("How the gap came down", _left(diagnosis)),
     ]
