@@ -11,6 +11,7 @@ from flexmodal.rig.believed import true_robot
 from flexmodal.rig.effects import Effect, Site, Stand
 from flexmodal.rig.forms import find
 from flexmodal.rig.plan import make_plan
+from flexmodal.rig.plant.build import build
 from flexmodal.rig.simulate import make_stand
 
 _LINK = """
@@ -88,3 +89,26 @@ def hidden() -> Callable[..., tuple[Effect, Site]]:
         return effect, Site(stand, where, {**drawn, **given})
 
     return make
+
+
+@pytest.fixture
+def bench(bars, stand):
+    """One bar, struck at its tip."""
+    return stand(bars(), references=["tip:+z"], postures=["flat"])
+
+
+@pytest.fixture
+def stiff(bars, stand):
+    """The same with a locked joint."""
+    return stand(bars(stiffness=1e13, damping=0.0), references=["tip:+z"], postures=["flat"])
+
+
+@pytest.fixture
+def pair(bars, stand):
+    """Two bars."""
+    return stand(bars(count=2), references=["tip:+z"], postures=["flat"])
+
+
+def put(bench, *specs):
+    """The plant in the first posture, with effects in it."""
+    return build(bench, bench.plan.postures[0], specs)

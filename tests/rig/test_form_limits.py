@@ -12,29 +12,11 @@ from flexmodal.rig.integration.laws import LAWS
 from flexmodal.rig.plant.build import build
 from flexmodal.rig.plant.geometry import across, turn
 
+from .conftest import put
+
 K, B, I = 4e4, 4.0, 4.0 / 3  # the bar: joint stiffness and damping, moment about the joint  # noqa: E741
 FREQUENCY = np.linspace(2, 100, 300)
 W = 2 * np.pi * FREQUENCY
-
-
-@pytest.fixture
-def bench(bars, stand):
-    return stand(bars(), references=["tip:+z"], postures=["flat"])
-
-
-@pytest.fixture
-def stiff(bars, stand):
-    """The same with a locked joint."""
-    return stand(bars(stiffness=1e13, damping=0.0), references=["tip:+z"], postures=["flat"])
-
-
-@pytest.fixture
-def pair(bars, stand):
-    return stand(bars(count=2), references=["tip:+z"], postures=["flat"])
-
-
-def put(bench, *specs):
-    return build(bench, bench.plan.postures[0], specs)
 
 
 def natural(plant) -> np.ndarray:

@@ -7,31 +7,12 @@ import flexmodal
 from flexmodal.rig.forms.structural_damping import middle
 from flexmodal.rig.hammer_test import Conduct, h1, strike_posture
 from flexmodal.rig.integration.laws import LAWS
-from flexmodal.rig.plant.build import build
+
+from .conftest import put
 
 K, B, I = 4e4, 4.0, 4.0 / 3  # the bar: joint stiffness and damping, moment about the joint  # noqa: E741
 FREQUENCY = np.linspace(2, 100, 300)
 W = 2 * np.pi * FREQUENCY
-
-
-@pytest.fixture
-def bench(bars, stand):
-    return stand(bars(), references=["tip:+z"], postures=["flat"])
-
-
-@pytest.fixture
-def stiff(bars, stand):
-    """The same with a locked joint."""
-    return stand(bars(stiffness=1e13, damping=0.0), references=["tip:+z"], postures=["flat"])
-
-
-@pytest.fixture
-def pair(bars, stand):
-    return stand(bars(count=2), references=["tip:+z"], postures=["flat"])
-
-
-def put(bench, *specs):
-    return build(bench, bench.plan.postures[0], specs)
 
 
 def compliance(plant, place=1.0) -> float:
@@ -43,10 +24,6 @@ def compliance(plant, place=1.0) -> float:
 def tip(plant) -> np.ndarray:
     row = plant.row("link_1", np.array([1.0, 0, 0]), np.array([0, 0, 1.0]))[None]
     return plant.inertance(row, row, FREQUENCY)[:, 0, 0]
-
-
-def moved(plant, place: float) -> np.ndarray:
-    return plant.row("link_1", np.array([place, 0, 0]), np.array([0, 0, 1.0]))
 
 
 def test_a_stepped_beam_bends_as_its_integral_says(stiff, hidden):
