@@ -518,7 +518,7 @@ def test_an_absorber_with_a_further_mode_on_a_foot_is_that_of_the_rig(request, a
     where, effect = context.links[1], effect_of("local_absorber" + NEXT)
     values = {
         "mass": 6.0, "frequency": 21.0, "damping_ratio": 0.06, "along": 0.7, "beside": 0.05, "angle": 0.4,
-        "across_ratio": 1.0, "other": 1e-6, "other_ratio": 5.0, **LASTING, **turns,
+        "across_ratio": 1.7, "other": 1e-6, "other_ratio": 5.0, **LASTING, **turns,
         "further": 0.3, "further_ratio": 2.5, "foot": 0.2, "below": 0.12,
     }  # fmt: skip
     if turns:  # the second direction is where the rig has it
@@ -534,7 +534,7 @@ def test_an_absorber_with_a_further_mode_on_a_foot_is_that_of_the_rig(request, a
     least = np.cross(first, second) if turns else second
     low = dict(zip("xyz", [physical[k] for k in "xyz"] - 0.12 * least, strict=True))
     one = {name: physical[name] for name in ("mass", "frequency", "damping_ratio", *"xyz", "dx", "dy", "dz")}
-    one["second"] = 1.0
+    one["second"] = np.sqrt(1.7)
     other = {**one, **low, "mass": 0.3 * 6.0, "frequency": 2.5 * 21.0}
     foot = ("added_mass", "point", {**low, "mass": 0.2 * 6.0})
     expected = theirs(observed, stand, "local_absorber", where, one, "two_way", (other,), (foot,))

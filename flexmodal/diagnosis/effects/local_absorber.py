@@ -6,7 +6,7 @@ alone; where it weighs next to nothing there is none. Part of the first spring m
 Maxwell element beside it, a standard linear solid's (Zener, Elasticity and Anelasticity of Metals, University
 of Chicago Press 1948).
 
-At the next level a further part of it swings faster, alike along both directions, on a foot that does not: a
+At the next level a further part of it swings faster along these directions, on a foot that does not: a
 clamped beam has modes beyond its first ones, and what holds a spring is fixed to the link.
 """
 
@@ -127,6 +127,12 @@ def _springs(values: Mapping[str, float]) -> tuple[tuple[float, float], ...]:
     return tuple((m * w**2, loss * m * w) for m, w in ((mass, own), (mass, faster), (other, apart)))
 
 
+def _further_springs(values: Mapping[str, float]) -> tuple[tuple[float, float], ...]:
+    """The same of the further mass; its second spring is as many times as stiff as that of the first mass."""
+    times, share = values[FASTER], values[FURTHER]
+    return tuple((share * times**2 * k, share * times * b) for k, b in _springs(values)[:2])
+
+
 def _shape(assembly: Assembly, placement: Placement) -> None:
     assembly.add_coordinates([f"{placement.where} absorber{name}" for name in COORDINATES])
 
@@ -149,16 +155,16 @@ def _act(assembly: Assembly, placement: Placement) -> None:
         for moves, row in zip(carried, swung, strict=True):
             assembly.add_inertia(moves + row, body)
     if FURTHER in values:
-        body, faster = values[FURTHER] * mass, 2 * np.pi * values["frequency"] * values[FASTER]
+        body = values[FURTHER] * mass
         rows = [assembly.row(f"{where} absorber{name}") for name in FURTHER_COORDINATES]
         low = assembly.motion(where, _below(placement.context, where, values))[..., :3, :]
         for way, row in zip(ways, (*rows, still), strict=True):
             stands = np.sum(way[..., :, None] * low, axis=-2)
             assembly.add_inertia(stands + row, body)
             assembly.add_inertia(stands, values[FOOT] * mass)
-        for row in rows:
-            assembly.add_spring(row, body * faster**2)
-            assembly.add_damper(row, 2 * values["damping_ratio"] * body * faster)
+        for row, spring in zip(rows, _further_springs(values), strict=True):
+            assembly.add_spring(row, spring[0])
+            assembly.add_damper(row, spring[1])
     for row, spring in zip((own, across, other), _springs(values), strict=True):
         assembly.add_spring(row, spring[0])
         assembly.add_damper(row, spring[1])
@@ -197,12 +203,10 @@ def _extend(draft: Draft, placement: Placement) -> None:
         (joint,) = draft.attach(placement.where, part, name=f"{name}_other", slides=(second,))
         draft.flexible(joint, *apart)
     if values.get(FURTHER, 0.0) > NOTHING:
-        weight = values[FURTHER] * values["mass"]
-        faster = 2 * np.pi * values["frequency"] * values[FASTER]
         low = _below(placement.context, placement.where, values)
-        part = Body(weight, low, np.zeros((3, 3)))
-        spring = (weight * faster**2, 2 * values["damping_ratio"] * weight * faster)
-        for joint in draft.attach(placement.where, part, name=f"{name}_further", slides=(first, second)):
+        part = Body(values[FURTHER] * values["mass"], low, np.zeros((3, 3)))
+        joints = draft.attach(placement.where, part, name=f"{name}_further", slides=(first, second))
+        for joint, spring in zip(joints, _further_springs(values), strict=True):
             draft.flexible(joint, *spring)
     if values.get(FOOT, 0.0) > NOTHING:
         part = Body(
