@@ -31,8 +31,8 @@ from .conftest import NEXT, effect_of
 STRUCTURAL = (
     "link_flexibility", "base_flexibility", "servo_compliance", "structural_damping", "joint_coupling",
     "bearing_flexibility",
-    "added_mass", "local_absorber", "base_flexibility" + NEXT, "servo_compliance" + NEXT,
-    "bearing_flexibility" + NEXT,
+    "added_mass", "local_absorber", "local_absorber" + NEXT, "base_flexibility" + NEXT,
+    "servo_compliance" + NEXT, "bearing_flexibility" + NEXT,
 )  # fmt: skip
 ROBOTS = ("fanuc_s360", "six_link", "six_axis")
 ROOT = Path(__file__).parents[2]

@@ -62,13 +62,11 @@ def test_a_carriage_in_space_is_held_sideways_and_free_along(angle, stand, hidde
     plant = put(bench, hidden(bench, "base_flexibility:carriage", "base", **given))
     start = plant.coordinates.index("base x")
     level = plant.stiffness[start : start + 2, start : start + 2]
-    first = plant.coordinates.index("base x")
     rail = np.linalg.eigh(level)[1][:, 0]
     np.testing.assert_allclose(np.linalg.eigvalsh(level), [3e5, 8e5])
     level_axis = np.array([1.0, 0.0])
     assert abs(rail @ level_axis) == pytest.approx(abs(np.cos(angle)))
     assert np.linalg.eigvalsh(plant.mass)[0] > 0
-    assert first == start
 
 
 def test_tight_bolts_are_the_rigs_own_bearing_and_loose_ones_tie_tilt_and_shift(stand, hidden):

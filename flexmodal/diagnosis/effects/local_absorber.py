@@ -202,18 +202,14 @@ def _extend(draft: Draft, placement: Placement) -> None:
         part = Body(values["other"] * values["mass"], place, np.zeros((3, 3)))
         (joint,) = draft.attach(placement.where, part, name=f"{name}_other", slides=(second,))
         draft.flexible(joint, *apart)
+    low = _below(placement.context, placement.where, values) if BELOW in values else place
     if values.get(FURTHER, 0.0) > NOTHING:
-        low = _below(placement.context, placement.where, values)
         part = Body(values[FURTHER] * values["mass"], low, np.zeros((3, 3)))
         joints = draft.attach(placement.where, part, name=f"{name}_further", slides=(first, second))
         for joint, spring in zip(joints, _further_springs(values), strict=True):
             draft.flexible(joint, *spring)
     if values.get(FOOT, 0.0) > NOTHING:
-        part = Body(
-            values[FOOT] * values["mass"],
-            _below(placement.context, placement.where, values),
-            np.zeros((3, 3)),
-        )
+        part = Body(values[FOOT] * values["mass"], low, np.zeros((3, 3)))
         draft.attach(placement.where, part, name=f"{name}_foot")
     if values["relaxing"] > HELD:
         draft.notes.append(

@@ -24,7 +24,7 @@ def base_directions(normal: np.ndarray | None) -> tuple[list[str], np.ndarray]:
 
 def _draw(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
     """A base that would tilt at 8 to 30 Hz and shift at 15 to 60 Hz under the whole, stretched arm."""
-    mass = sum(body.mass for body in stand.true.bodies.values())
+    mass = stand.mass
     inertia = sum(
         float(np.trace(body.inertia)) / 2 + body.mass * _distance(stand, link) ** 2
         for link, body in stand.true.bodies.items()
@@ -60,7 +60,7 @@ def base_coordinates(assembly: PlantAssembly, site: Site) -> None:
 
 def _act(assembly: PlantAssembly, site: Site) -> None:
     names, motion = base_directions(assembly.normal)
-    mass = sum(body.mass for body in site.stand.true.bodies.values())
+    mass = site.stand.mass
     shift = site["translation_stiffness"]
     period = np.sqrt(mass / shift)  # sets the damping: 2 ζ √(k m) = 2 ζ k √(m/k)
     for name, direction in zip(names, motion.T, strict=True):

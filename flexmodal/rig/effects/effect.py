@@ -37,6 +37,11 @@ class Stand:
     """Peak at each point under the hardest kind of blow, nothing hidden [m/s²]."""
 
     @property
+    def mass(self) -> float:
+        """Of the robot, its base among it [kg]."""
+        return sum(body.mass for body in self.true.bodies.values())
+
+    @property
     def normal(self) -> np.ndarray | None:
         """Normal of a planar chain's plane."""
         return plane_normal(self.robot)

@@ -120,7 +120,7 @@ SATURATION = Effect(
 
 
 def _draw_neighbour(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
-    mass = sum(body.mass for body in stand.true.bodies.values())
+    mass = stand.mass
     low, high = stand.plan.band
     return {
         "floor_stiffness": float(3 * mass * (2 * np.pi * random.uniform(20, 50)) ** 2),

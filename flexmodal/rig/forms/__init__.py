@@ -84,7 +84,8 @@ UNSEEN: dict[str, tuple[str, ...]] = {
     "sensor_misalignment": ("cross_axis",),
     "bearing_flexibility": ("bolts",),
 }
-"""Forms that were written when the diagnosis was done, and nobody had seen it meet them."""
+"""Forms that were written when the diagnosis was done; docs/diagnosis_accuracy.md says which of them have
+been looked into since."""
 
 
 def find(name: str, form: str = "own") -> Effect:

@@ -92,12 +92,7 @@ def _act_stalk(assembly: PlantAssembly, site: Site) -> None:
     """A point that moves on equal springs each way."""
     carried = assembly.motion(site.where, site.vector("x", "y", "z"))[:3]
     names = [f"stalk {axis}" for axis in "xyz"]
-    assembly.add_coordinates(names)
-    omega = 2 * np.pi * site["frequency"]
-    for name, row in zip(names, carried, strict=True):
-        own = assembly.row(name)
-        assembly.add_inertia(np.pad(row, (0, len(own) - len(row))) + own, site["mass"])
-        assembly.add_spring(own, site["mass"] * omega**2, 2 * site["damping_ratio"] * site["mass"] * omega)
+    assembly.add_on_springs(names, carried, site["mass"], site["frequency"], site["damping_ratio"])
 
 
 def _check_unit(parameters: Parameters) -> str | None:

@@ -13,10 +13,6 @@ from flexmodal.rig.plant.assembly import PlantAssembly
 from flexmodal.structure.arm import carried
 
 
-def _mass(stand: Stand) -> float:
-    return sum(body.mass for body in stand.true.bodies.values())
-
-
 def _draw(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
     """A carriage of a third to one and a half times the robot's mass; guides stiffer than the drive."""
     drawn = OWN.draw(stand, where, random)
@@ -33,7 +29,7 @@ def _draw(stand: Stand, where: str, random: np.random.Generator) -> dict[str, fl
         "half_length": length,
         "half_width": float(random.uniform(0.6, 1.2)) * length,
         "below": float(random.uniform(0.1, 0.5)) * length,
-        "carriage_mass": over * _mass(stand),
+        "carriage_mass": over * stand.mass,
         "angle": float(random.uniform(0.0, np.pi)),
     }
 
@@ -58,7 +54,7 @@ def _act(assembly: PlantAssembly, site: Site) -> None:
     assembly.add_body(
         assembly.robot.urdf.root, axes.T @ centre, mass, axes.T @ turned @ inertia @ turned.T @ axes
     )
-    total, drive, block = _mass(site.stand) + mass, site["drive_stiffness"], site["block_stiffness"]
+    total, drive, block = site.stand.mass + mass, site["drive_stiffness"], site["block_stiffness"]
     for one, other in ((1, 1), (-1, 1), (-1, -1), (1, -1)):
         place = centre + one * site["half_length"] * rail + other * site["half_width"] * side
         for way, spring in ((up, block), (side, site["sideways"] * block)):

@@ -14,10 +14,6 @@ from flexmodal.rig.plant.plant import Feedback
 from flexmodal.structure.arm import carried
 
 
-def _mass(stand: Stand) -> float:
-    return sum(body.mass for body in stand.true.bodies.values())
-
-
 def _rows(assembly: PlantAssembly, place: np.ndarray, prefix: str = "base") -> np.ndarray:
     """Motion of a point of the base along each of its directions [direction, coordinate]."""
     names, motion = base_directions(assembly.normal)
@@ -72,7 +68,7 @@ def _draw_directions(stand: Stand, where: str, random: np.random.Generator) -> d
 def _act_directions(assembly: PlantAssembly, site: Site) -> None:
     """Each direction its own stiffness and damping, about a centre that is not the root's origin."""
     rows = _rows(assembly, _centre(assembly, site))
-    time = np.sqrt(_mass(site.stand) / site["translation_stiffness"])
+    time = np.sqrt(site.stand.mass / site["translation_stiffness"])
     for number, (row, spring) in enumerate(zip(rows, _springs(assembly, site), strict=True)):
         angle = site["phase"] + 2.399963 * number
         stiffness = spring * float(np.exp(site["spread"] * np.sin(angle)))
@@ -97,7 +93,7 @@ def _draw_feet(stand: Stand, where: str, random: np.random.Generator) -> dict[st
 
 def _act_feet(assembly: PlantAssembly, site: Site) -> None:
     """The first foot is worse than the others; three springs a foot."""
-    time = np.sqrt(_mass(site.stand) / (4 * site["foot_stiffness"]))
+    time = np.sqrt(site.stand.mass / (4 * site["foot_stiffness"]))
     ahead = _sideways(assembly)
     beside = np.cross(np.array([0.0, 0.0, 1.0]), ahead)
     _, motion = base_directions(assembly.normal)
@@ -122,7 +118,7 @@ def _draw_block(stand: Stand, where: str, random: np.random.Generator) -> dict[s
         "damping_ratio": drawn["damping_ratio"],
         "vertical_over_horizontal": drawn["vertical_over_horizontal"],
         **_offset(stand, random),
-        "block_mass": over * _mass(stand),
+        "block_mass": over * stand.mass,
     }
 
 
@@ -137,7 +133,7 @@ def _act_block(assembly: PlantAssembly, site: Site) -> None:
     axes = assembly.orientation(root)
     assembly.add_body(root, axes.T @ centre, site["block_mass"], _block_inertia(site))
     bottom = centre - site["below"] * np.array([0.0, 0.0, 1.0])
-    _soil(assembly, site, _rows(assembly, bottom), _mass(site.stand) + site["block_mass"])
+    _soil(assembly, site, _rows(assembly, bottom), site.stand.mass + site["block_mass"])
 
 
 def _soil(assembly: PlantAssembly, site: Site, rows: np.ndarray, mass: float) -> None:
@@ -165,9 +161,9 @@ def _act_bolted(assembly: PlantAssembly, site: Site) -> None:
         tilting = float(direction[3:] @ inertia @ direction[3:])
         assembly.add_inertia(row, tilting if np.any(direction[3:]) else site["block_mass"])
     bottom = centre - site["below"] * np.array([0.0, 0.0, 1.0])
-    _soil(assembly, site, _rows(assembly, bottom, "block"), _mass(site.stand) + site["block_mass"])
+    _soil(assembly, site, _rows(assembly, bottom, "block"), site.stand.mass + site["block_mass"])
     between = _rows(assembly, np.zeros(3)) - _rows(assembly, np.zeros(3), "block")
-    time = np.sqrt(_mass(site.stand) / (site["bolts"] * site["translation_stiffness"]))
+    time = np.sqrt(site.stand.mass / (site["bolts"] * site["translation_stiffness"]))
     for row, spring in zip(between, _springs(assembly, site), strict=True):
         stiffness = site["bolts"] * float(spring)
         assembly.add_spring(row, stiffness, site["damping_ratio"] * stiffness * time)
@@ -188,7 +184,7 @@ def _act_radiating(assembly: PlantAssembly, site: Site) -> None:
     axes = assembly.orientation(root)
     assembly.add_body(root, axes.T @ centre, site["block_mass"], _block_inertia(site))
     rows = _rows(assembly, centre - site["below"] * np.array([0.0, 0.0, 1.0]))
-    time = np.sqrt((_mass(site.stand) + site["block_mass"]) / site["translation_stiffness"])
+    time = np.sqrt((site.stand.mass + site["block_mass"]) / site["translation_stiffness"])
     for row, spring, tilt in zip(rows, _springs(assembly, site), _tilts(assembly), strict=True):
         damper = 2 * site["damping_ratio"] * float(spring) * time
         assembly.add_spring(row, float(spring), 0.0 if tilt else damper)

@@ -49,16 +49,14 @@ def _cable(assembly: PlantAssembly, point: CampaignPoint, site: Site) -> None:
     assembly.add_body(point.link, np.zeros(3), site["mass"] * site["share"])
 
 
+_SWINGS = ("mass", "frequency", "damping_ratio")
+
+
 def _sprung(assembly: PlantAssembly, point: CampaignPoint, site: Site) -> None:
     """The mass sits on its mount's springs, equal each way; what is measured moves with the surface."""
     carried = assembly.motion(point.link, np.array(point.xyz))[:3]
     names = [f"sensor {axis}" for axis in "xyz"]
-    assembly.add_coordinates(names)
-    omega = 2 * np.pi * site["frequency"]
-    for name, row in zip(names, carried, strict=True):
-        own = assembly.row(name)
-        assembly.add_inertia(np.pad(row, (0, len(own) - len(row))) + own, site["mass"])
-        assembly.add_spring(own, site["mass"] * omega**2, 2 * site["damping_ratio"] * site["mass"] * omega)
+    assembly.add_on_springs(names, carried, *(site[name] for name in _SWINGS))
 
 
 def _bracket(assembly: PlantAssembly, point: CampaignPoint, site: Site) -> None:
@@ -66,14 +64,9 @@ def _bracket(assembly: PlantAssembly, point: CampaignPoint, site: Site) -> None:
     out = _outward(assembly, point, site)
     axes = assembly.orientation(point.link)
     carried = assembly.motion(point.link, np.array(point.xyz) + site["height"] * out)[:3]
-    names = ["bracket 1", "bracket 2"]
-    assembly.add_coordinates(names)
-    omega = 2 * np.pi * site["frequency"]
     assembly.add_inertia((axes @ out) @ carried, site["mass"])
-    for name, side in zip(names, across(out, None), strict=True):
-        own, row = assembly.row(name), (axes @ side) @ carried
-        assembly.add_inertia(np.pad(row, (0, len(own) - len(row))) + own, site["mass"])
-        assembly.add_spring(own, site["mass"] * omega**2, 2 * site["damping_ratio"] * site["mass"] * omega)
+    sides = np.array([(axes @ side) @ carried for side in across(out, None)])
+    assembly.add_on_springs(["bracket 1", "bracket 2"], sides, *(site[name] for name in _SWINGS))
 
 
 def _draw_bracket(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:

@@ -201,6 +201,25 @@ class PlantAssembly:
         """
         self._springs.append((row, stiffness, damping))
 
+    def add_on_springs(
+        self, names: list[str], rows: np.ndarray, mass: float, frequency: float, damping_ratio: float
+    ) -> None:
+        """A mass that moves by `rows` and, on equal springs along them, by coordinates of its own.
+
+        Args:
+            names: of these coordinates.
+            rows: over the coordinates there were, one for each.
+            mass: [kg].
+            frequency: where what carries it is held still [Hz].
+            damping_ratio: likewise.
+        """
+        self.add_coordinates(names)
+        omega = 2 * np.pi * frequency
+        for name, row in zip(names, rows, strict=True):
+            own = self.row(name)
+            self.add_inertia(self._padded(row) + own, mass)
+            self.add_spring(own, mass * omega**2, 2 * damping_ratio * mass * omega)
+
     def add_coupling(self, one: str, other: str, stiffness: float) -> None:
         """An off-diagonal stiffness between two coordinates [N·m/rad].
 
