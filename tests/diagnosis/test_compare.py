@@ -5,7 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flexmodal.diagnosis.disagreement.compare import but_for_the_blow, disagreement, force_dependence
+from flexmodal.diagnosis.disagreement.compare import (
+    FEWEST_PAIRS,
+    but_for_the_blow,
+    disagreement,
+    force_dependence,
+)
 from flexmodal.diagnosis.effects import catalogue
 from flexmodal.diagnosis.placed import Placed
 from flexmodal.identification import predict
@@ -96,6 +101,23 @@ def test_blows_of_other_force_on_one_pair_go_together(observed):
         assert (
             len(np.unique(np.column_stack([seen.posture, seen.response, seen.reference])[rows], axis=0)) == 1
         )
+
+
+def test_what_changes_with_the_force_under_one_hammer_point_in_one_posture_counts(observed):
+    """A stop that one blow reaches in one posture changes few of all FRFs, but all of those."""
+    reference = observed.reference[0]
+    here = (observed.posture == 0) & np.all(observed.reference == reference, axis=1)
+    assert here.mean() <= 0.25
+    assert here.sum() >= 2 * FEWEST_PAIRS
+    louder = here & (observed.level == 1)
+    noise = np.sqrt(observed.variance)
+    changed = replace(observed, value=observed.value * np.exp(5 * noise * louder[:, None]))
+    assert force_dependence(observed) < 1.5
+    assert force_dependence(changed) > 5
+    one = np.flatnonzero(louder)[:1]
+    alone = observed.value.copy()
+    alone[one] *= np.exp(5 * noise[one])
+    assert force_dependence(replace(observed, value=alone)) < 1.5  # a sensor may be at fault
 
 
 def test_blows_with_records_of_another_length_are_not_compared(observed):

@@ -63,7 +63,7 @@ def standing():
 
 def ours(context, observed, effect, where, values):
     """Receptances of the robot with one effect, for every observation."""
-    placed = Placed(effect_of(effect), where)
+    placed = Placed(effect_of(effect) if isinstance(effect, str) else effect, where)
     hypothesis = Hypothesis(context, robot_space(context.robot)).and_also(placed)
     x = hypothesis.start(placed, values, np.zeros(len(hypothesis.base)))
     own = {p.name.rpartition(".")[2]: p.value(v) for p, v in zip(hypothesis.space, x, strict=True)}
@@ -246,6 +246,30 @@ def test_each_joint_may_have_a_loss_factor_of_its_own(bench):
     alike = {**values, **dict.fromkeys(ratios, 1.0)}
     plain = ours(context, observed, "structural_damping", where, alike) / other
     assert np.sqrt(np.mean(np.abs(np.log(plain)) ** 2)) > 0.04
+
+
+def test_by_the_wider_law_joints_run_directly_beside_geared_ones(bench):
+    """The narrow law holds each near the common loss: one that loses nothing is none of it."""
+    context, observed, stand = bench
+    narrow, where = catalogue()["structural_damping"], "joints"
+    drawn = {"loss_factor": 0.3, "viscous": 1.0, "phase": 1.0}
+    other = theirs(observed, stand, "structural_damping", where, drawn, "geared")
+    turns = np.sin(1.0 + 2.399963 * np.arange(len(context.robot.joints)))
+    assert turns.min() < 0 < turns.max()
+
+    def off(effect):
+        """From the rig's, with the joints that lose nothing at the least that there may be."""
+        space = {one.name: one for one in effect.parameters(context, where)}
+        names = [f"loss_ratio_{joint}" for joint in context.robot.joints]
+        ratios = {
+            name: 1.0 if turn > 0 else space[name].lower for name, turn in zip(names, turns, strict=True)
+        }
+        values = {"loss_factor": 0.3, "viscous": 1.0, "relaxing": 1e-8, "relaxation_time": 1e-2, **ratios}
+        found = ours(context, observed, effect, where, values)
+        return np.sqrt(np.mean(np.abs(np.log(found / other)) ** 2))
+
+    assert off(narrow.next_level.effect) < min(0.03, 0.95 * off(narrow))
+    assert narrow.next_level.starts(context, where, drawn) == [drawn]
 
 
 def test_added_mass_is_that_of_the_rig(bench):

@@ -12,6 +12,7 @@ from flexmodal.diagnosis.effects.free_function import FreeFunction
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.lawfree.effects_at import PORT_OF
 from flexmodal.diagnosis.lawfree.first_look import LooksWithoutLaw
+from flexmodal.diagnosis.lawfree.look import SOUND
 from flexmodal.diagnosis.lawfree.result import Findings, Found, PlaceTried
 from flexmodal.diagnosis.names import UNSTRUCTURED
 from flexmodal.diagnosis.outcome import Compared, Gaps, Step
@@ -27,12 +28,12 @@ from flexmodal.diagnosis.selection import (
 from flexmodal.diagnosis.selection.comparison import Comparison
 from flexmodal.diagnosis.selection.data import Data
 from flexmodal.diagnosis.selection.decision import Answer
-from flexmodal.diagnosis.selection.described import beside_others
+from flexmodal.diagnosis.selection.described import beside_others, shared_anew
 from flexmodal.diagnosis.selection.exchange import without
 from flexmodal.diagnosis.selection.frf_candidates import FrfCandidates
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.selection.frf_data import FrfData
-from flexmodal.diagnosis.selection.frf_starts import does_more, narrowest, nearer
+from flexmodal.diagnosis.selection.frf_starts import does_more, narrowest, nearer, swung
 from flexmodal.diagnosis.selection.in_its_stead import Refits, sure_beside
 from flexmodal.diagnosis.selection.looks_beside import MOST_LOOKS
 from flexmodal.diagnosis.selection.selection import MOST, ForwardSelection
@@ -218,45 +219,41 @@ def test_a_wider_law_is_tried_where_nothing_leads_on(takes, found):
 
 
 class Narrow(World):
-    """Two effects in the stead of what one does alone by a wide law; `close` where both leave hardly more."""
+    """One effect more than a wide law has need of, which takes a share or comes close to the noise."""
 
-    def __init__(self, close, alone):
+    def __init__(self, *, close, share, alone=True):
         super().__init__(lambda keys: {0: 40.0, 1: 3.0 if alone else 30.0, 2: 3.0, 3: 1.0}[len(keys)])
-        self.close, self.widened = close, []
+        self.close, self.taken, self.widened, self.wide = close, share, [], None
 
     def is_close(self, model):
-        return self.close
+        return self.close and model is self.wide
 
     def wider(self, model, keys):
         self.widened.append(tuple(keys))
-        wide = Model(model.keys)
-        self.wide = wide
-        return [wide]
+        self.wide = Model(model.keys)
+        return [self.wide]
 
     def share(self, first, last):
-        return 0.9 if last is getattr(self, "wide", None) else super().share(first, last)
+        return self.taken if last is self.wide else super().share(first, last)
 
 
-@pytest.mark.parametrize("close", [True, False])
-def test_a_wider_law_of_one_may_do_what_another_one_was_taken_for(close):
-    data = Narrow(close, alone=True)
-    less = without(data, Model((MASS, DELAY, PLAY)), PLAY)
-    assert less.keys == (MASS, DELAY)
-    assert (less is getattr(data, "wide", None)) is not close
-    assert data.widened == ([] if close else [(MASS, DELAY)])
+@pytest.mark.parametrize(
+    ("share", "close", "does"), [(0.9, False, True), (0.0, True, True), (0.0, False, False)]
+)
+@pytest.mark.parametrize("others", [(MASS, DELAY), (MASS,)])
+def test_a_wider_law_of_one_may_do_what_another_one_was_taken_for(share, close, does, others):
+    data = Narrow(close=close, share=share)
+    less = without(data, Model((*others, PLAY)), PLAY)
+    assert less.keys == others
+    assert (less is data.wide) is does
+    assert data.widened == [others]
 
 
-def test_what_takes_most_itself_is_no_remainder_of_a_law():
-    data = Narrow(close=False, alone=False)
+def test_what_takes_most_itself_is_no_remainder_of_a_law_of_several():
+    data = Narrow(close=False, share=0.9, alone=False)
     data.left = lambda keys: 30.0 if PLAY not in keys else 1.0
     data._root = Model(())
     assert without(data, Model((MASS, DELAY, PLAY)), PLAY).keys == (MASS, DELAY)
-    assert data.widened == []
-
-
-def test_beside_one_other_effect_no_law_is_widened():
-    data = Narrow(close=False, alone=True)
-    assert without(data, Model((MASS, DELAY)), DELAY).keys == (MASS,)
     assert data.widened == []
 
 
@@ -332,6 +329,39 @@ def test_nearer_than_what_was_found_is_what_it_cannot_be_told_from_and_leaves_le
     setup = Mock(spec=Setup, effects=effects, context=None)
     assert nearer(setup, fitted(), look) == [("bearing_flexibility", "q1")]
     assert nearer(setup, fitted(("bearing_flexibility", "q1")), look) == []
+
+
+@pytest.mark.parametrize(
+    ("first", "curve", "torque", "explains", "expected"),
+    [
+        ("blows", None, SOUND, True, [("nonlinear_stiffness", "q2")]),
+        ("blows", None, 1.1 * SOUND, True, []),
+        ("blows", None, SOUND, False, []),
+        ("torque", None, SOUND, True, []),
+        ("body", "a mass", SOUND, True, []),
+    ],
+)
+def test_a_joint_may_be_to_blame_that_the_blows_of_one_hammer_point_swing_far(
+    first, curve, torque, explains, expected
+):
+    """Where their directions, posture for posture, do best, and it does well; what is linear cannot be."""
+    every = [(first, "tip", 0.6), ("torque", "q2", torque), ("torque", "q1", SOUND)]
+    places = [Mock(spec=PlaceTried, port=port, where=where, judged=judged) for port, where, judged in every]
+    one = Mock(spec=Found, port=first, where="tip", curve=curve)
+    look = Mock(
+        spec=Findings, places=places if torque <= SOUND else places[:2], found=(one,), explains=explains
+    )
+    effects = [
+        Mock(
+            spec=Effect, law=law, by_force=law is not None, places=lambda context: ("q1", "q2"),
+            untestable=lambda context: None,
+        )
+        for law in (Mock(), None)
+    ]  # fmt: skip
+    for effect, name in zip(effects, ("nonlinear_stiffness", "servo_compliance"), strict=True):
+        effect.name = name
+    setup = Mock(spec=Setup, effects=effects, context=None)
+    assert swung(setup, fitted(), look) == expected
 
 
 @pytest.mark.parametrize(
@@ -937,7 +967,7 @@ def test_fits_start_from_elsewhere_only_where_one_place_explains(monkeypatch, pl
     bare = Mock(base=(), placed=(), keys=())
     root = Mock(spec=FittedFrfs, hypothesis=bare, x=np.zeros(0), cost=1.0)
     candidates = FrfCandidates(Mock(spec=Setup, effects=(), advance=Mock()), root, with_force=False)
-    one = Mock(spec=Found, port="link", where="1", alike=(), has=lambda *key: False)
+    one = Mock(spec=Found, port="link", where="1", alike=(), curve=None, has=lambda *key: False)
     look = Mock(
         spec=Findings, explains=explains, found=(one,) * places, needed=True, fitted=None, left=1.0, places=()
     )
@@ -964,7 +994,7 @@ def test_beside_effects_what_was_found_in_time_goes_on(monkeypatch, beside):
     monkeypatch.setattr(frf_candidates, "nearer", lambda *given: [])
     monkeypatch.setattr(frf_candidates, "over_noise", lambda *given: 9.0)
     candidates = FrfCandidates(Mock(spec=Setup, effects=(), advance=Mock()), fitted(), with_force=False)
-    alone = Mock(spec=Found, port="body", where=MASS[1], alike=(), has=lambda *key: True)
+    alone = Mock(spec=Found, port="body", where=MASS[1], alike=(), curve=None, has=lambda *key: True)
     look = Mock(spec=Findings, explains=True, found=(alone,), needed=True, fitted=None, left=1.0, places=())
     candidates.looks = Mock(one=look)
     if beside:
@@ -1333,6 +1363,19 @@ def test_what_was_tied_with_an_effect_takes_its_place_if_it_is_clearly_more_plau
     selection.drop_needless()
     assert set(steps(selection)) == set(hidden)
     assert set(selection.current.keys) == set(hidden)
+
+
+def test_what_an_effect_takes_is_told_anew_where_one_before_it_has_gone():
+    """The second took little beside the first, which nobody misses."""
+    left = {frozenset(): 40.0, frozenset({LINK}): 4.0, frozenset({LINK, MASS}): 1.0, frozenset({MASS}): 1.0}
+    data, gaps = World(lambda keys: left[keys]), Mock(spec=Gaps)
+    data.gaps = lambda before, after: gaps
+    told = [Step(*key, {}, {}, {}, 0.95, Mock(spec=Gaps), (), share=0.07) for key in (LINK, MASS)]
+    found = shared_anew(data, data.root, Model((LINK, MASS)), told)
+    assert [one.share for one in found] == pytest.approx([0.9, 0.075])
+    (alone,) = shared_anew(data, data.root, Model((MASS,)), told[1:])
+    assert alone.share == pytest.approx(0.975)
+    assert alone == replace(told[1], share=alone.share, gaps=gaps)
 
 
 @pytest.mark.parametrize(("again", "ties"), [(0.96, ()), (0.5, (("spare", "f"),)), (None, (("spare", "f"),))])

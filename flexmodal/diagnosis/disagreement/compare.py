@@ -7,6 +7,7 @@ noise. Its share is its part of everything that stands out.
 from __future__ import annotations
 
 import itertools
+from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import replace
 
@@ -26,6 +27,8 @@ ALIKE = 1.01
 """Ratio up to which records are alike long; measured from the blow, they differ by a sample or two."""
 FEWEST = 5
 """Lines that two levels of force have to share to be compared."""
+FEWEST_PAIRS = 3
+"""Sensors' directions under one hammer point in one posture that are judged apart from all others."""
 
 
 def excess(
@@ -72,10 +75,12 @@ def force_dependence(observations: Observations) -> float:
     """How much FRFs change with the force of the blow, over what their noise makes of it.
 
     The mean squared difference of the logarithm between two levels over the sum of their variances, for each
-    pair; three in four pairs are below what is returned. About 1 for a linear structure; NaN with one level.
+    pair; three in four pairs are below what is returned, or three in four of those of one hammer point in one
+    posture above it, if that is more: what slides or touches may do so in one posture only. About 1 for a
+    linear structure; NaN with one level.
     """
     owner = but_for_the_blow(observations)
-    found = []
+    found: dict[tuple[int, ...], list[float]] = defaultdict(list)
     for pair in range(int(owner.max()) + 1):
         rows = np.flatnonzero(owner == pair)
         for one, other in itertools.pairwise(rows.tolist()):
@@ -83,8 +88,12 @@ def force_dependence(observations: Observations) -> float:
             noise = float(np.sum((observations.variance[one] + observations.variance[other])[both]))
             if both.sum() >= FEWEST and noise > 0:
                 change = residual(observations.value[one][both], observations.value[other][both])
-                found.append(float(np.sum(np.abs(change) ** 2)) / noise)
-    return float(np.quantile(found, 0.75)) if found else float("nan")
+                blow = int(observations.posture[one]), *observations.reference[one].tolist()
+                found[blow].append(float(np.sum(np.abs(change) ** 2)) / noise)
+    if not found:
+        return float("nan")
+    somewhere = [float(np.quantile(some, 0.25)) for some in found.values() if len(some) >= FEWEST_PAIRS]
+    return max(float(np.quantile(np.concatenate(list(found.values())), 0.75)), *somewhere, 0.0)
 
 
 def disagreement(

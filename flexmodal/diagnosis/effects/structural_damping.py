@@ -1,26 +1,31 @@
 """Loss in the joints that is not viscous: K (1 + iη) and a part of K that relaxes.
 
 Each joint has so many times the common loss, stiffening included, which is that of so many times the loss
-factor but for terms of second order. What relaxes is the same part of all. The viscous part is free to be
-less or more than the card's, where all of it may be another law's. What relaxes is a Maxwell element beside
-each joint's spring, a standard linear solid's (Zener, Elasticity and Anelasticity of Metals, 1948):
-K (1 + r iωτ/(1 + iωτ)). The constant loss comes with the stiffening that causality asks for (see
-`identification.structure`).
+factor but for terms of second order; by a wider law some may have next to none. What relaxes is the same part
+of all. The viscous part is free to be less or more than the card's, where all of it may be another law's.
+What relaxes is a Maxwell element beside each joint's spring, a standard linear solid's (Zener, Elasticity and
+Anelasticity of Metals, 1948): K (1 + r iωτ/(1 + iωτ)). The constant loss comes with the stiffening that
+causality asks for (see `identification.structure`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
 from flexmodal.diagnosis.effects.context import Context
-from flexmodal.diagnosis.effects.effect import Effect, Placement, positive
+from flexmodal.diagnosis.effects.effect import Effect, Level, Placement, positive
 from flexmodal.diagnosis.effects.relaxation import HELD, add_relaxing, relaxation
 from flexmodal.diagnosis.effects.relaxation import PART as RELAXATION_PART
 from flexmodal.diagnosis.improved.draft import Draft
 from flexmodal.structure import Parameter
 from flexmodal.structure.assembly import Assembly
+
+UNEVEN, LEAST = 1.6, 1e-3
+"""Standard deviation of ln of a joint's loss over the common one by the wider law, and the least: some joints
+have gears and others run directly."""
 
 
 def _ratio(joint: str) -> str:
@@ -54,12 +59,20 @@ def _starts(context: Context, where: str) -> list[Mapping[str, float]]:
 
 
 def _parameters(context: Context, where: str) -> tuple[Parameter, ...]:
+    return _with_ratios(context, 0.5, 0.05)
+
+
+def _uneven(context: Context, where: str) -> tuple[Parameter, ...]:
+    return _with_ratios(context, UNEVEN, LEAST)
+
+
+def _with_ratios(context: Context, deviation: float, least: float) -> tuple[Parameter, ...]:
     return (
         positive("loss_factor", "", 0.05, 1.0, 1e-5, 2.0),
         positive("viscous", "", 1.0, 0.7, 1e-3, 10.0),
         *relaxation(context),
         *(
-            positive(_ratio(joint), "of the loss factor", 1.0, 0.5, 0.05, 20.0)
+            positive(_ratio(joint), "of the loss factor", 1.0, deviation, least, 20.0)
             for joint in context.robot.joints
         ),
     )
@@ -78,15 +91,18 @@ def _extend(draft: Draft, placement: Placement) -> None:
         )
 
 
-EFFECT = Effect(
+WIDE = Effect(
     name="structural_damping",
     says="the joints lose energy by hysteresis",
     places=lambda context: ("joints",),
-    parameters=_parameters,
+    parameters=_uneven,
     starts=_starts,
     shape=_shape,
     act=_act,
     extend=_extend,
     hides_in=("damping.",),
     parts=(RELAXATION_PART,),
+)
+EFFECT = replace(
+    WIDE, parameters=_parameters, next_level=Level(WIDE, lambda context, where, values: [values])
 )

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 from jaxtyping import Float
 
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.names import NONE, UNSTRUCTURED
-from flexmodal.diagnosis.outcome import Compared, Step
+from flexmodal.diagnosis.outcome import Compared, Gaps, Step
 from flexmodal.diagnosis.selection.comparison import Comparison, M
 from flexmodal.diagnosis.selection.conclusion import Conclusion
 from flexmodal.diagnosis.selection.data import Data
@@ -50,6 +51,39 @@ def step_of(data: Data[M], root: M, comparison: Comparison[M], chosen: int) -> S
         ties=tuple((others[k].effect, others[k].where) for k in ties),
         share=None if shares[0] is None or shares[1] is None else shares[1] - shares[0],
     )
+
+
+def built_up(data: Data[M], root: M, model: M) -> list[M]:
+    """The models that come to one by its effects one after the other, in the order in which it has them.
+
+    Args:
+        data: that they are fitted to.
+        root: the robot re-tuned, the first of them.
+        model: the last of them.
+    """
+    chain = [model]
+    while len(chain[0].hypothesis.keys) > 1:
+        chain.insert(0, data.without(chain[0], chain[0].hypothesis.keys[-1]))
+    return [root, *chain]
+
+
+def shared_anew(data: Data[M], root: M, model: M, steps: Sequence[Step]) -> list[Step]:
+    """Steps with the gaps and the shares that they have without those that went.
+
+    Args:
+        data: that models are fitted to.
+        root: the robot re-tuned.
+        model: with the effects that stay.
+        steps: the same effects, described while others were there.
+    """
+    chain = built_up(data, root, model)
+    shares = [data.share(root, one) for one in chain]
+    found: dict[tuple[str, str], tuple[Gaps, float | None]] = {}
+    for (before, after), (less, more) in zip(pairwise(chain), pairwise(shares), strict=True):
+        share = None if less is None or more is None else more - less
+        found[after.hypothesis.keys[-1]] = data.gaps(before, after), share
+    own = [found[(step.effect, step.where)] for step in steps]
+    return [replace(step, gaps=gaps, share=share) for step, (gaps, share) in zip(steps, own, strict=True)]
 
 
 def beside_others(step: Step, sure: float, named: Sequence[tuple[str, str]]) -> Step:

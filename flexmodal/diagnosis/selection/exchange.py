@@ -14,9 +14,9 @@ from flexmodal.diagnosis.selection.decision import comes_before
 
 NEARER = 0.1
 """Part of what is left above the noise that another model has to take to be better."""
-FEW, WITHOUT = 2, 0.5
-"""How many effects there are at least beside one that may be due to the narrow law of another one, and what
-part of the disagreement they take without it: what takes more than they do is no remainder of a law."""
+WITHOUT = 0.5
+"""Part of the disagreement that several effects take without one more that may be due to the narrow law of
+one of them: what takes more than they do is no remainder of a law. One effect alone may be all there is."""
 
 EVEN = 0.5
 """Confidence below which an effect is less sure than not."""
@@ -90,7 +90,7 @@ def exchanged(data: Data[M], model: M) -> M:
 
 
 def without(data: Data[M], model: M, key: tuple[str, str]) -> M:
-    """A model with one effect less, and with a wider law for another one where that leaves less than it does.
+    """A model with one effect less, and with a wider law for another one where that does as well.
 
     What a narrow law leaves may have been taken for one effect more.
 
@@ -101,9 +101,10 @@ def without(data: Data[M], model: M, key: tuple[str, str]) -> M:
     """
     less = data.without(model, key)
     keys, share = less.hypothesis.keys, data.share(data.root, less)
-    if len(keys) < FEW or data.is_close(model) or share is None or share < WITHOUT:
+    if len(keys) > 1 and (share is None or share < WITHOUT):
         return less
-    return next((one for one in data.wider(less, keys) if takes(data, model, one, NEARER)), less)
+    wider = data.wider(less, keys)
+    return next((one for one in wider if data.is_close(one) or takes(data, model, one, NEARER)), less)
 
 
 def of_the_tied(data: Data[M], comparison: Comparison[M], step: Step) -> Comparison[M] | None:

@@ -81,7 +81,7 @@ class FrfsByLook(Data[FittedFrfs]):
 
     def wider(self, model: FittedFrfs, keys: Collection[tuple[str, str]]) -> list[FittedFrfs]:
         """See `Data`."""
-        return [] if self.is_enough(model) else self._candidates.wider(model, keys)
+        return [] if self.is_close(model) else self._candidates.wider(model, keys)
 
     def is_at_rest(self, model: FittedFrfs) -> bool:
         """See `Data`: they count as explaining everything, and by a look beside them nothing is missing."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Iterator, Sequence
 
 import numpy as np
 
@@ -24,6 +24,7 @@ from flexmodal.diagnosis.selection.frf_starts import (
     nearer,
     pointed_to,
     starts,
+    swung,
     with_last,
 )
 from flexmodal.diagnosis.selection.frf_thresholds import (
@@ -152,9 +153,10 @@ class FrfCandidates(SearchesBeside):
                 keys = [key for key in keys if any(self._is_plainer(key, one.key) for one in enough)]
                 followed = ONCE_MORE
             if not any(self._is_enough(one) and look.is_at([one.key]) for one in found):
-                keys += [key for key in nearer(self.setup, before, look) if key not in keys]
-            more = from_each_start(self.setup, before, starts(before, look), keys, is_over, followed)
-            yield (found := best_of_each([*found, *more]))
+                more = [*nearer(self.setup, before, look), *swung(self.setup, before, look)]
+                keys += [key for key in more if key not in keys]
+            fitted = from_each_start(self.setup, before, starts(before, look), keys, is_over, followed)
+            yield (found := best_of_each([*found, *fitted]))
         if len(look.found) == 1:
             yield (found := self._at_next_levels(before, found, look))
             if look.explains:
@@ -187,8 +189,7 @@ class FrfCandidates(SearchesBeside):
         near = likely_wider(self.setup, found, look)
         hidden = [one for one in found if PORT_OF.get(one.key[0]) in HELD_BY_WIDE]
         near += [one for one in hidden[:1] if one not in near]
-        wider = [more for one in near for more in at_next_level(self.setup, one, told, self._is_enough)]
-        return best_of_each([*found, *wider])
+        return best_of_each([*found, *self._at_next_level(near, told)])
 
     @property
     def _that_hide(self) -> list[tuple[str, str]]:
@@ -244,13 +245,12 @@ class FrfCandidates(SearchesBeside):
         if any(self._is_enough(one) and left(self.setup, before, one) <= HALF for one in found):
             return found
         least = LAW_LEAVES * look.left
-        places = [one for one in found if look.met([one.key])]
+        others = swung(self.setup, before, look)
+        places = [one for one in found if look.met([one.key]) or one.key in others]
         does = [one for one in places if not look.explains or left(self.setup, before, one) <= HALF]
         if look.found[0].port not in WIDE and any(over_noise(self.setup, one) <= least for one in does):
             return found
-        set_out = starts(before, look)
-        wider = [more for one in places for more in at_next_level(self.setup, one, set_out, self._is_enough)]
-        return best_of_each([*found, *wider])
+        return best_of_each([*found, *self._at_next_level(places, starts(before, look))])
 
     def _at_last(self, before: FittedFrfs, found: list[FittedFrfs]) -> list[FittedFrfs]:
         """The wider law of an effect that takes all but a little, wherever it is, if that leaves nothing."""
@@ -258,7 +258,7 @@ class FrfCandidates(SearchesBeside):
         if before.hypothesis.placed or not nearly or any(self._is_enough(one) for one in found):
             return found
         best = min(nearly, key=lambda one: over_noise(self.setup, one))
-        wider = at_next_level(self.setup, best, SetOut([]), self._is_enough)
+        wider = self._at_next_level([best], SetOut([]))
         return best_of_each([*found, *(one for one in wider if self._is_enough(one))])
 
     def wider(self, model: FittedFrfs, keys: Collection[tuple[str, str]]) -> list[FittedFrfs]:
@@ -270,10 +270,11 @@ class FrfCandidates(SearchesBeside):
         """
         able = [one.key for one in model.hypothesis.placed if one.effect.next_level is not None]
         turned = [with_last(model, key) for key in able if key in keys]
-        every = [
-            more for one in turned for more in at_next_level(self.setup, one, SetOut([]), self._is_enough)
-        ]
-        return best_of_each(every)
+        return best_of_each(self._at_next_level(turned, SetOut([])))
+
+    def _at_next_level(self, models: Sequence[FittedFrfs], set_out: SetOut) -> list[FittedFrfs]:
+        """Models with the next level of their last effects."""
+        return [more for one in models for more in at_next_level(self.setup, one, set_out, self._is_enough)]
 
     def considered(self, model: FittedFrfs, key: tuple[str, str], within: float = np.inf) -> list[FittedFrfs]:
         """What was found where an effect of a model was looked for last, but what the model has anyway.

@@ -10,6 +10,8 @@ import numpy as np
 
 from flexmodal.diagnosis.disagreement.gaps import over_noise
 from flexmodal.diagnosis.lawfree.effects_at import CLASSES_OF, PORT_OF, holds
+from flexmodal.diagnosis.lawfree.joint_ports import TORQUE
+from flexmodal.diagnosis.lawfree.look import SOUND
 from flexmodal.diagnosis.lawfree.result import Findings
 from flexmodal.diagnosis.search.set_out import NEAR_BY, SetOut
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
@@ -69,6 +71,26 @@ def nearer(setup: Setup, before: FittedFrfs, look: Findings) -> list[tuple[str, 
         if judged.get(key, np.inf) < judged.get((one.port, one.where), 0.0)
     }
     return [(name, where) for name, where in _others(setup, before) if (PORT_OF.get(name), where) in less]
+
+
+def swung(setup: Setup, before: FittedFrfs, look: Findings) -> list[tuple[str, str]]:
+    """Further effects that depend on the blow in a joint whose torque explains everything, but not best.
+
+    A hammer point whose blows go elsewhere in each posture does best for a joint that only they swing far
+    enough.
+
+    Args:
+        setup: what the diagnosis works with.
+        before: the model that one of them may be added to.
+        look: without a law, beside it.
+    """
+    if not look.explains or len(look.found) != 1 or look.found[0].curve is not None:
+        return []
+    able = [one.where for one in look.places if one.port == TORQUE.name and one.judged <= SOUND]
+    if look.found[0].port == TORQUE.name or not able:
+        return []
+    forced = {effect.name for effect in setup.effects if effect.by_force}
+    return [key for key in _others(setup, before) if key[0] in forced and key[1] == able[0]]
 
 
 def _others(setup: Setup, before: FittedFrfs) -> list[tuple[str, str]]:

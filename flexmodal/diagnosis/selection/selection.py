@@ -9,6 +9,7 @@ from itertools import pairwise
 from typing import Any, Generic
 
 from flexmodal.diagnosis.outcome import Compared, Step
+from flexmodal.diagnosis.selection import described
 from flexmodal.diagnosis.selection.comparison import Comparison, M
 from flexmodal.diagnosis.selection.data import Data
 from flexmodal.diagnosis.selection.decision import (
@@ -22,7 +23,6 @@ from flexmodal.diagnosis.selection.decision import (
     is_idle,
     rivals,
 )
-from flexmodal.diagnosis.selection.described import beside_others, in_figures, step_of, untied
 from flexmodal.diagnosis.selection.exchange import (
     exchanged,
     looked_for_again,
@@ -115,10 +115,8 @@ class ForwardSelection(Generic[M]):
 
     def search(self) -> None:
         """Add effects wherever they do best, no more than can be judged without knowing where to look."""
-        number = 0
-        while self.step(number) is not None and not self.data.is_over(self.current):
-            number += 1
-            if number == self.data.most:
+        for number in range(self.data.most):
+            if self.step(number) is None or self.data.is_over(self.current):
                 break
         if self.pair is not None and not self.data.is_over(self.current):
             self.exchange(self.pair)
@@ -187,13 +185,10 @@ class ForwardSelection(Generic[M]):
     def _describe_anew(self) -> None:
         """The steps to a model whose effects were not added one after the other; how sure they are."""
         if {(step.effect, step.where) for step in self.steps} != set(self.current.hypothesis.keys):
-            chain = [self.current]
-            while len(chain[0].hypothesis.keys) > 1:
-                chain.insert(0, self.data.without(chain[0], chain[0].hypothesis.keys[-1]))
-            pairs = pairwise([self.root, *chain])
+            pairs = pairwise(described.built_up(self.data, self.root, self.current))
             self.steps[:] = [self.describe(self.data.compare(list(pair)), 1) for pair in pairs]
         told = [(one, self.sure.get((one.effect, one.where))) for one in self.steps]
-        self.steps[:] = [one if sure is None else untied(one, sure) for one, sure in told]
+        self.steps[:] = [one if sure is None else described.untied(one, sure) for one, sure in told]
 
     @property
     def _state(self) -> tuple[Any, ...]:
@@ -242,17 +237,18 @@ class ForwardSelection(Generic[M]):
 
         The last one too: what it took away may have been due to a fit of those before it that had not ended.
         """
-        for number, step in enumerate(list(self.steps)):
+        for number, step in enumerate(every := list(self.steps)):
             if len(self.steps) == 1 or self.sure:
                 break
             less = without(self.data, self.current, (step.effect, step.where))
             comparison = self.data.compare([less, self.current])
-            idle = is_idle(self.data.plausible(comparison))
-            if idle or self._chosen(comparison, number).number is None:
+            if is_idle(self.data.plausible(comparison)) or self._chosen(comparison, number).number is None:
                 self.current = less
                 self.steps.remove(step)
             else:
                 self.steps[self.steps.index(step)] = self._beside_others(step, comparison)
+        if len(self.steps) < len(every):
+            self.steps[:] = described.shared_anew(self.data, self.root, self.current, self.steps)
 
     def _beside_others(self, step: Step, comparison: Comparison[M]) -> Step:
         """One of several effects, as sure as it is beside the others and what it was tied with alone.
@@ -260,13 +256,17 @@ class ForwardSelection(Generic[M]):
         Where one of these is clearly more plausible beside the others it takes the effect's place.
         """
         sure = float(self.data.confidences(comparison, 1)[1])
-        told = beside_others(step, sure, self.current.hypothesis.keys)
+        told = described.beside_others(step, sure, self.current.hypothesis.keys)
         other = of_the_tied(self.data, comparison, told)
         if other is not None:
             self.current = other.models[1]
             return replace(self.describe(other, 1), gaps=step.gaps, share=step.share)
         again = self.data.surely(self.current, (step.effect, step.where)) if told.ties else None
-        return untied(step, min(sure, again)) if again is not None and again > step.confidence else told
+        return (
+            described.untied(step, min(sure, again))
+            if again is not None and again > step.confidence
+            else told
+        )
 
     def drop_hardly_possible(self) -> None:
         """Leave out what is less plausible than nothing in its place, if others are sure without it."""
@@ -294,7 +294,7 @@ class ForwardSelection(Generic[M]):
             comparison: of what was there before, first, and of what might be added.
             chosen: number of what was added.
         """
-        return step_of(self.data, self.root, comparison, chosen)
+        return described.step_of(self.data, self.root, comparison, chosen)
 
     def _compared(self, comparison: Comparison[M], number: int) -> Compared:
-        return in_figures(self.data, comparison, number)
+        return described.in_figures(self.data, comparison, number)
