@@ -16,7 +16,7 @@ from flexmodal.files import whole_file
 
 FILES = {
     "rig": "exam", "mujoco": "exam_mujoco", "looked": "exam_looked", "sealed": "exam_sealed",
-    "unseen": "exam_unseen",
+    "unseen": "exam_unseen", "later": "exam_later",
 }  # fmt: skip
 PHYSICS = {
     "rig": "The virtual rig on",
@@ -26,6 +26,8 @@ PHYSICS = {
     "wrong on earlier seeds, on random arms and",
     "unseen": "The virtual rig, effects in forms that were written once the diagnosis was done, on random "
     "arms and",
+    "later": "The virtual rig, effects in forms that were written once the diagnosis had met all others, on "
+    "random arms and",
 }
 TELLS = 0.1
 """Height with all else re-tuned, over the noise of one record, below which a campaign does not tell of an

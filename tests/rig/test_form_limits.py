@@ -6,7 +6,7 @@ import scipy.linalg
 
 import flexmodal
 from flexmodal.rig.effects.link_flexibility import span
-from flexmodal.rig.forms.structural_damping import fractional, middle, zener
+from flexmodal.rig.forms.maxwell_rows import fractional, middle, zener
 from flexmodal.rig.hammer_test import Conduct, h1, strike_posture
 from flexmodal.rig.integration.laws import LAWS
 from flexmodal.rig.plant.build import build

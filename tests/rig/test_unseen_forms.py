@@ -1,10 +1,10 @@
-"""What the forms that came last are for small motions, against closed forms on uniform bars."""
+"""What the forms that no diagnosis had met are for small motions, against closed forms on uniform bars."""
 
 import numpy as np
 import pytest
 
 import flexmodal
-from flexmodal.rig.forms.structural_damping import middle
+from flexmodal.rig.forms.maxwell_rows import middle
 from flexmodal.rig.hammer_test import Conduct, h1, strike_posture
 from flexmodal.rig.integration.laws import LAWS
 

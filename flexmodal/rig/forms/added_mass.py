@@ -1,4 +1,4 @@
-"""Other things a card may lack: a point, two points, a disc, a body on a soft stalk, a rod, a duct."""
+"""Other things a card may lack: points, a disc, a body on a soft stalk, a rod, a duct, a counterweight."""
 
 from __future__ import annotations
 
@@ -50,6 +50,24 @@ def _act_duct(assembly: PlantAssembly, site: Site) -> None:
     along = end - start
     inertia = site["mass"] / 12 * (along @ along * np.eye(3) - np.outer(along, along))
     assembly.add_body(site.where, (start + end) / 2, site["mass"], inertia)
+
+
+def _draw_counterweight(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
+    """Behind the joint."""
+    drawn = OWN.draw(stand, where, random)
+    place = on_link(stand, where, random.uniform(-0.6, -0.2), random.uniform(-0.1, 0.1))
+    return {
+        **drawn,
+        **dict(zip("xyz", map(float, place), strict=True)),
+        "depth": float(random.uniform(0.1, 0.4)),
+    }
+
+
+def _act_counterweight(assembly: PlantAssembly, site: Site) -> None:
+    """A cuboid twice as wide as it is thick, as deep as it is drawn, square to the frame of its link."""
+    sizes = np.array([site["depth"], 2 * site["gyration"], site["gyration"]])
+    inertia = site["mass"] / 12 * (sizes @ sizes * np.eye(3) - np.diag(sizes**2))
+    assembly.add_body(site.where, site.vector("x", "y", "z"), site["mass"], inertia)
 
 
 def _direction(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
@@ -152,5 +170,14 @@ DUCT: Effect = replace(
     draw=_draw_duct,
     act=_act_duct,
 )
+COUNTERWEIGHT: Effect = replace(
+    POINT,
+    form="counterweight",
+    says="a counterweight behind the joint of a link",
+    units={**_PLACE, "gyration": "m, its thickness", "depth": "m"},
+    draw=_draw_counterweight,
+    check=positive("mass", "gyration", "depth"),
+    act=_act_counterweight,
+)
 
-FORMS = (POINT, TWO, DISC, ROD, STALK, DUCT)
+FORMS = (POINT, TWO, DISC, ROD, STALK, DUCT, COUNTERWEIGHT)

@@ -1,4 +1,4 @@
-"""Other bearings that give: two rows of rollers, a housing softer one way, a seat that relaxes, bolts."""
+"""Other bearings that give: rows of rollers, a housing softer one way, a seat that relaxes, bolts, balls."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from flexmodal.rig.effects.effect import Effect, Parameters, Site, Stand, divide
 from flexmodal.rig.plant.assembly import PlantAssembly
 from flexmodal.rig.plant.plant import Branch
 
-BOLTS = 8
+BOLTS, BALLS = 8, 16
 """Of a ring."""
 
 
@@ -114,6 +114,38 @@ def _act_bolts(assembly: PlantAssembly, site: Site) -> None:
             assembly.add_spring(row, site["shear"] * spring, site["shear"] * spring * time)
 
 
+def _draw_balls(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
+    """Balls that are pressed evenly would tilt as the rig's own bearing does."""
+    drawn, radius = draw_springs(stand, where, random), float(random.uniform(0.05, 0.15))
+    angle, rear = float(random.uniform(0.4, 0.8)), float(random.uniform(0.3, 1.0))
+    apart = float(random.uniform(0.2, 0.8)) * radius
+    lever = np.cos(angle) * apart / 2 + np.sin(angle) * radius
+    return {
+        "ball_stiffness": float(2 * drawn["tilt_stiffness"] / (BALLS * lever**2 * (1 + rear))),
+        "radius": radius,
+        "apart": apart,
+        "contact_angle": angle,
+        "rear": rear,
+        "uneven": float(random.uniform(0.2, 0.7)),
+        "angle": float(random.uniform(0, 2 * np.pi)),
+        "damping_time": drawn["damping_time"],
+    }
+
+
+def _act_balls(assembly: PlantAssembly, site: Site) -> None:
+    """Back to back: a ball at φ of the row at ±d/2 is pressed along (cos α cos φ, cos α sin φ, ∓sin α)."""
+    x, y, z, rx, ry = rows(assembly, site)
+    across, along, time = np.cos(site["contact_angle"]), np.sin(site["contact_angle"]), site["damping_time"]
+    for side, part in ((1, 1.0), (-1, site["rear"])):
+        place = side * site["apart"] / 2
+        for angle in 2 * np.pi * np.arange(BALLS) / BALLS:
+            c, s = np.cos(angle), np.sin(angle)
+            spring = part * site["ball_stiffness"] * (1 + site["uneven"] * np.cos(angle - site["angle"]))
+            pressed = across * (c * (x + place * ry) + s * (y - place * rx))
+            pressed = pressed - side * along * (z + site["radius"] * (s * rx - c * ry))
+            assembly.add_spring(pressed, spring, spring * time)
+
+
 def _check(*names: str) -> Effect:
     def check(parameters: Parameters) -> str | None:
         return OWN.check(parameters) or positive(*names)(parameters)
@@ -167,5 +199,20 @@ RING: Effect = replace(
     scaled=divided("bolt_stiffness"),
     act=_act_bolts,
 )  # fmt: skip
+CONTACT: Effect = replace(
+    _check("ball_stiffness", "radius", "apart", "contact_angle", "rear"),
+    form="angular_contact",
+    says="two rows of balls back to back, pressed unevenly",
+    source="Harris and Kotzalas, Rolling Bearing Analysis, 5th ed., CRC 2006, chapter 7; springs, summed",
+    units={
+        "ball_stiffness": "N/m, of a contact", "radius": "m, of the ring", "apart": "m, of the rows",
+        "contact_angle": "rad", "rear": "stiffness of the other row over that of the first",
+        "uneven": "how much stiffer the most pressed contact is, relative", "angle": "rad, of that one",
+        "damping_time": "damping over stiffness, s",
+    },
+    draw=_draw_balls,
+    scaled=divided("ball_stiffness"),
+    act=_act_balls,
+)  # fmt: skip
 
-FORMS = (ROWS, HOUSING, RELAXING, RING)
+FORMS = (ROWS, HOUSING, RELAXING, RING, CONTACT)

@@ -102,6 +102,18 @@ def _act_segalman(assembly: PlantAssembly, site: Site) -> None:
         _element(assembly, site, SLIDER, stiffness, site["torque"] * float(part))
 
 
+def _draw_seal(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
+    smooth, sticking = _draw_smooth(stand, where, random), _draw_presliding(stand, where, random)
+    return {**sticking, "speed": smooth["speed"], "share": float(random.uniform(0.3, 0.7))}
+
+
+def _act_seal(assembly: PlantAssembly, site: Site) -> None:
+    """A part of the torque goes with the speed, as of a wet seal; the rest sticks before it slides."""
+    wet = site["share"] * site["torque"]
+    _element(assembly, site, STRIBECK, wet, wet, 1.0, site["speed"])
+    _element(assembly, site, SLIDER, site["presliding_stiffness"], site["torque"] - wet)
+
+
 def _act_bouc_wen(assembly: PlantAssembly, site: Site) -> None:
     _element(assembly, site, BOUC_WEN, site["presliding_stiffness"], site["torque"])
 
@@ -181,5 +193,15 @@ SEGALMAN: Effect = replace(
     check=each(within(exponent=(-0.95, 0.0)), positive("torque", "presliding_stiffness")),
     act=_act_segalman,
 )
+SEAL: Effect = replace(
+    IWAN,
+    form="seal",
+    says="a wet seal beside a dry gear: a hyperbolic tangent of the speed and a spring that slips",
+    source="Andersson, as tanh; Dahl, Aerospace Corp. TOR-0158 (1968), for the part that sticks",
+    units={**IWAN.units, "speed": "rad/s, of the seal", "share": "of the torque, the seal's"},
+    draw=_draw_seal,
+    check=each(within(share=(0.0, 1.0)), positive("torque", "presliding_stiffness", "speed")),
+    act=_act_seal,
+)
 
-FORMS = (TANH, IWAN, STRIBECK_CURVE, LUGRE_MODEL, BOUC_WEN_MODEL, SEGALMAN)
+FORMS = (TANH, IWAN, STRIBECK_CURVE, LUGRE_MODEL, BOUC_WEN_MODEL, SEGALMAN, SEAL)

@@ -1,4 +1,4 @@
-"""Other mechanisms that tie two joints: a spring over a ratio, damped, an idler, a belt, a rod, meshes."""
+"""Other mechanisms that tie two joints: a spring over a ratio, an idler, a belt, a rod, meshes, a hose."""
 
 from __future__ import annotations
 
@@ -10,7 +10,17 @@ import numpy as np
 
 from flexmodal.campaign import CampaignPoint
 from flexmodal.model import Robot
-from flexmodal.rig.effects.effect import Effect, Site, Stand, either_sign, multiplied, positive
+from flexmodal.rig.effects.effect import (
+    Effect,
+    Site,
+    Stand,
+    drawing,
+    each,
+    either_sign,
+    multiplied,
+    positive,
+    within,
+)
 from flexmodal.rig.effects.joint_coupling import EFFECT as OWN
 from flexmodal.rig.plant.assembly import PlantAssembly
 from flexmodal.rig.plant.chain import commanded_joints, reach
@@ -122,8 +132,12 @@ def _draw_rod(stand: Stand, where: str, random: np.random.Generator) -> dict[str
     }
 
 
-def _act_rod(assembly: PlantAssembly, site: Site) -> None:
-    """From a crank on the link before the first joint to one on the link after the second."""
+def _ends(assembly: PlantAssembly, site: Site) -> tuple[np.ndarray, np.ndarray]:
+    """Of a rod from a crank on the link before the first joint to one on the link after the second.
+
+    Returns:
+        How the far end moves against the near one [3, coordinate], and the unit vector from this to that.
+    """
     urdf = assembly.robot.urdf
     first, last = (urdf.joint_by_name[name] for name in site.where.split("+"))
     ends = []
@@ -138,8 +152,22 @@ def _act_rod(assembly: PlantAssembly, site: Site) -> None:
     places = [assembly.origin(link) + assembly.orientation(link) @ place for link, place in ends]
     way = places[1] - places[0]
     way = way / max(float(np.linalg.norm(way)), 1e-9)
-    near, far = (way @ assembly.motion(link, place)[:3] for link, place in ends)
-    assembly.add_spring(far - near, site["stiffness"])
+    near, far = (assembly.motion(link, place)[:3] for link, place in ends)
+    return far - near, way
+
+
+def _act_rod(assembly: PlantAssembly, site: Site) -> None:
+    moved, way = _ends(assembly, site)
+    assembly.add_spring(way @ moved, site["stiffness"])
+
+
+def _act_hose(assembly: PlantAssembly, site: Site) -> None:
+    """Springs and dampers all three ways, the one along it apart."""
+    moved, way = _ends(assembly, site)
+    spring, time = site["stiffness"], site["damping_time"]
+    assembly.add_spring(way @ moved, spring, time * spring)
+    for side in across(way, None):
+        assembly.add_spring(side @ moved, site["across"] * spring, time * site["across"] * spring)
 
 
 _RATIO = {"stiffness": "N·m/rad, at the first joint", "ratio": "of the second joint to the first"}
@@ -217,5 +245,20 @@ DIFFERENTIAL: Effect = replace(
     check=positive("stiffness", "ratio", "second"),
     act=_act_differential,
 )
+HOSE: Effect = replace(
+    ROD,
+    form="hose",
+    says="a stiff package of hoses from the link before two joints to the one after them",
+    source="as rod, with springs across it too: a beam's end, Przemieniecki (as timoshenko), section 5.6",
+    units={
+        **ROD.units,
+        "across": "stiffness across it over along",
+        "damping_time": "damping over stiffness, s",
+    },
+    draw=drawing(_draw_rod, across=(0.1, 0.8), damping_time=(5e-4, 3e-3)),
+    scaled=multiplied("stiffness"),
+    check=each(positive("stiffness", "crank"), within(across=(0.0, 10.0), damping_time=(0.0, 1.0))),
+    act=_act_hose,
+)
 
-FORMS = (RATIO, IDLER, DAMPED, BELT, ROD, DIFFERENTIAL)
+FORMS = (RATIO, IDLER, DAMPED, BELT, ROD, DIFFERENTIAL, HOSE)

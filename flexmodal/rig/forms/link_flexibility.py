@@ -1,4 +1,4 @@
-"""Other links that bend: on a hinge, tapered, stepped, at flanges, with shear, twisting, in stiff pieces."""
+"""Other links that bend: on hinges, tapered, stepped, cracked, at flanges, with shear, twisting."""
 
 from __future__ import annotations
 
@@ -119,6 +119,16 @@ def _shape_stepped(assembly: PlantAssembly, site: Site) -> None:
         assembly, site, 3 * site["bending_stiffness"] / length,
         lambda length, plane: _beam(site, length, plane, (site["place"], site["outer"])),
     )  # fmt: skip
+
+
+def _shape_cracked(assembly: PlantAssembly, site: Site) -> None:
+    """A beam in each plane, and in the first a hinge where the crack is."""
+    length, axis = span(site.where, site.stand)
+    rigidity = site["bending_stiffness"] / length
+    _give(assembly, site, 3 * rigidity, lambda length, plane: _beam(site, length, plane))
+    opened = Hinges(length, (site["place"] * length,), (site["crack"] * rigidity,))
+    side = across(axis, plane_in(assembly, site.where))[0]
+    assembly.add_flexure(site.where, opened, axis, side, _loss(site, 3 * rigidity))
 
 
 def _shape_tapered(assembly: PlantAssembly, site: Site) -> None:
@@ -257,5 +267,15 @@ FLANGES: Effect = replace(
     check=_checking("stiffness", far=(0.05, 20.0)),
     shape=_shape_flanges,
 )
+CRACKED: Effect = replace(
+    OWN,
+    form="cracked",
+    says="a beam with a crack, which opens in one plane",
+    source="Dimarogonas, Engineering Fracture Mechanics 55 (1996) 831: a crack is a hinge with a spring",
+    units={**_BEAM, "place": "of the crack, over the length", "crack": "its spring over E I/length"},
+    draw=_with(place=(0.1, 0.6), crack=(0.5, 3.0)),
+    check=_checking("bending_stiffness", place=(0.0, 0.99), crack=(0.01, 1e6)),
+    shape=_shape_cracked,
+)
 
-FORMS = (HINGE, TAPERED, FLANGED, TIMOSHENKO, TWISTING, PIECEWISE, STEPPED, FLANGES)
+FORMS = (HINGE, TAPERED, FLANGED, TIMOSHENKO, TWISTING, PIECEWISE, STEPPED, FLANGES, CRACKED)

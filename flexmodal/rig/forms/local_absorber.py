@@ -1,4 +1,4 @@
-"""Other resilient things on a link: free two ways, a pendulum, two of them, one on rubber, a whip."""
+"""Other resilient things on a link: free two ways, a pendulum, two, one on rubber, a whip, a string."""
 
 from __future__ import annotations
 
@@ -114,6 +114,34 @@ def _act_whip(assembly: PlantAssembly, site: Site) -> None:
             _spring(assembly, own, part * mass, times * site["frequency"], site["damping_ratio"])
 
 
+def _act_string(assembly: PlantAssembly, site: Site) -> None:
+    """A taut line along `d`, held at both ends: three modes each way across, and what they leave is stiff.
+
+    Of mode n, n times as fast as the first, 8/(π n)² of the mass moves at its middle where n is odd; where n
+    is even 24/(π n)² of the moment of inertia of a rod turns about the middle.
+    """
+    way, one = _ways(assembly, site)
+    mass, length = site["mass"], site["length"]
+    inertia = mass * length**2 / 12
+
+    def moved(along: np.ndarray, turned: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        motion = assembly.motion(site.where, site.vector("x", "y", "z"))
+        return along @ motion[:3], turned @ motion[3:]
+
+    assembly.add_inertia(moved(way, way)[0], mass)
+    for side in (one, np.cross(way, one))[: 1 if assembly.normal is not None else 2]:
+        left = [mass, inertia]
+        for number in (1, 2, 3):
+            (own,) = _coordinates(assembly, 1)
+            even = 1 - number % 2
+            part = (inertia * 24 if even else mass * 8) / (np.pi * number) ** 2
+            left[even] -= part
+            assembly.add_inertia(moved(side, np.cross(way, side))[even] + own, part)
+            _spring(assembly, own, part, number * site["frequency"], site["damping_ratio"])
+        for row, rest in zip(moved(side, np.cross(way, side)), left, strict=True):
+            assembly.add_inertia(row, rest)
+
+
 def _draw_rubber(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
     drawn = drawing(OWN.draw, relaxing=(0.1, 0.6))(stand, where, random)
     del drawn["damping_ratio"]
@@ -180,5 +208,15 @@ WHIPPING: Effect = replace(
     check=each(positive("length"), _check_own),
     act=_act_whip,
 )
+STRING: Effect = replace(
+    OWN,
+    form="string",
+    says="a taut line along the link: a hose or a cable between two clips",
+    source="Géradin and Rixen, Mechanical Vibrations, 3rd ed., section 4.2 (string between fixed ends)",
+    units={**OWN.units, "length": "m, between the clips"},
+    draw=drawing(OWN.draw, length=(0.15, 0.6)),
+    check=each(positive("length"), _check_own),
+    act=_act_string,
+)
 
-FORMS = (TWO_WAY, PENDULUM, TWIN, RUBBER, WHIPPING)
+FORMS = (TWO_WAY, PENDULUM, TWIN, RUBBER, WHIPPING, STRING)

@@ -96,6 +96,13 @@ def _act_s_shaped(assembly: PlantAssembly, site: Site) -> None:
     _element(assembly, site, POLYNOMIAL, 0.0, part / (6 * at) ** 2)
 
 
+def _act_gradual(assembly: PlantAssembly, site: Site) -> None:
+    """Softer in the middle over three ranges of deflection, each five times the one before."""
+    part = site["change"] * _stiffness(site) / 3
+    for at in site["deflection"] * np.array([0.2, 1.0, 5.0]):
+        _element(assembly, site, SATURATING, -part * at, at, 0.0)
+
+
 def _act_stop(assembly: PlantAssembly, site: Site) -> None:
     """A second spring from a deflection on, both ways."""
     step, at = site["change"] * _stiffness(site), site["deflection"]
@@ -176,6 +183,11 @@ STOP = _form(
     "Shaw and Holmes, J. Sound and Vibration 90 (1983) 129, on piecewise linear oscillators", _act_stop,
     change=(0.5, 2.0), deflection=(0.2, 0.5), most=8.0, means="stiffness of the second spring over the first",
 )  # fmt: skip
+GRADUAL = _form(
+    "gradual", "a spring that stiffens slowly, over decades of deflection, as teeth come to bear",
+    "Tuttle and Seering (as wind_up), on teeth that come into mesh", _act_gradual,
+    change=(0.3, 0.7), deflection=(0.05, 0.3), most=0.85, means="part of the stiffness missing in the middle",
+)  # fmt: skip
 LEANING: Effect = replace(
     CUBIC,
     form="leaning",
@@ -191,4 +203,4 @@ LEANING: Effect = replace(
     act=_act_leaning,
 )
 
-FORMS = (CUBIC, WIND_UP, PLAY, LEVELLING, EXPONENTIAL, LEANING, S_SHAPED, STOP)
+FORMS = (CUBIC, WIND_UP, PLAY, LEVELLING, EXPONENTIAL, LEANING, S_SHAPED, STOP, GRADUAL)

@@ -1,4 +1,4 @@
-"""Other ways for a sensor to look elsewhere than recorded: across its axis, off its point, askew."""
+"""Other ways for a sensor to look elsewhere than recorded: across its axis, off its point, askew, swapped."""
 
 from __future__ import annotations
 
@@ -76,6 +76,16 @@ def _draw_skew(stand: Stand, where: str, random: np.random.Generator) -> dict[st
     return {**SENSOR_MISALIGNMENT.draw(stand, where, random), **others}
 
 
+def _swap(sensors: dict[str, Sensor], site: Site) -> None:
+    """Two of its cables are exchanged; the third axis stays, across the plane of a planar chain."""
+    link = next(point.link for point in site.stand.plan.points if point.name == site.where)
+    normal = site.stand.normal_in(link)
+    stays = int(site["stays"]) if normal is None else int(np.argmax(np.abs(normal)))
+    order = np.arange(3)
+    order[np.delete(order, stays)] = np.delete(order, stays)[::-1]
+    sensors[site.where].turned = np.eye(3)[order] @ sensors[site.where].turned
+
+
 def _least(parameters: Parameters) -> float:
     return 1.0 / max(abs(parameters["angle"]), 1e-9)
 
@@ -129,5 +139,17 @@ CROSS_AXIS: Effect = replace(
     check=within(angle=(-1.3, 1.3), **dict.fromkeys(_CROSS, (-1.0, 1.0))),
     sense=_cross,
 )
+SWAPPED: Effect = replace(
+    SENSOR_MISALIGNMENT,
+    form="swapped",
+    says="a sensor two of whose cables are exchanged",
+    source="Ewins, Modal Testing, 2nd ed., section 3.5, on what goes wrong before a test",
+    units={"stays": "number of the axis that stays"},
+    draw=lambda stand, where, random: {"stays": float(random.integers(0, 3))},
+    scaled=lambda parameters, s: dict(parameters),
+    most=lambda parameters: 1.0,
+    check=within(stays=(0.0, 2.0)),
+    sense=_swap,
+)
 
-FORMS = (CROSS, STAND_OFF, LEANING, SKEWED, CROSS_AXIS)
+FORMS = (CROSS, STAND_OFF, LEANING, SKEWED, CROSS_AXIS, SWAPPED)

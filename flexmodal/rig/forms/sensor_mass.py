@@ -13,6 +13,7 @@ from flexmodal.rig.effects.sensors import SENSOR_MASS as OWN
 from flexmodal.rig.plant.assembly import PlantAssembly
 from flexmodal.rig.plant.chain import reach
 from flexmodal.rig.plant.geometry import across
+from flexmodal.rig.plant.plant import Branch
 from flexmodal.rig.sensing import Sensor
 
 
@@ -67,6 +68,22 @@ def _bracket(assembly: PlantAssembly, point: CampaignPoint, site: Site) -> None:
     assembly.add_inertia((axes @ out) @ carried, site["mass"])
     sides = np.array([(axes @ side) @ carried for side in across(out, None)])
     assembly.add_on_springs(["bracket 1", "bracket 2"], sides, *(site[name] for name in _SWINGS))
+
+
+def _taped(assembly: PlantAssembly, point: CampaignPoint, site: Site) -> None:
+    """On its tape's springs, a Maxwell element beside each whose loss is largest where the sensor swings."""
+    carried = assembly.motion(point.link, np.array(point.xyz))[:3]
+    names = [f"sensor {axis}" for axis in "xyz"]
+    omega, strength = 2 * np.pi * site["frequency"], site["relaxing"]
+    static = site["frequency"] / float(np.sqrt(1 + strength / 2))
+    assembly.add_on_springs(names, carried, site["mass"], static, 0.0)
+    spring = strength * site["mass"] * (2 * np.pi * static) ** 2
+    assembly.branches += [Branch(assembly.row(name), spring, 1 / omega) for name in names]
+
+
+def _draw_taped(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
+    drawn = drawing(OWN.draw, relaxing=(0.3, 1.5))(stand, where, random)
+    return {**drawn, "frequency": float(random.uniform(1.0, 2.5) * stand.plan.band[1])}
 
 
 def _draw_bracket(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
@@ -140,5 +157,19 @@ BRACKET: Effect = replace(
     check=positive("mass", "frequency", "height"),
     sense=_everywhere(_bracket),
 )
+TAPED: Effect = replace(
+    SPRUNG,
+    form="taped",
+    says="a sensor on double-sided tape, which relaxes",
+    source="ISO 5348, on adhesive tape; a Maxwell element beside the spring as Snowdon (rubber)",
+    units={
+        "mass": "kg",
+        "frequency": "Hz, of the mass on its tape",
+        "relaxing": "stiffness that does, relative",
+    },
+    draw=_draw_taped,
+    check=positive("mass", "frequency", "relaxing"),
+    sense=_everywhere(_taped),
+)
 
-FORMS = (BLOCK, CABLE, SPRUNG, DRAGGED, BRACKET)
+FORMS = (BLOCK, CABLE, SPRUNG, DRAGGED, BRACKET, TAPED)

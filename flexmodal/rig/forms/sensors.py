@@ -70,6 +70,12 @@ def _resonant(site: Site) -> Filter:
     return lambda omega: 1 / (1 - (omega / own) ** 2 + 2j * site["damping_ratio"] * omega / own)
 
 
+def _shelf(site: Site) -> Filter:
+    """(1 + (1 + e) iω/ω_c)/(1 + iω/ω_c): right below the corner, wrong above it."""
+    corner = 2 * np.pi * site["corner"]
+    return lambda omega: (1 + (1 + site["error"]) * 1j * omega / corner) / (1 + 1j * omega / corner)
+
+
 INVERTED: Effect = replace(
     SENSOR_GAIN,
     form="inverted",
@@ -127,6 +133,19 @@ AMPLIFIER: Effect = replace(
     sense=_filtering(_second_order),
 )
 
+SHELF: Effect = replace(
+    AC_COUPLED,
+    form="shelf",
+    says="a sensor whose sensitivity steps from one value to another within the band",
+    source="Zverev, Handbook of Filter Synthesis, Wiley 1967: a lead or a lag, as of a cable or a bad ground",
+    units={"corner": "Hz", "error": "relative, above it"},
+    draw=_over_band("corner", 0.1, 0.5, error=(-0.3, 0.4)),
+    scaled=multiplied("error"),
+    most=lambda parameters: 0.7 / max(abs(parameters["error"]), 1e-9),
+    check=each(positive("corner"), within(error=(-0.9, 9.0))),
+    sense=_filtering(_shelf),
+)
+
 # a reading that comes late
 
 
@@ -160,6 +179,13 @@ def _hold(site: Site) -> Filter:
     return lambda omega: np.sinc(omega * site["time"] / (2 * np.pi)) * np.exp(-0.5j * omega * site["time"])
 
 
+def _decimated(site: Site) -> Filter:
+    """Three running means over τ, one after the other: sinc³, 3 τ/2 late."""
+    return lambda omega: (
+        np.sinc(omega * site["time"] / (2 * np.pi)) ** 3 * np.exp(-1.5j * omega * site["time"])
+    )
+
+
 def _late(form: str, says: str, source: str, made: Callable[[Site], Filter], longer: float) -> Effect:
     """A lag drawn as in the rig's own form, times what makes the delay in the band alike."""
     return replace(
@@ -191,5 +217,12 @@ ANTI_ALIAS = _late(
     "anti_alias", "a sensor behind an anti-aliasing filter of fourth order that the others lack", _FILTERS,
     _anti_alias, 1.0,
 )  # fmt: skip
+DECIMATED = _late(
+    "decimated", "a sensor behind the decimating filter of a converter, three running means",
+    "Hogenauer, IEEE Trans. Acoustics, Speech and Signal Processing 29 (1981) 155", _decimated, 2 / 3,
+)  # fmt: skip
 
-FORMS = (INVERTED, AGED, AC_COUPLED, MOUNTED, AMPLIFIER, LOW_PASS, ALL_PASS, BESSEL, HELD, ANTI_ALIAS)
+FORMS = (
+    INVERTED, AGED, AC_COUPLED, MOUNTED, AMPLIFIER, SHELF,
+    LOW_PASS, ALL_PASS, BESSEL, HELD, ANTI_ALIAS, DECIMATED,
+)  # fmt: skip

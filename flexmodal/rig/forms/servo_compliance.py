@@ -1,4 +1,4 @@
-"""Other ways for the motor side to move: held by its brake, on two loops, late, by current, on two encoders.
+"""Other ways for the motor side to move: by its brake, on two loops, late, by current, two encoders, a notch.
 
 As in the rig's own form the joint's spring and damper go from link to rotor. Severity s divides the gains by
 s. A loop stiffer than drawn takes its times along, by √s; a softer one keeps them, since the joint's spring
@@ -18,7 +18,7 @@ from flexmodal.rig.plant.plant import Branch, Feedback
 
 _GAINS = {"proportional_gain": -1.0, "derivative_gain": -0.5, "brake_stiffness": -1.0}
 """Powers of the severity by which they are multiplied."""
-_TIMES = ("delay", "current_time", "filter_time", "relaxation_time")
+_TIMES = ("delay", "current_time", "filter_time", "relaxation_time", "notch_time")
 
 
 def _scaled(parameters: Parameters, s: float) -> dict[str, float]:
@@ -116,6 +116,16 @@ def _act_link_side(assembly: PlantAssembly, site: Site) -> None:
     assembly.feedbacks.append(Feedback(link, motor, a, b, np.zeros(1), np.ones(1)))
 
 
+def _act_notched(assembly: PlantAssembly, site: Site) -> None:
+    """K_P + K_D s through 1 − 2 ζ (1 − r) T s/(1 + 2 ζ T s + T² s²), r what is left at 1/T."""
+    motor, time, wide = _rotor(assembly, site), site["notch_time"], site["width"]
+    gain, rate = site["proportional_gain"], site["derivative_gain"]
+    a = np.array([[0.0, 1.0], [-1.0, -2 * wide * time]]) / np.array([[1.0], [time**2]])
+    b, b_rate = np.array([0.0, gain]) / time**2, np.array([0.0, rate]) / time**2
+    c = np.array([0.0, -2 * wide * (1 - site["left"]) * time])
+    assembly.feedbacks.append(Feedback(motor, motor, a, b, b_rate, c, gain, rate))
+
+
 def _scaled_link_side(parameters: Parameters, s: float) -> dict[str, float]:
     """However stiff, such a loop lets the rotor turn against the link: below 1 its part falls too."""
     return _scaled(parameters, s) | {"link_side": parameters["link_side"] * min(s, 1.0)}
@@ -202,5 +212,17 @@ LINK_SIDE: Effect = replace(
     act=_act_link_side,
     active=True,
 )
+NOTCHED: Effect = replace(
+    OWN,
+    form="notched",
+    says="the motor on a loop with a notch",
+    source="Ellis, Control System Design Guide, 4th ed., Butterworth-Heinemann 2012, chapter 9 (notches)",
+    units={**_LOOP, "notch_time": "s, 1/ω of the notch", "width": "damping ratio", "left": "at the notch"},
+    draw=_drawing((0.5, 0.9), notch_time=(0.1, 0.3), width=(0.3, 0.7), left=(0.1, 0.4)),
+    scaled=_scaled,
+    check=each(positive("width"), within(left=(0.0, 1.0)), _checking(notch_time=0.4)),
+    act=_act_notched,
+    active=True,
+)
 
-FORMS = (BRAKE, CASCADE, DELAYED, CURRENT, LINK_SIDE)
+FORMS = (BRAKE, CASCADE, DELAYED, CURRENT, LINK_SIDE, NOTCHED)
