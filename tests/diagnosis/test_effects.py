@@ -185,11 +185,13 @@ def test_couplings_of_other_kinds_are_those_of_the_rig(bench, form, ratio):
     np.testing.assert_allclose(found, there, rtol=3e-4 if form in ("ratio", "belt") else 1e-6)
 
 
+@pytest.mark.parametrize("form", ["rod", "hose"])
 @pytest.mark.parametrize(("arm", "where"), [("bench", "q1+q2"), ("standing", "q2+q3")])
-def test_a_rod_between_two_links_is_that_of_the_rig(request, arm, where):
+def test_a_rod_between_two_links_is_that_of_the_rig(request, arm, where, form):
     context, observed, stand = request.getfixturevalue(arm)
     crank, angles = 0.12, (0.7, 1.1)
-    values = {"rod_stiffness": 3e7, "rod_damping_time": 2e-12}
+    held = {"rod": (2e-12, 1e-9), "hose": (8e-4, 0.4)}[form]
+    values = {"rod_stiffness": 3e7, "rod_damping_time": held[0], "rod_across": held[1]}
     for side, (link, _, axis), angle in zip(rod.SIDES, rod.links(context, where), angles, strict=True):
         one, other = across(axis / np.linalg.norm(axis), None)
         place = crank * (np.cos(angle) * one + np.sin(angle) * other)
@@ -197,7 +199,8 @@ def test_a_rod_between_two_links_is_that_of_the_rig(request, arm, where):
         values |= {f"{side}_{name}": place @ way for name, way in zip("xyz", along, strict=False)}
     found = ours(context, observed, "joint_coupling" + NEXT, where, values)
     of_rig = {"stiffness": 3e7, "crank": crank, "angle": angles[0], "turn": angles[1] - angles[0]}
-    other = theirs(observed, stand, "joint_coupling", where, of_rig, "rod")
+    of_rig |= {"damping_time": held[0], "across": held[1]} if form == "hose" else {}
+    other = theirs(observed, stand, "joint_coupling", where, of_rig, form)
     np.testing.assert_allclose(found, other, rtol=1e-6, atol=1e-9 * np.abs(other).max())
 
 

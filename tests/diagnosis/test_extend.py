@@ -11,7 +11,7 @@ import flexmodal
 from flexmodal.cards import read_urdf
 from flexmodal.diagnosis.effects import Context, catalogue
 from flexmodal.diagnosis.effects.effect import Placement
-from flexmodal.diagnosis.effects.rod import stretch
+from flexmodal.diagnosis.effects.rod import springs
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.improved.draft import Draft
 from flexmodal.diagnosis.improved.extend import extend
@@ -175,8 +175,8 @@ def test_a_rod_is_in_the_files_as_in_the_mean_posture(robot, where, context_of, 
     joints = list(context.robot.joints)
     expected = np.diag([values[f"stiffness.{name}"] for name in joints])
     for arm in context.arms:
-        row = stretch(Assembly(arm), placement)
-        expected = expected + placement["rod_stiffness"] * np.outer(row, row) / len(context.arms)
+        for row, stiffness in springs(Assembly(arm), placement):
+            expected = expected + stiffness * np.outer(row, row) / len(context.arms)
     assert list(loaded.joints) == joints
     np.testing.assert_allclose(loaded.stiffness, expected, rtol=1e-6)
     assert np.count_nonzero(expected) > len(joints)

@@ -109,6 +109,8 @@ def test_a_spread_of_times_loses_as_its_formula_says(order):
     value = [1 + size * turned / (1 + turned) for size in np.linspace(0.05, 2, 4000)]
     best = min(value, key=lambda one: abs((one.imag / one.real).max() - 0.1))
     np.testing.assert_allclose(loss, best.imag / best.real, atol=0.004)
+    beyond = cole_cole(2 * np.tan(order * np.pi / 2), 20.0, order, band).modulus(omega)
+    assert 0.1 < (beyond.imag / beyond.real).max() < np.tan(order * np.pi / 2)
 
 
 def pulled(bench, spec, path, speed=1e-4) -> np.ndarray:

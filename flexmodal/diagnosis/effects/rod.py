@@ -1,7 +1,8 @@
 """An elastic rod between two links: from a crank before one joint to one after another.
 
 Its ends move against each other along the line between them, so that how it ties the joints, those in between
-too, changes with the posture. It has no mass, and nothing pulls at it at rest.
+too, changes with the posture. What is clamped at its ends, such as a package of hoses, holds them across that
+line too, alike both ways. It has no mass, and nothing pulls at it at rest.
 """
 
 from __future__ import annotations
@@ -25,6 +26,8 @@ SIDES = ("near", "far")
 """Its ends: before the first joint and after the second."""
 TURNS, REACHES = 8, (0.2, 0.5)
 """Directions about a joint that a crank's end is looked for in, and how far off, over the size of a link."""
+ACROSS = 0.3
+"""Stiffness across over along from which some fits start; from none it is not found."""
 SHORTEST = 1e-6
 """Of the rod [m], at which its direction still is one."""
 
@@ -117,6 +120,12 @@ def stretch(assembly: Assembly, placement: Placement) -> Float[np.ndarray, "*pos
         assembly: with all coordinates.
         placement: with the values of `cranks`.
     """
+    moved, line = _ends(assembly, placement)
+    return np.asarray((line[..., None, :] @ moved)[..., 0, :])
+
+
+def _ends(assembly: Assembly, placement: Placement) -> tuple[np.ndarray, np.ndarray]:
+    """The far end's motion less that of the near one [m], [*posture 3 dof], and the unit vector to it."""
     context, places, motions = placement.context, [], []
     for side, (link, joint, _) in zip(SIDES, links(context, placement.where), strict=True):
         place = joint
@@ -126,7 +135,22 @@ def stretch(assembly: Assembly, placement: Placement) -> Float[np.ndarray, "*pos
         motions.append(assembly.motion(link, place)[..., :3, :])
     line = places[1] - places[0]
     line = line / np.maximum(np.linalg.norm(line, axis=-1, keepdims=True), SHORTEST)
-    return np.asarray((line[..., None, :] @ (motions[1] - motions[0]))[..., 0, :])
+    return motions[1] - motions[0], line
+
+
+def springs(
+    assembly: Assembly, placement: Placement
+) -> list[tuple[Float[np.ndarray, "*posture dof"], float]]:
+    """What stretches its springs, along it and along the axes of the world, and their stiffness [N/m].
+
+    Args:
+        assembly: with all coordinates.
+        placement: with the values of the effect.
+    """
+    moved, stiffness = _ends(assembly, placement)[0], placement["rod_stiffness"]
+    across = placement["rod_across"] * stiffness
+    found = [(stretch(assembly, placement), stiffness - across)]
+    return [*found, *((moved[..., axis, :], across) for axis in range(3))]
 
 
 def _parameters(context: Context, where: str) -> tuple[Parameter, ...]:
@@ -134,13 +158,16 @@ def _parameters(context: Context, where: str) -> tuple[Parameter, ...]:
     return (
         positive("rod_stiffness", "N/m", stiffness, 2.0, stiffness / 1e4, stiffness * 1e4),
         positive("rod_damping_time", "s", 1e-5, 2.0, 1e-12, 0.03),
+        positive("rod_across", "of the stiffness along it", 1e-3, 2.5, 1e-9, 10.0),
         *cranks(context, where),
     )
 
 
 def _starts(context: Context, where: str) -> list[Mapping[str, float]]:
     sizes = [factor * stiffness_of(context, where) for factor in (0.3, 3.0)]
-    return [{**one, "rod_stiffness": size} for one in cranks_tried(context, where) for size in sizes]
+    clamped = {"rod_stiffness": stiffness_of(context, where), "rod_across": ACROSS}
+    kinds = [*({"rod_stiffness": size} for size in sizes), clamped]
+    return [{**one, **kind} for one in cranks_tried(context, where) for kind in kinds]
 
 
 def _told(context: Context, where: str, free: FreeFunction) -> Sequence[Mapping[str, float]]:
@@ -152,16 +179,17 @@ def _told(context: Context, where: str, free: FreeFunction) -> Sequence[Mapping[
 
 
 def _act(assembly: Assembly, placement: Placement) -> None:
-    row, stiffness = stretch(assembly, placement), placement["rod_stiffness"]
-    assembly.add_spring(row, stiffness)
-    assembly.add_damper(row, placement["rod_damping_time"] * stiffness)
+    for row, stiffness in springs(assembly, placement):
+        assembly.add_spring(row, stiffness)
+        assembly.add_damper(row, placement["rod_damping_time"] * stiffness)
 
 
 def _extend(draft: Draft, placement: Placement) -> None:
     """What it adds to the joints in the mean of the postures: couplings of a card are the same in all."""
     assembly = Assembly(placement.context.stacked)
-    rows, names = stretch(assembly, placement), assembly.coordinates
-    added = placement["rod_stiffness"] * np.mean(rows[:, :, None] * rows[:, None, :], axis=0)
+    names = assembly.coordinates
+    added = sum(k * np.mean(row[:, :, None] * row[:, None, :], 0) for row, k in springs(assembly, placement))
+    added = np.asarray(added)
     for k in np.flatnonzero(np.diag(added)):
         draft.stiffen(names[k], added[k, k])
     for i, j in combinations(np.flatnonzero(np.diag(added)), 2):

@@ -12,6 +12,8 @@ import numpy as np
 
 _BEYOND = 30.0
 """How far the rates of a fractional derivative go beyond the band, as a factor."""
+MOST = 1e6
+"""Stiffness that relaxes over the one that stays."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,7 +122,7 @@ def cole_cole(loss: float, frequency: float, order: float, band: tuple[float, fl
     """A relaxation of a spread of times: 1 + g (iωτ)^α/(1 + (iωτ)^α), the largest loss factor given.
 
     Args:
-        loss: the largest.
+        loss: the largest, as far as α allows: tan(απ/2) at most.
         frequency: 1/(2πτ) [Hz].
         order: α, between 0 and 1.
         band: of the campaign [Hz].
@@ -133,7 +135,9 @@ def cole_cole(loss: float, frequency: float, order: float, band: tuple[float, fl
         return np.asarray(value.imag / value.real)
 
     every = 2 * np.pi * frequency * np.geomspace(1e-4, 1e4, 400)
-    size = float(brentq(lambda size: lost(every, size).max() - abs(loss), 0.0, 1e6))
+    size = MOST
+    if lost(every, MOST).max() > abs(loss):
+        size = float(brentq(lambda size: lost(every, size).max() - abs(loss), 0.0, MOST))
     return fitted(lambda omega: np.sign(loss) * lost(omega, size), band, 11, 6.0)
 
 
