@@ -10,7 +10,7 @@ from scipy.linalg import polar
 from scipy.spatial.transform import Rotation
 
 import flexmodal
-from flexmodal.diagnosis.effects import Context, catalogue, hinges, link_motion, nonlinear_stiffness, rod
+from flexmodal.diagnosis.effects import Context, catalogue, hinges, link_motion, rod
 from flexmodal.diagnosis.effects.effect import Placement, along, sides
 from flexmodal.diagnosis.effects.free_function import FreeFunction
 from flexmodal.diagnosis.effects.hinges import gauss, quadrature, shares
@@ -1041,13 +1041,14 @@ def test_a_spring_has_as_many_laws_whatever_its_cubic_part(bench, cubic):
     """Systems that are integrated side by side, along differences too, have the same number of them."""
     context = bench[0]
     effect, where = effect_of("nonlinear_stiffness" + NEXT), context.joints[0]
-    values = {"change": 0.3, "deflection": 1e-3, "wound": 0.1, "softness": 0.4, "cubic": cubic, "load": 0.2}
+    values = {"change": 0.3, "deflection": 1e-3, "wound": 0.1, "softness": 0.4, "cubic": cubic, "load": 0.2,
+              "far": 5.0}  # fmt: skip
     assembly = Mock(spec=Assembly, stretch_of=lambda joint: np.eye(3)[0])
     first, second = effect.law(assembly, Placement.still(context, where, values))
     assert first.kind == KNEE
     assert first.parameters[1::3] == pytest.approx((1e-3, 4e-4))
-    size = cubic * nonlinear_stiffness.FAR**2 * context.robot.joints[where].stiffness
-    assert second.parameters[0] == pytest.approx(size)
+    assert second.parameters[0] == pytest.approx(cubic * 5.0**2 * context.robot.joints[where].stiffness)
+    assert second.parameters[1] == pytest.approx(5e-3)
 
 
 SQUARE = {"across_1_2": 0.0, "across_1_3": 0.0, "across_2_3": 0.0,
@@ -1063,19 +1064,20 @@ SQUARE = {"across_1_2": 0.0, "across_1_3": 0.0, "across_2_3": 0.0,
     ],
     ids=["square", "skew"],
 )  # fmt: skip
-def test_a_sensor_set_up_anew_leans_alike_in_the_world(standing, skew):
+@pytest.mark.parametrize("mirrored", [0.0, 1.0])
+def test_a_sensor_set_up_anew_leans_alike_in_the_world(standing, skew, mirrored):
     """Its own axes first, then the turn with the link, then one of the world, the same in every posture."""
     context, _, _ = standing
     effect, where = effect_of("sensor_misalignment" + NEXT), context.sensors[-1]
     values = {"sensitivity": 1.1, "angle_x": 0.2, "angle_y": -0.1, "angle_z": 0.3,
-              "lean_x": -0.6, "lean_y": 0.5, "lean_z": 0.2, **skew}  # fmt: skip
+              "lean_x": -0.6, "lean_y": 0.5, "lean_z": 0.2, "mirrored": mirrored, **skew}  # fmt: skip
     link, world = ([values[f"{name}_{axis}"] for axis in "xyz"] for name in ("angle", "lean"))
     xy, xz, yz, y, z = skew.values()
     axes = Rotation.random(4, random_state=1)
     way = np.array([0.6, 0.0, 0.8])
     assembly = Mock(spec=Assembly, axes=lambda link: axes.as_matrix())
     placement = Placement.still(context, where, values)
-    felt = axes.inv().apply(way) @ np.array([[1, xy, xz], [xy, y, yz], [xz, yz, z]])
+    felt = axes.inv().apply(way) @ np.array([[1 - 2 * mirrored, xy, xz], [xy, y, yz], [xz, yz, z]])
     expected = 1.1 * (Rotation.from_rotvec(world) * axes * Rotation.from_rotvec(link)).apply(felt)
     found = effect.turn(assembly, placement, where, way)
     np.testing.assert_allclose(found, expected, atol=1e-12)
@@ -1096,6 +1098,7 @@ def test_two_axes_in_a_plane_may_turn_apart(bench):
     values = {
         "angle": np.arctan2(turn[1, 0], turn[0, 0]), "sensitivity": metric[0, 0],
         "second_sensitivity": metric[1, 1] / metric[0, 0], "across_1_2": metric[0, 1] / metric[0, 0],
+        "mirrored": 0.0,
     }  # fmt: skip
     assembly = Mock(spec=Assembly, axes=lambda link: axes.as_matrix())
     placement = Placement.still(context, where, values)
@@ -1104,6 +1107,24 @@ def test_two_axes_in_a_plane_may_turn_apart(bench):
         np.testing.assert_allclose([found @ first, found @ second], wanted[:, k], atol=1e-12)
     assert effect.starts(context, where)
     assert effect_of("sensor_misalignment").next_level.starts(context, where, {"angle": 0.1})
+
+
+@pytest.mark.parametrize(("arm", "stays"), [("bench", 1.0), ("standing", 0.0), ("standing", 2.0)])
+def test_exchanged_channels_are_among_the_starts(request, arm, stays):
+    """A turn of a cube, one axis mirrored or not: one of the starts is what the rig does."""
+    context, observed, stand = request.getfixturevalue(arm)
+    narrow, where = effect_of("sensor_misalignment"), context.sensors[-1]
+    other = theirs(observed, stand, "sensor_misalignment", where, {"stays": stays}, "swapped")
+
+    def off(effect, given):
+        plain = {one.name: one.card for one in effect.parameters(context, where)}
+        found = ours(context, observed, effect, where, {**plain, **given})
+        return np.abs(found - other).max() / np.abs(other).max()
+
+    card = {one.name: one.card for one in narrow.parameters(context, where)}
+    tried = narrow.next_level.starts(context, where, card)
+    assert min(off(narrow.next_level.effect, one) for one in tried) < 1e-6
+    assert min(off(narrow, one) for one in narrow.starts(context, where)) > 1e-3
 
 
 @pytest.mark.parametrize("arm", ["standing", "bench"])

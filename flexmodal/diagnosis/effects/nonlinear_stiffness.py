@@ -51,16 +51,17 @@ def bent(amplitude: Float[np.ndarray, "*many"], softness: float, wound: float) -
     return np.asarray(2 / len(PHASE) * np.sum(torque * wave, axis=-1) / a)
 
 
-_SOFTNESS, _CUBIC, _LOAD = "softness", "cubic", "load"
-"""What the wider law has besides: over how many deflections its knee is rounded; torque of a cubic spring
-over that of the linear one at the deflection, and how many deflections a load has moved it."""
+_SOFTNESS, _CUBIC, _LOAD, _FAR = "softness", "cubic", "load", "far"
+"""What the wider law has besides: over how many deflections its knee is rounded; torque of a second spring,
+cubic at first, over that of the linear one at the deflection, how many deflections a load has moved it, and
+over how many it levels off."""
 AS_NARROW = (1.10, 0.47, 0.66)
 """Change and deflection of a knee over those of the narrower law that it is nearest to, within 0.6 % of its
 torque up to four of its deflections; and its softness."""
 SHARP = 0.1
 """Softness of a stop."""
-FAR = 30.0
-"""Deflections of a spring that is all but cubic within some of them."""
+FAR, APART = 30.0, 4.0
+"""Deflections of a spring that is all but cubic within some of them, and of one that follows the first."""
 
 
 def _stiffness(placement: Placement) -> float:
@@ -77,10 +78,10 @@ def _spring(assembly: Assembly, placement: Placement) -> tuple[Law, ...]:
     if _CUBIC not in placement.values:
         return (hardening(row, more, deflection, wound, stiffness),)
     cubic = placement[_CUBIC]  # a law is there even if it is nothing: systems have as many laws each
-    far, load = FAR * deflection, placement[_LOAD] * deflection
+    over, load = placement[_FAR], placement[_LOAD] * deflection
     return (
         knee(row, more, deflection, placement[_SOFTNESS], wound, stiffness),
-        hardening(row, cubic * FAR**2 * stiffness, far, load),
+        hardening(row, cubic * over**2 * stiffness, over * deflection, load),
     )
 
 
@@ -113,11 +114,12 @@ def _curve_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
         positive(_SOFTNESS, "of the deflection", 0.5, 1.5, 0.01, 30.0),
         signed(_CUBIC, "", 1.0, -0.3, 10.0),
         signed(_LOAD, "of the deflection", 0.5, -4.0, 4.0),
+        positive(_FAR, "of the deflection", FAR, 1.0, 1.0, 100.0),
     )
 
 
 def _curve_starts(context: Context, where: str, values: Mapping[str, float]) -> list[Mapping[str, float]]:
-    """From where the narrower law was, a cubic spring nearly alone, and stops."""
+    """From where the narrower law was, with a second one further out, a cubic spring alone, and stops."""
     size, (change, bend, soft) = typical(context, where)[0], AS_NARROW
     near = {
         "change": float(np.clip(values["change"] * change, -0.8, 5.5)),
@@ -128,6 +130,7 @@ def _curve_starts(context: Context, where: str, values: Mapping[str, float]) -> 
     found = [{**near, _CUBIC: cubic, _LOAD: load} for cubic in (0.005, 0.05) for load in (-0.5, 0.0, 0.5)]
     alone = {"change": 0.01, "deflection": 2 * size, "wound": 0.0, _SOFTNESS: soft}
     found += [{**alone, _CUBIC: 1.0, _LOAD: load} for load in (-0.5, 0.0, 0.5)]
+    found += [{**near, _CUBIC: more / APART**2, _LOAD: 0.0, _FAR: APART} for more in (-0.2, 0.2)]
     stop = {"wound": 0.0, _SOFTNESS: SHARP, _CUBIC: 0.0, _LOAD: 0.0}
     sizes, most = (-0.6, 0.7, 2.5, 7.0), largest(context, where)
     stops = [
@@ -138,7 +141,7 @@ def _curve_starts(context: Context, where: str, values: Mapping[str, float]) -> 
 
 def _hardening_physical(context: Context, where: str, values: Mapping[str, float]) -> dict[str, float]:
     k = values.get(f"stiffness.{where}", float(context.robot.joints[where].stiffness))
-    named = ("change", "deflection", "wound", _SOFTNESS, _CUBIC, _LOAD)
+    named = ("change", "deflection", "wound", _SOFTNESS, _CUBIC, _LOAD, _FAR)
     told = {name: values[name] for name in named if name in values}
     soft, bend = values.get(_SOFTNESS), values["deflection"]
     begins = 1.0 if soft is None else soft**2 / (2 * (1 + soft**2) ** 2)

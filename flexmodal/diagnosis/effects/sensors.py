@@ -8,6 +8,7 @@ from itertools import product
 
 import numpy as np
 from jaxtyping import Float
+from scipy.spatial.transform import Rotation
 
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Effect, Level, Placement, along, positive, sides, signed
@@ -164,43 +165,68 @@ _ACROSS = ("across_1_2", "across_1_3", "across_2_3")
 """Transverse sensitivities: along one axis of the link for a motion along another one, either way round."""
 _SIZES = ("second_sensitivity", "third_sensitivity")
 """Sensitivities along the second and the third axis, over that along the first."""
+MIRRORED = "mirrored"
+"""From 0, nothing, to 1: the first axis the other way round, as with a turn two exchanged channels are."""
+ANY, QUARTER = 3.2, np.pi / 2
+"""Angle up to which a sensor is turned by the wider law, and the turns of a cube from which fits start: what
+is mounted on another of its faces, or read by other cables."""
+
+
+TURNS_OF_A_CUBE = tuple(
+    dict.fromkeys(tuple(np.round(Rotation.as_rotvec(one), 9).tolist()) for one in Rotation.create_group("O"))
+)
+"""Rotation vectors [rad] of the 24 ways in which a cube can lie."""
 
 
 def _wide_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
-    """Besides: axes neither square nor alike, and a turn of the world that is the same in every posture."""
+    """Besides: any turn, one axis mirrored, axes neither square nor alike, and a turn of the world.
+
+    That is the same in every posture.
+    """
+    turns = (
+        replace(one, lower=-ANY, upper=ANY) if one.unit == "rad" else one for one in _tilt(context, where)
+    )
     planar = context.normal is not None
     across = [signed(name, "", 0.1, -0.8, 0.8) for name in (_ACROSS[:1] if planar else _ACROSS)]
     sizes = [positive(name, "", 1.0, 0.1, 0.3, 3.0) for name in (_SIZES[:1] if planar else _SIZES)]
     lean = [signed(f"lean_{axis}", "rad", 0.2, -1.4, 1.4) for axis in "xyz" if not planar]
-    return (*_tilt(context, where), *sizes, *across, *lean)
+    return (*turns, *sizes, *across, signed(MIRRORED, "", 0.15, -0.2, 1.2), *lean)
 
 
 def _wide_starts(context: Context, where: str, values: Mapping[str, float]) -> list[Mapping[str, float]]:
-    """Where the turn with the link ended, and a turn of the world in place of it: in a plane they are one."""
+    """Where the turn with the link ended, a turn of the world in place of it, and the turns of a cube.
+
+    In a plane a turn of the world is one with the link.
+    """
     if context.normal is not None:
-        return [values]
+        quarters = [{**values, "angle": angle} for angle in (0.0, QUARTER, -QUARTER, 2 * QUARTER)]
+        return [values, *({**one, MIRRORED: side} for side in (0.0, 1.0) for one in quarters)]
     upright = {f"angle_{axis}": 0.0 for axis in "xyz"}
     leans = [{k.replace("angle", "lean"): v for k, v in one.items()} for one in _tilt_starts(context, where)]
-    return [values, *({**beside, **lean} for beside in (values, upright) for lean in leans)]
+    leaning = [{**beside, **lean} for beside in (values, upright) for lean in leans]
+    cube = [dict(zip(upright, turn, strict=True)) for turn in TURNS_OF_A_CUBE]
+    return [values, *leaning, *({**values, **one, MIRRORED: side} for side in (0.0, 1.0) for one in cube)]
 
 
 def _stretched(assembly: Assembly, placement: Placement, way: np.ndarray) -> np.ndarray:
     """By a symmetric matrix in the axes of the link; with the turn, any matrix of three axes in one housing.
 
+    Its first axis may be mirrored.
+
     Transverse sensitivity as of ISO 16063-31. In a plane the axes are along the link and beside it.
     """
     context = placement.context
     link = context.point(placement.where).link
-    frame = assembly.axes(link)
+    frame, first = assembly.axes(link), 1 - 2 * placement[MIRRORED]
     if context.normal is None:
         (xy, xz, yz), (y, z) = (placement[name] for name in _ACROSS), (placement[name] for name in _SIZES)
-        metric = np.array([[1.0, xy, xz], [xy, y, yz], [xz, yz, z]])
+        metric = np.array([[first, xy, xz], [xy, y, yz], [xz, yz, z]])
     else:
-        first = frame @ along(context, link)[1]
-        normal = np.broadcast_to(context.normal, first.shape)
-        frame = np.stack([first, np.cross(normal, first), normal], axis=-1)
+        out = frame @ along(context, link)[1]
+        normal = np.broadcast_to(context.normal, out.shape)
+        frame = np.stack([out, np.cross(normal, out), normal], axis=-1)
         xy, y = placement[_ACROSS[0]], placement[_SIZES[0]]
-        metric = np.array([[1.0, xy, 0.0], [xy, y, 0.0], [0.0, 0.0, 1.0]])
+        metric = np.array([[first, xy, 0.0], [xy, y, 0.0], [0.0, 0.0, 1.0]])
     felt = np.einsum("...ji,...j->...i", frame, way)
     return np.asarray(np.einsum("...ij,jk,...k->...i", frame, metric, felt))
 
