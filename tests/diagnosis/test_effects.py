@@ -669,6 +669,22 @@ def test_the_mount_of_a_sensor_resonates_and_its_amplifier_passes_what_is_high(b
     np.testing.assert_allclose(other[~here], plain[~here], rtol=1e-12)
 
 
+def test_a_sensitivity_may_step_from_one_value_to_another(bench):
+    context, observed, _ = bench
+    narrow, where = effect_of("sensor_gain"), context.sensors[0]
+    here = observed.response[:, 0] == next(p.id for p in observed.campaign.points if p.name == where)
+    values = {"gain": 1.3, "exponent": 0.0, **FAR}
+    plain = ours(context, observed, narrow, where, values)
+    step = {**values, "step": 0.7, "step_frequency": 12.0}
+    found = ours(context, observed, narrow.next_level.effect, where, step)
+    over = 1j * observed.axis.frequency / 12.0
+    np.testing.assert_allclose(found[here], plain[here] * (1 + 0.7 * over) / (1 + over), rtol=1e-12)
+    np.testing.assert_allclose(found[~here], plain[~here], rtol=1e-12)
+    tried = narrow.next_level.starts(context, where, values)
+    assert {one["step"] for one in tried} == {0.7, 1.4}
+    assert {one["gain"] for one in tried} == {1.3, 1.0}
+
+
 def test_a_sensor_lags_by_a_delay_a_low_pass_an_all_pass_and_an_average(bench):
     context, observed, _ = bench
     where = context.sensors[0]

@@ -46,10 +46,17 @@ CORNERS = (0.3, 1.0, 4.0)
 """Corners of a high pass from which fits start, over the lowest line."""
 
 
+STEP, STEP_AT = "step", "step_frequency"
+"""What the wider law has besides: the sensitivity far above a frequency over that far below it."""
+STEPS = (0.7, 1.4)
+"""From which fits start, at some frequencies in the band."""
+
+
 def _gain(placement: Placement, axis: Axis) -> np.ndarray:
     """A factor of either sign, a weak power of frequency, a mount that resonates, and a high pass.
 
-    The high pass is 1/(1 + a + p a²) with a = ω_c/s, of first order with p = 0.
+    The high pass is 1/(1 + a + p a²) with a = ω_c/s, of first order with p = 0. By the wider law a step of
+    the sensitivity, (1 + g s/ω)/(1 + s/ω), besides: a lead or a lag.
     """
     gain = placement["gain"]
     s = np.where(axis.frequency > 0, axis.s, 1j * MIDDLE)
@@ -59,7 +66,11 @@ def _gain(placement: Placement, axis: Axis) -> np.ndarray:
     resonance = np.log(1 + 2 * placement["mount_damping_ratio"] * mount + mount**2)
     corner = 2 * np.pi * placement["high_pass"] / s
     passed = np.log1p(corner + placement["high_pass_order"] * corner**2)
-    return np.asarray(size + slope - resonance - passed, dtype=complex)
+    step: np.ndarray | float = 0.0
+    if STEP in placement.values:
+        over = s / (2 * np.pi * placement[STEP_AT])
+        step = np.log1p(placement[STEP] * over) - np.log1p(over)
+    return np.asarray(size + slope - resonance - passed + step, dtype=complex)
 
 
 def _gain_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
@@ -92,14 +103,31 @@ def _gain_starts(context: Context, where: str) -> list[Mapping[str, float]]:
     ]
 
 
-SENSOR_GAIN = Effect(
+def _step_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
+    low, high = context.band
+    return (
+        *_gain_parameters(context, where),
+        positive(STEP, "", 1.0, 0.4, 0.05, 20.0),
+        positive(STEP_AT, "Hz", float(np.sqrt(low * high)), 1.0, low / 3, 3 * high),
+    )
+
+
+def _step_starts(context: Context, where: str, values: Mapping[str, float]) -> list[Mapping[str, float]]:
+    places = np.geomspace(2 * context.band[0], context.band[1], 4).tolist()
+    alone = {"gain": float(np.copysign(1.0, values["gain"])), "exponent": 0.0}
+    steps = [{STEP: size, STEP_AT: place} for size in STEPS for place in places]
+    return [{**one, **step} for one in ({**values}, alone) for step in steps]
+
+
+STEPPED_GAIN = Effect(
     name="sensor_gain",
     says="a sensor reads too much or too little, or the wrong way round, or its mount resonates",
     places=lambda context: context.sensors,
-    parameters=_gain_parameters,
+    parameters=_step_parameters,
     starts=_gain_starts,
     read=_gain,
 )
+SENSOR_GAIN = replace(STEPPED_GAIN, parameters=_gain_parameters, next_level=Level(STEPPED_GAIN, _step_starts))
 
 
 def turned(
