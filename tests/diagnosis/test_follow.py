@@ -34,6 +34,7 @@ from flexmodal.diagnosis.selection.frf_candidates import FrfCandidates
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.selection.frf_data import FrfData
 from flexmodal.diagnosis.selection.frf_starts import does_more, narrowest, nearer, swung
+from flexmodal.diagnosis.selection.frf_thresholds import CLOSE, FLOOR_REACHED
 from flexmodal.diagnosis.selection.in_its_stead import Refits, sure_beside
 from flexmodal.diagnosis.selection.looks_beside import MOST_LOOKS
 from flexmodal.diagnosis.selection.selection import MOST, ForwardSelection
@@ -448,6 +449,24 @@ def fitted(*keys):
     placed = [Mock(effect=name, where=where) for name, where in keys]
     hypothesis = Mock(keys=keys, placed=placed)
     return Mock(spec=FittedFrfs, hypothesis=hypothesis, key=keys[-1] if keys else ("none", ""))
+
+
+@pytest.mark.parametrize(
+    ("closely", "over", "expected"),
+    [
+        (False, FLOOR_REACHED, True),
+        (False, FLOOR_REACHED + 0.01, False),
+        (True, CLOSE, True),
+        (True, CLOSE + 0.01, False),
+    ],
+)
+def test_a_law_that_follows_its_kind_closely_has_to_leave_less(monkeypatch, closely, over, expected):
+    """What it leaves above that counts as something else, so that its wider law is tried first."""
+    monkeypatch.setattr(frf_candidates, "over_noise", lambda *given: over)
+    candidates = FrfCandidates(Mock(spec=Setup, effects=(), advance=Mock()), fitted(), with_force=False)
+    model = fitted(DELAY, MASS)
+    model.hypothesis.placed[-1].effect = Mock(spec=Effect, comes_close=closely)
+    assert candidates._is_enough(model) is expected
 
 
 @pytest.mark.parametrize(
@@ -985,6 +1004,7 @@ def test_beside_effects_what_was_found_in_time_goes_on(monkeypatch, beside):
         raise OutOfTime
 
     found, before = [fitted(DELAY, MASS)], fitted(DELAY) if beside else fitted()
+    found[0].hypothesis.placed[-1].effect = Mock(spec=Effect, comes_close=False)
     before.cost = 1.0
     monkeypatch.setattr(searches_beside, "explanations", lambda *given, **more: found)
     monkeypatch.setattr(frf_candidates, "from_each_start", cut_off)

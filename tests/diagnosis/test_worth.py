@@ -137,18 +137,35 @@ def coupled(context):
 def test_what_the_card_took_over_is_looked_for_where_it_is_beyond_belief(monkeypatch, coupled, off, tried):
     """At the noise nothing points to it."""
     before, more = coupled(**off), Mock(spec=FittedFrfs)
-    data, asked = FrfData.__new__(FrfData), []
+    found, asked = looked_besides(monkeypatch, before, more)
+    assert found == ([before, more] if tried else [])
+    assert asked == {name: ["link_1", "link_2"] for name in tried}
+
+
+def looked_besides(monkeypatch, before, more):
+    """What is found besides, and the effects that were tried, each with its places of two links."""
+    data, asked = FrfData.__new__(FrfData), {}
 
     def searched(before, number, allowed):
-        asked.extend(sorted(name for name in catalogue() if allowed(name, "link_1")))
+        every = ((name, link) for name in catalogue() for link in ("link_1", "link_2"))
+        for name, link in every:
+            if allowed(name, link):
+                asked.setdefault(name, []).append(link)
         return [more]
 
     data.setup, data.asked = Mock(spec=Setup), None
     data.effects = tuple(catalogue().values())
     data._candidates = Mock(spec=FrfCandidates, searched=searched)
     monkeypatch.setattr(frf_data, "over_noise", lambda setup, model: 1.0)
-    assert data.besides(before, 1) == ([before, more] if tried else [])
-    assert asked == tried
+    return data.besides(before, 1), asked
+
+
+def test_of_what_is_attached_to_a_link_a_mass_is_a_part(monkeypatch, coupled):
+    """Links beyond belief speak for a mass, but not where an absorber is already."""
+    before = coupled(mass__link_2=4.0, inertia__link_2=-4.0)
+    before.hypothesis = Mock(space=before.hypothesis.space, keys=(("local_absorber", "link_2"),))
+    _, asked = looked_besides(monkeypatch, before, Mock(spec=FittedFrfs))
+    assert asked == {"added_mass": ["link_1"]}
 
 
 @pytest.mark.parametrize(("over", "expected"), [(1.05, Answer.YES), (1.6, Answer.NO)])

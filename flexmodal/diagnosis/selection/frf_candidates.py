@@ -29,6 +29,7 @@ from flexmodal.diagnosis.selection.frf_starts import (
 )
 from flexmodal.diagnosis.selection.frf_thresholds import (
     ANOTHER,
+    CLOSE,
     EXPLAINED,
     FLOOR_REACHED,
     HALF,
@@ -291,4 +292,5 @@ class FrfCandidates(SearchesBeside):
         return [one for one in others if over_noise(self.setup, one) <= limit]
 
     def _is_enough(self, model: FittedFrfs) -> bool:
-        return over_noise(self.setup, model) <= FLOOR_REACHED
+        close = any(one.effect.comes_close for one in model.hypothesis.placed[-1:])
+        return over_noise(self.setup, model) <= (CLOSE if close else FLOOR_REACHED)

@@ -15,6 +15,7 @@ from flexmodal.diagnosis.effects import Effect
 from flexmodal.diagnosis.findings import Findings, ModesSeen
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.lawfree.afresh import NEARLY
+from flexmodal.diagnosis.lawfree.effects_at import PORT_OF
 from flexmodal.diagnosis.lawfree.look import SOUND
 from flexmodal.diagnosis.next_measurement.choose import next_among_fits
 from flexmodal.diagnosis.outcome import Gaps, NextMeasurement
@@ -141,9 +142,11 @@ class FrfData(FrfsByLook):
     def _hidden(self, before: FittedFrfs, number: int) -> list[FittedFrfs]:
         """A model with what the card's masses or its damping may have taken over, if they are far enough off.
 
-        If they are all right the sum of their squares is χ² of as many degrees of freedom.
+        If they are all right the sum of their squares is χ² of as many degrees of freedom. Not where there is
+        something of the same kind already: of what is attached to a link a mass is a part.
         """
         space = before.hypothesis.space
+        there = {(PORT_OF.get(name), where) for name, where in before.hypothesis.keys}
 
         def hidden(effect: Effect) -> bool:
             some = [k for name, k in space.index.items() if name.startswith(effect.hides_in)]
@@ -153,7 +156,11 @@ class FrfData(FrfsByLook):
         wanted = {effect.name for effect in self.effects if effect.hides_in and hidden(effect)}
         if not wanted:
             return []
-        return [before, *self._candidates.searched(before, number, lambda name, _: name in wanted)]
+
+        def allowed(name: str, where: str) -> bool:
+            return name in wanted and (PORT_OF.get(name), where) not in there
+
+        return [before, *self._candidates.searched(before, number, allowed)]
 
     def candidates(self, before: FittedFrfs, number: int) -> list[FittedFrfs]:
         """The finalists of a search, and a mode with no structure last.
