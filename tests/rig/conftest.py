@@ -10,6 +10,8 @@ from flexmodal.rig import ParameterError
 from flexmodal.rig.believed import true_robot
 from flexmodal.rig.effects import Effect, Site, Stand
 from flexmodal.rig.forms import find
+from flexmodal.rig.hammer_test import Conduct, h1, strike_posture
+from flexmodal.rig.integration.laws import LAWS
 from flexmodal.rig.plan import make_plan
 from flexmodal.rig.plant.build import build
 from flexmodal.rig.simulate import make_stand
@@ -112,3 +114,21 @@ def pair(bars, stand):
 def put(bench, *specs):
     """The plant in the first posture, with effects in it."""
     return build(bench, bench.plan.postures[0], specs)
+
+
+def pulled(bench, spec, path, speed=1e-4) -> np.ndarray:
+    """Torque of the elements along a path from rest, so many seconds from place to place."""
+    total = np.zeros(len(path))
+    for element in put(bench, spec).elements:
+        law, numbers, memory, old = LAWS[element.kind], np.array(element.parameters), np.zeros(1), np.zeros(1)
+        for number, place in enumerate(path):
+            new = np.array([place])
+            pull, memory = law(numbers, old, new, (new - old) / speed, memory)
+            total[number], old = total[number] + pull[0], new
+    return total
+
+
+def measured(bench, *specs) -> np.ndarray:
+    """Clean FRFs [point, line] of one hammer position and one axis."""
+    posture, quiet = bench.plan.postures[0], Conduct(noise=0.0, scatter=0.0)
+    return h1(strike_posture(bench, posture, specs, quiet))[0][0, 0, :, 0]

@@ -12,7 +12,7 @@ from flexmodal.rig.integration.laws import LAWS
 from flexmodal.rig.plant.build import build
 from flexmodal.rig.plant.geometry import across, turn
 
-from .conftest import put
+from .conftest import measured, put
 
 K, B, I = 4e4, 4.0, 4.0 / 3  # the bar: joint stiffness and damping, moment about the joint  # noqa: E741
 FREQUENCY = np.linspace(2, 100, 300)
@@ -444,12 +444,6 @@ def test_servos_are_the_joint_in_a_row_with_their_loops(bench, hidden):
 # sensors
 
 
-def measured(bench, *specs) -> np.ndarray:
-    """Clean FRFs [point, line] of one hammer position and one axis."""
-    posture, quiet = bench.plan.postures[0], Conduct(noise=0.0, scatter=0.0)
-    return h1(strike_posture(bench, posture, specs, quiet))[0][0, 0, :, 0]
-
-
 FILTERS = [
     ("sensor_gain:inverted", {"error": 0.2}, lambda s: -1.2 + 0 * s),
     ("sensor_gain:aged", {"exponent": 0.1}, lambda s: (s / (200j * np.pi)) ** -0.1),
@@ -460,6 +454,13 @@ FILTERS = [
     ("time_delay:all_pass", {"time": 8e-4}, lambda s: (1 - 4e-4 * s) / (1 + 4e-4 * s)),
     ("time_delay:bessel", {"time": 8e-4}, lambda s: 3 / (3 + 3 * 8e-4 * s + (8e-4 * s) ** 2)),
     ("time_delay:hold", {"time": 8e-4}, lambda s: (1 - np.exp(-8e-4 * s)) / (8e-4 * s)),
+    ("sensor_gain:amplifier", {"corner": 3.0, "error": 0.2},
+     lambda s: 1.2 * s**2 / (s**2 + np.sqrt(2) * 6 * np.pi * s + (6 * np.pi) ** 2)),
+    ("sensor_gain:shelf", {"corner": 20.0, "error": -0.3},
+     lambda s: (1 + 0.7 * s / (40 * np.pi)) / (1 + s / (40 * np.pi))),
+    ("time_delay:anti_alias", {"time": 8e-4},
+     lambda s: 1 / np.polyval([1, 2.6131259, 3.4142136, 2.6131259, 1], s * 8e-4 / 2.6131259)),
+    ("time_delay:decimated", {"time": 8e-4}, lambda s: ((1 - np.exp(-s * 8e-4)) / (s * 8e-4)) ** 3),
 ]  # fmt: skip
 
 

@@ -6,9 +6,8 @@ import pytest
 import flexmodal
 from flexmodal.rig.forms.maxwell_rows import cole_cole
 from flexmodal.rig.hammer_test import Conduct, h1, strike_posture
-from flexmodal.rig.integration.laws import LAWS
 
-from .conftest import put
+from .conftest import measured, pulled, put
 
 K, B, I = 4e4, 4.0, 4.0 / 3  # the bar: joint stiffness and damping, moment about the joint  # noqa: E741
 FREQUENCY = np.linspace(2, 100, 300)
@@ -113,18 +112,6 @@ def test_a_spread_of_times_loses_as_its_formula_says(order):
     assert 0.1 < (beyond.imag / beyond.real).max() < np.tan(order * np.pi / 2)
 
 
-def pulled(bench, spec, path, speed=1e-4) -> np.ndarray:
-    """Torque of the elements along a path from rest, so many seconds from place to place."""
-    total = np.zeros(len(path))
-    for element in put(bench, spec).elements:
-        law, numbers, memory, old = LAWS[element.kind], np.array(element.parameters), np.zeros(1), np.zeros(1)
-        for number, place in enumerate(path):
-            new = np.array([place])
-            pull, memory = law(numbers, old, new, (new - old) / speed, memory)
-            total[number], old = total[number] + pull[0], new
-    return total
-
-
 def test_a_seal_and_a_gear_rub_each_for_itself(bench, hidden):
     given = {"torque": 3.0, "presliding_stiffness": 1e5, "share": 0.4, "speed": 0.02}
     spec = hidden(bench, "coulomb_friction:seal", "q1", **given)
@@ -158,7 +145,7 @@ def test_a_hose_along_which_nothing_gives_across_is_a_rod(pair, hidden):
 
 def test_a_counterweight_is_a_cuboid(bench, hidden):
     place = {"x": -0.4, "y": 0.0, "z": 0.05}
-    spec = hidden(bench, "added_mass:counterweight", "link_1", mass=0.7, gyration=0.1, depth=0.3, **place)
+    spec = hidden(bench, "added_mass:counterweight", "link_1", mass=0.7, thickness=0.1, depth=0.3, **place)
     about = 0.7 * (0.4**2 + 0.05**2 + (0.3**2 + 0.1**2) / 12)  # the joint's axis is the frame's y
     assert put(bench, spec).mass[0, 0] == pytest.approx(I + about)
 
@@ -183,30 +170,6 @@ def test_a_string_weighs_as_a_rod_while_slow_and_swings_at_its_harmonics(bench, 
     wave = (0.35 * np.sin(k * (0.5 - x)) + 0.85 * np.sin(k * x)) / np.sin(k * 0.5)
     exact = I + 0.2 / 0.5 * np.trapezoid(moved * wave, x)
     assert seen == pytest.approx(exact, rel=0.01)
-
-
-def measured(bench, *specs) -> np.ndarray:
-    """Clean FRFs [point, line] of one hammer position and one axis."""
-    posture, quiet = bench.plan.postures[0], Conduct(noise=0.0, scatter=0.0)
-    return h1(strike_posture(bench, posture, specs, quiet))[0][0, 0, :, 0]
-
-
-@pytest.mark.parametrize(
-    ("key", "given", "law"),
-    [
-        ("sensor_gain:shelf", {"corner": 20.0, "error": -0.3},
-         lambda s: (1 + 0.7 * s / (40 * np.pi)) / (1 + s / (40 * np.pi))),
-        ("time_delay:decimated", {"time": 8e-4}, lambda s: ((1 - np.exp(-s * 8e-4)) / (s * 8e-4)) ** 3),
-    ],
-)  # fmt: skip
-def test_filters_multiply_the_measured_frf(key, given, law, bars, stand, hidden):
-    bench = stand(bars(damping=40.0), references=["tip:+z"], postures=["flat"])
-    plain, spoilt = measured(bench), measured(bench, hidden(bench, key, "tip", **given))
-    lines = np.fft.rfftfreq(bench.plan.analyser.samples, bench.plan.analyser.interval)
-    inside = (lines >= 4) & (lines <= 90)
-    exact = plain[1] * law(2j * np.pi * np.maximum(lines, 1e-9))
-    assert np.abs(spoilt[1] - exact)[inside].max() < 3e-3 * np.abs(exact[inside]).max()
-    np.testing.assert_array_equal(spoilt[0], plain[0])
 
 
 def test_exchanged_cables_exchange_two_axes(bars, stand, hidden):

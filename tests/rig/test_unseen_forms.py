@@ -6,9 +6,8 @@ import pytest
 import flexmodal
 from flexmodal.rig.forms.maxwell_rows import middle
 from flexmodal.rig.hammer_test import Conduct, h1, strike_posture
-from flexmodal.rig.integration.laws import LAWS
 
-from .conftest import put
+from .conftest import measured, pulled, put
 
 K, B, I = 4e4, 4.0, 4.0 / 3  # the bar: joint stiffness and damping, moment about the joint  # noqa: E741
 FREQUENCY = np.linspace(2, 100, 300)
@@ -133,18 +132,6 @@ def test_a_geared_joint_loses_and_the_other_does_not(pair, hidden):
     assert losses[1] < 2e-4
 
 
-def pulled(bench, spec, path) -> np.ndarray:
-    """Torque of the elements along a path from rest."""
-    total = np.zeros(len(path))
-    for element in put(bench, spec).elements:
-        law, numbers, memory, old = LAWS[element.kind], np.array(element.parameters), np.zeros(1), np.zeros(1)
-        for number, place in enumerate(path):
-            new = np.array([place])
-            pull, memory = law(numbers, old, new, (new - old) / 1e-4, memory)
-            total[number], old = total[number] + pull[0], new
-    return total
-
-
 def test_early_slips_make_a_backbone_that_is_a_power_of_the_deflection(bench, hidden):
     """With limits φ ∝ p^(1/(1+χ)): k u less what slipped; all of it at the largest limit."""
     spec = hidden(
@@ -218,31 +205,6 @@ def test_a_chip_feels_across_its_axes_unevenly(bars, stand, hidden):
     size = np.abs(plain).max()
     np.testing.assert_allclose(found, np.array([[1, 0.1], [-0.2, 1]]) @ plain, atol=1e-9 * size)
     assert np.abs(plain[0]).max() < 1e-9 * size  # the tip of a level bar moves upright
-
-
-def measured(bench, *specs) -> np.ndarray:
-    """Clean FRFs [point, line] of one hammer position and one axis."""
-    posture, quiet = bench.plan.postures[0], Conduct(noise=0.0, scatter=0.0)
-    return h1(strike_posture(bench, posture, specs, quiet))[0][0, 0, :, 0]
-
-
-@pytest.mark.parametrize(
-    ("key", "given", "law"),
-    [
-        ("sensor_gain:amplifier", {"corner": 3.0, "error": 0.2},
-         lambda s: 1.2 * s**2 / (s**2 + np.sqrt(2) * 6 * np.pi * s + (6 * np.pi) ** 2)),
-        ("time_delay:anti_alias", {"time": 8e-4},
-         lambda s: 1 / np.polyval([1, 2.6131259, 3.4142136, 2.6131259, 1], s * 8e-4 / 2.6131259)),
-    ],
-)  # fmt: skip
-def test_filters_multiply_the_measured_frf(key, given, law, bars, stand, hidden):
-    bench = stand(bars(damping=40.0), references=["tip:+z"], postures=["flat"])
-    plain, spoilt = measured(bench), measured(bench, hidden(bench, key, "tip", **given))
-    lines = np.fft.rfftfreq(bench.plan.analyser.samples, bench.plan.analyser.interval)
-    inside = (lines >= 4) & (lines <= 90)
-    exact = plain[1] * law(2j * np.pi * np.maximum(lines, 1e-9))
-    assert np.abs(spoilt[1] - exact)[inside].max() < 3e-3 * np.abs(exact[inside]).max()
-    np.testing.assert_array_equal(spoilt[0], plain[0])
 
 
 def test_a_bracket_weighs_as_a_mass_above_the_surface_that_swings(bars, stand, hidden):

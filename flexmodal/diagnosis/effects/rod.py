@@ -120,12 +120,11 @@ def stretch(assembly: Assembly, placement: Placement) -> Float[np.ndarray, "*pos
         assembly: with all coordinates.
         placement: with the values of `cranks`.
     """
-    moved, line = _ends(assembly, placement)
-    return np.asarray((line[..., None, :] @ moved)[..., 0, :])
+    return _ends(assembly, placement)[0]
 
 
 def _ends(assembly: Assembly, placement: Placement) -> tuple[np.ndarray, np.ndarray]:
-    """The far end's motion less that of the near one [m], [*posture 3 dof], and the unit vector to it."""
+    """The far end's motion less that of the near one [m]: along the rod, and along the axes of the world."""
     context, places, motions = placement.context, [], []
     for side, (link, joint, _) in zip(SIDES, links(context, placement.where), strict=True):
         place = joint
@@ -135,7 +134,8 @@ def _ends(assembly: Assembly, placement: Placement) -> tuple[np.ndarray, np.ndar
         motions.append(assembly.motion(link, place)[..., :3, :])
     line = places[1] - places[0]
     line = line / np.maximum(np.linalg.norm(line, axis=-1, keepdims=True), SHORTEST)
-    return motions[1] - motions[0], line
+    moved = motions[1] - motions[0]
+    return np.asarray((line[..., None, :] @ moved)[..., 0, :]), moved
 
 
 def springs(
@@ -147,10 +147,10 @@ def springs(
         assembly: with all coordinates.
         placement: with the values of the effect.
     """
-    moved, stiffness = _ends(assembly, placement)[0], placement["rod_stiffness"]
+    along, moved = _ends(assembly, placement)
+    stiffness = placement["rod_stiffness"]
     across = placement["rod_across"] * stiffness
-    found = [(stretch(assembly, placement), stiffness - across)]
-    return [*found, *((moved[..., axis, :], across) for axis in range(3))]
+    return [(along, stiffness - across), *((moved[..., axis, :], across) for axis in range(3))]
 
 
 def _parameters(context: Context, where: str) -> tuple[Parameter, ...]:
@@ -188,8 +188,8 @@ def _extend(draft: Draft, placement: Placement) -> None:
     """What it adds to the joints in the mean of the postures: couplings of a card are the same in all."""
     assembly = Assembly(placement.context.stacked)
     names = assembly.coordinates
-    added = sum(k * np.mean(row[:, :, None] * row[:, None, :], 0) for row, k in springs(assembly, placement))
-    added = np.asarray(added)
+    rows, stiffness = zip(*springs(assembly, placement), strict=True)
+    added = np.einsum("s,spi,spj->ij", stiffness, rows, rows) / len(rows[0])
     for k in np.flatnonzero(np.diag(added)):
         draft.stiffen(names[k], added[k, k])
     for i, j in combinations(np.flatnonzero(np.diag(added)), 2):

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import cache
 from itertools import product
 
 import numpy as np
 from jaxtyping import Float
-from scipy.spatial.transform import Rotation
 
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Effect, Level, Placement, along, positive, sides, signed
@@ -116,7 +116,7 @@ def _step_starts(context: Context, where: str, values: Mapping[str, float]) -> l
     places = np.geomspace(2 * context.band[0], context.band[1], 4).tolist()
     alone = {"gain": float(np.copysign(1.0, values["gain"])), "exponent": 0.0}
     steps = [{STEP: size, STEP_AT: place} for size in STEPS for place in places]
-    return [{**one, **step} for one in ({**values}, alone) for step in steps]
+    return [{**one, **step} for one in (values, alone) for step in steps]
 
 
 STEPPED_GAIN = Effect(
@@ -200,10 +200,12 @@ ANY, QUARTER = 3.2, np.pi / 2
 is mounted on another of its faces, or read by other cables."""
 
 
-TURNS_OF_A_CUBE = tuple(
-    dict.fromkeys(tuple(np.round(Rotation.as_rotvec(one), 9).tolist()) for one in Rotation.create_group("O"))
-)
-"""Rotation vectors [rad] of the 24 ways in which a cube can lie."""
+@cache
+def _turns_of_a_cube() -> list[list[float]]:
+    """Rotation vectors [rad] of the 24 ways in which a cube can lie."""
+    from scipy.spatial.transform import Rotation
+
+    return list(Rotation.create_group("O").as_rotvec().tolist())
 
 
 def _wide_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
@@ -232,7 +234,7 @@ def _wide_starts(context: Context, where: str, values: Mapping[str, float]) -> l
     upright = {f"angle_{axis}": 0.0 for axis in "xyz"}
     leans = [{k.replace("angle", "lean"): v for k, v in one.items()} for one in _tilt_starts(context, where)]
     leaning = [{**beside, **lean} for beside in (values, upright) for lean in leans]
-    cube = [dict(zip(upright, turn, strict=True)) for turn in TURNS_OF_A_CUBE]
+    cube = [dict(zip(upright, turn, strict=True)) for turn in _turns_of_a_cube()]
     return [values, *leaning, *({**values, **one, MIRRORED: side} for side in (0.0, 1.0) for one in cube)]
 
 

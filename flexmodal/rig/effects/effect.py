@@ -46,6 +46,10 @@ class Stand:
         """Normal of a planar chain's plane."""
         return plane_normal(self.robot)
 
+    def link_of(self, point: str) -> str:
+        """The link that a point is on."""
+        return next(one.link for one in self.plan.points if one.name == point)
+
     def normal_in(self, link: str) -> np.ndarray | None:
         """The same in the frame of a link."""
         if self.normal is None:

@@ -56,7 +56,7 @@ def _turn(sensors: dict[str, Sensor], site: Site) -> None:
 
 def _draw_turn(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
     axis = random.standard_normal(3)
-    link = next(point.link for point in stand.plan.points if point.name == where)
+    link = stand.link_of(where)
     normal = stand.normal_in(link)
     axis = axis if normal is None else normal
     axis = axis / np.linalg.norm(axis)

@@ -10,6 +10,7 @@ from flexmodal.rig.effects.added_mass import EFFECT as OWN
 from flexmodal.rig.effects.added_mass import on_link
 from flexmodal.rig.effects.effect import Effect, Parameters, Site, Stand, drawing, each, positive, within
 from flexmodal.rig.plant.assembly import PlantAssembly
+from flexmodal.rig.plant.geometry import cuboid
 
 _PLACE = {"mass": "kg", "x": "m", "y": "m", "z": "m"}
 _AXIS = {"ax": "", "ay": "", "az": "unit vector, in the frame of the link"}
@@ -55,19 +56,20 @@ def _act_duct(assembly: PlantAssembly, site: Site) -> None:
 def _draw_counterweight(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
     """Behind the joint."""
     drawn = OWN.draw(stand, where, random)
+    thickness = drawn.pop("gyration")
     place = on_link(stand, where, random.uniform(-0.6, -0.2), random.uniform(-0.1, 0.1))
     return {
         **drawn,
         **dict(zip("xyz", map(float, place), strict=True)),
+        "thickness": thickness,
         "depth": float(random.uniform(0.1, 0.4)),
     }
 
 
 def _act_counterweight(assembly: PlantAssembly, site: Site) -> None:
     """A cuboid twice as wide as it is thick, as deep as it is drawn, square to the frame of its link."""
-    sizes = np.array([site["depth"], 2 * site["gyration"], site["gyration"]])
-    inertia = site["mass"] / 12 * (sizes @ sizes * np.eye(3) - np.diag(sizes**2))
-    assembly.add_body(site.where, site.vector("x", "y", "z"), site["mass"], inertia)
+    sizes = np.array([site["depth"], 2 * site["thickness"], site["thickness"]])
+    assembly.add_body(site.where, site.vector("x", "y", "z"), site["mass"], cuboid(site["mass"], sizes))
 
 
 def _direction(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
@@ -174,9 +176,9 @@ COUNTERWEIGHT: Effect = replace(
     POINT,
     form="counterweight",
     says="a counterweight behind the joint of a link",
-    units={**_PLACE, "gyration": "m, its thickness", "depth": "m"},
+    units={**_PLACE, "thickness": "m", "depth": "m"},
     draw=_draw_counterweight,
-    check=positive("mass", "gyration", "depth"),
+    check=positive("mass", "thickness", "depth"),
     act=_act_counterweight,
 )
 

@@ -10,6 +10,7 @@ from flexmodal.rig.effects.base_flexibility import EFFECT as OWN
 from flexmodal.rig.effects.base_flexibility import base_directions
 from flexmodal.rig.effects.effect import Effect, Site, Stand, divided, positive
 from flexmodal.rig.plant.assembly import PlantAssembly
+from flexmodal.rig.plant.geometry import cuboid
 from flexmodal.structure.arm import carried
 
 
@@ -48,8 +49,7 @@ def _act(assembly: PlantAssembly, site: Site) -> None:
 
     axes = assembly.orientation(assembly.robot.urdf.root)
     centre, mass = -site["below"] * up, site["carriage_mass"]
-    sizes = np.array([site["half_length"], site["half_width"], site["below"]])
-    inertia = mass / 3 * (sizes @ sizes * np.eye(3) - np.diag(sizes**2))
+    inertia = cuboid(mass, 2 * np.array([site["half_length"], site["half_width"], site["below"]]))
     turned = np.column_stack([rail, side, up])
     assembly.add_body(
         assembly.robot.urdf.root, axes.T @ centre, mass, axes.T @ turned @ inertia @ turned.T @ axes

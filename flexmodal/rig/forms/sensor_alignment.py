@@ -57,7 +57,7 @@ def _draw_stand_off(stand: Stand, where: str, random: np.random.Generator) -> di
 
 
 def _lean(sensors: dict[str, Sensor], site: Site) -> None:
-    link = next(point.link for point in site.stand.plan.points if point.name == site.where)
+    link = site.stand.link_of(site.where)
     axis, normal = site.vector("ax", "ay", "az"), site.stand.normal
     axis = axis if normal is None else np.sign(site.stand.normal_in(link) @ axis) * normal
     sensors[site.where].leaning = turn(axis, site["angle"]) @ sensors[site.where].leaning
@@ -78,7 +78,7 @@ def _draw_skew(stand: Stand, where: str, random: np.random.Generator) -> dict[st
 
 def _swap(sensors: dict[str, Sensor], site: Site) -> None:
     """Two of its cables are exchanged; the third axis stays, across the plane of a planar chain."""
-    link = next(point.link for point in site.stand.plan.points if point.name == site.where)
+    link = site.stand.link_of(site.where)
     normal = site.stand.normal_in(link)
     stays = int(site["stays"]) if normal is None else int(np.argmax(np.abs(normal)))
     order = np.arange(3)

@@ -1,4 +1,4 @@
-"""Small vectors: cross products as matrices, rotations, directions across a link."""
+"""Small vectors: cross products as matrices, rotations, directions across a link; a cuboid."""
 
 from __future__ import annotations
 
@@ -45,3 +45,13 @@ def across(
     first = np.cross(axis, np.eye(3)[int(np.argmin(np.round(np.abs(axis), 9)))])
     first /= np.linalg.norm(first)
     return first, np.cross(axis, first)
+
+
+def cuboid(mass: float, sizes: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3 3"]:
+    """Inertia of an even cuboid about its centre, along its edges [kg·m²].
+
+    Args:
+        mass: [kg].
+        sizes: lengths of its edges [m].
+    """
+    return np.asarray(mass / 12 * (sizes @ sizes * np.eye(3) - np.diag(sizes**2)))
