@@ -7,10 +7,12 @@ import pytest
 
 import flexmodal
 from flexmodal.diagnosis.effects import Context, catalogue
-from flexmodal.diagnosis.effects.absorber_start import effective_mass
+from flexmodal.diagnosis.effects.absorber_start import effective_mass, ways_of
+from flexmodal.diagnosis.effects.effect import along
 from flexmodal.diagnosis.effects.free_function import FreeFunction
+from flexmodal.diagnosis.effects.local_absorber import WIDE
 from flexmodal.diagnosis.hypothesis import Hypothesis
-from flexmodal.diagnosis.lawfree.body_ports import BODY
+from flexmodal.diagnosis.lawfree.body_ports import ATTACHED_BODY, BODY
 from flexmodal.diagnosis.lawfree.model import PortedModel
 from flexmodal.diagnosis.lawfree.port import Port
 from flexmodal.diagnosis.lawfree.profile import Profile
@@ -124,10 +126,89 @@ def test_another_mass_is_found_that_swings_across_the_first(seen, roll):
     assert min(relative(effective_mass(omega, *coordinates(known, one)), mass) for one in told) < 0.02
 
 
+LINE = {
+    **SIMPLE, "angle": 0.3, "turn": 0.2, "roll": 0.5, "across_ratio": 1.0, "other": 1e-6, "other_ratio": 5.0,
+    "relaxing": 1e-8, "further": 0.11, "further_ratio": 3.0, "foot": 0.12, "below": 0.0,
+    "turning": 0.13, "turning_ratio": 2.0, "still": 0.1,
+}  # fmt: skip
+"""Taut, and swinging where the link carries it."""
+
+
+def of_line(context, where):
+    """Its values on this arm."""
+    known = {one.name for one in WIDE.parameters(context, where)}
+    own = {name: value for name, value in {**LINE, **PLACE}.items() if name in known}
+    return own if context.normal is None else {**own, "across_ratio": 1e4}
+
+
+def at_the_middle(context, where, values, omega):
+    """What the line is to motions and turns of the middle of its link, put together from its parts."""
+    angles = [values[name] for name in ("angle", "turn", "roll") if name in values]
+    more = [
+        values[name] for name in ("across_ratio", "other", "other_ratio", "further", "further_ratio", "foot")
+    ]
+    logs = [values["mass"], 2 * np.pi * values["frequency"], values["damping_ratio"]]
+    moves = effective_mass(omega, np.concatenate([np.log(logs), angles, np.log(more)]), len(angles))
+    ways, own = ways_of(np.array(angles)), values["turning_ratio"] * 2 * np.pi * values["frequency"]
+    spring = own**2 + 2j * values["damping_ratio"] * own * omega
+    each = values["mass"] * (values["turning"] ** 2 * spring / (spring - omega**2) + values["still"] ** 2)
+    length, _ = along(context, where)
+    place = np.array(
+        [(values["along"] - 0.5) * max(length, 0.05), values["beside"], values.get("above", 0.0)]
+    )
+    if len(angles) == 1:
+        about, sweep = np.ones((1, 1)), np.array([[-place[1]], [place[0]]])
+    else:
+        about, sweep = np.eye(3) - np.outer(ways[2], ways[2]), np.cross(np.eye(3), place).T
+    across = moves @ sweep
+    turns = each[:, None, None] * about + sweep.T @ across
+    upper = np.concatenate([moves, across], axis=2)
+    return np.concatenate([upper, np.concatenate([np.swapaxes(across, 1, 2), turns], axis=2)], axis=1)
+
+
+def test_a_port_that_turns_too_is_a_line_at_its_place(seen):
+    context, observed = seen
+    where, lines = context.links[-1], np.arange(5, len(observed.axis), 7)
+    root, placed = Hypothesis(context, robot_space(context.robot)), Placed(WIDE, where)
+    hypothesis, values = root.and_also(placed), of_line(context, where)
+    expected = predict(hypothesis, hypothesis.start(placed, values, np.zeros(len(root.space))), observed)
+    model = PortedModel.of(
+        [Port.at(ATTACHED_BODY, where, context)], root, replace(observed, value=expected), lines
+    )
+    omega = 2 * np.pi * observed.axis.frequency[lines]
+    z = -(omega**2)[:, None, None] * at_the_middle(context, where, values, omega)
+    rows, columns = np.triu_indices(z.shape[-1])
+    profile, x = Profile(model, 1e-3), np.zeros(len(model.space))
+    none, whole = (
+        profile.state(x, one).residual for one in (model.zero(), (z[:, rows, columns].T / model.size)[None])
+    )
+    assert np.sqrt(np.mean(np.abs(whole) ** 2)) < 2e-3 * np.sqrt(np.mean(np.abs(none) ** 2))
+
+
+def test_its_place_and_what_turns_are_told_by_such_a_port(seen):
+    context, _ = seen
+    where, frequency = context.links[-1], np.linspace(0.0, 118.0, 90)
+    values, random = of_line(context, where), np.random.default_rng(5)
+    omega = 2 * np.pi * frequency
+    z = -(omega**2)[:, None, None] * at_the_middle(context, where, values, omega)
+    rows, columns = np.triu_indices(z.shape[-1])
+    functions = z[:, rows, columns].T
+    functions = functions * (1 + 0.01 * random.standard_normal(functions.shape))
+    free = FreeFunction(frequency, functions, {}, np.zeros(3), turns=True)
+    told = WIDE.told(context, where, free)
+    near = min(told, key=lambda one: abs(np.log(one["turning_ratio"] / 2) + np.log(one["frequency"] / 30)))
+    wanted = {"along": 0.05, "beside": 0.01, "mass": 0.1, "frequency": 0.3, "turning": 0.01, "still": 0.01}
+    for name, within in wanted.items():
+        assert near[name] == pytest.approx(values[name], abs=within), name
+    assert near["turning_ratio"] == pytest.approx(2.0, rel=0.02)
+
+
 @pytest.mark.parametrize("value", [0.0, np.nan])
-def test_nothing_at_the_port_tells_nothing(seen, value):
+@pytest.mark.parametrize("kind", [BODY, ATTACHED_BODY], ids=lambda kind: kind.name)
+@pytest.mark.parametrize("effect", [catalogue()["local_absorber"], WIDE], ids=["narrow", "wide"])
+def test_nothing_at_the_port_tells_nothing(seen, value, kind, effect):
     context, _ = seen
     where = context.links[-1]
-    count = len(BODY.functions(context, where))
-    free = FreeFunction(np.linspace(0, 100, 20), np.full((count, 20), value, dtype=complex), {}, np.zeros(3))
-    assert catalogue()["local_absorber"].told(context, where, free) == []
+    functions = np.full((len(kind.functions(context, where)), 20), value, dtype=complex)
+    free = FreeFunction(np.linspace(0, 100, 20), functions, {}, np.zeros(3), turns=kind.turns)
+    assert effect.told(context, where, free) == []

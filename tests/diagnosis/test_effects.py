@@ -569,6 +569,36 @@ def test_an_absorber_with_a_further_mode_on_a_foot_is_that_of_the_rig(request, a
     np.testing.assert_allclose(found, expected, rtol=1e-3, atol=1e-4 * np.abs(expected).max())
 
 
+@pytest.mark.parametrize(("arm", "turns"), [("bench", {}), ("standing", {"turn": 0.3, "roll": 0.8})])
+def test_an_absorber_that_turns_too_is_the_taut_line_of_the_rig(request, arm, turns):
+    """Three modes of a line of 0.4 m, a third faster than another, and what these leave."""
+    context, observed, stand = request.getfixturevalue(arm)
+    where, effect = context.links[1], effect_of("local_absorber" + NEXT)
+    modes = 8 / (np.pi * np.array([1, 3])) ** 2
+    mass, length, swinging, rod = 6.0, 0.4, 24 / (2 * np.pi) ** 2, 1 / 12
+    first = modes[0] * mass
+    values = {
+        "mass": first, "frequency": 21.0, "damping_ratio": 0.06, "along": 0.7, "beside": 0.05, "angle": 0.4,
+        "across_ratio": 1.0 if turns else 1e4, "other": 1e-6, "other_ratio": 5.0, **LASTING, **turns,
+        "further": modes[1] / modes[0], "further_ratio": 3.0,
+        "foot": (1 - modes.sum()) / modes[0], "below": 0.0,
+        "turning": length * np.sqrt(swinging * rod / modes[0]), "turning_ratio": 2.0,
+        "still": length * np.sqrt((1 - swinging) * rod / modes[0]),
+    }  # fmt: skip
+    if turns:
+        values["above"] = -0.03
+    physical = effect.physical(context, where, values)
+    ways = [np.array([physical[f"{name}{k}"] for k in "xyz"]) for name in ("d", "across_")]
+    line = np.cross(*ways) if turns else ways[1]
+    given = {name: physical[name] for name in ("frequency", "damping_ratio", *"xyz")}
+    given |= {"mass": mass, "length": length, **dict(zip(("dx", "dy", "dz"), line, strict=True))}
+    expected = theirs(observed, stand, "local_absorber", where, given, "string")
+    found = ours(context, observed, "local_absorber" + NEXT, where, values)
+    np.testing.assert_allclose(found, expected, rtol=2e-3, atol=2e-4 * np.abs(expected).max())
+    still = ours(context, observed, "local_absorber" + NEXT, where, {**values, "turning": 1e-4})
+    assert np.max(np.abs(np.log(still / expected))) > 0.1, "the turning is not seen at all"
+
+
 def test_part_of_an_absorbers_spring_relaxes_as_rubber_does(bench):
     context, observed, stand = bench
     where, effect = "link_2", catalogue()["local_absorber"]

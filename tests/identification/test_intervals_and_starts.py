@@ -56,9 +56,10 @@ def test_several_starts_end_in_one_place(campaign, fanuc):
     assert sum(one.hits for one in optima) >= 2
     card = problem.evidence.fit()
     # the last step changed the cost by less than a millionth: some tenths of a naive standard error
-    assert np.all(np.abs(fitted.x - card.x) < 0.3 * problem.evidence.uncertainty(card).deviation)
-    again, same = search(problem.evidence, starts=4, seed=1)
-    np.testing.assert_array_equal(again.x, fitted.x)
+    error = problem.evidence.uncertainty(card).deviation
+    assert np.all(np.abs(fitted.x - card.x) < 0.3 * error)
+    again, same = search(problem.evidence, starts=4, seed=1)  # the same starts; sums may be rounded otherwise
+    assert np.all(np.abs(again.x - fitted.x) < 1e-6 * error)
     assert [one.hits for one in same] == [one.hits for one in optima]
 
 

@@ -30,11 +30,17 @@ _BESIDE: tuple[tuple[float | None, float | None], ...] = (
 _STIFF, _NOTHING = 1e3, 0.003
 """Stiffness across, over that along, of a mass that is free along one direction; the other mass if there is
 none, over the first."""
+FURTHER = ("further", "further_ratio", "foot")
+"""Names of what the wider law has besides."""
+_FURTHER_STARTS = ((0.1, 3.0, 0.05), (0.4, 6.0, 0.05))
+_NO_FURTHER = (1e-4, 10.0, 1e-5)
 _ROLL = 5
 """Number of the roll among the unknowns, in space."""
 _ROLLS = (0.0, np.pi / 4, np.pi / 2, 3 * np.pi / 4)
 """Of the second direction about the first: from the first of them the nearest is not found where the second
 lies across the link, for nothing tells to which side to roll."""
+_LEAST = 1e-12
+"""Moment of inertia that nothing is measured by [kg·m²]."""
 _LOSSES = (0.02, 0.1)
 NEAR = 0.15
 """Distance of lines from a frequency that are looked at together: a logarithm."""
@@ -72,14 +78,23 @@ def effective_mass(
     Args:
         omega: lines [rad/s].
         x: logarithms of mass, frequency [rad/s], damping ratio; angles; logarithms of the stiffness across
-            over that along, of the other mass over the first, and of its frequency over that of the first.
+            over that along, of the other mass over the first, and of its frequency over that of the first;
+            perhaps of a further mass over the first, of its frequencies over those of the first, and of a
+            mass that does not swing over the first.
         angles: one in the plane, three in space.
     """
     mass, own, ratio = np.exp(x[:3])
-    across, other, faster = np.exp(x[3 + angles :])
+    across, other, faster, *more = np.exp(x[3 + angles :])
     ways = ways_of(x[3 : 3 + angles])
     found = np.zeros((len(omega), len(ways)), dtype=complex)
-    for size, moves in ((mass, (own, np.sqrt(across) * own)), (other * mass, (None, faster * own))):
+    moving: list[tuple[float, tuple[float | None, ...]]] = [
+        (mass, (own, np.sqrt(across) * own)),
+        (other * mass, (None, faster * own)),
+    ]
+    if more:
+        further, times, foot = more
+        moving += [(further * mass, (times * own, times * np.sqrt(across) * own)), (foot * mass, ())]
+    for size, moves in moving:
         for k, _ in enumerate(ways):
             free = moves[k] if k < len(moves) else None
             if free is None:
@@ -137,7 +152,7 @@ def told_by(
 
     Args:
         free: of a body port.
-        lower: of each parameter of the effect.
+        lower: of each parameter of the effect; those of `FURTHER` where it has them.
         upper: likewise.
 
     Returns:
@@ -147,7 +162,8 @@ def told_by(
     omega = 2 * np.pi * free.frequency[some]
     target = -free.tensor[some] / omega[:, None, None] ** 2
     turned = ("angle",) if target.shape[-1] == 2 else ("angle", "turn", "roll")
-    names = ("mass", "frequency", "damping_ratio", *turned, "across_ratio", "other", "other_ratio")
+    further = tuple(name for name in FURTHER if name in lower)
+    names = ("mass", "frequency", "damping_ratio", *turned, "across_ratio", "other", "other_ratio", *further)
     scale = float(np.median(np.abs(np.einsum("laa->l", target)))) / target.shape[-1]
     if not np.isfinite(target).all() or scale <= 0:
         return []
@@ -157,11 +173,64 @@ def told_by(
     )
     low[1], high[1] = low[1] + np.log(2 * np.pi), high[1] + np.log(2 * np.pi)
     laid = _Laid(omega, target, scale, low, high)
-    simple = np.array([name not in ("roll", "across_ratio", "other", "other_ratio") for name in names])
+    beside = ("roll", "across_ratio", "other", "other_ratio", *FURTHER)
+    simple, narrow = (np.array([name not in left for name in names]) for left in (beside, FURTHER))
     tried = [laid.nearest(start, simple, FEW) for start in _starts(laid)]
     first = laid.nearest(min(tried, key=lambda one: one[0])[1], simple, MANY)[1]
-    wider = [laid.nearest(start, np.ones_like(simple), MANY) for start in _wider(first, laid.angles)]
-    return [_values(names, turned, x) for x in (first, min(wider, key=lambda one: one[0])[1])]
+    wider = [laid.nearest(start, narrow, MANY) for start in _wider(first, laid.angles)]
+    found = [first, min(wider, key=lambda one: one[0])[1]]
+    if further:
+        found = [min(_furthered(laid, x), key=lambda one: one[0])[1] for x in found]
+    return [_values(names, turned, x) for x in found]
+
+
+def turning_by(
+    omega: Float[np.ndarray, " line"],
+    turns: Complex[np.ndarray, "line turn turn"],
+    values: Mapping[str, float],
+) -> tuple[float, float, float]:
+    """What swings by turning at the place of an absorber, beside what turns with the link.
+
+    Args:
+        omega: lines [rad/s].
+        turns: dynamic stiffness against turning there [N·m/rad].
+        values: of the absorber.
+
+    Returns:
+        Its radius of gyration with the absorber's mass [m], its frequency over that of the absorber, and the
+        radius of gyration of what does not swing.
+    """
+    loss, own = 2j * values["damping_ratio"], 2 * np.pi * values["frequency"]
+    angles = [values[name] for name in ("angle", "turn", "roll") if name in values]
+    about = ways_of(np.array(angles))[:2]
+    inertia = -turns / omega[:, None, None] ** 2
+    each = (
+        inertia[:, :, 0] if len(angles) == 1 else np.einsum("ka,lab,kb->lk", about, inertia, about)[:, ::-1]
+    )
+    faster = np.sqrt(values["across_ratio"]) if len(angles) > 1 else 1.0
+    scale = max(float(np.median(np.abs(each))), _LEAST)
+
+    def far(x: Float[np.ndarray, "3"]) -> Float[np.ndarray, " value"]:
+        size, still, at = np.exp(x)
+        moves = at * np.array([1.0, faster])[: each.shape[1]]
+        spring = moves**2 + loss * moves * omega[:, None]
+        gap = (size * spring / (spring - omega[:, None] ** 2) + still - each) / scale
+        return np.concatenate([gap.real.ravel(), gap.imag.ravel()])
+
+    tried = [
+        least_squares(far, np.log([scale, 0.1 * scale, at]), loss="soft_l1", f_scale=OUTLYING, max_nfev=MANY)
+        for at in np.geomspace(omega[0], omega[-1], _SETS_OUT)
+    ]
+    size, still, at = np.exp(min(tried, key=lambda one: one.cost).x)
+    return float(np.sqrt(size / values["mass"])), float(at / own), float(np.sqrt(still / values["mass"]))
+
+
+def _furthered(
+    laid: _Laid, x: Float[np.ndarray, " unknown"]
+) -> list[tuple[float, Float[np.ndarray, " unknown"]]]:
+    """With a further mass, from some."""
+    starts = [np.concatenate([x[: -len(FURTHER)], np.log(one)]) for one in _FURTHER_STARTS]
+    return [laid.nearest(start, np.ones(len(x), dtype=bool), MANY) for start in starts]
 
 
 def _wider(first: Float[np.ndarray, " unknown"], angles: int) -> list[Float[np.ndarray, " unknown"]]:
@@ -173,9 +242,9 @@ def _wider(first: Float[np.ndarray, " unknown"], angles: int) -> list[Float[np.n
         if in_space:
             x[_ROLL] = roll
         if across is not None:
-            x[-3] = np.log(across)
+            x[3 + angles] = np.log(across)
         if faster is not None:
-            x[-2:] = np.log(0.7), np.log(faster)
+            x[4 + angles : 6 + angles] = np.log(0.7), np.log(faster)
         found.append(x)
     return found
 
@@ -194,7 +263,8 @@ def _starts(laid: _Laid) -> list[Float[np.ndarray, " unknown"]]:
             turned += [float(np.arctan2(way[2], way[1])), 0.0]
         for loss in _LOSSES:
             begin = [np.log(laid.scale), np.log(own), np.log(loss)]
-            found.append(np.array([*begin, *turned, np.log(_STIFF), np.log(_NOTHING), np.log(_FASTER)]))
+            plain = [*begin, *turned, np.log(_STIFF), np.log(_NOTHING), np.log(_FASTER)]
+            found.append(np.array([*plain, *np.log(_NO_FURTHER)][: len(laid.low)]))
     return found
 
 

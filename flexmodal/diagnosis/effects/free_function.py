@@ -24,6 +24,8 @@ class FreeFunction:
     """Coordinates of what is believed, as fitted beside it."""
     information: Complex[np.ndarray, "line function function"] | None = None
     """How well they are known, each line by itself: the inverse of their covariance; None if nobody says."""
+    turns: bool = False
+    """Whether they are of turns too, three in space and one in the plane, behind those of motions."""
 
     @property
     def tensor(self) -> Complex[np.ndarray, "line way way"]:

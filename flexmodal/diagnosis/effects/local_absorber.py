@@ -6,8 +6,7 @@ alone; where it weighs next to nothing there is none. Part of the first spring m
 Maxwell element beside it, a standard linear solid's (Zener, Elasticity and Anelasticity of Metals, University
 of Chicago Press 1948).
 
-At the next level a further part of it swings faster along these directions, on a foot that does not: a
-clamped beam has modes beyond its first ones, and what holds a spring is fixed to the link.
+At the next level it has more modes, see `absorber_further`.
 """
 
 from __future__ import annotations
@@ -18,8 +17,24 @@ from dataclasses import replace
 import numpy as np
 from jaxtyping import Float
 
-from flexmodal.diagnosis.effects.absorber_start import told_by, ways_of
+from flexmodal.diagnosis.effects.absorber_further import (
+    BELOW,
+    FURTHER,
+    GYRATION,
+    NO_TURN,
+    NOTHING,
+    STILL,
+    TURNS,
+    add_beyond,
+    coordinates,
+    extend_beyond,
+    lines,
+    parameters_beyond,
+    starts_beyond,
+)
+from flexmodal.diagnosis.effects.absorber_start import told_by, turning_by, ways_of
 from flexmodal.diagnosis.effects.added_mass import place_on
+from flexmodal.diagnosis.effects.attached_point import at_its_point
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Effect, Level, Placement, along, positive, sides, signed
 from flexmodal.diagnosis.effects.free_function import FreeFunction
@@ -34,12 +49,6 @@ HIGHEST = 1.15
 
 COORDINATES = ("", " across", " other", " relaxing")
 """What the mass does along its directions, what another one does along the second, and what relaxes."""
-FURTHER_COORDINATES = (" further", " further across")
-NOTHING = 0.01
-"""Mass of the other one, or of the further one, over that of the first, which is left out of files."""
-FURTHER, FASTER, FOOT, BELOW = "further", "further_ratio", "foot", "below"
-"""What the wider law has besides: a mass over the first, its frequency over that of the first, a mass that
-does not swing, over the first, and how far the first stands off from them where it gives least."""
 
 
 def _parameters(context: Context, where: str) -> tuple[Parameter, ...]:
@@ -65,21 +74,14 @@ def _parameters(context: Context, where: str) -> tuple[Parameter, ...]:
 
 
 def _wide_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
-    return (
-        *_parameters(context, where),
-        positive(FURTHER, "of the mass", 0.1, 1.5, 1e-4, 5.0),
-        positive(FASTER, "of the frequency", 10.0, 1.0, 1.2, 300.0),
-        positive(FOOT, "of the mass", 0.03, 1.5, 1e-5, 5.0),
-        signed(BELOW, "m", 0.1, -0.5, 0.5),
-    )
+    return (*_parameters(context, where), *parameters_beyond())
 
 
 def _wide_starts(context: Context, where: str, values: Mapping[str, float]) -> list[Mapping[str, float]]:
     """From where the narrower law was, with and without its other mass, and free along both directions."""
     alone = {**values, "other": 1e-3}
     both = {**alone, "across_ratio": 1.0}
-    further = [{FURTHER: part, FASTER: ratio} for part in (0.1, 0.4, 1.0) for ratio in (6.0, 30.0)]
-    return [{**one, **more} for one in (values, alone, both) for more in further]
+    return [{**one, **more} for one in (values, alone, both) for more in starts_beyond()]
 
 
 def _starts(context: Context, where: str) -> list[Mapping[str, float]]:
@@ -102,9 +104,31 @@ def _starts(context: Context, where: str) -> list[Mapping[str, float]]:
 
 def _told(context: Context, where: str, free: FreeFunction) -> list[dict[str, float]]:
     """Where the port sits, with an absorber whose dynamic stiffness is like its functions."""
-    known = _parameters(context, where)
+    return _laid(_parameters(context, where), at_its_point(context, where, free)[0] if free.turns else free)
+
+
+def _laid(known: tuple[Parameter, ...], free: FreeFunction) -> list[dict[str, float]]:
     found = told_by(free, {one.name: one.lower for one in known}, {one.name: one.upper for one in known})
     return [{**free.geometry, **values} for values in found]
+
+
+def _wide_told(context: Context, where: str, free: FreeFunction) -> list[dict[str, float]]:
+    """The same with more modes; a port of motions alone does not say what turns."""
+    known = _wide_parameters(context, where)
+    if not free.turns:
+        turning = ({GYRATION: NO_TURN}, *lines())
+        return [{**one, BELOW: 0.0, **more} for one in _laid(known, free) for more in turning]
+    here, turns = at_its_point(context, where, free)
+    some = free.frequency > 0
+    omega = 2 * np.pi * free.frequency[some]
+    return [
+        {
+            **one,
+            BELOW: 0.0,
+            **dict(zip((GYRATION, TURNS, STILL), turning_by(omega, turns[some], one), strict=True)),
+        }
+        for one in _laid(known, here)
+    ]
 
 
 def _ways(context: Context, where: str, values: Mapping[str, float]) -> tuple[np.ndarray, ...]:
@@ -127,44 +151,30 @@ def _springs(values: Mapping[str, float]) -> tuple[tuple[float, float], ...]:
     return tuple((m * w**2, loss * m * w) for m, w in ((mass, own), (mass, faster), (other, apart)))
 
 
-def _further_springs(values: Mapping[str, float]) -> tuple[tuple[float, float], ...]:
-    """The same of the further mass; its second spring is as many times as stiff as that of the first mass."""
-    times, share = values[FASTER], values[FURTHER]
-    return tuple((share * times**2 * k, share * times * b) for k, b in _springs(values)[:2])
-
-
 def _shape(assembly: Assembly, placement: Placement) -> None:
     assembly.add_coordinates([f"{placement.where} absorber{name}" for name in COORDINATES])
 
 
 def _wide_shape(assembly: Assembly, placement: Placement) -> None:
-    names = (*COORDINATES, *FURTHER_COORDINATES)
-    assembly.add_coordinates([f"{placement.where} absorber{name}" for name in names])
+    _shape(assembly, placement)
+    assembly.add_coordinates(coordinates(placement.where, planar=assembly.normal is not None))
 
 
 def _act(assembly: Assembly, placement: Placement) -> None:
     values, where = placement.values, placement.where
     axes = assembly.axes(where)
     ways = [axes @ way for way in _ways(placement.context, where, values)]
-    motion = assembly.motion(where, place_on(placement.context, where, values))[..., :3, :]
+    place = place_on(placement.context, where, values)
+    motion = assembly.motion(where, place)[..., :3, :]
     carried = [np.sum(way[..., :, None] * motion, axis=-2) for way in ways]
     own, across, other, relaxing = (assembly.row(f"{where} absorber{name}") for name in COORDINATES)
-    mass = values["mass"]
-    still = np.zeros_like(own)
+    mass, still = values["mass"], np.zeros_like(own)
     for body, swung in ((mass, (own, across, still)), (values["other"] * mass, (still, other, still))):
         for moves, row in zip(carried, swung, strict=True):
             assembly.add_inertia(moves + row, body)
     if FURTHER in values:
-        body = values[FURTHER] * mass
-        rows = [assembly.row(f"{where} absorber{name}") for name in FURTHER_COORDINATES]
-        low = assembly.motion(where, _below(placement.context, where, values))[..., :3, :]
-        for way, row in zip(ways, (*rows, still), strict=True):
-            stands = np.sum(way[..., :, None] * low, axis=-2)
-            assembly.add_inertia(stands + row, body)
-            assembly.add_inertia(stands, values[FOOT] * mass)
-        for row, spring in zip(rows, _further_springs(values), strict=True):
-            assembly.add_spring(row, spring[0])
-            assembly.add_damper(row, spring[1])
+        places = (place, _below(placement.context, where, values))
+        add_beyond(assembly, where, ways, places, values, _springs(values)[:2])
     for row, spring in zip((own, across, other), _springs(values), strict=True):
         assembly.add_spring(row, spring[0])
         assembly.add_damper(row, spring[1])
@@ -191,7 +201,7 @@ def _physical(context: Context, where: str, values: Mapping[str, float]) -> dict
 def _extend(draft: Draft, placement: Placement) -> None:
     values, name = placement.values, f"{placement.where}_absorber"
     place = place_on(placement.context, placement.where, values)
-    first, second, _ = _ways(placement.context, placement.where, values)
+    first, second, least = _ways(placement.context, placement.where, values)
     *springs, apart = _springs(values)
     part = Body(values["mass"], place, np.zeros((3, 3)))
     for joint, spring in zip(
@@ -202,15 +212,10 @@ def _extend(draft: Draft, placement: Placement) -> None:
         part = Body(values["other"] * values["mass"], place, np.zeros((3, 3)))
         (joint,) = draft.attach(placement.where, part, name=f"{name}_other", slides=(second,))
         draft.flexible(joint, *apart)
-    low = _below(placement.context, placement.where, values) if BELOW in values else place
-    if values.get(FURTHER, 0.0) > NOTHING:
-        part = Body(values[FURTHER] * values["mass"], low, np.zeros((3, 3)))
-        joints = draft.attach(placement.where, part, name=f"{name}_further", slides=(first, second))
-        for joint, spring in zip(joints, _further_springs(values), strict=True):
-            draft.flexible(joint, *spring)
-    if values.get(FOOT, 0.0) > NOTHING:
-        part = Body(values[FOOT] * values["mass"], low, np.zeros((3, 3)))
-        draft.attach(placement.where, part, name=f"{name}_foot")
+    if FURTHER in values:
+        places = (place, _below(placement.context, placement.where, values))
+        planar = placement.context.normal is not None
+        extend_beyond(draft, placement.where, (first, second, least), places, values, springs, planar=planar)
     if values["relaxing"] > HELD:
         draft.notes.append(
             f"the files have the spring of {name} and lack what relaxes: {values['relaxing']:.3g} of its "
@@ -224,7 +229,7 @@ WIDE = Effect(
     places=lambda context: context.links,
     parameters=_wide_parameters,
     starts=_starts,
-    told=_told,
+    told=_wide_told,
     shape=_wide_shape,
     act=_act,
     simpler={"added_mass": ("mass", "along", "beside", "above")},
@@ -233,4 +238,4 @@ WIDE = Effect(
     extend=_extend,
     units={"stiffness": "N/m", "x": "m", "y": "m", "z": "m"},
 )
-EFFECT = replace(WIDE, parameters=_parameters, shape=_shape, next_level=Level(WIDE, _wide_starts))
+EFFECT = replace(WIDE, parameters=_parameters, shape=_shape, told=_told, next_level=Level(WIDE, _wide_starts))

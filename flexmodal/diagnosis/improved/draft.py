@@ -7,15 +7,15 @@ hung on at the end, on whichever side of a hinge it sits.
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
-from jaxtyping import Float
 
 from flexmodal.cards import JointCard
 from flexmodal.cards.write import UrdfDraft
 from flexmodal.diagnosis.improved.inertia import nearest_inertia
-from flexmodal.diagnosis.improved.joints import joint_card, new_joint
+from flexmodal.diagnosis.improved.joints import Vector, joint_card, new_joint
+from flexmodal.diagnosis.improved.pieces import Cut, Hung
 from flexmodal.model import Robot
 from flexmodal.model.placements import link_placements
 from flexmodal.structure.arm import Body, beyond, bodies_of, moved_bodies
@@ -25,32 +25,6 @@ DUST = 1e-12
 """Mass of a link that only stands between two joints, over that of the arm: readers of URDFs want some."""
 FOOT = 1e-8
 """Mass of a base that moves and has none in the URDF, likewise; and its inertia over that at 1 m."""
-Vector = Float[np.ndarray, "3"]
-
-
-@dataclass(frozen=True, eq=False)
-class Cut:
-    """Where a link was cut in two."""
-
-    place: Vector
-    """In the frame of the link [m]."""
-    way: Vector
-    """Unit vector towards what lies beyond."""
-    outer: str
-    """The link beyond; its frame is turned as that of the link and sits in the cut."""
-
-
-@dataclass(frozen=True, eq=False)
-class Hung:
-    """Something attached to a link: rigidly, or free along some directions."""
-
-    link: str
-    place: Vector
-    """In the frame of the link [m]."""
-    body: Body
-    """In a frame at that place, turned as that of the link."""
-    joints: tuple[str, ...]
-    slides: tuple[Vector, ...] = ()
 
 
 class Draft:
@@ -152,23 +126,31 @@ class Draft:
         self.urdf.split_shapes(near, outer, place - offset, way)
         return outer
 
-    def attach(self, link: str, part: Body, *, name: str, slides: Sequence[Vector] = ()) -> tuple[str, ...]:
-        """Hang a body on a link, rigidly or free along directions, one behind the other.
+    def attach(
+        self,
+        link: str,
+        part: Body,
+        *,
+        name: str,
+        slides: Sequence[Vector] = (),
+        hinges: Sequence[Vector] = (),
+    ) -> tuple[str, ...]:
+        """Hang a body on a link, rigidly or free along directions or about them, one behind the other.
 
         Args:
             link: its name.
             part: its centre in the frame of the link [m].
             name: of the new joint; others get a number behind it.
-            slides: unit vectors in that frame; rigid if none.
+            slides: unit vectors in that frame; rigid if there are neither these nor hinges.
+            hinges: likewise, about which it turns.
 
         Returns:
             The names of the joints.
         """
-        joints = tuple(
-            self.fresh(f"{name}_{number}" if number else name) for number in range(len(slides) or 1)
-        )
+        ways, kind = (*slides, *hinges), "prismatic" if slides else "revolute" if hinges else "fixed"
+        joints = tuple(self.fresh(f"{name}_{number}" if number else name) for number in range(len(ways) or 1))
         body = Body(float(part.mass), np.zeros(3), part.inertia)
-        self._hung.append(Hung(link, part.centre, body, joints, tuple(slides)))
+        self._hung.append(Hung(link, part.centre, body, joints, ways, kind))
         return joints
 
     def under_root(self, motions: Sequence[tuple[str, Vector, bool]], centre: Vector) -> str:
@@ -268,10 +250,9 @@ class Draft:
             child = self.fresh(f"{one.joints[0]}_mass")
             self.urdf.add_link(child)
             self.urdf.set_body(child, one.body.mass, one.body.centre, one.body.inertia)
-            for name, way in zip(one.joints, one.slides or (None,), strict=True):
+            for name, way in zip(one.joints, one.ways or (np.array([1.0, 0.0, 0.0]),), strict=True):
                 carried = child if name == one.joints[-1] else self._dust(f"{name}_part")
-                kind, axis = ("fixed", np.array([1.0, 0.0, 0.0])) if way is None else ("prismatic", way)
-                self.urdf.add_joint(new_joint(name, kind, link, carried, axis, place))
+                self.urdf.add_joint(new_joint(name, one.kind, link, carried, way, place))
                 link, place = carried, np.zeros(3)
         self._hung = []
         return self.urdf

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import combinations_with_replacement
 
 import numpy as np
 
 from flexmodal.diagnosis.effects import foundation
 from flexmodal.diagnosis.effects.added_mass import EFFECT as ADDED_MASS
 from flexmodal.diagnosis.effects.added_mass import place_on
+from flexmodal.diagnosis.effects.attached_point import MIDDLE, SHORTEST
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Placement, along, sides
 from flexmodal.diagnosis.effects.sensor_mass import EFFECT as SENSOR_MASS
@@ -21,6 +23,8 @@ ATTACHED = 0.05
 """Of the arm's mass: what a body port is measured by."""
 GEOMETRY = ("along", "beside", "above")
 """Parameters of the place of a body port."""
+SPREADS = 0.3
+"""How far what is attached spreads, over the length of the link."""
 
 
 def _ways(context: Context, where: str) -> list[np.ndarray]:
@@ -68,6 +72,48 @@ BODY = PortKind(
         extend=None,
     ),
     patterns=_body_patterns,
+)
+
+
+def _attached_rows(assembly: Assembly, placement: Placement) -> list[np.ndarray]:
+    """Of the middle of the link: along it and across it, and turning about these directions."""
+    context, where = placement.context, placement.where
+    axes, (length, axis), ways = assembly.axes(where), along(context, where), _ways(context, where)
+    motion = assembly.motion(where, MIDDLE * max(length, SHORTEST) * axis)
+    turns = ways if context.normal is None else [np.cross(ways[0], ways[1])]
+    return [
+        np.einsum("...i,...ij->...j", axes @ way, motion[..., part, :])
+        for part, some in ((slice(0, 3), ways), (slice(3, 6), turns))
+        for way in some
+    ]
+
+
+def _attached_patterns(assembly: Assembly, placement: Placement) -> Patterns:
+    return Patterns(tensor(_attached_rows(assembly, placement), len(placement.posture)))
+
+
+def _attached_names(context: Context, where: str) -> tuple[str, ...]:
+    names = GEOMETRY[: len(_ways(context, where))]
+    turns = [f"about {name}" for name in names] if context.normal is None else ["turning"]
+    return (*names, *turns)
+
+
+def _attached_sizes(context: Context, where: str, frequency: np.ndarray) -> np.ndarray:
+    lever, ways = SPREADS * max(along(context, where)[0], SHORTEST), len(_ways(context, where))
+    each = [1.0 if k < ways else lever for k, _ in enumerate(_attached_names(context, where))]
+    force = ATTACHED * context.arm_mass * (2 * np.pi * frequency) ** 2
+    return np.array([a * b * force for a, b in combinations_with_replacement(each, 2)])
+
+
+ATTACHED_BODY = PortKind(
+    name="attached",
+    says="something attached to the link that turns as well",
+    places=lambda context: tuple(link for link in context.links if len(_ways(context, link)) > 1),
+    functions=lambda context, where: tensor_names(_attached_names(context, where)),
+    sizes=_attached_sizes,
+    unit="N/m, N, N·m",
+    patterns=_attached_patterns,
+    turns=True,
 )
 
 

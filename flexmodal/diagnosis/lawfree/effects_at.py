@@ -21,12 +21,14 @@ PORT_OF: Mapping[str, str] = {
     "nonlinear_stiffness": "torque",
 }
 """The kind of port that each effect of the catalogue sits at."""
-_WIDER = {"channel": "sensor", "blows": "hammer", "coupling": "joint", "rod": "coupling"}
+_WIDER = {
+    "channel": "sensor", "blows": "hammer", "coupling": "joint", "rod": "coupling", "attached": "body",
+}  # fmt: skip
 """Kinds of port that can do whatever one of another kind in the same place can."""
 WIDE = {wide for wide, held in _WIDER.items() if wide not in PORT_OF.values() and held in PORT_OF.values()}
-"""Kinds of port that do what the narrow law of an effect cannot, but a wider one can: a rod."""
-HELD_BY_WIDE = {_WIDER[wide] for wide in WIDE}
-"""Kinds whose effects have such a wider law."""
+"""Kinds of port that do what the narrow law of an effect cannot, but a wider one can: a rod, what turns."""
+HIDE = ("coupling",)
+"""Kinds whose effects have a wider law that no port of one function shows, if its ratio changes."""
 DOES_MUCH = ("base",)
 """Kinds of port whose effects can do what many plainer ones do that touch them."""
 _ELASTIC = ("spring", "spring and damper", "spring with constant loss", "spring, damper and mass")

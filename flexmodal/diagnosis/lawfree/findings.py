@@ -67,6 +67,7 @@ def _free(one: Sighting) -> FreeFunction | None:
         {name: values[name] for name in names if name in values},
         x[:known],
         _information(one, model.size[own]) if one.port.kind.informs else None,
+        one.port.kind.turns,
     )
 
 

@@ -60,6 +60,8 @@ class PortKind:
     """None for readings."""
     reads: Callable[[Observations, Context, str], Bool[np.ndarray, " observation"]] | None = None
     """Observations whose reading the function multiplies."""
+    turns: bool = False
+    """Whether the functions are of turns too, see `FreeFunction`."""
     drops: bool = False
     """Whether these are left out instead, as if each had a function of its own."""
     by_blow: bool = False

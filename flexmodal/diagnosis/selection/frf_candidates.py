@@ -8,7 +8,7 @@ import numpy as np
 
 from flexmodal.diagnosis.disagreement.gaps import left, over_noise
 from flexmodal.diagnosis.lawfree.adjacent import adjacent
-from flexmodal.diagnosis.lawfree.effects_at import HELD_BY_WIDE, PORT_OF, WIDE
+from flexmodal.diagnosis.lawfree.effects_at import HIDE, PORT_OF, WIDE
 from flexmodal.diagnosis.lawfree.result import Findings
 from flexmodal.diagnosis.search.explanations import (
     FOLLOWED,
@@ -188,14 +188,14 @@ class FrfCandidates(SearchesBeside):
         found = self.also_at(before, number, found, [*best, *self._that_hide])
         told = SetOut([], starts(before, look).told)
         near = likely_wider(self.setup, found, look)
-        hidden = [one for one in found if PORT_OF.get(one.key[0]) in HELD_BY_WIDE]
+        hidden = [one for one in found if PORT_OF.get(one.key[0]) in HIDE]
         near += [one for one in hidden[:1] if one not in near]
         return best_of_each([*found, *self._at_next_level(near, told)])
 
     @property
     def _that_hide(self) -> list[tuple[str, str]]:
         """Kinds and places of ports whose effects have a wider law that no port of one function shows."""
-        effects = [effect for effect in self.setup.effects if PORT_OF.get(effect.name) in HELD_BY_WIDE]
+        effects = [effect for effect in self.setup.effects if PORT_OF.get(effect.name) in HIDE]
         return [(PORT_OF[one.name], where) for one in effects for where in one.places(self.setup.context)]
 
     def _elsewhere(
