@@ -162,6 +162,7 @@ def at_the_middle(context, where, values, omega):
         about, sweep = np.eye(3) - np.outer(ways[2], ways[2]), np.cross(np.eye(3), place).T
     across = moves @ sweep
     turns = each[:, None, None] * about + sweep.T @ across
+    across, turns = across / max(length, 0.05), turns / max(length, 0.05) ** 2
     upper = np.concatenate([moves, across], axis=2)
     return np.concatenate([upper, np.concatenate([np.swapaxes(across, 1, 2), turns], axis=2)], axis=1)
 

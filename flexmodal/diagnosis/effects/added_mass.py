@@ -19,6 +19,8 @@ from flexmodal.structure import Parameter
 from flexmodal.structure.arm import Body
 from flexmodal.structure.assembly import Assembly
 
+SHORTEST = 0.05
+"""Length of a link at least, by which places along it are told [m]."""
 LOWEST = 1.15
 """Of the band's end, above which a mass swings on what holds it."""
 RIGID = 8.0
@@ -55,7 +57,7 @@ def place_on(context: Context, where: str, values: Mapping[str, float]) -> np.nd
     """
     length, axis = along(context, where)
     across = sides(context, where, axis)
-    place = values["along"] * max(length, 0.05) * axis
+    place = values["along"] * max(length, SHORTEST) * axis
     for name, side in zip(("beside", "above"), across, strict=False):
         place = place + values[name] * side
     return place

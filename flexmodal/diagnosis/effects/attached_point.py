@@ -11,14 +11,23 @@ from dataclasses import replace
 import numpy as np
 from jaxtyping import Complex, Float
 
+from flexmodal.diagnosis.effects.added_mass import SHORTEST
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import along
 from flexmodal.diagnosis.effects.free_function import FreeFunction
 
 MIDDLE = 0.5
 """Of the length of a link: where such functions are taken."""
-SHORTEST = 0.05
-"""Length of a link at least, by which places along it are told [m]."""
+
+
+def lever_of(context: Context, where: str) -> float:
+    """The length of a link, which turns are multiplied by so that all functions are in N/m [m].
+
+    Args:
+        context: of the diagnosis.
+        where: the link.
+    """
+    return max(along(context, where)[0], SHORTEST)
 
 
 def at_its_point(
@@ -29,26 +38,28 @@ def at_its_point(
     Args:
         context: of the diagnosis.
         where: the link.
-        free: of motions at the middle of the link, along it and across it, and of turns about these; in the
-            plane about its normal.
+        free: of motions at the middle of the link, along it and across it, and of turns about these, times
+            `lever_of`; in the plane about its normal.
 
     Returns:
         The first, and what stands against turning about that point [N·m/rad].
     """
-    ways = 2 if context.normal is not None else 3
+    ways, lever = 2 if context.normal is not None else 3, lever_of(context, where)
+    tensor = free.tensor.copy()
+    tensor[:, ways:] *= lever
+    tensor[:, :, ways:] *= lever
     some = (free.frequency > 0) & np.isfinite(free.value).all(axis=0)
-    each = free.tensor[some] / (2 * np.pi * free.frequency[some, None, None]) ** 2
+    each = tensor[some] / (2 * np.pi * free.frequency[some, None, None]) ** 2
     place = point_of(each[:, :ways, :ways], each[:, :ways, ways:])
-    length = max(along(context, where)[0], SHORTEST)
     told = dict(zip(("along", "beside", "above"), place.tolist(), strict=False))
     row, column = np.triu_indices(ways)
     swept = np.tensordot(place, _swept(ways), axes=1)
-    moves = free.tensor[:, :ways, :ways]
-    turns = free.tensor[:, ways:, ways:] - swept.T @ moves @ swept
+    moves = tensor[:, :ways, :ways]
+    turns = tensor[:, ways:, ways:] - swept.T @ moves @ swept
     found = replace(
         free,
-        value=free.tensor[:, row, column].T,
-        geometry={**told, "along": MIDDLE + told["along"] / length},
+        value=moves[:, row, column].T,
+        geometry={**told, "along": MIDDLE + told["along"] / lever},
         turns=False,
         information=None,
     )

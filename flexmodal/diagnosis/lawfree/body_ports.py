@@ -11,7 +11,7 @@ import numpy as np
 from flexmodal.diagnosis.effects import foundation
 from flexmodal.diagnosis.effects.added_mass import EFFECT as ADDED_MASS
 from flexmodal.diagnosis.effects.added_mass import place_on
-from flexmodal.diagnosis.effects.attached_point import MIDDLE, SHORTEST
+from flexmodal.diagnosis.effects.attached_point import MIDDLE, lever_of
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Placement, along, sides
 from flexmodal.diagnosis.effects.sensor_mass import EFFECT as SENSOR_MASS
@@ -76,14 +76,15 @@ BODY = PortKind(
 
 
 def _attached_rows(assembly: Assembly, placement: Placement) -> list[np.ndarray]:
-    """Of the middle of the link: along it and across it, and turning about these directions."""
+    """Of the middle of the link: along it and across it, and turning about these, times a lever."""
     context, where = placement.context, placement.where
-    axes, (length, axis), ways = assembly.axes(where), along(context, where), _ways(context, where)
-    motion = assembly.motion(where, MIDDLE * max(length, SHORTEST) * axis)
+    axes, (_, axis), ways = assembly.axes(where), along(context, where), _ways(context, where)
+    lever = lever_of(context, where)
+    motion = assembly.motion(where, MIDDLE * lever * axis)
     turns = ways if context.normal is None else [np.cross(ways[0], ways[1])]
     return [
-        np.einsum("...i,...ij->...j", axes @ way, motion[..., part, :])
-        for part, some in ((slice(0, 3), ways), (slice(3, 6), turns))
+        np.einsum("...i,...ij->...j", axes @ way, motion[..., part, :]) * times
+        for part, some, times in ((slice(0, 3), ways, 1.0), (slice(3, 6), turns, lever))
         for way in some
     ]
 
@@ -99,8 +100,8 @@ def _attached_names(context: Context, where: str) -> tuple[str, ...]:
 
 
 def _attached_sizes(context: Context, where: str, frequency: np.ndarray) -> np.ndarray:
-    lever, ways = SPREADS * max(along(context, where)[0], SHORTEST), len(_ways(context, where))
-    each = [1.0 if k < ways else lever for k, _ in enumerate(_attached_names(context, where))]
+    ways = len(_ways(context, where))
+    each = [1.0 if k < ways else SPREADS for k, _ in enumerate(_attached_names(context, where))]
     force = ATTACHED * context.arm_mass * (2 * np.pi * frequency) ** 2
     return np.array([a * b * force for a, b in combinations_with_replacement(each, 2)])
 
@@ -111,7 +112,7 @@ ATTACHED_BODY = PortKind(
     places=lambda context: tuple(link for link in context.links if len(_ways(context, link)) > 1),
     functions=lambda context, where: tensor_names(_attached_names(context, where)),
     sizes=_attached_sizes,
-    unit="N/m, N, N·m",
+    unit="N/m",
     patterns=_attached_patterns,
     turns=True,
 )

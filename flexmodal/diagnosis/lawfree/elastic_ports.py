@@ -20,7 +20,7 @@ from flexmodal.diagnosis.effects import (
 )
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Bodies, Effect, Placement, along
-from flexmodal.diagnosis.lawfree.port import Patterns, PortKind, Wider, constant, outer
+from flexmodal.diagnosis.lawfree.port import BETWEEN, Patterns, PortKind, Wider, constant, outer
 from flexmodal.structure import Parameter
 from flexmodal.structure.arm import carried
 from flexmodal.structure.assembly import Assembly
@@ -40,7 +40,7 @@ def _base_patterns(terms: Terms, assembly: Assembly, placement: Placement) -> Pa
 
 def _base_functions(terms: Terms, context: Context, where: str) -> tuple[str, ...]:
     names = foundation.motions(context.normal)[0]
-    return tuple(names[i] if i == j else f"{names[i]} × {names[j]}" for i, j in terms(context))
+    return tuple(names[i] if i == j else f"{names[i]}{BETWEEN}{names[j]}" for i, j in terms(context))
 
 
 def _base_sizes(terms: Terms, context: Context, where: str, frequency: np.ndarray) -> np.ndarray:

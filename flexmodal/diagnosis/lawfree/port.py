@@ -33,6 +33,8 @@ class Patterns:
     """Share of each function in the compliance of each coordinate, and between two [m/N, rad/(N·m)]."""
 
 
+BETWEEN = " × "
+"""Stands between the names of two motions that a function is of."""
 STILL = Effect("port", "", lambda context: (), lambda c, w: (), lambda c, w: ())
 """A port without coordinates of its own."""
 
@@ -157,4 +159,4 @@ def tensor(rows: Sequence[np.ndarray], count: int) -> Float[np.ndarray, "functio
 
 def tensor_names(names: Sequence[str]) -> tuple[str, ...]:
     """What these functions are called, by the names of the motions."""
-    return tuple(a if a == b else f"{a} × {b}" for a, b in combinations_with_replacement(names, 2))
+    return tuple(a if a == b else f"{a}{BETWEEN}{b}" for a, b in combinations_with_replacement(names, 2))

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from flexmodal.diagnosis.lawfree.port import BETWEEN
 from flexmodal.diagnosis.lawfree.result import Curve, Findings, PlaceTried
 from flexmodal.report import Cell, Column, Gallery, Part, Parts, Picture, Table, Text
 from flexmodal.report.figure import INK, NARROW, drawing, frequency_axis, look, new_figure
@@ -17,6 +18,8 @@ _SHOWN = 8
 """Places in the table."""
 _WIDEST = 0.5
 """Standard deviation over the size of the largest value, from which a line is not drawn: it says nothing."""
+_MANY = 6
+"""Functions that are all drawn."""
 _COLUMNS = (
     Column("place", words=True), Column("what it would be", words=True), Column("free functions"),
     Column("misfit", "noise"), Column("held out", "noise"),
@@ -69,15 +72,24 @@ def _row(one: PlaceTried, *, tied: bool) -> list[str | Cell]:
     return [place, one.says, str(one.unknowns), f"{one.misfit:.2f}", apart]
 
 
+def _drawn(curve: Curve) -> list[tuple[int, str]]:
+    """Numbers and names of the functions that are drawn: all of few, or of many those on the diagonal."""
+    every = list(enumerate(curve.names))
+    return every if len(every) <= _MANY else [one for one in every if BETWEEN not in one[1]]
+
+
 @drawing
 def draw_curve(curve: Curve) -> Any:
-    """Real and imaginary part of every function over frequency, with a band of one standard deviation."""
-    figure = new_figure(NARROW, 3.6 + 0.15 * len(curve.names))
+    """Real and imaginary part of functions over frequency, with a band of one standard deviation.
+
+    Of a matrix with more than six functions those on its diagonal.
+    """
+    figure = new_figure(NARROW, 3.6 + 0.15 * len(_drawn(curve)))
     panels = figure.subplots(2, 1, sharex=True)
     known = curve.deviation <= _WIDEST * np.abs(curve.value).max(axis=1, keepdims=True)
     for part, axes, word in ((np.real, panels[0], "real"), (np.imag, panels[1], "imaginary")):
         axes.axhline(0.0, color=INK, linewidth=0.6)
-        for number, name in enumerate(curve.names):
+        for number, name in _drawn(curve):
             value, spread = part(curve.value[number]), curve.deviation[number]
             shown, style = known[number], look(number, marker=".", markersize=3, linewidth=1)
             f, y, d = curve.frequency[shown], value[shown], spread[shown]
