@@ -7,7 +7,7 @@ import pytest
 
 import flexmodal
 from flexmodal.diagnosis.effects import Context, catalogue
-from flexmodal.diagnosis.effects.absorber_start import effective_mass, ways_of
+from flexmodal.diagnosis.effects.absorber_start import effective_mass, softer_first, ways_of
 from flexmodal.diagnosis.effects.effect import along
 from flexmodal.diagnosis.effects.free_function import FreeFunction
 from flexmodal.diagnosis.effects.local_absorber import WIDE
@@ -213,3 +213,18 @@ def test_nothing_at_the_port_tells_nothing(seen, value, kind, effect):
     functions = np.full((len(kind.functions(context, where)), 20), value, dtype=complex)
     free = FreeFunction(np.linspace(0, 100, 20), functions, {}, np.zeros(3), turns=kind.turns)
     assert effect.told(context, where, free) == []
+
+
+@pytest.mark.parametrize("angles", [[0.7], [-1.2], [0.3, 0.9, 0.4], [-0.8, -2.5, 2.9], [1.2, 2.0, -1.4]])
+def test_an_absorber_with_its_softer_direction_first_is_the_same(angles):
+    omega = 2 * np.pi * np.linspace(5.0, 120.0, 40)
+    x = np.array([1.3, np.log(400.0), -3.0, *angles, np.log(0.07), np.log(1e-9), 0.3, -2.0, 1.1, -2.5])
+    found = softer_first(x, len(angles))
+    assert found[1] == pytest.approx(np.log(400.0 * np.sqrt(0.07)))
+    np.testing.assert_allclose(
+        effective_mass(omega, found, len(angles)), effective_mass(omega, x, len(angles)), rtol=1e-6, atol=1e-6
+    )
+    np.testing.assert_array_equal(softer_first(found, len(angles)), found)
+    heavy = x.copy()
+    heavy[4 + len(angles)] = np.log(0.5)
+    np.testing.assert_array_equal(softer_first(heavy, len(angles)), heavy)

@@ -39,6 +39,8 @@ _ROLL = 5
 _ROLLS = (0.0, np.pi / 4, np.pi / 2, 3 * np.pi / 4)
 """Of the second direction about the first: from the first of them the nearest is not found where the second
 lies across the link, for nothing tells to which side to roll."""
+_NEGLIGIBLE = 0.01
+"""Another mass, over the first, that plays no part."""
 _LEAST = 1e-12
 """Moment of inertia that nothing is measured by [kg·m²]."""
 _LOSSES = (0.02, 0.1)
@@ -181,6 +183,7 @@ def told_by(
     found = [first, min(wider, key=lambda one: one[0])[1]]
     if further:
         found = [min(_furthered(laid, x), key=lambda one: one[0])[1] for x in found]
+    found = [softer_first(x, laid.angles) for x in found]
     return [_values(names, turned, x) for x in found]
 
 
@@ -223,6 +226,29 @@ def turning_by(
     ]
     size, still, at = np.exp(min(tried, key=lambda one: one.cost).x)
     return float(np.sqrt(size / values["mass"])), float(at / own), float(np.sqrt(still / values["mass"]))
+
+
+def softer_first(x: Float[np.ndarray, " unknown"], angles: int) -> Float[np.ndarray, " unknown"]:
+    """The same absorber, its softer direction the first one; as it is where another mass swings.
+
+    Args:
+        x: see `effective_mass`.
+        angles: one in the plane, three in space.
+    """
+    across, other = np.exp(x[3 + angles : 5 + angles])
+    if across >= 1 or other > _NEGLIGIBLE:
+        return x
+    second, first = ways_of(x[3 : 3 + angles])[:2]
+    first = -first if first[1] < 0 else first
+    turned = [float(np.arcsin(np.clip(first[0], -1.0, 1.0)))]
+    if angles == 3:
+        turned += [float(np.arctan2(first[2], first[1])), 0.0]
+        _, level, upright = ways_of(np.array(turned))
+        turned[2] = float(np.arctan2(second @ upright, second @ level))
+    found = x.copy()
+    found[1] += np.log(across) / 2
+    found[3 : 3 + angles], found[3 + angles] = turned, -np.log(across)
+    return found
 
 
 def _furthered(
