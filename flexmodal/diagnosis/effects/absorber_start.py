@@ -14,6 +14,7 @@ import numpy as np
 from jaxtyping import Bool, Complex, Float
 from scipy.optimize import least_squares
 
+from flexmodal.diagnosis.effects.absorber_further import FASTER, FOOT, FURTHER
 from flexmodal.diagnosis.effects.free_function import FreeFunction
 
 _SETS_OUT = 12
@@ -30,7 +31,7 @@ _BESIDE: tuple[tuple[float | None, float | None], ...] = (
 _STIFF, _NOTHING = 1e3, 0.003
 """Stiffness across, over that along, of a mass that is free along one direction; the other mass if there is
 none, over the first."""
-FURTHER = ("further", "further_ratio", "foot")
+BEYOND = (FURTHER, FASTER, FOOT)
 """Names of what the wider law has besides."""
 _FURTHER_STARTS = ((0.1, 3.0, 0.05), (0.4, 6.0, 0.05))
 _NO_FURTHER = (1e-4, 10.0, 1e-5)
@@ -39,7 +40,7 @@ _ROLL = 5
 _ROLLS = (0.0, np.pi / 4, np.pi / 2, 3 * np.pi / 4)
 """Of the second direction about the first: from the first of them the nearest is not found where the second
 lies across the link, for nothing tells to which side to roll."""
-_NEGLIGIBLE = 0.01
+_NEGLIGIBLE = 0.1
 """Another mass, over the first, that plays no part."""
 _LEAST = 1e-12
 """Moment of inertia that nothing is measured by [kg·m²]."""
@@ -154,7 +155,7 @@ def told_by(
 
     Args:
         free: of a body port.
-        lower: of each parameter of the effect; those of `FURTHER` where it has them.
+        lower: of each parameter of the effect; those of `BEYOND` where it has them.
         upper: likewise.
 
     Returns:
@@ -164,7 +165,7 @@ def told_by(
     omega = 2 * np.pi * free.frequency[some]
     target = -free.tensor[some] / omega[:, None, None] ** 2
     turned = ("angle",) if target.shape[-1] == 2 else ("angle", "turn", "roll")
-    further = tuple(name for name in FURTHER if name in lower)
+    further = tuple(name for name in BEYOND if name in lower)
     names = ("mass", "frequency", "damping_ratio", *turned, "across_ratio", "other", "other_ratio", *further)
     scale = float(np.median(np.abs(np.einsum("laa->l", target)))) / target.shape[-1]
     if not np.isfinite(target).all() or scale <= 0:
@@ -175,8 +176,8 @@ def told_by(
     )
     low[1], high[1] = low[1] + np.log(2 * np.pi), high[1] + np.log(2 * np.pi)
     laid = _Laid(omega, target, scale, low, high)
-    beside = ("roll", "across_ratio", "other", "other_ratio", *FURTHER)
-    simple, narrow = (np.array([name not in left for name in names]) for left in (beside, FURTHER))
+    beside = ("roll", "across_ratio", "other", "other_ratio", *BEYOND)
+    simple, narrow = (np.array([name not in left for name in names]) for left in (beside, BEYOND))
     tried = [laid.nearest(start, simple, FEW) for start in _starts(laid)]
     first = laid.nearest(min(tried, key=lambda one: one[0])[1], simple, MANY)[1]
     wider = [laid.nearest(start, narrow, MANY) for start in _wider(first, laid.angles)]
@@ -255,7 +256,7 @@ def _furthered(
     laid: _Laid, x: Float[np.ndarray, " unknown"]
 ) -> list[tuple[float, Float[np.ndarray, " unknown"]]]:
     """With a further mass, from some."""
-    starts = [np.concatenate([x[: -len(FURTHER)], np.log(one)]) for one in _FURTHER_STARTS]
+    starts = [np.concatenate([x[: -len(BEYOND)], np.log(one)]) for one in _FURTHER_STARTS]
     return [laid.nearest(start, np.ones(len(x), dtype=bool), MANY) for start in starts]
 
 
