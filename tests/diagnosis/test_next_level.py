@@ -207,6 +207,32 @@ def test_a_law_that_takes_too_little_where_one_place_explains_it_is_widened(
     assert candidates._at_next_levels(root, [narrow], look) == [wider if tried else narrow]
 
 
+@pytest.mark.parametrize(
+    ("classes", "allowed", "tried"), [(("gain",), False, True), ((), False, False), (("gain",), True, False)]
+)
+def test_a_law_that_is_enough_stays_unless_the_curve_is_of_another_ones_class(
+    fits, monkeypatch, classes, allowed, tried
+):
+    """As a lag where the sensitivity steps: the wider gain is tried, and evidence decides."""
+    setup, _, narrow = fits
+    lag = Mock(spec=FittedFrfs, key=("time_delay", "point_1"), cost=narrow.cost)
+    gain = Mock(spec=FittedFrfs, key=("sensor_gain", "point_1"), cost=2 * narrow.cost)
+    wider = Mock(spec=FittedFrfs, key=gain.key, cost=narrow.cost / 2)
+    monkeypatch.setattr(frf_candidates, "at_next_level", lambda setup, one, *given: [wider][: one is gain])
+    monkeypatch.setattr(frf_candidates, "left", lambda setup, before, one: 0.1 if one is lag else 0.9)
+    monkeypatch.setattr(frf_candidates, "over_noise", lambda setup, one: 1.3 if one is lag else 5.0)
+    root = Mock(spec=FittedFrfs, hypothesis=Mock(base=(), placed=(), keys=()), x=np.zeros(0), cost=1.0)
+    candidates = FrfCandidates(setup, root, with_force=False)
+    candidates._is_enough = lambda model: model is lag
+    look = Mock(
+        spec=Findings, explains=True, found=(Mock(port="sensor", classes=classes),), needed=False,
+        fitted=None, left=0.6,
+        met=lambda keys: {keys[0]: None} if allowed or keys[0] == gain.key else {},
+    )  # fmt: skip
+    found = candidates._at_next_levels(root, [lag, gain], look)
+    assert found == ([wider, lag] if tried else [lag, gain])
+
+
 @pytest.mark.parametrize(("port", "tried"), [("rod", True), ("coupling", False)])
 def test_no_narrow_law_is_enough_where_only_wide_ones_do_what_was_found(fits, monkeypatch, port, tried):
     """Others may leave as little as the functions of a rod do while more is missing, but are none."""

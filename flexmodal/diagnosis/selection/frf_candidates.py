@@ -241,9 +241,12 @@ class FrfCandidates(SearchesBeside):
 
         More than noise, and more than the functions of that place leave when they are free, or most of what
         is missing: where that is little, it is less than several times the noise to begin with. No narrow law
-        is enough where the place is one that only wide ones have.
+        is enough where the place is one that only wide ones have, or its curve is of another effect's class.
         """
-        if any(self._is_enough(one) and left(self.setup, before, one) <= HALF for one in found):
+        can_be = [
+            one for one in found if look.met([one.key]) or not (look.explains and look.found[0].classes)
+        ]
+        if any(self._is_enough(one) and left(self.setup, before, one) <= HALF for one in can_be):
             return found
         least = LAW_LEAVES * look.left
         others = swung(self.setup, before, look)
