@@ -53,6 +53,7 @@ CLASSES_OF: Mapping[str, tuple[str, ...]] = {
         "gain with a power of frequency",
         "high pass and gain",
         "resonance of its mount and gain",
+        "step and gain",
     ),
     "time_delay": ("delay", "gain and delay", "low pass and gain", "all-pass and gain"),
 }

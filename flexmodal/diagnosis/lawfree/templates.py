@@ -68,6 +68,10 @@ def _times(omega: np.ndarray) -> np.ndarray:
     return np.geomspace(0.1 / omega[-1], 1 / omega[0], 10)
 
 
+def _steps(omega: np.ndarray) -> np.ndarray:
+    return np.geomspace(0.05, 20.0, 8)
+
+
 def _one(omega: np.ndarray) -> np.ndarray:
     return np.ones(len(omega), dtype=complex)
 
@@ -177,6 +181,12 @@ _MOUNT = Template(
     ("ln gain = {:.4g}", "order {:.3g}"), (_mounts, _ratios), "ω = {:.4g} rad/s, ζ = {:.3g}",
 )  # fmt: skip
 
+_STEP = Template(
+    "step and gain",
+    lambda w, at: [_one(w), np.log(1 + 1j * w * at[0] * at[1]) - np.log(1 + 1j * w * at[0])], 2,
+    ("ln gain = {:.4g}", "order {:.3g}"), (_times, _steps), "time constant {:.3g} s, above it × {:.3g}",
+)  # fmt: skip
+
 _OF = {
     "joint": (_SPRING, _DAMPER, _LOSS, _MASS, _RELAXATION, _ABSORBER, _SERIES),
     "coupling": (_SPRING, _DAMPER, _BOTH, _MASS, _RELAXATION, _SERIES),
@@ -189,7 +199,7 @@ _OF = {
     "ground": (_SPRING, _DAMPER, _BOTH, _MASS, _RELAXATION),
     "body": (_MASS, _SPRING, _BOTH, _ABSORBER),
     "attached": (_MASS, _SPRING, _BOTH, _ABSORBER),
-    "sensor": (_GAIN, _SLOPE, _PHASE, _DELAY, _GAIN_DELAY, _LOW, _TURN, _HIGH, _MOUNT),
+    "sensor": (_GAIN, _SLOPE, _PHASE, _DELAY, _GAIN_DELAY, _LOW, _TURN, _HIGH, _MOUNT, _STEP),
     "hammer": (_GAIN, _SLOPE, _PHASE, _DELAY, _GAIN_DELAY, _LOW, _TURN, _HIGH, _MOUNT),
 }
 

@@ -10,11 +10,7 @@ from flexmodal.diagnosis.disagreement.gaps import left, over_noise
 from flexmodal.diagnosis.lawfree.adjacent import adjacent
 from flexmodal.diagnosis.lawfree.effects_at import HIDE, PORT_OF, WIDE
 from flexmodal.diagnosis.lawfree.result import Findings
-from flexmodal.diagnosis.search.explanations import (
-    FOLLOWED,
-    best_of_each,
-    from_each_start,
-)
+from flexmodal.diagnosis.search.explanations import FOLLOWED, best_of_each, from_each_start
 from flexmodal.diagnosis.search.next_level import at_next_level
 from flexmodal.diagnosis.search.set_out import SetOut
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
@@ -243,10 +239,8 @@ class FrfCandidates(SearchesBeside):
         is missing: where that is little, it is less than several times the noise to begin with. No narrow law
         is enough where the place is one that only wide ones have, or its curve is of another effect's class.
         """
-        can_be = [
-            one for one in found if look.met([one.key]) or not (look.explains and look.found[0].classes)
-        ]
-        if any(self._is_enough(one) and left(self.setup, before, one) <= HALF for one in can_be):
+        enough = [one for one in found if self._is_enough(one) and left(self.setup, before, one) <= HALF]
+        if any(look.met([one.key]) or not self._is_other(one, look) for one in enough):
             return found
         least = LAW_LEAVES * look.left
         others = swung(self.setup, before, look)
@@ -255,6 +249,12 @@ class FrfCandidates(SearchesBeside):
         if look.found[0].port not in WIDE and any(over_noise(self.setup, one) <= least for one in does):
             return found
         return best_of_each([*found, *self._at_next_level(places, starts(before, look))])
+
+    def _is_other(self, model: FittedFrfs, look: Findings) -> bool:
+        """Whether a law leaves something, where the curve that explains all is of some class."""
+        return (
+            look.explains and bool(look.found[0].classes) and over_noise(self.setup, model) > NOTHING_HIDDEN
+        )
 
     def _at_last(self, before: FittedFrfs, found: list[FittedFrfs]) -> list[FittedFrfs]:
         """The wider law of an effect that takes all but a little, wherever it is, if that leaves nothing."""
