@@ -991,12 +991,36 @@ def test_a_link_with_modes_of_its_own_shears_where_it_lags_behind_its_ends():
     assert off({"shear": 1e-4}) > 0.1, "it is not seen at all"
 
 
+def test_a_link_with_a_crack_gives_there_besides():
+    """The hinges beside it share it: it sits where it is on average."""
+    context, observed, stand = seen_and_simulated("six_link", ["start_2"], points=4, top=200.0)
+    bending, crack = 5e5, 0.6
+    length, mass = float(np.linalg.norm(context.reach("link_5"))), stand.true.bodies["link_5"].mass
+    k = bending / length
+    time = 2 * 0.02 * float(np.sqrt(mass * length**2 / 3 / (3 * k)))
+    whole = k / (1 + 1 / crack)
+    values = {
+        "stiffness": whole, "damping": time * whole, "position": 0.5, "shear": 1e-4, "crack": 1 / crack,
+        "crack_at": 0.17,
+    }  # fmt: skip
+    beam = {"bending_stiffness": bending, "damping_ratio": 0.02, "ratio": 1.0, "place": 0.17, "crack": crack}
+    there = theirs(observed, stand, "link_flexibility", "link_5", beam, "cracked")
+
+    def off(more):
+        here = ours(context, observed, "link_flexibility" + NEXT, "link_5", {**values, **more})
+        return np.median(np.abs(np.log(here / there)), axis=1).max()
+
+    assert off({}) < 0.02
+    assert off({"crack": 1e-4}) > 0.1, "where it is does not matter at all"
+
+
 @pytest.mark.parametrize(
     "effect",
     [
         *sorted(set(catalogue()) - {"coulomb_friction", "nonlinear_stiffness"}),
         "base_flexibility" + NEXT,
         "joint_coupling" + NEXT,
+        "link_flexibility" + NEXT,
         "local_absorber" + NEXT,
         "sensor_mass" + NEXT,
         "servo_compliance" + NEXT,

@@ -32,6 +32,7 @@ STRUCTURAL = (
     "link_flexibility", "base_flexibility", "servo_compliance", "structural_damping", "joint_coupling",
     "bearing_flexibility",
     "added_mass", "local_absorber", "local_absorber" + NEXT, "base_flexibility" + NEXT,
+    "link_flexibility" + NEXT,
     "servo_compliance" + NEXT, "bearing_flexibility" + NEXT,
 )  # fmt: skip
 ROBOTS = ("fanuc_s360", "six_link", "six_axis")

@@ -15,7 +15,8 @@ section 5.6).
 
 The link's mass is taken as spread evenly along it as far as its centre and its inertia allow, the rest as a
 lump, see `cut_body`. At the next level how much is in the lump is free, and hinges that have fixed places may
-move towards an end of their piece, as those of a link on one hinge do.
+move towards an end of their piece, as those of a link on one hinge do; and there may be a crack, which is a
+hinge with a spring that opens in one plane (Dimarogonas, Engineering Fracture Mechanics 55, 1996, 831).
 """
 
 from __future__ import annotations
@@ -50,6 +51,8 @@ SHEAR = 0.03
 """Φ, about: of a thin tube sixteen times as long as wide, κ = ½."""
 BENDS = ("position", "spread")
 """What two hinges sit by."""
+CRACK, CRACK_AT = "crack", "crack_at"
+"""Compliance of a crack in the first plane, over that of the link there without it, and its place."""
 TWIST = 3.0
 """Stiffness against twist over that against bending, about: G J over E I, and more where little twists it."""
 
@@ -110,13 +113,13 @@ def _planes(placement: Placement) -> list[tuple[float, list[tuple[int, float]]]]
 def _act(assembly: Assembly, placement: Placement) -> None:
     context, where = placement.context, placement.where
     time, planes = placement["damping"] / placement["stiffness"], _planes(placement)
-    springs = placement["stiffness"] / bending(placement)[1]
-    names = names_of(context, where, len(springs))
+    names = names_of(context, where, len(bending(placement)[0]))
     found: list[tuple[list[tuple[str, float]], float]] = []
-    for hinge, spring in enumerate(springs.tolist()):
-        own = names[len(planes) * hinge :]
-        for ratio, parts in planes:
-            found.append(([(own[plane], share) for plane, share in parts], ratio * spring))
+    for number, (ratio, parts) in enumerate(planes):
+        springs = ratio * placement["stiffness"] / _shares(placement, number)
+        for hinge, spring in enumerate(springs.tolist()):
+            own = names[len(planes) * hinge :]
+            found.append(([(own[plane], share) for plane, share in parts], spring))
     for section in sections(context, where, bending(placement)[0]):
         twist = [([(name, 1.0)], placement["twist_ratio"] * placement["stiffness"]) for name in section.twist]
         slides = [
@@ -131,6 +134,18 @@ def _act(assembly: Assembly, placement: Placement) -> None:
     stiffness = np.array([each for _, each in found])
     assembly.add_together("stiffness", rows, stiffness)
     assembly.add_together("damping", rows, time * stiffness)
+
+
+def _shares(placement: Placement, plane: int) -> Float[np.ndarray, " hinge"]:
+    """Of a plane's compliance, of each hinge; by the wider law with a crack in the first plane.
+
+    That is shared by the two hinges beside it, so that it sits there on average.
+    """
+    places, shares = bending(placement)
+    if plane or CRACK not in placement.values:
+        return shares
+    near = np.array([np.interp(placement[CRACK_AT], places, each) for each in np.eye(len(places))])
+    return np.asarray((shares + placement[CRACK] * near) / (1 + placement[CRACK]))
 
 
 def _sliding(placement: Placement) -> float:
@@ -159,7 +174,7 @@ def _joints_at(placement: Placement, hinge: int, places: Float[np.ndarray, " hin
     for plane, (ratio, parts) in enumerate(_planes(placement)):
         side = np.sum([share * across[number] for number, share in parts], axis=0)
         end = f"{hinge + 1}" + (f"_{plane + 1}" if len(across) > 1 else "")
-        bend = ratio * stiffness / bending(placement)[1][hinge]
+        bend = ratio * stiffness / _shares(placement, plane)[hinge]
         found.append(_New(f"{link}_bend_{end}", crossed(axis, side), bend))
         for section, share in there:
             if section.shears:
@@ -200,14 +215,22 @@ def _wider_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
         signed(TUBE, "", 0.3, 0.0, 1.0, centre=1.0),
         signed(SPREAD, "", 0.3, 0.0, 1.0, centre=1.0),
     )
-    return found if fixed(context, where) is None else (*found, signed(SHIFT, "", 0.3, -0.8, 0.8))
+    if fixed(context, where) is None:
+        return found
+    return (
+        *found,
+        signed(SHIFT, "", 0.3, -0.8, 0.8),
+        positive(CRACK, "", 0.03, 1.5, 1e-4, 30.0),
+        signed(CRACK_AT, "", 0.25, 0.03, 0.97, centre=0.4),
+    )
 
 
 def _wider_starts(context: Context, where: str, values: Mapping[str, float]) -> Sequence[Mapping[str, float]]:
     bodies = ((1.0, 1.0), (0.5, 0.8), (0.3, 0.2))
     found = [{**values, TUBE: tube, SPREAD: spread} for tube, spread in bodies]
     moved = [{**values, SHIFT: shift, "spread": 0.1} for shift in (-0.5, 0.5)]
-    return found if fixed(context, where) is None else [*found[:2], *moved]
+    cracked = [{**values, CRACK: 0.7, CRACK_AT: place, "spread": EVEN} for place in (0.2, 0.5, 0.8)]
+    return found if fixed(context, where) is None else [*found[:2], *moved, *cracked]
 
 
 NARROW = Effect(
