@@ -119,13 +119,16 @@ def _axes(ways: Sequence[Vectors], *, planar: bool) -> tuple[Vectors, ...]:
 
 def _further_springs(values: Values, springs: Springs) -> list[tuple[float, float]]:
     """Of the further mass; its second spring is as many times as stiff as that of the first mass."""
-    times, share = values[FASTER], values[FURTHER]
-    return [(share * times**2 * k, share * times * b) for k, b in springs]
+    return _faster(springs, values[FASTER], values[FURTHER])
 
 
 def _turning_springs(values: Values, springs: Springs) -> list[tuple[float, float]]:
     """Against turning [N·m/rad, N·m·s/rad], likewise."""
-    times, share = values[TURNS], values[GYRATION] ** 2
+    return _faster(springs, values[TURNS], values[GYRATION] ** 2)
+
+
+def _faster(springs: Springs, times: float, share: float) -> list[tuple[float, float]]:
+    """Of so large a share of the mass, or of its inertia, so many times as fast and as damped."""
     return [(share * times**2 * k, share * times * b) for k, b in springs]
 
 

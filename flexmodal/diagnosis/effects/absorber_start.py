@@ -33,8 +33,8 @@ _STIFF, _NOTHING = 1e3, 0.003
 none, over the first."""
 BEYOND = (FURTHER, FASTER, FOOT)
 """Names of what the wider law has besides."""
-_FURTHER_STARTS = ((0.1, 3.0, 0.05), (0.4, 6.0, 0.05))
-_NO_FURTHER = (1e-4, 10.0, 1e-5)
+_FURTHER_STARTS, _NO_FURTHER = ((0.1, 3.0, 0.05), (0.4, 6.0, 0.05)), (1e-4, 10.0, 1e-5)
+"""Of these: from what a fit with them starts, a line and a beam, and where they do nothing."""
 _ROLL = 5
 """Number of the roll among the unknowns, in space."""
 _ROLLS = (0.0, np.pi / 4, np.pi / 2, 3 * np.pi / 4)

@@ -240,7 +240,7 @@ class FrfCandidates(SearchesBeside):
         is enough where the place is one that only wide ones have, or its curve is of another effect's class.
         """
         enough = [one for one in found if self._is_enough(one) and left(self.setup, before, one) <= HALF]
-        if any(look.met([one.key]) or not self._is_other(one, look) for one in enough):
+        if any(look.met([one.key]) or not self._may_be_another(one, look) for one in enough):
             return found
         least = LAW_LEAVES * look.left
         others = swung(self.setup, before, look)
@@ -250,8 +250,8 @@ class FrfCandidates(SearchesBeside):
             return found
         return best_of_each([*found, *self._at_next_level(places, starts(before, look))])
 
-    def _is_other(self, model: FittedFrfs, look: Findings) -> bool:
-        """Whether a law leaves something, where the curve that explains all is of some class."""
+    def _may_be_another(self, model: FittedFrfs, look: Findings) -> bool:
+        """Whether a law leaves something, where the curve that explains all is of a class that is known."""
         return (
             look.explains and bool(look.found[0].classes) and over_noise(self.setup, model) > NOTHING_HIDDEN
         )
