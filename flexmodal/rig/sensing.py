@@ -10,6 +10,7 @@ from jaxtyping import Complex, Float
 
 from flexmodal.campaign import CampaignPoint
 from flexmodal.rig.plant.assembly import PlantAssembly
+from flexmodal.rig.plant.geometry import part_of_turn
 
 Filter = Callable[[np.ndarray], np.ndarray]
 """Reading over truth by angular frequency [rad/s]."""
@@ -27,6 +28,8 @@ class Sensor:
     """Rotation of the sensor on its link, axes of the link; or any other mixture of its axes."""
     leaning: Float[np.ndarray, "3 3"] = field(default_factory=lambda: np.eye(3))
     """Rotation of the sensor that stays the same in the world, whatever the posture."""
+    following: tuple[Float[np.ndarray, "3 3"], float] | None = None
+    """Axes of its link in the first posture, and the part of the link's turn since that it makes too."""
     offset: Float[np.ndarray, "3"] = field(default_factory=lambda: np.zeros(3))
     """From the marked point to where it truly measures, in the frame of the link [m]."""
     mass: float = 0.0
@@ -64,6 +67,9 @@ class Sensor:
             axes: of the link in the world, column by column.
             nominal: unit vector in the world that the record names.
         """
+        if self.following is not None:
+            first, part = self.following
+            nominal = part_of_turn(axes @ first.T, part) @ nominal
         return self.leaning @ axes @ self.turned @ axes.T @ nominal
 
     def response(self, frequency: Float[np.ndarray, " line"]) -> Complex[np.ndarray, " line"]:

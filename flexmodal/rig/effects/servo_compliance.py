@@ -33,7 +33,7 @@ def _act(assembly: PlantAssembly, site: Site) -> None:
     k, b = site.stand.true.stiffness[joint], site.stand.true.damping[joint]
     assembly.add_coordinates([f"{joint} motor"])
     motor = assembly.row(f"{joint} motor")
-    link = assembly.row(joint)
+    link = assembly.stretch(joint)
     assembly.add_spring(link, -k, -b)  # the joint's own spring, which went from link to a locked motor
     assembly.add_spring(link - motor, k, b)
     assembly.add_spring(motor, site["proportional_gain"], site["derivative_gain"])

@@ -64,7 +64,10 @@ def backlash(p, new, force):
 
 @no_type_check
 def elastic(kind, p, new, force):
-    """Torques that only the elongation sets: polynomial (3), piecewise (4), saturating (5), sinh (6)."""
+    """Torques that only the elongation sets.
+
+    Polynomial (3), piecewise (4), saturating (5), sinh (6), Hertz's (12).
+    """
     for b in range(len(new)):
         u = new[b]
         size = abs(u)
@@ -75,6 +78,9 @@ def elastic(kind, p, new, force):
             force[b] = -torque if u > 0 else torque
         elif kind == 5:
             force[b] = -(p[0] * np.tanh(u / p[1]) + p[2] * u)
+        elif kind == 12:
+            pressed = max(1.0 + u / p[1], 0.0) ** 1.5 - max(1.0 - u / p[1], 0.0) ** 1.5
+            force[b] = -p[0] * (p[1] / 3.0 * pressed - u)
         else:
             ratio = size / p[1]
             inner = min(ratio, p[2])
@@ -100,11 +106,14 @@ def sliding(kind, p, speed, old, new, memory, fresh, force, ease):
 
 @no_type_check
 def yielding(kind, p, old, new, memory, fresh, force):
-    """Torques that the distance moved sets: a spring that slips (9), Bouc and Wen's (10)."""
+    """Torques that the distance moved sets: a spring that slips (9), by load (11), Bouc and Wen's (10)."""
     for b in range(len(new)):
         moved = new[b] - old[b]
         if kind == 9:
             torque = min(max(memory[b] + p[0] * moved, -p[1]), p[1])
+        elif kind == 11:
+            limit = p[1] + p[2] * abs(new[b] + p[3])
+            torque = min(max(memory[b] + p[0] * moved, -limit), limit)
         else:
             way = 1.0 if moved >= 0 else -1.0
             far = p[0] / p[1] * abs(moved)
@@ -126,7 +135,7 @@ def act(kind, p, old, new, speed, before, memory, fresh, force, ease):
         friction(p, old, new, before, force)
     elif kind == 2:
         backlash(p, new, force)
-    elif kind <= 6:
+    elif kind <= 6 or kind == 12:
         elastic(kind, p, new, force)
     elif kind <= 8:
         sliding(kind, p, speed, old, new, memory, fresh, force, ease)

@@ -17,6 +17,8 @@ from flexmodal.rig.plant.plant import (
     BOUC_WEN,
     FRICTION,
     HARDENING,
+    HERTZ,
+    LOADED,
     LUGRE,
     PIECEWISE,
     POLYNOMIAL,
@@ -121,10 +123,28 @@ def _bouc_wen(
     return torque, torque
 
 
+def _loaded(
+    p: np.ndarray, old: np.ndarray, new: np.ndarray, speed: np.ndarray, memory: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """A spring p₀ that slips at p₁ + p₂ |u + p₃|: the more is carried, the later."""
+    limit = p[1] + p[2] * np.abs(new + p[3])
+    torque = np.clip(memory + p[0] * (new - old), -limit, limit)
+    return torque, torque
+
+
+def _hertz(
+    p: np.ndarray, old: np.ndarray, new: np.ndarray, speed: np.ndarray, memory: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """p₀ (p₁/3 ((1 + x)^1.5 − (1 − x)^1.5) − u), x = u/p₁: one of two contacts opens beyond ±1."""
+    ratio = new / p[1]
+    pressed = np.maximum(1 + ratio, 0.0) ** 1.5 - np.maximum(1 - ratio, 0.0) ** 1.5
+    return p[0] * (p[1] / 3 * pressed - new), memory
+
+
 LAWS: Mapping[int, Law] = {
     HARDENING: _hardening, FRICTION: _friction, BACKLASH: _backlash, POLYNOMIAL: _polynomial,
     PIECEWISE: _piecewise, SATURATING: _saturating, SINH: _sinh, STRIBECK: _stribeck, LUGRE: _lugre,
-    SLIDER: _slider, BOUC_WEN: _bouc_wen,
+    SLIDER: _slider, BOUC_WEN: _bouc_wen, LOADED: _loaded, HERTZ: _hertz,
 }  # fmt: skip
 
 

@@ -54,7 +54,7 @@ class PlantAssembly:
         self.feedbacks: list[Feedback] = []
         self.elements: list[NonlinearElement] = []
         self.elongation: dict[str, np.ndarray] = {}
-        """Joints whose spring no longer goes to a locked motor, and what stretches it."""
+        """Joints whose spring something else stretches than the joint on a locked motor, and what."""
 
     def _rigid_maps(self) -> dict[str, np.ndarray]:
         maps = {link.name: np.zeros((6, len(self.coordinates))) for link in self.robot.urdf.links}

@@ -62,9 +62,9 @@ def build(
         if link not in done:
             assembly.add_body(link, body.com, body.mass, body.inertia)
     for joint in stand.robot.joints:
-        row = assembly.row(joint)
-        assembly.add_spring(row, stand.true.stiffness[joint], stand.true.damping[joint])
-        assembly.add_inertia(row, stand.true.rotor.get(joint, 0.0))
+        stretch = assembly.stretch(joint)
+        assembly.add_spring(stretch, stand.true.stiffness[joint], stand.true.damping[joint])
+        assembly.add_inertia(assembly.row(joint), stand.true.rotor.get(joint, 0.0))
     for effect, site in ordered:
         if effect.act is not None:
             effect.act(assembly, site)

@@ -25,6 +25,18 @@ def turn(axis: Float[np.ndarray, "3"], angle: float) -> Float[np.ndarray, "3 3"]
     return np.eye(3) + np.sin(angle) * k + (1 - np.cos(angle)) * (k @ k)
 
 
+def part_of_turn(whole: Float[np.ndarray, "3 3"], part: float) -> Float[np.ndarray, "3 3"]:
+    """A rotation about the same axis by a part of the angle.
+
+    Args:
+        whole: a rotation by half a turn at most.
+        part: of its angle; below 0 the other way round.
+    """
+    from scipy.spatial.transform import Rotation
+
+    return np.asarray((Rotation.from_matrix(whole) ** part).as_matrix())
+
+
 def across(
     axis: Float[np.ndarray, "3"], normal: Float[np.ndarray, "3"] | None
 ) -> tuple[Float[np.ndarray, "3"], ...]:

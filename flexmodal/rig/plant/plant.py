@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Complex, Float
 
 HARDENING, FRICTION, BACKLASH, POLYNOMIAL, PIECEWISE, SATURATING = range(6)
-SINH, STRIBECK, LUGRE, SLIDER, BOUC_WEN = range(6, 11)
+SINH, STRIBECK, LUGRE, SLIDER, BOUC_WEN, LOADED, HERTZ = range(6, 13)
 """Kinds of non-linear element; see `laws`."""
 NUMBERS = 5
 """The most that a law takes."""
