@@ -16,7 +16,7 @@ from flexmodal.files import whole_file
 
 FILES = {
     "rig": "exam", "mujoco": "exam_mujoco", "looked": "exam_looked", "sealed": "exam_sealed",
-    "unseen": "exam_unseen", "later": "exam_later",
+    "unseen": "exam_unseen", "later": "exam_later", "blind": "exam_blind",
 }  # fmt: skip
 PHYSICS = {
     "rig": "The virtual rig on",
@@ -27,6 +27,8 @@ PHYSICS = {
     "unseen": "The virtual rig, effects in forms that were written once the diagnosis was done, on random "
     "arms and",
     "later": "The virtual rig, effects in forms that were written once the diagnosis had met all others, on "
+    "random arms and",
+    "blind": "The virtual rig, effects in forms by an author who did not know how the diagnosis works, on "
     "random arms and",
 }
 TELLS = 0.1

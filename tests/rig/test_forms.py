@@ -10,7 +10,7 @@ import pytest
 import flexmodal
 from flexmodal.campaign import read_campaign
 from flexmodal.errors import InvalidRequest
-from flexmodal.rig import EFFECTS, FORMS, LATER, LOOKED_AT, SEALED, UNSEEN, Hide, hide_places, simulate
+from flexmodal.rig import BLIND, EFFECTS, FORMS, LATER, LOOKED_AT, SEALED, UNSEEN, Hide, hide_places, simulate
 from flexmodal.rig.effects.effect import OWN
 from flexmodal.rig.forms import find
 from flexmodal.rig.hammer_test import Conduct
@@ -57,7 +57,7 @@ def drawn(stand, key: str, seed: int = 1):
     return effect, Site(stand, where, effect.draw(stand, where, np.random.default_rng(seed)))
 
 
-TABLES = {"looked at": LOOKED_AT, "sealed": SEALED, "unseen": UNSEEN, "later": LATER}
+TABLES = {"looked at": LOOKED_AT, "sealed": SEALED, "unseen": UNSEEN, "later": LATER, "blind": BLIND}
 
 
 def test_every_form_is_in_one_table():

@@ -1,7 +1,7 @@
 """Every effect in several physical forms, and which of them may be looked at when a diagnosis is tuned.
 
 `FORMS[name]["own"]` is the effect as the rig has always had it. Forms of one effect share its name, and
-nothing of their laws. Those `SEALED`, `UNSEEN` and `LATER` are for exams alone.
+nothing of their laws. Those `SEALED`, `UNSEEN`, `LATER` and `BLIND` are for exams alone.
 """
 
 from __future__ import annotations
@@ -11,11 +11,14 @@ from flexmodal.rig.forms import (
     added_mass,
     base_carriage,
     base_flexibility,
+    base_gantry,
     base_pedestal,
     bearing_flexibility,
     coulomb_friction,
     joint_coupling,
+    joint_remote,
     link_flexibility,
+    link_plates,
     local_absorber,
     nonlinear_stiffness,
     sensor_alignment,
@@ -30,7 +33,8 @@ FORMS: dict[str, dict[str, Effect]] = {name: {effect.form: effect} for name, eff
 for _room in (
     link_flexibility, base_flexibility, servo_compliance, structural_damping, coulomb_friction,
     nonlinear_stiffness, joint_coupling, added_mass, local_absorber, sensor_mass, sensors,
-    sensor_alignment, bearing_flexibility, base_carriage, base_pedestal,
+    sensor_alignment, bearing_flexibility, base_carriage, base_pedestal, base_gantry,
+    link_plates, joint_remote,
 ):  # fmt: skip
     for _effect in _room.FORMS:
         FORMS[_effect.name][_effect.form] = _effect
@@ -105,6 +109,24 @@ LATER: dict[str, tuple[str, ...]] = {
     "bearing_flexibility": ("angular_contact",),
 }
 """Likewise, written once those before had been met and what they showed was mended."""
+
+BLIND: dict[str, tuple[str, ...]] = {
+    "link_flexibility": ("plates",),
+    "base_flexibility": ("gantry",),
+    "servo_compliance": ("torque_fed",),
+    "structural_damping": ("biot",),
+    "coulomb_friction": ("loaded",),
+    "nonlinear_stiffness": ("rolling",),
+    "joint_coupling": ("remote",),
+    "added_mass": ("half_full",),
+    "local_absorber": ("stacked",),
+    "sensor_mass": ("along_arm",),
+    "sensor_gain": ("one_axis",),
+    "time_delay": ("smoothed",),
+    "sensor_misalignment": ("following",),
+    "bearing_flexibility": ("pinion",),
+}
+"""Likewise, by an author who did not know how the diagnosis works."""
 
 
 def find(name: str, form: str = "own") -> Effect:

@@ -1,4 +1,4 @@
-"""Other things a card may lack: points, a disc, a body on a soft stalk, a rod, a duct, a counterweight."""
+"""Other things a card may lack: points, disc, body on a soft stalk, rod, duct, counterweight, tank."""
 
 from __future__ import annotations
 
@@ -11,6 +11,9 @@ from flexmodal.rig.effects.added_mass import on_link
 from flexmodal.rig.effects.effect import Effect, Parameters, Site, Stand, drawing, each, positive, within
 from flexmodal.rig.plant.assembly import PlantAssembly
 from flexmodal.rig.plant.geometry import cuboid
+
+SLOSH, GRAVITY = 1.8411837813406593, 9.81
+"""First zero of J₁', of a liquid that swings in a round tank; m/s²."""
 
 _PLACE = {"mass": "kg", "x": "m", "y": "m", "z": "m"}
 _AXIS = {"ax": "", "ay": "", "az": "unit vector, in the frame of the link"}
@@ -115,6 +118,39 @@ def _act_stalk(assembly: PlantAssembly, site: Site) -> None:
     assembly.add_on_springs(names, carried, site["mass"], site["frequency"], site["damping_ratio"])
 
 
+def _draw_half_full(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
+    """A tank whose liquid sloshes at 1 to 3 Hz, below what a hammer test looks at."""
+    return {
+        **_draw_point(stand, where, random),
+        "radius": float(random.uniform(0.08, 0.2)),
+        "depth": float(random.uniform(0.6, 1.5)),
+        "damping_ratio": float(random.uniform(0.02, 0.1)),
+    }
+
+
+def _act_half_full(assembly: PlantAssembly, site: Site) -> None:
+    """An upright cylinder: all of the liquid goes up and down, a part of it stays behind sideways.
+
+    m₁/m = 2 tanh(ξ h/R)/(ξ (ξ² − 1) h/R), ω² = ξ g/R tanh(ξ h/R), h/2 − 2R/ξ tanh(ξ h/2R) above the centre
+    of the liquid; ξ the first zero of J₁'.
+    """
+    depth, radius, mass = site["depth"], site["radius"], site["mass"]
+    part = 2 * np.tanh(SLOSH * depth) / (SLOSH * (SLOSH**2 - 1) * depth)
+    omega = float(np.sqrt(SLOSH * GRAVITY / radius * np.tanh(SLOSH * depth)))
+    high = radius * (depth / 2 - 2 / SLOSH * np.tanh(SLOSH * depth / 2))
+    axes, centre = assembly.orientation(site.where), site.vector("x", "y", "z")
+
+    def moved(height: float) -> np.ndarray:
+        return assembly.motion(site.where, centre + height * axes.T[:, 2])[:3]
+
+    swinging, stays = moved(high), moved(-high * part / (1 - part))
+    assembly.add_inertia(moved(0.0)[2], mass)
+    for way in (0, 1):
+        assembly.add_inertia(stays[way], (1 - part) * mass)
+    names, frequency = ["slosh x", "slosh y"], omega / 2 / np.pi
+    assembly.add_on_springs(names, swinging[:2], part * mass, frequency, site["damping_ratio"])
+
+
 def _check_unit(parameters: Parameters) -> str | None:
     size = float(np.linalg.norm([parameters[name] for name in _AXIS]))
     return None if abs(size - 1) <= 1e-6 else f"ax, ay, az of length {size:g}, where 1 is needed"
@@ -181,5 +217,20 @@ COUNTERWEIGHT: Effect = replace(
     check=positive("mass", "thickness", "depth"),
     act=_act_counterweight,
 )
+HALF_FULL: Effect = replace(
+    POINT,
+    form="half_full",
+    says="a tank that is half full: sideways a part of the liquid stays behind",
+    source="Abramson, ed., The Dynamic Behavior of Liquids in Moving Containers, NASA SP-106, 1966",
+    units={
+        **_PLACE,
+        "radius": "m, of the tank",
+        "depth": "of the liquid, over the radius",
+        "damping_ratio": "",
+    },
+    draw=_draw_half_full,
+    check=positive("mass", "radius", "depth"),
+    act=_act_half_full,
+)
 
-FORMS = (POINT, TWO, DISC, ROD, STALK, DUCT, COUNTERWEIGHT)
+FORMS = (POINT, TWO, DISC, ROD, STALK, DUCT, COUNTERWEIGHT, HALF_FULL)

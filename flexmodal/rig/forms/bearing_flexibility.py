@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from flexmodal.rig.effects.bearing_flexibility import EFFECT as OWN
-from flexmodal.rig.effects.bearing_flexibility import draw_springs, rows
+from flexmodal.rig.effects.bearing_flexibility import draw_springs, rows, shape
 from flexmodal.rig.effects.effect import Effect, Parameters, Site, Stand, divided, positive
 from flexmodal.rig.plant.assembly import PlantAssembly
 from flexmodal.rig.plant.plant import Branch
@@ -146,6 +146,22 @@ def _act_balls(assembly: PlantAssembly, site: Site) -> None:
             assembly.add_spring(pressed, spring, spring * time)
 
 
+def _draw_pinion(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
+    return {
+        **draw_springs(stand, where, random),
+        "base_radius": float(random.uniform(0.06, 0.18)),
+        "angle": float(random.uniform(0, 2 * np.pi)),
+    }
+
+
+def _shape_pinion(assembly: PlantAssembly, site: Site) -> None:
+    """The drive pushes a tooth along the line of action: r θ and the bearing's shift add up there."""
+    shape(assembly, site)
+    x, y, *_ = rows(assembly, site)
+    shift = np.cos(site["angle"]) * x + np.sin(site["angle"]) * y
+    assembly.elongation[site.where] = assembly.stretch(site.where) + shift / site["base_radius"]
+
+
 def _check(*names: str) -> Effect:
     def check(parameters: Parameters) -> str | None:
         return OWN.check(parameters) or positive(*names)(parameters)
@@ -214,5 +230,14 @@ CONTACT: Effect = replace(
     scaled=divided("ball_stiffness"),
     act=_act_balls,
 )  # fmt: skip
+PINION: Effect = replace(
+    _check("base_radius"),
+    form="pinion",
+    says="a bearing beside which a pinion drives: the teeth push what it carries aside",
+    source="Kahraman, Özgüven, Houser and Zakrajsek, ASME J. Mechanical Design 114 (1992) 507 (gear mesh)",
+    units={**OWN.units, "base_radius": "m, of the gear", "angle": "rad, of the line of action"},
+    draw=_draw_pinion,
+    shape=_shape_pinion,
+)
 
-FORMS = (ROWS, HOUSING, RELAXING, RING, CONTACT)
+FORMS = (ROWS, HOUSING, RELAXING, RING, CONTACT, PINION)

@@ -7,12 +7,24 @@ from dataclasses import replace
 import numpy as np
 
 from flexmodal.rig.effects.coulomb_friction import EFFECT as OWN
-from flexmodal.rig.effects.effect import Check, Effect, Site, Stand, each, multiplied, positive, within
+from flexmodal.rig.effects.effect import (
+    Check,
+    Effect,
+    Site,
+    Stand,
+    each,
+    either_sign,
+    multiplied,
+    positive,
+    within,
+)
 from flexmodal.rig.plant.assembly import PlantAssembly
-from flexmodal.rig.plant.plant import BOUC_WEN, LUGRE, SLIDER, STRIBECK, NonlinearElement
+from flexmodal.rig.plant.plant import BOUC_WEN, LOADED, LUGRE, SLIDER, STRIBECK, NonlinearElement
 
 SLIDERS = 6
 """Of Iwan's model."""
+MOST_OF_LOAD = 0.6
+"""Friction of a gear over what it carries."""
 
 
 def _torque(stand: Stand, where: str, random: np.random.Generator) -> float:
@@ -114,6 +126,23 @@ def _act_seal(assembly: PlantAssembly, site: Site) -> None:
     _element(assembly, site, SLIDER, site["presliding_stiffness"], site["torque"] - wet)
 
 
+def _draw_loaded(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
+    """A mesh that loses 3 to 12 % of what it carries, the weight of the arm among it."""
+    drawn = _draw_presliding(stand, where, random)
+    return {
+        **drawn,
+        "torque": float(random.uniform(0.2, 0.6) * drawn["torque"]),
+        "growing": float(random.uniform(0.03, 0.12)),
+        "weight": either_sign(random, 0.2, 1.0) * float(stand.deflection[where][0]),
+    }
+
+
+def _act_loaded(assembly: PlantAssembly, site: Site) -> None:
+    """It slips at F + μ |k (u + u₀)|, u₀ what gravity winds the joint up by."""
+    growing = site["growing"] * site.stand.true.stiffness[site.where]
+    _element(assembly, site, LOADED, site["presliding_stiffness"], site["torque"], growing, site["weight"])
+
+
 def _act_bouc_wen(assembly: PlantAssembly, site: Site) -> None:
     _element(assembly, site, BOUC_WEN, site["presliding_stiffness"], site["torque"])
 
@@ -203,5 +232,22 @@ SEAL: Effect = replace(
     check=each(within(share=(0.0, 1.0)), positive("torque", "presliding_stiffness", "speed")),
     act=_act_seal,
 )
+LOADED_MESH: Effect = replace(
+    IWAN,
+    form="loaded",
+    says="a gear whose friction grows with the torque that it carries",
+    source="Hamon, Gautier and Garrec, Proc. IEEE/RSJ IROS 2010, on friction that depends on load and "
+    "velocity",
+    units={
+        **IWAN.units,
+        "growing": "friction over the torque of the joint",
+        "weight": "rad, deflection under gravity",
+    },
+    draw=_draw_loaded,
+    scaled=multiplied("torque", "growing"),
+    most=lambda parameters: min(10.0, MOST_OF_LOAD / max(parameters["growing"], 1e-9)),
+    check=each(within(growing=(0.0, MOST_OF_LOAD)), positive("torque", "presliding_stiffness")),
+    act=_act_loaded,
+)
 
-FORMS = (TANH, IWAN, STRIBECK_CURVE, LUGRE_MODEL, BOUC_WEN_MODEL, SEGALMAN, SEAL)
+FORMS = (TANH, IWAN, STRIBECK_CURVE, LUGRE_MODEL, BOUC_WEN_MODEL, SEGALMAN, SEAL, LOADED_MESH)

@@ -1,4 +1,4 @@
-"""Other resilient things on a link: free two ways, a pendulum, two, one on rubber, a whip, a string."""
+"""Other resilient things on a link: free two ways, a pendulum, two, one on rubber, whip, string, stack."""
 
 from __future__ import annotations
 
@@ -142,6 +142,18 @@ def _act_string(assembly: PlantAssembly, site: Site) -> None:
             assembly.add_inertia(row, rest)
 
 
+def _act_stacked(assembly: PlantAssembly, site: Site) -> None:
+    """The second mass hangs on the first, not on the link; both swing the same way."""
+    way, _ = _ways(assembly, site)
+    place, omega = site.vector("x", "y", "z"), site["frequency"]
+    one, other = _coordinates(assembly, 2)
+    outer, inner = (1 - site["share"]) * site["mass"], site["share"] * site["mass"]
+    _hang(assembly, site.where, place, outer, np.outer(way, one))
+    _hang(assembly, site.where, place, inner, np.outer(way, one + other))
+    _spring(assembly, one, site["mass"], omega, site["damping_ratio"])
+    _spring(assembly, other, inner, site["second"] * omega, site["damping_ratio"])
+
+
 def _draw_rubber(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
     drawn = drawing(OWN.draw, relaxing=(0.1, 0.6))(stand, where, random)
     del drawn["damping_ratio"]
@@ -218,5 +230,19 @@ STRING: Effect = replace(
     check=each(positive("length"), _check_own),
     act=_act_string,
 )
+STACKED: Effect = replace(
+    OWN,
+    form="stacked",
+    says="a mass on springs that carries another on springs: a cabinet and what hangs in it",
+    source="Zuo, ASME J. Vibration and Acoustics 131 (2009) 031003 (tuned masses in series)",
+    units={
+        **OWN.units,
+        "second": "frequency of the second on a first held still, over the first's with both",
+        "share": "of the mass, the second's",
+    },
+    draw=drawing(OWN.draw, second=(0.7, 1.8), share=(0.25, 0.6)),
+    check=each(positive("second", "share"), within(share=(0.0, 0.999)), _check_own),
+    act=_act_stacked,
+)
 
-FORMS = (TWO_WAY, PENDULUM, TWIN, RUBBER, WHIPPING, STRING)
+FORMS = (TWO_WAY, PENDULUM, TWIN, RUBBER, WHIPPING, STRING, STACKED)

@@ -141,6 +141,24 @@ def cole_cole(loss: float, frequency: float, order: float, band: tuple[float, fl
     return fitted(lambda omega: np.sign(loss) * lost(omega, size), band, 11, 6.0)
 
 
+def biot(loss: float, frequency: float, band: tuple[float, float]) -> Series:
+    """Relaxations that are spread evenly over all faster ones: 1 + (2 η/π) ln(1 + iω/ε).
+
+    The loss sets in about ε, from where on it is nearly the same; below it the material is elastic.
+
+    Args:
+        loss: η.
+        frequency: ε/(2π) [Hz].
+        band: of the campaign [Hz].
+    """
+
+    def lost(omega: np.ndarray) -> np.ndarray:
+        value = 1 + 2 * loss / np.pi * np.log(1 + 1j * omega / (2 * np.pi * frequency))
+        return np.asarray(value.imag / value.real)
+
+    return fitted(lost, band, 11, 6.0)
+
+
 def fractional(loss: float, order: float, band: tuple[float, float]) -> Series:
     """Kelvin and Voigt with a derivative of order α: 1 + c (iω)^α.
 

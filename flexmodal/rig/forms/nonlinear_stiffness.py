@@ -24,7 +24,7 @@ from flexmodal.rig.effects.effect import (
 )
 from flexmodal.rig.effects.nonlinear_stiffness import EFFECT as OWN
 from flexmodal.rig.plant.assembly import PlantAssembly
-from flexmodal.rig.plant.plant import PIECEWISE, POLYNOMIAL, SATURATING, SINH, NonlinearElement
+from flexmodal.rig.plant.plant import HERTZ, PIECEWISE, POLYNOMIAL, SATURATING, SINH, NonlinearElement
 
 _CUT = 3.0
 """Beyond so many of its deflections the exponential spring goes along its tangent."""
@@ -101,6 +101,11 @@ def _act_gradual(assembly: PlantAssembly, site: Site) -> None:
     part = site["change"] * _stiffness(site) / 3
     for at in site["deflection"] * np.array([0.2, 1.0, 5.0]):
         _element(assembly, site, SATURATING, -part * at, at, 0.0)
+
+
+def _act_rolling(assembly: PlantAssembly, site: Site) -> None:
+    """Hertz's power of 1.5 both ways under a preload: softer until one side opens, stiffening beyond."""
+    _element(assembly, site, HERTZ, site["change"] * _stiffness(site), site["deflection"])
 
 
 def _act_stop(assembly: PlantAssembly, site: Site) -> None:
@@ -188,6 +193,12 @@ GRADUAL = _form(
     "Tuttle and Seering (as wind_up), on teeth that come into mesh", _act_gradual,
     change=(0.3, 0.7), deflection=(0.05, 0.3), most=0.85, means="part of the stiffness missing in the middle",
 )  # fmt: skip
+ROLLING = _form(
+    "rolling", "rolling contacts under a preload, which a hard blow takes off one side",
+    "Johnson, Contact Mechanics, Cambridge 1985, chapter 4 (Hertz); Rigaud and Perret-Liaudet, J. Sound and "
+    "Vibration 265 (2003) 289", _act_rolling,
+    change=(0.5, 0.95), deflection=(0.04, 0.25), most=3.0, means="part of the stiffness that is of contacts",
+)  # fmt: skip
 LEANING: Effect = replace(
     CUBIC,
     form="leaning",
@@ -203,4 +214,4 @@ LEANING: Effect = replace(
     act=_act_leaning,
 )
 
-FORMS = (CUBIC, WIND_UP, PLAY, LEVELLING, EXPONENTIAL, LEANING, S_SHAPED, STOP, GRADUAL)
+FORMS = (CUBIC, WIND_UP, PLAY, LEVELLING, EXPONENTIAL, LEANING, S_SHAPED, STOP, GRADUAL, ROLLING)

@@ -6,7 +6,17 @@ from dataclasses import replace
 
 import numpy as np
 
-from flexmodal.rig.effects.effect import Effect, Parameters, Site, Stand, drawing, either_sign, within
+from flexmodal.model.placements import link_placements
+from flexmodal.rig.effects.effect import (
+    Effect,
+    Parameters,
+    Site,
+    Stand,
+    drawing,
+    either_sign,
+    multiplied,
+    within,
+)
 from flexmodal.rig.effects.sensors import SENSOR_MISALIGNMENT
 from flexmodal.rig.plant.geometry import turn
 from flexmodal.rig.sensing import Sensor
@@ -86,6 +96,17 @@ def _swap(sensors: dict[str, Sensor], site: Site) -> None:
     sensors[site.where].turned = np.eye(3)[order] @ sensors[site.where].turned
 
 
+def _follow(sensors: dict[str, Sensor], site: Site) -> None:
+    """Turned along with its link by a part of what it turned since the first posture.
+
+    Where readings are to be along the axes of the link, it stays behind by as much.
+    """
+    link, plan = site.stand.link_of(site.where), site.stand.plan
+    first = link_placements(site.stand.robot, dict(plan.postures[0].q))[link][:3, :3]
+    world = next(one for one in plan.points if one.name == site.where).frame == "world"
+    sensors[site.where].following = (first, site["part"] if world else -site["part"])
+
+
 def _least(parameters: Parameters) -> float:
     return 1.0 / max(abs(parameters["angle"]), 1e-9)
 
@@ -151,5 +172,18 @@ SWAPPED: Effect = replace(
     check=within(stays=(0.0, 2.0)),
     sense=_swap,
 )
+FOLLOWING: Effect = replace(
+    SENSOR_MISALIGNMENT,
+    form="following",
+    says="a sensor set anew by eye in each posture, not as far as its link has turned since the first",
+    source="Ewins, as leaning; the rotation between two attitudes: Siciliano, Sciavicco, Villani and Oriolo, "
+    "Robotics, Springer 2009, section 2.5",
+    units={"part": "of the link's turn since the first posture"},
+    draw=drawing(part=(0.15, 0.4)),
+    scaled=multiplied("part"),
+    most=lambda parameters: 1.0 / max(parameters["part"], 1e-9),
+    check=within(part=(0.0, 1.0)),
+    sense=_follow,
+)
 
-FORMS = (CROSS, STAND_OFF, LEANING, SKEWED, CROSS_AXIS, SWAPPED)
+FORMS = (CROSS, STAND_OFF, LEANING, SKEWED, CROSS_AXIS, SWAPPED, FOLLOWING)

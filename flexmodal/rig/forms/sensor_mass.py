@@ -103,6 +103,25 @@ def _dragging(assembly: PlantAssembly, point: CampaignPoint, site: Site) -> None
         assembly.add_spring(row, site["mass"] * omega**2, 2 * site["damping_ratio"] * site["mass"] * omega)
 
 
+def _along_arm(assembly: PlantAssembly, point: CampaignPoint, site: Site) -> None:
+    """The sensor, and a line of mass down to the base: along each link from its frame to where it is left."""
+    assembly.add_body(point.link, np.array(point.xyz), site["mass"])
+    before = {joint.child: joint for joint in site.stand.robot.urdf.joints}
+    link, end = point.link, np.array(point.xyz)
+    while link in before:
+        weight = site["line_mass"] * float(np.linalg.norm(end))
+        inertia = site["line_mass"] * float(np.linalg.norm(end)) / 12
+        assembly.add_body(link, end / 2, weight, inertia * (end @ end * np.eye(3) - np.outer(end, end)))
+        link, end = before[link].parent, np.array(before[link].xyz)
+
+
+def _draw_along_arm(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
+    """A cable that weighs a half to one and a half times what the sensor does, were it to run all along."""
+    mass = OWN.draw(stand, where, random)["mass"]
+    length = sum(float(np.linalg.norm(joint.xyz)) for joint in stand.robot.urdf.joints)
+    return {"mass": mass, "line_mass": float(random.uniform(0.5, 1.5) * mass / length)}
+
+
 BLOCK: Effect = replace(
     OWN,
     form="block",
@@ -171,5 +190,16 @@ TAPED: Effect = replace(
     check=positive("mass", "frequency", "relaxing"),
     sense=_everywhere(_taped),
 )
+ALONG_ARM: Effect = replace(
+    OWN,
+    form="along_arm",
+    says="a sensor whose cable is taped down the whole arm",
+    source="McConnell and Varoto, as dragged; a thin line of mass on each link",
+    units={"mass": "kg", "line_mass": "kg/m, of the cable"},
+    draw=_draw_along_arm,
+    scaled=multiplied("mass", "line_mass"),
+    check=positive("mass", "line_mass"),
+    sense=_everywhere(_along_arm),
+)
 
-FORMS = (BLOCK, CABLE, SPRUNG, DRAGGED, BRACKET, TAPED)
+FORMS = (BLOCK, CABLE, SPRUNG, DRAGGED, BRACKET, TAPED, ALONG_ARM)

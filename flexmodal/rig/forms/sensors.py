@@ -11,14 +11,17 @@ from flexmodal.rig.effects.effect import (
     Draw,
     Effect,
     Site,
+    Stand,
     divided,
     drawing,
     each,
+    either_sign,
     multiplied,
     positive,
     within,
 )
 from flexmodal.rig.effects.sensors import SENSOR_GAIN, TIME_DELAY
+from flexmodal.rig.plant.assembly import PlantAssembly
 from flexmodal.rig.sensing import Filter, Sensor
 
 
@@ -146,6 +149,43 @@ SHELF: Effect = replace(
     sense=_filtering(_shelf),
 )
 
+
+def _seen(stand: Stand, where: str) -> np.ndarray:
+    """How much of what is recorded goes along each axis of the link, and moves, over all postures."""
+    point, total = next(one for one in stand.plan.points if one.name == where), np.zeros(3)
+    for posture in stand.plan.postures:
+        assembly = PlantAssembly(stand.robot.at(dict(posture.q)))
+        axes = assembly.orientation(point.link)
+        moved = axes.T @ assembly.motion(point.link, np.array(point.xyz))[:3]
+        looked = axes.T @ np.array([point.way(axis, axes) for axis in stand.plan.axes]).T
+        total += np.sum(moved**2, axis=1) * np.sum(looked**2, axis=1)
+    return total
+
+
+def _draw_one_axis(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
+    """An axis of the three that is looked along."""
+    seen = _seen(stand, where)
+    axis = random.choice(np.flatnonzero(seen > 0.2 * seen.max()))
+    return {"error": either_sign(random, 0.1, 0.35), "axis": float(axis)}
+
+
+def _misread(sensors: dict[str, Sensor], site: Site) -> None:
+    """One of three axes, which are the link's: 1 + e along it, whatever is worked out from all three."""
+    sensor, along = sensors[site.where], np.eye(3)[int(site["axis"])]
+    sensor.turned = (np.eye(3) + site["error"] * np.outer(along, along)) @ sensor.turned
+
+
+ONE_AXIS: Effect = replace(
+    SENSOR_GAIN,
+    form="one_axis",
+    says="a sensor one of whose three axes is calibrated wrongly",
+    source="ISO 16063-21, calibration of each axis by comparison; Ewins, Modal Testing, 2nd ed., section 3.5",
+    units={"error": "relative, along that axis", "axis": "number of the axis of the link"},
+    draw=_draw_one_axis,
+    check=within(error=(-0.9, 9.0), axis=(0.0, 2.0)),
+    sense=_misread,
+)
+
 # a reading that comes late
 
 
@@ -186,6 +226,21 @@ def _decimated(site: Site) -> Filter:
     )
 
 
+def _smoothed(site: Site) -> Filter:
+    """α z⁻¹/(1 − (1 − α) z⁻¹): each value is a part of the newest and of the last one, and is sent next time.
+
+    Late by Δ/α while it is slow, Δ the time from value to value.
+    """
+    part = site["newest"]
+    step = site["time"] * part
+
+    def told(omega: np.ndarray) -> np.ndarray:
+        back = np.exp(-1j * omega * step)
+        return part * back / (1 - (1 - part) * back)
+
+    return told
+
+
 def _late(form: str, says: str, source: str, made: Callable[[Site], Filter], longer: float) -> Effect:
     """A lag drawn as in the rig's own form, times what makes the delay in the band alike."""
     return replace(
@@ -221,8 +276,19 @@ DECIMATED = _late(
     "decimated", "a sensor behind the decimating filter of a converter, three running means",
     "Hogenauer, IEEE Trans. Acoustics, Speech and Signal Processing 29 (1981) 155", _decimated, 2 / 3,
 )  # fmt: skip
+SMOOTHED = _late(
+    "smoothed", "a digital sensor that smooths its values and sends them one beat late",
+    "Oppenheim and Schafer, Discrete-Time Signal Processing, 3rd ed., Pearson 2010 (first-order recursion)",
+    _smoothed, 1.0,
+)  # fmt: skip
+SMOOTHED = replace(
+    SMOOTHED,
+    units={**SMOOTHED.units, "newest": "part of the newest value in what is sent"},
+    draw=drawing(SMOOTHED.draw, newest=(0.25, 0.6)),
+    check=each(SMOOTHED.check, within(newest=(0.01, 1.0))),
+)
 
 FORMS = (
     INVERTED, AGED, AC_COUPLED, MOUNTED, AMPLIFIER, SHELF,
-    LOW_PASS, ALL_PASS, BESSEL, HELD, ANTI_ALIAS, DECIMATED,
+    LOW_PASS, ALL_PASS, BESSEL, HELD, ANTI_ALIAS, DECIMATED, ONE_AXIS, SMOOTHED,
 )  # fmt: skip

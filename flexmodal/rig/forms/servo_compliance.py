@@ -1,4 +1,4 @@
-"""Other ways for the motor side to move: by its brake, on two loops, late, by current, two encoders, a notch.
+"""Other ways for the motor side to move: by brake, two loops, late, by current, two encoders, notch, torque.
 
 As in the rig's own form the joint's spring and damper go from link to rotor. Severity s divides the gains by
 s. A loop stiffer than drawn takes its times along, by √s; a softer one keeps them, since the joint's spring
@@ -32,7 +32,7 @@ def _rotor(assembly: PlantAssembly, site: Site) -> np.ndarray:
     joint = site.where
     k, b = site.stand.true.stiffness[joint], site.stand.true.damping[joint]
     assembly.add_coordinates([f"{joint} motor"])
-    motor, link = assembly.row(f"{joint} motor"), assembly.row(joint)
+    motor, link = assembly.row(f"{joint} motor"), assembly.stretch(joint)
     assembly.add_spring(link, -k, -b)
     assembly.add_spring(link - motor, k, b)
     assembly.add_inertia(motor, site["rotor_inertia"])
@@ -124,6 +124,24 @@ def _act_notched(assembly: PlantAssembly, site: Site) -> None:
     b, b_rate = np.array([0.0, gain]) / time**2, np.array([0.0, rate]) / time**2
     c = np.array([0.0, -2 * wide * (1 - site["left"]) * time])
     assembly.feedbacks.append(Feedback(motor, motor, a, b, b_rate, c, gain, rate))
+
+
+def _draw_torque_fed(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
+    """Gains and rotor larger by what the torque that is fed back takes away while it is slow."""
+    fed = {"torque_gain": (0.5, 2.0), "filter_time": (0.05, 0.2)}
+    drawn = _drawing((0.4, 0.8), **fed)(stand, where, random)
+    larger = 1 + drawn["torque_gain"]
+    return {name: value * (1.0 if name in fed else larger) for name, value in drawn.items()}
+
+
+def _act_torque_fed(assembly: PlantAssembly, site: Site) -> None:
+    """The motor helps by K_T times the joint's torque, which a sensor reads through a low-pass."""
+    motor = _rotor(assembly, site)
+    assembly.add_spring(motor, site["proportional_gain"], site["derivative_gain"])
+    k, b = site.stand.true.stiffness[site.where], site.stand.true.damping[site.where]
+    a, time = np.array([[-1 / site["filter_time"]]]), site["filter_time"]
+    torque, rate, c = np.array([k / time]), np.array([b / time]), np.array([-site["torque_gain"]])
+    assembly.feedbacks.append(Feedback(assembly.stretch(site.where), motor, a, torque, rate, c))
 
 
 def _scaled_link_side(parameters: Parameters, s: float) -> dict[str, float]:
@@ -224,5 +242,21 @@ NOTCHED: Effect = replace(
     act=_act_notched,
     active=True,
 )
+TORQUE_FED: Effect = replace(
+    OWN,
+    form="torque_fed",
+    says="the motor on a loop that feeds back the torque of the joint besides",
+    source="Albu-Schäffer, Ott and Hirzinger, Int. J. Robotics Research 26 (2007) 23 (torque feedback)",
+    units={
+        **_LOOP,
+        "torque_gain": "K_T, by which the rotor seems lighter",
+        "filter_time": "s, of the sensor",
+    },
+    draw=_draw_torque_fed,
+    scaled=_scaled,
+    check=each(within(torque_gain=(0.0, 10.0)), _checking(filter_time=0.3)),
+    act=_act_torque_fed,
+    active=True,
+)
 
-FORMS = (BRAKE, CASCADE, DELAYED, CURRENT, LINK_SIDE, NOTCHED)
+FORMS = (BRAKE, CASCADE, DELAYED, CURRENT, LINK_SIDE, NOTCHED, TORQUE_FED)

@@ -15,6 +15,7 @@ from flexmodal.rig.effects.effect import Effect, Parameters, Site, Stand, drawin
 from flexmodal.rig.effects.structural_damping import EFFECT as OWN
 from flexmodal.rig.forms.maxwell_rows import (
     Series,
+    biot,
     cole_cole,
     fitted,
     fractional,
@@ -56,6 +57,12 @@ def _draw_zener(stand: Stand, where: str, random: np.random.Generator) -> dict[s
     low, high = stand.plan.band
     peak = np.exp(random.uniform(np.log(max(2 * low, 0.02 * high)), np.log(0.4 * high)))
     return {**_draw(stand, where, random), "frequency": float(peak)}
+
+
+def _draw_biot(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
+    low, high = stand.plan.band
+    onset = np.exp(random.uniform(np.log(2 * low), np.log(0.3 * high)))
+    return {**_draw(stand, where, random), "onset": float(onset)}
 
 
 def _scaled(parameters: Parameters, s: float) -> dict[str, float]:
@@ -163,5 +170,15 @@ COLE_COLE = replace(
     ),
     draw=drawing(_draw_zener, order=(0.4, 0.8)),
 )  # fmt: skip
+BIOT = replace(
+    _form(
+        "biot", "a loss factor that sets in at one frequency and stays",
+        "Biot, Proc. 3rd U.S. National Congress of Applied Mechanics (1958) 1; Makris, J. Engineering "
+        "Mechanics 123 (1997) 1209",
+        lambda site, joint: biot(site["loss_factor"], site["onset"], site.stand.plan.band),
+        {"onset": "Hz, where the loss sets in"}, {}, {"onset": (1e-3, 1e6)},
+    ),
+    draw=_draw_biot,
+)  # fmt: skip
 
-FORMS = (POWER_LAW, ZENER, PRONY, FRACTIONAL, BY_JOINT, TWO_PEAKS, GEARED, COLE_COLE)
+FORMS = (POWER_LAW, ZENER, PRONY, FRACTIONAL, BY_JOINT, TWO_PEAKS, GEARED, COLE_COLE, BIOT)
