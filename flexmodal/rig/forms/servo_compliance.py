@@ -128,7 +128,7 @@ def _act_notched(assembly: PlantAssembly, site: Site) -> None:
 
 def _draw_torque_fed(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
     """Gains and rotor larger by what the torque that is fed back takes away while it is slow."""
-    fed = {"torque_gain": (0.5, 2.0), "filter_time": (0.05, 0.2)}
+    fed = {"torque_gain": (0.5, 2.0), "filter_time": (0.08, 0.25)}
     drawn = _drawing((0.4, 0.8), **fed)(stand, where, random)
     larger = 1 + drawn["torque_gain"]
     return {name: value * (1.0 if name in fed else larger) for name, value in drawn.items()}
